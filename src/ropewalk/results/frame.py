@@ -1,0 +1,69 @@
+"""What a solver hands over: the layout of a result, once, and a frame for every output instant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+ENERGY_FORMS = (
+    "kinetic",  # of the lines
+    "elastic",  # stored in the lines
+    "gravitational",  # of the lines, zero at z = 0
+    "line_damping",  # dissipated by Kelvin-Voigt and drag damping since the start
+    "load_work",  # done by the given forces since the start
+    "hold_work",  # done by the hold forces since the start
+    "contact_dissipation",  # lost at the contacts since the start; negative: a motor is hidden there
+    "imbalance",  # what the audit misses: zero for an exact solution
+)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Names and coordinates that stay the same over all frames of a run."""
+
+    axes: tuple[str, ...]  # ("x", "z") or ("x", "y", "z")
+    node_line: tuple[str, ...]  # line of each node
+    node_xi: Array  # material coordinate of each node, m
+    link_line: tuple[str, ...]
+    link_xi: Array  # material coordinate of the middle of each link, m
+    contact_load: tuple[str, ...]  # load of each contact
+    support: tuple[str, ...]  # "rope.start", "rope.end", ...
+    path: str = "time"  # leading dimension: "time" (s) or "load_path" (m)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The state at one output instant; contact entries are NaN while a load is off the line."""
+
+    path: float  # time in s, or load path in m
+    position: Array  # (node, axis) m
+    velocity: Array  # (node, axis) m/s
+    tension: Array  # (link,) N
+    strain: Array  # (link,)
+    contact_position: Array  # (contact, axis) m
+    contact_force: Array  # (contact, axis) N, on the line, hold force included
+    hold_force: Array  # (contact, axis) N
+    contact_xi: Array  # (contact,) m
+    contact_speed: Array  # (contact,) m/s as measured
+    contact_tension: Array  # (contact, 2) N, behind and ahead
+    reaction: Array  # (support, axis) N, of the support on the line
+    energy: Array  # (form,) J, in the order of ENERGY_FORMS
+
+
+@dataclass
+class Account:
+    """How a run went: filled in while it runs, written as attributes at the end."""
+
+    outcome: str = "running"  # "completed", "interrupted", "diverged", "travel ended", ...
+    advice: str = ""
+    method: str = ""
+    reason: str = ""  # why that method
+    step: float = float("nan")  # largest time step, s
+    steps: int = 0
+    cpu_seconds: float = float("nan")
+    wall_seconds: float = float("nan")
+    warnings: list[str] = field(default_factory=list)
