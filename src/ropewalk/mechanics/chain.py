@@ -1,0 +1,107 @@
+"""A model as plain arrays: strands of nodes and links, the loads on them, and their state.
+
+All lines are kept in one array of nodes, one strand after the other; node i of a strand and node i + 1 share
+link i. Between the last node of one strand and the first of the next lies a link that does not exist and whose
+force stays zero, so that loops may run over everything at once. The first and the last node of a strand are held.
+
+State: `r` are positions (axis, node). `w` are velocities **of the material** (axis, node). A node that rides with
+a load has the material coordinate `X` of the load; all others keep theirs. See docs/notes/travelling-node.md.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+MATERIAL, SLIP, ARC, HORIZONTAL = 0, 1, 2, 3
+REFUSE, LEAVE, STAY = 0, 1, 2
+CLAMPED, FRICTIONLESS = 0, 1
+OFF, SHARED = -2, -1  # values of `rider` for a load off the line, or shared by the two nodes of its link
+
+# Entries of `work`: what has been done or lost since the start, in J.
+LINE_DAMPING, LOAD_WORK, HOLD_WORK, CONTACT = 0, 1, 2, 3
+
+
+class Strands(NamedTuple):
+    """What does not change while the lines move: one entry for each line."""
+
+    first: Integers  # index of the first node
+    links: Integers  # number of links
+    h: Array  # unstrained length of a link, m
+    rho: Array  # mass per unstrained length, kg/m
+    law: Array  # (strand, parameter), see law.py
+    damping: Array  # Kelvin-Voigt c, N s
+    drag: Array  # mass-proportional damping, 1/s
+    gravity: Array  # (axis,) m/s^2
+
+
+class Loads(NamedTuple):
+    """What does not change while the loads travel: one entry for each load, tables one after the other."""
+
+    strand: Integers
+    measure: Integers
+    contact: Integers
+    at_end: Integers
+    speed_first: Integers  # where the load's speed table begins
+    speed_count: Integers
+    speed_time: Array
+    speed_value: Array
+    speed_path: Array  # integral of the speed up to each entry
+    force_first: Integers
+    force_count: Integers
+    force_time: Array
+    force_value: Array  # (axis, entry)
+
+
+class State(NamedTuple):
+    """All that changes: the state of motion and what has been done so far."""
+
+    t: Array  # (1,) s
+    r: Array  # (axis, node) m
+    w: Array  # (axis, node) m/s, of the material
+    X: Array  # (node,) m, material coordinate
+    xi: Array  # (load,) m
+    speed: Array  # (load,) m/s, d xi / dt
+    rider: Integers  # (load,) node that rides with the load, or SHARED, or OFF
+    hold: Array  # (load,) N, hold force (along x) over the last step
+    work: Array  # (4,) J
+
+    def copy(self) -> State:
+        """An independent copy."""
+        return State(*(array.copy() for array in self))
+
+
+class Buffers(NamedTuple):
+    """Room for a step, so that the loop allocates nothing."""
+
+    q: Array  # (link,) N/m, tension over length of each link
+    f: Array  # (axis, link) N, force vector of each link
+    ahead: Array  # (axis, node) m/s, velocities extrapolated to the instant of the positions (damped lines only)
+    target: Array  # (load,) m, xi at which the load's seat on the chain has to change next
+    dr: Array  # (axis, load) m, r_c - r_a before a drift
+    dw: Array  # (axis, load) m/s, w_c - w_a before a kick
+    impulse: Array  # (load,) N s, of the hold force in the present step
+    point: Array  # (axis,)
+    velocity: Array  # (axis,)
+
+    @staticmethod
+    def for_state(state: State) -> Buffers:
+        """Buffers of the right size."""
+        dim, loads = state.r.shape[0], state.xi.size
+        seat, one, axes = np.zeros((dim, loads)), np.zeros(loads), np.zeros(dim)
+        return Buffers(
+            np.zeros(state.X.size),
+            np.zeros_like(state.r),
+            state.w.copy(),
+            one,
+            seat,
+            seat.copy(),
+            one.copy(),
+            axes,
+            axes.copy(),
+        )

@@ -1,0 +1,15 @@
+"""How kernels are compiled: in one place, so that all agree.
+
+`error_model="numpy"` lets loops with a square root or a division vectorise (no exception for a zero divisor); what
+is not finite is found by the callers.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import njit
+
+kernel: Any = njit(cache=True, error_model="numpy")
+# Sums may be re-ordered so that loops with a sum vectorise; nothing may rely on the order.
+summing: Any = njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})

@@ -1,0 +1,380 @@
+"""Riders: how a travelling load sits on the chain while it moves (docs/notes/travelling-node.md).
+
+The node nearest to the load rides with it: it has the load's material coordinate xi, the two links beside it have
+the unstrained lengths xi - X_a and X_c - xi (between h/2 and 3h/2), and all particles that the load passes take the
+velocity jump [r_t] = -U [r'] through the flux terms
+
+    r_b' = w_b + U (r_c - r_a) / (X_c - X_a)
+    rho h w_b' = [T t] + F + rho h U (w_c - w_a) / (X_c - X_a)
+
+where w is the velocity of the material, U = d xi / dt, and a, b, c are the nodes behind, at and ahead of the load.
+Half-way between two nodes the load changes over to the next one. In the first and last half link of a line, and
+where another load is too close, the force is shared by the two nodes of its link instead.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropewalk.mechanics import law
+from ropewalk.mechanics.chain import (
+    ARC,
+    LEAVE,
+    MATERIAL,
+    OFF,
+    REFUSE,
+    SHARED,
+    SLIP,
+    STAY,
+)
+from ropewalk.mechanics.compiled import kernel
+from ropewalk.mechanics.link import stretch
+
+# A node is claimed only where this part of a link is left on both sides.
+ROOM = 0.45
+# A load counts as arrived when it is this part of a link away: far below any other error.
+ARRIVED = 1e-6
+
+
+@kernel
+def _entry(time, first, count, t):
+    """Index of the table entry at or before t (the first one before the table begins)."""
+    low, high = first, first + count
+    while high - low > 1:
+        middle = (low + high) // 2
+        if time[middle] <= t:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def look_up(time, value, first, count, t):
+    """A table's value at time t: linear between its entries, constant outside."""
+    if count == 1:
+        return value[first]
+    i = _entry(time, first, count, t)
+    if i == first + count - 1 or t <= time[i]:
+        return value[i]
+    return value[i] + (t - time[i]) / (time[i + 1] - time[i]) * (value[i + 1] - value[i])
+
+
+@kernel
+def look_up_integral(time, value, integral, first, count, t):
+    """The integral of a table from time 0 to t, given up to each entry."""
+    if count == 1:
+        return integral[first] + value[first] * (t - time[first])
+    i = _entry(time, first, count, t)
+    return integral[i] + 0.5 * (t - time[i]) * (value[i] + look_up(time, value, first, count, t))
+
+
+@kernel
+def speed_at(loads, k, t):
+    """Speed V(t) of load k in m/s, as measured."""
+    return look_up(loads.speed_time, loads.speed_value, loads.speed_first[k], loads.speed_count[k], t)
+
+
+@kernel
+def force_at(loads, k, t, a):
+    """Component a of the given force of load k at time t in N."""
+    return look_up(loads.force_time, loads.force_value[a], loads.force_first[k], loads.force_count[k], t)
+
+
+@kernel
+def link_of(strands, loads, state, k):
+    """Link on which a shared load stands."""
+    s = loads.strand[k]
+    first, n = strands.first[s], strands.links[s]
+    i = first + min(max(int(state.xi[k] / strands.h[s]), 0), n - 1)
+    while i > first and state.X[i] > state.xi[k]:
+        i -= 1
+    while i < first + n - 1 and state.X[i + 1] < state.xi[k]:
+        i += 1
+    return i
+
+
+@kernel
+def part_of(state, k, i):
+    """Place of a shared load on link i: 0 at its first node, 1 at its second."""
+    return (state.xi[k] - state.X[i]) / (state.X[i + 1] - state.X[i])
+
+
+@kernel
+def mesh_speed(rider, speed, i):
+    """d X / dt of node i: the speed of the load that it carries, or zero."""
+    for k in range(rider.size):
+        if rider[k] == i:
+            return speed[k]
+    return 0.0
+
+
+@kernel
+def slope(r, X, b, a):
+    """Component a of the mean tangent r' at the riding node b."""
+    return (r[a, b + 1] - r[a, b - 1]) / (X[b + 1] - X[b - 1])
+
+
+@kernel
+def node_velocity(state, i, a):
+    """Component a of the velocity of node i itself: of the material, or of the load it rides with."""
+    U = mesh_speed(state.rider, state.speed, i)
+    return state.w[a, i] + U * slope(state.r, state.X, i, a) if U != 0.0 else state.w[a, i]
+
+
+@kernel
+def contact_point(strands, loads, state, k, out):
+    """Position of the contact of load k."""
+    b = state.rider[k]
+    for a in range(state.r.shape[0]):
+        if b >= 0:
+            out[a] = state.r[a, b]
+        else:
+            i = link_of(strands, loads, state, k)
+            part = part_of(state, k, i)
+            out[a] = (1.0 - part) * state.r[a, i] + part * state.r[a, i + 1]
+
+
+@kernel
+def sides(strands, loads, state, k):
+    """Links behind and ahead of load k, in the order of xi (the same link for a shared load)."""
+    b = state.rider[k]
+    if b >= 0:
+        return b - 1, b
+    i = link_of(strands, loads, state, k)
+    return i, i
+
+
+@kernel
+def mean_stretch(strands, loads, state, k):
+    """Mean of the stretches 1 + eps on the two sides of load k."""
+    i, j = sides(strands, loads, state, k)
+    X = state.X
+    return 0.5 * (stretch(state.r, i) / (X[i + 1] - X[i]) + stretch(state.r, j) / (X[j + 1] - X[j]))
+
+
+@kernel
+def _arc_speed(strands, loads, state, k, V):
+    """U for a given rate V of the arc length from the start of the line to the load."""
+    s = loads.strand[k]
+    r, w = state.r, state.w
+    i, _ = sides(strands, loads, state, k)
+    rate = 0.0
+    for j in range(strands.first[s], i):
+        along = 0.0
+        for a in range(r.shape[0]):
+            along += (r[a, j + 1] - r[a, j]) * (node_velocity(state, j + 1, a) - node_velocity(state, j, a))
+        rate += along / stretch(r, j)
+    b = state.rider[k]
+    own, per_speed = 0.0, 0.0
+    length = stretch(r, i)
+    for a in range(r.shape[0]):
+        t = (r[a, i + 1] - r[a, i]) / length
+        own += t * (w[a, i + 1] - node_velocity(state, i, a))
+        per_speed += t * (
+            slope(state.r, state.X, b, a) if b >= 0 else (r[a, i + 1] - r[a, i]) / (state.X[i + 1] - state.X[i])
+        )
+    if b < 0:
+        own *= part_of(state, k, i)
+    return (V - rate - own) / per_speed
+
+
+@kernel
+def _horizontal_speed(strands, loads, state, k, V):
+    """U for a given horizontal speed V of the contact."""
+    b = state.rider[k]
+    if b >= 0:
+        return (V - state.w[0, b]) / slope(state.r, state.X, b, 0)
+    i = link_of(strands, loads, state, k)
+    part = part_of(state, k, i)
+    w = (1.0 - part) * node_velocity(state, i, 0) + part * node_velocity(state, i + 1, 0)
+    return (V - w) * (state.X[i + 1] - state.X[i]) / (state.r[0, i + 1] - state.r[0, i])
+
+
+@kernel
+def material_speed(strands, loads, state, k, V):
+    """U = d xi / dt of load k for a speed V as measured."""
+    s = loads.strand[k]
+    length = strands.links[s] * strands.h[s]
+    if V == 0.0 and loads.measure[k] <= SLIP:
+        return 0.0
+    measure = loads.measure[k]
+    if measure == MATERIAL:
+        U = V
+    elif measure == SLIP:
+        U = V / mean_stretch(strands, loads, state, k)
+    elif measure == ARC:
+        U = _arc_speed(strands, loads, state, k, V)
+    else:
+        U = _horizontal_speed(strands, loads, state, k, V)
+    if loads.at_end[k] == STAY and ((state.xi[k] >= length and U > 0.0) or (state.xi[k] <= 0.0 and U < 0.0)):
+        return 0.0
+    return U
+
+
+@kernel
+def next_change(strands, loads, state, k):
+    """The xi, ahead on the travel, at which the load's seat on the chain has to change."""
+    s = loads.strand[k]
+    h, n = strands.h[s], strands.links[s]
+    b, U, xi = state.rider[k], state.speed[k], state.xi[k]
+    if b == OFF or U == 0.0:
+        return np.inf
+    if b >= 0:
+        home = (b - strands.first[s]) * h
+        return home + 0.5 * h if U > 0.0 else home - 0.5 * h
+    half = 0.5 * h  # shared: look again at every half link, and at the end
+    if U > 0.0:
+        return min(half * (np.floor(xi / half + ARRIVED) + 1.0), n * h)
+    return max(half * (np.ceil(xi / half - ARRIVED) - 1.0), 0.0)
+
+
+@kernel
+def _is_free(strands, state, s, j, xi):
+    """Whether node j is inside its line, carries no load and leaves room for one at xi."""
+    first, n, h = strands.first[s], strands.links[s], strands.h[s]
+    if j <= first or j >= first + n:
+        return False
+    for k in range(state.rider.size):
+        if state.rider[k] == j:
+            return False
+    return state.X[j + 1] - xi >= ROOM * h and xi - state.X[j - 1] >= ROOM * h
+
+
+@kernel
+def _put_back(strands, state, s, b, U):
+    """Put the riding node b back to its own place, on the straight sub-link that holds it."""
+    home = (b - strands.first[s]) * strands.h[s]
+    X, r, w = state.X, state.r, state.w
+    xi = X[b]
+    if home <= xi:
+        a, f = b - 1, (home - X[b - 1]) / (xi - X[b - 1])
+    else:
+        a, f = b + 1, (X[b + 1] - home) / (X[b + 1] - xi)
+    for i in range(r.shape[0]):
+        tangent = (r[i, b] - r[i, a]) / (xi - X[a])
+        v = node_velocity(state, b, i)
+        r[i, b] = r[i, a] + f * (r[i, b] - r[i, a])
+        w[i, b] = (1.0 - f) * w[i, a] + f * (v - U * tangent)
+    X[b] = home
+
+
+@kernel
+def _move(strands, loads, state, k, step, point, velocity):
+    """Let load k change over from its node to the next one (step = 1 or -1), or share it where there is none."""
+    s, b, U = loads.strand[k], state.rider[k], state.speed[k]
+    for a in range(state.r.shape[0]):
+        point[a], velocity[a] = state.r[a, b], node_velocity(state, b, a)
+    state.rider[k] = b  # node_velocity in _put_back still needs the old seat
+    _put_back(strands, state, s, b, U)
+    state.rider[k] = SHARED
+    j = b + step
+    if not _is_free(strands, state, s, j, state.xi[k]):
+        return
+    state.rider[k] = j
+    state.X[j] = state.xi[k]
+    for a in range(state.r.shape[0]):
+        state.r[a, j] = point[a]
+    for a in range(state.r.shape[0]):
+        state.w[a, j] = velocity[a] - U * slope(state.r, state.X, j, a)
+
+
+@kernel
+def _claim(strands, loads, state, k):
+    """Let a shared load ride with the nearest node if that one is free."""
+    s, U, xi = loads.strand[k], state.speed[k], state.xi[k]
+    place = xi / strands.h[s]
+    nearest = int(np.floor(place + 0.5 + ARRIVED)) if U >= 0.0 else int(np.ceil(place - 0.5 - ARRIVED))
+    j = strands.first[s] + nearest
+    if not _is_free(strands, state, s, j, xi):
+        return
+    i = link_of(strands, loads, state, k)
+    part = part_of(state, k, i)
+    r, w, X = state.r, state.w, state.X
+    span = X[i + 1] - X[i]
+    for a in range(r.shape[0]):
+        tangent = (r[a, i + 1] - r[a, i]) / span
+        point = (1.0 - part) * r[a, i] + part * r[a, i + 1]
+        v = (1.0 - part) * w[a, i] + part * w[a, i + 1] + U * tangent
+        r[a, j] = point
+        w[a, j] = v  # of the contact; made a velocity of the material below
+    X[j] = xi
+    for a in range(r.shape[0]):
+        w[a, j] -= U * slope(state.r, state.X, j, a)
+    state.rider[k] = j
+
+
+@kernel
+def settle(strands, loads, state, k, point, velocity):
+    """Change the seat of load k if it has come to a place where it must.
+
+    Returns:
+        True if the load has come to the end of its line and may go neither on nor off.
+    """
+    s, b, U = loads.strand[k], state.rider[k], state.speed[k]
+    if b == OFF:
+        return False
+    h, n = strands.h[s], strands.links[s]
+    tol = ARRIVED * h
+    xi = state.xi[k]
+    if b >= 0:
+        home = (b - strands.first[s]) * h
+        if U > 0.0 and xi >= home + 0.5 * h - tol:
+            _move(strands, loads, state, k, 1, point, velocity)
+        elif U < 0.0 and xi <= home - 0.5 * h + tol:
+            _move(strands, loads, state, k, -1, point, velocity)
+        return False
+    if (U > 0.0 and xi >= n * h - tol) or (U < 0.0 and xi <= tol):
+        if loads.at_end[k] == LEAVE:
+            state.rider[k] = OFF
+        elif loads.at_end[k] == STAY:
+            state.xi[k] = n * h if U > 0.0 else 0.0
+            state.speed[k] = 0.0
+        return loads.at_end[k] == REFUSE
+    _claim(strands, loads, state, k)
+    return False
+
+
+@kernel
+def contact_loss(p, rho, U, r, X, b):
+    """Power lost at the contact in W: U [W - T lam + rho U^2 lam^2 / 2], ahead minus behind.
+
+    It is negative where the contact hides a motor: a force that stays vertical while it advances.
+    """
+    jump = 0.0
+    for side in range(2):
+        i = b - 1 + side
+        lam = stretch(r, i) / (X[i + 1] - X[i])
+        value = law.stored(p, lam - 1.0) - law.tension(p, lam - 1.0) * lam + 0.5 * rho * U * U * lam * lam
+        jump += value if side == 1 else -value
+    return U * jump
+
+
+@kernel
+def even_out(r, X, b):
+    """Move the riding node b along x so that both sides are stretched alike: the frictionless contact."""
+    behind, ahead = X[b] - X[b - 1], X[b + 1] - X[b]
+    for _ in range(20):
+        l1, l2 = stretch(r, b - 1), stretch(r, b)
+        gap = l1 / behind - l2 / ahead
+        rate = (r[0, b] - r[0, b - 1]) / (l1 * behind) + (r[0, b + 1] - r[0, b]) / (l2 * ahead)
+        step = gap / rate
+        r[0, b] -= step
+        if abs(step) <= 1e-14 * (behind + ahead):
+            return
+
+
+@kernel
+def even_out_velocity(state, b):
+    """Give the riding node the velocity along x with which both sides stay stretched alike."""
+    r, w, X = state.r, state.w, state.X
+    U = mesh_speed(state.rider, state.speed, b)
+    behind, ahead = X[b] - X[b - 1], X[b + 1] - X[b]
+    l1, l2 = stretch(r, b - 1), stretch(r, b)
+    # d/dt (l1 / behind - l2 / ahead) is linear in the x-velocity of the contact: value at the present one, slope.
+    value = -(l1 / behind) * U / behind - (l2 / ahead) * U / ahead
+    for a in range(r.shape[0]):
+        v = node_velocity(state, b, a)
+        value += (r[a, b] - r[a, b - 1]) * (v - node_velocity(state, b - 1, a)) / (l1 * behind)
+        value -= (r[a, b + 1] - r[a, b]) * (node_velocity(state, b + 1, a) - v) / (l2 * ahead)
+    w[0, b] -= value / ((r[0, b] - r[0, b - 1]) / (l1 * behind) + (r[0, b + 1] - r[0, b]) / (l2 * ahead))

@@ -1,0 +1,401 @@
+"""Explicit motion: symmetric compositions of kicks and drifts, the whole loop compiled.
+
+A step is kick b1, drift a1, kick b2, ..., drift am, kick b1 with symmetric coefficients. `VERLET` has one stage
+(order 2); `RKN6` is the Runge-Kutta-Nystrom method SRKN-11-b of order 6 of Blanes and Moan, J. Comput. Appl. Math.
+142 (2002) 313-330, table 3. The last kick of a step and the first of the next need the same force, which is
+evaluated once. Steps end exactly where a load changes its seat on the chain and at the instants asked for.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropewalk.mechanics.chain import (
+    CONTACT,
+    FRICTIONLESS,
+    HOLD_WORK,
+    LINE_DAMPING,
+    LOAD_WORK,
+    MATERIAL,
+    OFF,
+    SHARED,
+    STAY,
+)
+from ropewalk.mechanics.compiled import kernel
+from ropewalk.mechanics.link import pull, pull_one, pull_vectors, stretch, stretch_rate
+from ropewalk.mechanics.rider import (
+    ARRIVED,
+    contact_loss,
+    even_out,
+    even_out_velocity,
+    force_at,
+    link_of,
+    look_up,
+    look_up_integral,
+    material_speed,
+    mesh_speed,
+    next_change,
+    node_velocity,
+    part_of,
+    settle,
+    slope,
+    speed_at,
+)
+
+VERLET = (np.array([0.5, 0.5]), np.array([1.0]))
+
+
+def _rkn6() -> tuple[np.ndarray, np.ndarray]:
+    b = [0.0414649985182624, 0.198128671918067, -0.0400061921041533, 0.0752539843015807, -0.0115113874206879]
+    a = [0.123229775946271, 0.290553797799558, -0.127049212625417, -0.246331761062075, 0.357208872795928]
+    b = [*b, 0.5 - sum(b)]
+    return np.array(b + b[::-1]), np.array([*a, 1.0 - 2.0 * sum(a), *a[::-1]])
+
+
+RKN6 = _rkn6()
+
+RUNNING, END_OF_LINE, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2, 3
+
+
+@kernel
+def _update(r, w, f, i0, i1, per_mass, decay, gravity, gain, dt):
+    """Kick and drift the nodes between i0 and i1: w <- decay w + per_mass [f] + gain gravity, r <- r + dt w."""
+    for a in range(w.shape[0]):
+        ra, wa, fa, ga = r[a, i0 + 1 : i1], w[a, i0 + 1 : i1], f[a, i0:i1], gain * gravity[a]
+        for i in range(i1 - i0 - 1):
+            v = decay * wa[i] + (per_mass * (fa[i + 1] - fa[i]) + ga)
+            wa[i] = v
+            ra[i] += dt * v
+
+
+@kernel
+def _update_ahead(w, ahead, f, i0, i1, per_mass, decay, gravity, gain, lead):
+    """Velocities that a kick is about to give, led on by `lead` kicks: those at the instant of the next positions."""
+    for a in range(w.shape[0]):
+        wa, out, fa, ga = w[a, i0 + 1 : i1], ahead[a, i0 + 1 : i1], f[a, i0:i1], gain * gravity[a]
+        for i in range(i1 - i0 - 1):
+            v = decay * wa[i] + (per_mass * (fa[i + 1] - fa[i]) + ga)
+            out[i] = v + lead * (v - wa[i])
+
+
+@kernel
+def _strain_rate(r, w, X, rider, speed, i):
+    """Strain rate of link i, whose ends may ride with loads."""
+    rest = X[i + 1] - X[i]
+    length = stretch(r, i)
+    along = length * stretch_rate(r, w, i)
+    U0, U1 = mesh_speed(rider, speed, i), mesh_speed(rider, speed, i + 1)
+    for a in range(r.shape[0]):
+        d = r[a, i + 1] - r[a, i]
+        if U1 != 0.0:
+            along += d * U1 * slope(r, X, i + 1, a)
+        if U0 != 0.0:
+            along -= d * U0 * slope(r, X, i, a)
+    return (along / length - (U1 - U0) * length / rest) / rest
+
+
+@kernel
+def _pull_beside(p, c, h, r, w, X, rider, speed, q, b):
+    """Tension over length of the two links beside the riding node b, whose unstrained lengths are not h.
+
+    Returns:
+        What the damping of these two links adds to the sum of eps_t^2 over uniform links.
+    """
+    more = 0.0
+    for i in range(b - 1, b + 1):
+        rest, rate = X[i + 1] - X[i], 0.0
+        if c > 0.0:
+            rate = _strain_rate(r, w, X, rider, speed, i)
+            uniform = stretch_rate(r, w, i) / h
+            more += rate * rate * rest / h - uniform * uniform
+        q[i] = pull_one(p, c, rest, rate, r, i)
+    return more
+
+
+@kernel
+def _kick_rider(time, value, first, count, t, m, U, b, kick, drift, lead, r, w, ahead, X, dr, dw, k):
+    """Momentum for the node b that rides with load k: its force, and the flux of momentum past it.
+
+    Returns:
+        The work of the force, J.
+    """
+    span, work = X[b + 1] - X[b - 1], 0.0
+    for a in range(r.shape[0]):
+        F = look_up(time, value[a], first, count, t)
+        extra = kick * (F / m + U / span * 0.5 * (dw[a, k] + w[a, b + 1] - w[a, b - 1]))
+        w[a, b] += extra
+        ahead[a, b] += (1.0 + lead) * extra
+        r[a, b] += drift * extra
+        work += kick * F * (w[a, b] + U * dr[a, k] / span - 0.5 * extra)
+    return work
+
+
+@kernel
+def _kick_shared(strands, loads, state, ahead, k, kick, drift, lead):
+    """Momentum from a load that is shared by the two nodes of its link."""
+    s, U, t = loads.strand[k], state.speed[k], state.t[0]
+    m = strands.rho[s] * strands.h[s]
+    r, w, X = state.r, state.w, state.X
+    i = link_of(strands, loads, state, k)
+    part = part_of(state, k, i)
+    first, last = strands.first[s], strands.first[s] + strands.links[s]
+    for a in range(r.shape[0]):
+        F = force_at(loads, k, t, a)
+        v = U * (r[a, i + 1] - r[a, i]) / (X[i + 1] - X[i])
+        for node, share in ((i, 1.0 - part), (i + 1, part)):
+            if first < node < last:
+                extra = kick * share * F / m
+                w[a, node] += extra
+                ahead[a, node] += (1.0 + lead) * extra
+                r[a, node] += drift * extra
+                v += share * (w[a, node] - 0.5 * extra)
+        state.work[LOAD_WORK] += kick * F * v
+
+
+@kernel
+def _carry(r, X, dr, k, b, xi, way):
+    """Carry the riding node b over the material by `way` along the line."""
+    X[b] = xi
+    for a in range(r.shape[0]):
+        r[a, b] += way * 0.5 * (dr[a, k] + r[a, b + 1] - r[a, b - 1]) / (X[b + 1] - X[b - 1])
+
+
+@kernel
+def _travel(strands, loads, state, dr, k, dt):
+    """Let load k travel for dt at a speed that depends on the state of the line."""
+    t, b, xi = state.t[0], state.rider[k], state.xi[k]
+    U = material_speed(strands, loads, state, k, speed_at(loads, k, t))
+    state.xi[k] = xi + dt * U
+    if b >= 0:
+        _carry(state.r, state.X, dr, k, b, state.xi[k], dt * U)
+    better = 0.5 * (U + material_speed(strands, loads, state, k, speed_at(loads, k, t + dt)))
+    state.xi[k] = xi + dt * better
+    if b >= 0:
+        _carry(state.r, state.X, dr, k, b, state.xi[k], dt * (better - U))
+    state.speed[k] = material_speed(strands, loads, state, k, speed_at(loads, k, t + dt))
+
+
+@kernel
+def _hold(m, U, r, w, X, dr, k, b, x, dt):
+    """Frictionless contact: put the riding node where both tensions agree; its velocity follows.
+
+    Returns:
+        The impulse of the hold force, N s, and its work, J.
+    """
+    even_out(r, X, b)
+    v = (r[0, b] - x) / dt
+    new = v - U * 0.5 * (dr[0, k] + r[0, b + 1] - r[0, b - 1]) / (X[b + 1] - X[b - 1])
+    impulse = m * (new - w[0, b])
+    w[0, b] = new
+    return impulse, impulse * v
+
+
+@kernel
+def _even_out_all(strands, loads, state):
+    """Put all frictionless contacts where both tensions agree, at rates that keep them so."""
+    for k in range(state.xi.size):
+        b = state.rider[k]
+        if loads.contact[k] == FRICTIONLESS and b >= 0:
+            even_out(state.r, state.X, b)
+            before = state.w[0, b]
+            even_out_velocity(state, b)
+            s = loads.strand[k]
+            impulse = strands.rho[s] * strands.h[s] * (state.w[0, b] - before)
+            state.work[HOLD_WORK] += impulse * node_velocity(state, b, 0)
+
+
+@kernel
+def _take_seats(strands, loads, state, buffers):
+    """Let every load take the seat that its place asks for, and note where it has to change next.
+
+    Returns:
+        True if a load has come to the end of its line and may go neither on nor off.
+    """
+    t = state.t[0]
+    for k in range(state.xi.size):
+        if state.rider[k] == OFF:
+            continue
+        state.speed[k] = material_speed(strands, loads, state, k, speed_at(loads, k, t))
+        target, tolerance = next_change(strands, loads, state, k), ARRIVED * strands.h[loads.strand[k]]
+        if abs(target - state.xi[k]) <= tolerance or state.rider[k] == SHARED:
+            if settle(strands, loads, state, k, buffers.point, buffers.velocity):
+                return True
+            if state.rider[k] != OFF:
+                state.speed[k] = material_speed(strands, loads, state, k, speed_at(loads, k, t))
+        buffers.target[k] = next_change(strands, loads, state, k)
+    _even_out_all(strands, loads, state)
+    return False
+
+
+@kernel
+def _gap(target, xi, speed):
+    """Distance still to go to the next change of seat; negative if the load has turned round since it was noted."""
+    return np.inf if speed == 0.0 else (-1.0 if np.isinf(target) else (target - xi) * np.sign(speed))
+
+
+@kernel
+def _plan(rest, longest, target, xi, speed, rider):
+    """Length of the next step: equal steps up to the next event or to the end, none above `longest`."""
+    for k in range(xi.size):
+        if rider[k] != OFF and speed[k] != 0.0:
+            gap = _gap(target[k], xi[k], speed[k])
+            if gap > 0.0:
+                rest = min(rest, gap / abs(speed[k]))
+    return rest / max(np.ceil(rest / longest - 1e-9), 1.0)
+
+
+@kernel
+def _is_due(target, xi, speed, rider, tolerance):
+    """Whether some load has come to a place where its seat has to change."""
+    for k in range(xi.size):
+        if rider[k] != OFF and _gap(target[k], xi[k], speed[k]) <= tolerance:
+            return True
+    return False
+
+
+@kernel
+def _is_finite(r, w):
+    total = 0.0
+    for a in range(r.shape[0]):
+        for i in range(r.shape[1]):
+            total += abs(r[a, i]) + abs(w[a, i])
+    return np.isfinite(total)
+
+
+@kernel
+def _drag_loss(w, i0, i1):
+    """Sum of the squared velocities of the nodes between i0 and i1."""
+    total = 0.0
+    for a in range(w.shape[0]):
+        for i in range(i0 + 1, i1):
+            total += w[a, i] * w[a, i]
+    return total
+
+
+@kernel
+def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most):
+    """Move `state` to the time `until`.
+
+    The loop stands in one function, with arrays as local names, because a call that passes the whole state on costs
+    as much as the work on a hundred nodes.
+
+    Args:
+        strands, loads, state, buffers: see mechanics/chain.py; state and buffers are changed.
+        kicks, drifts: coefficients of the composition, m + 1 and m numbers.
+        until: time to stop at, s.
+        longest: largest step, s.
+        most: largest number of steps.
+
+    Returns:
+        Status (RUNNING when `until` is reached, else what went wrong) and the number of steps taken.
+    """
+    first, links, h, rho, laws, damping, drag, gravity = strands
+    strand, measure, contact, at_end, v_first, v_count, v_time, v_value, v_path, f_first, f_count, f_time, f_value = (
+        loads
+    )
+    time, r, w, X, xi, speed, rider, hold, work = state
+    q, f, ahead, target, dr, dw, impulse, _, _ = buffers
+    dim, stages, steps = r.shape[0], drifts.size, 0
+    end, tolerance = until - 1e-12 * max(1.0, abs(until)), ARRIVED * h.min()
+    while time[0] < end:
+        if _take_seats(strands, loads, state, buffers):
+            return END_OF_LINE, steps
+        dt = _plan(until - time[0], longest, target, xi, speed, rider)
+        kick, t_w, over, following = kicks[0] * dt, time[0], False, 0.0
+        ahead[:] = w
+        while not over:
+            begin = time[0]
+            for k in range(xi.size):
+                impulse[k] = 0.0
+                if rider[k] >= 0:
+                    s = strand[k]
+                    work[CONTACT] += dt * contact_loss(laws[s], rho[s], speed[k], r, X, rider[k])
+            for stage in range(stages + 1):
+                if stage < stages:
+                    drift = drifts[stage] * dt
+                else:
+                    # The step is done but for its last kick, which also begins the next step, if there is one.
+                    steps += 1
+                    time[0] = begin + dt
+                    for k in range(xi.size):
+                        hold[k] = impulse[k] / dt
+                    over = time[0] >= end or steps >= most or _is_due(target, xi, speed, rider, tolerance)
+                    if not over:
+                        following = _plan(until - time[0], longest, target, xi, speed, rider)
+                        kick += kicks[0] * following
+                        break
+                    drift = 0.0
+                # The velocities belong to t_w; damping wants them at the next instant at which it is evaluated.
+                lead = (time[0] + drift - t_w - kick) / kick
+                for s in range(first.size):
+                    i, j, c = first[s], first[s] + links[s], damping[s]
+                    square = pull(laws[s], c, h[s], i, j, r, ahead, q)
+                    for k in range(xi.size):
+                        if i < rider[k] < j:
+                            square += _pull_beside(laws[s], c, h[s], r, ahead, X, rider, speed, q, rider[k])
+                    pull_vectors(i, j, r, q, f)
+                    work[LINE_DAMPING] += kick * c * h[s] * square
+                for k in range(xi.size):
+                    b = rider[k]
+                    if b >= 0:
+                        for a in range(dim):
+                            dr[a, k] = r[a, b + 1] - r[a, b - 1]
+                            dw[a, k] = w[a, b + 1] - w[a, b - 1]
+                for s in range(first.size):
+                    i, j, m = first[s], first[s] + links[s], rho[s] * h[s]
+                    decay, gain = 1.0, kick
+                    if drag[s] > 0.0:
+                        decay = np.exp(-drag[s] * kick)
+                        gain = (1.0 - decay) / drag[s]
+                        work[LINE_DAMPING] += kick * drag[s] * m * _drag_loss(w, i, j)
+                    if damping[s] > 0.0:
+                        _update_ahead(w, ahead, f, i, j, gain / m, decay, gravity, gain, lead)
+                    _update(r, w, f, i, j, gain / m, decay, gravity, gain, drift)
+                for k in range(xi.size):
+                    b, s = rider[k], strand[k]
+                    if b >= 0:
+                        work[LOAD_WORK] += _kick_rider(
+                            f_time, f_value, f_first[k], f_count[k], time[0], rho[s] * h[s], speed[k], b, kick, drift,
+                            lead, r, w, ahead, X, dr, dw, k,
+                        )  # fmt: skip
+                    elif b == SHARED:
+                        _kick_shared(strands, loads, state, ahead, k, kick, drift, lead)
+                if drift != 0.0:
+                    for k in range(xi.size):
+                        b, s = rider[k], strand[k]
+                        if b == OFF:
+                            continue
+                        x = r[0, max(b, 0)] - drift * w[0, max(b, 0)]
+                        if measure[k] == MATERIAL:
+                            way = drift * v_value[v_first[k]]
+                            if v_count[k] > 1:
+                                way = look_up_integral(
+                                    v_time, v_value, v_path, v_first[k], v_count[k], time[0] + drift
+                                ) - look_up_integral(v_time, v_value, v_path, v_first[k], v_count[k], time[0])
+                                speed[k] = look_up(v_time, v_value, v_first[k], v_count[k], time[0] + drift)
+                            if at_end[k] == STAY and (
+                                (way > 0.0 and xi[k] >= links[s] * h[s]) or (way < 0.0 and xi[k] <= 0.0)
+                            ):
+                                way, speed[k] = 0.0, 0.0
+                            xi[k] += way
+                            if b >= 0:
+                                _carry(r, X, dr, k, b, xi[k], way)
+                        else:
+                            _travel(strands, loads, state, dr, k, drift)
+                        if contact[k] == FRICTIONLESS and b >= 0:
+                            push, gained = _hold(rho[s] * h[s], speed[k], r, w, X, dr, k, b, x, drift)
+                            impulse[k] += push
+                            work[HOLD_WORK] += gained
+                    time[0] += drift
+                t_w += kick
+                if stage < stages:
+                    kick = kicks[stage + 1] * dt
+            dt = following
+            if steps % 64 == 0 and not _is_finite(r, w):
+                return NOT_FINITE, steps
+        _even_out_all(strands, loads, state)
+        if not _is_finite(r, w):
+            return NOT_FINITE, steps
+        if steps >= most:
+            return TOO_MANY_STEPS, steps
+    return RUNNING, steps

@@ -1,0 +1,168 @@
+"""How a run begins: unstrained lengths, the places of the loads, and the state of rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ropewalk.errors import EquilibriumError
+from ropewalk.mechanics.assembly import axes_of, components, loads_of, strands_of
+from ropewalk.mechanics.chain import (
+    HORIZONTAL,
+    MATERIAL,
+    SHARED,
+    Array,
+    Loads,
+    State,
+    Strands,
+)
+from ropewalk.mechanics.law import strain
+from ropewalk.mechanics.rider import ROOM, force_at, link_of, part_of, speed_at
+from ropewalk.model.line import Line
+from ropewalk.model.scenario import Scenario
+from ropewalk.solve.equilibrium import at_rest
+from ropewalk.solve.standing import Standing, stand
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A scenario made ready for a run."""
+
+    axes: tuple[str, ...]
+    lines: tuple[str, ...]
+    strands: Strands
+    loads: Loads
+    ends: tuple[tuple[Array, Array], ...]  # positions of the two supports of each strand, m
+    bare: tuple[Standing, ...]  # each strand at rest without loads
+    xi: Array  # (load,) m, where the loads begin
+
+
+def setting_of(scenario: Scenario, until: float) -> Setting:
+    """Make a scenario ready: lengths found where tensions are given, strands at rest, loads placed.
+
+    Args:
+        scenario: what is there.
+        until: how long the histories of the loads are needed, s.
+
+    Raises:
+        EquilibriumError: a line has no rest shape, or a load would begin beyond the end of its line.
+    """
+    axes = axes_of(scenario)
+    ends = tuple((components(line.start, axes), components(line.end, axes)) for line in scenario.lines.values())
+    lengths = {
+        name: line.length if line.length is not None else _length_for_tension(scenario, name, line)
+        for name, line in scenario.lines.items()
+    }
+    strands, loads = strands_of(scenario, lengths), loads_of(scenario, until)
+    nothing = np.zeros(0)
+    bare = []
+    for s, name in enumerate(scenario.lines):
+        try:
+            bare.append(stand(strands, s, ends[s], nothing, np.zeros((len(axes), 0)), nothing.astype(np.int64)))
+        except EquilibriumError as error:
+            raise EquilibriumError(f"line {name}: {error}") from None
+    starts = [load.travel.start for load in scenario.loads.values()]
+    xi = [
+        _place(strands, bare, loads, k, start, name)
+        for (k, start), name in zip(enumerate(starts), scenario.loads, strict=True)
+    ]
+    return Setting(axes, tuple(scenario.lines), strands, loads, ends, tuple(bare), np.array(xi, dtype=float))
+
+
+def _length_for_tension(scenario: Scenario, name: str, line: Line) -> float:
+    """Unstrained length for which the mean tension at rest is the given one."""
+    assert line.tension is not None
+
+    def mean_tension(length: float) -> float:
+        lone = scenario.model_copy(update={"lines": {name: line}, "loads": {}})
+        strands = strands_of(lone, {name: length})
+        axes = axes_of(lone)
+        ends = (components(line.start, axes), components(line.end, axes))
+        rest = stand(strands, 0, ends, np.zeros(0), np.zeros((len(axes), 0)), np.zeros(0, dtype=np.int64))
+        return float(rest.link_vectors(strands.law[0])[1].mean())
+
+    law = strands_of(scenario.model_copy(update={"lines": {name: line}, "loads": {}}), {name: 1.0}).law[0]
+    stretched = line.distance / (1.0 + float(strain(law, line.tension)))
+    if not np.isfinite(stretched):
+        raise EquilibriumError(f"line {name}: the axial law never reaches the tension of {line.tension:g} N")
+    # Weight adds sag, so that the length lies above that of the straight line; there, more length is less tension.
+    low, high = stretched, stretched
+    while mean_tension(high) > line.tension:
+        high *= 1.1
+        if high > 1e3 * line.distance:
+            raise EquilibriumError(
+                f"line {name}: a mean tension of {line.tension:g} N is too little for its weight; give more, or length"
+            )
+    if low == high:
+        return low
+    return float(brentq(lambda x: mean_tension(x) - line.tension, low, high, xtol=1e-13 * high, rtol=1e-15))
+
+
+def _place(strands: Strands, bare: list[Standing], loads: Loads, k: int, start: float, name: str) -> float:
+    """Material coordinate at which load k begins."""
+    s = int(loads.strand[k])
+    length = float(strands.links[s] * strands.h[s])
+    rest, measure = bare[s], loads.measure[k]
+    if measure == MATERIAL:
+        along = rest.X
+    elif measure == HORIZONTAL:
+        along = np.abs(rest.r[0] - rest.r[0, 0])
+    else:
+        along = np.concatenate(([0.0], np.cumsum(np.sqrt((np.diff(rest.r, axis=1) ** 2).sum(axis=0)))))
+    if start > along[-1] * (1.0 + 1e-9):
+        raise EquilibriumError(
+            f"load {name} would begin {start:g} m along its line, which ends at {along[-1]:g} m; change travel.from"
+        )
+    if measure == HORIZONTAL and np.any(np.diff(along) <= 0.0):
+        i = int(np.argmax(along >= start))
+        low = max(i - 1, 0)
+        part = (start - along[low]) / (along[i] - along[low]) if along[i] > along[low] else 0.0
+        return float(rest.X[low] + part * (rest.X[i] - rest.X[low]))
+    return float(min(np.interp(start, along, rest.X), length))
+
+
+def start_state(setting: Setting, with_loads: bool) -> State:
+    """The state of rest under gravity (and the loads at their start, if wanted), every load in its seat."""
+    strands, loads = setting.strands, setting.loads
+    dim, nodes = len(setting.axes), int((strands.links + 1).sum())
+    count = setting.xi.size
+    X = np.concatenate([np.arange(n + 1) * h for n, h in zip(strands.links, strands.h, strict=True)])
+    state = State(
+        t=np.zeros(1), r=np.zeros((dim, nodes)), w=np.zeros((dim, nodes)), X=X, xi=setting.xi.copy(),
+        speed=np.zeros(count), rider=np.full(count, SHARED), hold=np.zeros(count), work=np.zeros(4),
+    )  # fmt: skip
+    _take_first_seats(strands, loads, state)
+    for s in range(strands.first.size):
+        i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
+        f = np.zeros((dim, j - i + 1))
+        f[:, 1:-1] = strands.rho[s] * strands.h[s] * strands.gravity[:, None]
+        for k in range(count):
+            if with_loads and loads.strand[k] == s:
+                F = np.array([force_at(loads, k, 0.0, a) for a in range(dim)])
+                if state.rider[k] >= 0:
+                    f[:, state.rider[k] - i] += F
+                else:
+                    link = link_of(strands, loads, state, k)
+                    part = part_of(state, k, link)
+                    f[:, link - i] += (1.0 - part) * F
+                    f[:, link - i + 1] += part * F
+        rest = at_rest(strands.law[s], np.diff(X[i : j + 1]), f, *setting.ends[s], setting.bare[s].first_force)
+        state.r[:, i : j + 1] = rest.position
+    return state
+
+
+def _take_first_seats(strands: Strands, loads: Loads, state: State) -> None:
+    """Let each load ride with its nearest node where that one is free and inside the line."""
+    for k in range(state.xi.size):
+        s, xi = int(loads.strand[k]), float(state.xi[k])
+        first, n, h = int(strands.first[s]), int(strands.links[s]), float(strands.h[s])
+        ahead = speed_at(loads, k, 0.0) >= 0.0
+        nearest = int(np.floor(xi / h + 0.5)) if ahead else int(np.ceil(xi / h - 0.5))
+        j = first + nearest
+        if not 0 < nearest < n or j in state.rider:
+            continue
+        if state.X[j + 1] - xi >= ROOM * h and xi - state.X[j - 1] >= ROOM * h:
+            state.rider[k] = j
+            state.X[j] = xi
