@@ -121,3 +121,30 @@ def strain(p, force):
             return new
         eps = new
     return eps
+
+
+@kernel
+def tensions(p, eps):
+    """Tensions for an array of strains."""
+    out = np.empty(eps.size)
+    for i in range(eps.size):
+        out[i] = tension(p, eps[i])
+    return out
+
+
+@kernel
+def tangents(p, eps):
+    """Slopes dT/deps for an array of strains."""
+    out = np.empty(eps.size)
+    for i in range(eps.size):
+        out[i] = tangent(p, eps[i])
+    return out
+
+
+@kernel
+def stored_total(p, eps, rest):
+    """Stored energy of links with strains eps and unstrained lengths rest, J."""
+    total = 0.0
+    for i in range(eps.size):
+        total += stored(p, eps[i]) * rest[i]
+    return total

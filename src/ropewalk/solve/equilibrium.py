@@ -32,7 +32,9 @@ def residual(p, ell, f, r, force, out):
     """Unbalanced force on the inner nodes (node - 2, axis), minus the gradient of the potential energy; its maximum."""
     dim, n = r.shape[0], ell.size
     for i in range(n):
-        pull_one(p, 0.0, ell[i], 0.0, r, i, force)
+        q = pull_one(p, 0.0, ell[i], 0.0, r, i)
+        for a in range(dim):
+            force[a, i] = q * (r[a, i + 1] - r[a, i])
     worst = 0.0
     for i in range(1, n):
         for a in range(dim):

@@ -205,6 +205,14 @@ def _even_out_all(strands, loads, state):
 
 
 @kernel
+def _gap(target, xi, speed):
+    """Distance still to go to the next change of seat; negative if the load has turned round since it was noted."""
+    if speed == 0.0:
+        return np.inf
+    return -1.0 if np.isinf(target) else (target - xi) * np.sign(speed)
+
+
+@kernel
 def _take_seats(strands, loads, state, buffers):
     """Let every load take the seat that its place asks for, and note where it has to change next.
 
@@ -217,7 +225,7 @@ def _take_seats(strands, loads, state, buffers):
             continue
         state.speed[k] = material_speed(strands, loads, state, k, speed_at(loads, k, t))
         target, tolerance = next_change(strands, loads, state, k), ARRIVED * strands.h[loads.strand[k]]
-        if abs(target - state.xi[k]) <= tolerance or state.rider[k] == SHARED:
+        if _gap(target, state.xi[k], state.speed[k]) <= tolerance or state.rider[k] == SHARED:
             if settle(strands, loads, state, k, buffers.point, buffers.velocity):
                 return True
             if state.rider[k] != OFF:
@@ -225,12 +233,6 @@ def _take_seats(strands, loads, state, buffers):
         buffers.target[k] = next_change(strands, loads, state, k)
     _even_out_all(strands, loads, state)
     return False
-
-
-@kernel
-def _gap(target, xi, speed):
-    """Distance still to go to the next change of seat; negative if the load has turned round since it was noted."""
-    return np.inf if speed == 0.0 else (-1.0 if np.isinf(target) else (target - xi) * np.sign(speed))
 
 
 @kernel

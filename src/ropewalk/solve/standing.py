@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.mechanics.chain import FRICTIONLESS, Array, Strands
-from ropewalk.mechanics.law import tension
+from ropewalk.mechanics.law import tensions
 from ropewalk.solve.equilibrium import Rest, at_rest
 
 # A load nearer to a node than this part of a link stands on the node.
@@ -31,7 +31,7 @@ class Standing:
         d = np.diff(self.r, axis=1)
         length = np.sqrt((d * d).sum(axis=0))
         eps = length / np.diff(self.X) - 1.0
-        return eps, np.array([tension(p, e) for e in eps]), d / length
+        return eps, tensions(p, eps), d / length
 
 
 def lengths_of_pieces(strands: Strands, s: int, xi: Array) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
@@ -96,7 +96,7 @@ def _hold(solve, total, rest, sliding, p, ell):  # type: ignore[no-untyped-def]
             trial[0, k] += value
         rest = solve(trial, rest.first_force)
         d = np.diff(rest.position, axis=1)
-        T = [tension(p, e) for e in np.sqrt((d * d).sum(axis=0)) / ell - 1.0]
+        T = tensions(p, np.sqrt((d * d).sum(axis=0)) / ell - 1.0)
         return np.array([T[i] - T[i - 1] for _, i in sliding])
 
     scale = float(np.abs(total).max()) or 1.0

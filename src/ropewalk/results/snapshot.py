@@ -1,0 +1,262 @@
+"""From a state of the chain to a frame of the result: material nodes, tensions, contacts, reactions, energy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropewalk.mechanics.chain import (
+    CONTACT,
+    FRICTIONLESS,
+    HOLD_WORK,
+    LINE_DAMPING,
+    LOAD_WORK,
+    OFF,
+    Array,
+    State,
+)
+from ropewalk.mechanics.law import stored_total, tensions
+from ropewalk.mechanics.rider import force_at, link_of, part_of, speed_at
+from ropewalk.results.frame import Frame, Layout
+from ropewalk.solve.standing import Standing
+from ropewalk.solve.start import Setting
+
+
+def layout_of(setting: Setting, load_names: tuple[str, ...], path: str = "time") -> Layout:
+    """Names and coordinates of the result of a run."""
+    strands = setting.strands
+    node_line, link_line, node_xi, link_xi = [], [], [], []
+    for name, n, h in zip(setting.lines, strands.links, strands.h, strict=True):
+        node_line += [name] * (int(n) + 1)
+        link_line += [name] * int(n)
+        node_xi.append(np.arange(n + 1) * h)
+        link_xi.append((np.arange(n) + 0.5) * h)
+    return Layout(
+        axes=setting.axes,
+        node_line=tuple(node_line),
+        node_xi=np.concatenate(node_xi),
+        link_line=tuple(link_line),
+        link_xi=np.concatenate(link_xi),
+        contact_load=load_names,
+        support=tuple(f"{name}.{end}" for name in setting.lines for end in ("start", "end")),
+        path=path,
+    )
+
+
+@dataclass(frozen=True)
+class _Pieces:
+    """Strains, tensions and force vectors of the links of all strands (entries between strands are zero)."""
+
+    eps: Array
+    T: Array
+    f: Array
+    elastic: float
+
+
+def _pieces(setting: Setting, state: State) -> _Pieces:
+    strands = setting.strands
+    r, v, X = state.r, node_velocities(setting, state), state.X
+    count = X.size - 1
+    eps, T, f, elastic = np.zeros(count), np.zeros(count), np.zeros((r.shape[0], count)), 0.0
+    U = mesh_speeds(state)
+    for s in range(strands.first.size):
+        i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
+        d, rest = np.diff(r[:, i : j + 1], axis=1), np.diff(X[i : j + 1])
+        length = np.sqrt((d * d).sum(axis=0))
+        strain = length / rest - 1.0
+        rate = (
+            (d * np.diff(v[:, i : j + 1], axis=1)).sum(axis=0) / length - np.diff(U[i : j + 1]) * length / rest
+        ) / rest
+        eps[i:j] = strain
+        T[i:j] = tensions(strands.law[s], strain) + strands.damping[s] * rate
+        f[:, i:j] = T[i:j] * d / length
+        elastic += stored_total(strands.law[s], strain, rest)
+    return _Pieces(eps, T, f, elastic)
+
+
+def mesh_speeds(state: State) -> Array:
+    """d X / dt of every node: the speed of the load that it carries, or zero, m/s."""
+    U = np.zeros(state.X.size)
+    for k, b in enumerate(state.rider):
+        if b >= 0:
+            U[b] = state.speed[k]
+    return U
+
+
+def node_velocities(setting: Setting, state: State) -> Array:
+    """Velocities of the nodes themselves: riding nodes move with their loads, m/s."""
+    v = state.w.copy()
+    for k, b in enumerate(state.rider):
+        if b >= 0:
+            v[:, b] += state.speed[k] * (state.r[:, b + 1] - state.r[:, b - 1]) / (state.X[b + 1] - state.X[b - 1])
+    return v
+
+
+def _material_nodes(setting: Setting, state: State) -> tuple[Array, Array]:
+    """Positions and velocities of the material nodes: riding nodes are looked up on their sub-links."""
+    r, w = state.r.copy(), state.w.copy()
+    v = node_velocities(setting, state)
+    for k, b in enumerate(state.rider):
+        if b < 0:
+            continue
+        s = int(setting.loads.strand[k])
+        home = (b - setting.strands.first[s]) * setting.strands.h[s]
+        a = b - 1 if home <= state.X[b] else b + 1
+        f = (home - state.X[a]) / (state.X[b] - state.X[a])
+        tangent = (state.r[:, b] - state.r[:, a]) / (state.X[b] - state.X[a])
+        r[:, b] = (1.0 - f) * state.r[:, a] + f * state.r[:, b]
+        w[:, b] = (1.0 - f) * state.w[:, a] + f * (v[:, b] - state.speed[k] * tangent)
+    return r, w
+
+
+def _links_only(setting: Setting, values: Array) -> Array:
+    """Drop the entries that stand between two strands."""
+    keep = [values[int(i) : int(i + n)] for i, n in zip(setting.strands.first, setting.strands.links, strict=True)]
+    return np.concatenate(keep)
+
+
+def energies(setting: Setting, state: State, elastic: float) -> Array:
+    """Kinetic, elastic and gravitational energy of the lines, J."""
+    strands = setting.strands
+    kinetic = gravitational = 0.0
+    for s in range(strands.first.size):
+        i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
+        m = strands.rho[s] * strands.h[s]
+        kinetic += 0.5 * m * float((state.w[:, i + 1 : j] ** 2).sum())
+        gravitational -= m * float((strands.gravity[:, None] * state.r[:, i + 1 : j]).sum())
+        gravitational -= 0.5 * m * float((strands.gravity * (state.r[:, i] + state.r[:, j])).sum())
+    return np.array([kinetic, elastic, gravitational])
+
+
+class Camera:
+    """Takes frames of a motion; the energy at the first one is the origin of the audit."""
+
+    def __init__(self, setting: Setting) -> None:
+        self.setting = setting
+        self._first: float | None = None
+        self._work: Array = np.zeros(4)
+
+    def take(self, state: State) -> Frame:
+        """The frame of the present state."""
+        setting, loads = self.setting, self.setting.loads
+        pieces = _pieces(setting, state)
+        r, w = _material_nodes(setting, state)
+        dim, count, t = r.shape[0], state.xi.size, float(state.t[0])
+        nowhere = np.full((count, dim), np.nan)
+        place, force, hold = nowhere, nowhere.copy(), nowhere.copy()
+        xi, speed, both = np.full(count, np.nan), np.full(count, np.nan), np.full((count, 2), np.nan)
+        reaction = _reactions(setting, pieces.f)
+        for k in range(count):
+            b = int(state.rider[k])
+            if b == OFF:
+                continue
+            s = int(loads.strand[k])
+            F = np.array([force_at(loads, k, t, a) for a in range(dim)])
+            hold[k] = 0.0
+            if b >= 0:
+                place[k], both[k] = state.r[:, b], pieces.T[[b - 1, b]]
+                if loads.contact[k] == FRICTIONLESS:
+                    hold[k, 0] = state.hold[k]
+            else:
+                i = int(link_of(setting.strands, loads, state, k))
+                part = part_of(state, k, i)
+                place[k] = (1.0 - part) * state.r[:, i] + part * state.r[:, i + 1]
+                both[k] = pieces.T[i]
+                for node, share in ((i, 1.0 - part), (i + 1, part)):
+                    if node == setting.strands.first[s]:
+                        reaction[2 * s] -= share * F
+                    elif node == setting.strands.first[s] + setting.strands.links[s]:
+                        reaction[2 * s + 1] -= share * F
+            force[k] = F + hold[k]
+            xi[k], speed[k] = state.xi[k], speed_at(loads, k, t)
+        return Frame(
+            path=t,
+            position=r.T,
+            velocity=w.T,
+            tension=_links_only(setting, pieces.T),
+            strain=_links_only(setting, pieces.eps),
+            contact_position=place,
+            contact_force=force,
+            hold_force=hold,
+            contact_xi=xi,
+            contact_speed=speed,
+            contact_tension=both,
+            reaction=reaction,
+            energy=self._audit(energies(setting, state, pieces.elastic), state.work),
+        )
+
+    def _audit(self, energy: Array, work: Array) -> Array:
+        total = float(energy.sum())
+        if self._first is None:
+            self._first, self._work = total, work.copy()
+        done = work - self._work
+        spent = done[LINE_DAMPING] + done[CONTACT]
+        imbalance = total - self._first + spent - done[LOAD_WORK] - done[HOLD_WORK]
+        return np.array([*energy, done[LINE_DAMPING], done[LOAD_WORK], done[HOLD_WORK], done[CONTACT], imbalance])
+
+
+def _reactions(setting: Setting, f: Array) -> Array:
+    """Forces of the supports on the lines (support, axis), N, before the loads that stand on supports."""
+    strands = setting.strands
+    out = []
+    for s in range(strands.first.size):
+        i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
+        half = 0.5 * strands.rho[s] * strands.h[s] * strands.gravity
+        out += [-f[:, i] - half, f[:, j - 1] - half]
+    return np.array(out)
+
+
+def standing_frame(setting: Setting, stands: list[Standing], xi: Array, path: float, given: Array) -> Frame:
+    """The frame of loads standing still.
+
+    Args:
+        stands: every strand at rest with its loads, in order.
+        xi: (load,) material coordinates, m.
+        path: load path, m.
+        given: (load, axis) given forces without hold forces, N.
+    """
+    strands, loads, dim = setting.strands, setting.loads, len(setting.axes)
+    count = xi.size
+    place, force, both = np.zeros((count, dim)), np.zeros((count, dim)), np.zeros((count, 2))
+    position, tension, strain, reaction = [], [], [], []
+    elastic = gravitational = 0.0
+    for s, rest in enumerate(stands):
+        eps, T, t = rest.link_vectors(strands.law[s])
+        n, h = int(strands.links[s]), float(strands.h[s])
+        middle = np.searchsorted(rest.X, (np.arange(n) + 0.5) * h, side="right") - 1
+        position.append(rest.position.T)
+        tension.append(T[middle])
+        strain.append(eps[middle])
+        half = 0.5 * strands.rho[s] * h * strands.gravity
+        left, right = -T[0] * t[:, 0] - half, T[-1] * t[:, -1] - half
+        for k, number in enumerate(np.flatnonzero(loads.strand == s)):
+            i = int(rest.contact[k])
+            place[number], force[number] = rest.r[:, i], rest.force[:, k]
+            both[number] = T[max(i - 1, 0)], T[min(i, T.size - 1)]
+            if i == 0:
+                left = left - rest.force[:, k]
+            elif i == rest.X.size - 1:
+                right = right - rest.force[:, k]
+        reaction += [left, right]
+        elastic += stored_total(strands.law[s], eps, np.diff(rest.X))
+        m = strands.rho[s] * h
+        weights = np.full(n + 1, m)
+        weights[[0, -1]] *= 0.5
+        gravitational -= float((weights * (strands.gravity @ rest.position)).sum())
+    nodes = np.concatenate(position)
+    return Frame(
+        path=path,
+        position=nodes,
+        velocity=np.zeros_like(nodes),
+        tension=np.concatenate(tension),
+        strain=np.concatenate(strain),
+        contact_position=place,
+        contact_force=force,
+        hold_force=force - given,
+        contact_xi=xi.copy(),
+        contact_speed=np.zeros(count),
+        contact_tension=both,
+        reaction=np.array(reaction),
+        energy=np.array([0.0, elastic, gravitational, 0.0, 0.0, 0.0, 0.0, 0.0]),
+    )

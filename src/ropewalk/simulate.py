@@ -1,0 +1,181 @@
+"""A scenario in, a result out."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.chain import Array, State
+from ropewalk.model.run import Dynamic, Equilibrium, Quasistatic
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import Account, Frame, Layout
+from ropewalk.results.snapshot import Camera, layout_of, standing_frame
+from ropewalk.solve.choice import choose
+from ropewalk.solve.motion import ADVICE, Progress, move
+from ropewalk.solve.quasistatic import shapes, walk
+from ropewalk.solve.splitting import RUNNING
+from ropewalk.solve.start import Setting, setting_of, start_state
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_COMPRESSION = (
+    "at t = {time:.4g} s line {line} is in compression without any damping: a chain cannot carry that, and "
+    "disturbances of the size of rounding errors grow; use law {{kind: tension_only}} or a little axial_damping"
+)
+
+
+def simulate(
+    scenario: Scenario, *, file: Path | None = None, progress: Callable[[float], None] | None = None
+) -> xr.Dataset:
+    """Run a scenario.
+
+    Args:
+        scenario: what is there and what is asked.
+        file: NetCDF file to write while running; None keeps the result in memory.
+        progress: called with the part that is done, 0 to 1.
+
+    Returns:
+        The result; its attributes hold the outcome, advice, the method and why it was chosen. A run that breaks
+        down or is interrupted returns what it has.
+
+    Raises:
+        RopewalkError: the scenario has no rest shape to start from, or the file cannot be written.
+    """
+    from ropewalk.results.recorder import Recorder
+
+    account = Account()
+    wall, cpu = clock.perf_counter(), clock.process_time()
+    layout, frames, total = iterate(scenario, account)
+    with Recorder(layout, scenario, account, file) as recorder:
+        try:
+            for count, frame in enumerate(frames, start=1):
+                recorder.append(frame)
+                if progress is not None:
+                    progress(count / total)
+            if account.outcome == "running":
+                account.outcome = "completed"
+        except KeyboardInterrupt:
+            account.outcome, account.advice = "interrupted", "the result holds everything up to the interruption"
+        account.wall_seconds, account.cpu_seconds = clock.perf_counter() - wall, clock.process_time() - cpu
+        return recorder.close()
+
+
+def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:
+    """The frames of a run, one after the other, with their layout and their number; `account` is filled in."""
+    names = tuple(scenario.loads)
+    if isinstance(scenario.run, Dynamic):
+        setting = setting_of(scenario, scenario.run.until)
+        times = output_times(scenario.run)
+        return layout_of(setting, names), _motion(setting, scenario, times, account), times.size
+    setting = setting_of(scenario, 0.0)
+    layout = layout_of(setting, names, "load_path")
+    account.method = "rest"
+    account.reason = "least potential energy"
+    if isinstance(scenario.run, Quasistatic):
+        return layout, _slow(setting, scenario.run, account), scenario.run.positions
+    assert isinstance(scenario.run, Equilibrium)
+    return layout, _rest(setting), 1
+
+
+def output_times(run: Dynamic) -> Array:
+    """Instants of output: every `every` from 0, and `until`."""
+    every = run.every if run.every is not None else run.until / 100.0
+    count = int(np.floor(run.until / every * (1.0 + 1e-12)))
+    times = every * np.arange(count + 1)
+    if run.until - times[-1] > 1e-9 * every:
+        times = np.append(times, run.until)
+    else:
+        times[-1] = run.until
+    return times
+
+
+def _initial(setting: Setting, scenario: Scenario) -> State:
+    run = scenario.run
+    assert isinstance(run, Dynamic)
+    state = start_state(setting, run.start.with_loads)
+    if run.start.kind == "result":
+        from ropewalk.results.resume import state_from_file
+
+        state_from_file(setting, state, run.start)
+    return state
+
+
+def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account) -> Iterator[Frame]:
+    run = scenario.run
+    assert isinstance(run, Dynamic)
+    state = _initial(setting, scenario)
+    choice = choose(
+        setting.strands, setting.loads, state,
+        method=run.method, step=run.step, accuracy=run.accuracy, duration=run.until,
+    )  # fmt: skip
+    account.method, account.reason, account.step = choice.method, choice.reason, choice.step
+    camera, progress = Camera(setting), Progress()
+    yield camera.take(state)
+    warned = False
+    for current in move(setting.strands, setting.loads, state, choice, run.accuracy, times[1:], progress):
+        account.steps = progress.steps
+        if progress.status != RUNNING:
+            account.outcome, advice = ADVICE[progress.status]
+            account.advice = f"stopped at t = {current.t[0]:.6g} s: {advice}"
+            if np.isfinite(current.r).all() and np.isfinite(current.w).all() and current.t[0] > 0.0:
+                yield camera.take(current)
+            return
+        frame = camera.take(current)
+        if not warned:
+            warned = _warn_of_compression(setting, frame, account)
+        yield frame
+
+
+def _warn_of_compression(setting: Setting, frame: Frame, account: Account) -> bool:
+    begin = 0
+    for s, name in enumerate(setting.lines):
+        n = int(setting.strands.links[s])
+        if setting.strands.damping[s] == 0.0 and frame.tension[begin : begin + n].min() < 0.0:
+            account.warnings.append(_COMPRESSION.format(time=frame.path, line=name))
+            return True
+        begin += n
+    return False
+
+
+def _slow(setting: Setting, run: Quasistatic, account: Account) -> Iterator[Frame]:
+    try:
+        for place in walk(setting, run.positions):
+            account.steps += 1
+            yield standing_frame(setting, place.stands, place.xi, place.path, place.given)
+    except RopewalkError as error:
+        if account.steps == 0:
+            raise
+        account.outcome, account.advice = "no rest shape", str(error)
+
+
+def _rest(setting: Setting) -> Iterator[Frame]:
+    stands, given = shapes(setting, setting.xi, 0.0)
+    yield standing_frame(setting, stands, setting.xi, 0.0, given)
+
+
+def state_at(scenario: Scenario, t: float | None) -> tuple[Setting, State]:
+    """The model and its state at time t of a dynamic run (None: at rest, loads not on their lines)."""
+    run = scenario.run
+    until = run.until if isinstance(run, Dynamic) else 0.0
+    setting = setting_of(scenario, until)
+    if t is None or not isinstance(run, Dynamic):
+        return setting, start_state(setting, with_loads=t is not None)
+    state = _initial(setting, scenario)
+    if t > 0.0:
+        choice = choose(
+            setting.strands, setting.loads, state,
+            method=run.method, step=run.step, accuracy=run.accuracy, duration=run.until,
+        )  # fmt: skip
+        progress = Progress()
+        for _ in move(setting.strands, setting.loads, state, choice, run.accuracy, np.array([t]), progress):
+            pass
+        if progress.status != RUNNING:
+            outcome, advice = ADVICE[progress.status]
+            raise RopewalkError(f"the run did not come to t = {t:g} s ({outcome}): {advice}")
+    return setting, state

@@ -1,0 +1,129 @@
+"""Which method and which step: read off the spectrum (docs/notes/choice-of-method.md)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropewalk.mechanics.chain import FRICTIONLESS, Array, Loads, State, Strands
+from ropewalk.mechanics.law import tangents, tensions
+
+# Explicit while it needs fewer steps than this; beyond, the implicit method is faster.
+MOST_EXPLICIT_STEPS = 1e6
+# Part of the stable step that is used: the tangent of the law and the seats of the loads change on the way.
+SAFETY = 0.85
+# Links beside a riding node are as short as half a link: the largest frequency and damping rate that this can give.
+SEAT_FREQUENCY, SEAT_DAMPING = 1.13, 1.28
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Bounds of the spectrum of the chain: what limits an explicit step."""
+
+    frequency: float  # largest angular frequency, rad/s
+    damping: float  # largest eigenvalue of (mass matrix)^-1 (damping matrix), 1/s
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The method of a run, its largest step in s, and why."""
+
+    method: str
+    step: float
+    reason: str
+
+
+def bounds(strands: Strands, r: Array, X: Array, with_riders: bool) -> Bounds:
+    """Upper bounds of the largest frequency and damping rate of the chain in its present state.
+
+    On a uniform chain they are sharp: omega = (2/h) sqrt(k/rho), with the larger of T' and T/lam for k, and
+    4 c / (rho h^2) for the damping.
+    """
+    frequency = damping = 0.0
+    for s in range(strands.first.size):
+        i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
+        if strands.links[s] < 2:
+            continue
+        d = np.diff(r[:, i : j + 1], axis=1)
+        lam = np.sqrt((d * d).sum(axis=0)) / np.diff(X[i : j + 1])
+        p, h, rho = strands.law[s], float(strands.h[s]), float(strands.rho[s])
+        stiffness = max(float(tangents(p, lam - 1.0).max()), float(tangents(p, np.zeros(1)).max()))
+        stiffness = max(stiffness, float((tensions(p, lam - 1.0) / lam).max()))
+        frequency = max(frequency, 2.0 / h * np.sqrt(stiffness / rho))
+        damping = max(damping, 4.0 * float(strands.damping[s]) / (rho * h * h))
+    if with_riders:
+        frequency, damping = frequency * SEAT_FREQUENCY, damping * SEAT_DAMPING
+    return Bounds(float(frequency), float(damping))
+
+
+def verlet_step(limits: Bounds) -> float:
+    """Largest step of the Verlet method in s (omega dt < 2 undamped, damping rate times dt < 1)."""
+    rate = 0.5 * limits.frequency + limits.damping
+    return SAFETY / rate if rate > 0.0 else np.inf
+
+
+def rkn6_step(limits: Bounds, relative_accuracy: float) -> float:
+    """Step of the sixth-order method in s, from the wanted accuracy over the length of the line.
+
+    omega dt = 2.5 gave errors near 5e-5 of the length on slack and on taut ropes; the error falls with the sixth
+    power. Stable up to 6.3, used up to 4.
+    """
+    part = min(4.0, 2.5 * (relative_accuracy / 5e-5) ** (1.0 / 6.0))
+    return part / limits.frequency if limits.frequency > 0.0 else np.inf
+
+
+def choose(
+    strands: Strands,
+    loads: Loads,
+    state: State,
+    *,
+    method: str,
+    step: float | None,
+    accuracy: float,
+    duration: float,
+) -> Choice:
+    """Choose method and step for a motion.
+
+    Args:
+        strands, loads, state: the model at the start.
+        method: auto, explicit, verlet, rkn6 or implicit.
+        step: largest step wanted by the user, s, or None.
+        accuracy: wanted accuracy in time of the positions, m.
+        duration: how long the run is, s.
+    """
+    limits = bounds(strands, state.r, state.X, bool(loads.strand.size))
+    damped = limits.damping > 0.0
+    explicit = verlet_step(limits)
+    relative = accuracy / float((strands.h * strands.links).max())
+    facts = f"largest frequency {limits.frequency:.4g} rad/s"
+    if damped:
+        facts += f", largest damping rate {limits.damping:.4g} 1/s"
+    wanted = method
+    if method in ("auto", "explicit"):
+        needed = duration / explicit if np.isfinite(explicit) else 0.0
+        if damped and needed > MOST_EXPLICIT_STEPS and method == "auto":
+            wanted, why = "implicit", f"damping makes the chain stiff: {needed:.2g} explicit steps would be needed"
+            if np.any(loads.contact == FRICTIONLESS):
+                wanted, why = "verlet", f"{needed:.2g} explicit steps, as a frictionless contact needs them"
+        elif damped:
+            wanted, why = "verlet", f"lightly damped: {needed:.2g} explicit steps are cheaper than implicit ones"
+        elif relative >= 4e-4:
+            wanted, why = "verlet", "undamped, and a coarse accuracy is enough"
+        else:
+            wanted, why = "rkn6", "undamped: the spectrum is imaginary, and the sixth order pays"
+    else:
+        why = "as asked"
+    if wanted == "rkn6":
+        if damped:
+            wanted, why = "verlet", "rkn6 cannot be used with Kelvin-Voigt damping; the second-order method is used"
+            own = explicit
+        else:
+            own = rkn6_step(limits, relative)
+    elif wanted == "verlet":
+        own = explicit
+    else:
+        own = duration
+    if step is not None and step > own and wanted != "implicit":
+        why += f"; the step asked for ({step:.3g} s) is above the stable one ({own:.3g} s), which is used"
+    return Choice(wanted, min(own, step) if step is not None else own, f"{why} ({facts})")

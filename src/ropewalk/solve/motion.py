@@ -1,0 +1,88 @@
+"""Motion: the states of a run at the instants asked for, one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropewalk.mechanics.chain import Array, Buffers, Loads, State, Strands
+from ropewalk.solve.choice import Choice, bounds, verlet_step
+from ropewalk.solve.splitting import END_OF_LINE, NOT_FINITE, RKN6, RUNNING, TOO_MANY_STEPS, VERLET, advance
+
+# A run that needs more steps than this between two outputs will not end within a day.
+MOST_STEPS = 10**11
+
+
+@dataclass
+class Progress:
+    """How a motion has gone so far."""
+
+    status: int = RUNNING
+    steps: int = 0
+    compressed: float = float("nan")  # time at which an undamped line was first found in compression, s
+
+
+ADVICE = {
+    END_OF_LINE: (
+        "travel ended",
+        "a load came to the end of its line; shorten `until`, or say travel.at_end: leave (or stay)",
+    ),
+    NOT_FINITE: (
+        "diverged",
+        "the motion grew without bounds or a link collapsed; use law {kind: tension_only}, add some axial_damping, "
+        "lower `step`, or check stiffness and forces",
+    ),
+    TOO_MANY_STEPS: ("too many steps", "raise `step`, use fewer elements, or method: implicit"),
+}
+
+
+def move(
+    strands: Strands, loads: Loads, state: State, choice: Choice, accuracy: float, times: Array, progress: Progress
+) -> Iterator[State]:
+    """Yield the state at each of the times; the same object every time, to be read before going on.
+
+    Args:
+        strands, loads, state: the model; state is changed.
+        choice: method and largest step.
+        accuracy: wanted accuracy in time, m (for the adaptive method).
+        times: rising instants, s.
+        progress: filled in; the iteration ends early if its status is no longer RUNNING.
+    """
+    buffers = Buffers.for_state(state)
+    knots = np.unique(
+        np.concatenate([_knots(loads.speed_time, loads.speed_count), _knots(loads.force_time, loads.force_count)])
+    )
+    step = choice.step
+    limits = bounds(strands, state.r, state.X, bool(loads.strand.size))
+    for time in times:
+        stops = [*knots[(knots > state.t[0]) & (knots < time)], time]
+        for stop in stops:
+            if state.t[0] >= stop:
+                continue
+            progress.status, taken = _advance(strands, loads, state, buffers, choice, accuracy, stop, step)
+            progress.steps += int(taken)
+            if progress.status != RUNNING:
+                yield state
+                return
+        yield state
+        now = bounds(strands, state.r, state.X, bool(loads.strand.size))
+        if now.frequency > 1.05 * limits.frequency and choice.method != "implicit":
+            # The line has stiffened: keep the step in proportion.
+            own = verlet_step(now) if choice.method == "verlet" else 4.0 / now.frequency
+            step = min(step, own)
+
+
+def _advance(strands, loads, state, buffers, choice, accuracy, stop, step):  # type: ignore[no-untyped-def]
+    if choice.method == "implicit":
+        from ropewalk.solve.radau import advance_implicit
+
+        return advance_implicit(strands, loads, state, buffers, stop, accuracy, step, MOST_STEPS)
+    kicks, drifts = RKN6 if choice.method == "rkn6" else VERLET
+    return advance(strands, loads, state, buffers, kicks, drifts, stop, step, MOST_STEPS)
+
+
+def _knots(times: Array, counts: Array) -> Array:
+    """Instants at which tables bend: steps end there, unless there are so many that the table is smooth."""
+    return times if counts.size and counts.max() <= 200 else np.zeros(0)
