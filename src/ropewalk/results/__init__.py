@@ -1,0 +1,65 @@
+"""Results: what a solver hands over, the labelled dataset on file or in memory, its statistics, figures and films.
+
+Everything is imported when it is first used: recording needs no Matplotlib, and a figure no NetCDF.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ropewalk.results.animation import film
+    from ropewalk.results.contract import links
+    from ropewalk.results.figures import figure, single
+    from ropewalk.results.files import ResultError, WriteError, check_target, open_result
+    from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
+    from ropewalk.results.recorder import Recorder
+    from ropewalk.results.statistics import summary
+    from ropewalk.results.table import text
+
+_HOME = {
+    "Account": "frame",
+    "ENERGY_FORMS": "frame",
+    "Frame": "frame",
+    "Layout": "frame",
+    "Recorder": "recorder",
+    "ResultError": "files",
+    "WriteError": "files",
+    "check_target": "files",
+    "figure": "figures",
+    "film": "animation",
+    "links": "contract",
+    "open_result": "files",
+    "single": "figures",
+    "summary": "statistics",
+    "text": "table",
+}
+
+__all__ = [
+    "ENERGY_FORMS",
+    "Account",
+    "Frame",
+    "Layout",
+    "Recorder",
+    "ResultError",
+    "WriteError",
+    "check_target",
+    "figure",
+    "film",
+    "links",
+    "open_result",
+    "single",
+    "summary",
+    "text",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

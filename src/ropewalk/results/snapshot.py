@@ -136,6 +136,7 @@ class Camera:
         self.setting = setting
         self._first: float | None = None
         self._work: Array = np.zeros(4)
+        self._held: tuple[float, Array] = (0.0, np.zeros(setting.xi.size))
 
     def take(self, state: State) -> Frame:
         """The frame of the present state."""
@@ -147,6 +148,10 @@ class Camera:
         place, force, hold = nowhere, nowhere.copy(), nowhere.copy()
         xi, speed, both = np.full(count, np.nan), np.full(count, np.nan), np.full((count, 2), np.nan)
         reaction = _reactions(setting, pieces.f)
+        # The hold force of a chain ripples while a load passes a node: its mean since the last frame is reported.
+        since, impulse = self._held
+        mean_hold = (state.hold - impulse) / (t - since) if t > since else np.zeros(count)
+        self._held = (t, state.hold.copy())
         for k in range(count):
             b = int(state.rider[k])
             if b == OFF:
@@ -157,7 +162,7 @@ class Camera:
             if b >= 0:
                 place[k], both[k] = state.r[:, b], pieces.T[[b - 1, b]]
                 if loads.contact[k] == FRICTIONLESS:
-                    hold[k, 0] = state.hold[k]
+                    hold[k, 0] = mean_hold[k]
             else:
                 i = int(link_of(setting.strands, loads, state, k))
                 part = part_of(state, k, i)

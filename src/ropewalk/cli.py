@@ -1,0 +1,328 @@
+"""The command line: thin, with imports where they are needed, so that `--help` answers at once.
+
+Results go to stdout, messages and progress to stderr. Exit codes: 0 fine, 1 a fault of ropewalk itself, 2 bad
+input, 3 a run that stopped early, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+import ropewalk
+
+if TYPE_CHECKING:
+    from ropewalk.model import Scenario
+
+FAULT, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
+FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
+FILM_SUFFIXES = (".gif", ".mp4")
+
+Progress = Callable[[float], None]
+
+_TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
+
+app = typer.Typer(
+    name="ropewalk",
+    help="What travels along slender flexible structures: forces on strings and ropes, computed from a file.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,  # rich takes longer to import than the rest together
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+ScenarioFile = Annotated[Path, typer.Argument(metavar="FILE", help="Scenario file, YAML or JSON.")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a value, as run.until=2s; may be repeated."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table, errors only.")]
+
+
+def main() -> None:
+    """Run the command line."""
+    app()
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"ropewalk {ropewalk.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+    traceback: Annotated[bool, typer.Option("--traceback", help="Show where an error comes from.")] = False,
+) -> None:
+    _TRACEBACK.set(traceback)
+
+
+@app.command()
+def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the scenario and its file.")]) -> None:
+    """Write a first scenario, with comments, as NAME.yaml."""
+    with _reported():
+        from ropewalk.scenario import template
+
+        file = Path(name if name.endswith((".yaml", ".yml")) else f"{name}.yaml")
+        try:
+            with file.open("x", encoding="utf-8") as stream:
+                stream.write(template(file.stem))
+        except FileExistsError:
+            _fail(f"{file}: exists already; choose another name")
+        except OSError as problem:
+            _fail(f"{file}: cannot be written ({problem.strerror})")
+        _say(f"{file} written; next:  ropewalk run {file}")
+
+
+@app.command()
+def check(file: ScenarioFile, settings: Settings = None) -> None:
+    """Find every mistake in a scenario; compute nothing."""
+    with _reported():
+        scenario = _load(file, settings)
+        names = ", ".join((*scenario.lines, *scenario.loads))
+        typer.echo(f"{file}: fine ({scenario.title}: {names}; {scenario.run.kind})")
+
+
+@app.command()
+def run(
+    file: ScenarioFile,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="OUT.nc", help="Result file [default: FILE.nc here].")
+    ] = None,
+    settings: Settings = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Compute a scenario, write the result, and print what an engineer asks first."""
+    target = output if output is not None else Path(f"{file.stem}.nc")
+    with _reported(target):
+        from ropewalk.results import check_target, summary
+
+        scenario = _load(file, settings)
+        check_target(target)
+        replaced = " (replaced)" if target.exists() else ""
+        from ropewalk.simulate import simulate
+
+        with _progress("running", quiet) as progress:
+            dataset = simulate(scenario, file=target, progress=progress)
+        with dataset:
+            found = summary(dataset)
+        _print_summary({"file": str(target), **found}, as_json, quiet)
+        if not quiet:
+            _say(f"result in {target}{replaced}")
+        _finish(found, target)
+
+
+@app.command()
+def show(
+    result: Annotated[Path, typer.Argument(metavar="OUT.nc", help="Result file.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FIG|FILM", help="Draw to .png, .svg, .pdf, .gif or .mp4."),
+    ] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Print the summary of a result, or draw it as a figure or a film."""
+    with _reported():
+        if output is not None:
+            _check_picture(output)
+        from ropewalk.results import open_result, summary
+
+        with open_result(result) as dataset:
+            if output is None or as_json:
+                _print_summary({"file": str(result), **summary(dataset)}, as_json, quiet)
+            if output is None:
+                return
+            if output.suffix.lower() in FILM_SUFFIXES:
+                from ropewalk.results import film
+
+                with _progress("filming", quiet) as progress:
+                    film(dataset, output, progress=progress)
+            else:
+                from ropewalk.results import figure
+
+                _save(figure(dataset), output)
+        if not quiet:
+            _say(f"{output} written")
+
+
+@app.command()
+def figures(
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to write to.")] = Path(
+        "figures"
+    ),
+    only: Annotated[
+        list[str] | None, typer.Option("--only", metavar="N", help="Draw this figure only; may be repeated.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Compute and draw the figures of the paper."""
+    with _reported():
+        paper = import_module("ropewalk.paper")
+        known = {str(entry): entry for entry in paper.AVAILABLE}
+        for name in only or ():
+            if name not in known:
+                _fail(f"--only {name}: there is no such figure; there are {', '.join(known)}")
+        with _progress("drawing", quiet) as progress:
+            paper.figures(output, only=[known[name] for name in only] if only else None, progress=progress)
+        if not quiet:
+            _say(f"figures in {output}")
+
+
+@app.command()
+def spectrum(
+    file: ScenarioFile,
+    at: Annotated[float | None, typer.Option("--at", metavar="TIME", help="Instant in s [default: 0].")] = None,
+    settings: Settings = None,
+    as_json: Json = False,
+) -> None:
+    """Compute the frequencies and damping of the small motions, which decide the method."""
+    with _reported():
+        scenario = _load(file, settings)
+        found = _spectrum(scenario, at or 0.0)
+        if as_json:
+            _print_json(found)
+        else:
+            width = max(map(len, found), default=0)
+            typer.echo("\n".join(f"{key:{width}}  {value}" for key, value in found.items()))
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of scenario files, for editors."""
+    with _reported():
+        from ropewalk.scenario import json_schema
+
+        _print_json(json_schema())
+
+
+def _load(file: Path, settings: list[str] | None) -> Scenario:
+    from ropewalk.scenario import load
+
+    return load(file, settings or ())
+
+
+def _spectrum(scenario: Scenario, at: float) -> dict[str, Any]:
+    found: dict[str, Any] = import_module("ropewalk.solve").spectrum(scenario, at=at)
+    return found
+
+
+def _finish(found: dict[str, Any], target: Path) -> None:
+    """Leave with the exit code of the outcome, and say what there is and what can be done."""
+    outcome = found["outcome"]
+    if outcome == "completed":
+        return
+    advice = f"\n{found['advice']}" if found["advice"] else ""
+    if outcome == "interrupted":
+        _fail(f"interrupted; what was computed is kept in {target}{advice}", INTERRUPTED)
+    _fail(f"the run stopped early: {outcome}; what was computed is kept in {target}{advice}", STOPPED_EARLY)
+
+
+def _print_summary(found: dict[str, Any], as_json: bool, quiet: bool) -> None:
+    if as_json:
+        _print_json(found)
+    elif not quiet:
+        from ropewalk.results import text
+
+        typer.echo(text(found))
+
+
+def _print_json(value: Any) -> None:
+    typer.echo(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def _check_picture(output: Path) -> None:
+    known = (*FIGURE_SUFFIXES, *FILM_SUFFIXES)
+    if output.suffix.lower() not in known:
+        _fail(f"{output}: unknown kind of picture; the name must end in {', '.join(known)}")
+    if not output.parent.is_dir():
+        _fail(f"{output}: the folder {output.parent} does not exist; create it or choose another place")
+
+
+def _save(drawn: Any, output: Path) -> None:
+    try:
+        drawn.savefig(output)
+    except OSError as problem:
+        _fail(f"{output}: cannot be written ({problem.strerror or problem})")
+
+
+def _say(message: str) -> None:
+    typer.echo(message, err=True)
+
+
+def _fail(message: str, code: int = BAD_INPUT) -> None:
+    _say(message)
+    raise typer.Exit(code)
+
+
+@contextmanager
+def _progress(label: str, quiet: bool) -> Iterator[Progress | None]:
+    """A bar on stderr if that is a terminal; gives the function that moves it."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress as Bar
+
+    with Bar(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(label, total=1.0)
+        yield lambda done: bar.update(task, completed=done)
+
+
+@contextmanager
+def _reported(target: Path | None = None) -> Iterator[None]:
+    """Turn exceptions into messages and exit codes; `target` is the file that a run may have begun."""
+    before = _stamp(target)
+    try:
+        yield
+    except typer.Exit:
+        raise
+    except KeyboardInterrupt:
+        kept = f"; what was computed is kept in {target}" if _stamp(target) != before else ""
+        _fail(f"interrupted{kept}", INTERRUPTED)
+    except BrokenPipeError:  # the reader of stdout has gone, as in `ropewalk schema | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise typer.Exit(FAULT) from None
+    except Exception as problem:
+        if _TRACEBACK.get():
+            raise
+        _explain(problem, target if _stamp(target) != before else None)
+
+
+def _stamp(target: Path | None) -> tuple[int, int] | None:
+    """What changes when a file is written."""
+    if target is None or not target.exists():
+        return None
+    status = target.stat()
+    return status.st_ino, status.st_mtime_ns
+
+
+def _explain(problem: Exception, partial: Path | None) -> None:
+    from ropewalk.errors import RopewalkError, ScenarioError
+    from ropewalk.results import ResultError, WriteError
+
+    if not isinstance(problem, RopewalkError):
+        kind = type(problem).__name__
+        _say(f"ropewalk failed ({kind}: {problem}); this is a fault of ropewalk, not of your input")
+        _fail("please report it with what `ropewalk --traceback ...` says on the same command", FAULT)
+    _say(str(problem))
+    if isinstance(problem, ScenarioError) or (isinstance(problem, ResultError) and not isinstance(problem, WriteError)):
+        raise typer.Exit(BAD_INPUT)
+    if partial is not None:
+        _say(f"what was computed is kept in {partial}")
+    raise typer.Exit(STOPPED_EARLY)

@@ -1,0 +1,163 @@
+"""The contract of a result: names, dimensions, units and attributes, the same in memory and on disk.
+
+xarray allows a coordinate name once in a dataset, so `line` and `xi` belong to the nodes and the links carry
+`link_line` and `link_xi`. `links(dataset)` gives the link quantities with the short names, where no node is about.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import ropewalk
+from ropewalk.results.frame import ENERGY_FORMS, Account, Layout
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ropewalk.model import Scenario
+
+CONVENTIONS = "ropewalk-result-1"
+SIDES = ("behind", "ahead")
+PATH = "path"  # stands for the leading dimension, `time` or `load_path`
+
+Attribute = str | int | float
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A variable of the result: its dimensions after the leading one, its unit and what it is."""
+
+    dims: tuple[str, ...]
+    unit: str
+    long_name: str
+
+    @property
+    def attributes(self) -> dict[str, Attribute]:
+        """The attributes that go with the variable."""
+        return {"units": self.unit, "long_name": self.long_name}
+
+
+VARIABLES: Mapping[str, Quantity] = {
+    "position": Quantity(("node", "axis"), "m", "position of the node"),
+    "velocity": Quantity(("node", "axis"), "m/s", "velocity of the node"),
+    "tension": Quantity(("link",), "N", "tension in the link"),
+    "strain": Quantity(("link",), "1", "strain of the link"),
+    "contact_position": Quantity(("contact", "axis"), "m", "position of the contact"),
+    "contact_force": Quantity(("contact", "axis"), "N", "force on the line at the contact, hold force included"),
+    "hold_force": Quantity(("contact", "axis"), "N", "force along the path that keeps the prescribed travel going"),
+    "contact_xi": Quantity(("contact",), "m", "material coordinate of the contact"),
+    "contact_speed": Quantity(("contact",), "m/s", "speed of the load as measured"),
+    "contact_tension": Quantity(("contact", "side"), "N", "tension behind and ahead of the load"),
+    "reaction": Quantity(("support", "axis"), "N", "force of the support on the line"),
+    "energy": Quantity(("form",), "J", "energy of each form in the audit"),
+}
+
+PATHS: Mapping[str, Quantity] = {
+    "time": Quantity((), "s", "time"),
+    "load_path": Quantity((), "m", "path travelled by the load"),
+}
+
+COORDINATES: Mapping[str, Quantity] = {
+    "axis": Quantity(("axis",), "1", "axis: x along the span, y sideways, z up"),
+    "line": Quantity(("node",), "1", "line of the node"),
+    "xi": Quantity(("node",), "m", "material coordinate of the node (unstrained arc length)"),
+    "link_line": Quantity(("link",), "1", "line of the link"),
+    "link_xi": Quantity(("link",), "m", "material coordinate of the middle of the link (unstrained arc length)"),
+    "load": Quantity(("contact",), "1", "load of the contact"),
+    "side": Quantity(("side",), "1", "side of the load, in the sense of its travel"),
+    "support": Quantity(("support",), "1", "support of a line"),
+    "form": Quantity(("form",), "1", "form of energy"),
+}
+
+
+def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
+    """Values of all coordinates but the leading one: names as text, `xi` and `link_xi` in m."""
+    names = {
+        "axis": layout.axes,
+        "line": layout.node_line,
+        "link_line": layout.link_line,
+        "load": layout.contact_load,
+        "side": SIDES,
+        "support": layout.support,
+        "form": ENERGY_FORMS,
+    }
+    values: dict[str, NDArray[Any]] = {name: np.array(text, dtype=np.str_) for name, text in names.items()}
+    values["xi"] = np.array(layout.node_xi, dtype=np.float64)
+    values["link_xi"] = np.array(layout.link_xi, dtype=np.float64)
+    return {name: values[name] for name in COORDINATES}
+
+
+def sizes(layout: Layout) -> dict[str, int]:
+    """Length of every dimension but the leading one."""
+    return {
+        "node": len(layout.node_line),
+        "axis": len(layout.axes),
+        "link": len(layout.link_line),
+        "contact": len(layout.contact_load),
+        "side": len(SIDES),
+        "support": len(layout.support),
+        "form": len(ENERGY_FORMS),
+    }
+
+
+def shapes(layout: Layout) -> dict[str, tuple[int, ...]]:
+    """Shape of every variable in one frame."""
+    size = sizes(layout)
+    return {name: tuple(size[d] for d in quantity.dims) for name, quantity in VARIABLES.items()}
+
+
+def scenario_text(scenario: Scenario) -> str:
+    """The whole scenario as JSON that can be run again; callables of the Python API appear by their name only."""
+
+    def name(value: object) -> str:
+        return f"<{getattr(value, '__module__', '')}.{getattr(value, '__qualname__', type(value).__name__)}>"
+
+    tree = scenario.model_dump(by_alias=True, exclude_none=True)
+    return json.dumps(tree, indent=1, ensure_ascii=False, default=name)
+
+
+def scenario_attributes(scenario: Scenario) -> dict[str, Attribute]:
+    """Attributes that are known before the run."""
+    text = scenario_text(scenario)
+    return {
+        "Conventions": CONVENTIONS,
+        "title": scenario.title,
+        "source": f"ropewalk {ropewalk.__version__}",
+        "ropewalk_version": ropewalk.__version__,
+        "scenario": text,
+        "scenario_sha256": hashlib.sha256(text.encode()).hexdigest(),
+    }
+
+
+def account_attributes(account: Account) -> dict[str, Attribute]:
+    """Attributes that tell how the run went; the warnings are lines of one text."""
+    return {
+        "outcome": account.outcome,
+        "advice": account.advice,
+        "method": account.method,
+        "reason": account.reason,
+        "step": float(account.step),
+        "steps": int(account.steps),
+        "cpu_seconds": float(account.cpu_seconds),
+        "wall_seconds": float(account.wall_seconds),
+        "warnings": "\n".join(" ".join(warning.split()) for warning in account.warnings),
+    }
+
+
+def path_name(dataset: xr.Dataset) -> str:
+    """Name of the leading dimension: `time` or `load_path`."""
+    return "time" if "time" in dataset.dims else "load_path"
+
+
+def links(dataset: xr.Dataset) -> xr.Dataset:
+    """The link quantities alone (tension, strain), with coordinates `line(link)` and `xi(link)`."""
+    nodes = [name for name in dataset.variables if "node" in dataset[name].dims]
+    others = [name for name in dataset.data_vars if "link" not in dataset[name].dims]
+    return dataset.drop_vars([*nodes, *others]).rename(link_line="line", link_xi="xi")

@@ -1,0 +1,291 @@
+"""Recording: frames in, a labelled dataset out, in memory or streaming to a NetCDF file."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import time
+from collections.abc import Iterable
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Protocol, Self
+
+import numpy as np
+
+from ropewalk.results import contract
+from ropewalk.results.files import WriteError, check_target, open_result
+from ropewalk.results.frame import Account, Array, Frame, Layout
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ropewalk.model import Scenario
+
+SYNC_SECONDS = 1.0  # a killed run loses no more than this
+SLOW_FRAME = 0.1  # frames that come more slowly, in s, are written at once: it costs next to nothing then
+BLOCK_BYTES = 1_000_000  # frames wait in memory up to this size: fewer and larger writes
+BLOCK_ROWS = 512
+RESERVE = 16 * 1024  # bytes kept free in the header for attributes that grow, or else the data would have to move
+
+
+class Recorder:
+    """Collects the frames of a run; use it as a context manager, or call `close` at the end.
+
+    Args:
+        layout: names and coordinates of the result.
+        scenario: what is run; it goes into the attributes as JSON.
+        account: how the run goes; read again whenever the file is brought up to date, and at the end.
+        file: stream to this NetCDF file (an earlier one is replaced), or keep everything in memory.
+
+    Raises:
+        ResultError: a result cannot be written to `file`; nothing has been touched then.
+    """
+
+    def __init__(self, layout: Layout, scenario: Scenario, account: Account, file: Path | None = None) -> None:
+        if layout.path not in contract.PATHS:
+            raise ValueError(f"the leading dimension is one of {', '.join(contract.PATHS)}, not {layout.path!r}")
+        self._account = account
+        self._shapes = contract.shapes(layout)
+        self._result: xr.Dataset | None = None
+        self._closed = False
+        fixed = contract.scenario_attributes(scenario)
+        self._store: _Store = _Memory(layout, fixed) if file is None else _File(layout, fixed, account, file)
+
+    @property
+    def frames(self) -> int:
+        """Number of frames recorded so far."""
+        return self._store.count
+
+    def append(self, frame: Frame) -> None:
+        """Record a frame; its arrays are copied and may be used again.
+
+        Raises:
+            ValueError: an array does not have the shape of the layout.
+            WriteError: the file cannot be written any further.
+        """
+        if self._closed:
+            raise ValueError("the recorder is closed")
+        for name, shape in self._shapes.items():
+            if np.shape(getattr(frame, name)) != shape:
+                given = np.shape(getattr(frame, name))
+                raise ValueError(f"frame {self.frames}: {name} has shape {given}, the layout says {shape}")
+        self._store.append(frame, self._account)
+
+    def close(self) -> xr.Dataset:
+        """Finish the record and give it as a dataset; a file is complete and closed then.
+
+        Raises:
+            WriteError: the last frames cannot be written.
+        """
+        if not self._closed:
+            self._closed = True
+            self._store.finish(self._account)
+        if self._result is None:
+            self._result = self._store.result(self._account)
+        return self._result
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        account = self._account
+        if problem is None:
+            if account.outcome == "running":
+                account.outcome = "completed"
+            self.close()
+            return
+        if account.outcome == "running":
+            account.outcome = "interrupted" if isinstance(problem, KeyboardInterrupt) else "failed"
+            account.advice = account.advice or str(problem)
+        if not self._closed:
+            self._closed = True
+            with contextlib.suppress(WriteError):  # the problem under way is the one to report
+                self._store.finish(account)
+
+
+class _Store(Protocol):
+    count: int
+
+    def append(self, frame: Frame, account: Account) -> None: ...
+
+    def finish(self, account: Account) -> None: ...
+
+    def result(self, account: Account) -> xr.Dataset: ...
+
+
+def _rows(layout: Layout, rows: int) -> dict[str, Array]:
+    arrays = {name: np.full((rows, *shape), np.nan) for name, shape in contract.shapes(layout).items()}
+    return {contract.PATH: np.full(rows, np.nan), **arrays}
+
+
+class _Memory:
+    """Arrays that double when they are full."""
+
+    def __init__(self, layout: Layout, fixed: dict[str, contract.Attribute]) -> None:
+        self.count = 0
+        self._layout, self._fixed = layout, fixed
+        self._arrays = _rows(layout, 64)
+
+    def append(self, frame: Frame, account: Account) -> None:
+        if self.count == len(self._arrays[contract.PATH]):
+            self._resize(2 * self.count)
+        for name, array in self._arrays.items():
+            array[self.count] = getattr(frame, name)
+        self.count += 1
+
+    def _resize(self, rows: int) -> None:
+        for array in self._arrays.values():
+            array.resize((rows, *array.shape[1:]), refcheck=False)  # in place: no second copy of a large result
+
+    def finish(self, account: Account) -> None:
+        self._resize(self.count)
+
+    def result(self, account: Account) -> xr.Dataset:
+        import xarray as xr
+
+        path, arrays = self._layout.path, self._arrays
+        values = contract.coordinate_values(self._layout)
+        coordinates = {name: (q.dims, values[name], q.attributes) for name, q in contract.COORDINATES.items()}
+        coordinates[path] = ((path,), arrays[contract.PATH], contract.PATHS[path].attributes)
+        variables = {name: ((path, *q.dims), arrays[name], q.attributes) for name, q in contract.VARIABLES.items()}
+        return xr.Dataset(variables, coordinates, {**self._fixed, **contract.account_attributes(account)})
+
+
+class _File:
+    """A NetCDF file that is readable at any time.
+
+    It has the classic format (64-bit offsets), whose frames follow one another behind a header that holds their
+    number: a kill at any instant, and a full disk, leave what was synchronised before. The HDF5-based format was
+    found unreadable after kills during a write (`docs/notes/result-file.md`).
+    """
+
+    def __init__(self, layout: Layout, fixed: dict[str, contract.Attribute], account: Account, file: Path) -> None:
+        self.count = 0
+        self._layout = layout
+        self.path = check_target(file)
+        self._arrays = _rows(layout, block_rows(layout))
+        self._base = 0  # first frame in the block
+        self._written = 0
+        self._told: dict[str, contract.Attribute] = {}
+        self._last_append = self._last_sync = time.monotonic()
+        try:
+            self.path.unlink(missing_ok=True)  # a reader of the earlier result keeps what it has open
+            self._file: Any = _create(self.path, layout, {**fixed, **contract.account_attributes(account)})
+        except (OSError, RuntimeError) as problem:
+            raise WriteError(f"{file}: cannot be created ({problem})") from problem
+
+    def append(self, frame: Frame, account: Account) -> None:
+        row = self.count - self._base
+        for name, array in self._arrays.items():
+            array[row] = getattr(frame, name)
+        self.count += 1
+        now = time.monotonic()
+        slow = now - self._last_append >= SLOW_FRAME or self.count == 1
+        full = row + 1 == len(self._arrays[contract.PATH])
+        self._last_append = now
+        if full or slow or now - self._last_sync >= SYNC_SECONDS:
+            self._flush(account, ("method", "reason", "step", "warnings"))
+
+    def _flush(self, account: Account, keys: Iterable[str]) -> None:
+        """Write what is new and synchronise; harmless to repeat after an interrupt."""
+        first, last = self._written, self.count
+        try:
+            for name, variable in self._file.variables.items():
+                array = self._arrays.get(contract.PATH if name == self._layout.path else name)
+                if array is not None and last > first:
+                    variable[first:last] = array[first - self._base : last - self._base]
+            self._tell(account, keys)
+            self._file.sync()
+        except (OSError, RuntimeError) as problem:
+            self._file = None  # closes it; an explicit close fails as well, and a second one crashes
+            raise WriteError(
+                f"{self.path}: cannot be written any further ({problem}); is the disk full? "
+                f"{first} frames had been written before"
+            ) from problem
+        self._written = last
+        if last - self._base == len(self._arrays[contract.PATH]):
+            self._base = last
+        self._last_sync = time.monotonic()
+
+    def _tell(self, account: Account, keys: Iterable[str]) -> None:
+        values = contract.account_attributes(account)
+        news = {key: values[key] for key in keys if values[key] != self._told.get(key)}
+        if news:
+            self._file.setncatts(_storable(news))
+            self._told.update(news)
+
+    def finish(self, account: Account) -> None:
+        if self._file is None:
+            return
+        self._flush(account, contract.account_attributes(account))
+        try:
+            self._file.close()
+        except (OSError, RuntimeError) as problem:
+            self._file = None
+            raise WriteError(f"{self.path}: cannot be completed ({problem}); is the disk full?") from problem
+
+    def result(self, account: Account) -> xr.Dataset:
+        return open_result(self.path)
+
+
+def block_rows(layout: Layout) -> int:
+    """Number of frames that wait in memory for being written."""
+    frame = 8 * sum(math.prod(shape) for shape in contract.shapes(layout).values())
+    return int(np.clip(BLOCK_BYTES // frame, 1, BLOCK_ROWS))
+
+
+def _storable(attributes: dict[str, contract.Attribute]) -> dict[str, Any]:
+    """Attributes as the classic format takes them: it knows no integers of 64 bits."""
+    return {
+        key: (np.int32(value) if abs(value) < 2**31 else float(value)) if isinstance(value, int) else value
+        for key, value in attributes.items()
+    }
+
+
+def _create(path: Path, layout: Layout, attributes: dict[str, contract.Attribute]) -> Any:
+    import netCDF4
+
+    file = netCDF4.Dataset(path, "w", format="NETCDF3_64BIT_OFFSET")
+    file.set_fill_off()  # every value is written, once
+    size = contract.sizes(layout)
+    file.createDimension(layout.path, None)
+    for name in size:
+        if size[name]:  # a length of zero would mean "unlimited"; `open_result` gives what is missing
+            file.createDimension(name, size[name])
+    file.setncatts({**_storable(attributes), "reserve": " " * RESERVE})
+    for name, quantity in contract.COORDINATES.items():
+        if all(size[d] for d in quantity.dims):
+            _write_coordinate(file, name, quantity, contract.coordinate_values(layout)[name])
+    variables = {layout.path: contract.PATHS[layout.path], **contract.VARIABLES}
+    for name, quantity in variables.items():
+        if all(size[d] for d in quantity.dims):
+            variable = file.createVariable(name, "f8", (layout.path, *quantity.dims))
+            variable.setncatts(quantity.attributes)
+            if auxiliary := _auxiliary(quantity.dims):
+                variable.setncattr("coordinates", auxiliary)
+    file.sync()
+    file.delncattr("reserve")
+    file.sync()
+    return file
+
+
+def _auxiliary(dims: tuple[str, ...]) -> str:
+    """Names of the coordinates that are not dimensions, in the way of the CF conventions."""
+    return " ".join(n for n, q in contract.COORDINATES.items() if n not in q.dims and q.dims[0] in dims)
+
+
+def _write_coordinate(file: Any, name: str, quantity: contract.Quantity, values: Any) -> None:
+    if values.dtype.kind != "U":
+        variable = file.createVariable(name, "f8", quantity.dims)
+        variable[:] = values
+    else:
+        width = max(len(text.encode()) for text in values.tolist())
+        data = np.char.encode(values, "utf-8").astype(f"S{width}")
+        file.createDimension(f"{name}_letters", width)
+        variable = file.createVariable(name, "S1", (*quantity.dims, f"{name}_letters"))
+        variable.set_auto_chartostring(False)
+        variable[:] = data.view("S1").reshape(-1, width)
+        variable.setncattr("_Encoding", "utf-8")
+    variable.setncatts(quantity.attributes)

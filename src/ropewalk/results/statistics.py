@@ -1,0 +1,247 @@
+"""Statistics: what an engineer asks first, as a dictionary of plain SI values that fits into JSON."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ropewalk.results.contract import path_name
+from ropewalk.results.frame import ENERGY_FORMS, Array
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+BLOCK_BYTES = 64e6  # a large result is read in pieces of this size
+AUDIT = "imbalance"
+
+Summary = dict[str, Any]
+
+
+def summary(dataset: xr.Dataset) -> Summary:
+    """Give the few numbers that describe a result; NaN (a load off its line) is left out, absent values are None.
+
+    Every quantity is `{value, unit, ...}` with the place (`line`, `xi` in m) and the instant (`time` in s, or
+    `load_path` in m) where it was found; forces list their `components` by axis.
+
+    Args:
+        dataset: a result, in memory or lazy.
+    """
+    name = path_name(dataset)
+    loads = enumerate(dataset["load"].values.tolist())
+    supports = enumerate(dataset["support"].values.tolist())
+    found: Summary = {
+        "title": dataset.attrs.get("title", ""),
+        "outcome": dataset.attrs.get("outcome", ""),
+        "advice": dataset.attrs.get("advice", ""),
+        "warnings": [text for text in str(dataset.attrs.get("warnings", "")).splitlines() if text],
+        "frames": dataset.sizes[name],
+        "simulated": _simulated(dataset),
+        "largest_tension": _extreme(dataset, "tension", np.nanmax),
+        "smallest_tension": _extreme(dataset, "tension", np.nanmin),
+        "largest_strain": _extreme(dataset, "strain", np.nanmax),
+        "smallest_strain": _extreme(dataset, "strain", np.nanmin),
+        "largest_sag": _largest_sag(dataset),
+        "supports": {label: _vector(dataset, dataset["reaction"][:, k]) for k, label in supports},
+        "contacts": {label: _contact(dataset, k) for k, label in loads},
+        "energy": _energy(dataset),
+        "method": _method(dataset),
+    }
+    plain: Summary = _plain(found)
+    return plain
+
+
+def blocks(dataset: xr.Dataset) -> Iterator[xr.Dataset]:
+    """Pieces of a result along its leading dimension, small enough to be loaded."""
+    name = path_name(dataset)
+    frames = dataset.sizes[name]
+    rows = max(1, int(BLOCK_BYTES // max(dataset.nbytes / max(frames, 1), 1)))
+    for first in range(0, frames, rows):
+        yield dataset.isel({name: slice(first, first + rows)})
+
+
+def sag(dataset: xr.Dataset, line: str) -> Array:
+    """Depth of a line below the straight chord between its ends, in m.
+
+    Args:
+        dataset: a result.
+        line: name of the line.
+
+    Returns:
+        Array (frame, node of the line), positive below the chord; NaN where the chord is vertical.
+    """
+    here = np.flatnonzero(dataset["line"].values == line)
+    x = dataset["position"].sel(axis="x").isel(node=here).values
+    z = dataset["position"].sel(axis="z").isel(node=here).values
+    run, rise = x[:, -1:] - x[:, :1], z[:, -1:] - z[:, :1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = np.where(np.abs(run) > 1e-9 * np.hypot(run, rise), rise / run, np.nan)
+    depth: Array = z[:, :1] + slope * (x - x[:, :1]) - z
+    return depth
+
+
+def turnover(energy: Array) -> Array:
+    """Energy that has changed its form since the start, in J: half the sum of all changes.
+
+    Args:
+        energy: array (frame, form) in J, in the order of ENERGY_FORMS.
+
+    Returns:
+        Array (frame,).
+    """
+    forms = [k for k, form in enumerate(ENERGY_FORMS) if form != AUDIT]
+    moved: Array = np.nansum(np.abs(energy[:, forms] - energy[:1, forms]), axis=1) / 2
+    return moved
+
+
+def lines(dataset: xr.Dataset) -> list[str]:
+    """Names of the lines, in the order of the result."""
+    return list(dict.fromkeys(dataset["line"].values.tolist()))
+
+
+def _simulated(dataset: xr.Dataset) -> Summary:
+    name = path_name(dataset)
+    path = dataset[name].values
+    return {"value": path[-1] - path[0] if len(path) else 0.0, "unit": dataset[name].attrs["units"]}
+
+
+Pick = Callable[[NDArray[Any]], Any]
+
+
+def _extreme(dataset: xr.Dataset, name: str, pick: Pick) -> Summary | None:
+    """The extreme value of a link quantity, where and when."""
+    best: tuple[float, int, float] | None = None
+    for block in blocks(dataset):
+        values = block[name].values
+        if not np.isfinite(values).any():
+            continue
+        value = pick(values)
+        if best is None or pick(np.array([value, best[0]])) != best[0]:
+            frame, link = np.argwhere(values == value)[0]
+            best = (float(value), int(link), float(block[path_name(block)].values[frame]))
+    if best is None:
+        return None
+    value, link, when = best
+    where = {"line": dataset["link_line"].values[link], "xi": dataset["link_xi"].values[link]}
+    return {"value": value, "unit": dataset[name].attrs["units"], **where, path_name(dataset): when}
+
+
+def _largest_sag(dataset: xr.Dataset) -> Summary | None:
+    best: Summary | None = None
+    for block in blocks(dataset):
+        for line in lines(dataset):
+            depth = sag(block, line)
+            if not np.isfinite(depth).any():
+                continue
+            frame, place = np.unravel_index(int(np.nanargmax(depth)), depth.shape)
+            if best is None or depth[frame, place] > best["value"]:
+                node = np.flatnonzero(dataset["line"].values == line)[place]
+                best = {
+                    "value": depth[frame, place],
+                    "unit": "m",
+                    "line": line,
+                    "xi": dataset["xi"].values[node],
+                    "x": block["position"].sel(axis="x").values[frame, node],
+                    path_name(dataset): block[path_name(block)].values[frame],
+                }
+    return best
+
+
+def _range(values: Array) -> Summary:
+    return {"min": _reduce(np.min, values), "max": _reduce(np.max, values)}
+
+
+def _reduce(function: Pick, values: Array) -> float | None:
+    kept = values[np.isfinite(values)]
+    return float(function(kept)) if kept.size else None
+
+
+def _vector(dataset: xr.Dataset, force: xr.DataArray) -> Summary:
+    """Largest magnitude of a force (frame, axis) with its instant, and the range of each component."""
+    values = force.values
+    size = np.linalg.norm(values, axis=1)
+    axes = dataset["axis"].values.tolist()
+    out: Summary = {
+        "value": None,
+        "unit": "N",
+        "components": {a: _range(values[:, k]) for k, a in enumerate(axes)},
+    }
+    if np.isfinite(size).any():
+        out["value"] = np.nanmax(size)
+        out[path_name(dataset)] = dataset[path_name(dataset)].values[np.nanargmax(size)]
+    return out
+
+
+def _contact(dataset: xr.Dataset, k: int) -> Summary:
+    """Statistics of one contact over the output instants at which its load is on the line."""
+    force = dataset["contact_force"][:, k].values
+    columns = {"magnitude": np.linalg.norm(force, axis=1)}
+    columns |= {axis: force[:, i] for i, axis in enumerate(dataset["axis"].values.tolist())}
+    measures: dict[str, Pick] = {"mean": np.mean, "std": np.std, "min": np.min, "max": np.max}
+    statistics: Summary = {
+        name: {measure: _reduce(function, values) for measure, function in measures.items()}
+        for name, values in columns.items()
+    }
+    sides = dataset["contact_tension"][:, k].values
+    jump = sides[:, 1] - sides[:, 0]
+    path = dataset[path_name(dataset)].values
+    tension_jump: Summary = {"value": None, "unit": "N", **_range(jump)}
+    if np.isfinite(jump).any():
+        at = int(np.nanargmax(np.abs(jump)))
+        tension_jump |= {"value": jump[at], path_name(dataset): path[at]}
+    present = np.isfinite(columns["magnitude"])
+    return {
+        "force": {"unit": "N", **statistics},
+        "tension_jump": tension_jump,
+        "hold_force": _vector(dataset, dataset["hold_force"][:, k]),
+        "share_on_line": float(np.mean(present)) if present.size else None,
+    }
+
+
+def _energy(dataset: xr.Dataset) -> Summary:
+    energy, path = dataset["energy"].values, dataset[path_name(dataset)].values
+    if not len(energy):
+        return {
+            "unit": "J",
+            "final": dict.fromkeys(ENERGY_FORMS),
+            "turnover": None,
+            "largest_imbalance": None,
+        }
+    moved = float(np.max(turnover(energy)))
+    audit = np.abs(energy[:, ENERGY_FORMS.index(AUDIT)])
+    worst: Summary | None = None
+    if np.isfinite(audit).any():
+        at = int(np.nanargmax(audit))
+        relative = audit[at] / moved if moved > 0.0 else None
+        worst = {"value": audit[at], "unit": "J", "relative": relative, path_name(dataset): path[at]}
+    final = dict(zip(ENERGY_FORMS, energy[-1].tolist(), strict=True))
+    return {"unit": "J", "final": final, "turnover": moved, "largest_imbalance": worst}
+
+
+def _method(dataset: xr.Dataset) -> Summary:
+    told = dataset.attrs
+    wall = float(told.get("wall_seconds", math.nan))
+    simulated = _simulated(dataset)["value"] if path_name(dataset) == "time" else math.nan
+    return {
+        "name": told.get("method", ""),
+        "reason": told.get("reason", ""),
+        "step": {"value": told.get("step"), "unit": "s"},
+        "steps": told.get("steps"),
+        "cpu": {"value": told.get("cpu_seconds"), "unit": "s"},
+        "wall": {"value": wall, "unit": "s"},
+        "real_time_factor": simulated / wall if wall > 0.0 and simulated > 0.0 else None,
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Numbers of NumPy become Python's, and what is not finite becomes None, which JSON can say."""
+    if isinstance(value, dict):
+        return {str(key): _plain(entry) for key, entry in value.items()}
+    if isinstance(value, list):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,69 @@
+"""Runs the command line with a stand-in for the solver; the title of the scenario says how the run goes."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "results"))
+
+import travelling_wave as wave
+
+from ropewalk.errors import EquilibriumError
+from ropewalk.results import Account, Recorder
+
+ADVICE = "try a smaller step"
+
+
+def simulate(scenario, *, file=None, progress=None):
+    account = Account(method="rkn6", reason="undamped", step=1e-3, steps=181, wall_seconds=0.5)
+    if scenario.title == "no equilibrium":
+        raise EquilibriumError("the line is shorter than the distance of its ends")
+    if scenario.title == "fault":
+        raise ZeroDivisionError("float division by zero")
+    plan = wave.layout()
+    recorder = Recorder(plan, scenario, account, file)
+    account.outcome = "completed"
+    try:
+        for count, frame in enumerate(wave.frames(plan, np.linspace(0.0, 1.8, 61))):
+            recorder.append(frame)
+            if progress is not None:
+                progress((count + 1) / 61)
+            if scenario.title == "breakdown" and count == 20:
+                account.outcome, account.advice = "diverged", ADVICE
+                break
+            if scenario.title == "impossible" and count == 20:
+                raise EquilibriumError("Newton found no rest shape")
+            if scenario.title == "slow":
+                print("step", count, file=sys.stderr, flush=True)
+                time.sleep(0.02)
+    except KeyboardInterrupt:
+        account.outcome = "interrupted"
+    return recorder.close()
+
+
+def figures(directory, only=None, progress=None):
+    Path(directory).mkdir(exist_ok=True)
+    for name in only or PAPER.AVAILABLE:
+        (Path(directory) / f"figure-{name}.txt").write_text("drawn")
+    if progress is not None:
+        progress(1.0)
+
+
+SIMULATE = ModuleType("ropewalk.simulate")
+SIMULATE.simulate = simulate
+PAPER = ModuleType("ropewalk.paper")
+PAPER.AVAILABLE = [3, 4, "table-1"]
+PAPER.figures = figures
+SOLVE = SimpleNamespace(spectrum=lambda scenario, *, at: {"at": at, "largest_frequency": 12.5})
+
+if __name__ == "__main__":
+    sys.modules["ropewalk.simulate"] = SIMULATE
+    from ropewalk.cli import main
+
+    sys.argv[0] = "ropewalk"
+    main()

@@ -1,0 +1,173 @@
+"""The summary says what can be computed by hand from a small result."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import travelling_wave as wave
+
+from ropewalk.results import Account, Frame, Layout, Recorder, statistics, summary, text
+from ropewalk.results.frame import ENERGY_FORMS
+from ropewalk.results.table import number
+
+NAN = np.nan
+LAYOUT = Layout(
+    axes=("x", "z"),
+    node_line=("left", "left", "left", "right", "right"),
+    node_xi=np.array([0.0, 1.0, 2.0, 0.0, 4.0]),
+    link_line=("left", "left", "right"),
+    link_xi=np.array([0.5, 1.5, 2.0]),
+    contact_load=("cart",),
+    support=("left.start", "left.end"),
+)
+
+
+def frame(time: float, **changes: object) -> Frame:
+    values: dict[str, object] = {
+        "position": [[0, 0], [1, -0.5], [2, 1], [2, 1], [6, 1]],
+        "velocity": np.zeros((5, 2)),
+        "tension": [10.0, 20.0, 5.0],
+        "strain": [0.1, 0.2, 0.05],
+        "contact_position": [[1.0, -0.5]],
+        "contact_force": [[3.0, -4.0]],
+        "hold_force": [[3.0, 0.0]],
+        "contact_xi": [1.0],
+        "contact_speed": [2.0],
+        "contact_tension": [[10.0, 20.0]],
+        "reaction": [[-6.0, 8.0], [1.0, 0.0]],
+        "energy": np.zeros(len(ENERGY_FORMS)),
+        **changes,
+    }
+    return Frame(path=time, **{name: np.array(value, dtype=float) for name, value in values.items()})
+
+
+OFF = {
+    "contact_position": [[NAN, NAN]],
+    "contact_force": [[NAN, NAN]],
+    "hold_force": [[NAN, NAN]],
+    "contact_xi": [NAN],
+    "contact_speed": [NAN],
+    "contact_tension": [[NAN, NAN]],
+}
+FRAMES = [
+    frame(0.0, energy=[0, 0, 100, 0, 0, 0, 0, 0]),
+    frame(
+        0.5,
+        tension=[10, 20, -7],
+        strain=[0.1, 0.2, -0.07],
+        contact_force=[[0, -10]],
+        hold_force=[[-2, 0]],
+        contact_tension=[[30, 5]],
+        reaction=[[-30, 40], [1, 0]],
+        energy=[30, 20, 40, 10, 0, 0, 0, 0.5],
+    ),
+    frame(1.0, position=[[0, 0], [1, 0.25], [2, 1], [2, 1], [6, 1]], energy=[35, 5, 40, 20, 0, 0, 0, -0.1], **OFF),
+]
+
+
+def dataset(frames=FRAMES, **account):
+    recorder = Recorder(LAYOUT, wave.scenario(), Account(outcome="completed", **account))
+    for entry in frames:
+        recorder.append(entry)
+    return recorder.close()
+
+
+@pytest.fixture(scope="module")
+def found():
+    account = {"method": "rkn6", "reason": "undamped", "step": 1e-3, "steps": 1000, "wall_seconds": 0.25}
+    return summary(dataset(**account, warnings=["compression"]))
+
+
+def test_the_largest_tension_is_given_with_line_place_and_instant(found):
+    expected = {"value": 20.0, "unit": "N", "line": "left", "xi": 1.5, "time": 0.0}
+    assert found["largest_tension"] == expected
+
+
+def test_compression_and_the_range_of_strain_are_found(found):
+    where = {"line": "right", "xi": 2.0, "time": 0.5}
+    assert found["smallest_tension"] == {"value": -7.0, "unit": "N", **where}
+    assert found["smallest_strain"] == {"value": -0.07, "unit": "1", **where}
+    assert found["largest_strain"]["value"] == 0.2
+
+
+def test_sag_is_measured_from_the_inclined_chord(found):
+    assert found["largest_sag"] == {"value": 1.0, "unit": "m", "line": "left", "xi": 1.0, "x": 1.0, "time": 0.0}
+
+
+def test_a_vertical_line_has_no_sag():
+    upright = frame(0.0, position=[[0, 0], [0.1, -1], [0, -2], [3, 0], [3, -4]])
+    assert summary(dataset([upright]))["largest_sag"] is None
+
+
+def test_support_forces_have_magnitude_instant_and_component_ranges(found):
+    components = {"x": {"min": -30.0, "max": -6.0}, "z": {"min": 8.0, "max": 40.0}}
+    assert found["supports"]["left.start"] == {"value": 50.0, "unit": "N", "time": 0.5, "components": components}
+
+
+def test_contact_statistics_leave_out_the_time_off_the_line(found):
+    cart = found["contacts"]["cart"]
+    assert cart["force"]["magnitude"] == {"mean": 7.5, "std": 2.5, "min": 5.0, "max": 10.0}
+    assert cart["force"]["z"] == {"mean": -7.0, "std": 3.0, "min": -10.0, "max": -4.0}
+    assert cart["share_on_line"] == pytest.approx(2 / 3)
+    assert cart["tension_jump"] == {"value": -25.0, "unit": "N", "min": -25.0, "max": 10.0, "time": 0.5}
+    assert cart["hold_force"]["components"]["x"] == {"min": -2.0, "max": 3.0}
+    assert (cart["hold_force"]["value"], cart["hold_force"]["time"]) == (3.0, 0.0)
+
+
+def test_the_imbalance_is_compared_with_the_energy_turned_over(found):
+    assert found["energy"]["turnover"] == 60.0
+    worst = {"value": 0.5, "unit": "J", "relative": 0.5 / 60.0, "time": 0.5}
+    assert found["energy"]["largest_imbalance"] == worst
+    assert found["energy"]["final"]["line_damping"] == 20.0
+
+
+def test_the_method_is_told_with_its_pace(found):
+    method = found["method"]
+    assert (method["name"], method["reason"], method["steps"]) == ("rkn6", "undamped", 1000)
+    assert method["step"] == {"value": 1e-3, "unit": "s"}
+    assert method["real_time_factor"] == 4.0
+    assert found["warnings"] == ["compression"]
+
+
+def test_the_summary_is_json_without_nan_even_if_nothing_is_known():
+    for case in (dataset(), dataset([]), dataset([frame(0.0, **OFF)]), dataset([frame(0.0, tension=[NAN] * 3)])):
+        assert json.loads(json.dumps(summary(case), allow_nan=False))["outcome"] == "completed"
+        assert "completed" in text(summary(case))
+    assert summary(dataset([]))["largest_tension"] is None
+    assert summary(dataset([frame(0.0, **OFF)]))["contacts"]["cart"]["force"]["magnitude"]["mean"] is None
+
+
+def test_a_large_result_is_read_in_pieces_with_the_same_answer(result, monkeypatch):
+    whole = summary(result)
+    monkeypatch.setattr(statistics, "BLOCK_BYTES", 20_000)
+    assert len(list(statistics.blocks(result))) > 5
+    assert summary(result) == whole
+
+
+def test_a_quasistatic_result_has_no_pace_and_places_on_the_load_path(make):
+    found = summary(make(wave.layout(path="load_path"), account=Account(wall_seconds=0.5)))
+    assert found["method"]["real_time_factor"] is None
+    assert "load_path" in found["largest_tension"]
+    assert "load path = " in text(found)
+
+
+def test_the_table_answers_the_first_questions(found):
+    table = text(found)
+    for row in (
+        "largest tension                 20.00 N  left at xi = 1.500 m  t = 0 s",
+        "largest sag                     1.000 m  left at xi = 1.000 m  t = 0 s",
+        "left.start                      50.00 N  t = 0.5000 s  x: -30.00 to -6.000 N  z: 8.000 to 40.00 N",
+        "time taken                      0.250 s  4.00 times real time",
+        "warning: compression",
+    ):
+        assert row.split() in [line.split() for line in table.splitlines()]
+
+
+@pytest.mark.parametrize(
+    ("value", "written"),
+    [(None, "–"), (0.0, "0"), (2669.4, "2669"), (0.026694, "0.02669"), (-3.14159, "-3.142"), (2.5e7, "2.500e+07")],
+)
+def test_numbers_have_four_digits(value, written):
+    assert number(value) == written
