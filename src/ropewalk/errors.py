@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import difflib
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 
 class RopewalkError(Exception):
     """Base of every error that ropewalk raises on purpose."""
+
+
+class Refused(ValueError):
+    """A value not accepted: what is wrong, what to do, what was given (None: show the value itself)."""
+
+    def __init__(self, wrong: str, remedy: str = "", given: str | None = None) -> None:
+        self.wrong = wrong
+        self.remedy = remedy
+        self.given = given
+        super().__init__(f"{wrong}; {remedy}" if remedy else wrong)
+
+    def __reduce__(self) -> tuple[type[Refused], tuple[str, str, str | None]]:
+        return Refused, (self.wrong, self.remedy, self.given)
 
 
 @dataclass(frozen=True)
@@ -22,13 +36,14 @@ class Problem:
     line: int | None = None
 
     def __str__(self) -> str:
-        where = ":".join(str(part) for part in (self.file, self.line, self.key) if part not in ("", None))
-        text = f"{where}: {self.wrong}" if where else self.wrong
+        place = self.file if self.line is None else f"{self.file}:{self.line}"
+        key = "" if place.endswith(f" {self.key}") else self.key  # "--set a.b" has named the key already
+        text = ": ".join(part for part in (place, key, self.wrong) if part)
         if self.given:
             text += f", given {self.given}"
         if self.remedy:
             text += f"; {self.remedy}"
-        return text
+        return printable(text)
 
 
 class ScenarioError(RopewalkError):
@@ -38,6 +53,34 @@ class ScenarioError(RopewalkError):
         self.problems = tuple(problems)
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
+    def __reduce__(self) -> tuple[type[ScenarioError], tuple[tuple[Problem, ...]]]:
+        return ScenarioError, (self.problems,)
+
 
 class EquilibriumError(RopewalkError):
     """No rest shape exists, or it is not unique; the message says why and what to change."""
+
+
+def printable(text: str) -> str:
+    """Write control characters and lone surrogates as escapes, so that any terminal can show the text."""
+    return "".join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in text)
+
+
+def nearest(word: str, options: Iterable[str]) -> str | None:
+    """Find the option that `word` most likely meant, or None."""
+    choices = list(options)
+    for choice in choices:
+        if choice.lower() == word.lower():
+            return choice
+    lowered = {choice.lower(): choice for choice in choices}
+    close = difflib.get_close_matches(word.lower()[:80], lowered, n=1, cutoff=0.6)
+    return lowered[close[0]] if close else None
+
+
+def did_you_mean(word: str, options: Iterable[str], otherwise: str = "") -> str:
+    """Write the remedy for an unknown word: the nearest option, else `otherwise`, else all options."""
+    choices = list(options)
+    found = nearest(word, choices)
+    if found is not None:
+        return f"did you mean {found}?"
+    return otherwise or (f"known here: {', '.join(choices)}" if choices else "")

@@ -3,17 +3,53 @@
 from __future__ import annotations
 
 import math
+import re
+from fractions import Fraction
 from functools import lru_cache
-from typing import Annotated, Any
+from numbers import Real
+from typing import Any
 
-from pydantic import BeforeValidator, WithJsonSchema
+from ropewalk.errors import Refused, did_you_mean
 
+LARGEST = 1e30
+"""Quantities beyond this (in SI) are refused: products of a few of them would overflow."""
+SMALLEST = 1e-30
+"""Positive quantities below this (in SI) are refused: quotients by them would overflow."""
 
-@lru_cache(maxsize=1)
-def _registry() -> Any:
-    import pint  # lazy: only scenarios that write units pay for it
+_LONGEST_TEXT = 100
+_Dimension = tuple[int, int, int]  # exponents of metre, kilogram, second
 
-    return pint.UnitRegistry()
+_TABLE: dict[_Dimension, str] = {
+    (1, 0, 0): "m 1, km 1000, dm 0.1, cm 0.01, mm 0.001, µm 1e-6, um 1e-6, "
+    "in 0.0254, ft 0.3048, yd 0.9144, mi 1609.344",
+    (0, 1, 0): "kg 1, g 0.001, mg 1e-6, t 1000, lb 0.45359237",
+    (0, 0, 1): "s 1, ms 0.001, µs 1e-6, us 1e-6, min 60, h 3600",
+    (1, 1, -2): "N 1, mN 0.001, daN 10, kN 1e3, MN 1e6, GN 1e9, kgf 9.80665, lbf 4.4482216152605",
+    (-1, 1, -2): "Pa 1, kPa 1e3, MPa 1e6, GPa 1e9",
+    (0, 0, -1): "Hz 1, kHz 1e3",
+    (0, 0, 0): "% 0.01, dimensionless 1",
+}
+_SYMBOLS: dict[str, tuple[Fraction, _Dimension]] = {
+    entry.split()[0]: (Fraction(entry.split()[1]), dimension)
+    for dimension, entries in _TABLE.items()
+    for entry in entries.split(", ")
+}
+
+_MEANING = {
+    "m": ("a length", "19.5 m"),
+    "s": ("a time", "10 ms"),
+    "N": ("a force", "100 kN"),
+    "m/s": ("a speed", "72 km/h"),
+    "kg/m": ("a mass per length", "1.35 kg/m"),
+    "N*s": ("an axial damping", "50 N*s"),
+    "1/s": ("a rate", "0.1 1/s"),
+    "m/s^2": ("an acceleration", "9.81 m/s^2"),
+    "dimensionless": ("a plain number", "0.02"),
+}
+
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
+_FACTOR = re.compile(r"\s*(?P<operator>[*/])?\s*(?P<symbol>[^\W\d_][\w]*|%|1)(?:\s*\^\s*(?P<power>[+-]?\d))?\s*")
+_SAME = str.maketrans({"μ": "µ", "−": "-", "·": "*", "⋅": "*", "²": "^2", "³": "^3", "\u00a0": " ", "\u202f": " "})
 
 
 def to_si(value: object, unit: str) -> float:
@@ -24,53 +60,127 @@ def to_si(value: object, unit: str) -> float:
         unit: the SI unit wanted, for example "N" or "kg/m".
 
     Raises:
-        ValueError: not a quantity, not finite, or of another dimension; the message says what was expected.
+        Refused: (a ValueError) not a quantity, not finite, of another dimension, or beyond 1e30 in size.
     """
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ValueError(f"expected a number or a quantity in {unit}")
-    try:
-        number = float(value) if not isinstance(value, str) else _parse(value, unit)
-    except OverflowError:
-        raise ValueError(f"the number is too large to be a quantity in {unit}") from None
-    if not math.isfinite(number):
-        raise ValueError(f"expected a finite quantity in {unit}")
+    if isinstance(value, str):
+        number = _read(value, unit)
+    elif isinstance(value, Real) and not isinstance(value, bool):
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+    else:
+        raise Refused(f"expected {_meaning(unit)}", _write_it(unit))
+    if math.isnan(number):
+        raise Refused(f"expected {_meaning(unit)}, not nan", _write_it(unit))
+    if abs(number) > LARGEST:
+        raise Refused("the number is too large to calculate with", f"stay below {LARGEST:g} {_shown(unit)}")
     return number
 
 
-def _parse(text: str, unit: str) -> float:
+def written(value: float, unit: str) -> str | float:
+    """Write an SI value as text that `to_si` reads back exactly: "1.35 kg/m"; plain numbers stay numbers."""
+    text = repr(float(value)).removesuffix(".0")
+    return float(value) if unit == "dimensionless" else f"{text} {unit}"
+
+
+def _meaning(unit: str) -> str:
+    return _MEANING.get(unit, (f"a quantity in {unit}", ""))[0]
+
+
+def _shown(unit: str) -> str:
+    return "" if unit == "dimensionless" else unit
+
+
+def _write_it(unit: str) -> str:
+    example = _MEANING.get(unit, ("", f"1 {unit}"))[1]
+    return f"write it as {example}" if unit == "dimensionless" else f"write it in {unit}, for example {example}"
+
+
+def _read(text: str, unit: str) -> float:
+    if len(text) > _LONGEST_TEXT:
+        raise Refused(f"{len(text)} characters are too long for {_meaning(unit)}", _write_it(unit))
+    plain = text.translate(_SAME).replace("**", "^").strip()
+    match = _NUMBER.match(plain)
+    if match is None or re.match(r"\d*,\d|_\d", plain[match.end() :]):
+        hint = "write a decimal point and no separators" if match else _write_it(unit)
+        raise Refused(f"cannot be read as {_meaning(unit)}", hint)
+    number = float(match.group())
+    if not math.isfinite(number):
+        return number
+    if number == 0.0:
+        if re.search("[1-9]", re.split("[eE]", match.group())[0]):
+            raise Refused("the number is too small to calculate with", f"stay above {SMALLEST:g} or write 0")
+        exact = Fraction(0)
+    else:
+        exact = Fraction(match.group())
+    rest = plain[match.end() :].strip()
+    if not rest:
+        return number
+    factor, dimension = _product(rest, unit)
+    if dimension != _product(unit, unit)[1]:
+        raise Refused(f"{rest} does not fit: expected {_meaning(unit)}", _recased(rest, unit) or _write_it(unit))
     try:
-        return float(text)
-    except ValueError:
-        pass
+        return float(exact * factor)
+    except OverflowError:
+        return math.inf
+
+
+def _recased(text: str, unit: str) -> str:
+    """Suggest the unit of the same letters, some of them capital or not, that would fit."""
+    wanted = _product(unit, unit)[1]
+    same = [name for name, (_, dims) in _SYMBOLS.items() if name.lower() == text.lower() and dims == wanted]
+    return f"did you mean {same[0]}?" if same else ""
+
+
+@lru_cache(maxsize=1024)
+def _product(text: str, wanted: str) -> tuple[Fraction, _Dimension]:
+    """Read a product of units such as "kg/m" or "m/s^2" as its SI factor and its dimension."""
+    factor, dimension, at = Fraction(1), (0, 0, 0), 0
+    while at < len(text):
+        match = _FACTOR.match(text, at)
+        if match is None:
+            raise Refused(f"the unit cannot be read: expected {_meaning(wanted)}", _write_it(wanted))
+        one, dims = _symbol(match["symbol"], wanted)
+        power = int(match["power"] or 1) * (-1 if match["operator"] == "/" else 1)
+        factor *= one**power
+        m, kg, s = (a + power * b for a, b in zip(dimension, dims, strict=True))
+        dimension, at = (m, kg, s), match.end()
+    return factor, dimension
+
+
+def _symbol(symbol: str, wanted: str) -> tuple[Fraction, _Dimension]:
+    if symbol == "1":
+        return Fraction(1), (0, 0, 0)
+    if symbol in _SYMBOLS:
+        return _SYMBOLS[symbol]
+    found = _rare(symbol)
+    if found is None:
+        options = [*_SYMBOLS, "N*s", "N*m"]
+        raise Refused(f"unknown unit {symbol}", did_you_mean(symbol, options, otherwise=_write_it(wanted)))
+    return found
+
+
+@lru_cache(maxsize=256)
+def _rare(symbol: str) -> tuple[Fraction, _Dimension] | None:
+    """Look one symbol up in pint (slow to import, hence only for units that are not in the table above)."""
     import pint
 
-    registry = _registry()
     try:
-        quantity = registry.Quantity(text)
-        return float(quantity.to(unit).magnitude)
-    except pint.DimensionalityError:
-        raise ValueError(f"the unit does not fit: expected a quantity in {unit}") from None
-    except Exception:  # pint raises a dozen kinds for unreadable text; all mean the same here
-        raise ValueError(f"cannot be read as a quantity in {unit}") from None
+        base = _registry().Quantity(1.0, symbol).to_base_units()
+        if any(power != int(power) for power in base.dimensionality.values()):
+            return None
+        dims = {name: int(power) for name, power in base.dimensionality.items()}
+        if set(dims) - {"[length]", "[mass]", "[time]"}:
+            return Fraction(1), (99, 99, 99)  # a unit, but of no mechanical dimension
+        factor = Fraction(repr(float(base.magnitude)))
+    except (pint.errors.PintError, ArithmeticError, ValueError, TypeError, AttributeError):
+        return None
+    return factor, (dims.get("[length]", 0), dims.get("[mass]", 0), dims.get("[time]", 0))
 
 
-def _reader(unit: str) -> Any:
-    def read(value: object) -> float:
-        return to_si(value, unit)
+@lru_cache(maxsize=1)
+def _registry() -> Any:
+    import pint
 
-    schema = {"anyOf": [{"type": "number"}, {"type": "string"}], "unit": unit}
-    return BeforeValidator(read), WithJsonSchema(schema)
-
-
-_l, _t, _f, _v, _m, _d, _r, _a = (
-    _reader(unit) for unit in ("m", "s", "N", "m/s", "kg/m", "N*s", "1/s", "m/s^2")
-)
-Length = Annotated[float, _l[0], _l[1]]
-Time = Annotated[float, _t[0], _t[1]]
-Force = Annotated[float, _f[0], _f[1]]
-Speed = Annotated[float, _v[0], _v[1]]
-MassPerLength = Annotated[float, _m[0], _m[1]]
-AxialDamping = Annotated[float, _d[0], _d[1]]
-Rate = Annotated[float, _r[0], _r[1]]
-Acceleration = Annotated[float, _a[0], _a[1]]
-Strain = Annotated[float, *_reader("dimensionless")]
+    return pint.UnitRegistry()

@@ -1,4 +1,4 @@
-"""What is there: frozen declarations without numerics, in SI units (strings with units are read at the edge)."""
+"""What is there: frozen declarations without numerics, in SI units (text with units is read at the edge)."""
 
 from ropewalk.model.history import ForceTable, SpeedTable
 from ropewalk.model.law import Hooke, Law, Polynomial, SecondPiolaKirchhoff, Tabulated, TensionOnly

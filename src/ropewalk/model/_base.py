@@ -1,8 +1,18 @@
-"""The common base of all declarations: frozen, unknown keys refused, numbers finite."""
+"""The common base of all declarations, and the one way in which a field chooses between several of them."""
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, get_args
+
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError
+from pydantic_core import InitErrorDetails, core_schema
+
+from ropewalk.errors import Refused, did_you_mean, nearest
+
+Path = tuple[str | int, ...]
+"""Where a value stands in a scenario: ("loads", "walker", "force", 1)."""
 
 
 class Declaration(BaseModel):
@@ -11,3 +21,75 @@ class Declaration(BaseModel):
     model_config = ConfigDict(
         frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, arbitrary_types_allowed=True
     )
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something wrong within a declaration: where (relative to it), what, what was given, what to do."""
+
+    path: Path
+    wrong: str
+    given: str = ""
+    remedy: str = ""
+
+
+def report(title: str, findings: Iterable[Finding]) -> None:
+    """Raise one ValidationError that holds all findings, each at its own place; do nothing without findings.
+
+    Raises:
+        ValidationError: there is at least one finding.
+    """
+    details = [
+        InitErrorDetails(
+            type="value_error",
+            loc=finding.path,
+            input=finding.given,
+            ctx={"error": Refused(finding.wrong, finding.remedy, finding.given)},
+        )
+        for finding in findings
+    ]
+    if details:
+        raise ValidationError.from_exception_data(title, details)
+
+
+@dataclass(frozen=True)
+class Variants:
+    """Annotation: the value is one of several declarations, told apart by `kind`, which must be written.
+
+    It replaces a tagged union so that errors stand at the key itself and an unknown kind gives exactly one.
+    """
+
+    what: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        kinds = {model.model_fields["kind"].default: model for model in declarations_in(source)}
+
+        def read(value: Any, _: Any) -> Any:
+            if isinstance(value, tuple(kinds.values())):
+                return value
+            if not isinstance(value, Mapping):
+                raise Refused(f"expected a {self.what}", f"write a block with kind: {' | '.join(kinds)}")
+            if "kind" not in value:
+                slip = nearest("kind", [key for key in value if isinstance(key, str)])
+                if slip is not None and not any(slip in model.model_fields for model in kinds.values()):
+                    report(self.what, [Finding((slip,), "unknown key", remedy="did you mean kind?")])
+                remedy = f"add kind: {' | '.join(kinds)}"
+                report(self.what, [Finding(("kind",), "is missing", remedy=remedy)])
+            kind = value["kind"]
+            if not isinstance(kind, str) or kind not in kinds:
+                remedy = did_you_mean(kind if isinstance(kind, str) else "", kinds)
+                report(self.what, [Finding(("kind",), f"unknown kind of {self.what}", repr(kind), remedy)])
+            return kinds[kind].model_validate(value)
+
+        inner = handler(source)
+        if len(kinds) > 1:  # for the schema and for writing: reading is done above
+            choices = {kind: handler.generate_schema(model) for kind, model in kinds.items()}
+            inner = core_schema.tagged_union_schema(choices, discriminator="kind")
+        return core_schema.no_info_wrap_validator_function(read, inner)
+
+
+def declarations_in(annotation: Any) -> list[type[Declaration]]:
+    """List the declarations that an annotation names, however deep."""
+    if isinstance(annotation, type) and issubclass(annotation, Declaration):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in declarations_in(part)]

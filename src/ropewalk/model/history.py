@@ -2,50 +2,104 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Self
+from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, GetCoreSchemaHandler, TypeAdapter, model_validator
+from pydantic_core import core_schema
 
-from ropewalk.model._base import Declaration
-from ropewalk.units import Force, Speed, Time
+from ropewalk.errors import Refused
+from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.quantity import Speed, TableSpeed, TableTime, Vector
 
 
-def _check_times(time: tuple[float, ...], values: int) -> None:
+def _clock(time: tuple[float, ...], values: int) -> list[Finding]:
+    findings = []
     if len(time) != values:
-        raise ValueError(f"{len(time)} times but {values} values: give one for each")
-    if any(b < a for a, b in pairwise(time)):
-        raise ValueError("the times must not fall from entry to entry (two equal times make a jump)")
+        wrong = f"the table has different numbers of times ({len(time)}) and values ({values})"
+        findings.append(Finding((), wrong, remedy="give one value for each time"))
+    for index, (before, after) in enumerate(pairwise(time), start=1):
+        if after < before:
+            given = f"{after:g} s after {before:g} s"
+            remedy = "sort the entries by time (two equal times make a jump)"
+            findings.append(Finding(("time", index), "the times must not fall", given, remedy))
+            break
+    return findings
 
 
 class SpeedTable(Declaration):
     """A speed given at instants, linear in between and constant outside."""
 
-    time: tuple[Time, ...] = Field(min_length=1)
-    value: tuple[Speed, ...] = Field(min_length=1)
+    time: tuple[TableTime, ...] = Field(min_length=1, description="instants, not falling; two equal ones make a jump")
+    value: tuple[TableSpeed, ...] = Field(min_length=1, description="speed at each instant")
 
     @model_validator(mode="after")
-    def _one_each(self) -> Self:
-        _check_times(self.time, len(self.value))
+    def _consistent(self) -> Self:
+        report("speed table", _clock(self.time, len(self.value)))
         return self
-
-
-Vector = tuple[Force, Force] | tuple[Force, Force, Force]
-"""A force [Fx, Fz] or [Fx, Fy, Fz]."""
 
 
 class ForceTable(Declaration):
     """A force given at instants, linear in between and constant outside."""
 
-    time: tuple[Time, ...] = Field(min_length=1)
-    value: tuple[Vector, ...] = Field(min_length=1)
+    time: tuple[TableTime, ...] = Field(min_length=1, description="instants, not falling; two equal ones make a jump")
+    value: tuple[Vector, ...] = Field(min_length=1, description="[Fx, Fz] or [Fx, Fy, Fz] at each instant")
 
     @model_validator(mode="after")
-    def _one_each(self) -> Self:
-        _check_times(self.time, len(self.value))
+    def _consistent(self) -> Self:
+        findings = _clock(self.time, len(self.value))
+        first = len(self.value[0])
+        for index, vector in enumerate(self.value):
+            if len(vector) != first:
+                wrong = f"has {len(vector)} components, the first entry has {first}"
+                remedy = "write all entries as [Fx, Fz] or all as [Fx, Fy, Fz]"
+                findings.append(Finding(("value", index), wrong, str(list(vector)), remedy))
+                break
+        report("force table", findings)
         return self
 
 
-SpeedHistory = Speed | SpeedTable | Callable[[float], float]
-ForceHistory = Vector | ForceTable | Callable[[float], tuple[float, ...]]
+@dataclass(frozen=True)
+class History:
+    """Annotation: a constant, a table (in a file a block {time, value}), or a callable of time in s."""
+
+    constant: Any
+    table: type[Declaration]
+    expected: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        constant: TypeAdapter[Any] = TypeAdapter(self.constant)
+
+        def read(value: Any, _: Any) -> Any:
+            if callable(value) or isinstance(value, self.table):
+                return value
+            if isinstance(value, Mapping):
+                return self.table.model_validate(value)
+            if isinstance(value, Declaration):
+                raise Refused("another kind of table is wanted here", self.expected)
+            return constant.validate_python(value)
+
+        def write(value: Any) -> Any:
+            if isinstance(value, self.table):
+                return value.model_dump(mode="json", by_alias=True)
+            if callable(value):
+                raise ValueError("a callable cannot be written; give a table {time, value} instead")
+            return constant.dump_python(value, mode="json")
+
+        return core_schema.no_info_wrap_validator_function(
+            read,
+            core_schema.union_schema([handler.generate_schema(self.constant), handler.generate_schema(self.table)]),
+            serialization=core_schema.plain_serializer_function_ser_schema(write, when_used="json"),
+        )
+
+
+SpeedHistory = Annotated[
+    float | SpeedTable | Callable[[float], float],
+    History(Speed, SpeedTable, "write a speed such as 10 m/s or a table {time: [...], value: [...]}"),
+]
+ForceHistory = Annotated[
+    tuple[float, float] | tuple[float, float, float] | ForceTable | Callable[[float], tuple[float, ...]],
+    History(Vector, ForceTable, "write [Fx, Fz] or a table {time: [...], value: [...]}"),
+]

@@ -7,8 +7,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ropewalk.model._base import Declaration
-from ropewalk.units import Force, Strain
+from ropewalk.model._base import Declaration, Finding, Variants, report
+from ropewalk.model.quantity import TableForce, TableStrain
 
 
 class Hooke(Declaration):
@@ -24,7 +24,7 @@ class TensionOnly(Declaration):
 
 
 class SecondPiolaKirchhoff(Declaration):
-    """T = EA eps (1 + eps): the paper's eqs. 6-7 taken to the letter (sigma is the second Piola-Kirchhoff stress)."""
+    """T = EA eps (1 + eps): the paper's eqs. 6-7 to the letter, sigma the second Piola-Kirchhoff stress."""
 
     kind: Literal["second_piola_kirchhoff"] = "second_piola_kirchhoff"
 
@@ -33,38 +33,49 @@ class Polynomial(Declaration):
     """T = c1 eps + c2 eps^2 + c3 eps^3 + ..., with an own stiffness (no `axial_stiffness` beside it)."""
 
     kind: Literal["polynomial"] = "polynomial"
-    coefficients: tuple[Force, ...] = Field(min_length=1, max_length=8, description="c1, c2, ... in N")
+    coefficients: tuple[TableForce, ...] = Field(min_length=1, max_length=8, description="c1, c2, ... up to c8")
 
     @model_validator(mode="after")
     def _pulls(self) -> Self:
         if self.coefficients[0] <= 0.0:
-            raise ValueError("the first coefficient is the stiffness at rest and must be positive")
+            wrong = "the first coefficient is the stiffness at rest and must be positive"
+            given, remedy = f"{self.coefficients[0]:g} N", "write EA first, for example 100 kN"
+            report("polynomial", [Finding(("coefficients", 0), wrong, given, remedy)])
         return self
 
 
 class Tabulated(Declaration):
-    """Tension interpolated linearly between measured points, continued with the end slopes."""
+    """T linear between points, continued with the end slopes, without `axial_stiffness` beside it."""
 
     kind: Literal["table"] = "table"
-    strain: tuple[Strain, ...] = Field(min_length=2)
-    tension: tuple[Force, ...] = Field(min_length=2)
+    strain: tuple[TableStrain, ...] = Field(min_length=2, description="rising strains (0.01 or 1 %)")
+    tension: tuple[TableForce, ...] = Field(min_length=2, description="tension at each strain, not falling")
 
     @model_validator(mode="after")
     def _rises(self) -> Self:
+        findings = []
         if len(self.strain) != len(self.tension):
-            raise ValueError(f"{len(self.strain)} strains but {len(self.tension)} tensions: give one for each")
-        if any(b <= a for a, b in pairwise(self.strain)):
-            raise ValueError("the strains must rise from entry to entry")
-        if any(b < a for a, b in pairwise(self.tension)):
-            raise ValueError("the tensions must not fall from entry to entry (the rope would snap through)")
-        if not self.tension[-1] > self.tension[-2]:
-            raise ValueError("the last two tensions must rise: the law is continued with their slope")
+            wrong = f"{len(self.strain)} strains do not go with {len(self.tension)} tensions"
+            findings.append(Finding((), wrong, remedy="give one tension for each strain"))
+        for index, (a, b) in enumerate(pairwise(self.strain), start=1):
+            if b <= a:
+                given, remedy = f"{b:g} after {a:g}", "sort the entries by strain and give each strain once"
+                findings.append(Finding(("strain", index), "the strains must rise", given, remedy))
+                break
+        for index, (a, b) in enumerate(pairwise(self.tension), start=1):
+            if b < a:
+                given, remedy = f"{b:g} N after {a:g} N", "a falling tension would make the line snap through"
+                findings.append(Finding(("tension", index), "the tensions must not fall", given, remedy))
+                break
+        if not findings and not self.tension[-1] > self.tension[-2]:
+            wrong, given = "the last two tensions must rise", f"{self.tension[-1]:g} N twice"
+            remedy = "the law is continued with their slope: add a point or leave the last one out"
+            findings.append(Finding(("tension", len(self.tension) - 1), wrong, given, remedy))
+        report("table", findings)
         return self
 
 
-Law = Annotated[
-    Hooke | TensionOnly | SecondPiolaKirchhoff | Polynomial | Tabulated, Field(discriminator="kind")
-]
+Law = Annotated[Hooke | TensionOnly | SecondPiolaKirchhoff | Polynomial | Tabulated, Variants("law")]
 """Any axial law."""
 
 LAWS_WITH_OWN_STIFFNESS = (Polynomial, Tabulated)

@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import math
-from typing import Self
+from collections.abc import Collection
+from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from ropewalk.model._base import Declaration
+from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.law import LAWS_WITH_OWN_STIFFNESS, Hooke, Law
-from ropewalk.units import AxialDamping, Force, Length, MassPerLength, Rate
+from ropewalk.model.quantity import (
+    AxialDamping,
+    Count,
+    MassPerLength,
+    Point,
+    PositiveForce,
+    PositiveLength,
+    Rate,
+)
 
-Point = tuple[Length, Length] | tuple[Length, Length, Length]
-"""A place [x, z] or [x, y, z]: x along the span, z up, y sideways."""
+LARGEST_STRAIN = 10.0
+"""A line that must be stretched further than this to reach both its ends is taken for a slip of the pen."""
 
 
 def spatial(point: tuple[float, ...]) -> tuple[float, float, float]:
@@ -25,29 +34,58 @@ class Line(Declaration):
 
     start: Point = Field(description="where the line begins (material coordinate 0)")
     end: Point = Field(description="where the line ends")
-    length: Length | None = Field(default=None, gt=0.0, description="unstrained length; or give tension")
-    tension: Force | None = Field(default=None, gt=0.0, description="mean tension at rest, instead of length")
-    mass: MassPerLength = Field(gt=0.0, description="mass per unstrained length")
-    axial_stiffness: Force | None = Field(default=None, gt=0.0, description="EA")
+    length: PositiveLength | None = Field(default=None, description="unstrained length; or give `tension`")
+    tension: PositiveForce | None = Field(default=None, description="mean tension at rest, instead of `length`")
+    mass: MassPerLength = Field(description="mass per unstrained length")
+    axial_stiffness: PositiveForce | None = Field(
+        default=None, description="EA, needed by the laws without a stiffness of their own"
+    )
     law: Law = Field(default=Hooke(), description="tension as a function of strain")
-    axial_damping: AxialDamping = Field(default=0.0, ge=0.0, description="Kelvin-Voigt c: T = T(eps) + c eps_t")
-    drag: Rate = Field(default=0.0, ge=0.0, description="mass-proportional damping: force -drag * mass * velocity")
-    elements: int = Field(default=100, ge=1, le=10_000_000, description="number of links")
+    axial_damping: AxialDamping = Field(default=0.0, description="Kelvin-Voigt c: T = T(eps) + c eps_t")
+    drag: Rate = Field(default=0.0, description="mass-proportional damping: force -drag * mass * velocity")
+    elements: Annotated[int, Count(1, 10_000_000)] = Field(default=100, description="number of links")
 
     @model_validator(mode="after")
-    def _determined(self) -> Self:
-        if (self.length is None) == (self.tension is None):
-            raise ValueError("give exactly one of length (unstrained) and tension (mean tension at rest)")
-        own = isinstance(self.law, LAWS_WITH_OWN_STIFFNESS)
-        if own and self.axial_stiffness is not None:
-            raise ValueError(f"law {self.law.kind} has a stiffness of its own: leave axial_stiffness out")
-        if not own and self.axial_stiffness is None:
-            raise ValueError(f"law {self.law.kind} needs axial_stiffness (EA, in N)")
-        if self.tension is not None and self.distance == 0.0:
-            raise ValueError("start and end coincide: give length, a tension cannot be reached")
+    def _consistent(self) -> Self:
+        given = {name for name in type(self).model_fields if getattr(self, name) is not None}
+        report("line", [*contradictions(given, self.law.kind), *self._geometry()])
         return self
+
+    def _geometry(self) -> list[Finding]:
+        if self.tension is not None and self.distance < 1e-30:
+            remedy = "give length instead of tension"
+            return [Finding(("tension",), "start and end coincide: no tension can be reached", remedy=remedy)]
+        if self.length is not None and self.distance > (1.0 + LARGEST_STRAIN) * self.length:
+            wrong = f"the line would be stretched to {self.distance / self.length:.3g} times its length"
+            remedy = f"start and end are {self.distance:g} m apart: check length, start and end"
+            return [Finding(("length",), wrong, f"{self.length:g} m", remedy)]
+        return []
 
     @property
     def distance(self) -> float:
         """Distance between the ends in m."""
         return math.dist(spatial(self.start), spatial(self.end))
+
+
+def contradictions(given: Collection[str], law: str | None) -> list[Finding]:
+    """Find keys of a line that are missing or exclude each other, from their names alone.
+
+    Args:
+        given: the keys that have a value.
+        law: the kind of the law, None where it is not known.
+    """
+    findings = []
+    if "length" in given and "tension" in given:
+        remedy = "give length (unstrained) or tension (mean tension at rest), not both"
+        findings.append(Finding(("tension",), "length and tension exclude each other", remedy=remedy))
+    if "length" not in given and "tension" not in given:
+        remedy = "add length (unstrained, in m) or tension (mean tension at rest, in N)"
+        findings.append(Finding((), "the line is not determined", remedy=remedy))
+    own = law in {model.model_fields["kind"].default for model in LAWS_WITH_OWN_STIFFNESS}
+    if own and "axial_stiffness" in given:
+        wrong = f"law {law} has a stiffness of its own"
+        findings.append(Finding(("axial_stiffness",), wrong, remedy="leave axial_stiffness out"))
+    if law is not None and not own and "axial_stiffness" not in given:
+        remedy = "add axial_stiffness (EA, in N), for example 100 kN"
+        findings.append(Finding(("axial_stiffness",), f"is missing, law {law} needs it", remedy=remedy))
+    return findings

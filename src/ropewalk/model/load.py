@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ropewalk.model._base import Declaration
+from ropewalk.model._base import Declaration, Variants
 from ropewalk.model.history import ForceHistory
 from ropewalk.model.travel import Travel
 
@@ -20,10 +20,13 @@ class MovingForce(Declaration):
 
     kind: Literal["force"] = "force"
     on: str = Field(description="name of the line")
-    force: ForceHistory = Field(description="[Fx, Fz] or [Fx, Fy, Fz], table {time, value}, or a callable of t")
-    travel: Travel
-    contact: Literal["clamped", "frictionless"] = "clamped"
+    force: ForceHistory = Field(description="[Fx, Fz] or [Fx, Fy, Fz], or a table {time, value} of them")
+    travel: Travel = Field(description="how it advances along the line")
+    contact: Literal["clamped", "frictionless"] = Field(
+        default="clamped",
+        description="clamped: the line feels the force alone; frictionless: equal tension on both sides",
+    )
 
 
-Load = MovingForce
+Load = Annotated[MovingForce, Variants("load")]
 """Any load."""

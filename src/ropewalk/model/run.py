@@ -2,42 +2,65 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from ropewalk.model._base import Declaration
-from ropewalk.units import Length, Time
+from ropewalk.model._base import Declaration, Finding, Variants, report
+from ropewalk.model.quantity import Count, PositiveLength, PositiveTime, TableTime
 
 Method = Literal["auto", "explicit", "verlet", "rkn6", "implicit"]
 
 
 class Start(Declaration):
-    """The state at the beginning of a motion: rest under gravity (with or without the loads) or a stored result."""
+    """What a motion begins with: rest under gravity, with or without the loads, or a stored result."""
 
-    kind: Literal["rest", "result"] = "rest"
+    kind: Literal["rest", "result"] = Field(default="rest", description="what the motion begins with")
     with_loads: bool = Field(default=False, description="rest: let the loads rest on the line at their start, too")
     file: str | None = Field(default=None, description="result: a NetCDF file written by an earlier run")
-    time: Time | None = Field(default=None, description="result: the instant to start from (default: the last)")
+    time: TableTime | None = Field(default=None, description="result: the instant to start from (default: the last)")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        findings = []
+        if self.kind == "result":
+            if not self.file:
+                remedy = "add file: the NetCDF file of an earlier run"
+                findings.append(Finding(("file",), "is missing, a start from a result needs it", remedy=remedy))
+            if self.with_loads:
+                wrong, remedy = (
+                    "goes with kind: rest only",
+                    "leave it out: the result says where the loads are",
+                )
+                findings.append(Finding(("with_loads",), wrong, remedy=remedy))
+        else:
+            remedy = "write kind: result to start from a stored result, or leave it out"
+            for key in ("file", "time"):
+                if getattr(self, key) is not None:
+                    findings.append(Finding((key,), "goes with kind: result only", remedy=remedy))
+        report("start", findings)
+        return self
 
 
 class Dynamic(Declaration):
     """Motion in time."""
 
     kind: Literal["dynamic"] = "dynamic"
-    until: Time = Field(gt=0.0, description="end of the run")
-    every: Time | None = Field(default=None, gt=0.0, description="interval of output (default: until / 100)")
+    until: PositiveTime = Field(description="end of the run; it begins at 0 s")
+    every: PositiveTime | None = Field(default=None, description="interval of output (default: until / 100)")
     method: Method = Field(default="auto", description="auto reads the spectrum and says what it chose")
-    step: Time | None = Field(default=None, gt=0.0, description="largest time step (default: from accuracy)")
-    accuracy: Length = Field(default=1e-3, gt=0.0, description="wanted accuracy in time of the positions")
-    start: Start = Field(default=Start())
+    step: PositiveTime | None = Field(default=None, description="largest time step (default: from accuracy)")
+    accuracy: PositiveLength = Field(default=1e-3, description="wanted accuracy in time of the positions")
+    start: Start = Field(default=Start(), description="the state at the beginning")
 
 
 class Quasistatic(Declaration):
     """Slow motion: the rest shape for positions of the loads at equal steps of their path."""
 
     kind: Literal["quasistatic"] = "quasistatic"
-    positions: int = Field(default=201, ge=2, le=1_000_000)
+    positions: Annotated[int, Count(2, 1_000_000)] = Field(
+        default=201, description="number of positions, both ends of the path included"
+    )
 
 
 class Equilibrium(Declaration):
@@ -46,5 +69,5 @@ class Equilibrium(Declaration):
     kind: Literal["equilibrium"] = "equilibrium"
 
 
-Run = Annotated[Dynamic | Quasistatic | Equilibrium, Field(discriminator="kind")]
+Run = Annotated[Dynamic | Quasistatic | Equilibrium, Variants("run")]
 """Any run."""

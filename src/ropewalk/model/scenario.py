@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
-from pydantic import Field
+from typing import Self
 
-from ropewalk.model._base import Declaration
+from pydantic import Field, model_validator
+
+from ropewalk.model._base import Declaration, report
+from ropewalk.model.consistency import Parts, check
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import Load
+from ropewalk.model.quantity import Acceleration, Name
 from ropewalk.model.run import Dynamic, Run
-from ropewalk.units import Acceleration
 
 
 class Scenario(Declaration):
     """Everything needed to compute one result."""
 
-    title: str = "untitled"
-    gravity: Acceleration = Field(default=9.81, ge=0.0, description="acts along -z")
-    lines: dict[str, Line] = Field(min_length=1)
-    loads: dict[str, Load] = Field(default_factory=dict)
-    run: Run = Field(default=Dynamic(until=1.0))
+    title: str = Field(default="untitled", description="a line of text for figures and results")
+    gravity: Acceleration = Field(default=9.81, description="acts along -z")
+    lines: dict[Name, Line] = Field(min_length=1, description="the lines, by name")
+    loads: dict[Name, Load] = Field(default_factory=dict, description="what travels on them, by name")
+    run: Run = Field(default=Dynamic(until=1.0), description="what is asked")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        on = {name: load.on for name, load in self.loads.items()}
+        report("scenario", check(Parts(self.lines, self.loads, self.run, self.gravity, on)))
+        return self
 
     @property
     def is_plane(self) -> bool:
@@ -30,6 +39,5 @@ class Scenario(Declaration):
 def _sideways(load: Load) -> bool:
     if callable(load.force):
         return False
-    vectors = load.force if isinstance(load.force, tuple) else load.force.value
-    rows = [vectors] if isinstance(load.force, tuple) else vectors
-    return any(spatial(row)[1] != 0.0 for row in rows)  # type: ignore[arg-type]
+    rows = (load.force,) if isinstance(load.force, tuple) else load.force.value
+    return any(spatial(row)[1] != 0.0 for row in rows)

@@ -1,0 +1,23 @@
+"""The scenario file: reading (every problem at once), writing, its schema, its reference, a first example.
+
+The one place that maps names to declarations and files to models.
+"""
+
+from ropewalk.errors import Problem, ScenarioError
+from ropewalk.scenario.loading import load, loads
+from ropewalk.scenario.reference import reference
+from ropewalk.scenario.schema import json_schema
+from ropewalk.scenario.template import template
+from ropewalk.scenario.writing import dump, save
+
+__all__ = [
+    "Problem",
+    "ScenarioError",
+    "dump",
+    "json_schema",
+    "load",
+    "loads",
+    "reference",
+    "save",
+    "template",
+]

@@ -1,0 +1,154 @@
+"""Types of fields: quantities, points and vectors with units, counts, names; each refuses in one sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
+from pydantic_core import InitErrorDetails, core_schema
+
+from ropewalk.errors import Refused
+from ropewalk.units import SMALLEST, to_si, written
+
+Sign = Literal["any", "positive", "not negative"]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Annotation: a float in an SI unit, read from a number or from text with a unit.
+
+    Args:
+        unit: the SI unit.
+        sign: which values are accepted.
+        tiny: accept magnitudes below 1e-30 (entries of tables, components of vectors), too.
+    """
+
+    unit: str
+    sign: Sign = "any"
+    tiny: bool = False
+
+    def read(self, value: object) -> float:
+        number = to_si(value, self.unit)
+        unit = "" if self.unit == "dimensionless" else f" {self.unit}"
+        if self.sign == "positive" and number <= 0.0:
+            raise Refused("must be positive", f"write a value above 0{unit}")
+        if self.sign == "not negative" and number < 0.0:
+            raise Refused("must not be negative", f"write 0{unit} or more")
+        if 0.0 < abs(number) < SMALLEST and not self.tiny:
+            alternative = "" if self.sign == "positive" else " or write 0"
+            raise Refused("the number is too small to calculate with", f"stay above {SMALLEST:g}{unit}{alternative}")
+        return number
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_before_validator_function(
+            self.read,
+            core_schema.float_schema(),
+            serialization=core_schema.plain_serializer_function_ser_schema(
+                lambda value: written(value, self.unit), when_used="json-unless-none"
+            ),
+        )
+
+    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        schema: dict[str, Any] = {"type": ["number", "string"], "unit": self.unit}
+        if self.sign != "any":
+            schema["exclusiveMinimum" if self.sign == "positive" else "minimum"] = 0
+        return schema
+
+
+@dataclass(frozen=True)
+class Components:
+    """Annotation: two or three quantities, [x, z] or [x, y, z], kept as a tuple of floats."""
+
+    unit: str
+
+    def read(self, value: object) -> tuple[float, ...]:
+        entries = value.tolist() if hasattr(value, "tolist") else value  # NumPy arrays
+        if isinstance(entries, str | Mapping) or not isinstance(entries, list | tuple):
+            raise Refused("expected a list of components", "write [x, z] or [x, y, z]")
+        if len(entries) not in (2, 3):
+            count = "1 component" if len(entries) == 1 else f"{len(entries)} components"
+            raise Refused(f"has {count} instead of 2 or 3", "write [x, z] or [x, y, z]")
+        one = Quantity(self.unit, tiny=True)
+        numbers, details = [], []
+        for index, entry in enumerate(entries):
+            try:
+                numbers.append(one.read(entry))
+            except Refused as error:
+                details.append(InitErrorDetails(type="value_error", loc=(index,), input=entry, ctx={"error": error}))
+        if details:
+            raise ValidationError.from_exception_data("components", details)
+        return tuple(numbers)
+
+    def write(self, value: tuple[float, ...]) -> list[str | float]:
+        return [written(component, self.unit) for component in value]
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(
+            self.read,
+            serialization=core_schema.plain_serializer_function_ser_schema(self.write, when_used="json"),
+        )
+
+    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        items = {"type": ["number", "string"], "unit": self.unit}
+        return {"type": "array", "items": items, "minItems": 2, "maxItems": 3}
+
+
+@dataclass(frozen=True)
+class Count:
+    """Annotation: a whole number between two bounds."""
+
+    least: int
+    most: int
+
+    def read(self, value: object) -> int:
+        bounds = f"write a whole number from {self.least} to {self.most}"
+        if isinstance(value, str):
+            try:
+                value = float(value) if len(value) < 40 else None
+            except ValueError:
+                value = None
+        if hasattr(value, "item"):  # NumPy integers
+            value = value.item()
+        if isinstance(value, bool) or not isinstance(value, int | float) or value != value // 1:
+            raise Refused("expected a whole number", bounds)
+        if not self.least <= value <= self.most:
+            raise Refused("is too small" if value < self.least else "is too large", bounds)
+        return int(value)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_before_validator_function(self.read, core_schema.int_schema())
+
+    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"type": "integer", "minimum": self.least, "maximum": self.most}
+
+
+def _name(name: str) -> str:
+    if not name.strip():
+        raise Refused("a name must not be empty", "give it a name, for example rope", given=repr(name))
+    if name != name.strip() or not name.isprintable() or any(mark in name for mark in ".[]"):
+        remedy = "use letters, digits, - and _ (dots separate the parts of a key, as in lines.rope.length)"
+        raise Refused("the name cannot be used in keys", remedy, given=repr(name))
+    return name
+
+
+Name = Annotated[str, AfterValidator(_name)]
+Point = Annotated[tuple[float, float] | tuple[float, float, float], Components("m")]
+"""A place [x, z] or [x, y, z]: x along the span, z up, y sideways."""
+Vector = Annotated[tuple[float, float] | tuple[float, float, float], Components("N")]
+"""A force [Fx, Fz] or [Fx, Fy, Fz]."""
+
+Offset = Annotated[float, Quantity("m", "not negative")]
+PositiveLength = Annotated[float, Quantity("m", "positive")]
+PositiveTime = Annotated[float, Quantity("s", "positive")]
+PositiveForce = Annotated[float, Quantity("N", "positive")]
+MassPerLength = Annotated[float, Quantity("kg/m", "positive")]
+AxialDamping = Annotated[float, Quantity("N*s", "not negative")]
+Rate = Annotated[float, Quantity("1/s", "not negative")]
+Acceleration = Annotated[float, Quantity("m/s^2", "not negative")]
+Speed = Annotated[float, Quantity("m/s")]
+TableTime = Annotated[float, Quantity("s", tiny=True)]
+TableForce = Annotated[float, Quantity("N", tiny=True)]
+TableSpeed = Annotated[float, Quantity("m/s", tiny=True)]
+TableStrain = Annotated[float, Quantity("dimensionless", tiny=True)]

@@ -1,0 +1,65 @@
+"""Scenario files in: YAML or JSON text, overrides, and every problem at once."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from ropewalk.errors import ScenarioError
+from ropewalk.model import Scenario
+from ropewalk.scenario import overrides as _overrides
+from ropewalk.scenario.json_text import read_json
+from ropewalk.scenario.problems import validate
+from ropewalk.scenario.source import Source, read_text, syntax_error
+from ropewalk.scenario.yaml_text import read_yaml
+
+
+def load(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> Scenario:
+    """Read a scenario file, YAML 1.2 or JSON.
+
+    Args:
+        path: the file.
+        overrides: values to set before checking, each "key=value" such as "run.until=2 s".
+
+    Raises:
+        ScenarioError: the file cannot be read, or the scenario cannot be run; it holds every problem found.
+    """
+    return loads(read_text(path), os.fspath(path), overrides)
+
+
+def loads(text: str, name: str = "scenario", overrides: Iterable[str] = ()) -> Scenario:
+    """Read a scenario from text, YAML 1.2 or JSON.
+
+    Args:
+        text: the scenario.
+        name: what to call it in messages; the suffix .json asks for JSON, .yaml and .yml for YAML.
+        overrides: values to set before checking, each "key=value" such as "run.until=2 s".
+
+    Raises:
+        ScenarioError: the scenario cannot be read or run; it holds every problem found.
+    """
+    source = _read(text, name)
+    if source.tree is None and not source.problems:
+        raise syntax_error(name, 1, "the scenario is empty", "begin with  ropewalk new NAME")
+    if not isinstance(source.tree, dict):
+        what = "a list" if isinstance(source.tree, list) else "a single value"
+        line = source.lines.get(())
+        remedy = "write the keys lines, loads and run"
+        error = syntax_error(name, line, f"{what} stands where the scenario should be", remedy)
+        raise ScenarioError([*source.problems, *error.problems])
+    for override in overrides:
+        _overrides.apply(source, override)
+    return validate(source)
+
+
+def _read(text: str, name: str) -> Source:
+    suffix = Path(name).suffix.lower()
+    if suffix == ".json":
+        return read_json(text, name)
+    if suffix not in (".yaml", ".yml") and text.lstrip().startswith("{"):
+        try:
+            return read_json(text, name)
+        except ScenarioError:
+            return read_yaml(text, name)  # a YAML block in braces
+    return read_yaml(text, name)

@@ -1,0 +1,102 @@
+"""The reference of the scenario file, made from the schema's own descriptions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ropewalk.scenario.schema import json_schema
+from ropewalk.units import written
+
+MARK = "<!-- Generated from the schema by ropewalk.scenario.reference: do not edit below this line. -->"
+"""What separates the hand-written part of the page from the generated one."""
+
+_SECTIONS = [
+    ("The file", ["Scenario"]),
+    ("A line", ["Line"]),
+    ("Laws", ["Hooke", "TensionOnly", "SecondPiolaKirchhoff", "Polynomial", "Tabulated"]),
+    ("Loads", ["MovingForce"]),
+    ("Travel", ["Travel"]),
+    ("Tables", ["SpeedTable", "ForceTable"]),
+    ("Runs", ["Dynamic", "Quasistatic", "Equilibrium"]),
+    ("The start of a motion", ["Start"]),
+]
+
+
+def reference() -> str:
+    """Write the reference of all keys of the scenario file as Markdown."""
+    schema = json_schema()
+    blocks = {"Scenario": schema, **schema["$defs"]}
+    named = [name for _, names in _SECTIONS for name in names]
+    sections = [*_SECTIONS, ("Further blocks", [name for name in blocks if name not in named])]
+    rows = [MARK, "", "# Reference", "", "Required keys are marked with *.", ""]
+    for heading, names in sections:
+        if names:
+            rows += [f"## {heading}", ""]
+        for name in names:
+            rows += _block(name, blocks[name])
+    return "\n".join(rows).rstrip() + "\n"
+
+
+def refreshed(page: str) -> str:
+    """Write a page anew: its hand-written part as it is, the reference generated."""
+    return page.partition(MARK)[0] + reference()
+
+
+def _block(name: str, block: dict[str, Any]) -> list[str]:
+    kind = block["properties"].get("kind", {}).get("const")
+    title = [f"### {name}", ""]
+    if kind:
+        title += [f"`kind: {kind}`", ""]
+    properties = {key: value for key, value in block["properties"].items() if "const" not in value}
+    rows = [*title, _cell(block.get("description", "")), ""]
+    if properties:
+        rows += ["| key | value | default | meaning |", "|---|---|---|---|"]
+        required = block.get("required", [])
+        for key, value in properties.items():
+            star = " *" if key in required else ""
+            meaning = _cell(value.get("description", ""))
+            rows.append(f"| `{key}`{star} | {_value(value)} | {_default(value)} | {meaning} |")
+        rows.append("")
+    return rows
+
+
+def _cell(text: str) -> str:
+    return " ".join(text.split()).replace("|", "\\|") if text.count("\n\n") == 0 else text
+
+
+def _value(schema: dict[str, Any]) -> str:
+    options = schema.get("oneOf") or schema.get("anyOf")
+    if options:
+        return " or ".join(dict.fromkeys(_value(option) for option in options))
+    if "$ref" in schema:
+        name = schema["$ref"].rsplit("/", 1)[1]
+        return f"[{name}](#{name.lower()})"
+    if "enum" in schema:
+        return ", ".join(f"`{word}`" for word in schema["enum"])
+    if "unit" in schema:
+        bound = ", > 0" if "exclusiveMinimum" in schema else ", >= 0" if "minimum" in schema else ""
+        return ("number" if schema["unit"] == "dimensionless" else schema["unit"]) + bound
+    kind = schema.get("type")
+    if kind == "array":
+        return f"list of {_value(schema['items'])}"
+    if kind == "object":
+        return f"names, each with {_value(schema['additionalProperties'])}"
+    if kind == "integer":
+        return f"{schema['minimum']} to {schema['maximum']}"
+    return {"string": "text", "boolean": "true or false"}.get(str(kind), str(kind))
+
+
+def _default(schema: dict[str, Any]) -> str:
+    if "default" not in schema:
+        return ""
+    default = schema["default"]
+    if isinstance(default, dict):
+        telling = {key: value for key, value in default.items() if key in ("kind", "until")}
+        return f"`{{{', '.join(f'{key}: {value}' for key, value in telling.items())}}}`"
+    if isinstance(default, int | float) and "unit" in schema:
+        default = written(default, schema["unit"])
+    return f"`{_plain(default)}`"
+
+
+def _plain(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)

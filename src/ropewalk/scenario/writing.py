@@ -1,0 +1,76 @@
+"""Scenarios out: YAML that reads back to exactly the same scenario."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from typing import Any
+
+from ropewalk.errors import Problem, ScenarioError
+from ropewalk.model import Scenario
+
+_PLAIN = re.compile(r"[A-Za-z](?:[\w ./*^()-]*[\w./*^()-])?|-?\d[\d.e+-]* [A-Za-z1/][\w/*^]*", re.ASCII)
+_WORDS = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
+
+
+def dump(scenario: Scenario) -> str:
+    """Write a scenario as YAML text with units, defaults included.
+
+    Raises:
+        ScenarioError: a speed or a force is a Python callable, which no file can hold.
+    """
+    problems = [
+        Problem(f"loads.{name}.{key}", "a callable cannot be written", remedy="give a table {time, value}")
+        for name, load in scenario.loads.items()
+        for key, value in (("force", load.force), ("travel.speed", load.travel.speed))
+        if callable(value)
+    ]
+    if problems:
+        raise ScenarioError(problems)
+    tree = scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
+    return "\n".join(_block(tree, "")) + "\n"
+
+
+def save(scenario: Scenario, path: str | os.PathLike[str]) -> None:
+    """Write a scenario into a YAML file.
+
+    Raises:
+        ScenarioError: a speed or a force is a Python callable, which no file can hold.
+        OSError: the file cannot be written.
+    """
+    text = dump(scenario)
+    with open(path, "w", encoding="utf-8", newline="\n") as stream:
+        stream.write(text)
+
+
+def _block(tree: dict[str, Any], indent: str) -> list[str]:
+    rows = []
+    for key, value in tree.items():
+        name = key if key == "on" else _inline(key)
+        if isinstance(value, dict) and value:
+            rows += [f"{indent}{name}:", *_block(value, indent + "  ")]
+        else:
+            rows.append(f"{indent}{name}: {_inline(value)}")
+    return rows
+
+
+def _inline(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(_inline(entry) for entry in value)}]"
+    if isinstance(value, dict):
+        return "{}"
+    if isinstance(value, str) and _PLAIN.fullmatch(value) and value.lower() not in _WORDS:
+        return value
+    if isinstance(value, str):
+        return '"' + "".join(_character(sign) for sign in value) + '"'
+    return json.dumps(value)
+
+
+def _character(sign: str) -> str:
+    if sign in '"\\':
+        return f"\\{sign}"
+    if sign.isprintable():
+        return sign
+    code = ord(sign)
+    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
