@@ -1,3 +1,147 @@
-"""ropewalk: what travels along slender flexible structures."""
+"""ropewalk: what travels along slender flexible structures.
+
+A scenario says what is there and what is asked; `simulate` answers with a labelled dataset:
+
+    import ropewalk
+    scenario = ropewalk.load("examples/moving-force.yaml")
+    result = ropewalk.simulate(scenario)
+
+==============  ======================================================================================
+what is there   `Scenario` of `Line`s and of loads (`MovingForce`, with its `Travel`; `ForceTable` and
+                `SpeedTable` for what changes in time)
+axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `Tabulated`
+what is asked   `Dynamic` (from a `Start`), `Quasistatic`, `Equilibrium`
+files           `load` and `save` a scenario, `open_result`
+answers         `simulate`, `spectrum`; `summary`, `figure` and `film` of a result
+closed forms    `theory`: what the simulation is checked against
+errors          `RopewalkError`, and of its kind `ScenarioError`, `EquilibriumError`, `ResultError`
+==============  ======================================================================================
+
+Below these names the package is a house whose imports run downwards only (docs/overview.md): `scenario`, `simulate`,
+`results`, `solve`, `mechanics`, `theory`, `model`. Everything is imported when it is first used.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ropewalk import theory
+    from ropewalk.errors import EquilibriumError, RopewalkError, ScenarioError
+    from ropewalk.model import (
+        Dynamic,
+        Equilibrium,
+        ForceTable,
+        Hooke,
+        Line,
+        MovingForce,
+        Polynomial,
+        Quasistatic,
+        Scenario,
+        SecondPiolaKirchhoff,
+        SpeedTable,
+        Start,
+        Tabulated,
+        TensionOnly,
+        Travel,
+    )
+    from ropewalk.results import ResultError, figure, film, open_result, summary
+    from ropewalk.scenario import load, save
+    from ropewalk.simulate import simulate
+    from ropewalk.solve.spectrum import spectrum_of as spectrum
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "Dynamic",
+    "Equilibrium",
+    "EquilibriumError",
+    "ForceTable",
+    "Hooke",
+    "Line",
+    "MovingForce",
+    "Polynomial",
+    "Quasistatic",
+    "ResultError",
+    "RopewalkError",
+    "Scenario",
+    "ScenarioError",
+    "SecondPiolaKirchhoff",
+    "SpeedTable",
+    "Start",
+    "Tabulated",
+    "TensionOnly",
+    "Travel",
+    "figure",
+    "film",
+    "load",
+    "open_result",
+    "save",
+    "simulate",
+    "spectrum",
+    "summary",
+    "theory",
+]
+
+_HOME = {
+    "Dynamic": "model",
+    "Equilibrium": "model",
+    "EquilibriumError": "errors",
+    "ForceTable": "model",
+    "Hooke": "model",
+    "Line": "model",
+    "MovingForce": "model",
+    "Polynomial": "model",
+    "Quasistatic": "model",
+    "ResultError": "results",
+    "RopewalkError": "errors",
+    "Scenario": "model",
+    "ScenarioError": "errors",
+    "SecondPiolaKirchhoff": "model",
+    "SpeedTable": "model",
+    "Start": "model",
+    "Tabulated": "model",
+    "TensionOnly": "model",
+    "Travel": "model",
+    "figure": "results",
+    "film": "results",
+    "load": "scenario",
+    "open_result": "results",
+    "save": "scenario",
+    "spectrum": "solve.spectrum",
+    "summary": "results",
+}
+_NAME_AT_HOME = {"spectrum": "spectrum_of"}
+
+
+def __getattr__(name: str) -> Any:
+    if name == "theory":
+        return import_module("ropewalk.theory")
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"ropewalk.{_HOME[name]}"), _NAME_AT_HOME.get(name, name))
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+class _Package(ModuleType):
+    """The package itself. Python sets the module `ropewalk.simulate` as an attribute of it whenever that is imported;
+
+    the public name is the function in it, so what is set there is not taken.
+    """
+
+    @property
+    def simulate(self) -> Any:
+        return import_module("ropewalk.simulate").simulate
+
+    @simulate.setter
+    def simulate(self, _: Any) -> None:
+        pass
+
+
+sys.modules[__name__].__class__ = _Package

@@ -187,19 +187,22 @@ def figures(
 @app.command()
 def spectrum(
     file: ScenarioFile,
-    at: Annotated[float | None, typer.Option("--at", metavar="TIME", help="Instant in s [default: 0].")] = None,
+    at: Annotated[
+        float | None, typer.Option("--at", metavar="TIME", help="Instant of the run in s [default: at rest].")
+    ] = None,
     settings: Settings = None,
     as_json: Json = False,
 ) -> None:
     """Compute the frequencies and damping of the small motions, which decide the method."""
     with _reported():
         scenario = _load(file, settings)
-        found = _spectrum(scenario, at or 0.0)
+        found = import_module("ropewalk.solve.spectrum").spectrum_of(scenario, at=at)
         if as_json:
-            _print_json(found)
+            _print_json(found.as_dict())
         else:
-            width = max(map(len, found), default=0)
-            typer.echo("\n".join(f"{key:{width}}  {value}" for key, value in found.items()))
+            rows = found.table()
+            width = max(len(name) for name, _ in rows)
+            typer.echo("\n".join(f"{name:{width}}  {value}".rstrip() for name, value in rows))
 
 
 @app.command()
@@ -215,11 +218,6 @@ def _load(file: Path, settings: list[str] | None) -> Scenario:
     from ropewalk.scenario import load
 
     return load(file, settings or ())
-
-
-def _spectrum(scenario: Scenario, at: float) -> dict[str, Any]:
-    found: dict[str, Any] = import_module("ropewalk.solve").spectrum(scenario, at=at)
-    return found
 
 
 def _finish(found: dict[str, Any], target: Path) -> None:

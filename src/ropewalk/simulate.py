@@ -17,7 +17,7 @@ from ropewalk.results.frame import Account, Frame, Layout
 from ropewalk.results.snapshot import Camera, layout_of, standing_frame
 from ropewalk.solve.choice import choose
 from ropewalk.solve.motion import ADVICE, Progress, move
-from ropewalk.solve.quasistatic import shapes, walk
+from ropewalk.solve.quasistatic import horizon, shapes, walk
 from ropewalk.solve.splitting import RUNNING
 from ropewalk.solve.start import Setting, setting_of, start_state
 
@@ -73,7 +73,7 @@ def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
         setting = setting_of(scenario, scenario.run.until)
         times = output_times(scenario.run)
         return layout_of(setting, names), _motion(setting, scenario, times, account), times.size
-    setting = setting_of(scenario, 0.0)
+    setting = setting_of(scenario, horizon(scenario) if isinstance(scenario.run, Quasistatic) else 0.0)
     layout = layout_of(setting, names, "load_path")
     account.method = "rest"
     account.reason = "least potential energy"
@@ -100,9 +100,9 @@ def _initial(setting: Setting, scenario: Scenario) -> State:
     assert isinstance(run, Dynamic)
     state = start_state(setting, run.start.with_loads)
     if run.start.kind == "result":
-        from ropewalk.results.resume import state_from_file
+        from ropewalk.results.resume import take_up
 
-        state_from_file(setting, state, run.start)
+        take_up(setting, state, run.start)
     return state
 
 

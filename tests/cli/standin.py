@@ -59,7 +59,10 @@ SIMULATE.simulate = simulate
 PAPER = ModuleType("ropewalk.paper")
 PAPER.AVAILABLE = [3, 4, "table-1"]
 PAPER.figures = figures
-SOLVE = SimpleNamespace(spectrum=lambda scenario, *, at: {"at": at, "largest_frequency": 12.5})
+SPECTRUM = ModuleType("ropewalk.solve.spectrum")
+SPECTRUM.spectrum_of = lambda scenario, *, at: SimpleNamespace(
+    table=lambda: [("at", f"{at}"), ("largest frequency", "12.5 Hz")], as_dict=lambda: {"at": at}
+)
 
 if __name__ == "__main__":
     sys.modules["ropewalk.simulate"] = SIMULATE

@@ -189,7 +189,7 @@ def test_figures_draws_all_or_those_asked_for(call, folder):
 
 def test_spectrum_prints_a_list_or_json(call, scenario):
     name = scenario()
-    assert call("spectrum", name).stdout == "at                 0.0\nlargest_frequency  12.5\n"
+    assert call("spectrum", name).stdout == "at                 None\nlargest frequency  12.5 Hz\n"
     assert json.loads(call("spectrum", name, "--at", "0.5", "--json").stdout)["at"] == 0.5
 
 

@@ -68,7 +68,7 @@ class State(NamedTuple):
     xi: Array  # (load,) m
     speed: Array  # (load,) m/s, d xi / dt
     rider: Integers  # (load,) node that rides with the load, or SHARED, or OFF
-    hold: Array  # (load,) N, hold force (along x) over the last step
+    hold: Array  # (load,) N s, impulse of the hold force (along x) since the start
     work: Array  # (4,) J
 
     def copy(self) -> State:
@@ -85,7 +85,6 @@ class Buffers(NamedTuple):
     target: Array  # (load,) m, xi at which the load's seat on the chain has to change next
     dr: Array  # (axis, load) m, r_c - r_a before a drift
     dw: Array  # (axis, load) m/s, w_c - w_a before a kick
-    impulse: Array  # (load,) N s, of the hold force in the present step
     point: Array  # (axis,)
     velocity: Array  # (axis,)
 
@@ -101,7 +100,6 @@ class Buffers(NamedTuple):
             one,
             seat,
             seat.copy(),
-            one.copy(),
             axes,
             axes.copy(),
         )

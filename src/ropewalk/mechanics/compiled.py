@@ -10,6 +10,10 @@ from typing import Any
 
 from numba import njit
 
-kernel: Any = njit(cache=True, error_model="numpy")
+kernel: Any = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+# Called by other kernels only: without the wrapper for Python calls it compiles in half the time.
+inner: Any = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True)
 # Sums may be re-ordered so that loops with a sum vectorise; nothing may rely on the order.
-summing: Any = njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+summing: Any = njit(
+    cache=True, error_model="numpy", no_cfunc_wrapper=True, fastmath={"reassoc", "contract", "nsz"}
+)

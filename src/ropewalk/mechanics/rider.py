@@ -27,16 +27,18 @@ from ropewalk.mechanics.chain import (
     SLIP,
     STAY,
 )
-from ropewalk.mechanics.compiled import kernel
+from ropewalk.mechanics.compiled import inner, kernel
 from ropewalk.mechanics.link import stretch
 
 # A node is claimed only where this part of a link is left on both sides.
 ROOM = 0.45
+# A load rides where the tension is above this multiple of what its speed needs (a Mach number of 0.88).
+SUBSONIC = 1.29
 # A load counts as arrived when it is this part of a link away: far below any other error.
 ARRIVED = 1e-6
 
 
-@kernel
+@inner
 def _entry(time, first, count, t):
     """Index of the table entry at or before t (the first one before the table begins)."""
     low, high = first, first + count
@@ -49,7 +51,7 @@ def _entry(time, first, count, t):
     return low
 
 
-@kernel
+@inner
 def look_up(time, value, first, count, t):
     """A table's value at time t: linear between its entries, constant outside."""
     if count == 1:
@@ -109,13 +111,13 @@ def mesh_speed(rider, speed, i):
     return 0.0
 
 
-@kernel
+@inner
 def slope(r, X, b, a):
     """Component a of the mean tangent r' at the riding node b."""
     return (r[a, b + 1] - r[a, b - 1]) / (X[b + 1] - X[b - 1])
 
 
-@kernel
+@inner
 def node_velocity(state, i, a):
     """Component a of the velocity of node i itself: of the material, or of the load it rides with."""
     U = mesh_speed(state.rider, state.speed, i)
@@ -135,7 +137,7 @@ def contact_point(strands, loads, state, k, out):
             out[a] = (1.0 - part) * state.r[a, i] + part * state.r[a, i + 1]
 
 
-@kernel
+@inner
 def sides(strands, loads, state, k):
     """Links behind and ahead of load k, in the order of xi (the same link for a shared load)."""
     b = state.rider[k]
@@ -153,7 +155,7 @@ def mean_stretch(strands, loads, state, k):
     return 0.5 * (stretch(state.r, i) / (X[i + 1] - X[i]) + stretch(state.r, j) / (X[j + 1] - X[j]))
 
 
-@kernel
+@inner
 def _arc_speed(strands, loads, state, k, V):
     """U for a given rate V of the arc length from the start of the line to the load."""
     s = loads.strand[k]
@@ -179,7 +181,7 @@ def _arc_speed(strands, loads, state, k, V):
     return (V - rate - own) / per_speed
 
 
-@kernel
+@inner
 def _horizontal_speed(strands, loads, state, k, V):
     """U for a given horizontal speed V of the contact."""
     b = state.rider[k]
@@ -212,7 +214,7 @@ def material_speed(strands, loads, state, k, V):
     return U
 
 
-@kernel
+@inner
 def next_change(strands, loads, state, k):
     """The xi, ahead on the travel, at which the load's seat on the chain has to change."""
     s = loads.strand[k]
@@ -229,7 +231,7 @@ def next_change(strands, loads, state, k):
     return max(half * (np.ceil(xi / half - ARRIVED) - 1.0), 0.0)
 
 
-@kernel
+@inner
 def _is_free(strands, state, s, j, xi):
     """Whether node j is inside its line, carries no load and leaves room for one at xi."""
     first, n, h = strands.first[s], strands.links[s], strands.h[s]
@@ -241,7 +243,20 @@ def _is_free(strands, state, s, j, xi):
     return state.X[j + 1] - xi >= ROOM * h and xi - state.X[j - 1] >= ROOM * h
 
 
-@kernel
+@inner
+def _is_subsonic(strands, state, s, i, j, U):
+    """Whether transverse waves outrun a load at speed U between the links i and j: T / lam > rho U^2, in the mean.
+
+    A load that outruns them meets a line at rest and has no kink to carry along.
+    """
+    mean = 0.0
+    for link in (i, j):
+        lam = stretch(state.r, link) / (state.X[link + 1] - state.X[link])
+        mean += 0.5 * law.tension(strands.law[s], lam - 1.0) / lam
+    return mean > SUBSONIC * strands.rho[s] * U * U
+
+
+@inner
 def _put_back(strands, state, s, b, U):
     """Put the riding node b back to its own place, on the straight sub-link that holds it."""
     home = (b - strands.first[s]) * strands.h[s]
@@ -259,17 +274,17 @@ def _put_back(strands, state, s, b, U):
     X[b] = home
 
 
-@kernel
+@inner
 def _move(strands, loads, state, k, step, point, velocity):
     """Let load k change over from its node to the next one (step = 1 or -1), or share it where there is none."""
     s, b, U = loads.strand[k], state.rider[k], state.speed[k]
     for a in range(state.r.shape[0]):
         point[a], velocity[a] = state.r[a, b], node_velocity(state, b, a)
-    state.rider[k] = b  # node_velocity in _put_back still needs the old seat
+    subsonic = _is_subsonic(strands, state, s, b - 1, b, U)
     _put_back(strands, state, s, b, U)
     state.rider[k] = SHARED
     j = b + step
-    if not _is_free(strands, state, s, j, state.xi[k]):
+    if not _is_free(strands, state, s, j, state.xi[k]) or not subsonic:
         return
     state.rider[k] = j
     state.X[j] = state.xi[k]
@@ -279,7 +294,7 @@ def _move(strands, loads, state, k, step, point, velocity):
         state.w[a, j] = velocity[a] - U * slope(state.r, state.X, j, a)
 
 
-@kernel
+@inner
 def _claim(strands, loads, state, k):
     """Let a shared load ride with the nearest node if that one is free."""
     s, U, xi = loads.strand[k], state.speed[k], state.xi[k]
@@ -289,6 +304,8 @@ def _claim(strands, loads, state, k):
     if not _is_free(strands, state, s, j, xi):
         return
     i = link_of(strands, loads, state, k)
+    if not _is_subsonic(strands, state, s, i, i, U):
+        return
     part = part_of(state, k, i)
     r, w, X = state.r, state.w, state.X
     span = X[i + 1] - X[i]
@@ -304,7 +321,7 @@ def _claim(strands, loads, state, k):
     state.rider[k] = j
 
 
-@kernel
+@inner
 def settle(strands, loads, state, k, point, velocity):
     """Change the seat of load k if it has come to a place where it must.
 
@@ -335,7 +352,7 @@ def settle(strands, loads, state, k, point, velocity):
     return False
 
 
-@kernel
+@inner
 def contact_loss(p, rho, U, r, X, b):
     """Power lost at the contact in W: U [W - T lam + rho U^2 lam^2 / 2], ahead minus behind.
 
@@ -350,7 +367,7 @@ def contact_loss(p, rho, U, r, X, b):
     return U * jump
 
 
-@kernel
+@inner
 def even_out(r, X, b):
     """Move the riding node b along x so that both sides are stretched alike: the frictionless contact."""
     behind, ahead = X[b] - X[b - 1], X[b + 1] - X[b]
@@ -364,7 +381,7 @@ def even_out(r, X, b):
             return
 
 
-@kernel
+@inner
 def even_out_velocity(state, b):
     """Give the riding node the velocity along x with which both sides stay stretched alike."""
     r, w, X = state.r, state.w, state.X

@@ -50,17 +50,18 @@ def strand_blocks(p, c, ell, r, diagonal, off, damping_diagonal, damping_off):
     """
     dim, n = r.shape[0], ell.size
     stiff, damp = np.zeros((dim, dim)), np.zeros((dim, dim))
-    diagonal[:] = 0.0
-    damping_diagonal[:] = 0.0
+    for i in range(n - 1):
+        for a in range(dim):
+            for b in range(dim):
+                diagonal[i, a, b] = damping_diagonal[i, a, b] = 0.0
     for i in range(n):
         link_stiffness(p, ell[i], r, i, stiff)
         link_damping(c, ell[i], r, i, damp)
-        if i > 0:
-            diagonal[i - 1] += stiff
-            damping_diagonal[i - 1] += damp
-        if i < n - 1:
-            diagonal[i] += stiff
-            damping_diagonal[i] += damp
-        if 0 < i < n - 1:
-            off[i - 1] = -stiff
-            damping_off[i - 1] = -damp
+        for a in range(dim):
+            for b in range(dim):
+                for node in range(max(i - 1, 0), min(i + 1, n - 1)):
+                    diagonal[node, a, b] += stiff[a, b]
+                    damping_diagonal[node, a, b] += damp[a, b]
+                if 0 < i < n - 1:
+                    off[i - 1, a, b] = -stiff[a, b]
+                    damping_off[i - 1, a, b] = -damp[a, b]

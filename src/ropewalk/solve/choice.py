@@ -13,6 +13,8 @@ from ropewalk.mechanics.law import tangents, tensions
 MOST_EXPLICIT_STEPS = 1e6
 # Part of the stable step that is used: the tangent of the law and the seats of the loads change on the way.
 SAFETY = 0.85
+# omega dt up to which the sixth-order method is used when the user gives the step (it is stable up to 6.3).
+RKN6_LIMIT = 5.0
 # Links beside a riding node are as short as half a link: the largest frequency and damping rate that this can give.
 SEAT_FREQUENCY, SEAT_DAMPING = 1.13, 1.28
 
@@ -119,7 +121,7 @@ def choose(
             wanted, why = "verlet", "rkn6 cannot be used with Kelvin-Voigt damping; the second-order method is used"
             own = explicit
         else:
-            own = rkn6_step(limits, relative)
+            own = rkn6_step(limits, relative) if step is None else RKN6_LIMIT / max(limits.frequency, 1e-300)
     elif wanted == "verlet":
         own = explicit
     else:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import kernel
-from ropewalk.mechanics.link import pull_one
+from ropewalk.mechanics.link import pull_one, stretch
 from ropewalk.mechanics.stiffness import strand_blocks
 from ropewalk.solve.banded import factorise, substitute
 from ropewalk.solve.hanging import hang, p_scale
@@ -33,13 +33,16 @@ def residual(p, ell, f, r, force, out):
     dim, n = r.shape[0], ell.size
     for i in range(n):
         q = pull_one(p, 0.0, ell[i], 0.0, r, i)
+        if not np.isfinite(q) and law.tension(p, -1.0) == 0.0:
+            q = 0.0  # a slack link whose ends have met
         for a in range(dim):
             force[a, i] = q * (r[a, i + 1] - r[a, i])
     worst = 0.0
     for i in range(1, n):
         for a in range(dim):
             out[i - 1, a] = force[a, i] - force[a, i - 1] + f[a, i]
-            worst = max(worst, abs(out[i - 1, a]))
+            if not abs(out[i - 1, a]) <= worst:  # written so that NaN is found
+                worst = abs(out[i - 1, a])
     return worst
 
 
@@ -58,60 +61,156 @@ def potential(p, ell, f, r):
     return total
 
 
+class _Stiffness:
+    """The stiffness of the inner nodes, factorised. Python calls small kernels: one big kernel compiles for long."""
+
+    def __init__(self, p: Array, ell: Array, dim: int) -> None:
+        m = ell.size - 1
+        self.p, self.ell = p, ell
+        self.unit = float(p_scale(p) / ell.min())
+        self.diagonal, self.inverse, self._unused = (np.zeros((m, dim, dim)) for _ in range(3))
+        self.off, self.ratio, self._unused_off = (np.zeros((max(m - 1, 1), dim, dim)) for _ in range(3))
+
+    def factorise(self, r: Array, shift: float, *, pulling: bool = False) -> bool:
+        """Factorise with a shift, and without thrust if only pulling counts; False if it is not positive definite."""
+        strand_blocks(self.p, 0.0, self.ell, r, self.diagonal, self.off, self._unused, self._unused_off)
+        if pulling:
+            _drop_thrust(self.p, self.ell, r, self.diagonal, self.off)
+        axis = np.arange(r.shape[0])
+        self.diagonal[:, axis, axis] += shift
+        fine = factorise(self.diagonal, self.off, self.off, self.inverse, self.ratio)
+        return bool(fine and _is_positive(self.inverse))
+
+    def solve(self, x: Array) -> Array:
+        """Solve for the right-hand side x (node - 2, axis), which is overwritten."""
+        substitute(self.off, self.inverse, self.ratio, x)
+        return x
+
+
 @kernel
-def polish(p, ell, f, r, tolerance, most):
+def _drop_thrust(p, ell, r, diagonal, off):
+    """Leave out what makes the stiffness indefinite: the push of links in compression across their direction."""
+    dim, n = r.shape[0], ell.size
+    for i in range(n):
+        length = stretch(r, i)
+        across = -law.tension(p, length / ell[i] - 1.0) / length
+        if not across > 0.0:
+            continue
+        for a in range(dim):
+            for b in range(dim):
+                part = -across * (r[a, i + 1] - r[a, i]) * (r[b, i + 1] - r[b, i]) / (length * length)
+                if a == b:
+                    part += across
+                if i > 0:
+                    diagonal[i - 1, a, b] += part
+                if i < n - 1:
+                    diagonal[i, a, b] += part
+                if 0 < i < n - 1:
+                    off[i - 1, a, b] -= part
+
+
+@kernel
+def _is_positive(blocks):
+    """Whether symmetric blocks of order two or three are all positive definite."""
+    for i in range(blocks.shape[0]):
+        m = blocks[i]
+        minor = m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]
+        if not (m[0, 0] > 0.0 and minor > 0.0):
+            return False
+        if m.shape[0] == 3:
+            last = m[2, 0] * (m[0, 1] * m[1, 2] - m[0, 2] * m[1, 1])
+            last -= m[2, 1] * (m[0, 0] * m[1, 2] - m[0, 2] * m[1, 0])
+            if not last + m[2, 2] * minor > 0.0:
+                return False
+    return True
+
+
+def _descend(stiffness: _Stiffness, f: Array, r: Array, tolerance: float, most: int) -> float:
     """Newton's method on the potential energy, with a shift where it is not convex; r is changed.
 
     Returns:
         The largest unbalanced force that is left, N.
     """
-    dim, n = r.shape[0], ell.size
-    m = n - 1
-    force, x, g = np.zeros((dim, n)), np.zeros((m, dim)), np.zeros((m, dim))
+    p, ell, unit = stiffness.p, stiffness.ell, stiffness.unit
+    force, g = np.zeros((r.shape[0], ell.size)), np.zeros((ell.size - 1, r.shape[0]))
+    new = g.copy()
     worst = residual(p, ell, f, r, force, g)
-    if m < 1 or worst <= tolerance:
-        return worst
-    diagonal, inverse = np.zeros((m, dim, dim)), np.zeros((m, dim, dim))
-    off, ratio = np.zeros((max(m - 1, 1), dim, dim)), np.zeros((max(m - 1, 1), dim, dim))
-    unused, unused_off = np.zeros((m, dim, dim)), np.zeros((max(m - 1, 1), dim, dim))
-    energy, before, shift = potential(p, ell, f, r), r.copy(), 0.0
+    energy, shift, poor = potential(p, ell, f, r), 0.0, 0
     for _ in range(most):
-        strand_blocks(p, 0.0, ell, r, diagonal, off, unused, unused_off)
-        for i in range(m):
-            for a in range(dim):
-                diagonal[i, a, a] += shift
-        x[:] = g
-        fine = factorise(diagonal, off, off, inverse, ratio)
+        if worst <= tolerance or not np.isfinite(worst) or poor > (2 if worst < 1e7 * tolerance else 100):
+            break
+        fine, before = False, r.copy()
+        if stiffness.factorise(r, shift) or stiffness.factorise(r, max(shift, 1e-14 * unit), pulling=True):
+            x = stiffness.solve(g.copy())
+            r[:, 1:-1] += x.T
+            change = potential(p, ell, f, r) - energy
+            now = residual(p, ell, f, r, force, new)
+            # Where the change of energy is all rounding error, its slope along the step decides.
+            level = abs(change) <= 1e-12 * abs(energy)
+            falls = now < worst or (new * x).sum() > -0.8 * (g * x).sum() if level else change < 0.0
+            fine = bool(np.isfinite(now) and falls)
         if fine:
-            substitute(off, inverse, ratio, x)
-            fine = (x * g).sum() > 0.0
-        if fine:
-            before[:] = r
-            for i in range(m):
-                for a in range(dim):
-                    r[a, i + 1] += x[i, a]
-            new = potential(p, ell, f, r)
-            now = residual(p, ell, f, r, force, x)
-            # Near the minimum the energy is all rounding error and the residual decides.
-            fine = now < worst if abs(new - energy) <= 1e-12 * abs(energy) else new < energy
-            if not fine:
-                r[:] = before
-        if fine:
-            stalled = now > 0.5 * worst and abs(new - energy) <= 1e-12 * abs(energy)
-            worst, energy = now, new
-            g[:] = x
-            shift = 0.1 * shift if shift > 1e-8 * p[2] / ell[0] else 0.0
-            if worst <= tolerance or stalled:
-                return worst
-        elif shift > 1e3 * p[2] / ell[0]:
-            return worst
+            poor = poor + 1 if level and now > 0.5 * worst else 0
+            worst, energy = now, energy + change
+            g, new = new, g
+            shift = 0.1 * shift if shift > 1e-13 * unit else 0.0
         else:
-            shift = max(10.0 * shift, 1e-6 * p[2] / ell[0])
+            r[:] = before
+            shift = max(10.0 * shift, 1e-12 * unit)
+            if shift > 1e3 * unit:
+                break
+    return float(worst)
+
+
+def _leave_saddle(stiffness: _Stiffness, f: Array, r: Array) -> bool:
+    """Move along a direction of negative curvature, if there is one and it leads to less energy; r is changed.
+
+    A straight chain in compression is in balance, too, and where everything lies on one line nothing else tells
+    which way to buckle.
+    """
+    if stiffness.factorise(r, 0.0):
+        return False
+    p, ell = stiffness.p, stiffness.ell
+    shift = 1e-12 * stiffness.unit
+    while not stiffness.factorise(r, shift):
+        shift *= 2.0
+        if not shift < 1e6 * stiffness.unit:
+            return False
+    dim, m = r.shape[0], ell.size - 1
+    v = 1.0 + 0.5 * np.cos(2.0 * np.arange(m)[:, None] + np.arange(dim))
+    for _ in range(12):
+        v = stiffness.solve(v)
+        v /= np.abs(v).max()
+    energy, before, size = potential(p, ell, f, r), r.copy(), 0.5 * ell.min()
+    for _ in range(40):
+        for way in (size, -size):
+            r[:, 1:-1] = before[:, 1:-1] + way * v.T
+            if potential(p, ell, f, r) < energy - 1e-13 * abs(energy):
+                return True
+        size *= 0.5
+    r[:] = before
+    return False
+
+
+def polish(p: Array, ell: Array, f: Array, r: Array, tolerance: float, most: int) -> float:
+    """Move the nodes to the least potential energy nearby; r is changed.
+
+    Returns:
+        The largest unbalanced force that is left, N.
+    """
+    stiffness = _Stiffness(p, ell, r.shape[0])
+    worst = _descend(stiffness, f, r, tolerance, most)
+    for _ in range(20):
+        if not _leave_saddle(stiffness, f, r):
+            break
+        worst = _descend(stiffness, f, r, tolerance, most)
     return worst
 
 
-def at_rest(p: Array, ell: Array, f: Array, start: Array, end: Array, guess: Array | None = None) -> Rest:
-    """Find the rest shape of one strand between fixed ends.
+def hang_up(
+    p: Array, ell: Array, f: Array, start: Array, end: Array, guess: Array | None = None
+) -> tuple[Array, Array]:
+    """Find the shape in which every link pulls, and the force vector of its first link.
 
     Args:
         p: axial law, see mechanics/law.py.
@@ -120,21 +219,19 @@ def at_rest(p: Array, ell: Array, f: Array, start: Array, end: Array, guess: Arr
         start, end: (axis,) m.
         guess: (axis,) force vector of the first link of a similar shape, N; not needed.
 
+    Returns:
+        Force vector of the first link (axis,) N, and positions (axis, node) m.
+
     Raises:
         EquilibriumError: there is no rest shape, or more than one.
     """
-    dim, n = start.size, ell.size
     length, distance = float(ell.sum()), float(np.linalg.norm(end - start))
-    weight = float(np.abs(f[:, 1:-1]).sum())
-    r = np.empty((dim, n + 1))
-    if n == 1:
-        r[:, 0], r[:, 1] = start, end
-        return Rest(r, np.zeros(dim), 0.0)
-    if weight == 0.0 and length > distance * (1.0 + 1e-12):
+    if not np.any(f[:, 1:-1]) and length > distance * (1.0 + 1e-12):
         raise EquilibriumError(
             f"the line is slack (length {length:g} m over a distance of {distance:g} m) and nothing pulls on it: "
             "its rest shape is not determined; give gravity, a load, a shorter length or a tension"
         )
+    r = np.empty((start.size, ell.size + 1))
     R = np.array(guess) if guess is not None else _first_force(p, f, start, end, length)
     miss = hang(p, ell, f, start, end, 1e-13, R, r)
     if not miss < 1e-9 * length:  # folds: links without tension; come to them step by step
@@ -146,21 +243,42 @@ def at_rest(p: Array, ell: Array, f: Array, start: Array, end: Array, guess: Arr
             "no rest shape was found: the axial law cannot carry the load (its tension does not rise far enough), or "
             "the numbers are too far apart; check length, axial_stiffness, law and forces"
         )
-    scale = max(weight, float(np.abs(R).max()))
+    return R, r
+
+
+def at_rest(p: Array, ell: Array, f: Array, start: Array, end: Array, guess: Array | None = None) -> Rest:
+    """Find the rest shape of one strand between fixed ends, see `hang_up`.
+
+    Raises:
+        EquilibriumError: there is no rest shape, or more than one.
+    """
+    n = ell.size
+    if n == 1:
+        r = np.stack([start, end], axis=1)
+        return Rest(r, np.zeros(start.size), 0.0)
+    R, r = hang_up(p, ell, f, start, end, guess)
+    _open_up(ell, r)
+    scale = max(float(np.abs(f[:, 1:-1]).sum()), float(np.abs(R).max()))
     worst = polish(p, ell, f, r, 1e-14 * scale, 500)
-    if not worst <= 1e-4 * scale + 1e-14 * n * p_scale(p):
+    rounding = 1e-14 * p_scale(p) * float(np.abs(r).max()) / float(ell.min())  # of strains from positions
+    if not worst <= 1e-4 * scale + rounding:
         raise EquilibriumError(f"the rest shape is not in balance: {worst:.3g} N are left over of {scale:.3g} N")
-    return Rest(r, R, float(worst))
+    return Rest(r, R, worst)
+
+
+def _open_up(ell: Array, r: Array) -> None:
+    """Move nodes that have met a little apart: a link without length has no direction, and could push either way."""
+    for i in np.flatnonzero((np.diff(r, axis=1) ** 2).sum(axis=0) < (1e-3 * ell) ** 2):
+        if ((r[:, i + 1] - r[:, i]) ** 2).sum() < (1e-3 * ell[i]) ** 2:
+            r[0, i + 1 if i + 2 < r.shape[1] else i] += 1e-2 * ell[i]
 
 
 def _first_force(p: Array, f: Array, start: Array, end: Array, length: float) -> Array:
     """A rough force vector at the first link: half the load, and a pull along the chord."""
     chord = end - start
     distance = float(np.linalg.norm(chord))
-    total = f[:, 1:-1].sum(axis=1)
-    pull = 0.5 * float(np.linalg.norm(total))
+    half: Array = 0.5 * f[:, 1:-1].sum(axis=1)
+    pull = float(np.linalg.norm(half))
     if distance > length:
         pull += float(law.tension(p, distance / length - 1.0))
-    if distance == 0.0:
-        return 0.5 * total
-    return 0.5 * total + pull * chord / distance
+    return half + pull * chord / distance if distance > 0.0 else half

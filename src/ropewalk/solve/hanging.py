@@ -52,8 +52,13 @@ def _phi(p, ell, f, span, R, tiny, T, grad, hess):
 
 @kernel
 def p_scale(p):
-    """A stiffness that stands for the law, N."""
-    return law.tangent(p, 1e-9) if p[0] != law.TABLE else abs(p[1 + 2 * int(p[1])] / p[1 + int(p[1])]) + 1e-300
+    """A stiffness that stands for the law, N: the one at rest, of a table the largest slope."""
+    if p[0] != law.TABLE:
+        return law.tangent(p, 1e-9)
+    largest, n = 0.0, int(p[1])
+    for i in range(n - 1):
+        largest = max(largest, (p[3 + n + i] - p[2 + n + i]) / (p[3 + i] - p[2 + i]))
+    return largest
 
 
 @kernel

@@ -10,11 +10,38 @@ import numpy as np
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, SLIP, Array
 from ropewalk.mechanics.rider import force_at, look_up_integral
+from ropewalk.model.history import SpeedTable
+from ropewalk.model.scenario import Scenario
 from ropewalk.solve.standing import Standing, stand
 from ropewalk.solve.start import Setting
 
 # The loads' places are found to this part of their line's length: below the rounding of the shapes' tensions.
 _TOLERANCE = 1e-12
+
+
+def horizon(scenario: Scenario) -> float:
+    """For how long callables are needed until a load has certainly passed its line, s (0 without callables)."""
+    loads = scenario.loads.values()
+    if not any(callable(load.travel.speed) or callable(load.force) for load in loads):
+        return 0.0
+    times = []
+    for load in loads:
+        line, speed, until, gone = scenario.lines[load.on], load.travel.speed, 1.0, -1.0
+        reach = 3.0 * max(line.length or 0.0, line.distance)  # longer than the stretched line, and there and back
+        for _ in range(60):
+            grid = np.linspace(0.0, until, 257)
+            if callable(speed):
+                rates = np.array([float(speed(t)) for t in grid])
+            elif isinstance(speed, SpeedTable):
+                rates = np.interp(grid, speed.time, speed.value)
+            else:
+                rates = np.full(grid.size, speed)
+            last, gone = gone, float(np.trapezoid(np.abs(rates), grid))
+            if not last < gone < reach:  # done, or the load comes to a stop
+                break
+            until *= 2.0
+        times.append(until)
+    return min(times)
 
 
 @dataclass(frozen=True)
@@ -34,9 +61,9 @@ def shapes(setting: Setting, xi: Array, t: float, before: list[Standing] | None 
     out = []
     for s in range(setting.strands.first.size):
         on = np.flatnonzero(loads.strand == s)
-        guess = before[s].first_force if before is not None else None
+        similar = before[s] if before is not None else None
         try:
-            out.append(stand(setting.strands, s, setting.ends[s], xi[on], given[on].T, loads.contact[on], guess))
+            out.append(stand(setting.strands, s, setting.ends[s], xi[on], given[on].T, loads.contact[on], similar))
         except EquilibriumError as error:
             raise EquilibriumError(f"line {setting.lines[s]}: {error}") from None
     return out, given
@@ -49,10 +76,13 @@ class _Measure:
         self.setting, self.k = setting, k
         self.s = int(setting.loads.strand[k])
         self.kind = int(setting.loads.measure[k])
+        # Slow motion may be measured against the material coordinate: along x on a line that runs towards -x.
+        run = float(setting.ends[self.s][1][0] - setting.ends[self.s][0][0])
+        self.direction = -1.0 if self.kind == HORIZONTAL and run < 0.0 else 1.0
         self.number = int(np.flatnonzero(np.flatnonzero(setting.loads.strand == self.s) == k)[0])
 
     def of(self, xi: float, stands: list[Standing]) -> float:
-        """Path up to xi: material coordinate, arc length or horizontal place; for slip the mean stretch there."""
+        """Path up to xi: material coordinate, arc length or x; for slip the mean stretch there."""
         rest = stands[self.s]
         i = int(rest.contact[self.number])
         if self.kind == MATERIAL:
@@ -67,128 +97,156 @@ class _Measure:
 
 
 def walk(setting: Setting, positions: int) -> Iterator[Place]:
-    """Yield the loads at equal steps of their path, from their start to the end of the line of the first to arrive.
+    """Yield the loads at equal steps of the path of the first one, until one of them comes to the end of its line.
 
     All loads keep the pace of their speeds. Forces that change in time are taken at the time of the path.
 
     Raises:
         EquilibriumError: a rest shape cannot be found, or the loads do not advance.
     """
-    loads, count = setting.loads, setting.xi.size
-    measures = [_Measure(setting, k) for k in range(count)]
-    until, times, ways = _timetable(setting)
-    xi = setting.xi.copy()
-    stands, given = shapes(setting, xi, 0.0)
-    begin = [m.of(x, stands) for m, x in zip(measures, xi, strict=True)]
-    yield Place(0.0, xi.copy(), stands, given)
-    now = begin.copy()
-    first = ways[0]
-    previous_t, previous_xi = 0.0, xi.copy()
-    for step in range(1, positions):
-        t = float(np.interp(step / (positions - 1) * abs(first[-1]), np.abs(first), times))
-        target_way = np.array([np.interp(t, times, way) for way in ways])
-        last_way = np.array([np.interp(previous_t, times, way) for way in ways])
-        anchor, anchor_stands = xi.copy(), stands
-        guess = xi + (xi - previous_xi) if step > 1 else xi + (target_way - last_way)
-        previous_xi = xi.copy()
-        xi, stands, given = _advance(
-            setting, measures, anchor, anchor_stands, begin, now, last_way, target_way, guess, t
-        )
-        now = [m.of(x, stands) for m, x in zip(measures, xi, strict=True)]
-        previous_t = t
-        yield Place(abs(float(target_way[0])), xi.copy(), stands, given)
-
-
-def _advance(setting, measures, anchor, anchor_stands, begin, now, last_way, target_way, guess, t):  # type: ignore[no-untyped-def]
-    """Find the places of all loads at the next position: each measured path must come out right (secant, in turn)."""
-    strands, loads = setting.strands, setting.loads
-    length = strands.links[loads.strand] * strands.h[loads.strand]
-    xi = np.clip(guess, 0.0, length)
-    stands, given = shapes(setting, xi, t, anchor_stands)
-    if all(m.kind == MATERIAL for m in measures):
-        xi = np.clip(anchor + target_way - last_way, 0.0, length)
-        stands, given = shapes(setting, xi, t, anchor_stands)
-        return xi, stands, given
-
-    def miss(k: int) -> float:
-        m = measures[k]
-        if m.kind == SLIP:
-            return (xi[k] - anchor[k]) * 0.5 * (now[k] + m.of(xi[k], stands)) - (target_way[k] - last_way[k])
-        return m.of(xi[k], stands) - begin[k] - target_way[k]
-
-    for _ in range(50):
-        worst = 0.0
-        for k in range(len(measures)):
-            gap = miss(k)
-            if abs(gap) > _TOLERANCE * length[k]:
-                x0 = xi[k]
-                xi[k] = np.clip(x0 - gap, 0.0, length[k])
-                for _ in range(30):
-                    stands, given = shapes(setting, xi, t, stands)
-                    new = miss(k)
-                    if abs(new) <= _TOLERANCE * length[k] or xi[k] == x0 or new == gap:
-                        break
-                    following = np.clip(xi[k] - new * (xi[k] - x0) / (new - gap), 0.0, length[k])
-                    x0, gap, xi[k] = xi[k], new, following
-                worst = max(worst, abs(miss(k)))
-        if worst <= 10 * _TOLERANCE * float(length.max()) or len(measures) == 1:
-            break
-    return xi, stands, given
-
-
-def _timetable(setting: Setting) -> tuple[float, Array, list[Array]]:
-    """Times and paths of all loads until the first of them comes to the end of its line."""
-    loads, count = setting.loads, setting.xi.size
+    count = setting.xi.size
     if count == 0:
         raise EquilibriumError("slow motion needs a load that travels")
+    measures = [_Measure(setting, k) for k in range(count)]
+    xi = setting.xi.copy()
+    stands, given = shapes(setting, xi, 0.0)
+    begin = np.array([m.of(x, stands) for m, x in zip(measures, xi, strict=True)])
+    times, ways = _timetable(setting, measures, begin)
+    path = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(ways[0])))))
+    if not path[-1] > 0.0:
+        raise EquilibriumError(
+            "the first load has no path: it stands at the end of its line and would move off it, or its speed is zero; "
+            "let it start elsewhere (travel.from), or turn the sign of speed"
+        )
+    yield Place(0.0, xi.copy(), stands, given)
+    previous_t, previous_xi = 0.0, xi
+    for place in np.linspace(0.0, path[-1], positions)[1:]:
+        t = float(np.interp(place, path, times))
+        target = np.array([np.interp(t, times, way) for way in ways])
+        advance = target - [np.interp(previous_t, times, way) for way in ways]
+        marks = np.array([m.of(x, stands) for m, x in zip(measures, xi, strict=True)])
+        step = _Step(setting, measures, t, xi, marks, begin + target, advance)
+        guess = xi + (xi - previous_xi) if previous_t > 0.0 else xi + advance * [m.direction for m in measures]
+        previous_t, previous_xi = t, xi
+        xi, stands, given = step.take(guess, stands)
+        yield Place(float(place), xi.copy(), stands, given)
 
-    def path(k: int, t: float) -> float:
+
+@dataclass
+class _Step:
+    """A step of all loads along their paths."""
+
+    setting: Setting
+    measures: list[_Measure]
+    t: float
+    before: Array  # (load,) m, xi before the step
+    marks: Array  # (load,) the measures before the step
+    target: Array  # (load,) m, where the measures have to come (slip: see `advance`)
+    advance: Array  # (load,) m, path to go in this step
+
+    def take(self, guess: Array, stands: list[Standing]) -> tuple[Array, list[Standing], Array]:
+        """Find the places of all loads at which each measured path comes out right, one load after the other."""
+        loads, strands = self.setting.loads, self.setting.strands
+        length = strands.links[loads.strand] * strands.h[loads.strand]
+        xi = np.clip(guess, 0.0, length)
+        for k, m in enumerate(self.measures):
+            if m.kind == MATERIAL:
+                xi[k] = np.clip(self.before[k] + self.advance[k], 0.0, length[k])
+        stands, given = shapes(self.setting, xi, self.t, stands)
+        searched = [k for k, m in enumerate(self.measures) if m.kind != MATERIAL]
+        for _ in range(50):
+            last = xi.copy()
+            for k in searched:
+                stands, given = self._place(k, float(length[k]), xi, stands, given)
+            if len(searched) < 2 or np.all(np.abs(xi - last) <= _TOLERANCE * length):
+                return xi, stands, given
+        raise EquilibriumError("the loads hinder each other: no places were found that agree with all their paths")
+
+    def _miss(self, k: int, x: float, stands: list[Standing]) -> float:
+        m = self.measures[k]
+        if m.kind == SLIP:
+            return float((x - self.before[k]) * 0.5 * (self.marks[k] + m.of(x, stands)) - self.advance[k])
+        return float(m.direction * (m.of(x, stands) - self.target[k]))
+
+    def _place(
+        self, k: int, length: float, xi: Array, stands: list[Standing], given: Array
+    ) -> tuple[list[Standing], Array]:
+        """Put load k where its path comes out right (or to the end of its line): secant steps within a bracket."""
+        low, high, slope = 0.0, length, 1.0
+        miss = self._miss(k, xi[k], stands)
+        for _ in range(100):
+            x = float(xi[k])
+            if abs(miss) <= _TOLERANCE * length or (x >= length and miss < 0.0) or (x <= 0.0 and miss > 0.0):
+                return stands, given
+            low, high = (low, x) if miss > 0.0 else (x, high)
+            new = min(max(x - miss / slope, 0.0), length)
+            if not (low < new < high or (new == length == high) or (new == 0.0 == low)):
+                new = 0.5 * (low + high)
+            if abs(new - x) <= 1e-16 * length:
+                return stands, given
+            xi[k] = new
+            stands, given = shapes(self.setting, xi, self.t, stands)
+            following = self._miss(k, new, stands)
+            slope = (following - miss) / (new - x)
+            slope = slope if slope > 0.0 else 1.0
+            miss = following
+        return stands, given
+
+
+def _timetable(setting: Setting, measures: list[_Measure], begin: Array) -> tuple[Array, list[Array]]:
+    """Times and paths of all loads until the first of them comes to the end of its line."""
+    loads, count = setting.loads, setting.xi.size
+
+    def path(k: int, times: Array) -> Array:
         first, n = loads.speed_first[k], loads.speed_count[k]
-        return float(look_up_integral(loads.speed_time, loads.speed_value, loads.speed_path, first, n, t))
+        tables = loads.speed_time, loads.speed_value, loads.speed_path
+        return np.array([look_up_integral(*tables, first, n, t) for t in times])
 
-    horizon = float(loads.speed_time.max()) if loads.speed_time.size else 0.0
-    arrivals = []
+    arrivals, changing = [], bool((loads.speed_count > 1).any())
     for k in range(count):
-        speed = loads.speed_value[loads.speed_first[k] + loads.speed_count[k] - 1]
-        room = _room(setting, k, forward=speed > 0.0 or (speed == 0.0 and path(k, horizon) > 0.0))
-        constant = loads.speed_count[k] == 1
-        if constant and speed != 0.0:
-            arrivals.append(room / abs(speed))
-        elif not constant:
-            times = np.linspace(0.0, max(horizon, 1e-9) + (room / abs(speed) if speed != 0.0 else 0.0), 20001)
-            gone = np.abs([path(k, t) for t in times])
-            reached = np.flatnonzero(gone >= room * (1 - 1e-12))
-            if reached.size:
-                i = int(reached[0])
-                arrivals.append(float(np.interp(room, gone[max(i - 1, 0) : i + 1], times[max(i - 1, 0) : i + 1])))
-            else:
-                arrivals.append(float(times[-1]))
-    if not arrivals:
-        raise EquilibriumError("slow motion needs a load that travels: all speeds are zero")
-    until = min(arrivals)
-    times = np.linspace(0.0, until, 2 if (loads.speed_count == 1).all() else 20001)
-    return until, times, [np.array([path(k, t) for t in times]) for k in range(count)]
+        table = slice(loads.speed_first[k], loads.speed_first[k] + loads.speed_count[k])
+        speeds, last = loads.speed_value[table], float(loads.speed_value[table][-1])
+        ahead = _room(setting, measures[k], float(begin[k]), forward=True) if (speeds > 0.0).any() else np.inf
+        behind = _room(setting, measures[k], float(begin[k]), forward=False) if (speeds < 0.0).any() else np.inf
+        if last == 0.0 and speeds.size == 1:
+            continue
+        horizon = max(float(loads.speed_time[table][-1]), 0.0)
+        if last != 0.0:
+            then = float(path(k, np.array([horizon]))[0])
+            horizon += max((ahead - then) / last if last > 0.0 else (behind + then) / -last, 0.0)
+        times = np.linspace(0.0, horizon, 20001 if speeds.size > 1 else 2)
+        gone = path(k, times)
+        off = np.maximum(gone / ahead, -gone / behind)
+        i = int(np.argmax(off >= 1.0 - 1e-12)) if off.max() >= 1.0 - 1e-12 else times.size - 1
+        arrivals.append(float(np.interp(1.0, off[i - 1 : i + 1], times[i - 1 : i + 1])))
+    times = np.linspace(0.0, min(arrivals, default=0.0), 20001 if changing else 2)
+    return times, [path(k, times) for k in range(count)]
 
 
-def _room(setting: Setting, k: int, forward: bool) -> float:
-    """Path from the start of load k to the end of its line, as measured (slip: by a first walk along the line)."""
-    s, kind = int(setting.loads.strand[k]), int(setting.loads.measure[k])
+def _room(setting: Setting, measure: _Measure, begin: float, *, forward: bool) -> float:
+    """Path from the start of a load to the end of its line, as measured (slip: by a first walk along the line)."""
+    s, k = measure.s, measure.k
     strands, bare, xi = setting.strands, setting.bare[s], float(setting.xi[k])
     length = float(strands.links[s] * strands.h[s])
-    if kind == MATERIAL:
-        return length - xi if forward else xi
-    if kind == HORIZONTAL:
-        end = setting.ends[s][1 if forward else 0][0]
-        return abs(float(end - np.interp(xi, bare.X, bare.r[0])))
-    along = np.concatenate(([0.0], np.cumsum(np.sqrt((np.diff(bare.r, axis=1) ** 2).sum(axis=0)))))
-    if kind != SLIP:
-        here = float(np.interp(xi, bare.X, along))
-        return float(along[-1]) - here if forward else here
-    measure, grid = _Measure(setting, k), np.linspace(xi, length if forward else 0.0, 101)
-    others = setting.xi.copy()
-    lam, stands = [], None
-    for x in grid:
-        others[k] = x
-        stands, _ = shapes(setting, others, 0.0, stands)
-        lam.append(measure.of(float(x), stands))
-    return abs(float(np.trapezoid(lam, grid)))
+    if measure.kind == MATERIAL:
+        room = length - xi if forward else xi
+    elif measure.kind == HORIZONTAL:  # forward is towards +x, whichever end of the line lies there
+        ends = [float(end[0]) for end in setting.ends[s]]
+        room = max(ends) - begin if forward else begin - min(ends)
+    elif measure.kind != SLIP:
+        arc = float(np.sqrt((np.diff(bare.r, axis=1) ** 2).sum(axis=0)).sum()) if bare is not None else length
+        room = arc - begin if forward else begin
+    else:
+        grid, places = np.linspace(xi, length if forward else 0.0, 101), setting.xi.copy()
+        lam: list[float] = []
+        stands = None
+        for x in grid:
+            places[k] = x
+            try:
+                stands, _ = shapes(setting, places, 0.0, stands)
+            except EquilibriumError:  # the walk will end there and say why
+                lam += [lam[-1]] * (grid.size - len(lam))
+                break
+            lam.append(measure.of(float(x), stands))
+        room = abs(float(np.trapezoid(lam, grid)))
+    return max(room, 1e-300)

@@ -21,7 +21,7 @@ from ropewalk.mechanics.chain import (
     SHARED,
     STAY,
 )
-from ropewalk.mechanics.compiled import kernel
+from ropewalk.mechanics.compiled import inner, kernel
 from ropewalk.mechanics.link import pull, pull_one, pull_vectors, stretch, stretch_rate
 from ropewalk.mechanics.rider import (
     ARRIVED,
@@ -57,28 +57,29 @@ RKN6 = _rkn6()
 RUNNING, END_OF_LINE, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2, 3
 
 
-@kernel
-def _update(r, w, f, i0, i1, per_mass, decay, gravity, gain, dt):
-    """Kick and drift the nodes between i0 and i1: w <- decay w + per_mass [f] + gain gravity, r <- r + dt w."""
+@inner
+def _update(r, w, f, i0, i1, per_mass, gravity, kick, way, decay):
+    """Kick and drift the nodes between i0 and i1: w <- w + per_mass [f] + kick gravity, then along with drag
+    r <- r + way w, w <- decay w."""
     for a in range(w.shape[0]):
-        ra, wa, fa, ga = r[a, i0 + 1 : i1], w[a, i0 + 1 : i1], f[a, i0:i1], gain * gravity[a]
+        ra, wa, fa, ga = r[a, i0 + 1 : i1], w[a, i0 + 1 : i1], f[a, i0:i1], kick * gravity[a]
         for i in range(i1 - i0 - 1):
-            v = decay * wa[i] + (per_mass * (fa[i + 1] - fa[i]) + ga)
-            wa[i] = v
-            ra[i] += dt * v
+            v = wa[i] + (per_mass * (fa[i + 1] - fa[i]) + ga)
+            wa[i] = decay * v
+            ra[i] += way * v
 
 
-@kernel
-def _update_ahead(w, ahead, f, i0, i1, per_mass, decay, gravity, gain, lead):
-    """Velocities that a kick is about to give, led on by `lead` kicks: those at the instant of the next positions."""
+@inner
+def _update_ahead(w, ahead, f, i0, i1, per_mass, gravity, kick, decay, lead):
+    """Velocities after the coming kick and drift, led on by `lead` kicks: those at the instant of the new positions."""
     for a in range(w.shape[0]):
-        wa, out, fa, ga = w[a, i0 + 1 : i1], ahead[a, i0 + 1 : i1], f[a, i0:i1], gain * gravity[a]
+        wa, out, fa, ga = w[a, i0 + 1 : i1], ahead[a, i0 + 1 : i1], f[a, i0:i1], kick * gravity[a]
+        more = decay * (1.0 + lead)
         for i in range(i1 - i0 - 1):
-            v = decay * wa[i] + (per_mass * (fa[i + 1] - fa[i]) + ga)
-            out[i] = v + lead * (v - wa[i])
+            out[i] = decay * wa[i] + more * (per_mass * (fa[i + 1] - fa[i]) + ga)
 
 
-@kernel
+@inner
 def _strain_rate(r, w, X, rider, speed, i):
     """Strain rate of link i, whose ends may ride with loads."""
     rest = X[i + 1] - X[i]
@@ -94,7 +95,7 @@ def _strain_rate(r, w, X, rider, speed, i):
     return (along / length - (U1 - U0) * length / rest) / rest
 
 
-@kernel
+@inner
 def _pull_beside(p, c, h, r, w, X, rider, speed, q, b):
     """Tension over length of the two links beside the riding node b, whose unstrained lengths are not h.
 
@@ -112,9 +113,11 @@ def _pull_beside(p, c, h, r, w, X, rider, speed, q, b):
     return more
 
 
-@kernel
-def _kick_rider(time, value, first, count, t, m, U, b, kick, drift, lead, r, w, ahead, X, dr, dw, k):
+@inner
+def _kick_rider(time, value, first, count, t, m, U, b, kick, way, decay, lead, r, w, ahead, f, g, X, dr, dw, k):
     """Momentum for the node b that rides with load k: its force, and the flux of momentum past it.
+
+    The links and gravity have already kicked all nodes, and these have drifted, see _update.
 
     Returns:
         The work of the force, J.
@@ -122,19 +125,21 @@ def _kick_rider(time, value, first, count, t, m, U, b, kick, drift, lead, r, w, 
     span, work = X[b + 1] - X[b - 1], 0.0
     for a in range(r.shape[0]):
         F = look_up(time, value[a], first, count, t)
-        extra = kick * (F / m + U / span * 0.5 * (dw[a, k] + w[a, b + 1] - w[a, b - 1]))
-        w[a, b] += extra
-        ahead[a, b] += (1.0 + lead) * extra
-        r[a, b] += drift * extra
-        work += kick * F * (w[a, b] + U * dr[a, k] / span - 0.5 * extra)
+        after = (w[a, b + 1] - w[a, b - 1]) / decay
+        extra = kick * (F / m + U / span * 0.5 * (dw[a, k] + after))
+        kicked = kick * ((f[a, b] - f[a, b - 1]) / m + g[a]) + extra
+        w[a, b] += decay * extra
+        ahead[a, b] += decay * (1.0 + lead) * extra
+        r[a, b] += way * extra
+        work += kick * F * (w[a, b] / decay - 0.5 * kicked + U * dr[a, k] / span)
     return work
 
 
-@kernel
-def _kick_shared(strands, loads, state, ahead, k, kick, drift, lead):
+@inner
+def _kick_shared(strands, loads, state, ahead, f, k, kick, way, decay, lead):
     """Momentum from a load that is shared by the two nodes of its link."""
     s, U, t = loads.strand[k], state.speed[k], state.t[0]
-    m = strands.rho[s] * strands.h[s]
+    m, g = strands.rho[s] * strands.h[s], strands.gravity
     r, w, X = state.r, state.w, state.X
     i = link_of(strands, loads, state, k)
     part = part_of(state, k, i)
@@ -145,14 +150,15 @@ def _kick_shared(strands, loads, state, ahead, k, kick, drift, lead):
         for node, share in ((i, 1.0 - part), (i + 1, part)):
             if first < node < last:
                 extra = kick * share * F / m
-                w[a, node] += extra
-                ahead[a, node] += (1.0 + lead) * extra
-                r[a, node] += drift * extra
-                v += share * (w[a, node] - 0.5 * extra)
+                kicked = kick * ((f[a, node] - f[a, node - 1]) / m + g[a]) + extra
+                w[a, node] += decay * extra
+                ahead[a, node] += decay * (1.0 + lead) * extra
+                r[a, node] += way * extra
+                v += share * (w[a, node] / decay - 0.5 * kicked)
         state.work[LOAD_WORK] += kick * F * v
 
 
-@kernel
+@inner
 def _carry(r, X, dr, k, b, xi, way):
     """Carry the riding node b over the material by `way` along the line."""
     X[b] = xi
@@ -160,7 +166,7 @@ def _carry(r, X, dr, k, b, xi, way):
         r[a, b] += way * 0.5 * (dr[a, k] + r[a, b + 1] - r[a, b - 1]) / (X[b + 1] - X[b - 1])
 
 
-@kernel
+@inner
 def _travel(strands, loads, state, dr, k, dt):
     """Let load k travel for dt at a speed that depends on the state of the line."""
     t, b, xi = state.t[0], state.rider[k], state.xi[k]
@@ -175,7 +181,7 @@ def _travel(strands, loads, state, dr, k, dt):
     state.speed[k] = material_speed(strands, loads, state, k, speed_at(loads, k, t + dt))
 
 
-@kernel
+@inner
 def _hold(m, U, r, w, X, dr, k, b, x, dt):
     """Frictionless contact: put the riding node where both tensions agree; its velocity follows.
 
@@ -190,7 +196,7 @@ def _hold(m, U, r, w, X, dr, k, b, x, dt):
     return impulse, impulse * v
 
 
-@kernel
+@inner
 def _even_out_all(strands, loads, state):
     """Put all frictionless contacts where both tensions agree, at rates that keep them so."""
     for k in range(state.xi.size):
@@ -201,18 +207,26 @@ def _even_out_all(strands, loads, state):
             even_out_velocity(state, b)
             s = loads.strand[k]
             impulse = strands.rho[s] * strands.h[s] * (state.w[0, b] - before)
+            state.hold[k] += impulse
             state.work[HOLD_WORK] += impulse * node_velocity(state, b, 0)
 
 
-@kernel
+@inner
+def _copy(source, target):
+    for a in range(source.shape[0]):
+        for i in range(source.shape[1]):
+            target[a, i] = source[a, i]
+
+
+@inner
 def _gap(target, xi, speed):
     """Distance still to go to the next change of seat; negative if the load has turned round since it was noted."""
     if speed == 0.0:
         return np.inf
-    return -1.0 if np.isinf(target) else (target - xi) * np.sign(speed)
+    return -1.0 if np.isinf(target) else (target - xi if speed > 0.0 else xi - target)
 
 
-@kernel
+@inner
 def _take_seats(strands, loads, state, buffers):
     """Let every load take the seat that its place asks for, and note where it has to change next.
 
@@ -235,7 +249,7 @@ def _take_seats(strands, loads, state, buffers):
     return False
 
 
-@kernel
+@inner
 def _plan(rest, longest, target, xi, speed, rider):
     """Length of the next step: equal steps up to the next event or to the end, none above `longest`."""
     for k in range(xi.size):
@@ -246,7 +260,7 @@ def _plan(rest, longest, target, xi, speed, rider):
     return rest / max(np.ceil(rest / longest - 1e-9), 1.0)
 
 
-@kernel
+@inner
 def _is_due(target, xi, speed, rider, tolerance):
     """Whether some load has come to a place where its seat has to change."""
     for k in range(xi.size):
@@ -255,7 +269,7 @@ def _is_due(target, xi, speed, rider, tolerance):
     return False
 
 
-@kernel
+@inner
 def _is_finite(r, w):
     total = 0.0
     for a in range(r.shape[0]):
@@ -264,8 +278,27 @@ def _is_finite(r, w):
     return np.isfinite(total)
 
 
-@kernel
-def _drag_loss(w, i0, i1):
+@inner
+def _drift_with_drag(drag, drift):
+    """Way over velocity of a drift that drag slows down, s, and the part of the velocity that is left at its end."""
+    if drag == 0.0:
+        return drift, 1.0
+    decay = np.exp(-drag * drift)
+    return (1.0 - decay) / drag, decay
+
+
+@inner
+def _loss(laws, rho, strand, speed, rider, r, X):
+    """Power lost at all contacts, W."""
+    total = 0.0
+    for k in range(rider.size):
+        if rider[k] >= 0:
+            total += contact_loss(laws[strand[k]], rho[strand[k]], speed[k], r, X, rider[k])
+    return total
+
+
+@inner
+def _sum_of_squares(w, i0, i1):
     """Sum of the squared velocities of the nodes between i0 and i1."""
     total = 0.0
     for a in range(w.shape[0]):
@@ -296,22 +329,20 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
         loads
     )
     time, r, w, X, xi, speed, rider, hold, work = state
-    q, f, ahead, target, dr, dw, impulse, _, _ = buffers
+    q, f, ahead, target, dr, dw, _, _ = buffers
     dim, stages, steps = r.shape[0], drifts.size, 0
-    end, tolerance = until - 1e-12 * max(1.0, abs(until)), ARRIVED * h.min()
+    end, tolerance = until - 1e-12 * max(1.0, abs(until)), ARRIVED * h[0]
+    for s in range(1, first.size):
+        tolerance = min(tolerance, ARRIVED * h[s])
     while time[0] < end:
         if _take_seats(strands, loads, state, buffers):
             return END_OF_LINE, steps
         dt = _plan(until - time[0], longest, target, xi, speed, rider)
         kick, t_w, over, following = kicks[0] * dt, time[0], False, 0.0
-        ahead[:] = w
+        _copy(w, ahead)
+        work[CONTACT] += 0.5 * dt * _loss(laws, rho, strand, speed, rider, r, X)
         while not over:
             begin = time[0]
-            for k in range(xi.size):
-                impulse[k] = 0.0
-                if rider[k] >= 0:
-                    s = strand[k]
-                    work[CONTACT] += dt * contact_loss(laws[s], rho[s], speed[k], r, X, rider[k])
             for stage in range(stages + 1):
                 if stage < stages:
                     drift = drifts[stage] * dt
@@ -319,11 +350,14 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
                     # The step is done but for its last kick, which also begins the next step, if there is one.
                     steps += 1
                     time[0] = begin + dt
-                    for k in range(xi.size):
-                        hold[k] = impulse[k] / dt
-                    over = time[0] >= end or steps >= most or _is_due(target, xi, speed, rider, tolerance)
+                    following, over = (
+                        0.0,
+                        time[0] >= end or steps >= most or _is_due(target, xi, speed, rider, tolerance),
+                    )
                     if not over:
                         following = _plan(until - time[0], longest, target, xi, speed, rider)
+                    work[CONTACT] += 0.5 * (dt + following) * _loss(laws, rho, strand, speed, rider, r, X)
+                    if not over:
                         kick += kicks[0] * following
                         break
                     drift = 0.0
@@ -345,48 +379,49 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
                             dw[a, k] = w[a, b + 1] - w[a, b - 1]
                 for s in range(first.size):
                     i, j, m = first[s], first[s] + links[s], rho[s] * h[s]
-                    decay, gain = 1.0, kick
-                    if drag[s] > 0.0:
-                        decay = np.exp(-drag[s] * kick)
-                        gain = (1.0 - decay) / drag[s]
-                        work[LINE_DAMPING] += kick * drag[s] * m * _drag_loss(w, i, j)
+                    way, decay = _drift_with_drag(drag[s], drift)
                     if damping[s] > 0.0:
-                        _update_ahead(w, ahead, f, i, j, gain / m, decay, gravity, gain, lead)
-                    _update(r, w, f, i, j, gain / m, decay, gravity, gain, drift)
+                        _update_ahead(w, ahead, f, i, j, kick / m, gravity, kick, decay, lead)
+                    _update(r, w, f, i, j, kick / m, gravity, kick, way, decay)
+                    if drag[s] > 0.0:
+                        # The drag takes exactly what the decay takes from the kinetic energy.
+                        work[LINE_DAMPING] += 0.5 * m * (1.0 / decay**2 - 1.0) * _sum_of_squares(w, i, j)
                 for k in range(xi.size):
                     b, s = rider[k], strand[k]
+                    way, decay = _drift_with_drag(drag[s], drift)
                     if b >= 0:
                         work[LOAD_WORK] += _kick_rider(
-                            f_time, f_value, f_first[k], f_count[k], time[0], rho[s] * h[s], speed[k], b, kick, drift,
-                            lead, r, w, ahead, X, dr, dw, k,
+                            f_time, f_value, f_first[k], f_count[k], time[0], rho[s] * h[s], speed[k], b, kick, way,
+                            decay, lead, r, w, ahead, f, gravity, X, dr, dw, k,
                         )  # fmt: skip
                     elif b == SHARED:
-                        _kick_shared(strands, loads, state, ahead, k, kick, drift, lead)
+                        _kick_shared(strands, loads, state, ahead, f, k, kick, way, decay, lead)
                 if drift != 0.0:
                     for k in range(xi.size):
                         b, s = rider[k], strand[k]
                         if b == OFF:
                             continue
-                        x = r[0, max(b, 0)] - drift * w[0, max(b, 0)]
+                        way, decay = _drift_with_drag(drag[s], drift)
+                        x = r[0, max(b, 0)] - way * w[0, max(b, 0)] / decay
                         if measure[k] == MATERIAL:
-                            way = drift * v_value[v_first[k]]
+                            step_on = drift * v_value[v_first[k]]
                             if v_count[k] > 1:
-                                way = look_up_integral(
+                                step_on = look_up_integral(
                                     v_time, v_value, v_path, v_first[k], v_count[k], time[0] + drift
                                 ) - look_up_integral(v_time, v_value, v_path, v_first[k], v_count[k], time[0])
                                 speed[k] = look_up(v_time, v_value, v_first[k], v_count[k], time[0] + drift)
                             if at_end[k] == STAY and (
-                                (way > 0.0 and xi[k] >= links[s] * h[s]) or (way < 0.0 and xi[k] <= 0.0)
+                                (step_on > 0.0 and xi[k] >= links[s] * h[s]) or (step_on < 0.0 and xi[k] <= 0.0)
                             ):
-                                way, speed[k] = 0.0, 0.0
-                            xi[k] += way
+                                step_on, speed[k] = 0.0, 0.0
+                            xi[k] += step_on
                             if b >= 0:
-                                _carry(r, X, dr, k, b, xi[k], way)
+                                _carry(r, X, dr, k, b, xi[k], step_on)
                         else:
                             _travel(strands, loads, state, dr, k, drift)
                         if contact[k] == FRICTIONLESS and b >= 0:
                             push, gained = _hold(rho[s] * h[s], speed[k], r, w, X, dr, k, b, x, drift)
-                            impulse[k] += push
+                            hold[k] += push
                             work[HOLD_WORK] += gained
                     time[0] += drift
                 t_w += kick
@@ -400,4 +435,5 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
             return NOT_FINITE, steps
         if steps >= most:
             return TOO_MANY_STEPS, steps
+    time[0] = until
     return RUNNING, steps

@@ -35,7 +35,7 @@ class Setting:
     strands: Strands
     loads: Loads
     ends: tuple[tuple[Array, Array], ...]  # positions of the two supports of each strand, m
-    bare: tuple[Standing, ...]  # each strand at rest without loads
+    bare: tuple[Standing | None, ...]  # each strand at rest without loads; None: not determined without them
     xi: Array  # (load,) m, where the loads begin
 
 
@@ -57,12 +57,14 @@ def setting_of(scenario: Scenario, until: float) -> Setting:
     }
     strands, loads = strands_of(scenario, lengths), loads_of(scenario, until)
     nothing = np.zeros(0)
-    bare = []
+    bare: list[Standing | None] = []
     for s, name in enumerate(scenario.lines):
         try:
             bare.append(stand(strands, s, ends[s], nothing, np.zeros((len(axes), 0)), nothing.astype(np.int64)))
         except EquilibriumError as error:
-            raise EquilibriumError(f"line {name}: {error}") from None
+            if not any(load.on == name for load in scenario.loads.values()):
+                raise EquilibriumError(f"line {name}: {error}") from None
+            bare.append(None)  # slack and without weight: loads may still give it a shape
     starts = [load.travel.start for load in scenario.loads.values()]
     xi = [
         _place(strands, bare, loads, k, start, name)
@@ -87,6 +89,8 @@ def _length_for_tension(scenario: Scenario, name: str, line: Line) -> float:
     stretched = line.distance / (1.0 + float(strain(law, line.tension)))
     if not np.isfinite(stretched):
         raise EquilibriumError(f"line {name}: the axial law never reaches the tension of {line.tension:g} N")
+    if scenario.gravity == 0.0:
+        return stretched
     # Weight adds sag, so that the length lies above that of the straight line; there, more length is less tension.
     low, high = stretched, stretched
     while mean_tension(high) > line.tension:
@@ -97,17 +101,22 @@ def _length_for_tension(scenario: Scenario, name: str, line: Line) -> float:
             )
     if low == high:
         return low
-    return float(brentq(lambda x: mean_tension(x) - line.tension, low, high, xtol=1e-13 * high, rtol=1e-15))
+    return float(brentq(lambda x: mean_tension(x) - line.tension, low, high, xtol=1e-15 * high, rtol=1e-15))
 
 
-def _place(strands: Strands, bare: list[Standing], loads: Loads, k: int, start: float, name: str) -> float:
+def _place(strands: Strands, bare: list[Standing | None], loads: Loads, k: int, start: float, name: str) -> float:
     """Material coordinate at which load k begins."""
     s = int(loads.strand[k])
     length = float(strands.links[s] * strands.h[s])
     rest, measure = bare[s], loads.measure[k]
-    if measure == MATERIAL:
-        along = rest.X
-    elif measure == HORIZONTAL:
+    if measure == MATERIAL or start == 0.0:
+        return min(start, length)
+    if rest is None:
+        raise EquilibriumError(
+            f"load {name}: without the load the rest shape of its line is not determined, so that travel.from cannot be "
+            "measured on it; give gravity, or measured: material"
+        )
+    if measure == HORIZONTAL:
         along = np.abs(rest.r[0] - rest.r[0, 0])
     else:
         along = np.concatenate(([0.0], np.cumsum(np.sqrt((np.diff(rest.r, axis=1) ** 2).sum(axis=0)))))
@@ -148,7 +157,9 @@ def start_state(setting: Setting, with_loads: bool) -> State:
                     part = part_of(state, k, link)
                     f[:, link - i] += (1.0 - part) * F
                     f[:, link - i + 1] += part * F
-        rest = at_rest(strands.law[s], np.diff(X[i : j + 1]), f, *setting.ends[s], setting.bare[s].first_force)
+        bare = setting.bare[s]
+        guess = bare.first_force if bare is not None else None
+        rest = at_rest(strands.law[s], np.diff(X[i : j + 1]), f, *setting.ends[s], guess)
         state.r[:, i : j + 1] = rest.position
     return state
 

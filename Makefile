@@ -1,0 +1,102 @@
+# ropewalk: set up, run, check. Needs make and Python 3.11 or later; everything else goes into .venv.
+#
+#   make CONSTRAINTS= test      newest versions of everything instead of those in constraints.txt
+#   make PYTHON=/opt/py/bin/python3 demo
+
+CONSTRAINTS ?= constraints.txt
+VENV := .venv
+BIN := $(VENV)/bin
+DEMO := moving-force
+# The first Python that is new enough and can make environments. `=` and not `:=`: only a set-up needs to look.
+FIND_PYTHON = for p in python3 python3.11 python3.12 python3.13; do \
+	  "$$p" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && echo "$$p" && break; \
+	done
+PYTHON ?= $(shell $(FIND_PYTHON))
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+INSTALL = $(PIP) install $(if $(CONSTRAINTS),-c $(CONSTRAINTS))
+# Kernels are compiled once per worker; files that share kernels stay with one worker, so that little is done twice.
+TESTFLAGS ?= -n 2 --dist loadfile
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help demo test lint types figures bench peers clean clean-cache
+
+help:
+	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
+	@echo "make test         set up and run the tests"
+	@echo "make lint         ruff: rules and format"
+	@echo "make types        mypy, strict"
+	@echo "make figures      the figures of the paper, in out/figures"
+	@echo "make bench        error against time of ropewalk's peers (those that are installed; make peers installs all)"
+	@echo "make clean-cache  forget compiled kernels (after a change to a kernel that others call)"
+	@echo "make clean        remove .venv, results and caches"
+
+# -- Set-up ------------------------------------------------------------------------------------------------------
+
+$(BIN)/python:
+	@test -n "$(PYTHON)" || { echo "ropewalk needs Python 3.11 or later with venv (on Debian and Ubuntu: the package python3-venv);" \
+	  "name it with  make PYTHON=/path/to/python3 ..." >&2; exit 1; }
+	@echo "Making $(VENV) with $(PYTHON)"
+	@$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.core: pyproject.toml $(CONSTRAINTS) | $(BIN)/python
+	@echo "Installing ropewalk$(if $(CONSTRAINTS), with the versions in $(CONSTRAINTS)) (a minute or two, once)"
+	@$(INSTALL) -e .
+	@touch $@
+
+$(VENV)/.dev: $(VENV)/.core
+	@echo "Installing the tools of development"
+	@$(INSTALL) -e '.[dev]'
+	@touch $@
+
+$(VENV)/.peers: $(VENV)/.dev
+	@echo "Installing the peers of the benchmark"
+	@$(INSTALL) -e '.[benchmarks]'
+	@touch $@
+
+# -- Runs --------------------------------------------------------------------------------------------------------
+
+demo: out/$(DEMO).png out/$(DEMO).gif
+	@echo "Done. Look at out/$(DEMO).png and out/$(DEMO).gif; the numbers are in out/$(DEMO).nc."
+
+out/$(DEMO).nc: examples/$(DEMO).yaml $(VENV)/.core
+	@mkdir -p out
+	@echo "Running $< (the first run compiles its kernels: half a minute)"
+	@$(BIN)/ropewalk run $< -o $@
+
+out/$(DEMO).png out/$(DEMO).gif: out/%: out/$(DEMO).nc
+	@$(BIN)/ropewalk show $< -o $@
+
+figures: $(VENV)/.core
+	@mkdir -p out
+	@$(BIN)/ropewalk figures -o out/figures
+
+bench: $(VENV)/.dev
+	@$(BIN)/python -m benchmarks.peers
+
+peers: $(VENV)/.peers
+
+# -- Checks ------------------------------------------------------------------------------------------------------
+
+test: $(VENV)/.dev
+	@echo "Running the tests (the first time, some minutes of it go into compiling)"
+	@$(BIN)/python -m pytest $(TESTFLAGS)
+
+lint: $(VENV)/.dev
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+
+types: $(VENV)/.dev
+	@$(BIN)/mypy
+
+# -- Tidying -----------------------------------------------------------------------------------------------------
+
+clean-cache:
+	@find src -path '*/__pycache__/*.nb[ic]' -delete
+	@rm -rf "$${TMPDIR:-/tmp}"/ropewalk-kernels-*
+	@echo "Compiled kernels are forgotten; the next run compiles anew."
+
+clean: clean-cache
+	@rm -rf $(VENV) out figures build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis
+	@find . -name __pycache__ -type d -prune -exec rm -rf {} +
+	@echo "Clean."

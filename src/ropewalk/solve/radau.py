@@ -1,0 +1,302 @@
+"""Implicit motion: Radau IIA of order 5 with adaptive steps, the whole loop compiled.
+
+For lines whose Kelvin-Voigt damping makes the explicit step too small (docs/notes/implicit.md). Steps end exactly at
+the instants asked for, and where a load changes its seat on the chain: to rounding for the measure `material`,
+otherwise within OVERSHOT of a link beyond, as the speed depends on the unknown state there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropewalk.mechanics.chain import FRICTIONLESS, MATERIAL, OFF, Loads, State
+from ropewalk.mechanics.compiled import kernel
+from ropewalk.mechanics.rider import ARRIVED, look_up_integral, node_velocity, speed_at
+from ropewalk.solve.collocation import (
+    FACTORS,
+    JACOBIANS,
+    REJECTIONS,
+    C,
+    Workspace,
+    balance,
+    estimate,
+    evaluate,
+    linearise,
+    newton,
+    prepare,
+    settle_accounts,
+    stage_of,
+)
+from ropewalk.solve.splitting import (
+    END_OF_LINE,
+    NOT_FINITE,
+    RUNNING,
+    TOO_MANY_STEPS,
+    _gap,
+    _is_due,
+    _is_finite,
+    _take_seats,
+)
+
+import os
+NO_CONVERGENCE = 4
+JJ=int(os.environ.get('JJ','1'))
+
+# Entries of the workspace's memory.
+NOW, LENGTH, WISH, FACTORISED = 0, 1, 2, 3
+# Newton's error may be this part of the tolerance, and without a tolerance this part of the length of the lines.
+NEWTON, ROUNDING = 0.01, 1e-13
+# A step is longer than the one before by this much at most, and no more often rejected in a row than this.
+GROWTH, SAFETY, MOST_REJECTIONS = 4.0, 0.9, 60
+# Steps of almost equal length share their factors where Newton's method contracts fast; where slow, the Jacobian is old.
+SAME_LENGTH, FAST, SLOW = 0.02, 0.05, 0.1
+# Loads whose speed depends on the state aim a little beyond their next seat, and may come out this part of a link away.
+AIM, OVERSHOT = 0.002, 0.02
+
+
+def workspace_for(loads: Loads, state: State) -> Workspace:
+    """A workspace for `advance_implicit`, to be kept for the whole run: it remembers the last step.
+
+    Raises:
+        ValueError: a load has a frictionless contact.
+    """
+    if np.any(loads.contact == FRICTIONLESS):
+        raise ValueError("the frictionless contact needs an explicit method")
+    return Workspace.for_state(state)
+
+
+@kernel
+def _time_to(loads, k, t, U, distance, within):
+    """Time that load k needs for a distance if its measured speed keeps its ratio to d xi / dt; `within` if longer."""
+    V = speed_at(loads, k, t)
+    if V == 0.0 or loads.speed_count[k] == 1:
+        return min(distance / abs(U), within)
+    time, value, path = loads.speed_time, loads.speed_value, loads.speed_path
+    first, count = loads.speed_first[k], loads.speed_count[k]
+    begin = look_up_integral(time, value, path, first, count, t)
+    low, high = 0.0, within
+    if speed_at(loads, k, t + high) * V < 0.0:  # it turns round on the way: no further than there
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            if speed_at(loads, k, t + middle) * V > 0.0:
+                low = middle
+            else:
+                high = middle
+    low, per = 0.0, abs(U / V) * np.sign(V)
+    if per * (look_up_integral(time, value, path, first, count, t + high) - begin) <= distance:
+        return high
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if per * (look_up_integral(time, value, path, first, count, t + middle) - begin) < distance:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+@kernel
+def _reach(strands, loads, state, target, until):
+    """Time to the next event: a change of seat, or `until`."""
+    t = state.t[0]
+    rest = until - t
+    for k in range(state.xi.size):
+        U = state.speed[k]
+        if state.rider[k] == OFF or U == 0.0:
+            continue
+        gap = _gap(target[k], state.xi[k], U)
+        if gap > 0.0:
+            if loads.measure[k] != MATERIAL:
+                gap += AIM * strands.h[loads.strand[k]]
+            rest = min(rest, _time_to(loads, k, t, U, gap, rest))
+    return rest
+
+
+@kernel
+def _overshot(strands, loads, state, space):
+    """Part of the step after which the first load would have come to its seat, 1 if none went too far beyond."""
+    part = 1.0
+    for k in range(state.xi.size):
+        if state.rider[k] != OFF and loads.measure[k] != MATERIAL and state.speed[k] != 0.0:
+            gap = _gap(space.seats.target[k], state.xi[k], state.speed[k])
+            h, way = strands.h[loads.strand[k]], space.way[2, k] * np.sign(state.speed[k])
+            if 0.0 < gap < way - OVERSHOT * h:
+                part = min(part, (gap + AIM * h) / way)
+    return part
+
+
+@kernel
+def _begin(strands, loads, state, space):
+    """Node velocities and forces at the start of a step."""
+    space.v[:] = state.w
+    for k in range(state.rider.size):
+        b = state.rider[k]
+        if b >= 0:
+            for a in range(state.r.shape[0]):
+                space.v[a, b] = node_velocity(state, b, a)
+    for s in range(strands.first.size):
+        balance(strands, loads, state, space.q, s, space.f)
+
+
+@kernel
+def _predict(strands, loads, state, space, dt, smooth):
+    """First guess of the stages: the last step's polynomial, or constant velocity where there is none."""
+    t, before = state.t[0], space.memory[LENGTH]
+    smooth = smooth and dt <= GROWTH * before
+    for j in range(3):
+        space.t[j, 0] = t + C[j] * dt
+        space.X[j, :] = state.X
+        for k in range(state.xi.size):
+            space.speed[j, k] = state.speed[k]
+            space.xi[j, k] = state.xi[k] + C[j] * dt * state.speed[k]
+            if state.rider[k] >= 0:
+                space.X[j, state.rider[k]] = space.xi[j, k]
+        l1, l2, l3 = 0.0, 0.0, 0.0
+        if smooth:
+            x = 1.0 + C[j] * dt / before
+            l1 = x / C[0] * (x - C[1]) * (x - 1.0) / ((C[0] - C[1]) * (C[0] - 1.0))
+            l2 = x / C[1] * (x - C[0]) * (x - 1.0) / ((C[1] - C[0]) * (C[1] - 1.0))
+            l3 = x * (x - C[0]) * (x - C[1]) / ((1.0 - C[0]) * (1.0 - C[1])) - 1.0
+        for a in range(state.r.shape[0]):
+            z, v = space.Z[j, a], space.v[a]
+            y1, y2, y3 = space.last[0, a], space.last[1, a], space.last[2, a]
+            if smooth:
+                for i in range(z.size):
+                    z[i] = l1 * y1[i] + l2 * y2[i] + l3 * y3[i]
+            else:
+                for i in range(z.size):
+                    z[i] = C[j] * dt * v[i]
+            for k in range(state.xi.size):  # nodes that have changed their role are not where they were
+                for b in (state.rider[k], space.seat[k]):
+                    if b >= 0 and state.rider[k] != space.seat[k]:
+                        z[b] = C[j] * dt * v[b]
+
+
+@kernel
+def _accept(strands, loads, state, space, dt):
+    """Go on to the end of the step."""
+    for s in range(strands.first.size):
+        evaluate(strands, loads, state, space, s, dt)
+        settle_accounts(strands, loads, state, space, s, dt)
+    space.last[:] = space.Z
+    for a in range(state.r.shape[0]):
+        for s in range(strands.first.size):
+            for i in range(strands.first[s] + 1, strands.first[s] + strands.links[s]):
+                state.r[a, i] = space.r[2, a, i]
+                state.w[a, i] = space.w[2, a, i]
+    for k in range(state.xi.size):
+        space.seat[k] = state.rider[k]
+        if state.rider[k] != OFF:
+            state.xi[k], state.speed[k] = space.xi[2, k], space.speed[2, k]
+            if state.rider[k] >= 0:
+                state.X[state.rider[k]] = state.xi[k]
+    state.t[0] += dt
+    space.memory[NOW], space.memory[LENGTH] = state.t[0], dt
+
+
+@kernel
+def _has_moved(rider, seat):
+    """Whether a load has another seat than in the last step."""
+    for k in range(rider.size):
+        if rider[k] != seat[k]:
+            return True
+    return False
+
+
+@kernel
+def _solve(strands, loads, state, space, dt, enough):
+    """Solve the stages of all strands; returns whether all converged, and the slowest contraction."""
+    slowest = 0.0
+    for s in range(strands.first.size):
+        converged, theta = newton(strands, loads, state, space, s, dt, enough)
+        slowest = max(slowest, theta)
+        if not converged:
+            return False, slowest
+    return True, slowest
+
+
+@kernel
+def _error(strands, state, space, dt):
+    """Largest embedded error estimate of all strands, m."""
+    largest = 0.0
+    for s in range(strands.first.size):
+        error = estimate(strands, state, space, s, dt)
+        if not error <= largest:
+            largest = error
+    return largest
+
+
+@kernel
+def advance_implicit(strands, loads, state, space, until, tolerance, longest, most):
+    """Move `state` to the time `until`.
+
+    Args:
+        strands, loads, state: see mechanics/chain.py; state is changed.
+        space: from `workspace_for`, the same one from call to call.
+        until: time to stop at, s.
+        tolerance: of the positions, m: local error of a step; infinite: equal steps of `longest`.
+        longest: largest step, s (may be infinite if `tolerance` is not).
+        most: largest number of steps.
+
+    Returns:
+        Status (RUNNING when `until` is reached, else what went wrong) and the number of steps taken.
+    """
+    memory, target = space.memory, space.seats.target
+    end, steps, rejected = until - 1e-12 * max(1.0, abs(until)), 0, 0
+    enough = NEWTON * tolerance if tolerance < np.inf else ROUNDING * (strands.h * strands.links).max()
+    smooth = memory[LENGTH] > 0.0 and memory[NOW] == state.t[0]
+    if not smooth:
+        memory[WISH], memory[FACTORISED], space.seat[:] = np.inf, 0.0, OFF
+    near = ARRIVED * strands.h.min()
+    due, begun, new, stale, theta = True, False, not smooth, False, 0.0
+    while state.t[0] < end:
+        if due:
+            if _take_seats(strands, loads, state, space.seats):
+                return END_OF_LINE, steps
+            due = False
+        if not begun:
+            _begin(strands, loads, state, space)
+            if not _is_finite(state.r, space.f):
+                return NOT_FINITE, steps
+            new = new or _has_moved(state.rider, space.seat)
+            begun, stale = True, not new
+        rest = _reach(strands, loads, state, target, until)
+        dt = rest / max(np.ceil(rest / min(memory[WISH], longest) - 0.05), 1.0)
+        _predict(strands, loads, state, space, dt, smooth)
+        if new:
+            for s in range(strands.first.size):
+                evaluate(strands, loads, state, space, s, dt)
+                linearise(strands, loads, stage_of(state, space, JJ), space.v, s, space.stiff, space.damp)
+            new, stale, memory[FACTORISED] = False, False, 0.0
+            space.counts[JACOBIANS] += 1
+        if abs(dt - memory[FACTORISED]) > (SAME_LENGTH if theta < FAST else 1e-9) * dt:
+            for s in range(strands.first.size):
+                prepare(strands, space, s, dt)
+            memory[FACTORISED] = dt
+            space.counts[FACTORS] += 1
+        solved, theta = _solve(strands, loads, state, space, dt, enough)
+        if not solved and stale:
+            new = True
+            continue
+        wish, error = 0.5 * dt, np.inf
+        if solved:
+            wish = dt * _overshot(strands, loads, state, space)
+            if wish == dt:
+                error = 0.0
+                if tolerance < np.inf:
+                    error = _error(strands, state, space, dt) / tolerance
+                wish = dt * SAFETY * max(error, 1e-30) ** -0.25
+        if not error <= 1.0:
+            rejected += 1
+            space.counts[REJECTIONS] += 1
+            if rejected > MOST_REJECTIONS:
+                return NO_CONVERGENCE, steps
+            memory[WISH] = max(wish, 0.1 * dt) if np.isfinite(wish) else 0.1 * dt
+            continue
+        _accept(strands, loads, state, space, dt)
+        steps += 1
+        memory[WISH] = min(wish, max(GROWTH * dt, memory[WISH]))
+        rejected, begun, smooth, new = 0, False, True, theta > SLOW
+        due = _is_due(target, state.xi, state.speed, state.rider, near)
+        if steps >= most and state.t[0] < end:
+            return TOO_MANY_STEPS, steps
+    return RUNNING, steps

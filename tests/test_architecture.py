@@ -1,0 +1,148 @@
+"""The plan of the house, held by a machine: imports run downwards only, files stay small, the package is light."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+import ropewalk
+
+HOUSE = Path(ropewalk.__file__).parent
+# From the ground up; a module imports from its own storey and from those before it.
+STOREYS = (("errors", "units"), ("model",), ("theory",), ("mechanics",), ("solve",), ("results",), ("simulate",),
+           ("scenario",), ("cli", "__main__"))  # fmt: skip
+# Wings above the house may look at everything; a wing not named here must be given its place first.
+ABOVE = ("compare", "paper", "sweep", "cosim", "studio")
+# Who may set closed forms beside the discrete solution.
+USES_THEORY = ("theory", "compare", "paper")
+LONGEST_FILE = 450
+
+
+def storey(name: str) -> int:
+    for level, members in enumerate(STOREYS):
+        if name in members:
+            return level
+    assert name in ABOVE, f"{name} has no place in the house: add it to STOREYS or ABOVE"
+    return len(STOREYS)
+
+
+def modules() -> list[Path]:
+    return sorted(path for path in HOUSE.rglob("*.py") if path != HOUSE / "__init__.py")
+
+
+def part_of(path: Path) -> str:
+    return path.relative_to(HOUSE).parts[0].removesuffix(".py")
+
+
+def imported_parts(path: Path, source: str | None = None) -> Iterator[tuple[int, str]]:
+    """Line and top-level part of every import from the package, wherever it stands in the module."""
+    package = ["ropewalk", *path.relative_to(HOUSE).parts[:-1]]
+    for node in ast.walk(ast.parse(source if source is not None else path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) + 1 - node.level] if node.level else []
+            origin = ".".join([*base, *([node.module] if node.module else [])])
+            names = [f"{origin}.{alias.name}" for alias in node.names] if origin == "ropewalk" else [origin]
+        else:
+            continue
+        for name in names:
+            first, *rest = name.split(".")
+            if first == "ropewalk" and rest and not rest[0].startswith("__version"):
+                yield node.lineno, rest[0]
+
+
+def upward(path: Path, source: str | None = None) -> list[str]:
+    own = part_of(path)
+    found = []
+    for line, other in imported_parts(path, source):
+        if storey(other) > storey(own):
+            found.append(f"{path.relative_to(HOUSE)}:{line} imports {other}")
+        elif other == "theory" and own not in USES_THEORY:
+            found.append(f"{path.relative_to(HOUSE)}:{line} uses theory, which only checks")
+        elif own == "theory" and other != "theory":
+            found.append(f"{path.relative_to(HOUSE)}:{line} imports {other}: theory stands alone")
+    return found
+
+
+def test_imports_run_downwards_only() -> None:
+    assert [problem for path in modules() for problem in upward(path)] == []
+
+
+@pytest.mark.parametrize(
+    ("where", "source"),
+    [
+        ("mechanics/law.py", "from ropewalk.solve.banded import factorise"),
+        ("mechanics/law.py", "def f():\n    import ropewalk.simulate"),
+        ("mechanics/law.py", "from ..solve import banded"),
+        ("model/line.py", "from ropewalk import simulate"),
+        ("theory/rope.py", "from ropewalk.errors import RopewalkError"),
+        ("solve/start.py", "from ropewalk.theory.rope import catenary"),
+        ("results/frame.py", "from ropewalk.scenario import load"),
+    ],
+)
+def test_an_upward_import_is_seen(where: str, source: str) -> None:
+    assert len(upward(HOUSE / where, source)) == 1
+
+
+@pytest.mark.parametrize(
+    ("where", "source"),
+    [
+        ("solve/start.py", "from ropewalk.mechanics.law import strain\nimport numpy"),
+        ("theory/rope.py", "from ropewalk.theory import string\nfrom . import chain"),
+        ("results/files.py", "from ropewalk import __version__\nfrom .frame import Frame"),
+    ],
+)
+def test_a_downward_import_is_no_problem(where: str, source: str) -> None:
+    assert upward(HOUSE / where, source) == []
+
+
+def test_no_part_of_the_house_imports_another_in_a_ring() -> None:
+    edges: dict[str, set[str]] = {}
+    for path in modules():
+        own = part_of(path)
+        edges.setdefault(own, set()).update(other for _, other in imported_parts(path) if other != own)
+    done: set[str] = set()
+
+    def visit(part: str, way: tuple[str, ...]) -> None:
+        assert part not in way, " -> ".join([*way, part])
+        if part not in done:
+            for other in sorted(edges.get(part, ())):
+                visit(other, (*way, part))
+            done.add(part)
+
+    for part in sorted(edges):
+        visit(part, ())
+
+
+def test_no_file_has_grown_past_its_noun() -> None:
+    lengths = {path.relative_to(HOUSE).as_posix(): len(path.read_text("utf-8").splitlines()) for path in modules()}
+    assert {name: count for name, count in lengths.items() if count > LONGEST_FILE} == {}
+
+
+def test_the_package_and_its_declarations_are_light() -> None:
+    script = """
+import sys
+before = set(sys.modules)
+import ropewalk
+loaded = set(sys.modules) - before
+heavy = {"numba", "matplotlib", "xarray", "scipy", "netCDF4", "pint"} & loaded
+assert not heavy, heavy
+import ropewalk.model
+heavy = {"numba", "matplotlib", "xarray", "scipy", "netCDF4", "pint"} & (set(sys.modules) - before)
+assert not heavy, heavy
+"""
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False)
+    assert run.returncode == 0, run.stderr
+
+
+def test_the_storeys_are_in_the_order_of_the_plan() -> None:
+    levels = [storey(name) for name in ("errors", "model", "theory", "mechanics", "solve", "results", "simulate",
+                                        "scenario", "cli", "studio")]  # fmt: skip
+    assert all(a < b for a, b in pairwise(levels))
