@@ -7,6 +7,7 @@ CONSTRAINTS ?= constraints.txt
 VENV := .venv
 BIN := $(VENV)/bin
 DEMO := moving-force
+SOURCES := $(shell find src -name '*.py')
 # The first Python that is new enough and can make environments. `=` and not `:=`: only a set-up needs to look.
 FIND_PYTHON = for p in python3 python3.11 python3.12 python3.13; do \
 	  "$$p" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && echo "$$p" && break; \
@@ -59,7 +60,7 @@ $(VENV)/.peers: $(VENV)/.dev
 demo: out/$(DEMO).png out/$(DEMO).gif
 	@echo "Done. Look at out/$(DEMO).png and out/$(DEMO).gif; the numbers are in out/$(DEMO).nc."
 
-out/$(DEMO).nc: examples/$(DEMO).yaml $(VENV)/.core
+out/$(DEMO).nc: examples/$(DEMO).yaml $(SOURCES) $(VENV)/.core
 	@mkdir -p out
 	@echo "Running $< (the first run compiles its kernels: half a minute)"
 	@$(BIN)/ropewalk run $< -o $@

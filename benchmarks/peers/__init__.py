@@ -10,12 +10,12 @@ import os
 for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 
-from . import exudyn, moordyn, scipy_ivp, sundials  # noqa: E402
+from . import exudyn, moordyn, ropewalk, scipy_ivp, sundials  # noqa: E402
 from .interface import Failed, Peer, Setting  # noqa: E402
 from .measure import Row, cheapest, measure  # noqa: E402
 from .problem import Rope, output_times, rest_shape  # noqa: E402
 
-PEERS: tuple[Peer, ...] = (scipy_ivp, sundials, moordyn, exudyn)
+PEERS: tuple[Peer, ...] = (ropewalk, scipy_ivp, sundials, moordyn, exudyn)
 
 __all__ = [
     "PEERS",

@@ -21,6 +21,9 @@ Integers = NDArray[np.int64]
 MATERIAL, SLIP, ARC, HORIZONTAL = 0, 1, 2, 3
 REFUSE, LEAVE, STAY = 0, 1, 2
 CLAMPED, FRICTIONLESS = 0, 1
+# Clamped, but never riding: the force is always shared by the two nodes of its link. This converges to a wrong limit
+# and is here to be compared with.
+SHARING = 2
 OFF, SHARED = -2, -1  # values of `rider` for a load off the line, or shared by the two nodes of its link
 
 # Entries of `work`: what has been done or lost since the start, in J.
@@ -79,6 +82,7 @@ class State(NamedTuple):
 class Buffers(NamedTuple):
     """Room for a step, so that the loop allocates nothing."""
 
+    per_length: Array  # (link,) 1/m, one over the length of each link when it was last looked at
     q: Array  # (link,) N/m, tension over length of each link
     f: Array  # (axis, link) N, force vector of each link
     ahead: Array  # (axis, node) m/s, velocities extrapolated to the instant of the positions (damped lines only)
@@ -94,6 +98,7 @@ class Buffers(NamedTuple):
         dim, loads = state.r.shape[0], state.xi.size
         seat, one, axes = np.zeros((dim, loads)), np.zeros(loads), np.zeros(dim)
         return Buffers(
+            np.zeros(state.X.size),
             np.zeros(state.X.size),
             np.zeros_like(state.r),
             state.w.copy(),

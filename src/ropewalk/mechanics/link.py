@@ -124,3 +124,126 @@ def pull_vectors(i0, i1, r, q, f):
         x, fx, qa = r[a, i0 : i1 + 1], f[a, i0:i1], q[i0:i1]
         for i in range(i1 - i0):
             fx[i] = qa[i] * (x[i + 1] - x[i])
+
+
+# Sum of the fourth powers of the relative errors of a guess above which it is not improved but replaced: an error of
+# 1 % of one link, which the correction below would bring to 1e-11.
+_TOO_FAR, _TOO_FAR_PER_LINK = 1e-8, 1e-13
+
+
+@summing
+def _improve(i0, i1, r, per_length, space):
+    """Improve guesses of 1 / length: y (1 - e)^(-1/2) with e = 1 - length^2 y^2, to the fourth power of e.
+
+    Returns:
+        The sum of e^4 over the links.
+    """
+    x, z, out = r[0, i0 : i1 + 1], r[-1, i0 : i1 + 1], per_length[i0:i1]
+    if space is not None:
+        y = r[1, i0 : i1 + 1]
+    total = 0.0
+    for i in range(i1 - i0):
+        dx, dz = x[i + 1] - x[i], z[i + 1] - z[i]
+        square = dx * dx + dz * dz
+        if space is not None:
+            dy = y[i + 1] - y[i]
+            square += dy * dy
+        guess = out[i]
+        e = 1.0 - square * guess * guess
+        out[i] = guess + guess * e * (0.5 + e * (0.375 + e * (0.3125 + e * 0.2734375)))
+        total += e * e * e * e
+    return total
+
+
+@kernel
+def _invert(i0, i1, r, per_length):
+    for i in range(i0, i1):
+        per_length[i] = 1.0 / stretch(r, i)
+
+
+@kernel
+def _pull_known(p, h, i0, i1, r, per_length, q, space):
+    """Tension over length of undamped links whose 1 / length is known."""
+    known, out = per_length[i0:i1], q[i0:i1]
+    inverse = 1.0 / h
+    if p[1] < -1.0 and p[3] == 0.0 and p[4] == 0.0:  # Hooke: no strain is needed
+        for i in range(i1 - i0):
+            out[i] = p[2] * (inverse - known[i])
+        return
+    floor, c1, c2, c3 = p[1], p[2], p[3], p[4]
+    x, z = r[0, i0 : i1 + 1], r[-1, i0 : i1 + 1]
+    if space is not None:
+        y = r[1, i0 : i1 + 1]
+    for i in range(i1 - i0):
+        dx, dz = x[i + 1] - x[i], z[i + 1] - z[i]
+        square = dx * dx + dz * dz
+        if space is not None:
+            dy = y[i + 1] - y[i]
+            square += dy * dy
+        e = max(square * known[i] * inverse - 1.0, floor)
+        out[i] = e * (c1 + e * (c2 + e * c3)) * known[i]
+
+
+@summing
+def _pull_damped_known(p, c, h, i0, i1, r, w, per_length, q, space):
+    """The same with the Kelvin-Voigt force c eps_t; returns the sum of eps_t^2 over the links."""
+    x, z, u, v = r[0, i0 : i1 + 1], r[-1, i0 : i1 + 1], w[0, i0 : i1 + 1], w[-1, i0 : i1 + 1]
+    known, out = per_length[i0:i1], q[i0:i1]
+    if space is not None:
+        y, s = r[1, i0 : i1 + 1], w[1, i0 : i1 + 1]
+    floor, c1, c2, c3 = p[1], p[2], p[3], p[4]
+    inverse = 1.0 / h
+    total = 0.0
+    for i in range(i1 - i0):
+        dx, dz = x[i + 1] - x[i], z[i + 1] - z[i]
+        square, along = dx * dx + dz * dz, dx * (u[i + 1] - u[i]) + dz * (v[i + 1] - v[i])
+        if space is not None:
+            dy = y[i + 1] - y[i]
+            square += dy * dy
+            along += dy * (s[i + 1] - s[i])
+        rate = along * known[i] * inverse
+        total += rate * rate
+        e = max(square * known[i] * inverse - 1.0, floor)
+        out[i] = (e * (c1 + e * (c2 + e * c3)) + c * rate) * known[i]
+    return total
+
+
+@kernel
+def pull_again(p, c, h, i0, i1, r, w, per_length, q):
+    """The same as `pull` in a loop over time: lengths change little from call to call.
+
+    A square root and a division cost more than all the rest of a link. The inverse length of the last call, improved
+    by a series, saves both; where a link has changed by more than 1 %, it is computed anew.
+
+    Args:
+        per_length: (link,) 1/m, inverse lengths of the last call (zeros at first); overwritten with the present ones.
+    """
+    if p[0] != CUBIC:
+        return pull(p, c, h, i0, i1, r, w, q)
+    plane = r.shape[0] == 2
+    total = _improve(i0, i1, r, per_length, None) if plane else _improve(i0, i1, r, per_length, True)
+    if not total < _TOO_FAR + _TOO_FAR_PER_LINK * (i1 - i0):
+        _invert(i0, i1, r, per_length)
+    if c > 0.0:
+        if plane:
+            return _pull_damped_known(p, c, h, i0, i1, r, w, per_length, q, None)
+        return _pull_damped_known(p, c, h, i0, i1, r, w, per_length, q, True)
+    if plane:
+        _pull_known(p, h, i0, i1, r, per_length, q, None)
+    else:
+        _pull_known(p, h, i0, i1, r, per_length, q, True)
+    return 0.0
+
+
+@kernel
+def pull_one_again(p, rest, r, per_length, i):
+    """The same as `pull_one` for an undamped link after `pull_again`, which has left its inverse length."""
+    if p[0] != CUBIC:
+        return pull_one(p, 0.0, rest, 0.0, r, i)
+    square = 0.0
+    for a in range(r.shape[0]):
+        d = r[a, i + 1] - r[a, i]
+        square += d * d
+    known = per_length[i]
+    e = max(square * known / rest - 1.0, p[1])
+    return e * (p[2] + e * (p[3] + e * p[4])) * known

@@ -24,6 +24,7 @@ from ropewalk.mechanics.chain import (
     OFF,
     REFUSE,
     SHARED,
+    SHARING,
     SLIP,
     STAY,
 )
@@ -297,6 +298,8 @@ def _move(strands, loads, state, k, step, point, velocity):
 @inner
 def _claim(strands, loads, state, k):
     """Let a shared load ride with the nearest node if that one is free."""
+    if loads.contact[k] == SHARING:
+        return
     s, U, xi = loads.strand[k], state.speed[k], state.xi[k]
     place = xi / strands.h[s]
     nearest = int(np.floor(place + 0.5 + ARRIVED)) if U >= 0.0 else int(np.ceil(place - 0.5 - ARRIVED))

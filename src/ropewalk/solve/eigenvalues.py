@@ -45,9 +45,7 @@ def every(line: Linearised) -> Eigenvalues:
     if line.is_damped:
         mu, shapes = np.linalg.eigh(dense(line.bands[0]))
         rate = np.einsum("ij,ij->j", shapes, dense(line.bands[1]) @ shapes) + line.drag
-        raw = np.linalg.eigvals(line.jacobian()).astype(complex)
-        # Where J oscillates it does not grow (see linearised.py): what is left there is rounding error.
-        values = np.where(raw.imag != 0.0, np.minimum(raw.real, 0.0) + 1j * raw.imag, raw)
+        values = _tidy(np.linalg.eigvals(line.jacobian()).astype(complex))
         values[np.abs(values) <= np.sqrt(slack)] = 0.0
         method = "dense, all eigenvalues of J"
     else:
@@ -66,8 +64,8 @@ def ends(line: Linearised, how_many: int) -> Eigenvalues:
     """The `how_many` slowest and fastest modes and their eigenvalues, by iteration."""
     top, grown, limp = line.highest(), line.below(-line.zero), line.below(line.zero)
     if not top > line.zero:
-        values, nothing = np.array([line.growth_rate()] * (grown > 0), dtype=complex), np.zeros(0)
-        return Eigenvalues(values, nothing, nothing, line.size - grown, False, "counts by inertia")
+        values = np.array([line.growth_rate(), -line.drag - line.highest(of_damping=True)], dtype=complex)
+        return Eigenvalues(by_size(values[values != 0.0]), *2 * [np.zeros(0)], line.size - grown, False, "bisection by inertia")
     how_many = min(how_many, line.size - limp)
     shift = 0.0
     if limp:  # look beyond the modes that are unstable or without stiffness, amidst those wanted
@@ -79,11 +77,14 @@ def ends(line: Linearised, how_many: int) -> Eigenvalues:
     order = np.argsort(mu)
     frequency = np.sqrt(mu[order])
     if line.is_damped:
-        values, method = _damped(line, slow, fast, how_many, guess_only=limp > 0)
+        values, method = _damped(line, slow, fast, how_many, guess_only=limp > grown)
     else:
         values, method = np.concatenate(roots(rate, mu)), "shift-invert Lanczos on the stiffness matrix"
-    if grown:
-        values = np.append(values, np.unique([line.growth_rate(1), line.growth_rate(grown)]))
+    known = [line.growth_rate(1), line.growth_rate(grown)] if grown else []
+    known += [-line.drag] if limp > grown and not line.is_damped else []
+    for value in known:
+        if value != 0.0 and not np.any(np.abs(values - value) <= 1e-9 * abs(value)):
+            values = np.append(values, value)
     ratio = _clean(0.5 * rate[order] / frequency)
     return Eigenvalues(by_size(values), frequency, ratio, limp - grown, False, f"{method}; counts by inertia")
 
@@ -97,6 +98,13 @@ def roots(rate: NDArray[Any], mu: NDArray[Any]) -> tuple[Complex, Complex]:
     small = np.divide(mu, large, out=np.zeros_like(large), where=large != 0.0)
     real = (np.isreal(half) & np.isreal(mu)) & (large.imag != 0.0)
     return large, np.where(real, large.conj(), small)
+
+
+def _tidy(values: Complex) -> Complex:
+    """What oscillates does not grow, and what grows does not oscillate (linearised.py): the rest is rounding error."""
+    swings = np.abs(values.imag) > np.abs(values.real)
+    still = np.where(values.real > 0.0, values.real + 0j, values)
+    return np.where(swings, np.minimum(values.real, 0.0) + 1j * values.imag, still)
 
 
 def _clean(ratio: Array) -> Array:
@@ -129,7 +137,7 @@ def _modes(line: Linearised, shift: float, how_many: int, top: float) -> list[Ar
             )
         except ArpackError:
             continue
-        reach = np.abs(mu - shift).max() * (1.0 - 1e-6)
+        reach = np.abs(mu - shift).max() * (1.0 - 1e-6) - 64.0 * EPS * abs(shift)  # not the last one itself
         if line.below(shift + reach) - line.below(shift - reach) <= (np.abs(mu - shift) < reach).sum():
             break
     if not shapes.shape[1]:
@@ -155,6 +163,8 @@ def _damped(
         x = solve(x / np.linalg.norm(x))
     creeping = np.concatenate([_stationary(line, x) for x in (*fast, x / np.linalg.norm(x))])
     largest = creeping[np.argmax(np.abs(creeping))]
+    if largest.imag == 0.0 and largest.real < 0.0:
+        largest = complex(-line.decay_rate(abs(largest)))
     guesses = np.concatenate([*(_stationary(line, x) for x in slow), creeping])
     guesses = by_size(guesses[np.abs(guesses) > np.sqrt(line.zero)])
     upper = _arnoldi(line, largest * (1.0 + 1e-9), how_many, abs(largest))
@@ -223,11 +233,11 @@ def _arnoldi(line: Linearised, shift: complex, how_many: int, scale: float) -> C
 
 
 def _with_conjugates(values: Complex) -> Complex:
-    """Real ones as they are, each other one with its conjugate, once; oscillations do not grow."""
+    """Real ones as they are, each other one with its conjugate, once."""
+    values = _tidy(values)
     is_real = np.abs(values.imag) <= 1e-9 * np.abs(values)
     upper = values[~is_real & (values.imag > 0.0)]
     lower = values[~is_real & (values.imag < 0.0)].conj()
     alone = [v for v in lower if not np.any(np.abs(upper - v) <= 1e-9 * abs(v))]
     upper = np.concatenate([upper, np.array(alone, dtype=complex)])
-    upper = np.minimum(upper.real, 0.0) + 1j * upper.imag
     return by_size(np.concatenate([values[is_real].real.astype(complex), upper, upper.conj()]))

@@ -238,6 +238,13 @@ def hang_up(
         R = _first_force(p, f, start, end, length)
         for smooth in 10.0 ** -np.arange(2.0, 11.0):
             miss = hang(p, ell, f, start, end, smooth, R, r)
+    if not miss < 1e-6 * length and p[0] == law.TABLE:  # a level part leaves the strain open: tilt it, ever less
+        R, shape = _first_force(p, f, start, end, length), r.copy()
+        for tilt in 10.0 ** -np.arange(1.0, 8.0):
+            found = hang(_tilted(p, tilt), ell, f, start, end, 1e-10, R, shape)
+            if not found < 1e-6 * length:
+                break
+            miss, r = found, shape.copy()
     if not miss < 1e-6 * length:
         raise EquilibriumError(
             "no rest shape was found: the axial law cannot carry the load (its tension does not rise far enough), or "
@@ -259,11 +266,31 @@ def at_rest(p: Array, ell: Array, f: Array, start: Array, end: Array, guess: Arr
     R, r = hang_up(p, ell, f, start, end, guess)
     _open_up(ell, r)
     scale = max(float(np.abs(f[:, 1:-1]).sum()), float(np.abs(R).max()))
-    worst = polish(p, ell, f, r, 1e-14 * scale, 500)
     rounding = 1e-14 * p_scale(p) * float(np.abs(r).max()) / float(ell.min())  # of strains from positions
+    hung = r.copy()
+    worst = polish(p, ell, f, r, 1e-14 * scale, 500)
+    if not worst <= 1e-4 * scale + rounding:  # folds of a stiff line: a narrow valley, to be entered step by step
+        r[:] = hung
+        softer = min(1.0, 1e3 * scale / p_scale(p))
+        for part in softer ** np.linspace(1.0, 0.0, max(2, round(-2.0 * np.log10(softer)) + 1)):
+            worst = polish(_scaled(p, part), ell, f, r, 1e-14 * scale, 500)
     if not worst <= 1e-4 * scale + rounding:
         raise EquilibriumError(f"the rest shape is not in balance: {worst:.3g} N are left over of {scale:.3g} N")
     return Rest(r, R, worst)
+
+
+def _tilted(p: Array, tilt: float) -> Array:
+    """A table with a part of its largest slope added to all its slopes."""
+    q, n = p.copy(), int(p[1])
+    q[2 + n : 2 + 2 * n] += tilt * float(p_scale(p)) * p[2 : 2 + n]
+    return q
+
+
+def _scaled(p: Array, part: float) -> Array:
+    """A law of a part of the tension."""
+    q = p.copy()
+    q[2 + int(p[1]) if p[0] == law.TABLE else 2 :] *= part
+    return q
 
 
 def _open_up(ell: Array, r: Array) -> None:

@@ -140,8 +140,21 @@ class Linearised:
         def has_fewer(s: float) -> bool:
             return bool(_negative_pivots(self.combined(1.0, s, s * (s + self.drag)), rank == 1) < rank)
 
-        top = 2.0 * float(np.sqrt(np.sqrt((self.stiffness**2).sum(axis=(1, 2))).max())) * (1.0 + 1e-9)
-        return bisect(has_fewer, 0.0, top)
+        return bisect(has_fewer, 0.0, self.frequency_bound)
+
+    def decay_rate(self, at_least: float) -> float:
+        """Size of the most negative real eigenvalue of J in 1/s, which must be known to be `at_least` that."""
+
+        def is_beyond(s: float) -> bool:
+            return bool(_negative_pivots(self.combined(1.0, -s, s * (s - self.drag)), True) == 0)
+
+        top = self.highest(of_damping=True) + self.drag + self.frequency_bound
+        return bisect(is_beyond, at_least * (1.0 - 1e-12), top)
+
+    @property
+    def frequency_bound(self) -> float:
+        """An upper bound of the square root of every |eigenvalue| of A, 1/s."""
+        return 2.0 * float(np.sqrt(np.sqrt((self.stiffness**2).sum(axis=(1, 2))).max())) * (1.0 + 1e-9)
 
     def times(self, blocks: Array, x: NDArray[Any]) -> NDArray[Any]:
         """The product of A (blocks `stiffness`) or C/m (blocks `damping`) with x (N,), summed link by link."""

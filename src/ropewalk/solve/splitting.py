@@ -22,7 +22,7 @@ from ropewalk.mechanics.chain import (
     STAY,
 )
 from ropewalk.mechanics.compiled import inner, kernel
-from ropewalk.mechanics.link import pull, pull_one, pull_vectors, stretch, stretch_rate
+from ropewalk.mechanics.link import pull_again, pull_one, pull_one_again, pull_vectors, stretch, stretch_rate
 from ropewalk.mechanics.rider import (
     ARRIVED,
     contact_loss,
@@ -329,7 +329,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
         loads
     )
     time, r, w, X, xi, speed, rider, hold, work = state
-    q, f, ahead, target, dr, dw, _, _ = buffers
+    per_length, q, f, ahead, target, dr, dw, _, _ = buffers
     dim, stages, steps = r.shape[0], drifts.size, 0
     end, tolerance = until - 1e-12 * max(1.0, abs(until)), ARRIVED * h[0]
     for s in range(1, first.size):
@@ -365,9 +365,13 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
                 lead = (time[0] + drift - t_w - kick) / kick
                 for s in range(first.size):
                     i, j, c = first[s], first[s] + links[s], damping[s]
-                    square = pull(laws[s], c, h[s], i, j, r, ahead, q)
+                    square = pull_again(laws[s], c, h[s], i, j, r, ahead, per_length, q)
                     for k in range(xi.size):
-                        if i < rider[k] < j:
+                        b = rider[k]
+                        if i < b < j and c == 0.0:
+                            q[b - 1] = pull_one_again(laws[s], X[b] - X[b - 1], r, per_length, b - 1)
+                            q[b] = pull_one_again(laws[s], X[b + 1] - X[b], r, per_length, b)
+                        elif i < b < j:
                             square += _pull_beside(laws[s], c, h[s], r, ahead, X, rider, speed, q, rider[k])
                     pull_vectors(i, j, r, q, f)
                     work[LINE_DAMPING] += kick * c * h[s] * square

@@ -13,6 +13,7 @@ from ropewalk.mechanics.chain import (
     HORIZONTAL,
     MATERIAL,
     SHARED,
+    SHARING,
     Array,
     Loads,
     State,
@@ -113,7 +114,7 @@ def _place(strands: Strands, bare: list[Standing | None], loads: Loads, k: int, 
         return min(start, length)
     if rest is None:
         raise EquilibriumError(
-            f"load {name}: without the load the rest shape of its line is not determined, so that travel.from cannot be "
+            f"load {name}: without loads the rest shape of its line is not determined, and travel.from cannot be "
             "measured on it; give gravity, or measured: material"
         )
     if measure == HORIZONTAL:
@@ -172,7 +173,7 @@ def _take_first_seats(strands: Strands, loads: Loads, state: State) -> None:
         ahead = speed_at(loads, k, 0.0) >= 0.0
         nearest = int(np.floor(xi / h + 0.5)) if ahead else int(np.ceil(xi / h - 0.5))
         j = first + nearest
-        if not 0 < nearest < n or j in state.rider:
+        if not 0 < nearest < n or j in state.rider or loads.contact[k] == SHARING:
             continue
         if state.X[j + 1] - xi >= ROOM * h and xi - state.X[j - 1] >= ROOM * h:
             state.rider[k] = j
