@@ -167,6 +167,17 @@ def test_creeping_modes_are_found_where_damping_is_so_strong_that_they_are_the_s
     assert ends.largest_eigenvalue == pytest.approx(whole.largest_eigenvalue, rel=1e-9)
 
 
+@pytest.mark.parametrize("seed", [0, 1])
+def test_the_fastest_decay_is_found_where_it_is_that_of_a_few_links(seed):
+    """A table of two slopes: stiff links lie beside links in which the damping prevails."""
+    law = [2.0, 4.0, -1.0, 0.0, 0.05, 1.0, -1e3, 0.0, 1e3, 5e4]
+    r, X = straight(51, stretch=1.05)
+    r += 0.04 * np.random.default_rng(seed).standard_normal(r.shape)
+    strands = strand(51, law=law, c=30.0)
+    whole, ends = spectrum(strands, (r, X)), spectrum(strands, (r, X), how_many=1)
+    assert ends.largest_eigenvalue == pytest.approx(whole.largest_eigenvalue, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("squared", "symmetric"), [(1.0, 1.04020048680914), (10.0, 1.34512451139044), (100.0, 2.5971845)]
 )

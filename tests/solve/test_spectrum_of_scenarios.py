@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from ropewalk.errors import RopewalkError, ScenarioError
+from ropewalk.errors import EquilibriumError, RopewalkError, ScenarioError
 from ropewalk.model import Dynamic, Equilibrium, Line, MovingForce, Scenario, Travel
 from ropewalk.results.spectrum_figure import spectrum_figure
 from ropewalk.solve.spectrum import spectrum, spectrum_of
@@ -39,6 +39,13 @@ def test_a_scenario_is_linearised_at_rest_without_loads_or_at_an_instant():
 def test_an_instant_outside_the_run_is_refused(run, at):
     with pytest.raises(ScenarioError, match=f"given {at:g} s"):
         spectrum_of(slack_rope(run=run), at=at)
+
+
+def test_a_line_without_a_rest_shape_of_its_own_is_refused_until_its_load_is_on_it():
+    weightless = slack_rope(run=Dynamic(until=0.5, start={"with_loads": True})).model_copy(update={"gravity": 0.0})
+    assert spectrum_of(weightless).lowest_frequency > 0.0
+    with pytest.raises(EquilibriumError, match="line rope: without loads"):
+        spectrum_of(weightless.model_copy(update={"run": Dynamic(until=0.5)}))
 
 
 def test_several_lines_are_taken_each_and_together():

@@ -65,7 +65,8 @@ def ends(line: Linearised, how_many: int) -> Eigenvalues:
     top, grown, limp = line.highest(), line.below(-line.zero), line.below(line.zero)
     if not top > line.zero:
         values = np.array([line.growth_rate(), -line.drag - line.highest(of_damping=True)], dtype=complex)
-        return Eigenvalues(by_size(values[values != 0.0]), *2 * [np.zeros(0)], line.size - grown, False, "bisection by inertia")
+        values, none = by_size(values[values != 0.0]), np.zeros(0)
+        return Eigenvalues(values, none, none, line.size - grown, False, "bisection by inertia")
     how_many = min(how_many, line.size - limp)
     shift = 0.0
     if limp:  # look beyond the modes that are unstable or without stiffness, amidst those wanted

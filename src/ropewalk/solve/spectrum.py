@@ -200,11 +200,11 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
         how_many: as for `spectrum`.
 
     Raises:
-        EquilibriumError: there is no rest shape.
+        EquilibriumError: there is no rest shape, or it is not determined without the loads.
         ScenarioError: the instant lies outside the run, or the run knows no time.
         RopewalkError: the run does not come to the instant.
     """
-    from ropewalk.errors import Problem, ScenarioError
+    from ropewalk.errors import EquilibriumError, Problem, ScenarioError
     from ropewalk.model.run import Dynamic
     from ropewalk.solve.start import setting_of, start_state
 
@@ -213,9 +213,14 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
         setting = setting_of(scenario, 0.0)
         if not isinstance(run, Dynamic) or run.start.with_loads:
             return spectrum(setting.strands, start_state(setting, True), how_many=how_many, names=setting.lines)
-        r = np.concatenate([rest.position for rest in setting.bare], axis=1)
-        X = np.concatenate([rest.X for rest in setting.bare])
-        return spectrum(setting.strands, (r, X), how_many=how_many, names=setting.lines)
+        rests = [rest for rest in setting.bare if rest is not None]
+        if len(rests) < len(setting.bare):
+            name = setting.lines[setting.bare.index(None)]
+            raise EquilibriumError(
+                f"line {name}: without loads its rest shape is not determined; ask for an instant of the run instead"
+            )
+        at_rest = np.concatenate([rest.position for rest in rests], axis=1), np.concatenate([rest.X for rest in rests])
+        return spectrum(setting.strands, at_rest, how_many=how_many, names=setting.lines)
     if not isinstance(run, Dynamic):
         wrong, remedy = f"a run of kind {run.kind} has no instants", "leave the time out"
         raise ScenarioError([Problem("at", wrong, f"{at:g} s", remedy)])
