@@ -1,7 +1,7 @@
 # ropewalk: set up, run, check. Needs make and Python 3.11 or later; everything else goes into .venv.
 #
 #   make CONSTRAINTS= test      newest versions of everything instead of those in constraints.txt
-#   make PYTHON=/opt/py/bin/python3 demo
+#   make PYTHON=/path/to/python3 demo
 
 CONSTRAINTS ?= constraints.txt
 VENV := .venv

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from ropewalk.results import ResultError, figure, film, open_result, summary
     from ropewalk.scenario import load, save
     from ropewalk.simulate import simulate
-    from ropewalk.solve.spectrum import spectrum_of as spectrum
+    from ropewalk.simulate import spectrum_of as spectrum
 
 __version__ = "0.1.0"
 
@@ -111,7 +111,7 @@ _HOME = {
     "load": "scenario",
     "open_result": "results",
     "save": "scenario",
-    "spectrum": "solve.spectrum",
+    "spectrum": "simulate",
     "summary": "results",
 }
 _NAME_AT_HOME = {"spectrum": "spectrum_of"}

@@ -196,7 +196,7 @@ def spectrum(
     """Compute the frequencies and damping of the small motions, which decide the method."""
     with _reported():
         scenario = _load(file, settings)
-        found = import_module("ropewalk.solve.spectrum").spectrum_of(scenario, at=at)
+        found = import_module("ropewalk.simulate").spectrum_of(scenario, at=at)
         if as_json:
             _print_json(found.as_dict())
         else:

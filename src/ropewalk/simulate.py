@@ -1,4 +1,4 @@
-"""A scenario in, a result out."""
+"""A scenario in, a result or a spectrum out."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ropewalk.errors import RopewalkError
+from ropewalk.errors import EquilibriumError, Problem, RopewalkError, ScenarioError
 from ropewalk.mechanics.chain import Array, State
 from ropewalk.model.run import Dynamic, Equilibrium, Quasistatic
 from ropewalk.model.scenario import Scenario
@@ -18,11 +18,13 @@ from ropewalk.results.snapshot import Camera, layout_of, standing_frame
 from ropewalk.solve.choice import choose
 from ropewalk.solve.motion import ADVICE, Progress, move
 from ropewalk.solve.quasistatic import horizon, shapes, walk
-from ropewalk.solve.splitting import RUNNING
+from ropewalk.solve.splitting import END_OF_LINE, RUNNING
 from ropewalk.solve.start import Setting, setting_of, start_state
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from ropewalk.solve.spectrum import Spectrum
 
 _COMPRESSION = (
     "at t = {time:.4g} s line {line} is in compression without any damping: a chain cannot carry that, and "
@@ -87,7 +89,7 @@ def output_times(run: Dynamic) -> Array:
     """Instants of output: every `every` from 0, and `until`."""
     every = run.every if run.every is not None else run.until / 100.0
     count = int(np.floor(run.until / every * (1.0 + 1e-12)))
-    times = every * np.arange(count + 1)
+    times: Array = every * np.arange(count + 1.0)
     if run.until - times[-1] > 1e-9 * every:
         times = np.append(times, run.until)
     else:
@@ -123,7 +125,7 @@ def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account
         if progress.status != RUNNING:
             account.outcome, advice = ADVICE[progress.status]
             account.advice = f"stopped at t = {current.t[0]:.6g} s: {advice}"
-            if np.isfinite(current.r).all() and np.isfinite(current.w).all() and current.t[0] > 0.0:
+            if current.t[0] > 0.0 and progress.status == END_OF_LINE:
                 yield camera.take(current)
             return
         frame = camera.take(current)
@@ -179,3 +181,42 @@ def state_at(scenario: Scenario, t: float | None) -> tuple[Setting, State]:
             outcome, advice = ADVICE[progress.status]
             raise RopewalkError(f"the run did not come to t = {t:g} s ({outcome}): {advice}")
     return setting, state
+
+
+def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | None = None) -> Spectrum:
+    """Find the spectrum of a scenario.
+
+    Args:
+        scenario: what is there.
+        at: instant of its dynamic run in s, loads in their places. None: at rest, without the loads for a dynamic run
+            (unless it starts with them), with the loads at their start for a run without time.
+        how_many: as for `spectrum`.
+
+    Raises:
+        EquilibriumError: there is no rest shape, or it is not determined without the loads.
+        ScenarioError: the instant lies outside the run, or the run knows no time.
+        RopewalkError: the run does not come to the instant.
+    """
+    from ropewalk.solve.spectrum import spectrum  # lazy: a run does not need the eigenvalue solvers
+
+    run = scenario.run
+    if at is None:
+        setting = setting_of(scenario, 0.0)
+        if not isinstance(run, Dynamic) or run.start.with_loads:
+            return spectrum(setting.strands, start_state(setting, True), how_many=how_many, names=setting.lines)
+        rests = [rest for rest in setting.bare if rest is not None]
+        if len(rests) < len(setting.bare):
+            name = setting.lines[setting.bare.index(None)]
+            raise EquilibriumError(
+                f"line {name}: without loads its rest shape is not determined; ask for an instant of the run instead"
+            )
+        at_rest = np.concatenate([rest.position for rest in rests], axis=1), np.concatenate([rest.X for rest in rests])
+        return spectrum(setting.strands, at_rest, how_many=how_many, names=setting.lines)
+    if not isinstance(run, Dynamic):
+        wrong, remedy = f"a run of kind {run.kind} has no instants", "leave the time out"
+        raise ScenarioError([Problem("at", wrong, f"{at:g} s", remedy)])
+    if not 0.0 <= at <= run.until:
+        remedy = f"give a time from 0 s to run.until, {run.until:g} s"
+        raise ScenarioError([Problem("at", "the time lies outside the run", f"{at:g} s", remedy)])
+    setting, state = state_at(scenario, at)
+    return spectrum(setting.strands, state, how_many=how_many, names=setting.lines)

@@ -39,7 +39,6 @@ def scenario(folder):
 @pytest.fixture
 def call(monkeypatch):
     """Runs the command line in this process."""
-    monkeypatch.setitem(sys.modules, "ropewalk.solve.spectrum", standin.SPECTRUM)
     for name, module in (("simulate", standin.SIMULATE), ("paper", standin.PAPER)):
         monkeypatch.setitem(sys.modules, f"ropewalk.{name}", module)
         monkeypatch.setattr(ropewalk, name, module, raising=False)

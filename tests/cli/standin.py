@@ -59,8 +59,7 @@ SIMULATE.simulate = simulate
 PAPER = ModuleType("ropewalk.paper")
 PAPER.AVAILABLE = [3, 4, "table-1"]
 PAPER.figures = figures
-SPECTRUM = ModuleType("ropewalk.solve.spectrum")
-SPECTRUM.spectrum_of = lambda scenario, *, at: SimpleNamespace(
+SIMULATE.spectrum_of = lambda scenario, *, at: SimpleNamespace(
     table=lambda: [("at", f"{at}"), ("largest frequency", "12.5 Hz")], as_dict=lambda: {"at": at}
 )
 

@@ -27,11 +27,11 @@ from ropewalk.mechanics.chain import (
 )
 from ropewalk.mechanics.rider import force_at, look_up_integral, speed_at
 from ropewalk.model import (
+    Equilibrium,
     ForceTable,
     Line,
     MovingForce,
     Polynomial,
-    Equilibrium,
     Scenario,
     SpeedTable,
     Tabulated,
@@ -145,18 +145,17 @@ def test_integrals_of_speed_tables_count_from_zero_wherever_the_table_begins(shi
 
 @settings(deadline=None, max_examples=100)
 @given(
-    st.lists(st.tuples(st.floats(-5.0, 5.0), st.floats(-9.0, 9.0)), min_size=1, max_size=6, unique_by=lambda x: x[0]),
+    st.lists(st.tuples(st.integers(-500, 500), st.floats(-9.0, 9.0)), min_size=1, max_size=6, unique_by=lambda x: x[0]),
     st.floats(0.0, 8.0),
 )
 def test_the_integral_of_any_speed_table_grows_at_its_speed(entries: list[tuple[float, float]], t: float) -> None:
-    entries = sorted(entries)
+    entries = sorted((hundredths / 100.0, speed) for hundredths, speed in entries)
     table = SpeedTable(time=tuple(x for x, _ in entries), value=tuple(v for _, v in entries))
     loads = loads_of(scenario(a=load(speed=table)), 9.0)
     assert way(loads, 0, 0.0) == pytest.approx(0.0, abs=1e-13)  # roundings
     grid = np.unique([0.0, t, *(x for x, _ in entries if 0.0 < x < t)])
     speeds = np.array([speed_at(loads, 0, x) for x in grid])
-    if np.diff(grid).min(initial=1.0) > 1e-6:  # steeper tables are jumps: look_up takes the entry, not the limit
-        assert way(loads, 0, t) == pytest.approx(float(np.trapezoid(speeds, grid)), abs=1e-12)
+    assert way(loads, 0, t) == pytest.approx(float(np.trapezoid(speeds, grid)), abs=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -61,7 +62,7 @@ def plain_stored(law: Law, eps: float) -> float:
     low, high = min(0.0, eps), max(0.0, eps)
     ends = [low, *(k for k in kinks(law) if low < k < high), high]
     total = 0.0
-    for a, b in zip(ends[:-1], ends[1:], strict=True):
+    for a, b in itertools.pairwise(ends):
         places = 0.5 * (a + b) + 0.5 * (b - a) * nodes
         total += 0.5 * (b - a) * float(weights @ [plain_tension(law, x) for x in places])
     return total if eps >= 0.0 else -total

@@ -43,9 +43,8 @@ def test_a_frictionless_contact_loses_nothing() -> None:
 def test_the_audit_of_a_taut_rope_closes_at_first_order_in_the_mesh(contact: str) -> None:
     links, misses = [100, 200, 400], []
     for n in links:
-        scenario = slack_rope(
-            n, line={"length": 19.1, "axial_stiffness": 2e4}, load={"contact": contact}, run={"until": 1.2, "every": 0.01}
-        )
+        line, run = {"length": 19.1, "axial_stiffness": 2e4}, {"until": 1.2, "every": 0.01}
+        scenario = slack_rope(n, line=line, load={"contact": contact}, run=run)
         result = simulate(scenario)
         turned_over = np.abs(form(result, "load_work")).max()
         misses.append(float(np.abs(form(result, "imbalance")).max() / turned_over))

@@ -11,7 +11,6 @@ from motion_cases import order, slack_rope
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate, state_at
 
-
 HALF_PASSAGE = 0.5 * 19.1 / 40 / 10.0  # s; seats change at odd multiples of it, so that its fractions are kept as steps
 UNTIL = 25 * HALF_PASSAGE
 

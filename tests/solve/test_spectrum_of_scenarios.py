@@ -10,7 +10,8 @@ import pytest
 from ropewalk.errors import EquilibriumError, RopewalkError, ScenarioError
 from ropewalk.model import Dynamic, Equilibrium, Line, MovingForce, Scenario, Travel
 from ropewalk.results.spectrum_figure import spectrum_figure
-from ropewalk.solve.spectrum import spectrum, spectrum_of
+from ropewalk.simulate import spectrum_of
+from ropewalk.solve.spectrum import spectrum
 from spectrum_cases import hanging, straight, strand
 
 

@@ -109,9 +109,7 @@ def test_reactions_balance_weight_and_loads_and_the_rope_reaches_its_end(
 
 @settings(deadline=None, max_examples=30)
 @given(heights, lengths, stiffnesses, loads)
-def test_mirrored_rope_is_the_mirror_image(
-    height: float, length: float, stiffness: float, loads: list
-) -> None:
+def test_mirrored_rope_is_the_mirror_image(height: float, length: float, stiffness: float, loads: list) -> None:
     case = {**HEAVY, "length": length, "axial_stiffness": stiffness}
     state = rope.elastic_catenary(**case, height=height, loads=at_length(loads, length))
     mirrored_loads = [(length - xi, (-f_x, f_z)) for xi, (f_x, f_z) in at_length(loads, length)]
@@ -183,9 +181,7 @@ def test_stiffness_over_eight_decades(stiffness: float, length: float) -> None:
         **{**HEAVY, "axial_stiffness": stiffness, "length": length}, loads=[(length / 3, (0.0, -700.0))]
     )
     assert state.position(length) == pytest.approx([20.0, 0.0], abs=1e-12 * length)  # roundings
-    stretched, _ = quad(
-        lambda xi: 1.0 + float(state.tension(xi)) / stiffness, 0.0, length, points=[length / 3]
-    )
+    stretched, _ = quad(lambda xi: 1.0 + float(state.tension(xi)) / stiffness, 0.0, length, points=[length / 3])
     assert stretched >= 20.0
     assert state.sag > 0.0
 

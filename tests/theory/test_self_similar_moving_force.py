@@ -74,9 +74,7 @@ def power_balance(wave: selfsimilar.SelfSimilarWave) -> float:
 def momentum_balance(wave: selfsimilar.SelfSimilarWave) -> np.ndarray:
     """Force less the growth of momentum; the pulls from far away cancel."""
     ends = [-wave.front_speed, -wave.kink_speed[0], wave.speed, wave.kink_speed[1], wave.front_speed]
-    growth = sum(
-        (high - low) * wave.mass * wave.velocity(0.5 * (low + high), 1.0) for low, high in pairwise(ends)
-    )
+    growth = sum((high - low) * wave.mass * wave.velocity(0.5 * (low + high), 1.0) for low, high in pairwise(ends))
     return np.array(wave.force) - growth
 
 
@@ -94,9 +92,7 @@ def test_jumps_momentum_and_energy_balance(
     # Newton's method ends in roundings of quantities below 1
     assert np.max(np.abs(wave.jump_residual())) < 1e-15
     assert momentum_balance(wave) / stiffness == pytest.approx(0.0, abs=1e-14)
-    assert power_balance(wave) / (stiffness * c_l) == pytest.approx(
-        wave.dissipation / (stiffness * c_l), abs=1e-14
-    )
+    assert power_balance(wave) / (stiffness * c_l) == pytest.approx(wave.dissipation / (stiffness * c_l), abs=1e-14)
     # tolerance: the same roundings; the sign is that of the statement
     assert wave.dissipation <= 1e-16 * stiffness * c_l
     if contact == "frictionless":
@@ -108,12 +104,8 @@ def test_jumps_momentum_and_energy_balance(
 @pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize("alpha", ALPHAS)
 @pytest.mark.parametrize("force", [1e-8, 1e-3, 0.01, 0.05, 0.2, 0.5])
-def test_solution_is_found_up_to_heavy_forces(
-    contact: selfsimilar.Contact, alpha: float, force: float
-) -> None:
-    wave = selfsimilar.moving_force(
-        force=force, speed=alpha * KINK_AT_REST, prestrain=0.05, contact=contact, **UNIT
-    )
+def test_solution_is_found_up_to_heavy_forces(contact: selfsimilar.Contact, alpha: float, force: float) -> None:
+    wave = selfsimilar.moving_force(force=force, speed=alpha * KINK_AT_REST, prestrain=0.05, contact=contact, **UNIT)
     assert np.max(np.abs(wave.jump_residual())) < 1e-15  # roundings of quantities below 1
     assert wave.speed < wave.kink_speed[1] < wave.front_speed
     assert 0.0 < wave.angle[0] < wave.angle[1] < math.pi
@@ -147,9 +139,7 @@ def test_position_is_continuous_and_moves_with_the_velocity(contact: selfsimilar
         force=-800.0, speed=12.0, axial_stiffness=1e5, mass=1.0, prestrain=0.02, contact=contact
     )
     t = 0.4
-    fronts = t * np.array(
-        [-wave.front_speed, -wave.kink_speed[0], wave.speed, wave.kink_speed[1], wave.front_speed]
-    )
+    fronts = t * np.array([-wave.front_speed, -wave.kink_speed[0], wave.speed, wave.kink_speed[1], wave.front_speed])
     behind, ahead = wave.position(fronts - 1e-9, t), wave.position(fronts + 1e-9, t)
     assert behind == pytest.approx(ahead, abs=1e-8)  # points 2e-9 m apart, roundings at 100 m
     xi = np.linspace(-150.0, 150.0, 37)
@@ -190,9 +180,7 @@ def test_force_at_rest_is_the_transverse_impact(
     velocity: float, prestrain: float, contact: selfsimilar.Contact
 ) -> None:
     impact = selfsimilar.transverse_impact(velocity=velocity, prestrain=prestrain, **UNIT)
-    wave = selfsimilar.moving_force(
-        force=impact.force[1], speed=0.0, prestrain=prestrain, contact=contact, **UNIT
-    )
+    wave = selfsimilar.moving_force(force=impact.force[1], speed=0.0, prestrain=prestrain, contact=contact, **UNIT)
     # the inverse of a function known to 1e-15, twice
     assert wave.strain == pytest.approx(impact.strain, rel=1e-13)
     assert wave.angle == pytest.approx(impact.angle, rel=1e-12)
@@ -253,14 +241,10 @@ def test_solution_is_the_one_that_grows_from_the_force_at_rest(prestrain: float,
 
 
 @pytest.mark.parametrize("contact", CONTACTS)
-@pytest.mark.parametrize(
-    ("force", "alpha"), [(1e-9, 1.0), (1e-6, 1.05), (1e-3, 1.05), (1e-3, 3.0), (0.01, 5.0)]
-)
+@pytest.mark.parametrize(("force", "alpha"), [(1e-9, 1.0), (1e-6, 1.05), (1e-3, 1.05), (1e-3, 3.0), (0.01, 5.0)])
 def test_speed_beyond_the_kink_is_refused(force: float, alpha: float, contact: selfsimilar.Contact) -> None:
     with pytest.raises(ValueError, match="kink"):
-        selfsimilar.moving_force(
-            force=force, speed=alpha * KINK_AT_REST, prestrain=0.05, contact=contact, **UNIT
-        )
+        selfsimilar.moving_force(force=force, speed=alpha * KINK_AT_REST, prestrain=0.05, contact=contact, **UNIT)
 
 
 def test_speed_without_force_beyond_the_kink_is_refused() -> None:

@@ -15,9 +15,7 @@ CHAIN = {"links": 50, "length": 20.0, "axial_stiffness": 1e4, "mass": 0.1, "stre
     ("law", "lowest", "highest"),
     [("hooke", 6.954458951426, 1580.358633518), ("second_piola_kirchhoff", 7.023659252, 1611.655902)],
 )
-def test_extreme_frequencies_are_those_of_the_catalogue(
-    law: chain.AxialLaw, lowest: float, highest: float
-) -> None:
+def test_extreme_frequencies_are_those_of_the_catalogue(law: chain.AxialLaw, lowest: float, highest: float) -> None:
     across = chain.transverse_frequencies(**CHAIN, law=law)
     along = chain.longitudinal_frequencies(**CHAIN, law=law)
     # half a unit of the last digit given

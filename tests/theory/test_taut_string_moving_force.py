@@ -322,9 +322,7 @@ def test_string_is_at_rest_before_the_entry_and_held_at_its_ends() -> None:
     x = np.linspace(0.0, 1.7, 9)
     for function in (string.moving_force, string.moving_force_slope, string.moving_force_velocity):
         assert np.all(function(x, -0.3, speed=1.0, **STRING) == 0.0)
-    ends = string.moving_force(
-        np.array([0.0, 1.7]), np.linspace(0, 9, 50)[:, np.newaxis], speed=1.0, **STRING
-    )
+    ends = string.moving_force(np.array([0.0, 1.7]), np.linspace(0, 9, 50)[:, np.newaxis], speed=1.0, **STRING)
     assert np.max(np.abs(ends)) < 1e-15  # rounding of the phases
 
 

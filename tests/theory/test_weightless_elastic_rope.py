@@ -105,9 +105,7 @@ def test_mirrored_rope_is_the_mirror_image(
 ) -> None:
     case = {"span": 20.0, "length": length, "axial_stiffness": 1e4, "law": law}
     state = rope.weightless_elastic(**case, height=height, load=(fraction * length, (f_x, -500.0)))
-    mirror = rope.weightless_elastic(
-        **case, height=-height, load=(length - fraction * length, (-f_x, -500.0))
-    )
+    mirror = rope.weightless_elastic(**case, height=-height, load=(length - fraction * length, (-f_x, -500.0)))
     expected = np.array([20.0, height]) + mirror.load_positions[0] * [-1, 1]
     # small load on a straight rope is where roundings weigh most
     assert state.load_positions[0] == pytest.approx(expected, abs=1e-10)
@@ -163,9 +161,7 @@ def test_light_rope_with_weight_tends_to_the_weightless_one() -> None:
 @pytest.mark.parametrize("law", ["hooke", "second_piola_kirchhoff"])
 def test_energy_has_its_minimum_at_the_solution(stiffness: float, law: rope.AxialLaw) -> None:
     """The stored energy less the load's work, k(lam-1)^2/2 or k(2 lam^3 - 3 lam^2 + 1)/6, by trial."""
-    state = rope.weightless_elastic(
-        span=20.0, length=20.0, axial_stiffness=stiffness, load=(15.0, WEIGHT), law=law
-    )
+    state = rope.weightless_elastic(span=20.0, length=20.0, axial_stiffness=stiffness, load=(15.0, WEIGHT), law=law)
 
     def tension(lam: float) -> float:
         return stiffness * (lam - 1.0) * (1.0 if law == "hooke" else lam)
@@ -173,9 +169,7 @@ def test_energy_has_its_minimum_at_the_solution(stiffness: float, law: rope.Axia
     place = state.load_positions[0]
     legs = np.array([place, place - [20.0, 0.0]])
     reach = np.hypot(*legs.T)
-    slope = sum(
-        tension(r / unstrained) * leg / r for leg, r, unstrained in zip(legs, reach, (15.0, 5.0), strict=True)
-    )
+    slope = sum(tension(r / unstrained) * leg / r for leg, r, unstrained in zip(legs, reach, (15.0, 5.0), strict=True))
     # roundings of the position, 1e-15 of 20 m, through the stiffness of the rope
     assert slope == pytest.approx(WEIGHT, abs=1e-9 + 5e-15 * stiffness)
 

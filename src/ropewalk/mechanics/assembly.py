@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -109,7 +110,7 @@ def tabulate(
     grid = np.linspace(begin, end, 257)
     samples = {float(t): value(float(t)) for t in grid}
     scale = max(float(np.abs(v).max()) for v in samples.values())
-    stack = [(float(a), float(b), 0) for a, b in zip(grid[:-1], grid[1:], strict=True)]
+    stack = [(float(a), float(b), 0) for a, b in pairwise(grid)]
     while stack:
         a, b, depth = stack.pop()
         middle = 0.5 * (a + b)
@@ -143,14 +144,14 @@ def _force_table(force: Any, until: float, axes: tuple[str, ...]) -> tuple[Array
 
 def _integral_from_zero(times: Array, values: Array) -> Array:
     """The integral of a table (linear between, constant outside its entries) from time 0 to each entry."""
-    path = np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(times))))
+    path: Array = np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(times))))
     if times[0] >= 0.0:
-        return path + values[0] * times[0]
+        return np.asarray(path + values[0] * times[0])
     if times[-1] <= 0.0:
-        return path - path[-1] + values[-1] * times[-1]
+        return np.asarray(path - path[-1] + values[-1] * times[-1])
     i = int(np.searchsorted(times, 0.0, side="right")) - 1
     at_zero = np.interp(0.0, times, values)
-    return path - (path[i] + 0.5 * (values[i] + at_zero) * -times[i])
+    return np.asarray(path - (path[i] + 0.5 * (values[i] + at_zero) * -times[i]))
 
 
 def loads_of(scenario: Scenario, until: float) -> Loads:

@@ -76,7 +76,7 @@ class State(NamedTuple):
 
     def copy(self) -> State:
         """An independent copy."""
-        return State(*(array.copy() for array in self))
+        return State(*(array.copy() for array in self))  # type: ignore[arg-type]
 
 
 class Buffers(NamedTuple):

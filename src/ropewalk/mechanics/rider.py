@@ -356,17 +356,15 @@ def settle(strands, loads, state, k, point, velocity):
 
 
 @inner
-def contact_loss(p, rho, U, r, X, b):
-    """Power lost at the contact in W: U [W - T lam + rho U^2 lam^2 / 2], ahead minus behind.
+def contact_loss(p, rho, U, r, X, behind, ahead):
+    """Power lost at a contact in W: U [W - T lam + rho U^2 lam^2 / 2], between the links behind and ahead of it.
 
     It is negative where the contact hides a motor: a force that stays vertical while it advances.
     """
     jump = 0.0
-    for side in range(2):
-        i = b - 1 + side
+    for sign, i in ((-1.0, behind), (1.0, ahead)):
         lam = stretch(r, i) / (X[i + 1] - X[i])
-        value = law.stored(p, lam - 1.0) - law.tension(p, lam - 1.0) * lam + 0.5 * rho * U * U * lam * lam
-        jump += value if side == 1 else -value
+        jump += sign * (law.stored(p, lam - 1.0) - law.tension(p, lam - 1.0) * lam + 0.5 * rho * U * U * lam * lam)
     return U * jump
 
 

@@ -30,7 +30,12 @@ def scenario(elements: int = 200) -> Scenario:
         title="Figure 6",
         lines={
             "rope": Line(
-                start=(0.0, 0.0), end=(SPAN, 0.0), length=LENGTH, mass=MASS, axial_stiffness=STIFFNESS, elements=elements
+                start=(0.0, 0.0),
+                end=(SPAN, 0.0),
+                length=LENGTH,
+                mass=MASS,
+                axial_stiffness=STIFFNESS,
+                elements=elements,
             )
         },
         loads={
@@ -75,7 +80,8 @@ def _shapes(ax: Axes, fast: xr.Dataset, slow: xr.Dataset) -> None:
         now, rest = fast.sel(time=time, method="nearest"), shape_at(slow, SPEED * time)
         for data, colour, name in ((now, BLUE, "in motion"), (rest, RED, "perfectly damped")):
             place, load = data.position.values, data.contact_position.values[0]
-            ax.plot(*place.T, color=colour, lw=1.6 if last else 0.8, alpha=1.0 if last else 0.3, label=name if last else None)
+            width, alpha = (1.6, 1.0) if last else (0.8, 0.3)
+            ax.plot(*place.T, color=colour, lw=width, alpha=alpha, label=name if last else None)
             ax.plot(*load, "o", color=colour, ms=6 if last else 3, alpha=1.0 if last else 0.4)
     ax.legend(frameon=False, fontsize=LABEL, loc="upper center", ncols=2)
     ax.margins(y=0.15)

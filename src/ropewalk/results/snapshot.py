@@ -233,22 +233,19 @@ def standing_frame(setting: Setting, stands: list[Standing], xi: Array, path: fl
         position.append(rest.position.T)
         tension.append(T[middle])
         strain.append(eps[middle])
-        half = 0.5 * strands.rho[s] * h * strands.gravity
-        left, right = -T[0] * t[:, 0] - half, T[-1] * t[:, -1] - half
+        left, right = -T[0] * t[:, 0] - rest.weight[:, 0], T[-1] * t[:, -1] - rest.weight[:, -1]
+        beside = rest.contact_tensions(strands.law[s])
         for k, number in enumerate(np.flatnonzero(loads.strand == s)):
             i = int(rest.contact[k])
             place[number], force[number] = rest.r[:, i], rest.force[:, k]
-            both[number] = T[max(i - 1, 0)], T[min(i, T.size - 1)]
+            both[number] = beside[k]
             if i == 0:
                 left = left - rest.force[:, k]
             elif i == rest.X.size - 1:
                 right = right - rest.force[:, k]
         reaction += [left, right]
         elastic += stored_total(strands.law[s], eps, np.diff(rest.X))
-        m = strands.rho[s] * h
-        weights = np.full(n + 1, m)
-        weights[[0, -1]] *= 0.5
-        gravitational -= float((weights * (strands.gravity @ rest.position)).sum())
+        gravitational -= float((rest.weight * rest.r).sum())
     nodes = np.concatenate(position)
     return Frame(
         path=path,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import FRICTIONLESS, Array, Loads, State, Strands
 from ropewalk.mechanics.law import tangents, tensions
 
@@ -93,6 +94,9 @@ def choose(
         step: largest step wanted by the user, s, or None.
         accuracy: wanted accuracy in time of the positions, m.
         duration: how long the run is, s.
+
+    Raises:
+        RopewalkError: the method asked for cannot do what the loads need.
     """
     limits = bounds(strands, state.r, state.X, bool(loads.strand.size))
     damped = limits.damping > 0.0
@@ -116,6 +120,8 @@ def choose(
             wanted, why = "rkn6", "undamped: the spectrum is imaginary, and the sixth order pays"
     else:
         why = "as asked"
+    if wanted == "implicit" and np.any(loads.contact == FRICTIONLESS):
+        raise RopewalkError("run.method: implicit cannot hold a frictionless contact; use auto, or contact: clamped")
     if wanted == "rkn6":
         if damped:
             wanted, why = "verlet", "rkn6 cannot be used with Kelvin-Voigt damping; the second-order method is used"

@@ -19,7 +19,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import (
     CONTACT,
     LINE_DAMPING,
@@ -31,10 +30,9 @@ from ropewalk.mechanics.chain import (
     Array,
     Buffers,
     Integers,
-    Loads,
     State,
 )
-from ropewalk.mechanics.compiled import kernel
+from ropewalk.mechanics.compiled import inner, kernel
 from ropewalk.mechanics.link import pull
 from ropewalk.mechanics.rider import (
     contact_loss,
@@ -46,7 +44,8 @@ from ropewalk.mechanics.rider import (
     slope,
     speed_at,
 )
-from ropewalk.solve.banded import factorise, substitute
+from ropewalk.solve.banded import substitute
+from ropewalk.solve.jacobian import shifted
 from ropewalk.solve.splitting import _pull_beside
 
 _S = np.sqrt(6.0)
@@ -96,6 +95,7 @@ class Workspace(NamedTuple):
     xi: Array  # (stage, load) m
     speed: Array  # (stage, load) m/s
     way: Array  # (stage, load) m, xi of the stages beyond that at the start
+    pace: Array  # (load,) mean speed over a step, per speed at its start: what the last attempt saw
     square: Array  # (stage,) 1/s^2, sum of eps_t^2 over the links of a strand
     q: Array  # (link,) N/m
     v: Array  # (axis, node) m/s, node velocities at the start
@@ -122,7 +122,7 @@ class Workspace(NamedTuple):
             seats=Buffers.for_state(state),
             Z=stages.copy(), last=stages.copy(), r=stages.copy(), w=stages.copy(), g=stages.copy(),
             X=np.zeros((3, nodes)), t=np.zeros((3, 1)),
-            xi=per_load.copy(), speed=per_load.copy(), way=per_load.copy(), square=np.zeros(3),
+            xi=per_load.copy(), speed=per_load.copy(), way=per_load.copy(), pace=np.ones(loads), square=np.zeros(3),
             q=np.zeros(nodes), v=plane.copy(), f=plane.copy(), error=np.zeros((nodes, dim)),
             stiff=blocks.copy(), damp=blocks.copy(), real=factors.copy(), pair=factors.astype(np.complex128),
             x=np.zeros((nodes, dim)), y=np.zeros((nodes, dim), dtype=np.complex128),
@@ -130,7 +130,7 @@ class Workspace(NamedTuple):
         )  # fmt: skip
 
 
-@kernel
+@inner
 def stage_of(state, space, j):
     """The state at stage j."""
     return State(
@@ -152,16 +152,16 @@ def balance(strands, loads, state, q, s, out):
     """
     i0, i1, c, h = strands.first[s], strands.first[s] + strands.links[s], strands.damping[s], strands.h[s]
     p, m, drag = strands.law[s], strands.rho[s] * strands.h[s], strands.drag[s] * strands.rho[s] * strands.h[s]
-    r, w, X, rider, speed, t = state.r, state.w, state.X, state.rider, state.speed, state.t[0]
+    r, w, X, rider, speed, t, g = state.r, state.w, state.X, state.rider, state.speed, state.t[0], strands.gravity
     square = pull(p, c, h, i0, i1, r, w, q)
     for k in range(rider.size):
         if i0 < rider[k] < i1:
             square += _pull_beside(p, c, h, r, w, X, rider, speed, q, rider[k])
     n = i1 - i0
     for a in range(r.shape[0]):
-        x, u, qa, sum_a, weight = r[a, i0 : i1 + 1], w[a, i0 : i1 + 1], q[i0:i1], out[a, i0 : i1 + 1], strands.gravity[a]
+        x, u, qa, total, weight = r[a, i0 : i1 + 1], w[a, i0 : i1 + 1], q[i0:i1], out[a, i0 : i1 + 1], m * g[a]
         for i in range(1, n):
-            sum_a[i] = qa[i] * (x[i + 1] - x[i]) - qa[i - 1] * (x[i] - x[i - 1]) + (m * weight - drag * u[i])
+            total[i] = qa[i] * (x[i + 1] - x[i]) - qa[i - 1] * (x[i] - x[i - 1]) + (weight - drag * u[i])
     for k in range(rider.size):
         b = rider[k]
         if loads.strand[k] != s or b == OFF:
@@ -180,7 +180,7 @@ def balance(strands, loads, state, q, s, out):
     return square
 
 
-@kernel
+@inner
 def _patch(state, space, k, inverse_dt):
     """Velocities of the material at the node that rides with load k, from its positions at the stages."""
     b = state.rider[k]
@@ -190,7 +190,7 @@ def _patch(state, space, k, inverse_dt):
             space.w[j, a, b] = v - space.speed[j, k] * slope(space.r[j], space.X[j], b, a)
 
 
-@kernel
+@inner
 def _travel(strands, loads, state, space, k, dt):
     """Improve the travel of load k at the stages, and carry its node along.
 
@@ -236,7 +236,7 @@ def _travel(strands, loads, state, space, k, dt):
     return moved
 
 
-@kernel
+@inner
 def evaluate(strands, loads, state, space, s, dt):
     """Positions, velocities, travel and unbalanced forces (space.g) of all stages of strand s from space.Z.
 
@@ -273,87 +273,17 @@ def evaluate(strands, loads, state, space, s, dt):
     return moved
 
 
-@kernel
-def linearise(strands, loads, state, v, s, stiff, damp):
-    """Jacobian of the forces on the inner nodes of strand s, riders and momentum flux included.
-
-    Args:
-        state: the instant about which to linearise.
-        v: (axis, node) m/s, node velocities.
-        stiff, damp: (part, node, axis, axis), overwritten: -df/dr and -df/dv, and in `damp` what the flux terms
-            add to the inertia. The block above the diagonal in row i, and that below it in row i + 1, have the entry i.
-    """
-    i0, i1, c = strands.first[s], strands.first[s] + strands.links[s], strands.damping[s]
-    p, m = strands.law[s], strands.rho[s] * strands.h[s]
-    r, X, dim = state.r, state.X, state.r.shape[0]
-    for i in range(i0, i1 + 1):
-        for a in range(dim):
-            for b in range(dim):
-                stiff[0, i, a, b] = 0.0
-                damp[0, i, a, b] = strands.drag[s] * m if a == b else 0.0
-    for i in range(i0, i1):
-        rest, square, along, spread = X[i + 1] - X[i], 0.0, 0.0, 0.0
-        for k in range(state.rider.size):  # how fast the material beside riders grows
-            if state.rider[k] == i + 1:
-                spread += state.speed[k]
-            elif state.rider[k] == i:
-                spread -= state.speed[k]
-        for a in range(dim):
-            square += (r[a, i + 1] - r[a, i]) ** 2
-            along += (r[a, i + 1] - r[a, i]) * (v[a, i + 1] - v[a, i])
-        length = np.sqrt(square)
-        eps = length / rest - 1.0
-        rate = (along / length - length * spread / rest) / rest
-        across = (law.tension(p, eps) + c * rate) / length
-        per_length = (law.tangent(p, eps) - c * spread / rest) / rest
-        for a in range(dim):
-            da = (r[a, i + 1] - r[a, i]) / length
-            for b in range(dim):
-                db = (r[b, i + 1] - r[b, i]) / length
-                turning = (v[b, i + 1] - v[b, i] - db * along / length) / length
-                k = (per_length - across) * da * db + c / rest * da * turning + (across if a == b else 0.0)
-                d = c / rest * da * db
-                stiff[0, i, a, b] += k
-                stiff[0, i + 1, a, b] += k
-                stiff[1, i, a, b], stiff[2, i, a, b] = -k, -k
-                damp[0, i, a, b] += d
-                damp[0, i + 1, a, b] += d
-                damp[1, i, a, b], damp[2, i, a, b] = -d, -d
-    for k in range(state.rider.size):
-        b = state.rider[k]
-        if i0 < b < i1:
-            flux = 2.0 * m * state.speed[k] / (X[b + 1] - X[b - 1])
-            for a in range(dim):
-                damp[1, b, a, a] -= flux
-                damp[2, b - 1, a, a] += flux
-
-
-@kernel
-def _shifted(mu, m, i0, i1, stiff, damp, out):
-    """Factors of mu^2 M + mu C + K, into out (diagonal, above, below, inverse, ratio)."""
-    square, dim = mu * mu * m, stiff.shape[2]
-    for part in range(3):
-        for i in range(i0 + 1, i1):
-            for a in range(dim):
-                for b in range(dim):
-                    out[part, i, a, b] = mu * damp[part, i, a, b] + stiff[part, i, a, b]
-                if part == 0:
-                    out[part, i, a, a] += square
-    low, high = i0 + 1, i1
-    return factorise(out[0, low:high], out[1, low:high], out[2, low:high], out[3, low:high], out[4, low:high])
-
-
-@kernel
+@inner
 def prepare(strands, space, s, dt):
     """Factorise both systems of strand s for steps of length dt; False if one is singular."""
     i0, i1, m = strands.first[s], strands.first[s] + strands.links[s], strands.rho[s] * strands.h[s]
     if i1 - i0 < 2:
         return True
-    fine = _shifted(REAL / dt, m, i0, i1, space.stiff, space.damp, space.real)
-    return fine and _shifted(PAIR / dt, m, i0, i1, space.stiff, space.damp, space.pair)
+    fine = shifted(REAL / dt, m, i0, i1, space.stiff, space.damp, space.real)
+    return fine and shifted(PAIR / dt, m, i0, i1, space.stiff, space.damp, space.pair)
 
 
-@kernel
+@inner
 def _correct(space, i0, i1):
     """One Newton step: solve for space.g, change space.Z; returns the largest change, m."""
     dim, low, high, largest = space.Z.shape[1], i0 + 1, i1, 0.0
@@ -383,36 +313,53 @@ def _correct(space, i0, i1):
     return largest
 
 
-@kernel
-def newton(strands, loads, state, space, s, dt, enough):
-    """Solve the stages of strand s by simplified Newton iteration until the error left is below `enough` (m).
+@inner
+def _newton(strands, loads, state, space, s, dt, enough):
+    """Solve the stages of strand s; returns as `newton`."""
+    i0, i1 = strands.first[s], strands.first[s] + strands.links[s]
+    before, theta, done, iteration = 0.0, 0.0, False, 0
+    while True:
+        moved = evaluate(strands, loads, state, space, s, dt)
+        if done:
+            return iteration, theta
+        if iteration == MOST_ITERATIONS:
+            return 0, theta
+        iteration += 1
+        space.counts[ITERATIONS] += 1
+        # The travel follows the positions of the iteration before: it does not tell how this one contracts.
+        change = _correct(space, i0, i1) if i1 - i0 > 1 else moved
+        if not np.isfinite(change):
+            return 0, np.inf
+        if iteration == 1:
+            done = change <= 1e-3 * enough
+        else:
+            theta = change / before if before > 0.0 else 0.0
+            done = change <= enough if theta >= 1.0 else change * theta <= enough * (1.0 - theta)
+            hopeless = theta >= 1.0 or theta ** (MOST_ITERATIONS - iteration) * change > enough * (1.0 - theta)
+            if hopeless and not done:
+                return 0, theta
+        before = change
+
+
+@inner
+def newton(strands, loads, state, space, dt, enough):
+    """Solve the stages of all strands by simplified Newton iteration until the error left is below `enough` (m).
+
+    Leaves everything evaluated at the solution.
 
     Returns:
-        Whether it converged, and how much the last iteration contracted.
+        The most iterations of a strand, 0 if one does not converge; and the slowest contraction.
     """
-    i0, i1 = strands.first[s], strands.first[s] + strands.links[s]
-    before, theta = 0.0, 0.0
-    for iteration in range(1, MOST_ITERATIONS + 1):
-        space.counts[ITERATIONS] += 1
-        moved = evaluate(strands, loads, state, space, s, dt)
-        change = max(_correct(space, i0, i1), moved) if i1 - i0 > 1 else moved
-        if not np.isfinite(change):
-            return False, np.inf
-        if iteration > 1:
-            theta = change / before if before > 0.0 else 0.0
-            if theta >= 1.0 and change > enough:
-                return False, theta
-            if theta < 1.0 and change * theta <= enough * (1.0 - theta):
-                return True, theta
-            if theta ** (MOST_ITERATIONS - iteration) * change > enough * max(1.0 - theta, 1e-3):
-                return False, theta
-        elif change <= 1e-3 * enough:
-            return True, 0.0
-        before = change
-    return False, theta
+    most, slowest = 1, 0.0
+    for s in range(strands.first.size):
+        iterations, theta = _newton(strands, loads, state, space, s, dt, enough)
+        most, slowest = max(most, iterations), max(slowest, theta)
+        if iterations == 0:
+            return 0, slowest
+    return most, slowest
 
 
-@kernel
+@inner
 def estimate(strands, state, space, s, dt):
     """Embedded error estimate of strand s: positions into space.error (m); returns the largest one over its nodes.
 
@@ -422,7 +369,7 @@ def estimate(strands, state, space, s, dt):
     low, high, mu, per, dim = i0 + 1, i1, REAL / dt, 1.0 / dt, state.r.shape[0]
     if high == low:
         return 0.0
-    v, x, damp = space.error, space.x, space.damp
+    v, x, on, above, below = space.error, space.x, space.damp[0], space.damp[1], space.damp[2]
     for a in range(dim):
         for i in range(i0, i1 + 1):
             z1, z2, z3 = space.Z[0, a, i], space.Z[1, a, i], space.Z[2, a, i]
@@ -433,7 +380,7 @@ def estimate(strands, state, space, s, dt):
             total = space.f[a, i] + m * per * (E[0] * w1 + E[1] * w2 + E[2] * w3 - (E[0] + E[1] + E[2]) * state.w[a, i])
             total += mu * m * v[i, a]
             for b in range(dim):
-                total += damp[0, i, a, b] * v[i, b] + damp[1, i, a, b] * v[i + 1, b] + damp[2, i - 1, a, b] * v[i - 1, b]
+                total += on[i, a, b] * v[i, b] + above[i, a, b] * v[i + 1, b] + below[i - 1, a, b] * v[i - 1, b]
             x[i, a] = total
     real = space.real
     substitute(real[1, low:high], real[3, low:high], real[4, low:high], x[low:high])
@@ -451,7 +398,7 @@ def estimate(strands, state, space, s, dt):
     return np.sqrt(largest)
 
 
-@kernel
+@inner
 def settle_accounts(strands, loads, state, space, s, dt):
     """Work done on strand s and lost by it in a step, by the quadrature of the method."""
     i0, i1, m = strands.first[s], strands.first[s] + strands.links[s], strands.rho[s] * strands.h[s]

@@ -85,6 +85,27 @@ def _newton_step(hess, grad, step):
 
 
 @kernel
+def _lay_out(p, ell, f, start, end, R, tiny, T, r):
+    """Positions from the force vector of the first link; returns the distance by which the end is missed, m."""
+    dim, n = r.shape[0], ell.size
+    for a in range(dim):
+        T[a] = R[a]
+        r[a, 0] = start[a]
+    for i in range(n):
+        size = np.sqrt((T * T).sum() + tiny * tiny)
+        stretch = ell[i] * (1.0 + law.strain(p, size)) / size
+        for a in range(dim):
+            r[a, i + 1] = r[a, i] + stretch * T[a]
+            if i < n - 1:
+                T[a] -= f[a, i + 1]
+    miss = 0.0
+    for a in range(dim):
+        miss += (r[a, n] - end[a]) ** 2
+        r[a, n] = end[a]
+    return np.sqrt(miss)
+
+
+@kernel
 def hang(p, ell, f, start, end, smooth, R, r):
     """Find the hanging shape.
 
@@ -137,18 +158,4 @@ def hang(p, ell, f, start, end, smooth, R, r):
         best = min(best, now)
         if stuck:
             break
-    for a in range(dim):
-        T[a] = R[a]
-        r[a, 0] = start[a]
-    for i in range(n):
-        size = np.sqrt((T * T).sum() + tiny * tiny)
-        stretch = ell[i] * (1.0 + law.strain(p, size)) / size
-        for a in range(dim):
-            r[a, i + 1] = r[a, i] + stretch * T[a]
-            if i < n - 1:
-                T[a] -= f[a, i + 1]
-    miss = 0.0
-    for a in range(dim):
-        miss += (r[a, n] - end[a]) ** 2
-        r[a, n] = end[a]
-    return np.sqrt(miss)
+    return _lay_out(p, ell, f, start, end, R, tiny, T, r)

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ropewalk.mechanics.chain import Array, Buffers, Loads, State, Strands
+from ropewalk.mechanics.chain import Array, Buffers, Integers, Loads, State, Strands
 from ropewalk.solve.choice import Choice, bounds, verlet_step
 from ropewalk.solve.splitting import END_OF_LINE, NOT_FINITE, RKN6, RUNNING, TOO_MANY_STEPS, VERLET, advance
 
+if TYPE_CHECKING:
+    from ropewalk.solve.collocation import Workspace
+
 # A run that needs more steps than this between two outputs will not end within a day.
 MOST_STEPS = 10**11
+# No law holds so far: a link that is stretched to this many times its length has torn.
+LONGEST_STRETCH = 100.0
 
 
 @dataclass
@@ -50,7 +56,7 @@ def move(
         times: rising instants, s.
         progress: filled in; the iteration ends early if its status is no longer RUNNING.
     """
-    buffers = Buffers.for_state(state)
+    room = _room_for(choice, loads, state)
     knots = np.unique(
         np.concatenate([_knots(loads.speed_time, loads.speed_count), _knots(loads.force_time, loads.force_count)])
     )
@@ -61,11 +67,15 @@ def move(
         for stop in stops:
             if state.t[0] >= stop:
                 continue
-            progress.status, taken = _advance(strands, loads, state, buffers, choice, accuracy, stop, step)
+            progress.status, taken = _advance(strands, loads, state, room, choice, accuracy, stop, step)
             progress.steps += int(taken)
             if progress.status != RUNNING:
                 yield state
                 return
+        if _is_torn(strands, state):
+            progress.status = NOT_FINITE
+            yield state
+            return
         yield state
         now = bounds(strands, state.r, state.X, bool(loads.strand.size))
         if now.frequency > 1.05 * limits.frequency and choice.method != "implicit":
@@ -74,15 +84,33 @@ def move(
             step = min(step, own)
 
 
-def _advance(strands, loads, state, buffers, choice, accuracy, stop, step):  # type: ignore[no-untyped-def]
+def _is_torn(strands: Strands, state: State) -> bool:
+    """Whether some link has become so long that only a motion without bounds can have stretched it."""
+    for i, n in zip(strands.first, strands.links, strict=True):
+        d = np.diff(state.r[:, i : i + n + 1], axis=1)
+        if not np.sqrt((d * d).sum(axis=0)).max() < LONGEST_STRETCH * np.diff(state.X[i : i + n + 1]).max():
+            return True
+    return False
+
+
+def _room_for(choice: Choice, loads: Loads, state: State) -> Buffers | Workspace:
+    """Room for the steps of the chosen method."""
+    if choice.method == "implicit":
+        from ropewalk.solve.radau import workspace_for
+
+        return workspace_for(loads, state)
+    return Buffers.for_state(state)
+
+
+def _advance(strands, loads, state, room, choice, accuracy, stop, step):
     if choice.method == "implicit":
         from ropewalk.solve.radau import advance_implicit
 
-        return advance_implicit(strands, loads, state, buffers, stop, accuracy, step, MOST_STEPS)
+        return advance_implicit(strands, loads, state, room, stop, accuracy, step, MOST_STEPS)
     kicks, drifts = RKN6 if choice.method == "rkn6" else VERLET
-    return advance(strands, loads, state, buffers, kicks, drifts, stop, step, MOST_STEPS)
+    return advance(strands, loads, state, room, kicks, drifts, stop, step, MOST_STEPS)
 
 
-def _knots(times: Array, counts: Array) -> Array:
+def _knots(times: Array, counts: Integers) -> Array:
     """Instants at which tables bend: steps end there, unless there are so many that the table is smooth."""
     return times if counts.size and counts.max() <= 200 else np.zeros(0)

@@ -113,7 +113,8 @@ def walk(setting: Setting, positions: int) -> Iterator[Place]:
     begin = np.array([m.of(x, stands) for m, x in zip(measures, xi, strict=True)])
     times, ways = _timetable(setting, measures, begin)
     path = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(ways[0])))))
-    if not path[-1] > 0.0:
+    first = setting.loads.strand[0]
+    if not path[-1] > _TOLERANCE * setting.strands.links[first] * setting.strands.h[first]:
         raise EquilibriumError(
             "the first load has no path: it stands at the end of its line and would move off it, or its speed is zero; "
             "let it start elsewhere (travel.from), or turn the sign of speed"
@@ -152,8 +153,8 @@ class _Step:
         for k, m in enumerate(self.measures):
             if m.kind == MATERIAL:
                 xi[k] = np.clip(self.before[k] + self.advance[k], 0.0, length[k])
-        stands, given = shapes(self.setting, xi, self.t, stands)
         searched = [k for k, m in enumerate(self.measures) if m.kind != MATERIAL]
+        stands, given = self._shapes(xi, searched, self.before[searched], stands)
         for _ in range(50):
             last = xi.copy()
             for k in searched:
@@ -161,6 +162,15 @@ class _Step:
             if len(searched) < 2 or np.all(np.abs(xi - last) <= _TOLERANCE * length):
                 return xi, stands, given
         raise EquilibriumError("the loads hinder each other: no places were found that agree with all their paths")
+
+    def _shapes(self, xi: Array, trial: list[int], last: Array, stands: list[Standing]) -> tuple[list[Standing], Array]:
+        """Shapes with the loads at xi; if there are none, the loads on trial go back towards their last places."""
+        for _ in range(10 if trial else 0):
+            try:
+                return shapes(self.setting, xi, self.t, stands)
+            except EquilibriumError:
+                xi[trial] = 0.5 * (xi[trial] + last)
+        return shapes(self.setting, xi, self.t, stands)
 
     def _miss(self, k: int, x: float, stands: list[Standing]) -> float:
         m = self.measures[k]
@@ -185,9 +195,9 @@ class _Step:
             if abs(new - x) <= 1e-16 * length:
                 return stands, given
             xi[k] = new
-            stands, given = shapes(self.setting, xi, self.t, stands)
-            following = self._miss(k, new, stands)
-            slope = (following - miss) / (new - x)
+            stands, given = self._shapes(xi, [k], np.array([x]), stands)
+            following = self._miss(k, float(xi[k]), stands)
+            slope = (following - miss) / (xi[k] - x)
             slope = slope if slope > 0.0 else 1.0
             miss = following
         return stands, given

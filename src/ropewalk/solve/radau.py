@@ -1,8 +1,8 @@
 """Implicit motion: Radau IIA of order 5 with adaptive steps, the whole loop compiled.
 
 For lines whose Kelvin-Voigt damping makes the explicit step too small (docs/notes/implicit.md). Steps end exactly at
-the instants asked for, and where a load changes its seat on the chain: to rounding for the measure `material`,
-otherwise within OVERSHOT of a link beyond, as the speed depends on the unknown state there.
+the instants asked for, and where a load changes its seat on the chain: to rounding for the measure `material`, else
+within 2 AIM of a link, as the speed depends on a state that is not known before.
 """
 
 from __future__ import annotations
@@ -10,23 +10,23 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics.chain import FRICTIONLESS, MATERIAL, OFF, Loads, State
-from ropewalk.mechanics.compiled import kernel
+from ropewalk.mechanics.compiled import inner, kernel
 from ropewalk.mechanics.rider import ARRIVED, look_up_integral, node_velocity, speed_at
 from ropewalk.solve.collocation import (
     FACTORS,
     JACOBIANS,
+    MOST_ITERATIONS,
     REJECTIONS,
     C,
     Workspace,
     balance,
     estimate,
-    evaluate,
-    linearise,
     newton,
     prepare,
     settle_accounts,
     stage_of,
 )
+from ropewalk.solve.jacobian import linearise
 from ropewalk.solve.splitting import (
     END_OF_LINE,
     NOT_FINITE,
@@ -38,20 +38,23 @@ from ropewalk.solve.splitting import (
     _take_seats,
 )
 
-import os
 NO_CONVERGENCE = 4
-JJ=int(os.environ.get('JJ','1'))
 
 # Entries of the workspace's memory.
 NOW, LENGTH, WISH, FACTORISED = 0, 1, 2, 3
-# Newton's error may be this part of the tolerance, and without a tolerance this part of the length of the lines.
-NEWTON, ROUNDING = 0.01, 1e-13
+# A step's error may be this part of the tolerance (measured: then the run keeps it), Newton's error this part of that;
+# without a tolerance it is this part of the length of the lines.
+LOCAL, NEWTON, ROUNDING = 0.01, 5e-4, 1e-13
+# The stage about which the Jacobian is taken: inside the step, as the links beside a rider turn far during one.
+MIDDLE = 1
 # A step is longer than the one before by this much at most, and no more often rejected in a row than this.
-GROWTH, SAFETY, MOST_REJECTIONS = 4.0, 0.9, 60
-# Steps of almost equal length share their factors where Newton's method contracts fast; where slow, the Jacobian is old.
+GROWTH, SAFETY, MOST_REJECTIONS = 2.0, 0.9, 60
+# Steps of almost equal length share their factors where Newton's method contracts fast; where it is slow, the Jacobian
+# has had its day.
 SAME_LENGTH, FAST, SLOW = 0.02, 0.05, 0.1
-# Loads whose speed depends on the state aim a little beyond their next seat, and may come out this part of a link away.
-AIM, OVERSHOT = 0.002, 0.02
+# Loads whose speed depends on the state aim this part of a link beyond their next seat. Those that come out shorter, or
+# longer by as much again, try once more with the speed that they have seen, but not if it is still further away.
+AIM, FURTHER, MOST_TRIES = 1e-4, 0.1, 4
 
 
 def workspace_for(loads: Loads, state: State) -> Workspace:
@@ -65,7 +68,7 @@ def workspace_for(loads: Loads, state: State) -> Workspace:
     return Workspace.for_state(state)
 
 
-@kernel
+@inner
 def _time_to(loads, k, t, U, distance, within):
     """Time that load k needs for a distance if its measured speed keeps its ratio to d xi / dt; `within` if longer."""
     V = speed_at(loads, k, t)
@@ -94,8 +97,8 @@ def _time_to(loads, k, t, U, distance, within):
     return high
 
 
-@kernel
-def _reach(strands, loads, state, target, until):
+@inner
+def _reach(strands, loads, state, target, pace, until):
     """Time to the next event: a change of seat, or `until`."""
     t = state.t[0]
     rest = until - t
@@ -107,24 +110,29 @@ def _reach(strands, loads, state, target, until):
         if gap > 0.0:
             if loads.measure[k] != MATERIAL:
                 gap += AIM * strands.h[loads.strand[k]]
-            rest = min(rest, _time_to(loads, k, t, U, gap, rest))
+            rest = min(rest, _time_to(loads, k, t, U * pace[k], gap, rest))
     return rest
 
 
-@kernel
-def _overshot(strands, loads, state, space):
-    """Part of the step after which the first load would have come to its seat, 1 if none went too far beyond."""
-    part = 1.0
+@inner
+def _misses(strands, loads, state, space, dt):
+    """Whether a step brings a load close to its next seat, but not quite there, or beyond; notes the pace of all."""
+    missed = False
     for k in range(state.xi.size):
-        if state.rider[k] != OFF and loads.measure[k] != MATERIAL and state.speed[k] != 0.0:
-            gap = _gap(space.seats.target[k], state.xi[k], state.speed[k])
-            h, way = strands.h[loads.strand[k]], space.way[2, k] * np.sign(state.speed[k])
-            if 0.0 < gap < way - OVERSHOT * h:
-                part = min(part, (gap + AIM * h) / way)
-    return part
+        U, way = state.speed[k], space.way[2, k]
+        if state.rider[k] == OFF or loads.measure[k] == MATERIAL or not U * way > 0.0:
+            continue
+        h, before = strands.h[loads.strand[k]], space.pace[k]
+        gap = _gap(space.seats.target[k], state.xi[k], U)
+        beyond = abs(way) - gap
+        if gap > 0.0 and -FURTHER * h < beyond:
+            planned = _time_to(loads, k, state.t[0], U * before, abs(way), 2.0 * dt)
+            space.pace[k] = min(max(before * planned / dt, 0.5), 2.0)
+            missed = missed or beyond < 0.0 or beyond > 2.0 * AIM * h
+    return missed
 
 
-@kernel
+@inner
 def _begin(strands, loads, state, space):
     """Node velocities and forces at the start of a step."""
     space.v[:] = state.w
@@ -137,7 +145,7 @@ def _begin(strands, loads, state, space):
         balance(strands, loads, state, space.q, s, space.f)
 
 
-@kernel
+@inner
 def _predict(strands, loads, state, space, dt, smooth):
     """First guess of the stages: the last step's polynomial, or constant velocity where there is none."""
     t, before = state.t[0], space.memory[LENGTH]
@@ -171,11 +179,10 @@ def _predict(strands, loads, state, space, dt, smooth):
                         z[b] = C[j] * dt * v[b]
 
 
-@kernel
+@inner
 def _accept(strands, loads, state, space, dt):
     """Go on to the end of the step."""
     for s in range(strands.first.size):
-        evaluate(strands, loads, state, space, s, dt)
         settle_accounts(strands, loads, state, space, s, dt)
     space.last[:] = space.Z
     for a in range(state.r.shape[0]):
@@ -193,28 +200,16 @@ def _accept(strands, loads, state, space, dt):
     space.memory[NOW], space.memory[LENGTH] = state.t[0], dt
 
 
-@kernel
+@inner
 def _has_moved(rider, seat):
     """Whether a load has another seat than in the last step."""
+    moved = False
     for k in range(rider.size):
-        if rider[k] != seat[k]:
-            return True
-    return False
+        moved = moved or rider[k] != seat[k]
+    return moved
 
 
-@kernel
-def _solve(strands, loads, state, space, dt, enough):
-    """Solve the stages of all strands; returns whether all converged, and the slowest contraction."""
-    slowest = 0.0
-    for s in range(strands.first.size):
-        converged, theta = newton(strands, loads, state, space, s, dt, enough)
-        slowest = max(slowest, theta)
-        if not converged:
-            return False, slowest
-    return True, slowest
-
-
-@kernel
+@inner
 def _error(strands, state, space, dt):
     """Largest embedded error estimate of all strands, m."""
     largest = 0.0
@@ -233,7 +228,7 @@ def advance_implicit(strands, loads, state, space, until, tolerance, longest, mo
         strands, loads, state: see mechanics/chain.py; state is changed.
         space: from `workspace_for`, the same one from call to call.
         until: time to stop at, s.
-        tolerance: of the positions, m: local error of a step; infinite: equal steps of `longest`.
+        tolerance: of the positions, m; infinite: equal steps of `longest` from event to event.
         longest: largest step, s (may be infinite if `tolerance` is not).
         most: largest number of steps.
 
@@ -241,8 +236,11 @@ def advance_implicit(strands, loads, state, space, until, tolerance, longest, mo
         Status (RUNNING when `until` is reached, else what went wrong) and the number of steps taken.
     """
     memory, target = space.memory, space.seats.target
-    end, steps, rejected = until - 1e-12 * max(1.0, abs(until)), 0, 0
-    enough = NEWTON * tolerance if tolerance < np.inf else ROUNDING * (strands.h * strands.links).max()
+    end, steps, rejected, tries = until - 1e-12 * max(1.0, abs(until)), 0, 0, 0
+    allowed, enough = LOCAL * tolerance, NEWTON * LOCAL * tolerance
+    if tolerance == np.inf:
+        for s in range(strands.first.size):
+            enough = min(enough, ROUNDING * strands.h[s] * strands.links[s])
     smooth = memory[LENGTH] > 0.0 and memory[NOW] == state.t[0]
     if not smooth:
         memory[WISH], memory[FACTORISED], space.seat[:] = np.inf, 0.0, OFF
@@ -259,13 +257,15 @@ def advance_implicit(strands, loads, state, space, until, tolerance, longest, mo
                 return NOT_FINITE, steps
             new = new or _has_moved(state.rider, space.seat)
             begun, stale = True, not new
-        rest = _reach(strands, loads, state, target, until)
+        rest = _reach(strands, loads, state, target, space.pace, until)
         dt = rest / max(np.ceil(rest / min(memory[WISH], longest) - 0.05), 1.0)
         _predict(strands, loads, state, space, dt, smooth)
         if new:
+            for a in range(state.r.shape[0]):
+                for i in range(state.r.shape[1]):
+                    space.r[MIDDLE, a, i] = state.r[a, i] + space.Z[MIDDLE, a, i]
             for s in range(strands.first.size):
-                evaluate(strands, loads, state, space, s, dt)
-                linearise(strands, loads, stage_of(state, space, JJ), space.v, s, space.stiff, space.damp)
+                linearise(strands, stage_of(state, space, MIDDLE), space.v, s, space.stiff, space.damp)
             new, stale, memory[FACTORISED] = False, False, 0.0
             space.counts[JACOBIANS] += 1
         if abs(dt - memory[FACTORISED]) > (SAME_LENGTH if theta < FAST else 1e-9) * dt:
@@ -273,18 +273,20 @@ def advance_implicit(strands, loads, state, space, until, tolerance, longest, mo
                 prepare(strands, space, s, dt)
             memory[FACTORISED] = dt
             space.counts[FACTORS] += 1
-        solved, theta = _solve(strands, loads, state, space, dt, enough)
-        if not solved and stale:
+        iterations, theta = newton(strands, loads, state, space, dt, enough)
+        if iterations == 0 and stale:
             new = True
             continue
+        if iterations > 0 and tries < MOST_TRIES and _misses(strands, loads, state, space, dt):
+            tries += 1
+            continue
         wish, error = 0.5 * dt, np.inf
-        if solved:
-            wish = dt * _overshot(strands, loads, state, space)
-            if wish == dt:
-                error = 0.0
-                if tolerance < np.inf:
-                    error = _error(strands, state, space, dt) / tolerance
-                wish = dt * SAFETY * max(error, 1e-30) ** -0.25
+        if iterations > 0:
+            error, wish = 0.0, np.inf
+            if tolerance < np.inf:
+                error = _error(strands, state, space, dt) / allowed
+                effort = 2.0 * MOST_ITERATIONS / (2.0 * MOST_ITERATIONS + iterations)
+                wish = dt * SAFETY * effort * max(error, 1e-30) ** -0.25
         if not error <= 1.0:
             rejected += 1
             space.counts[REJECTIONS] += 1
@@ -294,8 +296,8 @@ def advance_implicit(strands, loads, state, space, until, tolerance, longest, mo
             continue
         _accept(strands, loads, state, space, dt)
         steps += 1
-        memory[WISH] = min(wish, max(GROWTH * dt, memory[WISH]))
-        rejected, begun, smooth, new = 0, False, True, theta > SLOW
+        memory[WISH] = min(wish, memory[WISH] if rejected > 0 else max(GROWTH * dt, memory[WISH]))
+        rejected, tries, begun, smooth, new = 0, 0, False, True, theta > SLOW
         due = _is_due(target, state.xi, state.speed, state.rider, near)
         if steps >= most and state.t[0] < end:
             return TOO_MANY_STEPS, steps

@@ -21,7 +21,7 @@ from ropewalk.solve.eigenvalues import Eigenvalues, by_size, ends, every
 from ropewalk.solve.linearised import Linearised, linearise
 
 if TYPE_CHECKING:
-    from ropewalk.model.scenario import Scenario
+    pass
 
 # A line with no more unknowns than this is treated densely: a second or two at most.
 DENSE = 1500
@@ -188,49 +188,6 @@ def spectrum(
         for s in range(strands.first.size)
     ]
     return each[0] if len(each) == 1 else _together(each)
-
-
-def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | None = None) -> Spectrum:
-    """Find the spectrum of a scenario.
-
-    Args:
-        scenario: what is there.
-        at: instant of its dynamic run in s, loads in their places. None: at rest, without the loads for a dynamic run
-            (unless it starts with them), with the loads at their start for a run without time.
-        how_many: as for `spectrum`.
-
-    Raises:
-        EquilibriumError: there is no rest shape, or it is not determined without the loads.
-        ScenarioError: the instant lies outside the run, or the run knows no time.
-        RopewalkError: the run does not come to the instant.
-    """
-    from ropewalk.errors import EquilibriumError, Problem, ScenarioError
-    from ropewalk.model.run import Dynamic
-    from ropewalk.solve.start import setting_of, start_state
-
-    run = scenario.run
-    if at is None:
-        setting = setting_of(scenario, 0.0)
-        if not isinstance(run, Dynamic) or run.start.with_loads:
-            return spectrum(setting.strands, start_state(setting, True), how_many=how_many, names=setting.lines)
-        rests = [rest for rest in setting.bare if rest is not None]
-        if len(rests) < len(setting.bare):
-            name = setting.lines[setting.bare.index(None)]
-            raise EquilibriumError(
-                f"line {name}: without loads its rest shape is not determined; ask for an instant of the run instead"
-            )
-        at_rest = np.concatenate([rest.position for rest in rests], axis=1), np.concatenate([rest.X for rest in rests])
-        return spectrum(setting.strands, at_rest, how_many=how_many, names=setting.lines)
-    if not isinstance(run, Dynamic):
-        wrong, remedy = f"a run of kind {run.kind} has no instants", "leave the time out"
-        raise ScenarioError([Problem("at", wrong, f"{at:g} s", remedy)])
-    if not 0.0 <= at <= run.until:
-        remedy = f"give a time from 0 s to run.until, {run.until:g} s"
-        raise ScenarioError([Problem("at", "the time lies outside the run", f"{at:g} s", remedy)])
-    from ropewalk.simulate import state_at
-
-    setting, state = state_at(scenario, at)
-    return spectrum(setting.strands, state, how_many=how_many, names=setting.lines)
 
 
 def _of_line(line: Linearised, name: str, how_many: int | None) -> Spectrum:

@@ -136,6 +136,23 @@ def _kick_rider(time, value, first, count, t, m, U, b, kick, way, decay, lead, r
 
 
 @inner
+def _shift_weight(h, first, last, b, kick, way, decay, lead, r, w, ahead, g, X):
+    """Weight of the nodes beside the riding node b: of half the links that they really have, not of uniform ones.
+
+    Without it a load of no force at all would stir the rope it travels on.
+    """
+    for side in (-1, 1):
+        node = b + side
+        if first < node < last:
+            part = 0.5 * (abs(X[b] - X[node]) / h - 1.0)
+            for a in range(r.shape[0]):
+                extra = kick * part * g[a]
+                w[a, node] += decay * extra
+                ahead[a, node] += decay * (1.0 + lead) * extra
+                r[a, node] += way * extra
+
+
+@inner
 def _kick_shared(strands, loads, state, ahead, f, k, kick, way, decay, lead):
     """Momentum from a load that is shared by the two nodes of its link."""
     s, U, t = loads.strand[k], state.speed[k], state.t[0]
@@ -263,7 +280,7 @@ def _plan(rest, longest, target, xi, speed, rider):
 @inner
 def _is_due(target, xi, speed, rider, tolerance):
     """Whether some load has come to a place where its seat has to change."""
-    for k in range(xi.size):
+    for k in range(xi.size):  # noqa: SIM110, a generator cannot be compiled
         if rider[k] != OFF and _gap(target[k], xi[k], speed[k]) <= tolerance:
             return True
     return False
@@ -279,6 +296,12 @@ def _is_finite(r, w):
 
 
 @inner
+def _is_parked(xi, length, speed):
+    """Whether a load that stays on its line stands at an end of it and does not come back."""
+    return (xi >= length and speed >= 0.0) or (xi <= 0.0 and speed <= 0.0)
+
+
+@inner
 def _drift_with_drag(drag, drift):
     """Way over velocity of a drift that drag slows down, s, and the part of the velocity that is left at its end."""
     if drag == 0.0:
@@ -288,12 +311,17 @@ def _drift_with_drag(drag, drift):
 
 
 @inner
-def _loss(laws, rho, strand, speed, rider, r, X):
-    """Power lost at all contacts, W."""
+def _loss(strands, loads, state):
+    """Power lost at all contacts, W; a shared load counts between the links beyond its own."""
     total = 0.0
-    for k in range(rider.size):
-        if rider[k] >= 0:
-            total += contact_loss(laws[strand[k]], rho[strand[k]], speed[k], r, X, rider[k])
+    for k in range(state.xi.size):
+        s, b = loads.strand[k], state.rider[k]
+        behind, ahead = b - 1, b
+        if b == SHARED:
+            i = link_of(strands, loads, state, k)
+            behind, ahead = i - 1, i + 1
+        if b != OFF and behind >= strands.first[s] and ahead < strands.first[s] + strands.links[s]:
+            total += contact_loss(strands.law[s], strands.rho[s], state.speed[k], state.r, state.X, behind, ahead)
     return total
 
 
@@ -340,7 +368,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
         dt = _plan(until - time[0], longest, target, xi, speed, rider)
         kick, t_w, over, following = kicks[0] * dt, time[0], False, 0.0
         _copy(w, ahead)
-        work[CONTACT] += 0.5 * dt * _loss(laws, rho, strand, speed, rider, r, X)
+        work[CONTACT] += 0.5 * dt * _loss(strands, loads, state)
         while not over:
             begin = time[0]
             for stage in range(stages + 1):
@@ -356,7 +384,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
                     )
                     if not over:
                         following = _plan(until - time[0], longest, target, xi, speed, rider)
-                    work[CONTACT] += 0.5 * (dt + following) * _loss(laws, rho, strand, speed, rider, r, X)
+                    work[CONTACT] += 0.5 * (dt + following) * _loss(strands, loads, state)
                     if not over:
                         kick += kicks[0] * following
                         break
@@ -394,6 +422,9 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
                     b, s = rider[k], strand[k]
                     way, decay = _drift_with_drag(drag[s], drift)
                     if b >= 0:
+                        _shift_weight(
+                            h[s], first[s], first[s] + links[s], b, kick, way, decay, lead, r, w, ahead, gravity, X
+                        )
                         work[LOAD_WORK] += _kick_rider(
                             f_time, f_value, f_first[k], f_count[k], time[0], rho[s] * h[s], speed[k], b, kick, way,
                             decay, lead, r, w, ahead, f, gravity, X, dr, dw, k,
@@ -414,9 +445,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
                                     v_time, v_value, v_path, v_first[k], v_count[k], time[0] + drift
                                 ) - look_up_integral(v_time, v_value, v_path, v_first[k], v_count[k], time[0])
                                 speed[k] = look_up(v_time, v_value, v_first[k], v_count[k], time[0] + drift)
-                            if at_end[k] == STAY and (
-                                (step_on > 0.0 and xi[k] >= links[s] * h[s]) or (step_on < 0.0 and xi[k] <= 0.0)
-                            ):
+                            if at_end[k] == STAY and _is_parked(xi[k], links[s] * h[s], speed[k]):
                                 step_on, speed[k] = 0.0, 0.0
                             xi[k] += step_on
                             if b >= 0:

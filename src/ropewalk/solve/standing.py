@@ -1,4 +1,10 @@
-"""Statics of one strand with loads standing on it: the link under a load becomes two that meet at the load."""
+"""Statics of one strand with loads standing on it: the link under a load becomes two that meet at the load.
+
+A point between two nodes takes over part of their masses, the more the nearer it is: all of it on the node itself. Mass
+and its first moment are kept (but for the halves at the supports), and nothing jumps where a load passes a node: there
+the node left behind is without weight and its two links are in line. The tension beside a load is that of its link
+without the part of the point's own weight that lies between: right to the second order, as the shape is.
+"""
 
 from __future__ import annotations
 
@@ -29,6 +35,8 @@ class Standing:
     force: Array  # (axis, load) N, on the line, hold forces included
     hold: Array  # (load,) N, the hold forces, along x
     first_force: Array  # (axis,) N, start value for a similar shape
+    weight: Array  # (axis, point) N, supports included
+    between: Array  # (axis, load, side) N, weight between each contact and its links, behind and ahead
 
     def link_vectors(self, p: Array) -> tuple[Array, Array, Array]:
         """Strain (piece,), tension (piece,) and unit vectors (axis, piece; zero for a piece without length)."""
@@ -36,6 +44,20 @@ class Standing:
         length = np.sqrt((d * d).sum(axis=0))
         eps = length / np.diff(self.X) - 1.0
         return eps, tensions(p, eps), d / np.where(length > 0.0, length, 1.0)
+
+    def contact_tensions(self, p: Array) -> Array:
+        """Tensions close to the contacts (load, side): behind and ahead; on a support the only one twice."""
+        _, T, t = self.link_vectors(p)
+        out = np.empty((self.contact.size, 2))
+        for k, i in enumerate(self.contact):
+            behind, ahead = max(int(i) - 1, 0), min(int(i), T.size - 1)
+            if i > 0:
+                out[k, 0] = np.linalg.norm(T[behind] * t[:, behind] - self.between[:, k, 0])
+            if i < self.X.size - 1:
+                out[k, 1] = np.linalg.norm(T[ahead] * t[:, ahead] + self.between[:, k, 1])
+            if not 0 < i < self.X.size - 1:
+                out[k] = out[k, 1 if i == 0 else 0]
+        return out * np.where(T[[max(int(i) - 1, 0) for i in self.contact]] < 0.0, -1.0, 1.0)[:, None]
 
 
 def lengths_of_pieces(strands: Strands, s: int, xi: Array) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
@@ -46,6 +68,39 @@ def lengths_of_pieces(strands: Strands, s: int, xi: Array) -> tuple[Array, NDArr
     place = np.where(np.abs(place - nearest) < _SNAP, nearest, place)
     X, where = np.unique(np.concatenate([np.arange(n + 1.0), place]), return_inverse=True)
     return X * h, where[: n + 1], where[n + 1 :]
+
+
+def masses(mass: float, place: Array, nodes: NDArray[np.int64], contacts: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Masses of nodes and contacts in kg.
+
+    Args:
+        mass: of a link, kg.
+        place: (point,) material coordinates in links.
+        nodes, contacts: where the nodes and the contacts are among the points.
+
+    Returns:
+        Masses of all points (point,), and of those of the contacts the part on either side (load, side).
+    """
+    n = nodes.size - 1
+    own = np.full(n + 1, 1.0)
+    own[[0, -1]] = 0.5
+    links = np.minimum(place[contacts].astype(np.int64), n - 1)
+    parts = place[contacts] - links
+    wanted = np.zeros(n + 1)
+    # A contact on a node takes all of its mass; half-way, half a link's, as if it were a node of the mesh.
+    weights = 1.0 - 2.0 * parts * (1.0 - parts)
+    np.add.at(wanted, links, weights * (1.0 - parts))
+    np.add.at(wanted, links + 1, weights * parts)
+    share = 1.0 / np.maximum(wanted, 1.0)  # loads close together share a node
+    out, sides = np.zeros(place.size), np.zeros((contacts.size, 2))
+    out[nodes] = own * (1.0 - wanted * share)
+    for k, (j, part, weight) in enumerate(zip(links, parts, weights, strict=True)):
+        first, second = own[j] * weight * (1.0 - part), own[j + 1] * weight * part
+        out[contacts[k]] += first * share[j] + second * share[j + 1]
+        # What is left of a cell at its node is not between the contact and the middle of the next link.
+        behind, ahead = first + part - 0.5, second + 0.5 - part
+        sides[k] = np.array([behind, ahead]) * (first * share[j] + second * share[j + 1]) / (first + second)
+    return mass * out, mass * sides
 
 
 def stand(
@@ -71,8 +126,10 @@ def stand(
         EquilibriumError: no rest shape, or not a single one.
     """
     X, nodes, contacts = lengths_of_pieces(strands, s, xi)
-    f = np.zeros((ends[0].size, X.size))
-    f[:, nodes[1:-1]] += strands.rho[s] * strands.h[s] * strands.gravity[:, None]
+    mass, sides = masses(float(strands.rho[s] * strands.h[s]), X / strands.h[s], nodes, contacts)
+    weight = strands.gravity[:, None] * mass
+    between = strands.gravity[:, None, None] * sides
+    f = weight.copy()
     total, hold = np.array(force, dtype=float), np.zeros(len(xi))
     for i, vector in zip(contacts, total.T, strict=True):  # two loads may stand on one point
         f[:, i] += vector
@@ -80,12 +137,13 @@ def stand(
     inside = (contacts > 0) & (contacts < X.size - 1)
     sliding = np.flatnonzero((contact == FRICTIONLESS) & inside)
     if sliding.size:
-        hold[sliding] = _hold(hanging, contacts[sliding], before.hold[sliding] if before is not None else None)
+        guess = before.hold[sliding] if before is not None else None
+        hold[sliding] = _hold(hanging, contacts[sliding], between[:, sliding], guess)
         total[0] += hold
         for i, push in zip(contacts, hold, strict=True):
             f[0, i] += push
     rest = at_rest(hanging.p, hanging.ell, f, *ends, hanging.guess)
-    return Standing(rest.position[:, nodes], X, rest.position, contacts, total, hold, rest.first_force)
+    return Standing(rest.position[:, nodes], X, rest.position, contacts, total, hold, rest.first_force, weight, between)
 
 
 @dataclass
@@ -98,19 +156,19 @@ class _Hanging:
     ends: tuple[Array, Array]
     guess: Array | None  # force vector of the first link of the last shape, N
 
-    def jumps(self, at: NDArray[np.int64], hold: Array) -> Array:
-        """How much more the piece ahead of each point pulls than the one behind, N, with horizontal forces added."""
+    def jumps(self, at: NDArray[np.int64], between: Array, hold: Array) -> Array:
+        """Tension ahead less tension behind of each point in N, with horizontal forces added there."""
         f = self.f.copy()
         for i, push in zip(at, hold, strict=True):
             f[0, i] += push
         first, _ = hang_up(self.p, self.ell, f, *self.ends, self.guess)
         self.guess = first
         pulls = first[:, None] - np.concatenate([np.zeros((f.shape[0], 1)), np.cumsum(f[:, 1:-1], axis=1)], axis=1)
-        T = np.sqrt((pulls * pulls).sum(axis=0))
-        return np.asarray(T[at] - T[at - 1])
+        ahead, behind = pulls[:, at] + between[:, :, 1], pulls[:, at - 1] - between[:, :, 0]
+        return np.asarray(np.sqrt((ahead * ahead).sum(axis=0)) - np.sqrt((behind * behind).sum(axis=0)))
 
 
-def _hold(hanging: _Hanging, at: NDArray[np.int64], guess: Array | None) -> Array:
+def _hold(hanging: _Hanging, at: NDArray[np.int64], between: Array, guess: Array | None) -> Array:
     """Find the horizontal hold forces that make the tensions on both sides of the points `at` equal, N."""
     from scipy.optimize import root
 
@@ -121,7 +179,7 @@ def _hold(hanging: _Hanging, at: NDArray[np.int64], guess: Array | None) -> Arra
             continue
         try:
             hanging.guess = first
-            found = root(lambda x: hanging.jumps(at, x * scale) / scale, start / scale, tol=1e-13)
+            found = root(lambda x: hanging.jumps(at, between, x * scale) / scale, start / scale, tol=1e-13)
         except EquilibriumError:
             continue
         if np.abs(found.fun).max() <= _EQUAL * max(1.0, float(np.abs(found.x).max())):

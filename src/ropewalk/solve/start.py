@@ -147,7 +147,8 @@ def start_state(setting: Setting, with_loads: bool) -> State:
     for s in range(strands.first.size):
         i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
         f = np.zeros((dim, j - i + 1))
-        f[:, 1:-1] = strands.rho[s] * strands.h[s] * strands.gravity[:, None]
+        # Every node bears half of its two links; beside a riding node these are not uniform.
+        f[:, 1:-1] = strands.rho[s] * strands.gravity[:, None] * 0.5 * (X[i + 2 : j + 1] - X[i : j - 1])
         for k in range(count):
             if with_loads and loads.strand[k] == s:
                 F = np.array([force_at(loads, k, 0.0, a) for a in range(dim)])

@@ -85,9 +85,7 @@ class RestingRope:
             columns = [np.interp(xi, self.breaks, self.nodes[:, axis]) for axis in (0, 1)]
             return np.stack(columns, axis=-1)
         covered = xi - self.breaks[piece]
-        return np.asarray(
-            self.nodes[piece] + _reach(self.force[piece], covered, self.weight, self.compliance)
-        )
+        return np.asarray(self.nodes[piece] + _reach(self.force[piece], covered, self.weight, self.compliance))
 
     def tension(self, xi: ArrayLike) -> FloatArray:
         """Return the tension in N at material coordinates ``xi`` (m, 0..length); on a load, that ahead."""
@@ -320,8 +318,7 @@ def _newton(
             fraction *= 0.5
             trial, trial_derivative = gap(force + fraction * change)
         settled = bool(
-            np.max(np.abs(change)) <= 1e-13 * np.max(np.abs(force))
-            or np.max(np.abs(residual)) <= 1e-15 * distance
+            np.max(np.abs(change)) <= 1e-13 * np.max(np.abs(force)) or np.max(np.abs(residual)) <= 1e-15 * distance
         )
         if settled:
             return force + fraction * change

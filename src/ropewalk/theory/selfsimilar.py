@@ -131,15 +131,11 @@ class SelfSimilarWave:
 
     def _piece_of(self, xi: FloatArray, t: FloatArray) -> NDArray[np.intp]:
         c_l, (c_behind, c_ahead) = self.front_speed, self.kink_speed
-        piece = sum(
-            (xi >= speed * t).astype(np.intp) for speed in (-c_l, -c_behind, self.speed, c_ahead, c_l)
-        )
+        piece = sum((xi >= speed * t).astype(np.intp) for speed in (-c_l, -c_behind, self.speed, c_ahead, c_l))
         return np.asarray(np.where(t > 0.0, piece, 0), dtype=np.intp)
 
 
-def transverse_impact(
-    *, velocity: float, axial_stiffness: float, mass: float, prestrain: float
-) -> SelfSimilarWave:
+def transverse_impact(*, velocity: float, axial_stiffness: float, mass: float, prestrain: float) -> SelfSimilarWave:
     """Return the wave from a point that suddenly moves across the string with constant velocity.
 
     ``velocity`` in m/s (of either sign), ``axial_stiffness`` in N, ``mass`` in kg/m, ``prestrain`` >= 0; else
@@ -160,9 +156,7 @@ def transverse_impact(
     strain, angle = _symmetric(_root(excess, min(bounds)), prestrain)
     angle = float(np.copysign(angle, velocity))
     force = 2.0 * axial_stiffness * strain * float(np.sin(angle))
-    return SelfSimilarWave(
-        0.0, axial_stiffness, mass, prestrain, (strain, strain), (angle, angle), (0.0, force)
-    )
+    return SelfSimilarWave(0.0, axial_stiffness, mass, prestrain, (strain, strain), (angle, angle), (0.0, force))
 
 
 def moving_force(
@@ -293,9 +287,7 @@ def _continue_in_speed(
     return unknowns
 
 
-def _newton(
-    unknowns: FloatArray, speed: float, force: float, prestrain: float, contact: Contact
-) -> FloatArray | None:
+def _newton(unknowns: FloatArray, speed: float, force: float, prestrain: float, contact: Contact) -> FloatArray | None:
     """Solve from a near solution; None if Newton's method does not settle on a taut, subcritical state."""
     derivative = np.empty((5, 5))
     for _ in range(12):

@@ -134,9 +134,7 @@ def moving_force_path(
     return moving_force(place, t, force=force, speed=speed, length=length, tension=tension, mass=mass)
 
 
-def drive_force(
-    t: ArrayLike, *, force: float, speed: float, length: float, tension: float, mass: float
-) -> FloatArray:
+def drive_force(t: ArrayLike, *, force: float, speed: float, length: float, tension: float, mass: float) -> FloatArray:
     """Return the force along the string that keeps the load's speed against the slope, in N, shape of ``t``.
 
     Arguments and errors as in `moving_force`; 0 before the entry and after the exit. It is ``-F`` times the

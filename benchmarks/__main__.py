@@ -1,0 +1,30 @@
+"""``python -m benchmarks``: all tables, or the one that is named."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from . import continuum, cost
+from .peers import __main__ as peers
+
+
+def main() -> None:
+    """Print what was asked for."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument(
+        "what", nargs="?", default="all", choices=["all", "peers", "continuum", "cost"],
+        help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling",
+    )  # fmt: skip
+    what = parser.parse_args().what
+    if what in ("all", "continuum"):
+        continuum.main()
+    if what in ("all", "cost"):
+        cost.main()
+    if what in ("all", "peers"):
+        sys.argv = ["benchmarks.peers", "--case", "all"]
+        peers.main()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,103 @@
+"""Cost per node and step from 50 to 100 000 links, import time, and the time of the first calls."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time as clock
+from statistics import median
+
+from ropewalk.mechanics.chain import Buffers
+from ropewalk.model import Dynamic, Line, MovingForce, Scenario, Travel
+from ropewalk.solve.choice import bounds, verlet_step
+from ropewalk.solve.splitting import RKN6, VERLET, advance
+from ropewalk.solve.start import setting_of, start_state
+
+LINKS = (50, 200, 800, 3200, 12_800, 100_000)
+WORK = 4e6  # node steps per measurement
+
+
+def rope(elements: int, damping: float) -> Scenario:
+    """A taut rope under a travelling force."""
+    return Scenario(
+        lines={
+            "rope": Line(
+                start=(0, 0), end=(20.2, 0), length=20.0, mass=1.0, axial_stiffness=1e5, axial_damping=damping,
+                elements=elements,
+            )
+        },
+        loads={
+            "force": MovingForce(
+                on="rope", force=(0.0, -300.0), travel=Travel.model_validate({"speed": 10.0, "from": 5.0})
+            )
+        },
+        run=Dynamic(until=1.0),
+    )  # fmt: skip
+
+
+def nanoseconds(elements: int, method: str, damping: float) -> float:
+    """Median CPU time per node and step (one force evaluation for Verlet, eleven for RKN6) in ns."""
+    setting = setting_of(rope(elements, damping), 1.0)
+    state = start_state(setting, with_loads=False)
+    limits = bounds(setting.strands, state.r, state.X, with_riders=True)
+    kicks, drifts = RKN6 if method == "rkn6" else VERLET
+    step = 4.0 / limits.frequency if method == "rkn6" else verlet_step(limits)
+    buffers, times, begin = Buffers.for_state(state), [], 0.0
+    count = max(int(WORK / elements / drifts.size), 20)
+    for _ in range(6):
+        start = clock.process_time()
+        begin += count * step
+        _, steps = advance(setting.strands, setting.loads, state, buffers, kicks, drifts, begin, step, 10**9)
+        times.append((clock.process_time() - start) / steps / elements)
+    return 1e9 * median(times[1:])
+
+
+def scaling() -> None:
+    """Print the cost over the number of links; it should stay flat until the arrays leave the caches."""
+    print("\nCost per node and step, ns (RKN6: per node and force evaluation)")
+    print(f"{'links':>8}{'verlet':>10}{'rkn6':>10}{'damped':>10}")
+    for elements in LINKS:
+        row = [
+            nanoseconds(elements, "verlet", 0.0),
+            nanoseconds(elements, "rkn6", 0.0) / 11,
+            nanoseconds(elements, "verlet", 50.0),
+        ]
+        print(f"{elements:8}" + "".join(f"{value:10.2f}" for value in row), flush=True)
+
+
+FIRST_RUN = """
+import time
+begin = time.perf_counter()
+from ropewalk.model import Dynamic, Line, MovingForce, Scenario, Travel
+from ropewalk.simulate import simulate
+imported = time.perf_counter()
+line = Line(start=(0, 0), end=(20.2, 0), length=20.0, mass=1.0, axial_stiffness=1e5, elements=50)
+load = MovingForce(on="rope", force=(0.0, -300.0), travel=Travel(speed=10.0))
+simulate(Scenario(lines={"rope": line}, loads={"force": load}, run=Dynamic(until=0.1)))
+print(imported - begin, time.perf_counter() - imported)
+"""
+
+
+def start_up() -> None:
+    """Print the times of a fresh process: imports, first run without and with a cache of compiled kernels."""
+    print("\nA fresh process, wall s")
+    with tempfile.TemporaryDirectory() as cache:
+        environment = {**os.environ, "NUMBA_CACHE_DIR": cache}
+        for label in ("nothing compiled yet", "kernels from the cache"):
+            done = subprocess.run(
+                [sys.executable, "-c", FIRST_RUN], env=environment, capture_output=True, text=True, check=True
+            )
+            imports, first = map(float, done.stdout.split())
+            print(f"  {label:24} imports {imports:5.2f}   first run {first:6.2f}")
+    for words in (("--help",), ("--version",)):
+        begin = clock.perf_counter()
+        subprocess.run([sys.executable, "-m", "ropewalk", *words], capture_output=True, check=True)
+        print(f"  ropewalk {words[0]:15} {clock.perf_counter() - begin:5.2f}")
+
+
+def main() -> None:
+    """Print scaling and start-up."""
+    scaling()
+    start_up()
