@@ -66,7 +66,9 @@ def energy(setting: Setting, state: State) -> float:
     m = strands.rho[0] * strands.h[0]
     stored = sum(length * law.stored(strands.law[0], x - 1.0) for length, x in zip(rest, lam, strict=True))
     inner = slice(1, -1)
-    return float(stored + 0.5 * m * (state.w[:, inner] ** 2).sum() - m * (strands.gravity @ state.r[:, inner]).sum())
+    weight = setting.strands.rho[0] * 0.5 * (rest[1:] + rest[:-1])  # of half the links that a node really has
+    high = weight * (strands.gravity @ state.r[:, inner])
+    return float(stored + 0.5 * m * (state.w[:, inner] ** 2).sum() - high.sum())
 
 
 def distance(one: State, other: State) -> float:

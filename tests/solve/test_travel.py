@@ -106,27 +106,41 @@ def test_two_loads_of_half_the_force_at_one_place_nearly_make_one() -> None:
     assert np.abs(one.position.values - two.position.values).max() < 0.02
 
 
-def test_loads_far_apart_both_ride_and_two_on_one_link_both_count() -> None:
-    pair = {"a": load(10.0, **{"from": 4.0}), "b": load(10.0, **{"from": 4.6})}
-    result = simulate(taut(pair, elements=20))
+def test_the_audit_closes_with_two_loads_a_little_more_than_a_link_apart() -> None:
+    result = simulate(taut({"a": load(10.0, **{"from": 4.0}), "b": load(10.0, **{"from": 4.6})}, elements=40))
+    turnover = np.abs(result.energy.sel(form="load_work").values).max()
+    # 3.7 % at 40 links, 2.5 % at 80: both ride most of the time, and the kinks between them are 0.6 m apart.
+    assert np.abs(result.energy.sel(form="imbalance").values).max() < 0.05 * turnover
+
+
+def test_two_loads_on_one_link_both_count() -> None:
+    near = {"a": load(10.0, **{"from": 4.0}), "b": load(10.0, **{"from": 4.2})}
+    result = simulate(taut(near, elements=20))
+    both = simulate(taut({"a": load(10.0, force=(0.0, -600.0), **{"from": 4.1})}, elements=20))
     assert result.attrs["outcome"] == "completed"
-    turnover = np.abs(result.energy.sel(form="load_work")).max()
-    assert np.abs(result.energy.sel(form="imbalance")).max() < 0.1 * turnover
+    # One of twice the force half-way between them, on links of 1 m: alike to a part of a link.
+    assert np.abs(result.position.values[:, :, 1].min(axis=1) - both.position.values[:, :, 1].min(axis=1)).max() < 0.12
 
 
 @settings(max_examples=8, deadline=None)
 @given(scale=st.floats(0.2, 5.0), speed=st.floats(2.0, 18.0))
-def test_small_forces_superpose(scale: float, speed: float) -> None:
+def test_small_motions_are_linear_in_the_forces(scale: float, speed: float) -> None:
     def deflection(*loads: MovingForce) -> np.ndarray:
         scenario = taut(dict(zip("ab", loads, strict=False)), elements=30, until=0.3, every=0.1)
         result = simulate(scenario.model_copy(update={"gravity": 0.0}))
         return result.position.values[-1, :, 1] - result.position.values[0, :, 1]
 
-    a = load(speed, force=(0.0, -1e-5), **{"from": 12.0})
-    b = load(-speed, force=(0.0, -1e-5 * scale), **{"from": 5.7})
-    both = deflection(a, b)
-    # 1e-5 N on 1000 N: the deviation from linearity is far below rounding in 20 m.
-    np.testing.assert_allclose(both, deflection(a) + deflection(b), atol=1e-4 * np.abs(both).max() + 1e-13)
+    a, b = (
+        load(speed, force=(0.0, -1e-5), **{"from": 12.0}),
+        load(-speed, force=(0.0, -1e-5 * scale), **{"from": 5.7}),
+    )
+    alone, both = deflection(a), deflection(a, b)
+    largest = np.abs(both).max()
+    # 1e-5 N on 1000 N is linear to rounding in 20 m (1e-14 m on 1e-7 m). Scaling the force scales the answer.
+    scaled = deflection(load(speed, force=(0.0, -1e-5 * scale), **{"from": 12.0}))
+    np.testing.assert_allclose(scaled, scale * alone, atol=1e-6 * largest + 1e-13)
+    # Forces superpose up to what the seat of one load does to the waves of the other: measured 0.7 % at 30 links.
+    np.testing.assert_allclose(both, alone + deflection(b), atol=0.02 * largest)
 
 
 def in_space(scenario: Scenario) -> Scenario:
