@@ -115,8 +115,10 @@ def run(
         scenario = _load(file, settings)
         check_target(target)
         replaced = " (replaced)" if target.exists() else ""
-        from ropewalk.simulate import simulate
+        from ropewalk.simulate import must_compile, simulate
 
+        if must_compile() and not quiet:
+            _say("compiling (first run only, about half a minute)")
         with _progress("running", quiet) as progress:
             dataset = simulate(scenario, file=target, progress=progress)
         with dataset:

@@ -68,6 +68,14 @@ def simulate(
         return recorder.close()
 
 
+def must_compile() -> bool:
+    """Whether the kernels of a motion have not been compiled on this machine yet, which takes a while."""
+    from ropewalk.solve.splitting import advance
+
+    folder = getattr(getattr(advance, "stats", None), "cache_path", None)
+    return folder is not None and not any(Path(folder).glob("splitting.advance-*.nbi"))
+
+
 def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:
     """The frames of a run, one after the other, with their layout and their number; `account` is filled in."""
     names = tuple(scenario.loads)

@@ -56,6 +56,7 @@ def figures(directory, only=None, progress=None):
 
 SIMULATE = ModuleType("ropewalk.simulate")
 SIMULATE.simulate = simulate
+SIMULATE.must_compile = lambda: False
 PAPER = ModuleType("ropewalk.paper")
 PAPER.AVAILABLE = [3, 4, "table-1"]
 PAPER.figures = figures

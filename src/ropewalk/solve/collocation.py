@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.mechanics.chain import (
-    CONTACT,
     LINE_DAMPING,
     LOAD_WORK,
     MATERIAL,
@@ -35,7 +34,6 @@ from ropewalk.mechanics.chain import (
 from ropewalk.mechanics.compiled import inner, kernel
 from ropewalk.mechanics.link import pull
 from ropewalk.mechanics.rider import (
-    contact_loss,
     force_at,
     link_of,
     look_up_integral,
@@ -170,6 +168,9 @@ def balance(strands, loads, state, q, s, out):
             flux = m * speed[k] / (X[b + 1] - X[b - 1])
             for a in range(r.shape[0]):
                 out[a, b] += force_at(loads, k, t, a) + flux * (w[a, b + 1] - w[a, b - 1])
+                # The neighbours carry half the links that they really have, see _shift_weight in splitting.py.
+                out[a, b - 1] += 0.5 * m * g[a] * ((X[b] - X[b - 1]) / h - 1.0)
+                out[a, b + 1] += 0.5 * m * g[a] * ((X[b + 1] - X[b]) / h - 1.0)
         else:
             i = link_of(strands, loads, state, k)
             part = part_of(state, k, i)
@@ -400,7 +401,7 @@ def estimate(strands, state, space, s, dt):
 
 @inner
 def settle_accounts(strands, loads, state, space, s, dt):
-    """Work done on strand s and lost by it in a step, by the quadrature of the method."""
+    """Work done on strand s and lost in it in a step, by the quadrature of the method."""
     i0, i1, m = strands.first[s], strands.first[s] + strands.links[s], strands.rho[s] * strands.h[s]
     for j in range(3):
         weight = dt * A[2, j]
@@ -421,8 +422,6 @@ def settle_accounts(strands, loads, state, space, s, dt):
             if b == SHARED:
                 i = link_of(strands, loads, now, k)
                 part = part_of(now, k, i)
-            else:
-                state.work[CONTACT] += weight * contact_loss(strands.law[s], strands.rho[s], U, now.r, now.X, b)
             for a in range(state.r.shape[0]):
                 if b >= 0:
                     v = now.w[a, b] + U * slope(now.r, now.X, b, a)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropewalk.mechanics.chain import Array, Buffers, Integers, Loads, State, Strands
-from ropewalk.solve.choice import Choice, bounds, verlet_step
+from ropewalk.solve.choice import RKN6_LIMIT, Choice, bounds, verlet_step
 from ropewalk.solve.splitting import END_OF_LINE, NOT_FINITE, RKN6, RUNNING, TOO_MANY_STEPS, VERLET, advance
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def move(
         now = bounds(strands, state.r, state.X, bool(loads.strand.size))
         if now.frequency > 1.05 * limits.frequency and choice.method != "implicit":
             # The line has stiffened: keep the step in proportion.
-            own = verlet_step(now) if choice.method == "verlet" else 4.0 / now.frequency
+            own = verlet_step(now) if choice.method == "verlet" else RKN6_LIMIT / now.frequency
             step = min(step, own)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.chain import FRICTIONLESS, MATERIAL, OFF, Loads, State
+from ropewalk.mechanics.chain import CONTACT, FRICTIONLESS, MATERIAL, OFF, Loads, State
 from ropewalk.mechanics.compiled import inner, kernel
 from ropewalk.mechanics.rider import ARRIVED, look_up_integral, node_velocity, speed_at
 from ropewalk.solve.collocation import (
@@ -17,6 +17,7 @@ from ropewalk.solve.collocation import (
     JACOBIANS,
     MOST_ITERATIONS,
     REJECTIONS,
+    A,
     C,
     Workspace,
     balance,
@@ -35,6 +36,7 @@ from ropewalk.solve.splitting import (
     _gap,
     _is_due,
     _is_finite,
+    _loss,
     _take_seats,
 )
 
@@ -184,6 +186,8 @@ def _accept(strands, loads, state, space, dt):
     """Go on to the end of the step."""
     for s in range(strands.first.size):
         settle_accounts(strands, loads, state, space, s, dt)
+    for j in range(3):
+        state.work[CONTACT] += dt * A[2, j] * _loss(strands, loads, stage_of(state, space, j))
     space.last[:] = space.Z
     for a in range(state.r.shape[0]):
         for s in range(strands.first.size):
