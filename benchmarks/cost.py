@@ -11,7 +11,7 @@ from statistics import median
 
 from ropewalk.mechanics.chain import Buffers
 from ropewalk.model import Dynamic, Line, MovingForce, Scenario, Travel
-from ropewalk.solve.choice import bounds, verlet_step
+from ropewalk.solve.choice import RKN6_LIMIT, bounds, verlet_step
 from ropewalk.solve.splitting import RKN6, VERLET, advance
 from ropewalk.solve.start import setting_of, start_state
 
@@ -43,13 +43,13 @@ def nanoseconds(elements: int, method: str, damping: float) -> float:
     state = start_state(setting, with_loads=False)
     limits = bounds(setting.strands, state.r, state.X, with_riders=True)
     kicks, drifts = RKN6 if method == "rkn6" else VERLET
-    step = 4.0 / limits.frequency if method == "rkn6" else verlet_step(limits)
-    buffers, times, begin = Buffers.for_state(state), [], 0.0
-    count = max(int(WORK / elements / drifts.size), 20)
-    for _ in range(6):
+    step = RKN6_LIMIT / limits.frequency if method == "rkn6" else verlet_step(limits)
+    count = max(min(int(WORK / elements / drifts.size), int(1.4 / step)), 20)
+    times = []
+    for _ in range(8):
+        now, buffers = state.copy(), Buffers.for_state(state)
         start = clock.process_time()
-        begin += count * step
-        _, steps = advance(setting.strands, setting.loads, state, buffers, kicks, drifts, begin, step, 10**9)
+        _, steps = advance(setting.strands, setting.loads, now, buffers, kicks, drifts, count * step, step, 10**9)
         times.append((clock.process_time() - start) / steps / elements)
     return 1e9 * median(times[1:])
 

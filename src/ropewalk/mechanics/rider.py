@@ -84,17 +84,23 @@ def force_at(loads, k, t, a):
     return look_up(loads.force_time, loads.force_value[a], loads.force_first[k], loads.force_count[k], t)
 
 
+@inner
+def seat_of(X, xi, h, i0, i1):
+    """Link between the nodes i0 and i1 that holds the material coordinate xi."""
+    i = i0 + min(max(int(xi / h), 0), i1 - i0 - 1)
+    while i > i0 and X[i] > xi:
+        i -= 1
+    while i < i1 - 1 and X[i + 1] < xi:
+        i += 1
+    return i
+
+
 @kernel
 def link_of(strands, loads, state, k):
     """Link on which a shared load stands."""
     s = loads.strand[k]
-    first, n = strands.first[s], strands.links[s]
-    i = first + min(max(int(state.xi[k] / strands.h[s]), 0), n - 1)
-    while i > first and state.X[i] > state.xi[k]:
-        i -= 1
-    while i < first + n - 1 and state.X[i + 1] < state.xi[k]:
-        i += 1
-    return i
+    first = strands.first[s]
+    return seat_of(state.X, state.xi[k], strands.h[s], first, first + strands.links[s])
 
 
 @kernel

@@ -28,7 +28,6 @@ from ropewalk.mechanics.rider import (
     contact_loss,
     even_out,
     even_out_velocity,
-    force_at,
     link_of,
     look_up,
     look_up_integral,
@@ -36,7 +35,7 @@ from ropewalk.mechanics.rider import (
     mesh_speed,
     next_change,
     node_velocity,
-    part_of,
+    seat_of,
     settle,
     slope,
     speed_at,
@@ -153,26 +152,28 @@ def _shift_weight(h, first, last, b, kick, way, decay, lead, r, w, ahead, g, X):
 
 
 @inner
-def _kick_shared(strands, loads, state, ahead, f, k, kick, way, decay, lead):
-    """Momentum from a load that is shared by the two nodes of its link."""
-    s, U, t = loads.strand[k], state.speed[k], state.t[0]
-    m, g = strands.rho[s] * strands.h[s], strands.gravity
-    r, w, X = state.r, state.w, state.X
-    i = link_of(strands, loads, state, k)
-    part = part_of(state, k, i)
-    first, last = strands.first[s], strands.first[s] + strands.links[s]
+def _kick_shared(time, value, first, count, t, m, h, U, xi, i0, i1, kick, way, decay, lead, r, w, ahead, f, g, X):
+    """Momentum from a load that is shared by the two nodes of its link, which may be held at i0 and i1.
+
+    Returns:
+        The work of the force, J.
+    """
+    i = seat_of(X, xi, h, i0, i1)
+    part, work = (xi - X[i]) / (X[i + 1] - X[i]), 0.0
     for a in range(r.shape[0]):
-        F = force_at(loads, k, t, a)
+        F = look_up(time, value[a], first, count, t)
         v = U * (r[a, i + 1] - r[a, i]) / (X[i + 1] - X[i])
-        for node, share in ((i, 1.0 - part), (i + 1, part)):
-            if first < node < last:
+        for end in range(2):
+            node, share = i + end, (part if end == 1 else 1.0 - part)
+            if i0 < node < i1:
                 extra = kick * share * F / m
                 kicked = kick * ((f[a, node] - f[a, node - 1]) / m + g[a]) + extra
                 w[a, node] += decay * extra
                 ahead[a, node] += decay * (1.0 + lead) * extra
                 r[a, node] += way * extra
                 v += share * (w[a, node] / decay - 0.5 * kicked)
-        state.work[LOAD_WORK] += kick * F * v
+        work += kick * F * v
+    return work
 
 
 @inner
@@ -311,17 +312,24 @@ def _drift_with_drag(drag, drift):
 
 
 @inner
+def _loss_shared(strands, loads, state, k):
+    """Power lost at the contact of a shared load, W: between the links beyond its own."""
+    s, i = loads.strand[k], link_of(strands, loads, state, k)
+    if i == strands.first[s] or i == strands.first[s] + strands.links[s] - 1:
+        return 0.0
+    return contact_loss(strands.law[s], strands.rho[s], state.speed[k], state.r, state.X, i - 1, i + 1)
+
+
+@inner
 def _loss(strands, loads, state):
-    """Power lost at all contacts, W; a shared load counts between the links beyond its own."""
+    """Power lost at all contacts, W."""
     total = 0.0
     for k in range(state.xi.size):
         s, b = loads.strand[k], state.rider[k]
-        behind, ahead = b - 1, b
-        if b == SHARED:
-            i = link_of(strands, loads, state, k)
-            behind, ahead = i - 1, i + 1
-        if b != OFF and behind >= strands.first[s] and ahead < strands.first[s] + strands.links[s]:
-            total += contact_loss(strands.law[s], strands.rho[s], state.speed[k], state.r, state.X, behind, ahead)
+        if b >= 0:
+            total += contact_loss(strands.law[s], strands.rho[s], state.speed[k], state.r, state.X, b - 1, b)
+        elif b == SHARED:
+            total += _loss_shared(strands, loads, state, k)
     return total
 
 
@@ -366,11 +374,18 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
         if _take_seats(strands, loads, state, buffers):
             return END_OF_LINE, steps
         dt = _plan(until - time[0], longest, target, xi, speed, rider)
-        kick, t_w, over, following = kicks[0] * dt, time[0], False, 0.0
+        kick, t_w, over, before = kicks[0] * dt, time[0], False, 0.0
         _copy(w, ahead)
-        work[CONTACT] += 0.5 * dt * _loss(strands, loads, state)
+        following = 0.0
         while not over:
             begin = time[0]
+            for k in range(xi.size):  # half of the step before and half of this one
+                s, b = strand[k], rider[k]
+                if b >= 0:
+                    lost = contact_loss(laws[s], rho[s], speed[k], r, X, b - 1, b)
+                    work[CONTACT] += 0.5 * (before + dt) * lost
+                elif b == SHARED:
+                    work[CONTACT] += 0.5 * (before + dt) * _loss_shared(strands, loads, state, k)
             for stage in range(stages + 1):
                 if stage < stages:
                     drift = drifts[stage] * dt
@@ -384,7 +399,6 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
                     )
                     if not over:
                         following = _plan(until - time[0], longest, target, xi, speed, rider)
-                    work[CONTACT] += 0.5 * (dt + following) * _loss(strands, loads, state)
                     if not over:
                         kick += kicks[0] * following
                         break
@@ -393,6 +407,10 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
                 lead = (time[0] + drift - t_w - kick) / kick
                 for s in range(first.size):
                     i, j, c = first[s], first[s] + links[s], damping[s]
+                    for k in range(xi.size):  # beside a load, lengths change too fast for a guess
+                        b = rider[k]
+                        if i < b < j:
+                            per_length[b - 1], per_length[b] = 1.0 / stretch(r, b - 1), 1.0 / stretch(r, b)
                     square = pull_again(laws[s], c, h[s], i, j, r, ahead, per_length, q)
                     for k in range(xi.size):
                         b = rider[k]
@@ -430,7 +448,10 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
                             decay, lead, r, w, ahead, f, gravity, X, dr, dw, k,
                         )  # fmt: skip
                     elif b == SHARED:
-                        _kick_shared(strands, loads, state, ahead, f, k, kick, way, decay, lead)
+                        work[LOAD_WORK] += _kick_shared(
+                            f_time, f_value, f_first[k], f_count[k], time[0], rho[s] * h[s], h[s], speed[k], xi[k],
+                            first[s], first[s] + links[s], kick, way, decay, lead, r, w, ahead, f, gravity, X,
+                        )  # fmt: skip
                 if drift != 0.0:
                     for k in range(xi.size):
                         b, s = rider[k], strand[k]
@@ -460,9 +481,10 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
                 t_w += kick
                 if stage < stages:
                     kick = kicks[stage + 1] * dt
-            dt = following
+            before, dt = dt, following
             if steps % 64 == 0 and not _is_finite(r, w):
                 return NOT_FINITE, steps
+        work[CONTACT] += 0.5 * before * _loss(strands, loads, state)
         _even_out_all(strands, loads, state)
         if not _is_finite(r, w):
             return NOT_FINITE, steps
