@@ -79,5 +79,5 @@ def test_output_comes_at_exactly_the_asked_times() -> None:
 
 def test_the_answer_does_not_depend_on_how_often_it_is_asked_for() -> None:
     few, many = (simulate(slack_rope(40, run={"until": 0.5, "every": every})) for every in (0.5, 0.005))
-    # Outputs cut steps short, so the results differ by the error in time: 7e-6 m at the usual step here, of 1e-3 m asked.
+    # Outputs cut steps short, so the results differ by the error in time: 7e-6 m here, of 1e-3 m asked.
     np.testing.assert_allclose(few.position.values[-1], many.position.values[-1], atol=2e-5)

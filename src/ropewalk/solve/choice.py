@@ -10,8 +10,9 @@ from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import FRICTIONLESS, Array, Loads, State, Strands
 from ropewalk.mechanics.law import tangents, tensions
 
-# Explicit while it needs fewer steps than this; beyond, the implicit method is faster.
-MOST_EXPLICIT_STEPS = 1e6
+# Explicit while it needs fewer steps than this for every link of the line; beyond, the implicit method is faster: a
+# load passes links, and each passage costs it a handful of steps whatever their number (docs/notes/implicit.md).
+MOST_EXPLICIT_STEPS_PER_LINK = 1000
 # Part of the stable step that is used: the tangent of the law and the seats of the loads change on the way.
 SAFETY = 0.85
 # omega dt up to which the sixth-order method is used: it is stable up to 9.07 but for two narrow bands, the first of
@@ -109,7 +110,8 @@ def choose(
     wanted = method
     if method in ("auto", "explicit"):
         needed = duration / explicit if np.isfinite(explicit) else 0.0
-        if damped and needed > MOST_EXPLICIT_STEPS and method == "auto":
+        most = MOST_EXPLICIT_STEPS_PER_LINK * int(strands.links.max())
+        if damped and needed > most and method == "auto":
             wanted, why = "implicit", f"damping makes the chain stiff: {needed:.2g} explicit steps would be needed"
             if np.any(loads.contact == FRICTIONLESS):
                 wanted, why = "verlet", f"{needed:.2g} explicit steps, as a frictionless contact needs them"

@@ -10,7 +10,16 @@ import numpy as np
 
 from ropewalk.mechanics.chain import Array, Buffers, Integers, Loads, State, Strands
 from ropewalk.solve.choice import RKN6_LIMIT, Choice, bounds, verlet_step
-from ropewalk.solve.splitting import END_OF_LINE, NOT_FINITE, RKN6, RUNNING, TOO_MANY_STEPS, VERLET, advance
+from ropewalk.solve.splitting import (
+    END_OF_LINE,
+    NO_CONVERGENCE,
+    NOT_FINITE,
+    RKN6,
+    RUNNING,
+    TOO_MANY_STEPS,
+    VERLET,
+    advance,
+)
 
 if TYPE_CHECKING:
     from ropewalk.solve.collocation import Workspace
@@ -39,6 +48,11 @@ ADVICE = {
         "diverged",
         "the motion grew without bounds or a link collapsed; use law {kind: tension_only}, add some axial_damping, "
         "lower `step`, or check stiffness and forces",
+    ),
+    NO_CONVERGENCE: (
+        "no convergence",
+        "the implicit method found no step small enough; use method: explicit, law {kind: tension_only}, or a finer "
+        "mesh, and check stiffness and forces",
     ),
     TOO_MANY_STEPS: ("too many steps", "raise `step`, use fewer elements, or method: implicit"),
 }

@@ -30,6 +30,7 @@ from ropewalk.solve.collocation import (
 from ropewalk.solve.jacobian import linearise
 from ropewalk.solve.splitting import (
     END_OF_LINE,
+    NO_CONVERGENCE,
     NOT_FINITE,
     RUNNING,
     TOO_MANY_STEPS,
@@ -39,8 +40,6 @@ from ropewalk.solve.splitting import (
     _loss,
     _take_seats,
 )
-
-NO_CONVERGENCE = 4
 
 # Entries of the workspace's memory.
 NOW, LENGTH, WISH, FACTORISED = 0, 1, 2, 3

@@ -53,7 +53,7 @@ def _rkn6() -> tuple[np.ndarray, np.ndarray]:
 
 RKN6 = _rkn6()
 
-RUNNING, END_OF_LINE, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2, 3
+RUNNING, END_OF_LINE, NOT_FINITE, TOO_MANY_STEPS, NO_CONVERGENCE = 0, 1, 2, 3, 4
 
 
 @inner
@@ -102,7 +102,11 @@ def _pull_beside(p, c, h, r, w, X, rider, speed, q, b):
         What the damping of these two links adds to the sum of eps_t^2 over uniform links.
     """
     more = 0.0
-    for i in range(b - 1, b + 1):
+    first = b - 1
+    for k in range(rider.size):
+        if rider[k] == b - 1:  # the link behind is the one ahead of another load, which looks after it
+            first = b
+    for i in range(first, b + 1):
         rest, rate = X[i + 1] - X[i], 0.0
         if c > 0.0:
             rate = _strain_rate(r, w, X, rider, speed, i)
