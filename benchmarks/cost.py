@@ -12,7 +12,8 @@ from statistics import median
 from ropewalk.mechanics.chain import Buffers
 from ropewalk.model import Dynamic, Line, MovingForce, Scenario, Travel
 from ropewalk.solve.choice import RKN6_LIMIT, bounds, verlet_step
-from ropewalk.solve.splitting import RKN6, VERLET, advance
+from ropewalk.solve.composition import RKN6, VERLET
+from ropewalk.solve.splitting import advance
 from ropewalk.solve.start import setting_of, start_state
 
 LINKS = (50, 200, 800, 3200, 12_800, 100_000)

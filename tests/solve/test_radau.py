@@ -15,9 +15,10 @@ from ropewalk.mechanics.chain import CONTACT, LINE_DAMPING, LOAD_WORK, OFF, Buff
 from ropewalk.model import Scenario
 from ropewalk.solve.banded import factorise, substitute
 from ropewalk.solve.collocation import REJECTIONS, A, C, E, balance
+from ropewalk.solve.composition import VERLET
 from ropewalk.solve.jacobian import linearise
 from ropewalk.solve.radau import NO_CONVERGENCE, advance_implicit, workspace_for
-from ropewalk.solve.splitting import END_OF_LINE, NOT_FINITE, RUNNING, TOO_MANY_STEPS, VERLET, advance
+from ropewalk.solve.splitting import END_OF_LINE, NOT_FINITE, RUNNING, TOO_MANY_STEPS, advance
 from ropewalk.solve.start import Setting, setting_of, start_state
 
 TAUT = {"length": 19.1, "axial_stiffness": 2e4}

@@ -14,9 +14,10 @@ from scipy.spatial.transform import Rotation
 from ropewalk.mechanics.chain import Buffers, Loads, State
 from ropewalk.mechanics.link import pull, pull_one, pull_vectors, stretch_rate
 from ropewalk.solve import eigenvalues
+from ropewalk.solve.composition import VERLET
 from ropewalk.solve.linearised import linearise
 from ropewalk.solve.spectrum import spectrum
-from ropewalk.solve.splitting import RUNNING, VERLET, advance
+from ropewalk.solve.splitting import RUNNING, advance
 from spectrum_cases import CHAIN, LAWS, NO_FLOOR, TENSION_ONLY, closed_form, hanging, straight, strand, wavy
 
 

@@ -41,18 +41,6 @@ from ropewalk.mechanics.rider import (
     speed_at,
 )
 
-VERLET = (np.array([0.5, 0.5]), np.array([1.0]))
-
-
-def _rkn6() -> tuple[np.ndarray, np.ndarray]:
-    b = [0.0414649985182624, 0.198128671918067, -0.0400061921041533, 0.0752539843015807, -0.0115113874206879]
-    a = [0.123229775946271, 0.290553797799558, -0.127049212625417, -0.246331761062075, 0.357208872795928]
-    b = [*b, 0.5 - sum(b)]
-    return np.array(b + b[::-1]), np.array([*a, 1.0 - 2.0 * sum(a), *a[::-1]])
-
-
-RKN6 = _rkn6()
-
 RUNNING, END_OF_LINE, NOT_FINITE, TOO_MANY_STEPS, NO_CONVERGENCE = 0, 1, 2, 3, 4
 
 
@@ -389,7 +377,11 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
                     lost = contact_loss(laws[s], rho[s], speed[k], r, X, b - 1, b)
                     work[CONTACT] += 0.5 * (before + dt) * lost
                 elif b == SHARED:
-                    work[CONTACT] += 0.5 * (before + dt) * _loss_shared(strands, loads, state, k)
+                    i0, i1 = first[s], first[s] + links[s]
+                    i = seat_of(X, xi[k], h[s], i0, i1)
+                    if i0 < i < i1 - 1:  # as in _loss_shared
+                        lost = contact_loss(laws[s], rho[s], speed[k], r, X, i - 1, i + 1)
+                        work[CONTACT] += 0.5 * (before + dt) * lost
             for stage in range(stages + 1):
                 if stage < stages:
                     drift = drifts[stage] * dt
