@@ -10,16 +10,8 @@ import numpy as np
 
 from ropewalk.mechanics.chain import Array, Buffers, Integers, Loads, State, Strands
 from ropewalk.solve.choice import RKN6_LIMIT, Choice, bounds, verlet_step
-from ropewalk.solve.splitting import (
-    END_OF_LINE,
-    NO_CONVERGENCE,
-    NOT_FINITE,
-    RKN6,
-    RUNNING,
-    TOO_MANY_STEPS,
-    VERLET,
-    advance,
-)
+from ropewalk.solve.composition import RKN6, VERLET
+from ropewalk.solve.splitting import END_OF_LINE, NO_CONVERGENCE, NOT_FINITE, RUNNING, TOO_MANY_STEPS, advance
 
 if TYPE_CHECKING:
     from ropewalk.solve.collocation import Workspace

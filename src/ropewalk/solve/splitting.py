@@ -1,9 +1,8 @@
 """Explicit motion: symmetric compositions of kicks and drifts, the whole loop compiled.
 
-A step is kick b1, drift a1, kick b2, ..., drift am, kick b1 with symmetric coefficients. `VERLET` has one stage
-(order 2); `RKN6` is the Runge-Kutta-Nystrom method SRKN-11-b of order 6 of Blanes and Moan, J. Comput. Appl. Math.
-142 (2002) 313-330, table 3. The last kick of a step and the first of the next need the same force, which is
-evaluated once. Steps end exactly where a load changes its seat on the chain and at the instants asked for.
+A step is kick b1, drift a1, kick b2, ..., drift am, kick b1 with the coefficients of composition.py. The last kick of a
+step and the first of the next need the same force, which is evaluated once. Steps end exactly where a load changes its
+seat on the chain and at the instants asked for.
 """
 
 from __future__ import annotations
