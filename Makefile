@@ -28,7 +28,7 @@ help:
 	@echo "make lint         ruff: rules and format"
 	@echo "make types        mypy, strict"
 	@echo "make figures      the figures of the paper, in out/figures"
-	@echo "make bench        error against time of ropewalk's peers (those that are installed; make peers installs all)"
+	@echo "make bench        riding against sharing, cost per node, and error against time beside peers (make peers installs them)"
 	@echo "make clean-cache  forget compiled kernels (after a change to a kernel that others call)"
 	@echo "make clean        remove .venv, results and caches"
 
@@ -73,7 +73,7 @@ figures: $(VENV)/.core
 	@$(BIN)/ropewalk figures -o out/figures
 
 bench: $(VENV)/.dev
-	@$(BIN)/python -m benchmarks.peers
+	@$(BIN)/python -m benchmarks
 
 peers: $(VENV)/.peers
 
