@@ -15,49 +15,6 @@ from ropewalk.mechanics.law import CUBIC
 
 
 @kernel
-def _pull(p, h, i0, i1, r, q, space):
-    x, z, out = r[0, i0 : i1 + 1], r[-1, i0 : i1 + 1], q[i0:i1]
-    if space is not None:
-        y = r[1, i0 : i1 + 1]
-    floor, c1, c2, c3 = p[1], p[2], p[3], p[4]
-    inverse = 1.0 / h
-    for i in range(i1 - i0):
-        dx, dz = x[i + 1] - x[i], z[i + 1] - z[i]
-        square = dx * dx + dz * dz
-        if space is not None:
-            dy = y[i + 1] - y[i]
-            square += dy * dy
-        length = np.sqrt(square)
-        e = max(length * inverse - 1.0, floor)
-        out[i] = e * (c1 + e * (c2 + e * c3)) / length
-
-
-@summing
-def _pull_damped(p, c, h, i0, i1, r, w, q, space):
-    """The same with the Kelvin-Voigt force c eps_t; returns the sum of eps_t^2 over the links."""
-    x, z, u, v, out = r[0, i0 : i1 + 1], r[-1, i0 : i1 + 1], w[0, i0 : i1 + 1], w[-1, i0 : i1 + 1], q[i0:i1]
-    if space is not None:
-        y, s = r[1, i0 : i1 + 1], w[1, i0 : i1 + 1]
-    floor, c1, c2, c3 = p[1], p[2], p[3], p[4]
-    inverse = 1.0 / h
-    total = 0.0
-    for i in range(i1 - i0):
-        dx, dz = x[i + 1] - x[i], z[i + 1] - z[i]
-        square, along = dx * dx + dz * dz, dx * (u[i + 1] - u[i]) + dz * (v[i + 1] - v[i])
-        if space is not None:
-            dy = y[i + 1] - y[i]
-            square += dy * dy
-            along += dy * (s[i + 1] - s[i])
-        length = np.sqrt(square)
-        per_length = 1.0 / length
-        rate = along * per_length * inverse
-        total += rate * rate
-        e = max(length * inverse - 1.0, floor)
-        out[i] = (e * (c1 + e * (c2 + e * c3)) + c * rate) * per_length
-    return total
-
-
-@kernel
 def stretch(r, i):
     """Length of link i in m."""
     square = 0.0
@@ -99,22 +56,9 @@ def pull(p, c, h, i0, i1, r, w, q):
         Sum of eps_t^2 over the links (0 without damping).
     """
     if p[0] != CUBIC:
-        total = 0.0
-        for i in range(i0, i1):
-            rate = stretch_rate(r, w, i) / h if c > 0.0 else 0.0
-            total += rate * rate
-            q[i] = pull_one(p, c, h, rate, r, i)
-        return total
-    plane = r.shape[0] == 2
-    if c > 0.0:
-        if plane:
-            return _pull_damped(p, c, h, i0, i1, r, w, q, None)
-        return _pull_damped(p, c, h, i0, i1, r, w, q, True)
-    if plane:
-        _pull(p, h, i0, i1, r, q, None)
-    else:
-        _pull(p, h, i0, i1, r, q, True)
-    return 0.0
+        return _pull_each(p, c, h, i0, i1, r, w, q)
+    _invert(i0, i1, r, q)
+    return _pull_known(p, c, h, i0, i1, r, w, q, q)
 
 
 @kernel
@@ -162,7 +106,7 @@ def _invert(i0, i1, r, per_length):
 
 
 @kernel
-def _pull_known(p, h, i0, i1, r, per_length, q, space):
+def _pull_undamped(p, h, i0, i1, r, per_length, q, space):
     """Tension over length of undamped links whose 1 / length is known."""
     known, out = per_length[i0:i1], q[i0:i1]
     inverse = 1.0 / h
@@ -185,7 +129,7 @@ def _pull_known(p, h, i0, i1, r, per_length, q, space):
 
 
 @summing
-def _pull_damped_known(p, c, h, i0, i1, r, w, per_length, q, space):
+def _pull_damped(p, c, h, i0, i1, r, w, per_length, q, space):
     """The same with the Kelvin-Voigt force c eps_t; returns the sum of eps_t^2 over the links."""
     x, z, u, v = r[0, i0 : i1 + 1], r[-1, i0 : i1 + 1], w[0, i0 : i1 + 1], w[-1, i0 : i1 + 1]
     known, out = per_length[i0:i1], q[i0:i1]
@@ -209,6 +153,31 @@ def _pull_damped_known(p, c, h, i0, i1, r, w, per_length, q, space):
 
 
 @kernel
+def _pull_known(p, c, h, i0, i1, r, w, per_length, q):
+    """Tension over length of links whose 1 / length is known (it may stand in q); returns the sum of eps_t^2."""
+    if r.shape[0] == 2:
+        if c > 0.0:
+            return _pull_damped(p, c, h, i0, i1, r, w, per_length, q, None)
+        _pull_undamped(p, h, i0, i1, r, per_length, q, None)
+    else:
+        if c > 0.0:
+            return _pull_damped(p, c, h, i0, i1, r, w, per_length, q, True)
+        _pull_undamped(p, h, i0, i1, r, per_length, q, True)
+    return 0.0
+
+
+@kernel
+def _pull_each(p, c, h, i0, i1, r, w, q):
+    """Tension over length link by link, for laws that are no cubic; returns the sum of eps_t^2."""
+    total = 0.0
+    for i in range(i0, i1):
+        rate = stretch_rate(r, w, i) / h if c > 0.0 else 0.0
+        total += rate * rate
+        q[i] = pull_one(p, c, h, rate, r, i)
+    return total
+
+
+@kernel
 def pull_again(p, c, h, i0, i1, r, w, per_length, q):
     """The same as `pull` in a loop over time: lengths change little from call to call.
 
@@ -219,20 +188,11 @@ def pull_again(p, c, h, i0, i1, r, w, per_length, q):
         per_length: (link,) 1/m, inverse lengths of the last call (zeros at first); overwritten with the present ones.
     """
     if p[0] != CUBIC:
-        return pull(p, c, h, i0, i1, r, w, q)
-    plane = r.shape[0] == 2
-    total = _improve(i0, i1, r, per_length, None) if plane else _improve(i0, i1, r, per_length, True)
+        return _pull_each(p, c, h, i0, i1, r, w, q)
+    total = _improve(i0, i1, r, per_length, None) if r.shape[0] == 2 else _improve(i0, i1, r, per_length, True)
     if not total < _TOO_FAR + _TOO_FAR_PER_LINK * (i1 - i0):
         _invert(i0, i1, r, per_length)
-    if c > 0.0:
-        if plane:
-            return _pull_damped_known(p, c, h, i0, i1, r, w, per_length, q, None)
-        return _pull_damped_known(p, c, h, i0, i1, r, w, per_length, q, True)
-    if plane:
-        _pull_known(p, h, i0, i1, r, per_length, q, None)
-    else:
-        _pull_known(p, h, i0, i1, r, per_length, q, True)
-    return 0.0
+    return _pull_known(p, c, h, i0, i1, r, w, per_length, q)
 
 
 @kernel

@@ -28,7 +28,6 @@ class Progress:
 
     status: int = RUNNING
     steps: int = 0
-    compressed: float = float("nan")  # time at which an undamped line was first found in compression, s
 
 
 ADVICE = {

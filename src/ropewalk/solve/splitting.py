@@ -365,9 +365,8 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
         if _take_seats(strands, loads, state, buffers):
             return END_OF_LINE, steps
         dt = _plan(until - time[0], longest, target, xi, speed, rider)
-        kick, t_w, over, before = kicks[0] * dt, time[0], False, 0.0
+        kick, t_w, over, before, following = kicks[0] * dt, time[0], False, 0.0, 0.0
         _copy(w, ahead)
-        following = 0.0
         while not over:
             begin = time[0]
             for k in range(xi.size):  # half of the step before and half of this one
@@ -388,13 +387,9 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
                     # The step is done but for its last kick, which also begins the next step, if there is one.
                     steps += 1
                     time[0] = begin + dt
-                    following, over = (
-                        0.0,
-                        time[0] >= end or steps >= most or _is_due(target, xi, speed, rider, tolerance),
-                    )
+                    over = time[0] >= end or steps >= most or _is_due(target, xi, speed, rider, tolerance)
                     if not over:
                         following = _plan(until - time[0], longest, target, xi, speed, rider)
-                    if not over:
                         kick += kicks[0] * following
                         break
                     drift = 0.0
