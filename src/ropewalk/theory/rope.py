@@ -20,6 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
+from ropewalk.theory import _arguments
+
 __all__ = ["AxialLaw", "PointLoad", "RestingRope", "catenary", "elastic_catenary", "weightless_elastic"]
 
 FloatArray = NDArray[np.float64]
@@ -115,8 +117,8 @@ def catenary(*, span: float, height: float = 0.0, length: float, weight: float) 
     ``z = a cosh(x/a)`` with ``a = H/weight`` from ``sqrt(length^2 - height^2) = 2 a sinh(u)``,
     ``u = span/(2 a)``, and the vertical forces at the ends from their sum ``weight height coth(u)``.
     """
-    _require_positive(span=span, length=length, weight=weight)
-    _require_finite(height=height)
+    _arguments.positive(span=span, length=length, weight=weight)
+    _arguments.finite(height=height)
     distance = float(np.hypot(span, height))
     if length <= distance:
         raise ValueError(f"a rope of {length:g} m does not hang between ends {distance:g} m apart")
@@ -147,8 +149,8 @@ def elastic_catenary(
     Between loads, Irvine: ``x = H s/EA + (H/w) [asinh(v/H)]``, ``z = [v^2]/(2 w EA) + [sqrt(H^2 + v^2)]/w``,
     ``v = v_0 + w s``; written without the differences, so that light and taut ropes lose no digits.
     """
-    _require_positive(span=span, length=length, weight=weight, axial_stiffness=axial_stiffness)
-    _require_finite(height=height)
+    _arguments.positive(span=span, length=length, weight=weight, axial_stiffness=axial_stiffness)
+    _arguments.finite(height=height)
     breaks, drops = _break_at_loads(loads, length)
     pieces, compliance = np.diff(breaks), 1.0 / axial_stiffness
     offset = -drops + np.stack([np.zeros_like(pieces), weight * breaks[:-1]], axis=1)
@@ -184,8 +186,8 @@ def weightless_elastic(
 
     Force balance ``n_ahead = n_behind - F`` with ``sum of length_i lam(|n_i|) n_i/|n_i| = (span, height)``.
     """
-    _require_positive(span=span, length=length, axial_stiffness=axial_stiffness)
-    _require_finite(height=height)
+    _arguments.positive(span=span, length=length, axial_stiffness=axial_stiffness)
+    _arguments.finite(height=height)
     if law not in ("hooke", "second_piola_kirchhoff"):
         raise ValueError(f"law must be 'hooke' or 'second_piola_kirchhoff', not {law!r}")
     breaks, drops = _break_at_loads([load], length)
@@ -354,15 +356,3 @@ def _break_at_loads(loads: Sequence[PointLoad], length: float) -> tuple[FloatArr
     if not np.all(np.isfinite(forces)):
         raise ValueError("the forces of the loads must be finite")
     return np.concatenate([[0.0], places, [length]]), np.vstack([np.zeros(2), np.cumsum(forces, axis=0)])
-
-
-def _require_positive(**values: float) -> None:
-    for name, value in values.items():
-        if not (np.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} must be finite and positive, not {value}")
-
-
-def _require_finite(**values: float) -> None:
-    for name, value in values.items():
-        if not np.isfinite(value):
-            raise ValueError(f"{name} must be finite, not {value}")

@@ -25,6 +25,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
+from ropewalk.theory import _arguments
+
 __all__ = ["Contact", "SelfSimilarWave", "moving_force", "transverse_impact"]
 
 FloatArray = NDArray[np.float64]
@@ -143,7 +145,7 @@ def transverse_impact(*, velocity: float, axial_stiffness: float, mass: float, p
     ``sin g = v / (c_l sqrt(e (1 + e)))``, force ``2 EA e sin g``.
     """
     _require_string(axial_stiffness, mass, prestrain)
-    _require_finite(velocity=velocity)
+    _arguments.finite(velocity=velocity)
     v = abs(velocity) / float(np.sqrt(axial_stiffness / mass))
     bounds = [v, v ** (4 / 3)]
     if prestrain > 0.0:
@@ -182,7 +184,7 @@ def moving_force(
     in speed from the force at rest, which is the transverse impact with ``2 EA e sin g = force``.
     """
     _require_string(axial_stiffness, mass, prestrain)
-    _require_finite(force=force, speed=speed)
+    _arguments.finite(force=force, speed=speed)
     if speed < 0.0:
         raise ValueError(f"speed must not be negative, not {speed}")
     if contact not in ("clamped", "frictionless"):
@@ -345,9 +347,3 @@ def _require_string(axial_stiffness: float, mass: float, prestrain: float) -> No
             raise ValueError(f"{name} must be finite and positive, not {value}")
     if not (np.isfinite(prestrain) and prestrain >= 0.0):
         raise ValueError(f"prestrain must be finite and not negative, not {prestrain}")
-
-
-def _require_finite(**values: float) -> None:
-    for name, value in values.items():
-        if not np.isfinite(value):
-            raise ValueError(f"{name} must be finite, not {value}")

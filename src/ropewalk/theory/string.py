@@ -21,6 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ropewalk.theory import _arguments
+
 __all__ = [
     "drive_force",
     "moving_force",
@@ -39,7 +41,7 @@ def wave_speed(*, tension: float, mass: float) -> float:
 
     ``tension`` in N and ``mass`` per length in kg/m, both positive or `ValueError`. c = sqrt(tension/mass).
     """
-    _require_positive(tension=tension, mass=mass)
+    _arguments.positive(tension=tension, mass=mass)
     return float(np.sqrt(tension / mass))
 
 
@@ -65,7 +67,7 @@ def moving_force(
     ``q_n = 2 F L / (pi^2 n^2 P (1 + alpha)) (sin n pi y/L - (n pi y/L) mean of cos n pi sigma/L)``,
     the mean over the same phase interval, which is regular at alpha = 1.
     """
-    x, passage = _arguments(x, t, speed, length, tension, mass)
+    x, passage = _at(x, t, speed, length, tension, mass)
     scale = force / (tension * (1.0 + passage.alpha))
     if modes is not None:
         return scale * _modal_shape(x, passage, modes)
@@ -90,7 +92,7 @@ def moving_force_slope(
     ``w_x = F / (P (1 + alpha)) * (H(y - x) - y N / |interval|)``, N the number of window edges in the
     interval.
     """
-    x, passage = _arguments(x, t, speed, length, tension, mass)
+    x, passage = _at(x, t, speed, length, tension, mass)
     behind = np.where(passage.gone, 1.0, np.heaviside(passage.load - x, 0.5)) * (passage.load > 0.0)
     return force / (tension * (1.0 + passage.alpha)) * (behind - passage.load * passage.edge_density(x))
 
@@ -114,7 +116,7 @@ def moving_force_velocity(
     = F / (P (1 + alpha)) (V H(x - y) - d(y phi)/dt)``, and ``d(y phi)/dt = (c h(s) - V h(y)) V/(c - V)``
     during the passage, ``(h(s) - h(s - L/alpha + L)) c V/(c - V)`` after it.
     """
-    x, passage = _arguments(x, t, speed, length, tension, mass)
+    x, passage = _at(x, t, speed, length, tension, mass)
     c = wave_speed(tension=tension, mass=mass)
     ahead = np.heaviside(x - passage.load, 0.5)
     scale = force / (tension * (1.0 + passage.alpha))
@@ -267,7 +269,7 @@ def _modal_shape(x: FloatArray, passage: _Passage, modes: int) -> FloatArray:
     return shape
 
 
-def _arguments(
+def _at(
     x: ArrayLike, t: ArrayLike, speed: float, length: float, tension: float, mass: float
 ) -> tuple[FloatArray, _Passage]:
     _require_motion(speed, length, tension, mass)
@@ -280,7 +282,7 @@ def _arguments(
 
 
 def _require_motion(speed: float, length: float, tension: float, mass: float) -> None:
-    _require_positive(length=length, tension=tension, mass=mass)
+    _arguments.positive(length=length, tension=tension, mass=mass)
     if not (np.isfinite(speed) and speed >= 0.0):
         raise ValueError(f"speed must be finite and not negative, not {speed}")
 
@@ -288,9 +290,3 @@ def _require_motion(speed: float, length: float, tension: float, mass: float) ->
 def _require_not_wave_speed(speed: float, tension: float, mass: float) -> None:
     if speed == wave_speed(tension=tension, mass=mass):
         raise ValueError("the drive force is infinite at exactly the wave speed")
-
-
-def _require_positive(**values: float) -> None:
-    for name, value in values.items():
-        if not (np.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} must be finite and positive, not {value}")
