@@ -6,6 +6,7 @@ import numpy as np
 
 from ropewalk.mechanics.chain import Strands
 from ropewalk.solve.equilibrium import at_rest
+from ropewalk.solve.held import Held
 from ropewalk.theory import chain
 
 CHAIN = {"length": 20.0, "axial_stiffness": 1e4, "mass": 0.1, "stretch": 1.02}
@@ -33,7 +34,7 @@ def hanging(links, length, span, rho, EA, dim=2, g=9.81, rise=0.0, **damping):
     f, start, end = np.zeros((dim, links + 1)), np.zeros(dim), np.zeros(dim)
     f[-1, 1:-1] = -rho * length / links * g
     end[0], end[-1] = span, rise
-    rest = at_rest(strands.law[0], np.full(links, length / links), f, start, end)
+    rest = at_rest(strands.law[0], np.full(links, length / links), f, Held.fast(start, end))
     return strands, (rest.position, np.linspace(0.0, length, links + 1))
 
 

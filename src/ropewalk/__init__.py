@@ -7,9 +7,10 @@ A scenario says what is there and what is asked; `simulate` answers with a label
     result = ropewalk.simulate(scenario)
 
 ==============  ======================================================================================
-what is there   `Scenario` of `Line`s and of loads (`MovingForce`, with its `Travel`; `ForceTable` and
-                `SpeedTable` for what changes in time)
-axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `Tabulated`
+what is there   `Scenario` of `Line`s and of loads (`MovingForce`, with its `Travel`; `ForceTable`,
+                `SpeedTable` and `DisplacementTable` for what changes in time)
+axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `Tabulated`, `Inextensible`
+supports        `Fixed`, `Elastic`, `Guided`, `Moving`
 what is asked   `Dynamic` (from a `Start`), `Quasistatic`, `Equilibrium`
 files           `load` and `save` a scenario, `open_result`
 answers         `simulate`, `spectrum`; `summary`, `figure` and `film` of a result
@@ -32,11 +33,17 @@ if TYPE_CHECKING:
     from ropewalk import theory
     from ropewalk.errors import EquilibriumError, RopewalkError, ScenarioError
     from ropewalk.model import (
+        DisplacementTable,
         Dynamic,
+        Elastic,
         Equilibrium,
+        Fixed,
         ForceTable,
+        Guided,
         Hooke,
+        Inextensible,
         Line,
+        Moving,
         MovingForce,
         Polynomial,
         Quasistatic,
@@ -56,12 +63,18 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "DisplacementTable",
     "Dynamic",
+    "Elastic",
     "Equilibrium",
     "EquilibriumError",
+    "Fixed",
     "ForceTable",
+    "Guided",
     "Hooke",
+    "Inextensible",
     "Line",
+    "Moving",
     "MovingForce",
     "Polynomial",
     "Quasistatic",
@@ -87,12 +100,18 @@ __all__ = [
 ]
 
 _HOME = {
+    "DisplacementTable": "model",
     "Dynamic": "model",
+    "Elastic": "model",
     "Equilibrium": "model",
     "EquilibriumError": "errors",
+    "Fixed": "model",
     "ForceTable": "model",
+    "Guided": "model",
     "Hooke": "model",
+    "Inextensible": "model",
     "Line": "model",
+    "Moving": "model",
     "MovingForce": "model",
     "Polynomial": "model",
     "Quasistatic": "model",

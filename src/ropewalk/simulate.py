@@ -16,10 +16,13 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account, Frame, Layout
 from ropewalk.results.snapshot import Camera, layout_of, standing_frame
 from ropewalk.solve.choice import choose
+from ropewalk.solve.measure import shapes
 from ropewalk.solve.motion import ADVICE, Progress, move
-from ropewalk.solve.quasistatic import horizon, shapes, walk
+from ropewalk.solve.quasistatic import Place, walk
+from ropewalk.solve.remarks import Remarks
 from ropewalk.solve.splitting import END_OF_LINE, RUNNING
 from ropewalk.solve.start import Setting, setting_of, start_state
+from ropewalk.solve.timetable import horizon
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,7 +62,7 @@ def simulate(
             for count, frame in enumerate(frames, start=1):
                 recorder.append(frame)
                 if progress is not None:
-                    progress(count / total)
+                    progress(min(count / total, 1.0))
             if account.outcome == "running":
                 account.outcome = "completed"
         except KeyboardInterrupt:
@@ -88,9 +91,9 @@ def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
     account.method = "rest"
     account.reason = "least potential energy"
     if isinstance(scenario.run, Quasistatic):
-        return layout, _slow(setting, scenario.run, account), scenario.run.positions
+        return layout, _slow(setting, scenario, account), scenario.run.positions
     assert isinstance(scenario.run, Equilibrium)
-    return layout, _rest(setting), 1
+    return layout, _rest(setting, scenario, account), 1
 
 
 def output_times(run: Dynamic) -> Array:
@@ -153,10 +156,13 @@ def _warn_of_compression(setting: Setting, frame: Frame, account: Account) -> bo
     return False
 
 
-def _slow(setting: Setting, run: Quasistatic, account: Account) -> Iterator[Frame]:
+def _slow(setting: Setting, scenario: Scenario, account: Account) -> Iterator[Frame]:
+    run, remarks = scenario.run, Remarks(setting, tuple(scenario.loads))
+    assert isinstance(run, Quasistatic)
     try:
-        for place in walk(setting, run.positions):
+        for place in walk(setting, run.positions, run.turn):
             account.steps += 1
+            account.warnings += remarks.on(place)
             yield standing_frame(setting, place.stands, place.xi, place.path, place.given)
     except RopewalkError as error:
         if account.steps == 0:
@@ -164,8 +170,11 @@ def _slow(setting: Setting, run: Quasistatic, account: Account) -> Iterator[Fram
         account.outcome, account.advice = "no rest shape", str(error)
 
 
-def _rest(setting: Setting) -> Iterator[Frame]:
+def _rest(setting: Setting, scenario: Scenario, account: Account) -> Iterator[Frame]:
     stands, given = shapes(setting, setting.xi, 0.0)
+    account.warnings += Remarks(setting, tuple(scenario.loads)).on(
+        Place(0.0, 0.0, setting.xi, np.zeros(setting.xi.size), stands, given)
+    )
     yield standing_frame(setting, stands, setting.xi, 0.0, given)
 
 

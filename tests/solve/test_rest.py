@@ -19,7 +19,6 @@ from hypothesis import strategies as st
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.assembly import pack, strands_of
-from ropewalk.mechanics.chain import CLAMPED
 from ropewalk.model import (
     Equilibrium,
     Hooke,
@@ -35,7 +34,8 @@ from ropewalk.model import (
 )
 from ropewalk.simulate import simulate
 from ropewalk.solve.equilibrium import Rest, at_rest, potential, residual
-from ropewalk.solve.standing import Standing, stand
+from ropewalk.solve.held import Held
+from ropewalk.solve.standing import Standing, clamped, stand
 from ropewalk.theory.rope import RestingRope, elastic_catenary, weightless_elastic
 
 WEIGHT = 19.62  # N/m: 2 kg/m under 9.81 m/s^2
@@ -62,7 +62,7 @@ def chain(
 ) -> Rest:
     ell = np.full(elements, length / elements)
     place, p = np.array(end), hooke() if p is None else p
-    return at_rest(p, ell, dead(elements, length, weight, place.size), np.zeros(place.size), place)
+    return at_rest(p, ell, dead(elements, length, weight, place.size), Held.fast(np.zeros(place.size), place))
 
 
 def rope(elements: int, **changed: Any) -> Line:
@@ -87,8 +87,8 @@ def at_once(case: Scenario) -> xr.Dataset:
 def loaded(elements: int, xi: float, force: tuple[float, float], gravity: float = 9.81, **changed: Any) -> Standing:
     line = rope(elements, **changed)
     strands = strands_of(scenario(line, (xi, force), gravity=gravity), {"rope": float(line.length or 0.0)})
-    ends = np.zeros(2), np.array(line.end)
-    return stand(strands, 0, ends, np.array([xi]), np.array([force]).T, np.array([CLAMPED]))
+    held = Held.fast(np.zeros(2), np.array(line.end))
+    return stand(strands, 0, held, np.array([xi]), np.array([force]).T, clamped(1))
 
 
 def orders(errors: list[float]) -> np.ndarray:
@@ -401,7 +401,7 @@ def test_any_chain_rests_in_a_minimum_of_its_energy(
     f = dead(elements, length, WEIGHT)
     for i, pull in zip((1, elements // 2, elements - 1), pulls, strict=True):
         f[:, i] += pull
-    rest = at_rest(p, np.full(elements, length / elements), f, np.zeros(2), np.array(end))
+    rest = at_rest(p, np.full(elements, length / elements), f, Held.fast(np.zeros(2), np.array(end)))
     check_rest(rest, p, length, f, np.array(end))
 
 
@@ -514,8 +514,9 @@ def test_rest_is_the_same_without_the_compiler() -> None:
         "from ropewalk.mechanics.assembly import pack\n"
         "from ropewalk.model import Hooke\n"
         "from ropewalk.solve.equilibrium import at_rest\n"
+        "from ropewalk.solve.held import Held\n"
         "f = np.zeros((2, 7)); f[1, 1:-1] = -19.62 * 22 / 6\n"
-        "rest = at_rest(pack(Hooke(), 1e5), np.full(6, 22 / 6), f, np.zeros(2), np.array([20.0, 0.0]))\n"
+        "rest = at_rest(pack(Hooke(), 1e5), np.full(6, 22 / 6), f, Held.fast(np.zeros(2), np.array([20.0, 0.0])))\n"
         "print(repr(float(rest.position[1].min())))\n"
     )
     run = subprocess.run(
@@ -526,7 +527,7 @@ def test_rest_is_the_same_without_the_compiler() -> None:
 
 
 def test_theory_and_chain_agree_on_a_load_that_hangs_from_one_support() -> None:
-    exact: RestingRope = weightless_elastic(span=20.0, length=22.0, axial_stiffness=1e4, load=(2.0, (0.0, -700.0)))
+    exact: RestingRope = weightless_elastic(span=20.0, length=22.0, axial_stiffness=1e4, loads=[(2.0, (0.0, -700.0))])
     rest = loaded(11, 1.0, (0.0, -700.0), gravity=0.0, axial_stiffness=1e4)
     assert exact.load_positions[0] != pytest.approx([0.0, -1.07])
     assert rest.r[:, rest.contact[0]] == pytest.approx([0.0, -1.07], abs=1e-7)

@@ -11,7 +11,11 @@ from numpy.typing import NDArray
 
 from ropewalk.mechanics.chain import (
     ARC,
+    BLOCK,
+    CAPSTAN,
     CLAMPED,
+    COULOMB,
+    DRAGGED,
     FRICTIONLESS,
     HORIZONTAL,
     LEAVE,
@@ -22,15 +26,18 @@ from ropewalk.mechanics.chain import (
     Array,
     Loads,
     Strands,
+    Supports,
 )
-from ropewalk.mechanics.law import CUBIC, NO_FLOOR, SERIES, TABLE
-from ropewalk.model.history import ForceTable, SpeedTable
-from ropewalk.model.law import Hooke, Law, Polynomial, SecondPiolaKirchhoff, Tabulated, TensionOnly
+from ropewalk.mechanics.law import CUBIC, NO_FLOOR, RIGID, SERIES, TABLE
+from ropewalk.model.history import DisplacementTable, ForceTable, SpeedTable
+from ropewalk.model.law import Hooke, Inextensible, Law, Polynomial, SecondPiolaKirchhoff, Tabulated, TensionOnly
 from ropewalk.model.line import spatial
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.support import Elastic, Guided, Support
 
 _MEASURES = {"material": MATERIAL, "slip": SLIP, "arc": ARC, "horizontal": HORIZONTAL}
-_CONTACTS = {"clamped": CLAMPED, "frictionless": FRICTIONLESS}
+_CONTACTS = {"clamped": CLAMPED, "frictionless": FRICTIONLESS, "coulomb": COULOMB, "dragged": DRAGGED}
+_FRICTION_MODELS = {"capstan": CAPSTAN, "block": BLOCK}
 _ENDS = {"refuse": REFUSE, "leave": LEAVE, "stay": STAY}
 
 
@@ -43,6 +50,8 @@ def pack(law: Law, axial_stiffness: float | None) -> Array:
         if len(c) <= 3:
             return np.array([CUBIC, NO_FLOOR, *c, *(0.0,) * (3 - len(c))])
         return np.array([SERIES, len(c), *c], dtype=float)
+    if isinstance(law, Inextensible):
+        return np.array([RIGID, 0.0, 0.0, 0.0, 0.0])
     if axial_stiffness is None:
         raise ValueError(f"law {law.kind} needs an axial stiffness")
     if isinstance(law, Hooke):
@@ -130,15 +139,15 @@ def _speed_table(speed: Any, until: float) -> tuple[Array, Array]:
     return np.zeros(1), np.array([float(speed)])
 
 
-def _force_table(force: Any, until: float, axes: tuple[str, ...]) -> tuple[Array, NDArray[np.float64]]:
-    """Times (n,) and values (axis, n)."""
-    if isinstance(force, ForceTable):
-        times, rows = np.array(force.time), force.value
-    elif callable(force):
-        times, samples = tabulate(force, 0.0, until)
+def _vector_table(history: Any, until: float, axes: tuple[str, ...]) -> tuple[Array, NDArray[np.float64]]:
+    """Times (n,) and values (axis, n) of forces or displacements."""
+    if isinstance(history, ForceTable | DisplacementTable):
+        times, rows = np.array(history.time), history.value
+    elif callable(history):
+        times, samples = tabulate(history, 0.0, until)
         rows = tuple(tuple(row) for row in samples)
     else:
-        times, rows = np.zeros(1), (force,)
+        times, rows = np.zeros(1), (history,)
     return times, np.array([components(row, axes) for row in rows]).T
 
 
@@ -159,13 +168,7 @@ def loads_of(scenario: Scenario, until: float) -> Loads:
     names, axes = list(scenario.lines), axes_of(scenario)
     loads = list(scenario.loads.values())
     speeds = [_speed_table(load.travel.speed, until) for load in loads]
-    forces = [_force_table(load.force, until, axes) for load in loads]
-
-    def first(tables: list[Any]) -> NDArray[np.int64]:
-        return np.cumsum([0, *(t.size for t, _ in tables)])[:-1].astype(np.int64)
-
-    def count(tables: list[Any]) -> NDArray[np.int64]:
-        return np.array([t.size for t, _ in tables], dtype=np.int64)
+    forces = [_vector_table(load.force, until, axes) for load in loads]
 
     def codes(values: list[int]) -> NDArray[np.int64]:
         return np.array(values, dtype=np.int64)
@@ -176,13 +179,66 @@ def loads_of(scenario: Scenario, until: float) -> Loads:
         measure=codes([_MEASURES[load.travel.measured] for load in loads]),
         contact=codes([_CONTACTS[load.contact] for load in loads]),
         at_end=codes([_ENDS[load.travel.at_end] for load in loads]),
-        speed_first=first(speeds),
-        speed_count=count(speeds),
+        speed_first=_first(speeds),
+        speed_count=_count(speeds),
         speed_time=np.concatenate([none, *(t for t, _ in speeds)]),
         speed_value=np.concatenate([none, *(v for _, v in speeds)]),
         speed_path=np.concatenate([none, *(_integral_from_zero(t, v) for t, v in speeds)]),
-        force_first=first(forces),
-        force_count=count(forces),
+        force_first=_first(forces),
+        force_count=_count(forces),
         force_time=np.concatenate([none, *(t for t, _ in forces)]),
         force_value=np.concatenate([np.zeros((len(axes), 0)), *(v for _, v in forces)], axis=1),
+        friction=np.array([np.nan if load.friction is None else load.friction for load in loads], dtype=float),
+        friction_model=codes([_FRICTION_MODELS[load.friction_model] for load in loads]),
     )
+
+
+def supports_of(scenario: Scenario, until: float) -> Supports:
+    """What holds the ends of all lines, with histories tabulated up to the time `until`."""
+    axes = axes_of(scenario)
+    dim = len(axes)
+    ends = [
+        (point, support)
+        for line in scenario.lines.values()
+        for point, support in ((line.start, line.start_support), (line.end, line.end_support))
+    ]
+    held = [_held(support, axes) for _, support in ends]
+    motions = [_vector_table(getattr(support, "displacement", (0.0, 0.0)), until, axes) for _, support in ends]
+    return Supports(
+        place=np.array([components(point, axes) for point, _ in ends]),
+        free=np.array([free for free, *_ in held]).reshape(-1, dim, dim),
+        stiffness=np.array([stiffness for _, stiffness, *_ in held]).reshape(-1, dim, dim),
+        damping=np.array([damping for *_, damping, _ in held]).reshape(-1, dim, dim),
+        mass=np.array([getattr(support, "mass", 0.0) for _, support in ends]),
+        force=np.array([force for *_, force in held]).reshape(-1, dim),
+        motion_first=_first(motions),
+        motion_count=_count(motions),
+        motion_time=np.concatenate([t for t, _ in motions]),
+        motion_value=np.concatenate([v for _, v in motions], axis=1),
+    )
+
+
+def _held(support: Support, axes: tuple[str, ...]) -> tuple[Array, Array, Array, Array]:
+    """Free directions, stiffness and damping (axis, axis) and constant force (axis,) of a support."""
+    dim = len(axes)
+    if isinstance(support, Elastic):
+        stiffness, damping = (
+            np.diag(components(value, axes)) if isinstance(value, tuple) else value * np.eye(dim)
+            for value in (support.stiffness, support.damping)
+        )
+        return np.eye(dim), stiffness, damping, np.zeros(dim)
+    if isinstance(support, Guided):
+        along = components(support.along, axes)
+        along = along / np.linalg.norm(along)
+        rail = np.outer(along, along)
+        return rail, support.stiffness * rail, support.damping * rail, support.force * along
+    return np.zeros((dim, dim)), np.zeros((dim, dim)), np.zeros((dim, dim)), np.zeros(dim)
+
+
+def _first(tables: list[tuple[Array, Array]]) -> NDArray[np.int64]:
+    """Where each of several tables begins when they are put one after the other."""
+    return np.cumsum([0, *(t.size for t, _ in tables)])[:-1].astype(np.int64)
+
+
+def _count(tables: list[tuple[Array, Array]]) -> NDArray[np.int64]:
+    return np.array([t.size for t, _ in tables], dtype=np.int64)

@@ -24,6 +24,9 @@ CLAMPED, FRICTIONLESS = 0, 1
 # Clamped, but never riding: the force is always shared by the two nodes of its link. This converges to a wrong limit
 # and is here to be compared with.
 SHARING = 2
+# Held by friction, as far as it suffices; sliding with friction in full. Slow motion only.
+COULOMB, DRAGGED = 3, 4
+CAPSTAN, BLOCK = 0, 1
 OFF, SHARED = -2, -1  # values of `rider` for a load off the line, or shared by the two nodes of its link
 
 # Entries of `work`: what has been done or lost since the start, in J.
@@ -59,6 +62,23 @@ class Loads(NamedTuple):
     force_count: Integers
     force_time: Array
     force_value: Array  # (axis, entry)
+    friction: Array  # coefficient, NaN where none is given
+    friction_model: Integers
+
+
+class Supports(NamedTuple):
+    """What holds the ends of the strands: entries 2 s and 2 s + 1 for the start and the end of strand s."""
+
+    place: Array  # (end, axis) m
+    free: Array  # (end, axis, axis) projection onto the directions in which the end may move
+    stiffness: Array  # (end, axis, axis) N/m, within the free directions
+    damping: Array  # (end, axis, axis) N s/m
+    mass: Array  # (end,) kg
+    force: Array  # (end, axis) N, constant
+    motion_first: Integers  # where the support's table begins
+    motion_count: Integers
+    motion_time: Array
+    motion_value: Array  # (axis, entry) m, displacement from `place`
 
 
 class State(NamedTuple):

@@ -7,6 +7,7 @@ loop over links evaluates without a branch; longer series and tables take the ge
     CUBIC  floor       c1, c2, c3      T = e (c1 + e (c2 + e c3)),  e = max(eps, floor)
     SERIES n           c1 ... cn       T = c1 eps + ... + cn eps^n
     TABLE  n           eps_1 ... eps_n, T_1 ... T_n   (linear in between, end slopes beyond)
+    RIGID  0           eps = 0 at any tension, which does not follow from the strain
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 
 from ropewalk.mechanics.compiled import kernel
 
-CUBIC, SERIES, TABLE = 0, 1, 2
+CUBIC, SERIES, TABLE, RIGID = 0, 1, 2, 3
 NO_FLOOR = -1e300
 
 
@@ -30,10 +31,12 @@ def _segment(p, n, eps):
 
 @kernel
 def tension(p, eps):
-    """Tension T(eps) in N."""
+    """Tension T(eps) in N; of a rigid law NaN, or zero where it is slack."""
     if p[0] == CUBIC:
         e = max(eps, p[1])
         return e * (p[2] + e * (p[3] + e * p[4]))
+    if p[0] == RIGID:
+        return 0.0 if eps < 0.0 else np.nan
     n = int(p[1])
     if p[0] == SERIES:
         total = 0.0
@@ -52,6 +55,8 @@ def tangent(p, eps):
         if eps <= p[1]:
             return 0.0
         return p[2] + eps * (2.0 * p[3] + eps * 3.0 * p[4])
+    if p[0] == RIGID:
+        return np.inf
     n = int(p[1])
     if p[0] == SERIES:
         total = 0.0
@@ -68,6 +73,8 @@ def stored(p, eps):
     if p[0] == CUBIC:
         e = max(eps, p[1])
         return e * e * (p[2] / 2.0 + e * (p[3] / 3.0 + e * p[4] / 4.0))
+    if p[0] == RIGID:
+        return 0.0
     n = int(p[1])
     if p[0] == SERIES:
         total = 0.0
@@ -91,6 +98,8 @@ def strain(p, force):
     """Strain at which the law gives the tension `force` >= 0 (the inverse law); NaN where there is none."""
     if p[0] == CUBIC and p[3] == 0.0 and p[4] == 0.0:
         return force / p[2]
+    if p[0] == RIGID:
+        return 0.0
     if p[0] == TABLE:
         n = int(p[1])
         i = 0

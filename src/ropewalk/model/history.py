@@ -12,7 +12,7 @@ from pydantic_core import core_schema
 
 from ropewalk.errors import Refused
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.quantity import Speed, TableSpeed, TableTime, Vector
+from ropewalk.model.quantity import Displacement, Speed, TableSpeed, TableTime, Vector
 
 
 def _clock(time: tuple[float, ...], values: int) -> list[Finding]:
@@ -27,6 +27,16 @@ def _clock(time: tuple[float, ...], values: int) -> list[Finding]:
             findings.append(Finding(("time", index), "the times must not fall", given, remedy))
             break
     return findings
+
+
+def _same_components(value: tuple[tuple[float, ...], ...], letter: str) -> list[Finding]:
+    first = len(value[0])
+    for index, vector in enumerate(value):
+        if len(vector) != first:
+            wrong = f"has {len(vector)} components, the first entry has {first}"
+            remedy = f"write all entries as [{letter}x, {letter}z] or all as [{letter}x, {letter}y, {letter}z]"
+            return [Finding(("value", index), wrong, str(list(vector)), remedy)]
+    return []
 
 
 class SpeedTable(Declaration):
@@ -49,15 +59,25 @@ class ForceTable(Declaration):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        findings = _clock(self.time, len(self.value))
-        first = len(self.value[0])
-        for index, vector in enumerate(self.value):
-            if len(vector) != first:
-                wrong = f"has {len(vector)} components, the first entry has {first}"
-                remedy = "write all entries as [Fx, Fz] or all as [Fx, Fy, Fz]"
-                findings.append(Finding(("value", index), wrong, str(list(vector)), remedy))
+        report("force table", _clock(self.time, len(self.value)) + _same_components(self.value, "F"))
+        return self
+
+
+class DisplacementTable(Declaration):
+    """A displacement given at instants, linear in between and constant outside."""
+
+    time: tuple[TableTime, ...] = Field(min_length=1, description="instants, rising")
+    value: tuple[Displacement, ...] = Field(min_length=1, description="[ux, uz] or [ux, uy, uz] at each instant")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        findings = _clock(self.time, len(self.value)) + _same_components(self.value, "u")
+        for index, (before, after) in enumerate(pairwise(self.time), start=1):
+            if after == before:
+                given, remedy = f"{after:g} s twice", "a support cannot jump: give each instant once"
+                findings.append(Finding(("time", index), "the times must rise", given, remedy))
                 break
-        report("force table", findings)
+        report("displacement table", findings)
         return self
 
 
@@ -103,3 +123,14 @@ ForceHistory = Annotated[
     tuple[float, float] | tuple[float, float, float] | ForceTable | Callable[[float], tuple[float, ...]],
     History(Vector, ForceTable, "write [Fx, Fz] or a table {time: [...], value: [...]}"),
 ]
+DisplacementHistory = Annotated[
+    tuple[float, float] | tuple[float, float, float] | DisplacementTable | Callable[[float], tuple[float, ...]],
+    History(Displacement, DisplacementTable, "write [ux, uz] or a table {time: [...], value: [...]}"),
+]
+
+
+def rows(history: Any) -> tuple[tuple[float, ...], ...]:
+    """List the vectors of a history of forces or displacements; none of a callable."""
+    if callable(history):
+        return ()
+    return (history,) if isinstance(history, tuple) else tuple(history.value)

@@ -75,7 +75,13 @@ class Tabulated(Declaration):
         return self
 
 
-Law = Annotated[Hooke | TensionOnly | SecondPiolaKirchhoff | Polynomial | Tabulated, Variants("law")]
+class Inextensible(Declaration):
+    """eps = 0 wherever the line pulls: the tension is what keeps it so; for rest and slow motion."""
+
+    kind: Literal["inextensible"] = "inextensible"
+
+
+Law = Annotated[Hooke | TensionOnly | SecondPiolaKirchhoff | Polynomial | Tabulated | Inextensible, Variants("law")]
 """Any axial law."""
 
-LAWS_WITH_OWN_STIFFNESS = (Polynomial, Tabulated)
+LAWS_WITH_OWN_STIFFNESS = (Polynomial, Tabulated, Inextensible)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.law import LAWS_WITH_OWN_STIFFNESS, Hooke, Law
+from ropewalk.model.history import rows
+from ropewalk.model.law import LAWS_WITH_OWN_STIFFNESS, Hooke, Inextensible, Law
 from ropewalk.model.quantity import (
     AxialDamping,
     Count,
@@ -19,6 +20,7 @@ from ropewalk.model.quantity import (
     PositiveLength,
     Rate,
 )
+from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
 
 LARGEST_STRAIN = 10.0
 """A line that must be stretched further than this to reach both its ends is taken for a slip of the pen."""
@@ -30,7 +32,7 @@ def spatial(point: tuple[float, ...]) -> tuple[float, float, float]:
 
 
 class Line(Declaration):
-    """A string, rope or wire between two fixed points."""
+    """A string, rope or wire between two supports."""
 
     start: Point = Field(description="where the line begins (material coordinate 0)")
     end: Point = Field(description="where the line ends")
@@ -43,6 +45,8 @@ class Line(Declaration):
     law: Law = Field(default=Hooke(), description="tension as a function of strain")
     axial_damping: AxialDamping = Field(default=0.0, description="Kelvin-Voigt c: T = T(eps) + c eps_t")
     drag: Rate = Field(default=0.0, description="mass-proportional damping: force -drag * mass * velocity")
+    start_support: Support = Field(default=Fixed(), description="what holds the start")
+    end_support: Support = Field(default=Fixed(), description="what holds the end")
     elements: Annotated[int, Count(1, 10_000_000)] = Field(default=100, description="number of links")
 
     @model_validator(mode="after")
@@ -59,7 +63,30 @@ class Line(Declaration):
             wrong = f"the line would be stretched to {self.distance / self.length:.3g} times its length"
             remedy = f"start and end are {self.distance:g} m apart: check length, start and end"
             return [Finding(("length",), wrong, f"{self.length:g} m", remedy)]
+        if isinstance(self.law, Inextensible):
+            return self._inextensible()
         return []
+
+    def _inextensible(self) -> list[Finding]:
+        findings = []
+        if self.axial_damping:
+            wrong, remedy = "an inextensible line does not stretch and cannot damp it", "leave axial_damping out"
+            findings.append(Finding(("axial_damping",), wrong, f"{self.axial_damping:g} N*s", remedy))
+        held = all(isinstance(support, Fixed | Moving) for support in (self.start_support, self.end_support))
+        if held and self.length is not None and self.length <= self.distance:
+            wrong, remedy = "an inextensible line must be longer than the distance of its ends", "give it sag, or a law"
+            given = f"{self.length:.10g} m over {self.distance:.10g} m"
+            findings.append(Finding(("length",), wrong, given, remedy))
+        return findings
+
+    def vectors(self) -> Iterator[tuple[float, ...]]:
+        """List all places and directions of the line and its supports."""
+        yield from (self.start, self.end)
+        for support in (self.start_support, self.end_support):
+            if isinstance(support, Elastic | Moving):
+                yield from rows(support.displacement)
+            if isinstance(support, Guided):
+                yield support.along
 
     @property
     def distance(self) -> float:
@@ -83,7 +110,8 @@ def contradictions(given: Collection[str], law: str | None) -> list[Finding]:
         findings.append(Finding((), "the line is not determined", remedy=remedy))
     own = law in {model.model_fields["kind"].default for model in LAWS_WITH_OWN_STIFFNESS}
     if own and "axial_stiffness" in given:
-        wrong = f"law {law} has a stiffness of its own"
+        own_stiffness = "does not stretch" if law == "inextensible" else "has a stiffness of its own"
+        wrong = f"law {law} {own_stiffness}"
         findings.append(Finding(("axial_stiffness",), wrong, remedy="leave axial_stiffness out"))
     if law is not None and not own and "axial_stiffness" not in given:
         remedy = "add axial_stiffness (EA, in N), for example 100 kN"

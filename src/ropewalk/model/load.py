@@ -2,30 +2,57 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from ropewalk.model._base import Declaration, Variants
+from ropewalk.model._base import Declaration, Finding, Variants, report
 from ropewalk.model.history import ForceHistory
+from ropewalk.model.quantity import FrictionCoefficient
 from ropewalk.model.travel import Travel
+
+Contact = Literal["clamped", "frictionless", "coulomb", "dragged"]
+FrictionModel = Literal["capstan", "block"]
 
 
 class MovingForce(Declaration):
     """A given force that travels along a line.
 
-    With contact `clamped` the line feels the given force alone and its tension jumps at the load. With
-    `frictionless` a horizontal hold force is added that keeps the tension equal on both sides.
+    What holds it at its place along the line is its contact. `clamped`: the line feels the given force alone and its
+    tension jumps at the load. `frictionless`: a horizontal hold force is added that keeps the tension equal on both
+    sides. `coulomb`: it stands by friction, and where that does not suffice the least hold force is added. `dragged`:
+    it slides all the time, friction acts in full against its travel, and the hold force does the rest.
     """
 
     kind: Literal["force"] = "force"
     on: str = Field(description="name of the line")
     force: ForceHistory = Field(description="[Fx, Fz] or [Fx, Fy, Fz], or a table {time, value} of them")
     travel: Travel = Field(description="how it advances along the line")
-    contact: Literal["clamped", "frictionless"] = Field(
+    contact: Contact = Field(
         default="clamped",
-        description="clamped: the line feels the force alone; frictionless: equal tension on both sides",
+        description="clamped: the line feels the force alone; frictionless: equal tension on both sides; "
+        "coulomb, dragged: with friction, for slow motion",
     )
+    friction: FrictionCoefficient | None = Field(
+        default=None, description="coefficient, needed by coulomb and dragged; of a clamped load: is it enough?"
+    )
+    friction_model: FrictionModel = Field(
+        default="capstan",
+        description="capstan: the line bends around the contact, T2/T1 = exp(mu angle); "
+        "block: a point, |T2 - T1| = mu (T1 + T2) tan(angle/2)",
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        findings = []
+        if self.contact in ("coulomb", "dragged") and self.friction is None:
+            remedy = "add friction: its coefficient, for example 0.3"
+            findings.append(Finding(("friction",), f"is missing, contact {self.contact} needs it", remedy=remedy))
+        if self.contact == "frictionless" and self.friction:
+            remedy = "leave friction out, or write contact: coulomb"
+            findings.append(Finding(("friction",), "contact frictionless has none", f"{self.friction:g}", remedy))
+        report("load", findings)
+        return self
 
 
 Load = Annotated[MovingForce, Variants("load")]

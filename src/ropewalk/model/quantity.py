@@ -96,6 +96,42 @@ class Components:
 
 
 @dataclass(frozen=True)
+class OneOrEach:
+    """Annotation: one quantity for all directions, or two or three of them, [x, z] or [x, y, z]."""
+
+    unit: str
+    sign: Sign = "any"
+
+    def read(self, value: object) -> float | tuple[float, ...]:
+        one = Quantity(self.unit, self.sign)
+        if hasattr(value, "tolist"):
+            value = value.tolist()
+        if not isinstance(value, list | tuple):
+            return one.read(value)
+        numbers = Components(self.unit).read(value)
+        for index, number in enumerate(numbers):
+            try:
+                one.read(number)
+            except Refused as error:
+                given = InitErrorDetails(type="value_error", loc=(index,), input=value[index], ctx={"error": error})
+                raise ValidationError.from_exception_data("components", [given]) from None
+        return numbers
+
+    def write(self, value: float | tuple[float, ...]) -> str | float | list[str | float]:
+        return Components(self.unit).write(value) if isinstance(value, tuple) else written(value, self.unit)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(
+            self.read,
+            serialization=core_schema.plain_serializer_function_ser_schema(self.write, when_used="json"),
+        )
+
+    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        one = Quantity(self.unit, self.sign).__get_pydantic_json_schema__(None, handler)
+        return {"anyOf": [one, {"type": "array", "items": one, "minItems": 2, "maxItems": 3}]}
+
+
+@dataclass(frozen=True)
 class Count:
     """Annotation: a whole number between two bounds."""
 
@@ -139,10 +175,23 @@ Point = Annotated[tuple[float, float] | tuple[float, float, float], Components("
 Vector = Annotated[tuple[float, float] | tuple[float, float, float], Components("N")]
 """A force [Fx, Fz] or [Fx, Fy, Fz]."""
 
+Displacement = Annotated[tuple[float, float] | tuple[float, float, float], Components("m")]
+"""A displacement [ux, uz] or [ux, uy, uz]."""
+Direction = Annotated[tuple[float, float] | tuple[float, float, float], Components("dimensionless")]
+"""A direction [x, z] or [x, y, z] of any length."""
+Stiffnesses = Annotated[float | tuple[float, float] | tuple[float, float, float], OneOrEach("N/m", "positive")]
+Viscosities = Annotated[float | tuple[float, float] | tuple[float, float, float], OneOrEach("N*s/m", "not negative")]
+
 Offset = Annotated[float, Quantity("m", "not negative")]
 PositiveLength = Annotated[float, Quantity("m", "positive")]
 PositiveTime = Annotated[float, Quantity("s", "positive")]
 PositiveForce = Annotated[float, Quantity("N", "positive")]
+Force = Annotated[float, Quantity("N")]
+Stiffness = Annotated[float, Quantity("N/m", "not negative")]
+Viscosity = Annotated[float, Quantity("N*s/m", "not negative")]
+Mass = Annotated[float, Quantity("kg", "not negative")]
+FrictionCoefficient = Annotated[float, Quantity("dimensionless", "not negative")]
+TurnAngle = Annotated[float, Quantity("rad", "positive")]
 MassPerLength = Annotated[float, Quantity("kg/m", "positive")]
 AxialDamping = Annotated[float, Quantity("N*s", "not negative")]
 Rate = Annotated[float, Quantity("1/s", "not negative")]

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, Variants, report
-from ropewalk.model.quantity import Count, PositiveLength, PositiveTime, TableTime
+from ropewalk.model.quantity import Count, PositiveLength, PositiveTime, TableTime, TurnAngle
 
 Method = Literal["auto", "explicit", "verlet", "rkn6", "implicit"]
 
@@ -60,6 +60,11 @@ class Quasistatic(Declaration):
     kind: Literal["quasistatic"] = "quasistatic"
     positions: Annotated[int, Count(2, 1_000_000)] = Field(
         default=201, description="number of positions, both ends of the path included"
+    )
+    turn: TurnAngle | None = Field(
+        default=None,
+        description="also keep positions in between, so that no load's path turns by more than this angle from one "
+        "position to the next",
     )
 
 

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, report
 from ropewalk.model.consistency import Parts, check
+from ropewalk.model.history import rows
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import Load
 from ropewalk.model.quantity import Acceleration, Name
@@ -32,12 +33,6 @@ class Scenario(Declaration):
     @property
     def is_plane(self) -> bool:
         """Whether nothing leaves the x-z plane."""
-        points = [p for line in self.lines.values() for p in (line.start, line.end)]
-        return all(spatial(p)[1] == 0.0 for p in points) and not any(_sideways(load) for load in self.loads.values())
-
-
-def _sideways(load: Load) -> bool:
-    if callable(load.force):
-        return False
-    rows = (load.force,) if isinstance(load.force, tuple) else load.force.value
-    return any(spatial(row)[1] != 0.0 for row in rows)
+        vectors = [vector for line in self.lines.values() for vector in line.vectors()]
+        vectors += [row for load in self.loads.values() for row in rows(load.force)]
+        return all(spatial(vector)[1] == 0.0 for vector in vectors)

@@ -221,30 +221,25 @@ def standing_frame(setting: Setting, stands: list[Standing], xi: Array, path: fl
         path: load path, m.
         given: (load, axis) given forces without hold forces, N.
     """
-    strands, loads, dim = setting.strands, setting.loads, len(setting.axes)
-    count = xi.size
+    strands, dim, count = setting.strands, len(setting.axes), xi.size
     place, force, both = np.zeros((count, dim)), np.zeros((count, dim)), np.zeros((count, 2))
+    friction = np.zeros(count)
     position, tension, strain, reaction = [], [], [], []
     elastic = gravitational = 0.0
     for s, rest in enumerate(stands):
-        eps, T, t = rest.link_vectors(strands.law[s])
-        n, h = int(strands.links[s]), float(strands.h[s])
+        n, h, on, last = int(strands.links[s]), float(strands.h[s]), setting.on[s], rest.X.size - 1
         middle = np.searchsorted(rest.X, (np.arange(n) + 0.5) * h, side="right") - 1
         position.append(rest.position.T)
-        tension.append(T[middle])
-        strain.append(eps[middle])
-        left, right = -T[0] * t[:, 0] - rest.weight[:, 0], T[-1] * t[:, -1] - rest.weight[:, -1]
-        beside = rest.contact_tensions(strands.law[s])
-        for k, number in enumerate(np.flatnonzero(loads.strand == s)):
-            i = int(rest.contact[k])
-            place[number], force[number] = rest.r[:, i], rest.force[:, k]
-            both[number] = beside[k]
-            if i == 0:
-                left = left - rest.force[:, k]
-            elif i == rest.X.size - 1:
-                right = right - rest.force[:, k]
-        reaction += [left, right]
-        elastic += stored_total(strands.law[s], eps, np.diff(rest.X))
+        tension.append(rest.tension[middle])
+        strain.append(rest.strain[middle])
+        place[on], force[on], both[on] = rest.r[:, rest.contact].T, rest.force.T, rest.beside
+        friction[on] = rest.friction
+        left, right = -rest.pull[:, 0] - rest.weight[:, 0], rest.pull[:, -1] - rest.weight[:, -1]
+        reaction += [
+            left - rest.force[:, rest.contact == 0].sum(axis=1),
+            right - rest.force[:, rest.contact == last].sum(axis=1),
+        ]
+        elastic += stored_total(strands.law[s], rest.strain, rest.X[1:] - rest.X[:-1])
         gravitational -= float((rest.weight * rest.r).sum())
     nodes = np.concatenate(position)
     return Frame(

@@ -13,10 +13,11 @@ MARK = "<!-- Generated from the schema by ropewalk.scenario.reference: do not ed
 _SECTIONS = [
     ("The file", ["Scenario"]),
     ("A line", ["Line"]),
-    ("Laws", ["Hooke", "TensionOnly", "SecondPiolaKirchhoff", "Polynomial", "Tabulated"]),
+    ("Laws", ["Hooke", "TensionOnly", "SecondPiolaKirchhoff", "Polynomial", "Tabulated", "Inextensible"]),
+    ("Supports", ["Fixed", "Elastic", "Guided", "Moving"]),
     ("Loads", ["MovingForce"]),
     ("Travel", ["Travel"]),
-    ("Tables", ["SpeedTable", "ForceTable"]),
+    ("Tables", ["SpeedTable", "ForceTable", "DisplacementTable"]),
     ("Runs", ["Dynamic", "Quasistatic", "Equilibrium"]),
     ("The start of a motion", ["Start"]),
 ]

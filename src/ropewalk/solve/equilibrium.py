@@ -1,4 +1,4 @@
-"""Rest: the shape of least potential energy of one strand under dead forces."""
+"""Rest: the shape of least potential energy of one strand under dead forces, between supports that may yield."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from ropewalk.mechanics.compiled import kernel
 from ropewalk.mechanics.link import pull_one, stretch
 from ropewalk.mechanics.stiffness import strand_blocks
 from ropewalk.solve.banded import factorise, substitute
-from ropewalk.solve.hanging import hang, p_scale
+from ropewalk.solve.hanging import hang, p_scale, pulls
+from ropewalk.solve.held import Held
 
 Array = NDArray[np.float64]
 
@@ -24,6 +25,8 @@ class Rest:
 
     position: Array  # (axis, node) m
     first_force: Array  # (axis,) N, force vector of the first link: the start value for a similar shape
+    pull: Array  # (axis, link) N, force vectors of the links
+    strain: Array  # (link,)
     residual: float  # largest unbalanced nodal force, N
 
 
@@ -207,76 +210,124 @@ def polish(p: Array, ell: Array, f: Array, r: Array, tolerance: float, most: int
     return worst
 
 
-def hang_up(
-    p: Array, ell: Array, f: Array, start: Array, end: Array, guess: Array | None = None
-) -> tuple[Array, Array]:
+def hang_up(p: Array, ell: Array, f: Array, held: Held, guess: Array | None = None) -> tuple[Array, Array, float]:
     """Find the shape in which every link pulls, and the force vector of its first link.
 
     Args:
         p: axial law, see mechanics/law.py.
         ell: (link,) unstrained lengths, m.
-        f: (axis, node) dead forces on the nodes, N.
-        start, end: (axis,) m.
+        f: (axis, node) dead forces on the nodes, N, with those of the supports on the first and the last node.
+        held: the supports.
         guess: (axis,) force vector of the first link of a similar shape, N; not needed.
 
     Returns:
-        Force vector of the first link (axis,) N, and positions (axis, node) m.
+        Force vector of the first link (axis,) N, positions (axis, node) m, and the gap that is left, m.
 
     Raises:
         EquilibriumError: there is no rest shape, or more than one.
     """
-    length, distance = float(ell.sum()), float(np.linalg.norm(end - start))
-    if not np.any(f[:, 1:-1]) and length > distance * (1.0 + 1e-12):
+    r = np.empty((f.shape[0], ell.size + 1))
+    length = float(ell.sum())
+    if guess is not None and held.is_fast and f[:, 1:-1].any():
+        R = np.array(guess)
+        miss = float(hang(p, ell, f, held.place, held.rigid, 1e-13, R, r))
+        if miss < 1e-9 * length:
+            return R, r, miss
+    span = held.place[1] - held.place[0]
+    distance = float(np.linalg.norm(span))
+    if held.is_fast and not np.any(f[:, 1:-1]) and length > distance * (1.0 + 1e-12):
         raise EquilibriumError(
             f"the line is slack (length {length:g} m over a distance of {distance:g} m) and nothing pulls on it: "
             "its rest shape is not determined; give gravity, a load, a shorter length or a tension"
         )
-    r = np.empty((start.size, ell.size + 1))
-    R = np.array(guess) if guess is not None else _first_force(p, f, start, end, length)
-    miss = hang(p, ell, f, start, end, 1e-13, R, r)
-    if not miss < 1e-9 * length:  # folds: links without tension; come to them step by step
-        R = _first_force(p, f, start, end, length)
-        for smooth in 10.0 ** -np.arange(2.0, 11.0):
-            miss = hang(p, ell, f, start, end, smooth, R, r)
-    if not miss < 1e-6 * length and p[0] == law.TABLE:  # a level part leaves the strain open: tilt it, ever less
-        R, shape = _first_force(p, f, start, end, length), r.copy()
-        for tilt in 10.0 ** -np.arange(1.0, 8.0):
-            found = hang(_tilted(p, tilt), ell, f, start, end, 1e-10, R, shape)
-            if not found < 1e-6 * length:
-                break
-            miss, r = found, shape.copy()
+    if held.is_fast and p[0] == law.RIGID and length <= distance:
+        raise EquilibriumError(
+            f"an inextensible line of {length:g} m does not reach over the distance of its ends, {distance:g} m"
+        )
+    R = np.array(guess) if guess is not None else _first_force(p, f, span, length)
+    scale = _scale(p, f)
+    soft, loose = held.compliance(scale / length)
+    place = held.place.copy()
+    miss = _hang(p, ell, f, place, soft, R, r)
+    for _ in range(30 if loose.any() else 0):
+        # What carries nothing follows the end: the spring that was lent there is without force when all is done.
+        moved = np.stack([loose[0] @ (r[:, 0] - place[0]), loose[1] @ (r[:, -1] - place[1])])
+        if not np.abs(moved).max() > 1e-14 * length:
+            break
+        if np.abs(place + moved - held.place).max() > 1e6 * length:
+            raise EquilibriumError("a guided support slides away: nothing holds it along its rail; give it a stiffness")
+        place += moved
+        miss = _hang(p, ell, f, place, soft, R, r)
     if not miss < 1e-6 * length:
         raise EquilibriumError(
             "no rest shape was found: the axial law cannot carry the load (its tension does not rise far enough), or "
             "the numbers are too far apart; check length, axial_stiffness, law and forces"
         )
-    return R, r
+    return R, r, float(miss)
 
 
-def at_rest(p: Array, ell: Array, f: Array, start: Array, end: Array, guess: Array | None = None) -> Rest:
-    """Find the rest shape of one strand between fixed ends, see `hang_up`.
+def _hang(p: Array, ell: Array, f: Array, place: Array, soft: Array, R: Array, r: Array) -> float:
+    """`hang` by easier steps where it does not succeed at once; R and r are changed. Returns the gap, m."""
+    length, span = float(ell.sum()), place[1] - place[0]
+    miss = hang(p, ell, f, place, soft, 1e-13, R, r)
+    if not miss < 1e-9 * length:  # folds: links without tension; come to them step by step
+        R[:] = _first_force(p, f, span, length)
+        for smooth in 10.0 ** -np.arange(2.0, 11.0):
+            miss = hang(p, ell, f, place, soft, smooth, R, r)
+    if not miss < 1e-6 * length and p[0] == law.TABLE:  # a level part leaves the strain open: tilt it, ever less
+        tilted, shape = _first_force(p, f, span, length), r.copy()
+        for tilt in 10.0 ** -np.arange(1.0, 8.0):
+            found = hang(_tilted(p, tilt), ell, f, place, soft, 1e-10, tilted, shape)
+            if not found < 1e-6 * length:
+                break
+            miss, r[:], R[:] = found, shape, tilted
+    return float(miss)
+
+
+def at_rest(p: Array, ell: Array, f: Array, held: Held, guess: Array | None = None) -> Rest:
+    """Find the rest shape of one strand, see `hang_up`.
 
     Raises:
         EquilibriumError: there is no rest shape, or more than one.
     """
-    n = ell.size
-    if n == 1:
-        r = np.stack([start, end], axis=1)
-        return Rest(r, np.zeros(start.size), 0.0)
-    R, r = hang_up(p, ell, f, start, end, guess)
+    n, inner = ell.size, f
+    if n == 1 and held.is_fast and p[0] != law.RIGID:
+        r = np.array(held.place.T)
+        d = r[:, 1] - r[:, 0]
+        length = float(np.linalg.norm(d))
+        pull = law.tension(p, length / ell[0] - 1.0) * d / length if length > 0.0 else 0.0 * d
+        return Rest(r, pull, pull[:, None], np.array([length / ell[0] - 1.0]), 0.0)
+    f = f.copy()
+    f[:, 0] += held.force[0]
+    f[:, -1] += held.force[1]
+    R, r, miss = hang_up(p, ell, f, held, guess)
+    pull, strain = np.empty((f.shape[0], n)), np.empty(n)
+    least, scale, length = pulls(p, ell, f, R, pull, strain)
+    if p[0] == law.RIGID:
+        return Rest(r, R, pull, strain, 0.0)
+    if p[0] != law.TABLE and least > 1e-6 * scale and miss < 1e-12 * length:
+        # Every link pulls: the energy is convex here, and the forces of this shape balance by construction.
+        return Rest(r, R, pull, strain, 0.0)
     _open_up(ell, r)
-    scale = max(float(np.abs(f[:, 1:-1]).sum()), float(np.abs(R).max()))
     rounding = 1e-14 * p_scale(p) * float(np.abs(r).max()) / float(ell.min())  # of strains from positions
     hung = r.copy()
-    worst = polish(p, ell, f, r, 1e-14 * scale, 500)
+    worst = polish(p, ell, inner, r, 1e-14 * scale, 500)
     if not worst <= 1e-4 * scale + rounding:  # folds of a stiff line: a narrow valley, to be entered step by step
         r[:] = hung
         softer = min(1.0, 1e3 * scale / p_scale(p))
         for part in softer ** np.linspace(1.0, 0.0, max(2, round(-2.0 * np.log10(softer)) + 1)):
-            worst = polish(_scaled(p, part), ell, f, r, 1e-14 * scale, 500)
+            worst = polish(_scaled(p, part), ell, inner, r, 1e-14 * scale, 500)
     if not worst <= 1e-4 * scale + rounding:
         raise EquilibriumError(f"the rest shape is not in balance: {worst:.3g} N are left over of {scale:.3g} N")
-    return Rest(r, R, worst)
+    d = np.diff(r, axis=1)
+    lengths = np.sqrt((d * d).sum(axis=0))
+    eps = lengths / ell - 1.0
+    return Rest(r, R, law.tensions(p, eps) * d / np.where(lengths > 0.0, lengths, 1.0), eps, worst)
+
+
+def _scale(p: Array, f: Array) -> float:
+    """A force that stands for the stiffness of the line: its own, or, if it is rigid, what pulls at it."""
+    return float(np.abs(f).sum()) or 1.0 if p[0] == law.RIGID else float(p_scale(p))
 
 
 def _tilted(p: Array, tilt: float) -> Array:
@@ -300,12 +351,11 @@ def _open_up(ell: Array, r: Array) -> None:
             r[0, i + 1 if i + 2 < r.shape[1] else i] += 1e-2 * ell[i]
 
 
-def _first_force(p: Array, f: Array, start: Array, end: Array, length: float) -> Array:
+def _first_force(p: Array, f: Array, span: Array, length: float) -> Array:
     """A rough force vector at the first link: half the load, and a pull along the chord."""
-    chord = end - start
-    distance = float(np.linalg.norm(chord))
+    distance = float(np.linalg.norm(span))
     half: Array = 0.5 * f[:, 1:-1].sum(axis=1)
     pull = float(np.linalg.norm(half))
-    if distance > length:
+    if distance > length and p[0] != law.RIGID:
         pull += float(law.tension(p, distance / length - 1.0))
-    return half + pull * chord / distance if distance > 0.0 else half
+    return half + pull * span / distance if distance > 0.0 else half

@@ -1,4 +1,4 @@
-"""Slow motion: rest shapes for positions of the loads at equal steps of their path."""
+"""Slow motion: rest shapes for positions of the loads along their path."""
 
 from __future__ import annotations
 
@@ -9,109 +9,57 @@ import numpy as np
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, SLIP, Array
-from ropewalk.mechanics.rider import force_at, look_up_integral
-from ropewalk.model.history import SpeedTable
-from ropewalk.model.scenario import Scenario
-from ropewalk.solve.standing import Standing, stand
+from ropewalk.solve.measure import Measure, shapes
+from ropewalk.solve.standing import Standing
 from ropewalk.solve.start import Setting
+from ropewalk.solve.timetable import timetable
 
 # The loads' places are found to this part of their line's length: below the rounding of the shapes' tensions.
 _TOLERANCE = 1e-12
-
-
-def horizon(scenario: Scenario) -> float:
-    """For how long callables are needed until a load has certainly passed its line, s (0 without callables)."""
-    loads = scenario.loads.values()
-    if not any(callable(load.travel.speed) or callable(load.force) for load in loads):
-        return 0.0
-    times = []
-    for load in loads:
-        line, speed, until, gone = scenario.lines[load.on], load.travel.speed, 1.0, -1.0
-        reach = 3.0 * max(line.length or 0.0, line.distance)  # longer than the stretched line, and there and back
-        for _ in range(60):
-            grid = np.linspace(0.0, until, 257)
-            if callable(speed):
-                rates = np.array([float(speed(t)) for t in grid])
-            elif isinstance(speed, SpeedTable):
-                rates = np.interp(grid, speed.time, speed.value)
-            else:
-                rates = np.full(grid.size, speed)
-            last, gone = gone, float(np.trapezoid(np.abs(rates), grid))
-            if not last < gone < reach:  # done, or the load comes to a stop
-                break
-            until *= 2.0
-        times.append(until)
-    return min(times)
+# Beyond this part of the length a place was not found: the path turns back.
+_REACHED = 1e-6
+# Error of the slip path in each step, as a part of the step.
+_SLIP = 1e-6
+# Steps are never made smaller than this part of the distance between two regular positions.
+_LEAST = 1.0 / 4096.0
 
 
 @dataclass(frozen=True)
 class Place:
     """One position of the loads: path of the first one, where they all stand, and the shapes of all strands."""
 
-    path: float
-    xi: Array
+    path: float  # m
+    t: float  # s
+    xi: Array  # (load,) m
+    marks: Array  # (load,) the measures there
     stands: list[Standing]
     given: Array  # (load, axis) N
 
-
-def shapes(setting: Setting, xi: Array, t: float, before: list[Standing] | None = None) -> tuple[list[Standing], Array]:
-    """The rest shapes of all strands with the loads at xi, and the given forces at time t."""
-    loads, dim = setting.loads, len(setting.axes)
-    given = np.array([[force_at(loads, k, t, a) for a in range(dim)] for k in range(xi.size)]).reshape(xi.size, dim)
-    out = []
-    for s in range(setting.strands.first.size):
-        on = np.flatnonzero(loads.strand == s)
-        similar = before[s] if before is not None else None
-        try:
-            out.append(stand(setting.strands, s, setting.ends[s], xi[on], given[on].T, loads.contact[on], similar))
-        except EquilibriumError as error:
-            raise EquilibriumError(f"line {setting.lines[s]}: {error}") from None
-    return out, given
+    def contacts(self, setting: Setting) -> Array:
+        """Positions of the contacts (load, axis), m."""
+        out = np.empty((self.xi.size, len(setting.axes)))
+        for on, rest in zip(setting.on, self.stands, strict=True):
+            out[on] = rest.r[:, rest.contact].T
+        return out
 
 
-class _Measure:
-    """How far a load has come along its path, as its speed is measured."""
-
-    def __init__(self, setting: Setting, k: int) -> None:
-        self.setting, self.k = setting, k
-        self.s = int(setting.loads.strand[k])
-        self.kind = int(setting.loads.measure[k])
-        # Slow motion may be measured against the material coordinate: along x on a line that runs towards -x.
-        run = float(setting.ends[self.s][1][0] - setting.ends[self.s][0][0])
-        self.direction = -1.0 if self.kind == HORIZONTAL and run < 0.0 else 1.0
-        self.number = int(np.flatnonzero(np.flatnonzero(setting.loads.strand == self.s) == k)[0])
-
-    def of(self, xi: float, stands: list[Standing]) -> float:
-        """Path up to xi: material coordinate, arc length or x; for slip the mean stretch there."""
-        rest = stands[self.s]
-        i = int(rest.contact[self.number])
-        if self.kind == MATERIAL:
-            return xi
-        if self.kind == HORIZONTAL:
-            return float(rest.r[0, i])
-        length = np.sqrt((np.diff(rest.r, axis=1) ** 2).sum(axis=0))
-        if self.kind == SLIP:
-            lam = length / np.diff(rest.X)
-            return float(0.5 * (lam[max(i - 1, 0)] + lam[min(i, lam.size - 1)]))
-        return float(length[:i].sum())
-
-
-def walk(setting: Setting, positions: int) -> Iterator[Place]:
+def walk(setting: Setting, positions: int, turn: float | None = None) -> Iterator[Place]:
     """Yield the loads at equal steps of the path of the first one, until one of them comes to the end of its line.
 
-    All loads keep the pace of their speeds. Forces that change in time are taken at the time of the path.
+    All loads keep the pace of their speeds. Forces that change in time are taken at the time of the path. Between the
+    positions the step is refined where the next shape is not found at once, where the slip path needs it, and where a
+    load's path turns by more than the angle `turn` (rad); with `turn` given, the places in between are yielded, too.
 
     Raises:
-        EquilibriumError: a rest shape cannot be found, or the loads do not advance.
+        EquilibriumError: a rest shape cannot be found, or the loads do not advance; the last place that can be reached
+            has been yielded.
     """
-    count = setting.xi.size
-    if count == 0:
+    if setting.xi.size == 0:
         raise EquilibriumError("slow motion needs a load that travels")
-    measures = [_Measure(setting, k) for k in range(count)]
-    xi = setting.xi.copy()
-    stands, given = shapes(setting, xi, 0.0)
-    begin = np.array([m.of(x, stands) for m, x in zip(measures, xi, strict=True)])
-    times, ways = _timetable(setting, measures, begin)
+    stands, given = shapes(setting, setting.xi, 0.0)
+    measures = [Measure(setting, k) for k in range(setting.xi.size)]
+    marks = np.array([m.of(x, stands) for m, x in zip(measures, setting.xi, strict=True)])
+    times, ways = timetable(setting, measures, marks)
     path = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(ways[0])))))
     first = setting.loads.strand[0]
     if not path[-1] > _TOLERANCE * setting.strands.links[first] * setting.strands.h[first]:
@@ -119,18 +67,85 @@ def walk(setting: Setting, positions: int) -> Iterator[Place]:
             "the first load has no path: it stands at the end of its line and would move off it, or its speed is zero; "
             "let it start elsewhere (travel.from), or turn the sign of speed"
         )
-    yield Place(0.0, xi.copy(), stands, given)
-    previous_t, previous_xi = 0.0, xi
-    for place in np.linspace(0.0, path[-1], positions)[1:]:
-        t = float(np.interp(place, path, times))
-        target = np.array([np.interp(t, times, way) for way in ways])
-        advance = target - [np.interp(previous_t, times, way) for way in ways]
-        marks = np.array([m.of(x, stands) for m, x in zip(measures, xi, strict=True)])
-        step = _Step(setting, measures, t, xi, marks, begin + target, advance)
-        guess = xi + (xi - previous_xi) if previous_t > 0.0 else xi + advance * [m.direction for m in measures]
-        previous_t, previous_xi = t, xi
-        xi, stands, given = step.take(guess, stands)
-        yield Place(float(place), xi.copy(), stands, given)
+    here = Place(0.0, 0.0, setting.xi.copy(), marks, stands, given)
+    yield here
+    yield from _Walk(setting, measures, times, path, ways, marks, here, turn).along(
+        np.linspace(0.0, path[-1], positions)
+    )
+
+
+@dataclass
+class _Walk:
+    """Steps along the path that become smaller where it is difficult."""
+
+    setting: Setting
+    measures: list[Measure]
+    times: Array
+    path: Array  # of the first load at these times, m
+    ways: list[Array]  # of every load, as measured
+    begin: Array  # (load,) the measures at the beginning
+    here: Place
+    turn: float | None
+    before: Place | None = None
+
+    def along(self, regular: Array) -> Iterator[Place]:
+        step = widest = float(regular[1])
+        for goal in regular[1:]:
+            while self.here.path < goal:
+                rest = goal - self.here.path
+                parts = max(1, round(np.ceil(rest / step - 1e-9)))
+                target = goal if parts == 1 else self.here.path + rest / parts
+                try:
+                    new = self._step(target)
+                except EquilibriumError:
+                    if step <= _LEAST * widest:
+                        if self.turn is None and self.here.path not in regular:
+                            yield self.here
+                        raise
+                    step = 0.5 * min(step, rest)
+                    continue
+                if step > _LEAST * widest and not self._is_fine(new):
+                    step = 0.5 * min(step, rest)
+                    continue
+                self.before, self.here = self.here, new
+                step = min(2.0 * step, widest)
+                if new.path == goal or self.turn is not None:
+                    yield new
+
+    def _step(self, path: float) -> Place:
+        here, before = self.here, self.before
+        t = float(np.interp(path, self.path, self.times))
+        target = np.array([np.interp(t, self.times, way) for way in self.ways])
+        advance = target - [np.interp(here.t, self.times, way) for way in self.ways]
+        step = _Step(self.setting, self.measures, t, here.xi, here.marks, self.begin + target, advance)
+        guess = here.xi + advance * [m.direction for m in self.measures]
+        if before is not None:
+            guess = here.xi + (here.xi - before.xi) * (path - here.path) / (here.path - before.path)
+        xi, stands, given = step.take(guess, here.stands)
+        marks = np.array([m.of(x, stands) for m, x in zip(self.measures, xi, strict=True)])
+        return Place(path, t, xi, marks, stands, given)
+
+    def _is_fine(self, new: Place) -> bool:
+        here, before = self.here, self.before
+        if any(m.kind == SLIP for m in self.measures):
+            if before is None:  # nothing to judge by: begin with little
+                return new.path - here.path <= 1e-3 * self.path[-1]
+            last, now = here.path - before.path, new.path - here.path
+            bend = 2.0 * ((new.marks - here.marks) / now - (here.marks - before.marks) / last) / (last + now)
+            slipping = np.array([m.kind == SLIP for m in self.measures])
+            if np.abs(bend[slipping]).max() * now * now / 12.0 > _SLIP:
+                return False
+        if self.turn is None or before is None:
+            return True
+        a, b, c = (place.contacts(self.setting) for place in (before, here, new))
+        return bool(np.all(_angles(b - a, c - b) <= self.turn))
+
+
+def _angles(a: Array, b: Array) -> Array:
+    """Angles between rows of vectors, rad; zero where one has no length."""
+    sizes = np.sqrt((a * a).sum(axis=1) * (b * b).sum(axis=1))
+    cosine = (a * b).sum(axis=1) / np.where(sizes > 0.0, sizes, 1.0)
+    return np.where(sizes > 0.0, np.arccos(np.clip(cosine, -1.0, 1.0)), 0.0)
 
 
 @dataclass
@@ -138,7 +153,7 @@ class _Step:
     """A step of all loads along their paths."""
 
     setting: Setting
-    measures: list[_Measure]
+    measures: list[Measure]
     t: float
     before: Array  # (load,) m, xi before the step
     marks: Array  # (load,) the measures before the step
@@ -182,7 +197,7 @@ class _Step:
         self, k: int, length: float, xi: Array, stands: list[Standing], given: Array
     ) -> tuple[list[Standing], Array]:
         """Put load k where its path comes out right (or to the end of its line): secant steps within a bracket."""
-        low, high, slope = 0.0, length, 1.0
+        m, low, high, slope = self.measures[k], 0.0, length, 1.0
         miss = self._miss(k, xi[k], stands)
         for _ in range(100):
             x = float(xi[k])
@@ -193,6 +208,8 @@ class _Step:
             if not (low < new < high or (new == length == high) or (new == 0.0 == low)):
                 new = 0.5 * (low + high)
             if abs(new - x) <= 1e-16 * length:
+                if m.kind == HORIZONTAL and abs(miss) > _REACHED * length:
+                    break
                 return stands, given
             xi[k] = new
             stands, given = self._shapes(xi, [k], np.array([x]), stands)
@@ -200,63 +217,7 @@ class _Step:
             slope = (following - miss) / (xi[k] - x)
             slope = slope if slope > 0.0 else 1.0
             miss = following
-        return stands, given
-
-
-def _timetable(setting: Setting, measures: list[_Measure], begin: Array) -> tuple[Array, list[Array]]:
-    """Times and paths of all loads until the first of them comes to the end of its line."""
-    loads, count = setting.loads, setting.xi.size
-
-    def path(k: int, times: Array) -> Array:
-        first, n = loads.speed_first[k], loads.speed_count[k]
-        tables = loads.speed_time, loads.speed_value, loads.speed_path
-        return np.array([look_up_integral(*tables, first, n, t) for t in times])
-
-    arrivals, changing = [], bool((loads.speed_count > 1).any())
-    for k in range(count):
-        table = slice(loads.speed_first[k], loads.speed_first[k] + loads.speed_count[k])
-        speeds, last = loads.speed_value[table], float(loads.speed_value[table][-1])
-        ahead = _room(setting, measures[k], float(begin[k]), forward=True) if (speeds > 0.0).any() else np.inf
-        behind = _room(setting, measures[k], float(begin[k]), forward=False) if (speeds < 0.0).any() else np.inf
-        if last == 0.0 and speeds.size == 1:
-            continue
-        horizon = max(float(loads.speed_time[table][-1]), 0.0)
-        if last != 0.0:
-            then = float(path(k, np.array([horizon]))[0])
-            horizon += max((ahead - then) / last if last > 0.0 else (behind + then) / -last, 0.0)
-        times = np.linspace(0.0, horizon, 20001 if speeds.size > 1 else 2)
-        gone = path(k, times)
-        off = np.maximum(gone / ahead, -gone / behind)
-        i = int(np.argmax(off >= 1.0 - 1e-12)) if off.max() >= 1.0 - 1e-12 else times.size - 1
-        arrivals.append(float(np.interp(1.0, off[i - 1 : i + 1], times[i - 1 : i + 1])))
-    times = np.linspace(0.0, min(arrivals, default=0.0), 20001 if changing else 2)
-    return times, [path(k, times) for k in range(count)]
-
-
-def _room(setting: Setting, measure: _Measure, begin: float, *, forward: bool) -> float:
-    """Path from the start of a load to the end of its line, as measured (slip: by a first walk along the line)."""
-    s, k = measure.s, measure.k
-    strands, bare, xi = setting.strands, setting.bare[s], float(setting.xi[k])
-    length = float(strands.links[s] * strands.h[s])
-    if measure.kind == MATERIAL:
-        room = length - xi if forward else xi
-    elif measure.kind == HORIZONTAL:  # forward is towards +x, whichever end of the line lies there
-        ends = [float(end[0]) for end in setting.ends[s]]
-        room = max(ends) - begin if forward else begin - min(ends)
-    elif measure.kind != SLIP:
-        arc = float(np.sqrt((np.diff(bare.r, axis=1) ** 2).sum(axis=0)).sum()) if bare is not None else length
-        room = arc - begin if forward else begin
-    else:
-        grid, places = np.linspace(xi, length if forward else 0.0, 101), setting.xi.copy()
-        lam: list[float] = []
-        stands = None
-        for x in grid:
-            places[k] = x
-            try:
-                stands, _ = shapes(setting, places, 0.0, stands)
-            except EquilibriumError:  # the walk will end there and say why
-                lam += [lam[-1]] * (grid.size - len(lam))
-                break
-            lam.append(measure.of(float(x), stands))
-        room = abs(float(np.trapezoid(lam, grid)))
-    return max(room, 1e-300)
+        raise EquilibriumError(
+            f"a load cannot come to x = {self.target[k]:.6g} m: its path turns back before, at "
+            f"{m.of(xi[k], stands):.6g} m; measure its travel along the line (material, slip or arc)"
+        )

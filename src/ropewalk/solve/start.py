@@ -3,28 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import brentq
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.mechanics.assembly import axes_of, components, loads_of, strands_of
+from ropewalk.mechanics.assembly import axes_of, loads_of, strands_of, supports_of
 from ropewalk.mechanics.chain import (
     HORIZONTAL,
     MATERIAL,
     SHARED,
     SHARING,
     Array,
+    Integers,
     Loads,
     State,
     Strands,
+    Supports,
 )
-from ropewalk.mechanics.law import strain
+from ropewalk.mechanics.law import RIGID, strain
 from ropewalk.mechanics.rider import ROOM, force_at, link_of, part_of, speed_at
 from ropewalk.model.line import Line
 from ropewalk.model.scenario import Scenario
 from ropewalk.solve.equilibrium import at_rest
-from ropewalk.solve.standing import Standing, stand
+from ropewalk.solve.held import Held, ends_at
+from ropewalk.solve.standing import NOTHING, Contacts, Standing, contacts_on, stand
 
 
 @dataclass(frozen=True)
@@ -35,9 +39,31 @@ class Setting:
     lines: tuple[str, ...]
     strands: Strands
     loads: Loads
-    ends: tuple[tuple[Array, Array], ...]  # positions of the two supports of each strand, m
+    supports: Supports
+    ends: tuple[Held, ...]  # what holds each strand at the beginning
     bare: tuple[Standing | None, ...]  # each strand at rest without loads; None: not determined without them
     xi: Array  # (load,) m, where the loads begin
+
+    @cached_property
+    def on(self) -> tuple[Integers, ...]:
+        """The loads on each strand."""
+        return tuple(np.flatnonzero(self.loads.strand == s) for s in range(self.strands.first.size))
+
+    @cached_property
+    def contacts(self) -> tuple[Contacts, ...]:
+        """How the loads on each strand are held."""
+        return tuple(contacts_on(self.loads, on) for on in self.on)
+
+    @cached_property
+    def is_held_still(self) -> bool:
+        """Whether no support moves as prescribed."""
+        return bool((self.supports.motion_count == 1).all())
+
+    def held(self, s: int, t: float) -> Held:
+        """What holds strand s at time t in s."""
+        if self.is_held_still:
+            return self.ends[s]
+        return ends_at(self.supports, s, t, self.strands.gravity)
 
 
 def setting_of(scenario: Scenario, until: float) -> Setting:
@@ -51,17 +77,18 @@ def setting_of(scenario: Scenario, until: float) -> Setting:
         EquilibriumError: a line has no rest shape, or a load would begin beyond the end of its line.
     """
     axes = axes_of(scenario)
-    ends = tuple((components(line.start, axes), components(line.end, axes)) for line in scenario.lines.values())
     lengths = {
         name: line.length if line.length is not None else _length_for_tension(scenario, name, line)
         for name, line in scenario.lines.items()
     }
     strands, loads = strands_of(scenario, lengths), loads_of(scenario, until)
-    nothing = np.zeros(0)
+    supports = supports_of(scenario, until)
+    ends = tuple(ends_at(supports, s, 0.0, strands.gravity) for s in range(len(scenario.lines)))
+    nothing, none = np.zeros(0), np.zeros((len(axes), 0))
     bare: list[Standing | None] = []
     for s, name in enumerate(scenario.lines):
         try:
-            bare.append(stand(strands, s, ends[s], nothing, np.zeros((len(axes), 0)), nothing.astype(np.int64)))
+            bare.append(stand(strands, s, ends[s], nothing, none, NOTHING))
         except EquilibriumError as error:
             if not any(load.on == name for load in scenario.loads.values()):
                 raise EquilibriumError(f"line {name}: {error}") from None
@@ -71,7 +98,7 @@ def setting_of(scenario: Scenario, until: float) -> Setting:
         _place(strands, bare, loads, k, start, name)
         for (k, start), name in zip(enumerate(starts), scenario.loads, strict=True)
     ]
-    return Setting(axes, tuple(scenario.lines), strands, loads, ends, tuple(bare), np.array(xi, dtype=float))
+    return Setting(axes, tuple(scenario.lines), strands, loads, supports, ends, tuple(bare), np.array(xi, dtype=float))
 
 
 def _length_for_tension(scenario: Scenario, name: str, line: Line) -> float:
@@ -79,21 +106,20 @@ def _length_for_tension(scenario: Scenario, name: str, line: Line) -> float:
     assert line.tension is not None
 
     def mean_tension(length: float) -> float:
-        lone = scenario.model_copy(update={"lines": {name: line}, "loads": {}})
         strands = strands_of(lone, {name: length})
-        axes = axes_of(lone)
-        ends = (components(line.start, axes), components(line.end, axes))
-        rest = stand(strands, 0, ends, np.zeros(0), np.zeros((len(axes), 0)), np.zeros(0, dtype=np.int64))
-        return float(rest.link_vectors(strands.law[0])[1].mean())
+        rest = stand(strands, 0, held, np.zeros(0), np.zeros((strands.gravity.size, 0)), NOTHING)
+        return float(rest.tension.mean())
 
-    law = strands_of(scenario.model_copy(update={"lines": {name: line}, "loads": {}}), {name: 1.0}).law[0]
+    lone = scenario.model_copy(update={"lines": {name: line}, "loads": {}})
+    unit = strands_of(lone, {name: 1.0})
+    law, held = unit.law[0], ends_at(supports_of(lone, 0.0), 0, 0.0, unit.gravity)
     stretched = line.distance / (1.0 + float(strain(law, line.tension)))
     if not np.isfinite(stretched):
         raise EquilibriumError(f"line {name}: the axial law never reaches the tension of {line.tension:g} N")
     if scenario.gravity == 0.0:
         return stretched
     # Weight adds sag, so that the length lies above that of the straight line; there, more length is less tension.
-    low, high = stretched, stretched
+    low = high = stretched * (1.0 + 1e-9) if law[0] == RIGID else stretched
     while mean_tension(high) > line.tension:
         high *= 1.1
         if high > 1e3 * line.distance:
@@ -161,7 +187,7 @@ def start_state(setting: Setting, with_loads: bool) -> State:
                     f[:, link - i + 1] += part * F
         bare = setting.bare[s]
         guess = bare.first_force if bare is not None else None
-        rest = at_rest(strands.law[s], np.diff(X[i : j + 1]), f, *setting.ends[s], guess)
+        rest = at_rest(strands.law[s], np.diff(X[i : j + 1]), f, setting.ends[s], guess)
         state.r[:, i : j + 1] = rest.position
     return state
 

@@ -1,0 +1,62 @@
+"""Supports: what holds the end of a line."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from ropewalk.model._base import Declaration, Finding, Variants, report
+from ropewalk.model.history import DisplacementHistory
+from ropewalk.model.quantity import Direction, Force, Mass, Stiffness, Stiffnesses, Viscosities, Viscosity
+
+
+class Fixed(Declaration):
+    """A point that does not move."""
+
+    kind: Literal["fixed"] = "fixed"
+
+
+class Elastic(Declaration):
+    """A soft support: springs and dampers between the end of the line and its place, without force at that place."""
+
+    kind: Literal["elastic"] = "elastic"
+    stiffness: Stiffnesses = Field(description="of the spring, one value for all directions or [kx, kz]")
+    damping: Viscosities = Field(default=0.0, description="of the damper, one value or [cx, cz]")
+    mass: Mass = Field(default=0.0, description="that moves with the end of the line; its weight counts")
+    displacement: DisplacementHistory = Field(
+        default=(0.0, 0.0), description="of the far end of springs and dampers: constant, or a table {time, value}"
+    )
+
+
+class Guided(Declaration):
+    """A slider on a straight rail: free along it but for a spring, a damper and a constant force.
+
+    With a force alone it is the end of a line that a weight keeps taut.
+    """
+
+    kind: Literal["guided"] = "guided"
+    along: Direction = Field(description="direction of the rail, [x, z] or [x, y, z], of any length")
+    stiffness: Stiffness = Field(default=0.0, description="of the spring along the rail")
+    damping: Viscosity = Field(default=0.0, description="of the damper along the rail")
+    force: Force = Field(default=0.0, description="constant force along the rail on the end of the line")
+    mass: Mass = Field(default=0.0, description="that moves with the end of the line; its weight counts")
+
+    @model_validator(mode="after")
+    def _points_somewhere(self) -> Self:
+        if not any(self.along):
+            report(
+                "guided", [Finding(("along",), "has no direction", str(list(self.along)), "write for example [1, 0]")]
+            )
+        return self
+
+
+class Moving(Declaration):
+    """A point that moves as prescribed."""
+
+    kind: Literal["moving"] = "moving"
+    displacement: DisplacementHistory = Field(description="from its place: a constant, or a table {time, value}")
+
+
+Support = Annotated[Fixed | Elastic | Guided | Moving, Variants("support")]
+"""Any support."""
