@@ -12,8 +12,9 @@ import ropewalk
 PAGE = Path(__file__).with_name("reference.md")
 
 SECTIONS = {
-    "What is there": ("Scenario", "Line", "MovingForce", "Travel", "ForceTable", "SpeedTable"),
-    "Axial laws": ("Hooke", "TensionOnly", "SecondPiolaKirchhoff", "Polynomial", "Tabulated"),
+    "What is there": ("Scenario", "Line", "MovingForce", "Travel", "ForceTable", "SpeedTable", "DisplacementTable"),
+    "Axial laws": ("Hooke", "TensionOnly", "SecondPiolaKirchhoff", "Polynomial", "Tabulated", "Inextensible"),
+    "Supports": ("Fixed", "Elastic", "Guided", "Moving"),
     "What is asked": ("Dynamic", "Start", "Quasistatic", "Equilibrium"),
     "Files": ("load", "save", "open_result"),
     "Answers": ("simulate", "spectrum", "summary", "figure", "film"),

@@ -163,7 +163,7 @@ def _slow(setting: Setting, scenario: Scenario, account: Account) -> Iterator[Fr
         for place in walk(setting, run.positions, run.turn):
             account.steps += 1
             account.warnings += remarks.on(place)
-            yield standing_frame(setting, place.stands, place.xi, place.path, place.given)
+            yield standing_frame(setting, place.stands, place.xi, place.path, place.given, place.t)
     except RopewalkError as error:
         if account.steps == 0:
             raise

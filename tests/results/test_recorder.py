@@ -28,6 +28,7 @@ CONTRACT = {
     "hold_force": (("time", "contact", "axis"), "N"),
     "contact_xi": (("time", "contact"), "m"),
     "contact_speed": (("time", "contact"), "m/s"),
+    "contact_friction": (("time", "contact"), "1"),
     "contact_tension": (("time", "contact", "side"), "N"),
     "reaction": (("time", "support", "axis"), "N"),
     "energy": (("time", "form"), "J"),

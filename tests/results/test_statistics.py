@@ -35,6 +35,7 @@ def frame(time: float, **changes: object) -> Frame:
         "hold_force": [[3.0, 0.0]],
         "contact_xi": [1.0],
         "contact_speed": [2.0],
+        "contact_friction": [0.1],
         "contact_tension": [[10.0, 20.0]],
         "reaction": [[-6.0, 8.0], [1.0, 0.0]],
         "energy": np.zeros(len(ENERGY_FORMS)),
@@ -49,6 +50,7 @@ OFF = {
     "hold_force": [[NAN, NAN]],
     "contact_xi": [NAN],
     "contact_speed": [NAN],
+    "contact_friction": [NAN],
     "contact_tension": [[NAN, NAN]],
 }
 FRAMES = [

@@ -90,6 +90,7 @@ def _frame(plan: Layout, x: np.ndarray, time: float) -> Frame:
         contact_force=vector(contacts, hold, -FORCE) * off,
         hold_force=vector(contacts, hold, 0.0) * off,
         contact_xi=np.full(contacts, at / SPAN * 20.0) * off,
+        contact_friction=np.zeros(contacts) * off,
         contact_speed=np.full(contacts, SPEED) * off,
         contact_tension=np.full((contacts, 2), [1620.0, 1380.0]) * off,
         reaction=vector(2, [-tension[0], tension[-1]], [300.0, 400.0 + 100 * time]),

@@ -11,6 +11,7 @@ from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Finding
 from ropewalk.model.course import Piece, between, course, first_at_most, place_at
 from ropewalk.model.history import SpeedTable
+from ropewalk.model.law import Inextensible
 from ropewalk.model.line import Line
 from ropewalk.model.load import MovingForce
 from ropewalk.model.run import Dynamic, Equilibrium, Quasistatic
@@ -38,7 +39,9 @@ class Parts:
 def check(parts: Parts) -> list[Finding]:
     """Find everything that does not fit together."""
     return [
-        finding for examine in (_unknown_lines, _travels, _meetings, _path, _rest, _size) for finding in examine(parts)
+        finding
+        for examine in (_unknown_lines, _travels, _meetings, _slow_only, _path, _rest, _size)
+        for finding in examine(parts)
     ]
 
 
@@ -167,6 +170,22 @@ def _leaves(way: list[Piece], limit: float, before: float) -> bool:
     return any(time is not None and time < before for time in times)
 
 
+def _slow_only(parts: Parts) -> Iterator[Finding]:
+    """What only rest and slow motion know."""
+    if not isinstance(parts.run, Dynamic):
+        return
+    for name, line in parts.lines.items():
+        if line is not None and isinstance(line.law, Inextensible):
+            remedy = "ask for kind: quasistatic or equilibrium, or give an axial_stiffness with law hooke"
+            yield Finding(("lines", name, "law"), "an inextensible line cannot move in time", remedy=remedy)
+    for name, load in parts.loads.items():
+        if load is not None and load.contact in ("coulomb", "dragged"):
+            wrong, remedy = "friction of a prescribed travel is for slow motion", "ask for kind: quasistatic"
+            yield Finding(
+                ("loads", name, "contact"), wrong, load.contact, f"{remedy}, or write clamped or frictionless"
+            )
+
+
 def _path(parts: Parts) -> Iterator[Finding]:
     if not isinstance(parts.run, Quasistatic):
         return
@@ -201,6 +220,8 @@ def _rest(parts: Parts) -> Iterator[Finding]:
         with_loads = True
     for name, line in parts.lines.items():
         if line is None or line.length is None or line.length <= line.distance * (1.0 + 1e-12):
+            continue
+        if not line.is_held_fast:
             continue
         if with_loads and parts.loads_on(name):
             continue

@@ -72,12 +72,16 @@ class Line(Declaration):
         if self.axial_damping:
             wrong, remedy = "an inextensible line does not stretch and cannot damp it", "leave axial_damping out"
             findings.append(Finding(("axial_damping",), wrong, f"{self.axial_damping:g} N*s", remedy))
-        held = all(isinstance(support, Fixed | Moving) for support in (self.start_support, self.end_support))
-        if held and self.length is not None and self.length <= self.distance:
+        if self.is_held_fast and self.length is not None and self.length <= self.distance:
             wrong, remedy = "an inextensible line must be longer than the distance of its ends", "give it sag, or a law"
             given = f"{self.length:.10g} m over {self.distance:.10g} m"
             findings.append(Finding(("length",), wrong, given, remedy))
         return findings
+
+    @property
+    def is_held_fast(self) -> bool:
+        """Whether neither end can yield."""
+        return all(isinstance(support, Fixed | Moving) for support in (self.start_support, self.end_support))
 
     def vectors(self) -> Iterator[tuple[float, ...]]:
         """List all places and directions of the line and its supports."""

@@ -55,6 +55,7 @@ VARIABLES: Mapping[str, Quantity] = {
     "contact_xi": Quantity(("contact",), "m", "material coordinate of the contact"),
     "contact_speed": Quantity(("contact",), "m/s", "speed of the load as measured"),
     "contact_tension": Quantity(("contact", "side"), "N", "tension behind and ahead of the load"),
+    "contact_friction": Quantity(("contact",), "1", "friction coefficient that the contact needs at least"),
     "reaction": Quantity(("support", "axis"), "N", "force of the support on the line"),
     "energy": Quantity(("form",), "J", "energy of each form in the audit"),
 }
@@ -71,7 +72,7 @@ COORDINATES: Mapping[str, Quantity] = {
     "link_line": Quantity(("link",), "1", "line of the link"),
     "link_xi": Quantity(("link",), "m", "material coordinate of the middle of the link (unstrained arc length)"),
     "load": Quantity(("contact",), "1", "load of the contact"),
-    "side": Quantity(("side",), "1", "side of the load, in the sense of its travel"),
+    "side": Quantity(("side",), "1", "side of the load: behind is towards the start of the line"),
     "support": Quantity(("support",), "1", "support of a line"),
     "form": Quantity(("form",), "1", "form of energy"),
 }

@@ -11,8 +11,8 @@ Array = NDArray[np.float64]
 
 ENERGY_FORMS = (
     "kinetic",  # of the lines
-    "elastic",  # stored in the lines
-    "gravitational",  # of the lines, zero at z = 0
+    "elastic",  # stored in the lines and in the springs of their supports
+    "gravitational",  # of the lines and of what their supports carry, zero at z = 0; and of constant forces there
     "line_damping",  # dissipated by Kelvin-Voigt and drag damping since the start
     "load_work",  # done by the given forces since the start
     "hold_work",  # done by the hold forces since the start
@@ -49,7 +49,8 @@ class Frame:
     hold_force: Array  # (contact, axis) N
     contact_xi: Array  # (contact,) m
     contact_speed: Array  # (contact,) m/s as measured
-    contact_tension: Array  # (contact, 2) N, behind and ahead
+    contact_tension: Array  # (contact, 2) N, behind (towards the start of the line) and ahead
+    contact_friction: Array  # (contact,) friction coefficient that these tensions need at least
     reaction: Array  # (support, axis) N, of the support on the line
     energy: Array  # (form,) J, in the order of ENERGY_FORMS
 

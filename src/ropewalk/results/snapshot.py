@@ -19,6 +19,7 @@ from ropewalk.mechanics.chain import (
 from ropewalk.mechanics.law import stored_total, tensions
 from ropewalk.mechanics.rider import force_at, link_of, part_of, speed_at
 from ropewalk.results.frame import Frame, Layout
+from ropewalk.solve.holding import coefficient_used
 from ropewalk.solve.standing import Standing
 from ropewalk.solve.start import Setting
 
@@ -147,6 +148,7 @@ class Camera:
         nowhere = np.full((count, dim), np.nan)
         place, force, hold = nowhere, nowhere.copy(), nowhere.copy()
         xi, speed, both = np.full(count, np.nan), np.full(count, np.nan), np.full((count, 2), np.nan)
+        friction = np.full(count, np.nan)
         reaction = _reactions(setting, pieces.f)
         # The hold force of a chain ripples while a load passes a node: its mean since the last frame is reported.
         since, impulse = self._held
@@ -161,6 +163,7 @@ class Camera:
             hold[k] = 0.0
             if b >= 0:
                 place[k], both[k] = state.r[:, b], pieces.T[[b - 1, b]]
+                friction[k] = _friction_used(setting, state, pieces, k, b)
                 if loads.contact[k] == FRICTIONLESS:
                     hold[k, 0] = mean_hold[k]
             else:
@@ -187,6 +190,7 @@ class Camera:
             contact_xi=xi,
             contact_speed=speed,
             contact_tension=both,
+            contact_friction=friction,
             reaction=reaction,
             energy=self._audit(energies(setting, state, pieces.elastic), state.work),
         )
@@ -212,7 +216,21 @@ def _reactions(setting: Setting, f: Array) -> Array:
     return np.array(out)
 
 
-def standing_frame(setting: Setting, stands: list[Standing], xi: Array, path: float, given: Array) -> Frame:
+def _friction_used(setting: Setting, state: State, pieces: _Pieces, k: int, b: int) -> float:
+    """Friction coefficient that the pulls beside a riding node need, less what turns the passing material."""
+    s, U = setting.loads.strand[k], float(state.speed[k])
+    flux = float(setting.strands.rho[s]) * U * U / np.diff(state.X[b - 1 : b + 2])
+    behind, ahead = (pieces.f[:, b - 1 : b + 1] - flux * np.diff(state.r[:, b - 1 : b + 2], axis=1)).T
+    sizes = np.linalg.norm(behind), np.linalg.norm(ahead)
+    if not min(sizes) > 0.0:
+        return float("inf")
+    turn = np.arccos(np.clip(behind @ ahead / (sizes[0] * sizes[1]), -1.0, 1.0))
+    return float(coefficient_used(setting.loads.friction_model[k], np.log(sizes[1] / sizes[0]), turn))
+
+
+def standing_frame(
+    setting: Setting, stands: list[Standing], xi: Array, path: float, given: Array, t: float = 0.0
+) -> Frame:
     """The frame of loads standing still.
 
     Args:
@@ -220,6 +238,7 @@ def standing_frame(setting: Setting, stands: list[Standing], xi: Array, path: fl
         xi: (load,) material coordinates, m.
         path: load path, m.
         given: (load, axis) given forces without hold forces, N.
+        t: instant for which supports that move are taken, s.
     """
     strands, dim, count = setting.strands, len(setting.axes), xi.size
     place, force, both = np.zeros((count, dim)), np.zeros((count, dim)), np.zeros((count, 2))
@@ -241,6 +260,12 @@ def standing_frame(setting: Setting, stands: list[Standing], xi: Array, path: fl
         ]
         elastic += stored_total(strands.law[s], rest.strain, rest.X[1:] - rest.X[:-1])
         gravitational -= float((rest.weight * rest.r).sum())
+        held = setting.held(s, t)
+        if not held.is_fast:
+            ends = rest.r[:, [0, -1]].T
+            moved = ends - held.place
+            elastic += 0.5 * float(np.einsum("ea,eab,eb", moved, held.stiffness, moved))
+            gravitational -= float((held.force * ends).sum())
     nodes = np.concatenate(position)
     return Frame(
         path=path,
@@ -254,6 +279,7 @@ def standing_frame(setting: Setting, stands: list[Standing], xi: Array, path: fl
         contact_xi=xi.copy(),
         contact_speed=np.zeros(count),
         contact_tension=both,
+        contact_friction=friction,
         reaction=np.array(reaction),
         energy=np.array([0.0, elastic, gravitational, 0.0, 0.0, 0.0, 0.0, 0.0]),
     )

@@ -14,7 +14,7 @@ from ropewalk.mechanics.link import pull_one, stretch
 from ropewalk.mechanics.stiffness import strand_blocks
 from ropewalk.solve.banded import factorise, substitute
 from ropewalk.solve.hanging import hang, p_scale, pulls
-from ropewalk.solve.held import Held
+from ropewalk.solve.held import LENT, Held
 
 Array = NDArray[np.float64]
 
@@ -247,17 +247,19 @@ def hang_up(p: Array, ell: Array, f: Array, held: Held, guess: Array | None = No
     R = np.array(guess) if guess is not None else _first_force(p, f, span, length)
     scale = _scale(p, f)
     soft, loose = held.compliance(scale / length)
+    lent = LENT * scale / length
     place = held.place.copy()
     miss = _hang(p, ell, f, place, soft, R, r)
-    for _ in range(30 if loose.any() else 0):
+    for _ in range(40):
         # What carries nothing follows the end: the spring that was lent there is without force when all is done.
         moved = np.stack([loose[0] @ (r[:, 0] - place[0]), loose[1] @ (r[:, -1] - place[1])])
-        if not np.abs(moved).max() > 1e-14 * length:
+        left = float(np.abs(moved).max()) * lent
+        if not left > 1e-13 * max(float(np.abs(R).max()), 1e-3 * scale):
             break
-        if np.abs(place + moved - held.place).max() > 1e6 * length:
-            raise EquilibriumError("a guided support slides away: nothing holds it along its rail; give it a stiffness")
         place += moved
         miss = _hang(p, ell, f, place, soft, R, r)
+    else:
+        raise EquilibriumError("a guided support slides away: nothing holds it along its rail; give it a stiffness")
     if not miss < 1e-6 * length:
         raise EquilibriumError(
             "no rest shape was found: the axial law cannot carry the load (its tension does not rise far enough), or "

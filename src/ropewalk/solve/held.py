@@ -11,7 +11,7 @@ from ropewalk.mechanics.chain import Array, Supports
 
 # Stiffness lent to a direction in which nothing holds an end, as a part of that of the line: the place of the spring
 # follows the end until it carries nothing.
-_LENT = 1e-6
+LENT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -50,15 +50,15 @@ class Held:
         for end in range(2):
             if not self.free[end].any():
                 continue
-            values, vectors = np.linalg.eigh(self.stiffness[end])
-            for value, vector in zip(values, vectors.T, strict=True):
-                if vector @ self.free[end] @ vector < 0.5:
-                    continue
+            sizes, axes = np.linalg.eigh(self.free[end])
+            axes = axes[:, sizes > 0.5]
+            values, vectors = np.linalg.eigh(axes.T @ self.stiffness[end] @ axes)
+            for value, vector in zip(values, (axes @ vectors).T, strict=True):
                 ray = np.outer(vector, vector)
                 if value > 1e-12 * scale:
                     soft[end] += ray / value
                 else:
-                    soft[end] += ray / (_LENT * scale)
+                    soft[end] += ray / (LENT * scale)
                     loose[end] += ray
         return soft, loose
 

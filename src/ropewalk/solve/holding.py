@@ -24,6 +24,8 @@ from ropewalk.mechanics.compiled import kernel
 from ropewalk.solve.equilibrium import hang_up
 from ropewalk.solve.held import Held
 
+# A load is not held by forces so many times larger: its path ends where they grow beyond all bounds.
+_MOST = 1e5
 # Tensions beside a load come out to this part of the forces: well above the rounding of the root finder.
 _EQUAL = 1e-10
 
@@ -245,7 +247,7 @@ class Holding:
                     fine = _solve(self.p, self.ell, self.f, self.held.place, soft, *args, R, hold)
                 except np.linalg.LinAlgError:
                     fine = False
-                if fine:
+                if fine and np.abs(hold).max() < _MOST * scale:
                     self.first_force = R
                     return hold
         return self._searched(which, sign, mu, scale, guess)
@@ -271,7 +273,8 @@ class Holding:
                 found = root(miss, start, tol=1e-13)
             except EquilibriumError:
                 continue
-            if np.abs(found.fun).max() <= _EQUAL * max(1.0, float(np.abs(found.x).max())):
+            size = float(np.abs(found.x).max())
+            if np.abs(found.fun).max() <= _EQUAL * max(1.0, size) and size < _MOST:
                 return np.asarray(found.x * scale)
         raise EquilibriumError(
             "no horizontal force gives the tensions beside a load that slides: it cannot be held so near to a support; "

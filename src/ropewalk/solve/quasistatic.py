@@ -129,11 +129,11 @@ class _Walk:
         here, before = self.here, self.before
         if any(m.kind == SLIP for m in self.measures):
             if before is None:  # nothing to judge by: begin with little
-                return new.path - here.path <= 1e-3 * self.path[-1]
+                return new.path - here.path <= 1e-3 * float(self.path[-1])
             last, now = here.path - before.path, new.path - here.path
             bend = 2.0 * ((new.marks - here.marks) / now - (here.marks - before.marks) / last) / (last + now)
             slipping = np.array([m.kind == SLIP for m in self.measures])
-            if np.abs(bend[slipping]).max() * now * now / 12.0 > _SLIP:
+            if float(np.abs(bend[slipping]).max()) * now * now / 12.0 > _SLIP:
                 return False
         if self.turn is None or before is None:
             return True

@@ -19,6 +19,10 @@ from ropewalk.solve.holding import Contacts, Holding, coefficient_used
 from ropewalk.solve.pieces import split
 
 
+# A tension below this part of that on the other side is none: no friction holds such a load.
+_SLACK = 1e-9
+
+
 @dataclass(frozen=True)
 class Standing:
     """A strand at rest with loads on it."""
@@ -139,7 +143,7 @@ def _beside(pull, r, at, between, model, beside, turn, friction):
         # A link in compression pushes: its force points backwards.
         beside[k, 0] = b if (behind * (r[:, first + 1] - r[:, first])).sum() >= 0.0 else -b
         beside[k, 1] = a if (ahead * (r[:, second + 1] - r[:, second])).sum() >= 0.0 else -a
-        if not min(a, b) > 0.0:
+        if not min(a, b) > _SLACK * max(a, b):
             turn[k], friction[k] = np.nan, np.inf if max(a, b) > 0.0 else 0.0
             continue
         cosine = (ahead * behind).sum() / (a * b)

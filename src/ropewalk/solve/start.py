@@ -28,7 +28,8 @@ from ropewalk.model.line import Line
 from ropewalk.model.scenario import Scenario
 from ropewalk.solve.equilibrium import at_rest
 from ropewalk.solve.held import Held, ends_at
-from ropewalk.solve.standing import NOTHING, Contacts, Standing, contacts_on, stand
+from ropewalk.solve.holding import Contacts
+from ropewalk.solve.standing import NOTHING, Standing, contacts_on, stand
 
 
 @dataclass(frozen=True)
