@@ -15,7 +15,7 @@ SECTIONS = {
     "What is there": ("Scenario", "Line", "MovingForce", "Travel", "ForceTable", "SpeedTable", "DisplacementTable"),
     "Axial laws": ("Hooke", "TensionOnly", "SecondPiolaKirchhoff", "Polynomial", "Tabulated", "Inextensible"),
     "Supports": ("Fixed", "Elastic", "Guided", "Moving"),
-    "What is asked": ("Dynamic", "Start", "Quasistatic", "Equilibrium"),
+    "What is asked": ("Dynamic", "Start", "Quasistatic", "Equilibrium", "Linear"),
     "Files": ("load", "save", "open_result"),
     "Answers": ("simulate", "spectrum", "summary", "figure", "film"),
     "Closed forms": ("theory",),

@@ -11,7 +11,7 @@ what is there   `Scenario` of `Line`s and of loads (`MovingForce`, with its `Tra
                 `SpeedTable` and `DisplacementTable` for what changes in time)
 axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `Tabulated`, `Inextensible`
 supports        `Fixed`, `Elastic`, `Guided`, `Moving`
-what is asked   `Dynamic` (from a `Start`), `Quasistatic`, `Equilibrium`
+what is asked   `Dynamic` (from a `Start`), `Quasistatic`, `Equilibrium`, `Linear`
 files           `load` and `save` a scenario, `open_result`
 answers         `simulate`, `spectrum`; `summary`, `figure` and `film` of a result
 closed forms    `theory`: what the simulation is checked against
@@ -43,6 +43,7 @@ if TYPE_CHECKING:
         Hooke,
         Inextensible,
         Line,
+        Linear,
         Moving,
         MovingForce,
         Polynomial,
@@ -74,6 +75,7 @@ __all__ = [
     "Hooke",
     "Inextensible",
     "Line",
+    "Linear",
     "Moving",
     "MovingForce",
     "Polynomial",
@@ -111,6 +113,7 @@ _HOME = {
     "Hooke": "model",
     "Inextensible": "model",
     "Line": "model",
+    "Linear": "model",
     "Moving": "model",
     "MovingForce": "model",
     "Polynomial": "model",

@@ -11,7 +11,7 @@ import numpy as np
 
 from ropewalk.errors import EquilibriumError, Problem, RopewalkError, ScenarioError
 from ropewalk.mechanics.chain import Array, State
-from ropewalk.model.run import Dynamic, Equilibrium, Quasistatic
+from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account, Frame, Layout
 from ropewalk.results.snapshot import Camera, layout_of, standing_frame
@@ -86,6 +86,13 @@ def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
         setting = setting_of(scenario, scenario.run.until)
         times = output_times(scenario.run)
         return layout_of(setting, names), _motion(setting, scenario, times, account), times.size
+    if isinstance(scenario.run, Linear):
+        from ropewalk import linear  # lazy: the closed forms take a while to import
+
+        setting = setting_of(scenario, scenario.run.until)
+        times = output_times(scenario.run)
+        account.method, account.reason = "linear theory", "as asked: superposition of small deflections about the chord"
+        return layout_of(setting, names), linear.frames(setting, scenario, times, account), times.size
     setting = setting_of(scenario, horizon(scenario) if isinstance(scenario.run, Quasistatic) else 0.0)
     layout = layout_of(setting, names, "load_path")
     account.method = "rest"
@@ -96,7 +103,7 @@ def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
     return layout, _rest(setting, scenario, account), 1
 
 
-def output_times(run: Dynamic) -> Array:
+def output_times(run: Dynamic | Linear) -> Array:
     """Instants of output: every `every` from 0, and `until`."""
     every = run.every if run.every is not None else run.until / 100.0
     count = int(np.floor(run.until / every * (1.0 + 1e-12)))

@@ -4,7 +4,7 @@ from ropewalk.model.history import DisplacementTable, ForceTable, SpeedTable
 from ropewalk.model.law import Hooke, Inextensible, Law, Polynomial, SecondPiolaKirchhoff, Tabulated, TensionOnly
 from ropewalk.model.line import Line
 from ropewalk.model.load import Load, MovingForce
-from ropewalk.model.run import Dynamic, Equilibrium, Quasistatic, Run, Start
+from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, Run, Start
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
 from ropewalk.model.travel import Travel
@@ -21,6 +21,7 @@ __all__ = [
     "Inextensible",
     "Law",
     "Line",
+    "Linear",
     "Load",
     "Moving",
     "MovingForce",

@@ -14,7 +14,7 @@ from ropewalk.model.history import SpeedTable
 from ropewalk.model.law import Inextensible
 from ropewalk.model.line import Line
 from ropewalk.model.load import MovingForce
-from ropewalk.model.run import Dynamic, Equilibrium, Quasistatic
+from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
 from ropewalk.model.travel import Travel
 
 LARGEST_RESULT = 5e7
@@ -27,7 +27,7 @@ class Parts:
 
     lines: Mapping[str, Line | None]
     loads: Mapping[str, MovingForce | None]
-    run: Dynamic | Quasistatic | Equilibrium | None
+    run: Dynamic | Quasistatic | Equilibrium | Linear | None
     gravity: float | None
     on: Mapping[str, str] = field(default_factory=dict)  # line named by each load, also by those that are None
 
@@ -40,7 +40,7 @@ def check(parts: Parts) -> list[Finding]:
     """Find everything that does not fit together."""
     return [
         finding
-        for examine in (_unknown_lines, _travels, _meetings, _slow_only, _path, _rest, _size)
+        for examine in (_unknown_lines, _travels, _meetings, _known_to_the_run, _path, _rest, _size)
         for finding in examine(parts)
     ]
 
@@ -82,7 +82,7 @@ def _travels(parts: Parts) -> Iterator[Finding]:
             remedy = f"start at most {beyond:g} m from the start of the line"
             wrong = f"the load would start beyond the end of {on}"
             yield Finding(("loads", name, "travel", "from"), wrong, f"{travel.start:g} m", remedy)
-        elif isinstance(parts.run, Dynamic) and travel.at_end == "refuse":
+        elif isinstance(parts.run, Dynamic | Linear) and travel.at_end == "refuse":
             yield from _passing(name, on, travel, limit, parts.run.until)
 
 
@@ -137,7 +137,7 @@ def _meetings(parts: Parts) -> Iterator[Finding]:
             remedy = "let it start elsewhere (from), or add the forces up in one load"
             wrong = f"starts at the same place as load {one}"
             yield Finding(("loads", two, "travel", "from"), wrong, f"{b.start:g} m", remedy)
-        elif same and isinstance(parts.run, Dynamic):
+        elif same and isinstance(parts.run, Dynamic):  # in the linear theory they do not notice each other
             met = _meeting(a, b, line, parts.run.until)
             if met is not None:
                 time, place = met
@@ -170,9 +170,15 @@ def _leaves(way: list[Piece], limit: float, before: float) -> bool:
     return any(time is not None and time < before for time in times)
 
 
-def _slow_only(parts: Parts) -> Iterator[Finding]:
-    """What only rest and slow motion know."""
-    if not isinstance(parts.run, Dynamic):
+def _known_to_the_run(parts: Parts) -> Iterator[Finding]:
+    """What only some kinds of run know."""
+    if parts.run is not None and not isinstance(parts.run, Linear):
+        for name, line in parts.lines.items():
+            for key in ("bending_stiffness", "foundation") if line is not None else ():
+                if getattr(line, key):
+                    remedy = "ask for kind: linear, or leave it out"
+                    yield Finding(("lines", name, key), f"kind: {parts.run.kind} does not know it yet", remedy=remedy)
+    if not isinstance(parts.run, Dynamic | Linear):
         return
     for name, line in parts.lines.items():
         if line is not None and isinstance(line.law, Inextensible):
@@ -232,7 +238,7 @@ def _rest(parts: Parts) -> Iterator[Finding]:
 
 def _size(parts: Parts) -> Iterator[Finding]:
     run = parts.run
-    if isinstance(run, Dynamic):
+    if isinstance(run, Dynamic | Linear):
         if run.every is not None and run.every > run.until:
             remedy = f"write at most {run.until:g} s (run.until)"
             yield Finding(("run", "every"), "longer than the run", f"{run.every:g} s", remedy)

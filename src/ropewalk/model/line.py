@@ -13,6 +13,8 @@ from ropewalk.model.history import rows
 from ropewalk.model.law import LAWS_WITH_OWN_STIFFNESS, Hooke, Inextensible, Law
 from ropewalk.model.quantity import (
     AxialDamping,
+    BedStiffness,
+    BendingStiffness,
     Count,
     MassPerLength,
     Point,
@@ -44,6 +46,8 @@ class Line(Declaration):
     )
     law: Law = Field(default=Hooke(), description="tension as a function of strain")
     axial_damping: AxialDamping = Field(default=0.0, description="Kelvin-Voigt c: T = T(eps) + c eps_t")
+    bending_stiffness: BendingStiffness = Field(default=0.0, description="EI; known to kind: linear")
+    foundation: BedStiffness = Field(default=0.0, description="of an elastic bed, per length; known to kind: linear")
     drag: Rate = Field(default=0.0, description="mass-proportional damping: force -drag * mass * velocity")
     start_support: Support = Field(default=Fixed(), description="what holds the start")
     end_support: Support = Field(default=Fixed(), description="what holds the end")

@@ -74,5 +74,16 @@ class Equilibrium(Declaration):
     kind: Literal["equilibrium"] = "equilibrium"
 
 
-Run = Annotated[Dynamic | Quasistatic | Equilibrium, Variants("run")]
+class Linear(Declaration):
+    """The classical linear theory: every line a taut string, or a beam, along its chord; small deflections add up."""
+
+    kind: Literal["linear"] = "linear"
+    until: PositiveTime = Field(description="end of the run; it begins at 0 s")
+    every: PositiveTime | None = Field(default=None, description="interval of output (default: until / 100)")
+    modes: Annotated[int, Count(1, 100_000)] | None = Field(
+        default=None, description="terms of the modal series (default: exact for strings, converged for beams)"
+    )
+
+
+Run = Annotated[Dynamic | Quasistatic | Equilibrium | Linear, Variants("run")]
 """Any run."""

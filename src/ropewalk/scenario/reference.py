@@ -18,7 +18,7 @@ _SECTIONS = [
     ("Loads", ["MovingForce"]),
     ("Travel", ["Travel"]),
     ("Tables", ["SpeedTable", "ForceTable", "DisplacementTable"]),
-    ("Runs", ["Dynamic", "Quasistatic", "Equilibrium"]),
+    ("Runs", ["Dynamic", "Quasistatic", "Equilibrium", "Linear"]),
     ("The start of a motion", ["Start"]),
 ]
 

@@ -155,7 +155,7 @@ def hang(p, ell, f, place, soft, smooth, R, r):
             if i > 0:
                 total += abs(f[a, i])
     span = place[1] - place[0]
-    tiny = smooth * (total if total > 0.0 else p_scale(p))
+    tiny = smooth * (total if total > 0.0 else 1e-9 * p_scale(p))
     grad, T, step, trial = np.zeros(dim), np.zeros(dim), np.zeros(dim), np.zeros(dim)
     hess = np.zeros((dim, dim))
     value = _phi(p, ell, f, span, soft, R, tiny, T, grad, hess)
