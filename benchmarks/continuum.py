@@ -7,47 +7,24 @@ does is the second column, whatever the integrator: its error is that of the cha
 
 from __future__ import annotations
 
-import time as clock
-
 import numpy as np
 
-from ropewalk.mechanics.chain import SHARING, State
 from ropewalk.mechanics.rider import contact_point
 from ropewalk.model import Dynamic, Line, MovingForce, Scenario, Travel
-from ropewalk.solve.choice import choose
-from ropewalk.solve.motion import Progress, move
-from ropewalk.solve.start import Setting, setting_of, start_state
 from ropewalk.theory import selfsimilar
+
+from .march import March, march
 
 Array = np.ndarray
 
 
-def march(scenario: Scenario, times: Array, sharing: bool) -> tuple[Setting, list[State], Array, float]:
-    """Setting, states, contact positions (time, axis) and CPU seconds of the motion."""
-    setting = setting_of(scenario, scenario.run.until)
-    loads = setting.loads
-    if sharing:
-        loads = loads._replace(contact=np.full_like(loads.contact, SHARING))
-    state, run = start_state(setting, with_loads=False), scenario.run
-    if sharing:  # the seat taken at the start is given back
-        first, h = setting.strands.first, setting.strands.h
-        for k, b in enumerate(state.rider):
-            if b >= 0:
-                s = loads.strand[k]
-                state.X[b] = (b - first[s]) * h[s]
-                state.r[:, b] = 0.5 * (state.r[:, b - 1] + state.r[:, b + 1])
-                state.rider[k] = -1
-    begin = clock.process_time()
-    choice = choose(
-        setting.strands, loads, state,
-        method=run.method, step=run.step, accuracy=run.accuracy, duration=run.until,
-    )  # fmt: skip
-    states, path, point = [], [], np.zeros(len(setting.axes))
-    for now in move(setting.strands, loads, state, choice, run.accuracy, times, Progress()):
-        states.append(now.copy())
-        contact_point(setting.strands, loads, now, 0, point)
-        path.append(point.copy())
-    return setting, states, np.array(path), clock.process_time() - begin
+def measured(scenario: Scenario, times: Array, sharing: bool) -> tuple[March, Array]:
+    """A motion and the path of its contact (time, axis)."""
+    done = march(scenario, times, sharing)
+    path = np.zeros((len(done.states), len(done.setting.axes)))
+    for now, point in zip(done.states, path, strict=True):
+        contact_point(done.setting.strands, done.setting.loads, now, 0, point)
+    return done, path
 
 
 def taut_string(elements: int, alpha: float) -> Scenario:
@@ -96,31 +73,31 @@ def self_similar(alpha: float = 0.46) -> None:
         times = np.round(np.array([0.35, 0.95]) * speed / h) * h / speed
         cells = []
         for sharing in (False, True):
-            _, _, path, seconds = march(taut_string(elements, alpha), times, sharing)
+            done, path = measured(taut_string(elements, alpha), times, sharing)
             way = (path[-1] - path[0])[0] / (times[-1] - times[0])
             miss = abs(way - wave.contact_velocity[0]) / abs(wave.contact_velocity[0] - 1.05 * speed)
-            cells.append(f"{miss:12.1e}{seconds:9.3f}")
+            cells.append(f"{miss:12.1e}{done.seconds:9.3f}")
         print(f"{elements:6}" + "".join(cells))
 
 
 def slack(finest: int = 800) -> None:
     """Print the error of contact path and node positions against a fine mesh."""
     times = np.arange(1, 16) * 0.1
-    _, states, reference, _ = march(slack_rope(finest), times, sharing=False)
+    finely, reference = measured(slack_rope(finest), times, sharing=False)
     print(f"\nSlack rope with damping, t = 0.1 ... 1.5 s: rms error in m against {finest} links")
     print(f"{'links':>6}{'path':>9}{'nodes':>9}{'CPU s':>8}   riding   | sharing{'path':>9}{'nodes':>9}{'CPU s':>8}")
     for elements in (50, 100, 200):
         cells = []
         for sharing in (False, True):
-            setting, coarse, path, seconds = march(slack_rope(elements), times, sharing)
+            done, path = measured(slack_rope(elements), times, sharing)
             nodes = []
-            for now, fine in zip(coarse, states, strict=True):
-                xi = np.arange(elements + 1) * float(setting.strands.h[0])
+            for now, fine in zip(done.states, finely.states, strict=True):
+                xi = np.arange(elements + 1) * float(done.setting.strands.h[0])
                 there = np.array([np.interp(xi, fine.X, component) for component in fine.r])
                 here = np.array([np.interp(xi, now.X, component) for component in now.r])
                 nodes.append(np.sqrt(np.mean(np.sum((here - there) ** 2, axis=0))))
             rms = np.sqrt(np.mean(np.sum((path - reference) ** 2, axis=1)))
-            cells.append(f"{rms:9.1e}{np.sqrt(np.mean(np.square(nodes))):9.1e}{seconds:8.3f}")
+            cells.append(f"{rms:9.1e}{np.sqrt(np.mean(np.square(nodes))):9.1e}{done.seconds:8.3f}")
         print(f"{elements:6}{cells[0]}            |        {cells[1]}", flush=True)
 
 

@@ -6,17 +6,13 @@ comparison one of integrators alone. "auto" is what a user who sets nothing but 
 
 from __future__ import annotations
 
-import time as clock
-
 import numpy as np
 
-from ropewalk.mechanics.chain import SHARING, State
 from ropewalk.model import Dynamic, Line, MovingForce, Scenario, Travel
-from ropewalk.solve.choice import choose
-from ropewalk.solve.motion import Progress, move
 from ropewalk.solve.splitting import RUNNING
-from ropewalk.solve.start import setting_of, start_state
+from ropewalk.solve.start import start_state
 
+from ..march import march
 from .interface import Failed, Setting
 from .problem import Array, Rope
 
@@ -65,31 +61,13 @@ def scenario(rope: Rope, method: str, accuracy: float, step: float | None) -> Sc
     )  # fmt: skip
 
 
-def march(what: Scenario, times: Array, sharing: bool) -> tuple[list[State], float]:
-    """States at the times and the CPU seconds of the motion alone."""
-    setting = setting_of(what, what.run.until)
-    loads = setting.loads
-    if sharing:
-        loads = loads._replace(contact=np.full_like(loads.contact, SHARING))
-    state = start_state(setting, with_loads=False)
-    run, progress = what.run, Progress()
-    out = [state.copy()]
-    begin = clock.process_time()
-    choice = choose(
-        setting.strands, loads, state,
-        method=run.method, step=run.step, accuracy=run.accuracy, duration=float(times[-1]),
-    )  # fmt: skip
-    out += [now.copy() for now in move(setting.strands, loads, state, choice, run.accuracy, times[1:], progress)]
-    seconds = clock.process_time() - begin
-    if progress.status != RUNNING:
-        raise Failed(f"status {progress.status}")
-    return out, seconds
-
-
 def run(rope: Rope, times: Array, setting: Setting) -> tuple[Array, float]:
     """Positions (time, node, axis) and CPU seconds."""
     given = setting.kind == "step"
     what = scenario(rope, setting.method, 1e-3 if given else setting.size, setting.size if given else None)
-    march(what, times[:2], sharing=True)  # compiles, or loads from the cache
-    states, seconds = march(what, times, sharing=True)
-    return np.array([state.r.T for state in states]), seconds
+    march(what, times[1:2], sharing=True)  # compiles, or loads from the cache
+    done = march(what, times[1:], sharing=True)
+    if done.status != RUNNING:
+        raise Failed(f"status {done.status}")
+    start = start_state(done.setting, with_loads=False)
+    return np.array([state.r.T for state in (start, *done.states)]), done.seconds

@@ -12,8 +12,18 @@ import numba
 
 njit: Any = numba.njit  # its stubs do not know the wrapper options
 
-kernel: Any = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+_common: dict[str, Any] = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+# A product and a sum may become one operation with one rounding. Never "nnan" or "ninf": NaN and inf must be found.
+_fused = {"contract", "nsz"}
+
+kernel: Any = njit(**_common)
 # Called by other kernels only: without the wrapper for Python calls it compiles in half the time.
-inner: Any = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True)
+inner: Any = njit(**_common, no_cpython_wrapper=True)
+# The same for what allocates nothing, not even for a slice that is assigned: then no references to arrays need to be
+# counted, which would cost a locked instruction for each array that is handed on and a fifth of the compile time.
+lean: Any = njit(**_common, _nrt=False, fastmath=_fused)
+lean_inner: Any = njit(**_common, _nrt=False, fastmath=_fused, no_cpython_wrapper=True)
+# Put whole into its caller: arrays are handed on as ten numbers each, a dozen of them cost as much as twenty nodes.
+inlined: Any = njit(**_common, _nrt=False, fastmath=_fused, no_cpython_wrapper=True, forceinline=True)
 # Sums may be re-ordered so that loops with a sum vectorise; nothing may rely on the order.
-summing: Any = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, fastmath={"reassoc", "contract", "nsz"})
+summing: Any = njit(**_common, _nrt=False, fastmath={"reassoc", *_fused})

@@ -10,11 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics import law
-from ropewalk.mechanics.compiled import kernel, summing
+from ropewalk.mechanics.compiled import inlined, lean, summing
 from ropewalk.mechanics.law import CUBIC
 
 
-@kernel
+@lean
 def stretch(r, i):
     """Length of link i in m."""
     square = 0.0
@@ -24,7 +24,7 @@ def stretch(r, i):
     return np.sqrt(square)
 
 
-@kernel
+@lean
 def stretch_rate(r, w, i):
     """Rate of the length of link i in m/s if its nodes move at w."""
     square, along = 0.0, 0.0
@@ -35,14 +35,14 @@ def stretch_rate(r, w, i):
     return along / np.sqrt(square)
 
 
-@kernel
+@lean
 def pull_one(p, c, rest, rate, r, i):
     """Tension over length of the single link i of unstrained length `rest`, whose strain changes at `rate`."""
     length = stretch(r, i)
     return (law.tension(p, length / rest - 1.0) + c * rate) / length
 
 
-@kernel
+@lean
 def pull(p, c, h, i0, i1, r, w, q):
     """Tension over length of the links i0 ... i1 - 1 of one strand, each of unstrained length h.
 
@@ -61,7 +61,7 @@ def pull(p, c, h, i0, i1, r, w, q):
     return _pull_known(p, c, h, i0, i1, r, w, q, q)
 
 
-@kernel
+@lean
 def pull_vectors(i0, i1, r, q, f):
     """Force vectors f (axis, link) of the links i0 ... i1 - 1 from their tension over length q."""
     for a in range(r.shape[0]):
@@ -70,8 +70,8 @@ def pull_vectors(i0, i1, r, q, f):
             fx[i] = qa[i] * (x[i + 1] - x[i])
 
 
-# Sum of the fourth powers of the relative errors of a guess above which it is not improved but replaced: an error of
-# 1 % of one link, which the correction below would bring to 1e-11.
+# Sum of the fourth powers of the relative errors of a guess above which it is improved once more: an error of 1 % of
+# one link, which the correction below brings to 1e-11.
 _TOO_FAR, _TOO_FAR_PER_LINK = 1e-8, 1e-13
 
 
@@ -99,18 +99,47 @@ def _improve(i0, i1, r, per_length, space):
     return total
 
 
-@kernel
+@lean
 def _invert(i0, i1, r, per_length):
     for i in range(i0, i1):
         per_length[i] = 1.0 / stretch(r, i)
 
 
-@kernel
+@lean
+def _find_inverse(i0, i1, r, per_length):
+    """Inverse lengths of the links from guesses: improved until they are right, and computed where that is hopeless."""
+    near = _TOO_FAR + _TOO_FAR_PER_LINK * (i1 - i0)
+    for _ in range(3):
+        total = _improve(i0, i1, r, per_length, None) if r.shape[0] == 2 else _improve(i0, i1, r, per_length, True)
+        if total < near:
+            return
+        if not total < 1e-2:  # an error of 30 % of one link, or not a number
+            break
+    _invert(i0, i1, r, per_length)
+
+
+@inlined
+def _is_hooke(p):
+    """Whether a cubic law is a straight line for every length."""
+    return p[1] < -1.0 and p[3] == 0.0 and p[4] == 0.0
+
+
+@lean
+def _pull_hooke(stiffness, h, i0, i1, r, per_length, f):
+    """Force vectors of undamped links that obey Hooke's law: EA (1/h - 1/length) times the link."""
+    slack = stiffness / h
+    for a in range(r.shape[0]):
+        x, fx, known = r[a, i0 : i1 + 1], f[a, i0:i1], per_length[i0:i1]
+        for i in range(i1 - i0):
+            fx[i] = (slack - stiffness * known[i]) * (x[i + 1] - x[i])
+
+
+@lean
 def _pull_undamped(p, h, i0, i1, r, per_length, q, space):
     """Tension over length of undamped links whose 1 / length is known."""
     known, out = per_length[i0:i1], q[i0:i1]
     inverse = 1.0 / h
-    if p[1] < -1.0 and p[3] == 0.0 and p[4] == 0.0:  # Hooke: no strain is needed
+    if _is_hooke(p):  # no strain is needed
         for i in range(i1 - i0):
             out[i] = p[2] * (inverse - known[i])
         return
@@ -152,7 +181,7 @@ def _pull_damped(p, c, h, i0, i1, r, w, per_length, q, space):
     return total
 
 
-@kernel
+@lean
 def _pull_known(p, c, h, i0, i1, r, w, per_length, q):
     """Tension over length of links whose 1 / length is known (it may stand in q); returns the sum of eps_t^2."""
     if r.shape[0] == 2:
@@ -166,7 +195,7 @@ def _pull_known(p, c, h, i0, i1, r, w, per_length, q):
     return 0.0
 
 
-@kernel
+@lean
 def _pull_each(p, c, h, i0, i1, r, w, q):
     """Tension over length link by link, for laws that are no cubic; returns the sum of eps_t^2."""
     total = 0.0
@@ -177,25 +206,34 @@ def _pull_each(p, c, h, i0, i1, r, w, q):
     return total
 
 
-@kernel
-def pull_again(p, c, h, i0, i1, r, w, per_length, q):
-    """The same as `pull` in a loop over time: lengths change little from call to call.
+@lean
+def pull_again(p, c, h, i0, i1, r, w, per_length, q, f):
+    """Force vectors f (axis, link), the same as `pull` and `pull_vectors`, in a loop over time: lengths change little.
 
     A square root and a division cost more than all the rest of a link. The inverse length of the last call, improved
-    by a series, saves both; where a link has changed by more than 1 %, it is computed anew.
+    by a series, saves both; where a link has changed by more than 1 %, the series is applied again.
 
     Args:
         per_length: (link,) 1/m, inverse lengths of the last call (zeros at first); overwritten with the present ones.
+        q: (link,) N/m, may be overwritten.
+
+    Returns:
+        Sum of eps_t^2 over the links (0 without damping).
     """
+    total = 0.0
     if p[0] != CUBIC:
-        return _pull_each(p, c, h, i0, i1, r, w, q)
-    total = _improve(i0, i1, r, per_length, None) if r.shape[0] == 2 else _improve(i0, i1, r, per_length, True)
-    if not total < _TOO_FAR + _TOO_FAR_PER_LINK * (i1 - i0):
-        _invert(i0, i1, r, per_length)
-    return _pull_known(p, c, h, i0, i1, r, w, per_length, q)
+        total = _pull_each(p, c, h, i0, i1, r, w, q)
+    else:
+        _find_inverse(i0, i1, r, per_length)
+        if c == 0.0 and _is_hooke(p):
+            _pull_hooke(p[2], h, i0, i1, r, per_length, f)
+            return 0.0
+        total = _pull_known(p, c, h, i0, i1, r, w, per_length, q)
+    pull_vectors(i0, i1, r, q, f)
+    return total
 
 
-@kernel
+@lean
 def pull_one_again(p, rest, r, per_length, i):
     """The same as `pull_one` for an undamped link after `pull_again`, which has left its inverse length."""
     if p[0] != CUBIC:

@@ -28,7 +28,7 @@ from ropewalk.mechanics.chain import (
     SLIP,
     STAY,
 )
-from ropewalk.mechanics.compiled import inner, kernel
+from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.link import stretch
 
 # A node is claimed only where this part of a link is left on both sides.
@@ -39,7 +39,7 @@ SUBSONIC = 1.29
 ARRIVED = 1e-6
 
 
-@inner
+@lean_inner
 def _entry(time, first, count, t):
     """Index of the table entry at or before t (the first one before the table begins)."""
     low, high = first, first + count
@@ -52,7 +52,7 @@ def _entry(time, first, count, t):
     return low
 
 
-@inner
+@inlined
 def look_up(time, value, first, count, t):
     """A table's value at time t: linear between its entries, constant outside."""
     if count == 1:
@@ -63,7 +63,7 @@ def look_up(time, value, first, count, t):
     return value[i] + (t - time[i]) / (time[i + 1] - time[i]) * (value[i + 1] - value[i])
 
 
-@kernel
+@lean
 def look_up_integral(time, value, integral, first, count, t):
     """The integral of a table from time 0 to t, given up to each entry."""
     if count == 1:
@@ -72,19 +72,19 @@ def look_up_integral(time, value, integral, first, count, t):
     return integral[i] + 0.5 * (t - time[i]) * (value[i] + look_up(time, value, first, count, t))
 
 
-@kernel
+@lean
 def speed_at(loads, k, t):
     """Speed V(t) of load k in m/s, as measured."""
     return look_up(loads.speed_time, loads.speed_value, loads.speed_first[k], loads.speed_count[k], t)
 
 
-@kernel
+@lean
 def force_at(loads, k, t, a):
     """Component a of the given force of load k at time t in N."""
     return look_up(loads.force_time, loads.force_value[a], loads.force_first[k], loads.force_count[k], t)
 
 
-@inner
+@inlined
 def seat_of(X, xi, h, i0, i1):
     """Link between the nodes i0 and i1 that holds the material coordinate xi."""
     i = i0 + min(max(int(xi / h), 0), i1 - i0 - 1)
@@ -95,7 +95,7 @@ def seat_of(X, xi, h, i0, i1):
     return i
 
 
-@kernel
+@lean
 def link_of(strands, loads, state, k):
     """Link on which a shared load stands."""
     s = loads.strand[k]
@@ -103,13 +103,13 @@ def link_of(strands, loads, state, k):
     return seat_of(state.X, state.xi[k], strands.h[s], first, first + strands.links[s])
 
 
-@kernel
+@lean
 def part_of(state, k, i):
     """Place of a shared load on link i: 0 at its first node, 1 at its second."""
     return (state.xi[k] - state.X[i]) / (state.X[i + 1] - state.X[i])
 
 
-@kernel
+@inlined
 def mesh_speed(rider, speed, i):
     """d X / dt of node i: the speed of the load that it carries, or zero."""
     for k in range(rider.size):
@@ -118,20 +118,20 @@ def mesh_speed(rider, speed, i):
     return 0.0
 
 
-@inner
+@inlined
 def slope(r, X, b, a):
     """Component a of the mean tangent r' at the riding node b."""
     return (r[a, b + 1] - r[a, b - 1]) / (X[b + 1] - X[b - 1])
 
 
-@inner
+@lean_inner
 def node_velocity(state, i, a):
     """Component a of the velocity of node i itself: of the material, or of the load it rides with."""
     U = mesh_speed(state.rider, state.speed, i)
     return state.w[a, i] + U * slope(state.r, state.X, i, a) if U != 0.0 else state.w[a, i]
 
 
-@kernel
+@lean
 def contact_point(strands, loads, state, k, out):
     """Position of the contact of load k."""
     b = state.rider[k]
@@ -144,7 +144,7 @@ def contact_point(strands, loads, state, k, out):
             out[a] = (1.0 - part) * state.r[a, i] + part * state.r[a, i + 1]
 
 
-@inner
+@lean_inner
 def sides(strands, loads, state, k):
     """Links behind and ahead of load k, in the order of xi (the same link for a shared load)."""
     b = state.rider[k]
@@ -154,7 +154,7 @@ def sides(strands, loads, state, k):
     return i, i
 
 
-@kernel
+@lean
 def mean_stretch(strands, loads, state, k):
     """Mean of the stretches 1 + eps on the two sides of load k."""
     i, j = sides(strands, loads, state, k)
@@ -162,7 +162,7 @@ def mean_stretch(strands, loads, state, k):
     return 0.5 * (stretch(state.r, i) / (X[i + 1] - X[i]) + stretch(state.r, j) / (X[j + 1] - X[j]))
 
 
-@inner
+@lean_inner
 def _arc_speed(strands, loads, state, k, V):
     """U for a given rate V of the arc length from the start of the line to the load."""
     s = loads.strand[k]
@@ -188,7 +188,7 @@ def _arc_speed(strands, loads, state, k, V):
     return (V - rate - own) / per_speed
 
 
-@inner
+@lean_inner
 def _horizontal_speed(strands, loads, state, k, V):
     """U for a given horizontal speed V of the contact."""
     b = state.rider[k]
@@ -200,7 +200,7 @@ def _horizontal_speed(strands, loads, state, k, V):
     return (V - w) * (state.X[i + 1] - state.X[i]) / (state.r[0, i + 1] - state.r[0, i])
 
 
-@kernel
+@lean
 def material_speed(strands, loads, state, k, V):
     """U = d xi / dt of load k for a speed V as measured."""
     s = loads.strand[k]
@@ -221,7 +221,7 @@ def material_speed(strands, loads, state, k, V):
     return U
 
 
-@inner
+@lean_inner
 def next_change(strands, loads, state, k):
     """The xi, ahead on the travel, at which the load's seat on the chain has to change."""
     s = loads.strand[k]
@@ -238,7 +238,7 @@ def next_change(strands, loads, state, k):
     return max(half * (np.ceil(xi / half - ARRIVED) - 1.0), 0.0)
 
 
-@inner
+@lean_inner
 def _is_free(strands, state, s, j, xi):
     """Whether node j is inside its line, carries no load and leaves room for one at xi."""
     first, n, h = strands.first[s], strands.links[s], strands.h[s]
@@ -250,7 +250,7 @@ def _is_free(strands, state, s, j, xi):
     return state.X[j + 1] - xi >= ROOM * h and xi - state.X[j - 1] >= ROOM * h
 
 
-@inner
+@lean_inner
 def _is_subsonic(strands, state, s, i, j, U):
     """Whether transverse waves outrun a load at speed U between the links i and j: T / lam > rho U^2, in the mean.
 
@@ -263,7 +263,7 @@ def _is_subsonic(strands, state, s, i, j, U):
     return mean > SUBSONIC * strands.rho[s] * U * U
 
 
-@inner
+@lean_inner
 def _put_back(strands, state, s, b, U):
     """Put the riding node b back to its own place, on the straight sub-link that holds it."""
     home = (b - strands.first[s]) * strands.h[s]
@@ -281,7 +281,7 @@ def _put_back(strands, state, s, b, U):
     X[b] = home
 
 
-@inner
+@lean_inner
 def _move(strands, loads, state, k, step, point, velocity):
     """Let load k change over from its node to the next one (step = 1 or -1), or share it where there is none."""
     s, b, U = loads.strand[k], state.rider[k], state.speed[k]
@@ -301,7 +301,7 @@ def _move(strands, loads, state, k, step, point, velocity):
         state.w[a, j] = velocity[a] - U * slope(state.r, state.X, j, a)
 
 
-@inner
+@lean_inner
 def _claim(strands, loads, state, k):
     """Let a shared load ride with the nearest node if that one is free."""
     if loads.contact[k] == SHARING:
@@ -330,7 +330,7 @@ def _claim(strands, loads, state, k):
     state.rider[k] = j
 
 
-@inner
+@lean_inner
 def settle(strands, loads, state, k, point, velocity):
     """Change the seat of load k if it has come to a place where it must.
 
@@ -361,7 +361,7 @@ def settle(strands, loads, state, k, point, velocity):
     return False
 
 
-@inner
+@inlined
 def contact_loss(p, rho, U, r, X, behind, ahead):
     """Power lost at a contact in W: U [W - T lam + rho U^2 lam^2 / 2], between the links behind and ahead of it.
 
@@ -374,7 +374,7 @@ def contact_loss(p, rho, U, r, X, behind, ahead):
     return U * jump
 
 
-@inner
+@lean_inner
 def even_out(r, X, b):
     """Move the riding node b along x so that both sides are stretched alike: the frictionless contact."""
     behind, ahead = X[b] - X[b - 1], X[b + 1] - X[b]
@@ -388,7 +388,7 @@ def even_out(r, X, b):
             return
 
 
-@inner
+@lean_inner
 def even_out_velocity(state, b):
     """Give the riding node the velocity along x with which both sides stay stretched alike."""
     r, w, X = state.r, state.w, state.X

@@ -18,6 +18,9 @@ SAFETY = 0.9
 # omega dt up to which the sixth-order method is used: it is stable up to 9.07 but for two narrow bands, the first of
 # them from 3.1414 to 3.1423.
 RKN6_LIMIT = 3.1
+# Part of the sixth-order step that is used once a chain has been seen in compression: it amplifies every error until
+# the end of the run, and so aims at a twentieth of it (docs/notes/speed.md).
+COMPRESSED = 0.6
 # Links beside a riding node are as short as half a link: the largest frequency and damping rate that this can give.
 SEAT_FREQUENCY, SEAT_DAMPING = 1.13, 1.28
 
@@ -37,6 +40,7 @@ class Choice:
     method: str
     step: float
     reason: str
+    compressed: float = 1.0  # part of the step that is kept from when an undamped line is seen in compression
 
 
 def bounds(strands: Strands, r: Array, X: Array, with_riders: bool) -> Bounds:
@@ -50,8 +54,7 @@ def bounds(strands: Strands, r: Array, X: Array, with_riders: bool) -> Bounds:
         i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
         if strands.links[s] < 2:
             continue
-        d = np.diff(r[:, i : j + 1], axis=1)
-        lam = np.sqrt((d * d).sum(axis=0)) / np.diff(X[i : j + 1])
+        lam = _stretches(r, X, i, j)
         p, h, rho = strands.law[s], float(strands.h[s]), float(strands.rho[s])
         stiffness = max(float(tangents(p, lam - 1.0).max()), float(tangents(p, np.zeros(1)).max()))
         stiffness = max(stiffness, float((tensions(p, lam - 1.0) / lam).max()))
@@ -60,6 +63,20 @@ def bounds(strands: Strands, r: Array, X: Array, with_riders: bool) -> Bounds:
     if with_riders:
         frequency, damping = frequency * SEAT_FREQUENCY, damping * SEAT_DAMPING
     return Bounds(float(frequency), float(damping))
+
+
+def _stretches(r: Array, X: Array, i: int, j: int) -> Array:
+    d = np.diff(r[:, i : j + 1], axis=1)
+    return np.asarray(np.sqrt((d * d).sum(axis=0)) / np.diff(X[i : j + 1]))
+
+
+def is_compressed(strands: Strands, r: Array, X: Array) -> bool:
+    """Whether some link pushes: across it the chain is unstable then, and disturbances grow."""
+    for i, n, p in zip(strands.first, strands.links, strands.law, strict=True):
+        rounding = 1e-9 * float(tangents(p, np.zeros(1))[0])
+        if float(tensions(p, _stretches(r, X, int(i), int(i + n)) - 1.0).min()) < -rounding:
+            return True
+    return False
 
 
 def verlet_step(limits: Bounds) -> float:
@@ -107,7 +124,7 @@ def choose(
     facts = f"largest frequency {limits.frequency:.4g} rad/s"
     if damped:
         facts += f", largest damping rate {limits.damping:.4g} 1/s"
-    wanted = method
+    wanted, compressed = method, 1.0
     if method in ("auto", "explicit"):
         needed = duration / explicit if np.isfinite(explicit) else 0.0
         most = MOST_EXPLICIT_STEPS_PER_LINK * int(strands.links.max())
@@ -131,10 +148,11 @@ def choose(
             own = explicit
         else:
             own = rkn6_step(limits, relative) if step is None else RKN6_LIMIT / max(limits.frequency, 1e-300)
+            compressed = COMPRESSED if step is None else 1.0
     elif wanted == "verlet":
         own = explicit
     else:
         own = duration
     if step is not None and step > own and wanted != "implicit":
         why += f"; the step asked for ({step:.3g} s) is above the stable one ({own:.3g} s), which is used"
-    return Choice(wanted, min(own, step) if step is not None else own, f"{why} ({facts})")
+    return Choice(wanted, min(own, step) if step is not None else own, f"{why} ({facts})", compressed)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropewalk.mechanics.chain import Array, Buffers, Integers, Loads, State, Strands
-from ropewalk.solve.choice import RKN6_LIMIT, Choice, bounds, verlet_step
+from ropewalk.solve.choice import RKN6_LIMIT, Choice, bounds, is_compressed, verlet_step
 from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.solve.splitting import END_OF_LINE, NO_CONVERGENCE, NOT_FINITE, RUNNING, TOO_MANY_STEPS, advance
 
@@ -87,6 +87,9 @@ def move(
             # The line has stiffened: keep the step in proportion.
             own = verlet_step(now) if choice.method == "verlet" else RKN6_LIMIT / now.frequency
             step = min(step, own)
+        fine = choice.step * choice.compressed
+        if fine < step and is_compressed(strands, state.r, state.X):
+            step = fine
 
 
 def _is_torn(strands: Strands, state: State) -> bool:

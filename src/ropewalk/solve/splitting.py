@@ -9,27 +9,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.chain import (
-    CONTACT,
-    FRICTIONLESS,
-    HOLD_WORK,
-    LINE_DAMPING,
-    LOAD_WORK,
-    MATERIAL,
-    OFF,
-    SHARED,
-    STAY,
-)
-from ropewalk.mechanics.compiled import inner, kernel
-from ropewalk.mechanics.link import pull_again, pull_one, pull_one_again, pull_vectors, stretch, stretch_rate
+from ropewalk.mechanics.chain import CONTACT, FRICTIONLESS, HOLD_WORK, LINE_DAMPING, LOAD_WORK, OFF, SHARED
+from ropewalk.mechanics.compiled import inlined, lean, lean_inner
+from ropewalk.mechanics.link import pull_again, pull_one, pull_one_again, stretch, stretch_rate
 from ropewalk.mechanics.rider import (
     ARRIVED,
     contact_loss,
     even_out,
     even_out_velocity,
-    link_of,
-    look_up,
-    look_up_integral,
     material_speed,
     mesh_speed,
     next_change,
@@ -39,33 +26,12 @@ from ropewalk.mechanics.rider import (
     slope,
     speed_at,
 )
+from ropewalk.solve.flows import kick_loads, move_loads, move_nodes
 
 RUNNING, END_OF_LINE, NOT_FINITE, TOO_MANY_STEPS, NO_CONVERGENCE = 0, 1, 2, 3, 4
 
 
-@inner
-def _update(r, w, f, i0, i1, per_mass, gravity, kick, way, decay):
-    """Kick and drift the nodes between i0 and i1: w <- w + per_mass [f] + kick gravity, then along with drag
-    r <- r + way w, w <- decay w."""
-    for a in range(w.shape[0]):
-        ra, wa, fa, ga = r[a, i0 + 1 : i1], w[a, i0 + 1 : i1], f[a, i0:i1], kick * gravity[a]
-        for i in range(i1 - i0 - 1):
-            v = wa[i] + (per_mass * (fa[i + 1] - fa[i]) + ga)
-            wa[i] = decay * v
-            ra[i] += way * v
-
-
-@inner
-def _update_ahead(w, ahead, f, i0, i1, per_mass, gravity, kick, decay, lead):
-    """Velocities after the coming kick and drift, led on by `lead` kicks: those at the instant of the new positions."""
-    for a in range(w.shape[0]):
-        wa, out, fa, ga = w[a, i0 + 1 : i1], ahead[a, i0 + 1 : i1], f[a, i0:i1], kick * gravity[a]
-        more = decay * (1.0 + lead)
-        for i in range(i1 - i0 - 1):
-            out[i] = decay * wa[i] + more * (per_mass * (fa[i + 1] - fa[i]) + ga)
-
-
-@inner
+@lean_inner
 def _strain_rate(r, w, X, rider, speed, i):
     """Strain rate of link i, whose ends may ride with loads."""
     rest = X[i + 1] - X[i]
@@ -81,7 +47,7 @@ def _strain_rate(r, w, X, rider, speed, i):
     return (along / length - (U1 - U0) * length / rest) / rest
 
 
-@inner
+@lean_inner
 def _pull_beside(p, c, h, r, w, X, rider, speed, q, b):
     """Tension over length of the two links beside the riding node b, whose unstrained lengths are not h.
 
@@ -103,109 +69,7 @@ def _pull_beside(p, c, h, r, w, X, rider, speed, q, b):
     return more
 
 
-@inner
-def _kick_rider(time, value, first, count, t, m, U, b, kick, way, decay, lead, r, w, ahead, f, g, X, dr, dw, k):
-    """Momentum for the node b that rides with load k: its force, and the flux of momentum past it.
-
-    The links and gravity have already kicked all nodes, and these have drifted, see _update.
-
-    Returns:
-        The work of the force, J.
-    """
-    span, work = X[b + 1] - X[b - 1], 0.0
-    for a in range(r.shape[0]):
-        F = look_up(time, value[a], first, count, t)
-        after = (w[a, b + 1] - w[a, b - 1]) / decay
-        extra = kick * (F / m + U / span * 0.5 * (dw[a, k] + after))
-        kicked = kick * ((f[a, b] - f[a, b - 1]) / m + g[a]) + extra
-        w[a, b] += decay * extra
-        ahead[a, b] += decay * (1.0 + lead) * extra
-        r[a, b] += way * extra
-        work += kick * F * (w[a, b] / decay - 0.5 * kicked + U * dr[a, k] / span)
-    return work
-
-
-@inner
-def _shift_weight(h, first, last, b, kick, way, decay, lead, r, w, ahead, g, X):
-    """Weight of the nodes beside the riding node b: of half the links that they really have, not of uniform ones.
-
-    Without it a load of no force at all would stir the rope it travels on.
-    """
-    for side in (-1, 1):
-        node = b + side
-        if first < node < last:
-            part = 0.5 * (abs(X[b] - X[node]) / h - 1.0)
-            for a in range(r.shape[0]):
-                extra = kick * part * g[a]
-                w[a, node] += decay * extra
-                ahead[a, node] += decay * (1.0 + lead) * extra
-                r[a, node] += way * extra
-
-
-@inner
-def _kick_shared(time, value, first, count, t, m, h, U, xi, i0, i1, kick, way, decay, lead, r, w, ahead, f, g, X):
-    """Momentum from a load that is shared by the two nodes of its link, which may be held at i0 and i1.
-
-    Returns:
-        The work of the force, J.
-    """
-    i = seat_of(X, xi, h, i0, i1)
-    part, work = (xi - X[i]) / (X[i + 1] - X[i]), 0.0
-    for a in range(r.shape[0]):
-        F = look_up(time, value[a], first, count, t)
-        v = U * (r[a, i + 1] - r[a, i]) / (X[i + 1] - X[i])
-        for end in range(2):
-            node, share = i + end, (part if end == 1 else 1.0 - part)
-            if i0 < node < i1:
-                extra = kick * share * F / m
-                kicked = kick * ((f[a, node] - f[a, node - 1]) / m + g[a]) + extra
-                w[a, node] += decay * extra
-                ahead[a, node] += decay * (1.0 + lead) * extra
-                r[a, node] += way * extra
-                v += share * (w[a, node] / decay - 0.5 * kicked)
-        work += kick * F * v
-    return work
-
-
-@inner
-def _carry(r, X, dr, k, b, xi, way):
-    """Carry the riding node b over the material by `way` along the line."""
-    X[b] = xi
-    for a in range(r.shape[0]):
-        r[a, b] += way * 0.5 * (dr[a, k] + r[a, b + 1] - r[a, b - 1]) / (X[b + 1] - X[b - 1])
-
-
-@inner
-def _travel(strands, loads, state, dr, k, dt):
-    """Let load k travel for dt at a speed that depends on the state of the line."""
-    t, b, xi = state.t[0], state.rider[k], state.xi[k]
-    U = material_speed(strands, loads, state, k, speed_at(loads, k, t))
-    state.xi[k] = xi + dt * U
-    if b >= 0:
-        _carry(state.r, state.X, dr, k, b, state.xi[k], dt * U)
-    better = 0.5 * (U + material_speed(strands, loads, state, k, speed_at(loads, k, t + dt)))
-    state.xi[k] = xi + dt * better
-    if b >= 0:
-        _carry(state.r, state.X, dr, k, b, state.xi[k], dt * (better - U))
-    state.speed[k] = material_speed(strands, loads, state, k, speed_at(loads, k, t + dt))
-
-
-@inner
-def _hold(m, U, r, w, X, dr, k, b, x, dt):
-    """Frictionless contact: put the riding node where both tensions agree; its velocity follows.
-
-    Returns:
-        The impulse of the hold force, N s, and its work, J.
-    """
-    even_out(r, X, b)
-    v = (r[0, b] - x) / dt
-    new = v - U * 0.5 * (dr[0, k] + r[0, b + 1] - r[0, b - 1]) / (X[b + 1] - X[b - 1])
-    impulse = m * (new - w[0, b])
-    w[0, b] = new
-    return impulse, impulse * v
-
-
-@inner
+@lean_inner
 def _even_out_all(strands, loads, state):
     """Put all frictionless contacts where both tensions agree, at rates that keep them so."""
     for k in range(state.xi.size):
@@ -220,14 +84,14 @@ def _even_out_all(strands, loads, state):
             state.work[HOLD_WORK] += impulse * node_velocity(state, b, 0)
 
 
-@inner
+@lean_inner
 def _copy(source, target):
     for a in range(source.shape[0]):
         for i in range(source.shape[1]):
             target[a, i] = source[a, i]
 
 
-@inner
+@inlined
 def _gap(target, xi, speed):
     """Distance still to go to the next change of seat; negative if the load has turned round since it was noted."""
     if speed == 0.0:
@@ -235,7 +99,7 @@ def _gap(target, xi, speed):
     return -1.0 if np.isinf(target) else (target - xi if speed > 0.0 else xi - target)
 
 
-@inner
+@lean_inner
 def _take_seats(strands, loads, state, buffers):
     """Let every load take the seat that its place asks for, and note where it has to change next.
 
@@ -258,7 +122,7 @@ def _take_seats(strands, loads, state, buffers):
     return False
 
 
-@inner
+@inlined
 def _plan(rest, longest, target, xi, speed, rider):
     """Length of the next step: equal steps up to the next event or to the end, none above `longest`."""
     for k in range(xi.size):
@@ -269,7 +133,7 @@ def _plan(rest, longest, target, xi, speed, rider):
     return rest / max(np.ceil(rest / longest - 1e-9), 1.0)
 
 
-@inner
+@inlined
 def _is_due(target, xi, speed, rider, tolerance):
     """Whether some load has come to a place where its seat has to change."""
     for k in range(xi.size):  # noqa: SIM110, a generator cannot be compiled
@@ -278,7 +142,7 @@ def _is_due(target, xi, speed, rider, tolerance):
     return False
 
 
-@inner
+@lean_inner
 def _is_finite(r, w):
     total = 0.0
     for a in range(r.shape[0]):
@@ -287,59 +151,60 @@ def _is_finite(r, w):
     return np.isfinite(total)
 
 
-@inner
-def _is_parked(xi, length, speed):
-    """Whether a load that stays on its line stands at an end of it and does not come back."""
-    return (xi >= length and speed >= 0.0) or (xi <= 0.0 and speed <= 0.0)
-
-
-@inner
-def _drift_with_drag(drag, drift):
-    """Way over velocity of a drift that drag slows down, s, and the part of the velocity that is left at its end."""
-    if drag == 0.0:
-        return drift, 1.0
-    decay = np.exp(-drag * drift)
-    return (1.0 - decay) / drag, decay
-
-
-@inner
-def _loss_shared(strands, loads, state, k):
-    """Power lost at the contact of a shared load, W: between the links beyond its own."""
-    s, i = loads.strand[k], link_of(strands, loads, state, k)
-    if i == strands.first[s] or i == strands.first[s] + strands.links[s] - 1:
-        return 0.0
-    return contact_loss(strands.law[s], strands.rho[s], state.speed[k], state.r, state.X, i - 1, i + 1)
-
-
-@inner
+@lean_inner
 def _loss(strands, loads, state):
     """Power lost at all contacts, W."""
     total = 0.0
     for k in range(state.xi.size):
         s, b = loads.strand[k], state.rider[k]
-        if b >= 0:
-            total += contact_loss(strands.law[s], strands.rho[s], state.speed[k], state.r, state.X, b - 1, b)
-        elif b == SHARED:
-            total += _loss_shared(strands, loads, state, k)
+        if b == OFF:
+            continue
+        behind, ahead = b - 1, b
+        if b == SHARED:  # between the links beyond its own
+            first, last = strands.first[s], strands.first[s] + strands.links[s]
+            i = seat_of(state.X, state.xi[k], strands.h[s], first, last)
+            if i == first or i == last - 1:
+                continue
+            behind, ahead = i - 1, i + 1
+        total += contact_loss(strands.law[s], strands.rho[s], state.speed[k], state.r, state.X, behind, ahead)
     return total
 
 
-@inner
-def _sum_of_squares(w, i0, i1):
-    """Sum of the squared velocities of the nodes between i0 and i1."""
-    total = 0.0
-    for a in range(w.shape[0]):
-        for i in range(i0 + 1, i1):
-            total += w[a, i] * w[a, i]
-    return total
+@inlined
+def _pull_all(strands, state, buffers, kick):
+    """Force vectors of all links, into `buffers.f`.
+
+    Returns:
+        What the damping takes from the motion during a kick, J.
+    """
+    r, X, rider, per_length, q, f = state.r, state.X, state.rider, buffers.per_length, buffers.q, buffers.f
+    lost = 0.0
+    for s in range(strands.first.size):
+        p, c, h, first = strands.law[s], strands.damping[s], strands.h[s], strands.first[s]
+        last = first + strands.links[s]
+        for k in range(rider.size):  # beside a load, lengths change too fast for a guess
+            b = rider[k]
+            if first < b < last:
+                per_length[b - 1], per_length[b] = 1.0 / stretch(r, b - 1), 1.0 / stretch(r, b)
+        square = pull_again(p, c, h, first, last, r, buffers.ahead, per_length, q, f)
+        for k in range(rider.size):
+            b = rider[k]
+            if first < b < last:
+                if c == 0.0:
+                    for i in range(b - 1, b + 1):
+                        q[i] = pull_one_again(p, X[i + 1] - X[i], r, per_length, i)
+                else:
+                    square += _pull_beside(p, c, h, r, buffers.ahead, X, rider, state.speed, q, b)
+                for a in range(r.shape[0]):
+                    for i in range(b - 1, b + 1):
+                        f[a, i] = q[i] * (r[a, i + 1] - r[a, i])
+        lost += kick * c * h * square
+    return lost
 
 
-@kernel
+@lean
 def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most):
     """Move `state` to the time `until`.
-
-    The loop stands in one function, with arrays as local names, because a call that passes the whole state on costs
-    as much as the work on a hundred nodes.
 
     Args:
         strands, loads, state, buffers: see mechanics/chain.py; state and buffers are changed.
@@ -351,35 +216,22 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
     Returns:
         Status (RUNNING when `until` is reached, else what went wrong) and the number of steps taken.
     """
-    first, links, h, rho, laws, damping, drag, gravity = strands
-    strand, measure, contact, at_end, v_first, v_count, v_time, v_value, v_path, f_first, f_count, f_time, f_value = (
-        loads
-    )
-    time, r, w, X, xi, speed, rider, hold, work = state
-    per_length, q, f, ahead, target, dr, dw, _, _ = buffers
-    dim, stages, steps = r.shape[0], drifts.size, 0
-    end, tolerance = until - 1e-12 * max(1.0, abs(until)), ARRIVED * h[0]
-    for s in range(1, first.size):
-        tolerance = min(tolerance, ARRIVED * h[s])
+    time, r, w, xi, speed, rider, work = (
+        state.t, state.r, state.w, state.xi, state.speed, state.rider, state.work,
+    )  # fmt: skip
+    target, stages, steps = buffers.target, drifts.size, 0
+    end, tolerance = until - 1e-12 * max(1.0, abs(until)), np.inf
+    for s in range(strands.h.size):
+        tolerance = min(tolerance, ARRIVED * strands.h[s])
     while time[0] < end:
         if _take_seats(strands, loads, state, buffers):
             return END_OF_LINE, steps
         dt = _plan(until - time[0], longest, target, xi, speed, rider)
         kick, t_w, over, before, following = kicks[0] * dt, time[0], False, 0.0, 0.0
-        _copy(w, ahead)
+        _copy(w, buffers.ahead)
         while not over:
             begin = time[0]
-            for k in range(xi.size):  # half of the step before and half of this one
-                s, b = strand[k], rider[k]
-                if b >= 0:
-                    lost = contact_loss(laws[s], rho[s], speed[k], r, X, b - 1, b)
-                    work[CONTACT] += 0.5 * (before + dt) * lost
-                elif b == SHARED:
-                    i0, i1 = first[s], first[s] + links[s]
-                    i = seat_of(X, xi[k], h[s], i0, i1)
-                    if i0 < i < i1 - 1:  # as in _loss_shared
-                        lost = contact_loss(laws[s], rho[s], speed[k], r, X, i - 1, i + 1)
-                        work[CONTACT] += 0.5 * (before + dt) * lost
+            work[CONTACT] += 0.5 * (before + dt) * _loss(strands, loads, state)  # half the step before and half of this
             for stage in range(stages + 1):
                 if stage < stages:
                     drift = drifts[stage] * dt
@@ -395,78 +247,17 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
                     drift = 0.0
                 # The velocities belong to t_w; damping wants them at the next instant at which it is evaluated.
                 lead = (time[0] + drift - t_w - kick) / kick
-                for s in range(first.size):
-                    i, j, c = first[s], first[s] + links[s], damping[s]
-                    for k in range(xi.size):  # beside a load, lengths change too fast for a guess
-                        b = rider[k]
-                        if i < b < j:
-                            per_length[b - 1], per_length[b] = 1.0 / stretch(r, b - 1), 1.0 / stretch(r, b)
-                    square = pull_again(laws[s], c, h[s], i, j, r, ahead, per_length, q)
-                    for k in range(xi.size):
-                        b = rider[k]
-                        if i < b < j and c == 0.0:
-                            q[b - 1] = pull_one_again(laws[s], X[b] - X[b - 1], r, per_length, b - 1)
-                            q[b] = pull_one_again(laws[s], X[b + 1] - X[b], r, per_length, b)
-                        elif i < b < j:
-                            square += _pull_beside(laws[s], c, h[s], r, ahead, X, rider, speed, q, rider[k])
-                    pull_vectors(i, j, r, q, f)
-                    work[LINE_DAMPING] += kick * c * h[s] * square
+                work[LINE_DAMPING] += _pull_all(strands, state, buffers, kick)
                 for k in range(xi.size):
                     b = rider[k]
                     if b >= 0:
-                        for a in range(dim):
-                            dr[a, k] = r[a, b + 1] - r[a, b - 1]
-                            dw[a, k] = w[a, b + 1] - w[a, b - 1]
-                for s in range(first.size):
-                    i, j, m = first[s], first[s] + links[s], rho[s] * h[s]
-                    way, decay = _drift_with_drag(drag[s], drift)
-                    if damping[s] > 0.0:
-                        _update_ahead(w, ahead, f, i, j, kick / m, gravity, kick, decay, lead)
-                    _update(r, w, f, i, j, kick / m, gravity, kick, way, decay)
-                    if drag[s] > 0.0:
-                        # The drag takes exactly what the decay takes from the kinetic energy.
-                        work[LINE_DAMPING] += 0.5 * m * (1.0 / decay**2 - 1.0) * _sum_of_squares(w, i, j)
-                for k in range(xi.size):
-                    b, s = rider[k], strand[k]
-                    way, decay = _drift_with_drag(drag[s], drift)
-                    if b >= 0:
-                        _shift_weight(
-                            h[s], first[s], first[s] + links[s], b, kick, way, decay, lead, r, w, ahead, gravity, X
-                        )
-                        work[LOAD_WORK] += _kick_rider(
-                            f_time, f_value, f_first[k], f_count[k], time[0], rho[s] * h[s], speed[k], b, kick, way,
-                            decay, lead, r, w, ahead, f, gravity, X, dr, dw, k,
-                        )  # fmt: skip
-                    elif b == SHARED:
-                        work[LOAD_WORK] += _kick_shared(
-                            f_time, f_value, f_first[k], f_count[k], time[0], rho[s] * h[s], h[s], speed[k], xi[k],
-                            first[s], first[s] + links[s], kick, way, decay, lead, r, w, ahead, f, gravity, X,
-                        )  # fmt: skip
+                        for a in range(r.shape[0]):
+                            buffers.dr[a, k] = r[a, b + 1] - r[a, b - 1]
+                            buffers.dw[a, k] = w[a, b + 1] - w[a, b - 1]
+                work[LINE_DAMPING] += move_nodes(strands, state, buffers, kick, drift, lead)
+                work[LOAD_WORK] += kick_loads(strands, loads, state, buffers, kick, drift, lead)
                 if drift != 0.0:
-                    for k in range(xi.size):
-                        b, s = rider[k], strand[k]
-                        if b == OFF:
-                            continue
-                        way, decay = _drift_with_drag(drag[s], drift)
-                        x = r[0, max(b, 0)] - way * w[0, max(b, 0)] / decay
-                        if measure[k] == MATERIAL:
-                            step_on = drift * v_value[v_first[k]]
-                            if v_count[k] > 1:
-                                step_on = look_up_integral(
-                                    v_time, v_value, v_path, v_first[k], v_count[k], time[0] + drift
-                                ) - look_up_integral(v_time, v_value, v_path, v_first[k], v_count[k], time[0])
-                                speed[k] = look_up(v_time, v_value, v_first[k], v_count[k], time[0] + drift)
-                            if at_end[k] == STAY and _is_parked(xi[k], links[s] * h[s], speed[k]):
-                                step_on, speed[k] = 0.0, 0.0
-                            xi[k] += step_on
-                            if b >= 0:
-                                _carry(r, X, dr, k, b, xi[k], step_on)
-                        else:
-                            _travel(strands, loads, state, dr, k, drift)
-                        if contact[k] == FRICTIONLESS and b >= 0:
-                            push, gained = _hold(rho[s] * h[s], speed[k], r, w, X, dr, k, b, x, drift)
-                            hold[k] += push
-                            work[HOLD_WORK] += gained
+                    move_loads(strands, loads, state, buffers, drift)
                     time[0] += drift
                 t_w += kick
                 if stage < stages:

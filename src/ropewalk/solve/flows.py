@@ -1,0 +1,256 @@
+"""Kicks and drifts: the flows that a step is composed of, of the nodes and of the loads.
+
+A kick changes velocities at fixed positions, a drift positions at fixed velocities. Both are done in one pass over the
+nodes; what the loads add to both follows.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropewalk.mechanics.chain import FRICTIONLESS, HOLD_WORK, MATERIAL, OFF, SHARED, STAY
+from ropewalk.mechanics.compiled import inlined, lean_inner
+from ropewalk.mechanics.rider import (
+    even_out,
+    force_at,
+    look_up,
+    look_up_integral,
+    material_speed,
+    seat_of,
+    speed_at,
+)
+
+
+@inlined
+def _update(r, w, ahead, f, i0, i1, per_mass, gravity, kick, way, decay, lead, damped):
+    """Kick and drift the nodes between i0 and i1: w <- w + per_mass [f] + kick gravity, then along with drag
+    r <- r + way w, w <- decay w.
+
+    Damped lines also want the velocities at the instant of the new positions: those of `ahead`, led on by `lead` kicks.
+    """
+    for a in range(w.shape[0]):
+        ra, wa, fa, ga = r[a, i0 + 1 : i1], w[a, i0 + 1 : i1], f[a, i0:i1], kick * gravity[a]
+        if damped:
+            out = ahead[a, i0 + 1 : i1]
+            for i in range(i1 - i0 - 1):
+                gain = per_mass * (fa[i + 1] - fa[i]) + ga
+                v = wa[i] + gain
+                out[i] = decay * (v + lead * gain)
+                wa[i] = decay * v
+                ra[i] += way * v
+        else:
+            for i in range(i1 - i0 - 1):
+                v = wa[i] + (per_mass * (fa[i + 1] - fa[i]) + ga)
+                wa[i] = decay * v
+                ra[i] += way * v
+
+
+@inlined
+def _drift_with_drag(drag, drift):
+    """Way over velocity of a drift that drag slows down, s, and the part of the velocity that is left at its end."""
+    if drag == 0.0:
+        return drift, 1.0
+    decay = np.exp(-drag * drift)
+    return (1.0 - decay) / drag, decay
+
+
+@lean_inner
+def _sum_of_squares(w, i0, i1):
+    """Sum of the squared velocities of the nodes between i0 and i1."""
+    total = 0.0
+    for a in range(w.shape[0]):
+        for i in range(i0 + 1, i1):
+            total += w[a, i] * w[a, i]
+    return total
+
+
+@inlined
+def move_nodes(strands, state, buffers, kick, drift, lead):
+    """Kick and drift all nodes.
+
+    Returns:
+        What the drag takes from the motion, J.
+    """
+    lost = 0.0
+    for s in range(strands.first.size):
+        first, last, m = strands.first[s], strands.first[s] + strands.links[s], strands.rho[s] * strands.h[s]
+        way, decay = _drift_with_drag(strands.drag[s], drift)
+        _update(
+            state.r, state.w, buffers.ahead, buffers.f, first, last, kick / m, strands.gravity, kick, way, decay, lead,
+            strands.damping[s] > 0.0,
+        )  # fmt: skip
+        if strands.drag[s] > 0.0:  # exactly what the decay takes from the kinetic energy
+            lost += 0.5 * m * (1.0 / decay**2 - 1.0) * _sum_of_squares(state.w, first, last)
+    return lost
+
+
+@inlined
+def _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead):
+    """Momentum for the node b that rides with load k: its force, and the flux of momentum past it.
+
+    The links and gravity have already kicked all nodes, and these have drifted, see _update.
+
+    Returns:
+        The work of the force, J.
+    """
+    r, w, X, ahead, f, dr, dw = state.r, state.w, state.X, buffers.ahead, buffers.f, buffers.dr, buffers.dw
+    b, U, s = state.rider[k], state.speed[k], loads.strand[k]
+    m, span, work = strands.rho[s] * strands.h[s], X[b + 1] - X[b - 1], 0.0
+    for a in range(r.shape[0]):
+        F = force_at(loads, k, state.t[0], a)
+        after = (w[a, b + 1] - w[a, b - 1]) / decay
+        extra = kick * (F / m + U / span * 0.5 * (dw[a, k] + after))
+        kicked = kick * ((f[a, b] - f[a, b - 1]) / m + strands.gravity[a]) + extra
+        w[a, b] += decay * extra
+        ahead[a, b] += decay * (1.0 + lead) * extra
+        r[a, b] += way * extra
+        work += kick * F * (w[a, b] / decay - 0.5 * kicked + U * dr[a, k] / span)
+    return work
+
+
+@inlined
+def _shift_weight(strands, loads, state, buffers, k, kick, way, decay, lead):
+    """Weight of the nodes beside the riding node b: of half the links that they really have, not of uniform ones.
+
+    Without it a load of no force at all would stir the rope it travels on.
+    """
+    s, b, X = loads.strand[k], state.rider[k], state.X
+    first, last = strands.first[s], strands.first[s] + strands.links[s]
+    for side in (-1, 1):
+        node = b + side
+        if first < node < last:
+            part = 0.5 * (abs(X[b] - X[node]) / strands.h[s] - 1.0)
+            for a in range(state.r.shape[0]):
+                extra = kick * part * strands.gravity[a]
+                state.w[a, node] += decay * extra
+                buffers.ahead[a, node] += decay * (1.0 + lead) * extra
+                state.r[a, node] += way * extra
+
+
+@inlined
+def _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead):
+    """Momentum from a load that is shared by the two nodes of its link, unless they are held.
+
+    Returns:
+        The work of the force, J.
+    """
+    r, w, X, ahead, f = state.r, state.w, state.X, buffers.ahead, buffers.f
+    s, xi, U = loads.strand[k], state.xi[k], state.speed[k]
+    first, last = strands.first[s], strands.first[s] + strands.links[s]
+    i, m = seat_of(X, xi, strands.h[s], first, last), strands.rho[s] * strands.h[s]
+    part, work = (xi - X[i]) / (X[i + 1] - X[i]), 0.0
+    for a in range(r.shape[0]):
+        F = force_at(loads, k, state.t[0], a)
+        v = U * (r[a, i + 1] - r[a, i]) / (X[i + 1] - X[i])
+        for end in range(2):
+            node, share = i + end, (part if end == 1 else 1.0 - part)
+            if first < node < last:
+                extra = kick * share * F / m
+                kicked = kick * ((f[a, node] - f[a, node - 1]) / m + strands.gravity[a]) + extra
+                w[a, node] += decay * extra
+                ahead[a, node] += decay * (1.0 + lead) * extra
+                r[a, node] += way * extra
+                v += share * (w[a, node] / decay - 0.5 * kicked)
+        work += kick * F * v
+    return work
+
+
+@inlined
+def kick_loads(strands, loads, state, buffers, kick, drift, lead):
+    """Give the nodes at the loads what these add to the kick that all nodes have had.
+
+    Returns:
+        The work of the forces, J.
+    """
+    work = 0.0
+    for k in range(state.xi.size):
+        way, decay = _drift_with_drag(strands.drag[loads.strand[k]], drift)
+        if state.rider[k] >= 0:
+            _shift_weight(strands, loads, state, buffers, k, kick, way, decay, lead)
+            work += _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead)
+        elif state.rider[k] == SHARED:
+            work += _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead)
+    return work
+
+
+@inlined
+def _carry(r, X, dr, k, b, xi, way):
+    """Carry the riding node b over the material by `way` along the line."""
+    X[b] = xi
+    for a in range(r.shape[0]):
+        r[a, b] += way * 0.5 * (dr[a, k] + r[a, b + 1] - r[a, b - 1]) / (X[b + 1] - X[b - 1])
+
+
+@lean_inner
+def _travel(strands, loads, state, dr, k, dt):
+    """Let load k travel for dt at a speed that depends on the state of the line."""
+    t, b, xi = state.t[0], state.rider[k], state.xi[k]
+    U = material_speed(strands, loads, state, k, speed_at(loads, k, t))
+    state.xi[k] = xi + dt * U
+    if b >= 0:
+        _carry(state.r, state.X, dr, k, b, state.xi[k], dt * U)
+    better = 0.5 * (U + material_speed(strands, loads, state, k, speed_at(loads, k, t + dt)))
+    state.xi[k] = xi + dt * better
+    if b >= 0:
+        _carry(state.r, state.X, dr, k, b, state.xi[k], dt * (better - U))
+    state.speed[k] = material_speed(strands, loads, state, k, speed_at(loads, k, t + dt))
+
+
+@lean_inner
+def _hold(m, U, r, w, X, dr, k, b, x, dt):
+    """Frictionless contact: put the riding node where both tensions agree; its velocity follows.
+
+    Returns:
+        The impulse of the hold force, N s, and its work, J.
+    """
+    even_out(r, X, b)
+    v = (r[0, b] - x) / dt
+    new = v - U * 0.5 * (dr[0, k] + r[0, b + 1] - r[0, b - 1]) / (X[b + 1] - X[b - 1])
+    impulse = m * (new - w[0, b])
+    w[0, b] = new
+    return impulse, impulse * v
+
+
+@inlined
+def _is_parked(xi, length, speed):
+    """Whether a load that stays on its line stands at an end of it and does not come back."""
+    return (xi >= length and speed >= 0.0) or (xi <= 0.0 and speed <= 0.0)
+
+
+@inlined
+def _step_on(strands, loads, state, k, drift):
+    """How far load k, whose speed is prescribed as dxi/dt, goes during a drift; notes its speed at the end."""
+    first, count, t = loads.speed_first[k], loads.speed_count[k], state.t[0]
+    step = drift * loads.speed_value[first]
+    if count > 1:
+        time, value, path = loads.speed_time, loads.speed_value, loads.speed_path
+        step = look_up_integral(time, value, path, first, count, t + drift)
+        step -= look_up_integral(time, value, path, first, count, t)
+        state.speed[k] = look_up(time, value, first, count, t + drift)
+    s = loads.strand[k]
+    if loads.at_end[k] == STAY and _is_parked(state.xi[k], strands.links[s] * strands.h[s], state.speed[k]):
+        step, state.speed[k] = 0.0, 0.0
+    return step
+
+
+@inlined
+def move_loads(strands, loads, state, buffers, drift):
+    """Let all loads travel for the time of a drift; nodes that ride with them are carried along."""
+    r, w, X, dr = state.r, state.w, state.X, buffers.dr
+    for k in range(state.xi.size):
+        b, s = state.rider[k], loads.strand[k]
+        if b == OFF:
+            continue
+        way, decay = _drift_with_drag(strands.drag[s], drift)
+        x = r[0, max(b, 0)] - way * w[0, max(b, 0)] / decay
+        if loads.measure[k] == MATERIAL:
+            step = _step_on(strands, loads, state, k, drift)
+            state.xi[k] += step
+            if b >= 0:
+                _carry(r, X, dr, k, b, state.xi[k], step)
+        else:
+            _travel(strands, loads, state, dr, k, drift)
+        if loads.contact[k] == FRICTIONLESS and b >= 0:
+            push, gained = _hold(strands.rho[s] * strands.h[s], state.speed[k], r, w, X, dr, k, b, x, drift)
+            state.hold[k] += push
+            state.work[HOLD_WORK] += gained
