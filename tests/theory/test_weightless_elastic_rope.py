@@ -27,7 +27,7 @@ WEIGHT = (0.0, -700.0)
     ],
 )
 def test_clamped_load_by_hookes_law(length: float, xi: float, place: tuple, tensions: tuple | None) -> None:
-    state = rope.weightless_elastic(**{**PAPER, "length": length}, load=(xi, WEIGHT))
+    state = rope.weightless_elastic(**{**PAPER, "length": length}, loads=[(xi, WEIGHT)])
     # 15 digits are given; the rest is the condition of the problem, sag by strain
     assert state.load_positions[0] == pytest.approx(place, abs=6e-14)
     if tensions is not None:
@@ -39,7 +39,7 @@ def test_clamped_load_by_hookes_law(length: float, xi: float, place: tuple, tens
     [(10.0, (10.0, -4.17804102444912), 907.889508), (15.0, (15.6921645731122, -3.28573423327046), None)],
 )
 def test_clamped_load_by_the_printed_law(xi: float, place: tuple, tension: float | None) -> None:
-    state = rope.weightless_elastic(**PAPER, load=(xi, WEIGHT), law="second_piola_kirchhoff")
+    state = rope.weightless_elastic(**PAPER, loads=[(xi, WEIGHT)], law="second_piola_kirchhoff")
     assert state.load_positions[0] == pytest.approx(place, abs=6e-14)  # 15 digits are given
     if tension is not None:
         assert state.load_tensions[0] == pytest.approx([tension] * 2, abs=5e-7)  # 9 digits are given
@@ -50,14 +50,14 @@ def test_pulley_is_the_clamped_load_with_the_hold_force_at_equal_tensions() -> N
     place, tension, hold = np.array([15.0, -3.7070901273379]), 837.821869567776, 140.331412274603
     behind, ahead = np.hypot(*place), np.hypot(20.0 - place[0], place[1])
     xi = 20.0 * behind / (behind + ahead)  # one tension, one strain
-    state = rope.weightless_elastic(**PAPER, load=(xi, (hold, -700.0)))
+    state = rope.weightless_elastic(**PAPER, loads=[(xi, (hold, -700.0))])
     assert state.load_positions[0] == pytest.approx(place, abs=1e-13)  # 14 digits are given
     assert state.load_tensions[0] == pytest.approx([tension] * 2, abs=2e-12)
 
 
 def test_small_load_follows_the_cubic_law() -> None:
     for small in (1e-3, 1e-6, 1e-9):
-        state = rope.weightless_elastic(**PAPER, load=(10.0, (0.0, -small)))
+        state = rope.weightless_elastic(**PAPER, loads=[(10.0, (0.0, -small))])
         z = state.load_positions[0, 1]
         # W = k (2z/X)^3 (1 + O((2z/X)^2)); the strain, the square of the slope, is down to 1e-8 of the length
         assert 1e4 * (-2.0 * z / 20.0) ** 3 == pytest.approx(small, rel=2.0 * (z / 10.0) ** 2 + 1e-7)
@@ -81,7 +81,7 @@ def test_forces_balance_and_pieces_have_the_length_of_their_tension(
     stiffness = 10.0**decades
     load = (fraction * length, force)
     state = rope.weightless_elastic(
-        span=20.0, height=height, length=length, axial_stiffness=stiffness, load=load, law=law
+        span=20.0, height=height, length=length, axial_stiffness=stiffness, loads=[load], law=law
     )
     size = float(np.max(np.abs(state.force))) + 1.0
     assert state.start_reaction + state.end_reaction + np.array(force) == pytest.approx(0.0, abs=1e-13 * size)
@@ -104,8 +104,8 @@ def test_mirrored_rope_is_the_mirror_image(
     law: rope.AxialLaw, height: float, length: float, fraction: float, f_x: float
 ) -> None:
     case = {"span": 20.0, "length": length, "axial_stiffness": 1e4, "law": law}
-    state = rope.weightless_elastic(**case, height=height, load=(fraction * length, (f_x, -500.0)))
-    mirror = rope.weightless_elastic(**case, height=-height, load=(length - fraction * length, (-f_x, -500.0)))
+    state = rope.weightless_elastic(**case, height=height, loads=[(fraction * length, (f_x, -500.0))])
+    mirror = rope.weightless_elastic(**case, height=-height, loads=[(length - fraction * length, (-f_x, -500.0))])
     expected = np.array([20.0, height]) + mirror.load_positions[0] * [-1, 1]
     # small load on a straight rope is where roundings weigh most
     assert state.load_positions[0] == pytest.approx(expected, abs=1e-10)
@@ -114,16 +114,16 @@ def test_mirrored_rope_is_the_mirror_image(
 def test_load_near_a_support_leaves_the_long_piece_slack() -> None:
     """Inextensible limit: beyond L - s = (L^2 - X^2)/(2 L) the load hangs below the support."""
     case = {"span": 20.0, "length": 22.0, "axial_stiffness": 1e10}
-    hanging = rope.weightless_elastic(**case, load=(20.5, WEIGHT))
+    hanging = rope.weightless_elastic(**case, loads=[(20.5, WEIGHT)])
     assert hanging.load_positions[0] == pytest.approx([20.0, -1.5], abs=2e-7)  # strain 7e-8
     assert hanging.load_tensions[0] == pytest.approx([0.0, 700.0])
     assert hanging.start_reaction == pytest.approx([0.0, 0.0], abs=0.0)
     assert hanging.tension([5.0, 21.0]) == pytest.approx([0.0, 700.0])
     assert np.all(np.isfinite(hanging.position(np.linspace(0.0, 22.0, 9))))
     edge = (484.0 - 400.0) / 44.0
-    taut = rope.weightless_elastic(**case, load=(22.0 - edge - 1e-4, WEIGHT))
+    taut = rope.weightless_elastic(**case, loads=[(22.0 - edge - 1e-4, WEIGHT)])
     assert taut.load_tensions[0, 0] > 0.0
-    mirrored = rope.weightless_elastic(**case, load=(1.5, WEIGHT))
+    mirrored = rope.weightless_elastic(**case, loads=[(1.5, WEIGHT)])
     assert mirrored.load_positions[0] == pytest.approx([0.0, -1.5], abs=2e-7)
     assert mirrored.load_tensions[0] == pytest.approx([700.0, 0.0])
 
@@ -136,7 +136,7 @@ def test_load_on_a_support_leaves_a_prestressed_rope_straight(law: rope.AxialLaw
         (0.0, "start_reaction", "end_reaction"),
         (16.0, "end_reaction", "start_reaction"),
     ):
-        state = rope.weightless_elastic(**case, load=(xi, WEIGHT))
+        state = rope.weightless_elastic(**case, loads=[(xi, WEIGHT)])
         side = 1.0 if free == "end_reaction" else -1.0
         assert getattr(state, free) == pytest.approx([side * prestress, 0.0], abs=1e-10)  # roundings
         assert getattr(state, loaded) == pytest.approx([-side * prestress, 700.0], abs=1e-10)
@@ -145,13 +145,13 @@ def test_load_on_a_support_leaves_a_prestressed_rope_straight(law: rope.AxialLaw
 
 
 def test_no_load_on_a_prestressed_rope_leaves_the_prestress() -> None:
-    state = rope.weightless_elastic(span=20.0, length=16.0, axial_stiffness=1e4, load=(4.0, (0.0, 0.0)))
+    state = rope.weightless_elastic(span=20.0, length=16.0, axial_stiffness=1e4, loads=[(4.0, (0.0, 0.0))])
     assert state.load_tensions[0] == pytest.approx([2500.0, 2500.0], rel=1e-14)
 
 
 def test_light_rope_with_weight_tends_to_the_weightless_one() -> None:
     light = rope.elastic_catenary(**PAPER, weight=1e-9, height=2.0, loads=[(15.0, WEIGHT)])
-    none = rope.weightless_elastic(**PAPER, height=2.0, load=(15.0, WEIGHT))
+    none = rope.weightless_elastic(**PAPER, height=2.0, loads=[(15.0, WEIGHT)])
     xi = np.linspace(0.0, 20.0, 9)
     assert light.position(xi) == pytest.approx(none.position(xi), abs=1e-10)  # weight by load 3e-11
     assert light.tension(xi) == pytest.approx(none.tension(xi), rel=1e-10)
@@ -161,7 +161,7 @@ def test_light_rope_with_weight_tends_to_the_weightless_one() -> None:
 @pytest.mark.parametrize("law", ["hooke", "second_piola_kirchhoff"])
 def test_energy_has_its_minimum_at_the_solution(stiffness: float, law: rope.AxialLaw) -> None:
     """The stored energy less the load's work, k(lam-1)^2/2 or k(2 lam^3 - 3 lam^2 + 1)/6, by trial."""
-    state = rope.weightless_elastic(span=20.0, length=20.0, axial_stiffness=stiffness, load=(15.0, WEIGHT), law=law)
+    state = rope.weightless_elastic(span=20.0, length=20.0, axial_stiffness=stiffness, loads=[(15.0, WEIGHT)], law=law)
 
     def tension(lam: float) -> float:
         return stiffness * (lam - 1.0) * (1.0 if law == "hooke" else lam)
@@ -181,12 +181,12 @@ def test_energy_has_its_minimum_at_the_solution(stiffness: float, law: rope.Axia
         ({"length": 0.0}, "^length must"),
         ({"axial_stiffness": math.nan}, "^axial_stiffness must"),
         ({"height": math.nan}, "^height must"),
-        ({"load": (21.0, WEIGHT)}, "loads must stand"),
-        ({"load": (5.0, (math.inf, 0.0))}, "forces"),
-        ({"load": (5.0, (0.0, 0.0))}, "no definite shape"),
+        ({"loads": [(21.0, WEIGHT)]}, "loads must stand"),
+        ({"loads": [(5.0, (math.inf, 0.0))]}, "forces"),
+        ({"loads": [(5.0, (0.0, 0.0))]}, "no definite shape"),
         ({"law": "linear"}, "^law must"),
     ],
 )
 def test_nonsense_is_refused(changed: dict[str, object], said: str) -> None:
     with pytest.raises(ValueError, match=said):
-        rope.weightless_elastic(**({"load": (5.0, WEIGHT)} | PAPER | changed))
+        rope.weightless_elastic(**({"loads": [(5.0, WEIGHT)]} | PAPER | changed))

@@ -1,33 +1,38 @@
-"""Ropes at rest between two supports: catenary, elastic catenary with point loads, weightless elastic rope.
+"""Ropes at rest between two supports under point loads clamped at material points, with or without weight.
 
 The rope starts at (0, 0) and ends at (span, height), x along the span and z upwards, and is described along
 its unstrained arc length xi. The internal force n(xi), which the part ahead exerts on the part behind, obeys
-``n' = (0, weight)`` and jumps by minus the load at a point load. The rope is as long as the shape that n
-gives it,
+``n' = (0, weight)`` and jumps by minus the load at a point load.
+The rope is as long as the shape that n gives it,
 
     r(length) - r(0) = integral of (1 + eps(|n|)) n/|n| d xi = (span, height),
 
 which are two equations for the two components of n(0). They are the gradient of the complementary energy, a
 convex function, so there is one solution and Newton's method with a line search finds it. Irvine, Cable
-Structures, for the single elastic catenary; derived in docs/notes for the point loads.
+Structures, for the single elastic catenary; derived in docs/notes for the point loads. `shooting` and `balance`
+solve the same ropes without this function.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
+from numpy import inf
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
-from ropewalk.theory import _arguments
+from ropewalk.theory import _arguments, _convex, _pieces
+from ropewalk.theory._pieces import AxialLaw, FloatArray, PointLoad
 
-__all__ = ["AxialLaw", "PointLoad", "RestingRope", "catenary", "elastic_catenary", "weightless_elastic"]
-
-FloatArray = NDArray[np.float64]
-_TINY = float(np.finfo(np.float64).tiny)
-AxialLaw = Literal["hooke", "second_piola_kirchhoff"]
-PointLoad = tuple[float, tuple[float, float]]  # material coordinate in m, force (Fx, Fz) in N
+__all__ = [
+    "AxialLaw",
+    "PointLoad",
+    "RestingRope",
+    "catenary",
+    "elastic_catenary",
+    "resting",
+    "weightless_elastic",
+    "weightless_inextensible",
+]
 
 
 @dataclass(frozen=True)
@@ -67,6 +72,11 @@ class RestingRope:
         return np.asarray(np.linalg.norm(np.stack([behind, ahead], axis=1), axis=2))
 
     @property
+    def load_forces(self) -> FloatArray:
+        """Forces (x, z) of the loads on the rope, hold forces included, shape (loads, 2)."""
+        return np.asarray(self._force_at_piece_ends()[:-1] - self.force[1:])
+
+    @property
     def sag(self) -> float:
         """Largest vertical depth below the straight line through the supports, m; 0 if nowhere below it."""
         (x_0, z_0), (x_1, z_1) = self.nodes[0], self.nodes[-1]
@@ -87,7 +97,7 @@ class RestingRope:
             columns = [np.interp(xi, self.breaks, self.nodes[:, axis]) for axis in (0, 1)]
             return np.stack(columns, axis=-1)
         covered = xi - self.breaks[piece]
-        return np.asarray(self.nodes[piece] + _reach(self.force[piece], covered, self.weight, self.compliance))
+        return np.asarray(self.nodes[piece] + _pieces.reach(self.force[piece], covered, self.weight, self.compliance))
 
     def tension(self, xi: ArrayLike) -> FloatArray:
         """Return the tension in N at material coordinates ``xi`` (m, 0..length); on a load, that ahead."""
@@ -107,27 +117,70 @@ class RestingRope:
         return xi, np.asarray(np.minimum(piece, len(self.force) - 1), dtype=np.intp)
 
 
-def catenary(*, span: float, height: float = 0.0, length: float, weight: float) -> RestingRope:
-    """Return the inextensible heavy rope.
+def resting(
+    *,
+    span: float,
+    height: float = 0.0,
+    length: float,
+    weight: float = 0.0,
+    axial_stiffness: float = inf,
+    law: AxialLaw = "hooke",
+    loads: Sequence[PointLoad] = (),
+) -> RestingRope:
+    """Return a rope at rest with any number of point loads clamped at material points.
 
-    ``span`` > 0 and ``height`` are the end's position from the start's and ``length`` the rope's, in m,
-    ``weight`` > 0 in N/m. `ValueError` for arguments out of range and for a rope not longer than the distance
-    of its ends.
-
-    ``z = a cosh(x/a)`` with ``a = H/weight`` from ``sqrt(length^2 - height^2) = 2 a sinh(u)``,
-    ``u = span/(2 a)``, and the vertical forces at the ends from their sum ``weight height coth(u)``.
+    ``span`` > 0 and ``height`` are the end's position from the start's and ``length`` the unstrained length,
+    in m; ``weight`` >= 0 in N per unstrained metre; ``axial_stiffness`` in N, infinite for an inextensible rope.
+    ``loads`` is a sequence of ``(xi, (Fx, Fz))``: material coordinate in m (0 and length included) and force on
+    the rope in N, z upwards. ``law`` is "hooke", ``T = EA eps``, or, without weight, "second_piola_kirchhoff",
+    ``T = EA lam (lam - 1)``, the printed eqs. 6-7 of "Walking the Line. Traveling Forces vs Moving Masses".
+    Pieces without weight may be slack, and the load hang below a support. `ValueError` for arguments out of
+    range, for an inextensible rope not longer than the distance of its ends, and for no force on a slack rope
+    without weight, which has no definite shape.
     """
-    _arguments.positive(span=span, length=length, weight=weight)
-    _arguments.finite(height=height)
+    compliance = _pieces.check_rope(span, height, length, weight, axial_stiffness, law)
+    breaks, drops = _pieces.break_at_loads(loads, length)
+    pieces, ends = np.diff(breaks), np.array([span, height])
     distance = float(np.hypot(span, height))
-    if length <= distance:
-        raise ValueError(f"a rope of {length:g} m does not hang between ends {distance:g} m apart")
+    if weight == 0.0:
+        if not np.any(drops) and length >= distance:
+            raise ValueError("a slack rope without weight or load has no definite shape: give a force")
+        partly_slack = _partly_slack(breaks, ends, drops, compliance, law)
+        if partly_slack is not None:
+            return partly_slack
+    offset = -drops + np.stack([np.zeros_like(pieces), weight * breaks[:-1]], axis=1)
+
+    def gap(force: FloatArray) -> tuple[FloatArray, FloatArray]:
+        at_start = force + offset
+        reach = _pieces.reach(at_start, pieces, weight, compliance, law).sum(axis=0)
+        return reach - ends, _pieces.reach_derivative(at_start, pieces, weight, compliance, law).sum(axis=0)
+
+    guess = _taut_guess(offset, pieces, weight, compliance, ends)
+    force = _convex.minimise(gap, guess, scale=length + distance) + offset
+    if weight > 0.0:
+        return _from_start(breaks, force, weight, compliance, law)
+    return _from_both_ends(breaks, force, compliance, law, ends)
+
+
+def catenary(
+    *, span: float, height: float = 0.0, length: float, weight: float, loads: Sequence[PointLoad] = ()
+) -> RestingRope:
+    """Return the inextensible heavy rope, its arguments as in `resting`.
+
+    Without loads in closed form: ``z = a cosh(x/a)`` with ``a = H/weight`` from
+    ``sqrt(length^2 - height^2) = 2 a sinh(u)``, ``u = span/(2 a)``, and the vertical forces at the ends from
+    their sum ``weight height coth(u)``.
+    """
+    _arguments.positive(weight=weight)
+    if loads:
+        return resting(span=span, height=height, length=length, weight=weight, loads=loads)
+    _pieces.check_rope(span, height, length, weight, inf, "hooke")
+    distance = float(np.hypot(span, height))
     excess = (length - distance) * (length + distance) / span**2
-    u = _solve_log_sinhc(0.5 * float(np.log1p(excess)))
+    u = _pieces.solve_log_sinhc(0.5 * float(np.log1p(excess)))
     horizontal = weight * span / (2.0 * u)
     vertical = 0.5 * weight * (height / float(np.tanh(u)) - length)
-    breaks, force = np.array([0.0, length]), np.array([[horizontal, vertical]])
-    return _heavy_rope(breaks, force, weight, compliance=0.0)
+    return _from_start(np.array([0.0, length]), np.array([[horizontal, vertical]]), weight, 0.0, "hooke")
 
 
 def elastic_catenary(
@@ -139,31 +192,13 @@ def elastic_catenary(
     axial_stiffness: float,
     loads: Sequence[PointLoad] = (),
 ) -> RestingRope:
-    """Return the heavy elastic rope (Hooke) with point loads clamped at material points.
-
-    ``span`` > 0 and ``height`` are the end's position from the start's and ``length`` the unstrained length,
-    in m (shorter, equal or longer than the distance), ``weight`` > 0 in N per unstrained metre,
-    ``axial_stiffness`` in N. ``loads`` is a sequence of ``(xi, (Fx, Fz))``: material coordinate in m (0 and
-    length included) and force on the rope in N, z upwards. `ValueError` for arguments out of range.
+    """Return the heavy elastic rope (Hooke), shorter, equal or longer than its span; arguments as in `resting`.
 
     Between loads, Irvine: ``x = H s/EA + (H/w) [asinh(v/H)]``, ``z = [v^2]/(2 w EA) + [sqrt(H^2 + v^2)]/w``,
     ``v = v_0 + w s``; written without the differences, so that light and taut ropes lose no digits.
     """
-    _arguments.positive(span=span, length=length, weight=weight, axial_stiffness=axial_stiffness)
-    _arguments.finite(height=height)
-    breaks, drops = _break_at_loads(loads, length)
-    pieces, compliance = np.diff(breaks), 1.0 / axial_stiffness
-    offset = -drops + np.stack([np.zeros_like(pieces), weight * breaks[:-1]], axis=1)
-    ends = np.array([span, height])
-
-    def gap(force: FloatArray) -> tuple[FloatArray, FloatArray]:
-        at_start = force + offset
-        reach = _reach(at_start, pieces, weight, compliance).sum(axis=0)
-        return reach - ends, _reach_derivative(at_start, pieces, weight, compliance)
-
-    guess = _taut_guess(offset, pieces, weight, compliance, ends)
-    force = _newton(gap, guess, distance=length + float(np.hypot(span, height)))
-    return _heavy_rope(breaks, force + offset, weight, compliance)
+    _arguments.positive(weight=weight, axial_stiffness=axial_stiffness)
+    return resting(span=span, height=height, length=length, weight=weight, axial_stiffness=axial_stiffness, loads=loads)
 
 
 def weightless_elastic(
@@ -172,123 +207,93 @@ def weightless_elastic(
     height: float = 0.0,
     length: float,
     axial_stiffness: float,
-    load: PointLoad,
+    loads: Sequence[PointLoad],
     law: AxialLaw = "hooke",
 ) -> RestingRope:
-    """Return the weightless elastic rope with one point load clamped at a material point.
-
-    ``span`` > 0 and ``height`` are the end's position from the start's and ``length`` the unstrained length,
-    in m, ``axial_stiffness`` in N, ``load`` is ``(xi, (Fx, Fz))`` as in `elastic_catenary`. ``law`` is
-    "hooke", ``T = EA eps``, or "second_piola_kirchhoff", ``T = EA lam (lam - 1)``, the printed eqs. 6-7 of
-    "Walking the Line. Traveling Forces vs Moving Masses". A piece may be slack: the load then hangs from the
-    other support. `ValueError` for arguments out of range, and for no force on a slack rope, which has no
-    definite shape.
+    """Return the elastic rope without weight, its arguments as in `resting`.
 
     Force balance ``n_ahead = n_behind - F`` with ``sum of length_i lam(|n_i|) n_i/|n_i| = (span, height)``.
     """
-    _arguments.positive(span=span, length=length, axial_stiffness=axial_stiffness)
-    _arguments.finite(height=height)
-    if law not in ("hooke", "second_piola_kirchhoff"):
-        raise ValueError(f"law must be 'hooke' or 'second_piola_kirchhoff', not {law!r}")
-    breaks, drops = _break_at_loads([load], length)
-    pieces, ends = np.diff(breaks), np.array([span, height])
-    if not np.any(drops) and length >= np.hypot(span, height):
+    _arguments.positive(axial_stiffness=axial_stiffness)
+    return resting(span=span, height=height, length=length, axial_stiffness=axial_stiffness, law=law, loads=loads)
+
+
+def weightless_inextensible(
+    *, span: float, height: float = 0.0, length: float, loads: Sequence[PointLoad]
+) -> RestingRope:
+    """Return the inextensible rope without weight, a polygon; its arguments as in `resting`.
+
+    One load stands where two circles about the supports meet; between level supports
+    ``x = (span^2 + s^2 - (length - s)^2)/(2 span)``. Nearer to the end than ``length - s =
+    (length^2 - span^2)/(2 length)`` a vertical load hangs below the support and leaves the long piece slack.
+    """
+    if len(loads) != 1:
+        return resting(span=span, height=height, length=length, loads=loads)
+    _pieces.check_rope(span, height, length, 0.0, inf, "hooke")
+    breaks, drops = _pieces.break_at_loads(loads, length)
+    if not np.any(drops):
         raise ValueError("a slack rope without weight or load has no definite shape: give a force")
-    half_slack = _hanging_rope(breaks, ends, drops[1], axial_stiffness, law)
-    if half_slack is not None:
-        return half_slack
+    ends = np.array([span, height])
+    hanging = _partly_slack(breaks, ends, drops, 0.0, "hooke")
+    return hanging if hanging is not None else _two_circles(breaks, ends, drops[1])
 
-    def gap(force: FloatArray) -> tuple[FloatArray, FloatArray]:
-        reach, derivative = _straight_reach((force - drops) / axial_stiffness, pieces, law)
-        return reach.sum(axis=0) - ends, derivative / axial_stiffness
 
-    guess = _taut_guess(-drops, pieces, 0.0, 1.0 / axial_stiffness, ends)
-    force = _newton(gap, guess, distance=length + float(np.hypot(span, height))) - drops
-    place = _straight_reach(force / axial_stiffness, pieces, law)[0][0]
+def _two_circles(breaks: FloatArray, ends: FloatArray, pull: FloatArray) -> RestingRope:
+    """Both pieces straight and taut: the triangle over the supports with the pieces as sides."""
+    behind, ahead = np.diff(breaks)
+    distance = float(np.hypot(*ends))
+    # the foot of the height on the chord, and the height by Heron's formula without cancellation (Kahan)
+    foot = 0.5 * (distance + (behind - ahead) * (behind + ahead) / distance)
+    perimeter = (behind + ahead + distance) * (behind + ahead - distance)
+    height = np.sqrt(perimeter * (distance - (behind - ahead)) * (distance + (behind - ahead))) / (2.0 * distance)
+    chord = ends / distance
+    normal = np.array([-chord[1], chord[0]])
+    place = foot * chord + np.copysign(height, pull @ normal) * normal
+    first, second = place / behind, (ends - place) / ahead
+    turn = first[0] * second[1] - first[1] * second[0]
+    # pull = T_behind first - T_ahead second
+    tension_behind = (pull[0] * second[1] - pull[1] * second[0]) / turn
+    tension_ahead = (pull[0] * first[1] - pull[1] * first[0]) / turn
+    force = np.stack([tension_behind * first, tension_ahead * second])
     return RestingRope(0.0, 0.0, breaks, np.stack([0.0 * ends, place, ends]), force)
 
 
-def _hanging_rope(
-    breaks: FloatArray, ends: FloatArray, pull: FloatArray, axial_stiffness: float, law: AxialLaw
+def _partly_slack(
+    breaks: FloatArray, ends: FloatArray, drops: FloatArray, compliance: float, law: AxialLaw
 ) -> RestingRope | None:
-    """Weightless rope whose load hangs from one support alone, if the other piece can be slack."""
-    size, pieces = float(np.hypot(*pull)), np.diff(breaks)
-    supports = np.stack([0.0 * ends, ends])
-    for taut, slack in ((0, 1), (1, 0)):
-        if size > 0.0:
-            stretched = pieces[taut] * (1.0 + _strain(size / axial_stiffness, law))
-            place = supports[taut] + stretched * (pull / size)
-            if np.hypot(*(supports[slack] - place)) <= pieces[slack]:
-                force = np.stack([pull, 0.0 * pull]) if taut == 0 else np.stack([0.0 * pull, -pull])
-                return RestingRope(0.0, 0.0, breaks, np.stack([supports[0], place, supports[1]]), force)
+    """Weightless rope of which a piece, and all others under the same force, is slack, if there is such a state."""
+    pieces = np.diff(breaks)
+    for candidate in drops[pieces > 0.0]:
+        force = candidate - drops
+        slack = ~np.any(force, axis=1)
+        steps = _pieces.reach(force, pieces, 0.0, compliance, law)
+        gap, spare = ends - steps[~slack].sum(axis=0), float(pieces[slack].sum())
+        if np.hypot(*gap) <= spare:
+            steps[slack] = gap * (pieces[slack] / spare)[:, np.newaxis]
+            nodes = np.vstack([np.zeros(2), np.cumsum(steps, axis=0)[:-1], ends])
+            return RestingRope(0.0, 0.0, breaks, nodes, force)
     return None
 
 
-def _heavy_rope(breaks: FloatArray, force: FloatArray, weight: float, compliance: float) -> RestingRope:
-    steps = _reach(force, np.diff(breaks), weight, compliance)
-    nodes = np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])
-    return RestingRope(weight, compliance, breaks, nodes, force)
+def _from_start(breaks: FloatArray, force: FloatArray, weight: float, compliance: float, law: AxialLaw) -> RestingRope:
+    steps = _pieces.reach(force, np.diff(breaks), weight, compliance, law)
+    return RestingRope(weight, compliance, breaks, np.vstack([np.zeros(2), np.cumsum(steps, axis=0)]), force)
 
 
-def _reach(force: FloatArray, length: FloatArray, weight: float, compliance: float) -> FloatArray:
-    """Vector from the beginning to the end of heavy pieces whose internal force begins with ``force``."""
-    h, v = force[..., 0], force[..., 1]
-    v_mean = v + 0.5 * weight * length
-    t_mean = np.maximum(0.5 * (np.hypot(h, v) + np.hypot(h, v + weight * length)), _TINY)
-    x = length * h * compliance + h * _length_by_tension(h, v, length, weight)
-    z = length * v_mean * (compliance + 1.0 / t_mean)
-    return np.stack([x, z], axis=-1)
-
-
-def _reach_derivative(force: FloatArray, length: FloatArray, weight: float, compliance: float) -> FloatArray:
-    """Derivative of the summed `_reach` by the force: integral of ``I/EA + (I - t t)/|n|``, shape (2, 2)."""
-    h, v = force[:, 0], force[:, 1]
-    v_end = v + weight * length
-    t_0, t_1 = np.maximum(np.hypot(h, v), _TINY), np.maximum(np.hypot(h, v_end), _TINY)
-    zz = length / (t_0 + t_1) * (1.0 + (h / t_0) * (h / t_1) - (v / t_0) * (v_end / t_1))
-    xz = -length / (t_0 + t_1) * ((h / t_0) * (v_end / t_1) + (v / t_0) * (h / t_1))
-    xx = np.maximum(_length_by_tension(h, v, length, weight) - zz, 0.0)
-    bend = np.array([[xx.sum(), xz.sum()], [xz.sum(), zz.sum()]])
-    return np.asarray(bend + compliance * length.sum() * np.eye(2))
-
-
-def _length_by_tension(h: FloatArray, v: FloatArray, length: FloatArray, weight: float) -> FloatArray:
-    """Integral of d xi/|n| along a heavy piece, ``[asinh(v/h)]/weight`` without the difference."""
-    rest = _tension_plus(h, v) + _tension_plus(h, -(v + weight * length))  # t_0 + t_1 - weight * length
-    rest = np.maximum(rest, _TINY)
-    ratio = 2.0 * weight * length / rest
-    return np.where(ratio > 0.0, np.log1p(ratio) / np.where(ratio > 0.0, weight, 1.0), 2.0 * length / rest)
-
-
-def _tension_plus(h: FloatArray, v: FloatArray) -> FloatArray:
-    """``sqrt(h^2 + v^2) + v`` without cancellation."""
-    tension = np.hypot(h, v)
-    return np.where(v < 0.0, h * (h / np.maximum(tension + np.abs(v), _TINY)), tension + v)
-
-
-def _strain(tension: float | FloatArray, law: AxialLaw) -> FloatArray:
-    """Strain under a tension by EA."""
-    if law == "hooke":
-        return np.asarray(tension)
-    return np.asarray(tension / (0.5 + np.sqrt(0.25 + tension)))
-
-
-def _straight_reach(force: FloatArray, length: FloatArray, law: AxialLaw) -> tuple[FloatArray, FloatArray]:
-    """Vectors along weightless pieces under forces by EA, and the derivative of their sum."""
-    tension = np.maximum(np.hypot(force[:, 0], force[:, 1]), _TINY)
-    tangent = force / tension[:, np.newaxis]
-    stretch = 1.0 + _strain(tension, law)
-    slope = np.ones_like(tension) if law == "hooke" else 1.0 / (2.0 * stretch - 1.0)
-    along = tangent[:, :, np.newaxis] * tangent[:, np.newaxis, :]
-    turn = (length * stretch / tension)[:, np.newaxis, np.newaxis] * (np.eye(2) - along)
-    pull = (length * slope)[:, np.newaxis, np.newaxis] * along
-    return (length * stretch)[:, np.newaxis] * tangent, (turn + pull).sum(axis=0)
+def _from_both_ends(
+    breaks: FloatArray, force: FloatArray, compliance: float, law: AxialLaw, ends: FloatArray
+) -> RestingRope:
+    nodes = _from_start(breaks, force, 0.0, compliance, law).nodes
+    nodes[-1] = ends
+    return RestingRope(0.0, 0.0, breaks, nodes, force)
 
 
 def _taut_guess(
     offset: FloatArray, length: FloatArray, weight: float, compliance: float, ends: FloatArray
 ) -> FloatArray:
     """Force at the start of a taut rope: chord plus elongation is length plus the transverse load's slack."""
+    from scipy.optimize import brentq
+
     total, distance = length.sum(), float(np.hypot(*ends))
     chord = ends / distance
     first = offset
@@ -297,6 +302,9 @@ def _taut_guess(
     p, q = ((side - mean) @ np.array([-chord[1], chord[0]]) for side in (first, last))
     slack = 0.5 * float((length * (p * p + p * q + q * q)).sum()) / (3.0 * total)
     excess = 1.0 - distance / total
+    if compliance == 0.0:
+        tension = float(np.sqrt(slack / max(excess, 1e-300)))
+        return np.asarray(max(tension, 1e-9 * float(np.max(np.abs(offset - mean)))) * chord - mean)
     bound = float(np.cbrt(slack / compliance)) + max(-excess, 0.0) / compliance
 
     def balance(tension: float) -> float:
@@ -304,55 +312,3 @@ def _taut_guess(
 
     tension = brentq(balance, 0.0, 1.001 * bound, xtol=1e-6 * bound, rtol=1e-6) if bound > 0.0 else 0.0
     return np.asarray(max(float(tension), 1e-9 * bound) * chord - mean)
-
-
-def _newton(
-    gap: Callable[[FloatArray], tuple[FloatArray, FloatArray]], force: FloatArray, distance: float
-) -> FloatArray:
-    """Minimise the complementary energy, whose gradient is the gap left at the end support."""
-    residual, derivative = gap(force)
-    for _ in range(200):
-        change = -np.linalg.solve(derivative, residual)
-        descent = float(residual @ change)
-        fraction = 1.0
-        trial, trial_derivative = gap(force + change)
-        while float(trial @ change) > -0.5 * descent and fraction > 1e-12:
-            fraction *= 0.5
-            trial, trial_derivative = gap(force + fraction * change)
-        settled = bool(
-            np.max(np.abs(change)) <= 1e-13 * np.max(np.abs(force)) or np.max(np.abs(residual)) <= 1e-15 * distance
-        )
-        if settled:
-            return force + fraction * change
-        force, residual, derivative = force + fraction * change, trial, trial_derivative
-    raise ValueError("no equilibrium found: the data are too extreme for double precision")
-
-
-def _solve_log_sinhc(value: float) -> float:
-    """Solve log(sinh(u)/u) = value > 0."""
-
-    def excess(u: float) -> float:
-        if u > 1.0:
-            return u + float(np.log1p(-np.exp(-2.0 * u)) - np.log(2.0 * u)) - value
-        series = 0.0
-        for k in range(9, 0, -1):
-            series = u * u / (2 * k * (2 * k + 1)) * (1.0 + series)
-        return float(np.log1p(series)) - value
-
-    low = float(np.sqrt(6.0 * value))
-    high = 1.1 * low
-    while excess(high) < 0.0:
-        high *= 2.0
-    return float(brentq(excess, 0.999 * low, high, xtol=1e-15 * low, rtol=1e-15))
-
-
-def _break_at_loads(loads: Sequence[PointLoad], length: float) -> tuple[FloatArray, FloatArray]:
-    """Ends of the pieces, and the sum of the loads before each piece, shape (pieces, 2)."""
-    ordered = sorted(loads, key=lambda load: load[0])
-    places = np.array([place for place, _ in ordered], dtype=np.float64)
-    forces = np.array([force for _, force in ordered], dtype=np.float64).reshape(-1, 2)
-    if not np.all((places >= 0.0) & (places <= length)):
-        raise ValueError(f"loads must stand on the rope, between 0 and its length {length:g}")
-    if not np.all(np.isfinite(forces)):
-        raise ValueError("the forces of the loads must be finite")
-    return np.concatenate([[0.0], places, [length]]), np.vstack([np.zeros(2), np.cumsum(forces, axis=0)])
