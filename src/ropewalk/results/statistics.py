@@ -193,10 +193,15 @@ def _contact(dataset: xr.Dataset, k: int) -> Summary:
         at = int(np.nanargmax(np.abs(jump)))
         tension_jump |= {"value": jump[at], path_name(dataset): path[at]}
     present = np.isfinite(columns["magnitude"])
+    friction = dataset["contact_friction"][:, k].values
+    needed: Summary = {"value": _reduce(np.max, friction), "unit": "1"}
+    if needed["value"] is not None:
+        needed[path_name(dataset)] = path[int(np.argmax(friction == needed["value"]))]
     return {
         "force": {"unit": "N", **statistics},
         "tension_jump": tension_jump,
         "hold_force": _vector(dataset, dataset["hold_force"][:, k]),
+        "friction_needed": needed,
         "share_on_line": float(np.mean(present)) if present.size else None,
     }
 

@@ -108,6 +108,9 @@ def _contact_rows(name: str, contact: Summary) -> Iterator[Row]:
     yield "largest tension jump", f"{number(jump['value'])} N", "  ".join(_when(jump))
     hold = contact["hold_force"]
     yield "largest hold force", f"{number(hold['value'])} N", "  ".join((*_when(hold), *_components(hold)))
+    needed = contact["friction_needed"]
+    if needed["value"] is not None:
+        yield "friction coefficient needed", number(needed["value"], 3), "  ".join(_when(needed))
     if share < 1.0:
         yield "on the line", f"{100 * share:.0f} %", "of the output instants"
 
