@@ -50,6 +50,8 @@ def test_the_reference_page_is_up_to_date() -> None:
     make_reference = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(make_reference)
     assert PAGE.read_text(encoding="utf-8") == make_reference.page(), "run  python docs/make_reference.py"
+    closed_forms = PAGE.with_name("theory.md").read_text(encoding="utf-8")
+    assert closed_forms == make_reference.theory_page(), "run  python docs/make_reference.py"
 
 
 def test_importing_the_package_loads_nothing_but_python_itself() -> None:
