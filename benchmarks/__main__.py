@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from . import continuum, cost
+from . import continuum, cost, statics, theory
 from .peers import __main__ as peers
 
 
@@ -13,14 +13,19 @@ def main() -> None:
     """Print what was asked for."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument(
-        "what", nargs="?", default="all", choices=["all", "peers", "continuum", "cost"],
-        help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling",
+        "what", nargs="?", default="all", choices=["all", "peers", "continuum", "cost", "statics", "theory"],
+        help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling; "
+        "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields",
     )  # fmt: skip
     what = parser.parse_args().what
     if what in ("all", "continuum"):
         continuum.main()
     if what in ("all", "cost"):
         cost.main()
+    if what in ("all", "statics"):
+        statics.main()
+    if what in ("all", "theory"):
+        theory.main()
     if what in ("all", "peers"):
         sys.argv = ["benchmarks.peers", "--case", "all"]
         peers.main()

@@ -12,6 +12,8 @@ import xarray as xr
 
 from ropewalk.scenario import load
 from ropewalk.simulate import simulate
+from ropewalk.theory import friction
+from ropewalk.theory.rope import RestingRope, elastic_catenary
 
 FOLDER = Path(__file__).parent.parent / "examples"
 
@@ -35,7 +37,85 @@ def time_of_the_lowest_point(result: xr.Dataset) -> float:
     return float(result.time[result.contact_position.sel(axis="z", contact=0).argmin("time")])
 
 
+def exact(result: xr.Dataset, frame: int, weight: float, axial_stiffness: float) -> RestingRope:
+    """The elastic catenary with the loads of one frame, between the ends that the supports have there."""
+    now = result.isel(load_path=frame)
+    span, height = np.diff(now.position.to_numpy()[[0, -1]], axis=0)[0]
+    loads = list(zip(now.contact_xi.to_numpy(), map(tuple, now.contact_force.to_numpy()), strict=True))
+    return elastic_catenary(span=span, height=height, length=float(result.xi[-1]), weight=weight,
+                            axial_stiffness=axial_stiffness, loads=loads)  # fmt: skip
+
+
+def friction_of(rope: RestingRope, k: int) -> float:
+    """Coefficient that load k needs as a capstan."""
+    ahead = rope.force[k + 1]
+    angle = friction.turning_angle(ahead + rope.load_forces[k], ahead)
+    behind, front = rope.load_tensions[k]
+    return float(friction.capstan_coefficient(tension_behind=behind, tension_ahead=front, angle=angle))
+
+
+TIGHTROPE = elastic_catenary(
+    span=30.0, length=29.94, weight=1.2 * 9.81, axial_stiffness=1e7, loads=[(14.97, (0.0, -800.0))]
+)
+
+
+def off_the_catenary(weight: float, axial_stiffness: float) -> Callable[[xr.Dataset], float]:
+    """Largest distance of a load from where the elastic catenary has it, over a few frames, m."""
+
+    def gap(result: xr.Dataset) -> float:
+        frames = range(0, result.sizes["load_path"] - 1, 9)
+        place = result.contact_position.to_numpy()
+        start = result.position.to_numpy()[:, 0]
+        return max(
+            float(np.abs(start[k] + exact(result, k, weight, axial_stiffness).load_positions - place[k]).max())
+            for k in frames
+        )
+
+    return gap
+
+
+def last_but_one_friction(result: xr.Dataset) -> float:
+    """Coefficient of the foot ahead, just before it stands on the support, less that of the elastic catenary."""
+    rope = exact(result, -2, 3.0 * 9.81, 2e5)
+    return float(result.contact_friction[-2, 1]) - friction_of(rope, 1)
+
+
+def where_friction_ends(result: xr.Dataset) -> float:
+    """Path after which the foot ahead needs more than the given coefficient of 0.6, m, by the elastic catenary."""
+    frames = range(result.sizes["load_path"] - 1)
+    needed = np.array([friction_of(exact(result, k, 3.0 * 9.81, 2e5), 1) for k in frames])
+    said = float(result.attrs["warnings"].split("front foot")[0].rsplit("load path ", 1)[1].split(" m")[0])
+    return said - float(result.load_path[int(np.argmax(needed > 0.6))])
+
+
+def rolling_resistance(result: xr.Dataset) -> float:
+    """Coefficient of the front wheel halfway, from the tensions of the elastic catenary."""
+    return friction_of(exact(result, 30, 8.0 * 9.81, 1.2e8), 1)
+
+
 KNOWN = {
+    "tightrope.yaml": [
+        # 200 straight links for the rope's own sag: w h^2/(8 P) = 2e-6 m less deep.
+        Known("depth in the middle, m", lowest_point_of_the_path, float(-TIGHTROPE.load_positions[0, 1]), 3e-6),
+        # The tension of the first link is that of its middle: weight of half a link, w h/2 sin(0.04) = 0.04 N.
+        Known("largest tension, N", lambda r: float(r.tension.max()), float(TIGHTROPE.tension(0.0)), 0.05),
+    ],
+    "heavy-slack-line.yaml": [
+        # Second order of the links of 0.135 m: curvature w/H = 0.022/m, (h^2/8) w/H = 5e-5 m.
+        Known("feet off the exact line, m", off_the_catenary(3.0 * 9.81, 2e5), 0.0, 1e-4),
+        # The same over a span of 25 m, in angles of 1 rad, at tensions of a ratio of 2.
+        Known("coefficient near the tree, less the exact one", last_but_one_friction, 0.0, 1e-4),
+        # The remark gives the path with four digits.
+        Known("where friction ends, less the exact path, m", where_friction_ends, 0.0, 6e-4),
+    ],
+    "cable-crane.yaml": [
+        # Second order of the links of 4 m: (h^2/8) w/H = 9e-4 m.
+        Known("wheels off the exact rope, m", off_the_catenary(8.0 * 9.81, 1.2e8), 0.0, 1e-3),
+        # The same over a span of 240 m, a part of 4e-6, in angles of 0.1 rad at a wheel.
+        Known("rolling resistance of the exact rope", rolling_resistance, 0.02, 4e-5),
+        # By the counterweight, at the end that is free to slide.
+        Known("horizontal reaction at the end, N", lambda r: float(r.reaction[-1, 1, 0]), 180e3, 1e-3),
+    ],
     "moving-force.yaml": [
         # 3.061, 3.072, 3.082, 3.087, 3.090 m with 50, 100, 200, 400, 800 links: first order, towards 3.092 m. The
         # tolerance is one and a half times what 100 links miss.

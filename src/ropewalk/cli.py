@@ -169,7 +169,8 @@ def figures(
         "figures"
     ),
     only: Annotated[
-        list[str] | None, typer.Option("--only", metavar="N", help="Draw this figure only; may be repeated.")
+        list[str] | None,
+        typer.Option("--only", metavar="N", help="Draw this figure only, by number or name; may be repeated."),
     ] = None,
     quiet: Quiet = False,
 ) -> None:

@@ -22,7 +22,7 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import BLOCK, COULOMB, DRAGGED, FRICTIONLESS, Array, Integers
 from ropewalk.mechanics.compiled import kernel
 from ropewalk.solve.equilibrium import hang_up
-from ropewalk.solve.held import Held
+from ropewalk.solve.held import LENT, Held
 
 # A load is not held by forces so many times larger: its path ends where they grow beyond all bounds.
 _MOST = 1e5
@@ -236,20 +236,28 @@ class Holding:
         contacts, scale = self.contacts, float(np.abs(self.f[:, self.contacts.at]).max()) or 1.0
         at, between, model = contacts.at[which], np.ascontiguousarray(contacts.between[:, which]), contacts.model[which]
         stiffness = np.abs(self.f).sum() if self.p[0] == law.RIGID else law.tangent(self.p, 1e-9)
-        soft, loose = self.held.compliance(float(stiffness) / float(self.ell.sum()))
-        first = self.first_force
-        if not loose.any():
-            for start in (guess, np.zeros(which.size)):
-                R = hang_up(self.p, self.ell, self.f, self.held, first)[0] if first is None else first.copy()
-                hold = start.copy()
+        lent, first = float(stiffness) / float(self.ell.sum()), self.first_force
+        soft, loose = self.held.compliance(lent)
+        for start in (guess, np.zeros(which.size)):
+            R = hang_up(self.p, self.ell, self.f, self.held, first)[0] if first is None else first.copy()
+            hold, place, fine = start.copy(), self.held.place.copy(), False
+            for _ in range(20):  # a spring that was lent to a loose direction follows its end, as in `hang_up`
                 args = at, between, sign, mu, model, scale
                 try:
-                    fine = _solve(self.p, self.ell, self.f, self.held.place, soft, *args, R, hold)
+                    fine = _solve(self.p, self.ell, self.f, place, soft, *args, R, hold)
                 except np.linalg.LinAlgError:
                     fine = False
-                if fine and np.abs(hold).max() < _MOST * scale:
-                    self.first_force = R
-                    return hold
+                if not fine or not loose.any():
+                    break
+                pulls = np.stack([R + self.f[:, 0], self.f[:, 1:].sum(axis=1) - R])
+                pulls[1, 0] += hold.sum()
+                moved = np.einsum("eab,ebc,ec->ea", loose, soft, pulls)
+                if np.abs(moved).max() * LENT * lent <= 1e-12 * np.abs(R).max():
+                    break
+                place += moved
+            if fine and np.abs(hold).max() < _MOST * scale:
+                self.first_force = R
+                return hold
         return self._searched(which, sign, mu, scale, guess)
 
     def _searched(self, which: NDArray[np.int64], sign: Array, mu: Array, scale: float, guess: Array) -> Array:

@@ -119,9 +119,13 @@ class _Walk:
         advance = target - [np.interp(here.t, self.times, way) for way in self.ways]
         step = _Step(self.setting, self.measures, t, here.xi, here.marks, self.begin + target, advance)
         guess = here.xi + advance * [m.direction for m in self.measures]
+        similar = here.stands
         if before is not None:
-            guess = here.xi + (here.xi - before.xi) * (path - here.path) / (here.path - before.path)
-        xi, stands, given = step.take(guess, here.stands)
+            on = (path - here.path) / (here.path - before.path)
+            guess = here.xi + on * (here.xi - before.xi)
+            if not self.setting.loads.contact.any():  # hold forces may have other roots: those stay near the last ones
+                similar = [now.continued(last, on) for now, last in zip(here.stands, before.stands, strict=True)]
+        xi, stands, given = step.take(guess, similar)
         marks = np.array([m.of(x, stands) for m, x in zip(self.measures, xi, strict=True)])
         return Place(path, t, xi, marks, stands, given)
 
@@ -208,7 +212,7 @@ class _Step:
             if not (low < new < high or (new == length == high) or (new == 0.0 == low)):
                 new = 0.5 * (low + high)
             if abs(new - x) <= 1e-16 * length:
-                if m.kind == HORIZONTAL and abs(miss) > _REACHED * length:
+                if abs(miss) > _REACHED * length:
                     break
                 return stands, given
             xi[k] = new
@@ -217,6 +221,8 @@ class _Step:
             slope = (following - miss) / (xi[k] - x)
             slope = slope if slope > 0.0 else 1.0
             miss = following
+        if m.kind != HORIZONTAL:
+            raise EquilibriumError("a load cannot be held further along its path")
         raise EquilibriumError(
             f"a load cannot come to x = {self.target[k]:.6g} m: its path turns back before, at "
             f"{m.of(xi[k], stands):.6g} m; measure its travel along the line (material, slip or arc)"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ropewalk.mechanics.chain import CLAMPED, COULOMB
 from ropewalk.solve.quasistatic import Place
 from ropewalk.solve.start import Setting
@@ -24,21 +22,21 @@ class Remarks:
         """The remarks that are new with this place."""
         found = []
         for s, rest in enumerate(place.stands):
-            held = self.setting.held(s, place.t)
-            low, high = sorted(float(x) for x in rest.r[0, [0, -1]])
-            span = float(np.abs(held.place[1] - held.place[0]).max())
+            first, last = float(rest.r[0, 0]), float(rest.r[0, -1])
+            low, high, span = min(first, last), max(first, last), float(rest.X[-1])
             for k, load in enumerate(self.setting.on[s]):
-                x, both = float(rest.r[0, rest.contact[k]]), rest.beside[k]
+                x, both = float(rest.r[0, rest.contact[k]]), rest.beside[k].tolist()
                 if not low - 1e-9 * span <= x <= high + 1e-9 * span:
                     found.append((load, "beyond", f"hangs beyond the support, at x = {x:.4g} m"))
-                if both.min() <= _SLACK * both.max() and both.max() > 0.0:
+                least, most = min(both), max(both)
+                if least <= _SLACK * most and most > 0.0:
                     side = "ahead of" if both[1] < both[0] else "behind"
                     found.append((load, "slack", f"leaves the part {side} it slack"))
                 found += self._friction(int(load), float(rest.friction[k]), float(rest.hold[k]))
                 if self._last is not None:
                     before = self._last.stands[s]
                     step = x - float(before.r[0, before.contact[k]])
-                    along = (place.xi[load] - self._last.xi[load]) * (held.place[1, 0] - held.place[0, 0])
+                    along = (place.xi[load] - self._last.xi[load]) * (last - first)
                     if step * along < 0.0 and abs(step) > 1e-9 * span:
                         found.append((load, "back", f"runs back, at x = {x:.4g} m"))
         self._last = place

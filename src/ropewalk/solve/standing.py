@@ -6,18 +6,17 @@ second order, as the shape is. See pieces.py for how masses are divided, holding
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import CLAMPED, Array, Integers, Loads, Strands
 from ropewalk.mechanics.compiled import kernel
 from ropewalk.solve.equilibrium import at_rest
 from ropewalk.solve.held import Held
 from ropewalk.solve.holding import Contacts, Holding, coefficient_used
 from ropewalk.solve.pieces import split
-
 
 # A tension below this part of that on the other side is none: no friction holds such a load.
 _SLACK = 1e-9
@@ -41,16 +40,65 @@ class Standing:
     first_force: Array  # (axis,) N, start value for a similar shape
     weight: Array  # (axis, point) N, supports included
 
-    @cached_property
+    def continued(self, before: Standing, part: float) -> Standing:
+        """The same shape as a start for the next: its force changed on by a part of what it changed last."""
+        return replace(self, first_force=self.first_force + part * (self.first_force - before.first_force))
+
+    @property
     def position(self) -> Array:
         """Positions of the material nodes, (axis, node) m."""
         return self.r[:, self.node]
 
-    @cached_property
+    @property
     def tension(self) -> Array:
         """Tensions of the pieces, negative in compression, (piece,) N."""
         along = (self.pull * np.diff(self.r, axis=1)).sum(axis=0)
         return np.asarray(np.copysign(np.sqrt((self.pull * self.pull).sum(axis=0)), along))
+
+
+@dataclass(frozen=True)
+class View:
+    """What is seen of a strand at rest: its material nodes, its links in their middles, its energy."""
+
+    position: Array  # (node, axis) m
+    tension: Array  # (link,) N
+    strain: Array  # (link,)
+    elastic: float  # J
+    gravitational: float  # J
+
+    @staticmethod
+    def of(rest: Standing, p: Array, h: float) -> View:
+        """Look at a strand with the law p and links of the unstrained length h in m."""
+        position, links = np.empty((rest.node.size, rest.r.shape[0])), rest.node.size - 1
+        tension, strain = np.empty(links), np.empty(links)
+        arrays = rest.X, rest.r, rest.pull, rest.strain, rest.weight, rest.node
+        elastic, gravitational = _look(p, h, *arrays, position, tension, strain)
+        return View(position, tension, strain, elastic, gravitational)
+
+
+@kernel
+def _look(p, h, X, r, pull, eps, weight, node, position, tension, strain):
+    dim, elastic, gravitational = r.shape[0], 0.0, 0.0
+    for i in range(node.size):
+        for a in range(dim):
+            position[i, a] = r[a, node[i]]
+        if i == node.size - 1:
+            break
+        k = node[i]
+        while X[k + 1] <= (i + 0.5) * h and k + 1 < node[i + 1]:
+            k += 1
+        square, along = 0.0, 0.0
+        for a in range(dim):
+            square += pull[a, k] * pull[a, k]
+            along += pull[a, k] * (r[a, k + 1] - r[a, k])
+        tension[i] = np.copysign(np.sqrt(square), along)
+        strain[i] = eps[k]
+    for k in range(eps.size):
+        elastic += law.stored(p, eps[k]) * (X[k + 1] - X[k])
+    for k in range(X.size):
+        for a in range(dim):
+            gravitational -= weight[a, k] * r[a, k]
+    return elastic, gravitational
 
 
 def contacts_on(loads: Loads, on: Integers) -> Contacts:
