@@ -16,33 +16,33 @@ or 1, and 1/2 on the edge of a window, which is the value the series converges t
 Derived in docs/notes.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ropewalk.theory import _arguments
+from ropewalk.theory._passage import Passage, passage_at
+from ropewalk.theory._wave import FloatArray, check_string, wave_speed
+from ropewalk.theory.image_sum import travelling_force
+from ropewalk.theory.moving_mass import MassPassage, moving_mass, moving_mass_infinite
+from ropewalk.theory.moving_oscillator import OscillatorPassage, moving_oscillator, moving_oscillator_infinite
 
 __all__ = [
+    "MassPassage",
+    "OscillatorPassage",
     "drive_force",
     "moving_force",
+    "moving_force_energy",
     "moving_force_path",
     "moving_force_slope",
     "moving_force_velocity",
+    "moving_forces",
+    "moving_mass",
+    "moving_mass_infinite",
+    "moving_oscillator",
+    "moving_oscillator_infinite",
+    "travelling_force",
     "wave_resistance",
     "wave_speed",
 ]
-
-FloatArray = NDArray[np.float64]
-
-
-def wave_speed(*, tension: float, mass: float) -> float:
-    """Return the speed of transverse waves on a taut string, in m/s.
-
-    ``tension`` in N and ``mass`` per length in kg/m, both positive or `ValueError`. c = sqrt(tension/mass).
-    """
-    _arguments.positive(tension=tension, mass=mass)
-    return float(np.sqrt(tension / mass))
 
 
 def moving_force(
@@ -131,9 +131,57 @@ def moving_force_path(
     Arguments and errors as in `moving_force`. On the way it is ``F V t / (P (1 + alpha))`` up to 2L/(V + c),
     and for V > c zero up to 2L/(V + c); at V = c half the jump, ``F c t / (4 P)``.
     """
-    _require_motion(speed, length, tension, mass)
+    check_string(speed=speed, length=length, tension=tension, mass=mass)
     place = np.clip(speed * np.asarray(t, dtype=np.float64), 0.0, length)
     return moving_force(place, t, force=force, speed=speed, length=length, tension=tension, mass=mass)
+
+
+def moving_force_energy(
+    t: ArrayLike, *, force: float, speed: float, length: float, tension: float, mass: float
+) -> FloatArray:
+    """Return the energy of the string under the moving force and after it, in J, shape of ``t``.
+
+    Arguments and errors as in `moving_force`. Exact: the string is straight between the load and the wave fronts. Until
+    the first front is reflected it is ``F^2 V t / (2 P |1 - alpha^2|)``; after the exit it stays. Infinite at exactly
+    the wave speed, so that speed is a `ValueError`.
+    """
+    check_string(speed=speed, length=length, tension=tension, mass=mass)
+    _require_not_wave_speed(speed, tension, mass, "energy")
+    t = np.asarray(t, dtype=np.float64)
+    passage = passage_at(t, speed, length, tension, mass)
+    folded = [np.abs(phase - 2.0 * length * np.rint(phase / (2.0 * length))) for phase in passage.ends]
+    ends = np.sort(np.stack(np.broadcast_arrays(0.0, *folded, length), axis=-1), axis=-1)
+    middle = np.minimum(0.5 * (ends[..., 1:] + ends[..., :-1]), length)
+    given = {"force": force, "speed": speed, "length": length, "tension": tension, "mass": mass}
+    slope = moving_force_slope(middle, t[..., np.newaxis], **given)
+    velocity = moving_force_velocity(middle, t[..., np.newaxis], **given)
+    density = 0.5 * (tension * slope**2 + mass * velocity**2)
+    return np.asarray(np.sum(np.diff(ends, axis=-1) * density, axis=-1))
+
+
+def moving_forces(
+    x: ArrayLike,
+    t: ArrayLike,
+    *,
+    forces: ArrayLike,
+    speeds: ArrayLike,
+    entries: ArrayLike,
+    length: float,
+    tension: float,
+    mass: float,
+) -> FloatArray:
+    """Return the deflection under several moving forces by superposition, in m.
+
+    ``forces`` (N), ``speeds`` (m/s) and ``entries`` (s, when each reaches x = 0) broadcast to one value for each load.
+    The rest, errors included, is as in `moving_force`. Axles in fixed distances d enter at d/V after one another.
+    """
+    x, t = np.asarray(x, dtype=np.float64), np.asarray(t, dtype=np.float64)
+    total = np.zeros(np.broadcast_shapes(x.shape, t.shape))
+    for force, speed, entry in np.broadcast(np.atleast_1d(forces), speeds, entries):
+        total += moving_force(
+            x, t - entry, force=float(force), speed=float(speed), length=length, tension=tension, mass=mass
+        )
+    return total
 
 
 def drive_force(t: ArrayLike, *, force: float, speed: float, length: float, tension: float, mass: float) -> FloatArray:
@@ -144,8 +192,8 @@ def drive_force(t: ArrayLike, *, force: float, speed: float, length: float, tens
     V < c, negative for alpha < 1/2 because the support's image pushes. Infinite at exactly the wave speed, so
     that speed is a `ValueError`.
     """
-    _require_motion(speed, length, tension, mass)
-    _require_not_wave_speed(speed, tension, mass)
+    check_string(speed=speed, length=length, tension=tension, mass=mass)
+    _require_not_wave_speed(speed, tension, mass, "drive force")
     t = np.asarray(t, dtype=np.float64)
     place = np.clip(speed * t, 0.0, length)
     slope = moving_force_slope(place, t, force=force, speed=speed, length=length, tension=tension, mass=mass)
@@ -160,90 +208,14 @@ def wave_resistance(*, force: float, speed: float, tension: float, mass: float) 
     alpha / (2 P (1 - alpha^2))`` below the wave speed, ``F^2 / (2 P (alpha^2 - 1))`` above it. Derived in
     docs/notes.
     """
-    _require_motion(speed, 1.0, tension, mass)
-    _require_not_wave_speed(speed, tension, mass)
+    check_string(speed=speed, length=1.0, tension=tension, mass=mass)
+    _require_not_wave_speed(speed, tension, mass, "drive force")
     c = wave_speed(tension=tension, mass=mass)
     alpha = speed / c
     return force**2 * min(alpha, 1.0) * c / (2.0 * tension * abs(c - speed) * (1.0 + alpha))
 
 
-@dataclass(frozen=True)
-class _Passage:
-    """Place of the load and phase interval of the solution; arrays of the shape of the time argument.
-
-    The windows are even in the phase, so the interval may be counted from the load's end upwards even where
-    the wave lags behind the load (V > c); both its ends stay exact.
-    """
-
-    alpha: float
-    period: float  # 2 L
-    load: FloatArray  # y: V t, then L
-    start: FloatArray  # the load's end of the phase interval, reduced to 0..2L; the other is the wave's
-    width: FloatArray  # length of the phase interval, >= 0
-    under_way: FloatArray  # 1 while the load is on the string, else 0
-    gone: NDArray[np.bool_]
-
-    def fraction(self, x: FloatArray) -> FloatArray:
-        """phi: the part of the phase interval inside the windows ``2kL - x .. 2kL + x``."""
-        whole, rest = self._whole_periods()
-        inside = 2.0 * x * whole
-        for centre in self._centres(rest):
-            upper = np.minimum(rest, centre + x - self.start)
-            inside = inside + np.maximum(upper - np.maximum(centre - x - self.start, 0.0), 0.0)
-        return np.where(self.width > 0.0, inside / self._safe_width(), self._indicator(x, self.start))
-
-    def edge_density(self, x: FloatArray) -> FloatArray:
-        """d phi / dx: window edges in the phase interval (halves on its ends) by its length."""
-        whole, rest = self._whole_periods()
-        count = 2.0 * whole + np.zeros_like(x)
-        for centre in self._centres(rest):
-            for edge in (centre - x - self.start, centre + x - self.start):
-                count = count + np.heaviside(edge, 0.5) * np.heaviside(rest - edge, 0.5)
-        return np.where(self.width > 0.0, count / self._safe_width(), 0.0)
-
-    def indicator_at_ends(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """1 where the wave's and the load's end of the interval lie in a window, 1/2 on an edge, else 0."""
-        _, rest = self._whole_periods()
-        return self._indicator(x, self.start + rest), self._indicator(x, self.start)
-
-    def _indicator(self, x: FloatArray, phase: FloatArray) -> FloatArray:
-        inside = np.zeros(np.broadcast_shapes(x.shape, phase.shape))
-        for centre in (0.0, self.period, 2.0 * self.period):
-            inside += np.heaviside(centre + x - phase, 0.5) - np.heaviside(centre - x - phase, 0.5)
-        return inside
-
-    def _whole_periods(self) -> tuple[FloatArray, FloatArray]:
-        whole = np.floor(self.width / self.period)
-        return whole, self.width - whole * self.period
-
-    def _centres(self, rest: FloatArray) -> list[float]:
-        """Centres of the windows that the reduced phase interval can touch."""
-        reach = float(np.max(self.start + rest, initial=0.0)) + 0.5 * self.period
-        return [centre for centre in (0.0, self.period, 2.0 * self.period) if centre <= reach]
-
-    def _safe_width(self) -> FloatArray:
-        return np.where(self.width > 0.0, self.width, 1.0)
-
-
-def _passage(t: FloatArray, speed: float, length: float, tension: float, mass: float) -> _Passage:
-    c = wave_speed(tension=tension, mass=mass)
-    exit_time = length / speed if speed > 0.0 else np.inf
-    t = np.maximum(t, 0.0)
-    gone = t >= exit_time
-    load = np.where(gone, length, np.minimum(speed * t, length))
-    phase_at_load = load + c * np.where(gone, t - exit_time, 0.0)
-    return _Passage(
-        alpha=speed / c,
-        period=2.0 * length,
-        load=load,
-        start=np.mod(phase_at_load if speed <= c else -phase_at_load, 2.0 * length),
-        width=abs(c - speed) * np.minimum(t, exit_time),
-        under_way=np.asarray((t > 0.0) & ~gone, dtype=np.float64),
-        gone=gone,
-    )
-
-
-def _load_fraction_rate(x: FloatArray, passage: _Passage, speed: float, c: float) -> FloatArray:
+def _load_fraction_rate(x: FloatArray, passage: Passage, speed: float, c: float) -> FloatArray:
     """Time derivative of ``y phi``, split so that nothing cancels where both ends are inside."""
     at_wave, at_load = passage.indicator_at_ends(x)
     if speed == c:
@@ -254,7 +226,7 @@ def _load_fraction_rate(x: FloatArray, passage: _Passage, speed: float, c: float
     return gain * (c * (at_wave - both) - load_rate * (at_load - both)) + speed * both * passage.under_way
 
 
-def _modal_shape(x: FloatArray, passage: _Passage, modes: int) -> FloatArray:
+def _modal_shape(x: FloatArray, passage: Passage, modes: int) -> FloatArray:
     if modes < 1:
         raise ValueError(f"modes must be at least 1, not {modes}")
     length = 0.5 * passage.period
@@ -271,22 +243,16 @@ def _modal_shape(x: FloatArray, passage: _Passage, modes: int) -> FloatArray:
 
 def _at(
     x: ArrayLike, t: ArrayLike, speed: float, length: float, tension: float, mass: float
-) -> tuple[FloatArray, _Passage]:
-    _require_motion(speed, length, tension, mass)
+) -> tuple[FloatArray, Passage]:
+    check_string(speed=speed, length=length, tension=tension, mass=mass)
     x, t = np.asarray(x, dtype=np.float64), np.asarray(t, dtype=np.float64)
     if not np.all((x >= 0.0) & (x <= length)):
         raise ValueError(f"x must lie on the string, between 0 and its length {length}")
     if not np.all(np.isfinite(t)):
         raise ValueError("t must be finite")
-    return x, _passage(t, speed, length, tension, mass)
+    return x, passage_at(t, speed, length, tension, mass)
 
 
-def _require_motion(speed: float, length: float, tension: float, mass: float) -> None:
-    _arguments.positive(length=length, tension=tension, mass=mass)
-    if not (np.isfinite(speed) and speed >= 0.0):
-        raise ValueError(f"speed must be finite and not negative, not {speed}")
-
-
-def _require_not_wave_speed(speed: float, tension: float, mass: float) -> None:
+def _require_not_wave_speed(speed: float, tension: float, mass: float, what: str) -> None:
     if speed == wave_speed(tension=tension, mass=mass):
-        raise ValueError("the drive force is infinite at exactly the wave speed")
+        raise ValueError(f"the {what} is infinite at exactly the wave speed")

@@ -1,0 +1,169 @@
+"""A sprung body that travels along a taut string with constant speed on a mass in contact with the string."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ropewalk.theory import _arguments, _delay
+from ropewalk.theory._wave import FloatArray, wave_speed
+from ropewalk.theory.moving_mass import times_of_passage
+
+__all__ = ["OscillatorPassage", "moving_oscillator", "moving_oscillator_infinite"]
+
+NO_MASS = 1e-9  # of the total: a smaller contact mass counts as none
+
+
+@dataclass(frozen=True)
+class OscillatorPassage:
+    """Motion of an oscillator on a string; arrays of the shape of the times.
+
+    ``deflection`` (m) and ``velocity`` (m/s) of the contact, ``body_deflection`` and ``body_velocity`` of the sprung
+    body from its rest on rigid ground, all in the direction of gravity; ``contact_force`` (N) of the load on the
+    string. The contact is held: `contact_lost_at` is the first time at which the force turns negative, in s, or None.
+    """
+
+    deflection: FloatArray
+    velocity: FloatArray
+    body_deflection: FloatArray
+    body_velocity: FloatArray
+    contact_force: FloatArray
+    contact_lost_at: float | None
+
+
+def moving_oscillator(
+    t: ArrayLike,
+    *,
+    sprung_mass: float,
+    contact_mass: float = 0.0,
+    stiffness: float,
+    damping: float = 0.0,
+    speed: float,
+    length: float,
+    tension: float,
+    mass: float,
+    gravity: float = 9.81,
+) -> OscillatorPassage:
+    """Return the motion of an oscillator that rolls from rigid ground onto a string at rest, and to its other end.
+
+    ``t`` (s) from 0 to length/speed; ``sprung_mass`` in kg on ``stiffness`` >= 0 in N/m and ``damping`` >= 0 in N s/m,
+    ``contact_mass`` >= 0 in kg; the rest, errors and accuracy as in `moving_mass`, with a positive ``mass`` of the
+    string. The spring carries the body's weight at t = 0. With contact force N and spring force
+    ``f = K (y - w) + C (y' - w')``,
+
+        contact_mass w'' = (sprung_mass + contact_mass) g + f - N,    sprung_mass y'' = -f,
+
+    and N from the delay equation in `_delay`. Without contact mass w' jumps when a wave front arrives, and the values
+    at length/speed are finite; with it, force and velocity are infinite there as in `moving_mass`.
+    """
+    _arguments.positive(mass=mass)
+    t = times_of_passage(t, speed, length, tension, mass)
+    _check_oscillator(sprung_mass, contact_mass, stiffness, damping, gravity)
+    total, still = sprung_mass + contact_mass, np.zeros_like(t)
+    contact_mass = contact_mass if contact_mass > NO_MASS * total else 0.0
+    c = wave_speed(tension=tension, mass=mass)
+    if speed == 0.0 or speed >= c:
+        return OscillatorPassage(still, still, still, still, np.full_like(t, total * gravity), None)
+    time = length / c
+    rider = _rider(
+        contact_mass / total, stiffness * time**2 / total, damping * time / total, 2.0 * mass * length / total
+    )
+    ride = _delay.ride(speed / c, rider)
+    own = t / time
+    w, force, v = ride.path(own), ride.force(own), ride.state(0, own)
+    arrived = (own * speed / c >= 1.0 - _delay.REMAINDER) & (contact_mass > 0.0)
+    endless = np.copysign(np.inf, ride.end)
+    lost = ride.contact_lost()
+    return OscillatorPassage(
+        deflection=gravity * time**2 * w,
+        velocity=np.where(arrived, -endless, gravity * time * v),
+        body_deflection=gravity * time**2 * (w + ride.state(2, own)),
+        body_velocity=gravity * time * ride.state(1, own),
+        contact_force=np.where(arrived, endless, total * gravity * force),
+        contact_lost_at=None if lost is None else lost * time,
+    )
+
+
+def moving_oscillator_infinite(
+    t: ArrayLike,
+    *,
+    sprung_mass: float,
+    contact_mass: float = 0.0,
+    stiffness: float,
+    damping: float = 0.0,
+    tension: float,
+    mass: float,
+    gravity: float = 9.81,
+) -> OscillatorPassage:
+    """Return the motion of an oscillator that is set on an infinite string at t = 0 and travels slower than the waves.
+
+    ``t`` >= 0 in s; the rest as in `moving_oscillator`. The string resists with ``N = 2 rho c w'`` whatever the speed,
+    so that the three unknowns w', y' and y - w obey a linear equation of third order with constant coefficients, here
+    solved by its eigenvalues (exact to rounding). They settle at N = weight. ``contact_lost_at`` looks at the
+    given times only. Derived here.
+    """
+    _check_oscillator(sprung_mass, contact_mass, stiffness, damping, gravity)
+    resistance = 2.0 * mass * wave_speed(tension=tension, mass=mass)
+    (t,) = _arguments.within(0.0, np.inf, t=t)
+    _arguments.finite(t=t)
+    total = sprung_mass + contact_mass
+    contact_mass = contact_mass if contact_mass > NO_MASS * total else 0.0
+    settling = total / resistance
+    rider = _rider(contact_mass / total, stiffness * settling**2 / total, damping * settling / total, 1.0)
+    # Unknowns w', y' and y - w less their final values 1, 1, 0; without contact mass w' follows from the other two.
+    closed, first = rider.closed(), 0 if contact_mass > 0.0 else 1
+    reduced = closed[first:] / rider.inertia[first:, np.newaxis]
+    if first == 1:
+        contact = -closed[0, 1:] / closed[0, 0]
+        system = reduced[:, 1:] + np.outer(reduced[:, 0], contact)
+    else:
+        contact, system = np.eye(3)[0], reduced
+    age = t / settling
+    rest, rests = _decay(system, np.array([-1.0, -1.0, 0.0])[first:], age)
+    v, w = 1.0 + rest @ contact, age + rests @ contact
+    d, u = rest[..., -1], 1.0 + rest[..., -2]
+    pulls = np.flatnonzero(np.ravel(v < -1e-12))
+    return OscillatorPassage(
+        deflection=gravity * settling**2 * w,
+        velocity=gravity * settling * v,
+        body_deflection=gravity * settling**2 * (w + d),
+        body_velocity=gravity * settling * u,
+        contact_force=total * gravity * v,
+        contact_lost_at=float(np.min(np.ravel(t)[pulls])) if len(pulls) else None,
+    )
+
+
+def _decay(system: FloatArray, start: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Solution of ``z' = system z`` at times t, and its integral from 0; the last axis is that of z."""
+    rates, modes = np.linalg.eig(system)
+    if np.linalg.cond(modes) > 1e6:  # critical damping: no full set of modes, and the exponential takes its time
+        from scipy.linalg import expm
+
+        size = len(start)
+        extended = np.block([[system, np.zeros((size, size))], [np.eye(size), np.zeros((size, size))]])
+        both = expm(extended * t[..., np.newaxis, np.newaxis])[..., :size] @ start
+        return both[..., :size], both[..., size:]
+    parts = np.linalg.solve(modes, start)
+    exponent = rates * t[..., np.newaxis]
+    lasting = np.abs(rates) * np.max(t, initial=0.0) < 1e-12
+    with np.errstate(invalid="ignore", divide="ignore"):
+        sums = np.where(lasting, t[..., np.newaxis], np.expm1(exponent) / np.where(lasting, 1.0, rates))
+    return np.real((np.exp(exponent) * parts) @ modes.T), np.real((sums * parts) @ modes.T)
+
+
+def _rider(contact: float, stiffness: float, damping: float, line: float) -> _delay.Rider:
+    """Velocities of contact and body and compression of the spring, with weight, total mass and gravity 1."""
+    spring = np.array([-damping, damping, stiffness])
+    return _delay.Rider(
+        inertia=np.array([contact, 1.0 - contact, 1.0]),
+        matrix=np.array([spring, -spring, [-1.0, 1.0, 0.0]]),
+        drive=np.array([1.0, 0.0, 0.0]),
+        line=line,
+    )
+
+
+def _check_oscillator(
+    sprung_mass: float, contact_mass: float, stiffness: float, damping: float, gravity: float
+) -> None:
+    _arguments.positive(sprung_mass=sprung_mass, gravity=gravity)
+    _arguments.not_negative(contact_mass=contact_mass, stiffness=stiffness, damping=damping)
