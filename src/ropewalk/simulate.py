@@ -16,6 +16,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account, Frame, Layout
 from ropewalk.results.snapshot import Camera, layout_of, standing_frame
 from ropewalk.solve.choice import choose
+from ropewalk.solve.ends import ends_of, seat_ends
 from ropewalk.solve.measure import shapes
 from ropewalk.solve.motion import ADVICE, Progress, move
 from ropewalk.solve.quasistatic import Place, walk
@@ -90,6 +91,7 @@ def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
         from ropewalk import linear  # lazy: the closed forms take a while to import
 
         setting = setting_of(scenario, scenario.run.until)
+        _refuse_to_yield(setting, "run.kind: linear knows", "ask for kind: dynamic", moving=True)
         times = output_times(scenario.run)
         account.method, account.reason = "linear theory", "as asked: superposition of small deflections about the chord"
         return layout_of(setting, names), linear.frames(setting, scenario, times, account), times.size
@@ -123,7 +125,24 @@ def _initial(setting: Setting, scenario: Scenario) -> State:
         from ropewalk.results.resume import take_up
 
         take_up(setting, state, run.start)
+        _check_ends(setting, state)
+        seat_ends(setting.strands, setting.supports, state)
     return state
+
+
+def _check_ends(setting: Setting, state: State) -> None:
+    """Refuse to take up a motion at supports that are prescribed to stand elsewhere: the line would be torn there."""
+    ends = ends_of(setting.strands, setting.supports)
+    for number, node in zip(ends.number, ends.node, strict=True) if ends is not None else ():
+        s, side = divmod(int(number), 2)
+        held = setting.held(s, float(state.t[0]))
+        stuck = np.eye(len(setting.axes)) - held.free[side]
+        away = float(np.linalg.norm(stuck @ (state.r[:, node] - held.place[side])))
+        if away > 1e-9 * setting.strands.h[s] * setting.strands.links[s]:
+            name = f"lines: {setting.lines[s]}: {('start', 'end')[side]}_support"
+            raise RopewalkError(
+                f"{name} stands {away:.3g} m elsewhere in the stored result; let its place and displacement begin there"
+            )
 
 
 def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account) -> Iterator[Frame]:
@@ -132,13 +151,14 @@ def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account
     state = _initial(setting, scenario)
     choice = choose(
         setting.strands, setting.loads, state,
-        method=run.method, step=run.step, accuracy=run.accuracy, duration=run.until,
+        method=run.method, step=run.step, accuracy=run.accuracy, duration=run.until, supports=setting.supports,
     )  # fmt: skip
     account.method, account.reason, account.step = choice.method, choice.reason, choice.step
     camera, progress = Camera(setting), Progress()
     yield camera.take(state)
     warned = False
-    for current in move(setting.strands, setting.loads, state, choice, run.accuracy, times[1:], progress):
+    strands, loads, supports = setting.strands, setting.loads, setting.supports
+    for current in move(strands, loads, state, choice, run.accuracy, times[1:], progress, supports):
         account.steps = progress.steps
         if progress.status != RUNNING:
             account.outcome, advice = ADVICE[progress.status]
@@ -196,15 +216,30 @@ def state_at(scenario: Scenario, t: float | None) -> tuple[Setting, State]:
     if t > 0.0:
         choice = choose(
             setting.strands, setting.loads, state,
-            method=run.method, step=run.step, accuracy=run.accuracy, duration=run.until,
+            method=run.method, step=run.step, accuracy=run.accuracy, duration=run.until, supports=setting.supports,
         )  # fmt: skip
         progress = Progress()
-        for _ in move(setting.strands, setting.loads, state, choice, run.accuracy, np.array([t]), progress):
+        strands, loads, supports = setting.strands, setting.loads, setting.supports
+        for _ in move(strands, loads, state, choice, run.accuracy, np.array([t]), progress, supports):
             pass
         if progress.status != RUNNING:
             outcome, advice = ADVICE[progress.status]
             raise RopewalkError(f"the run did not come to t = {t:g} s ({outcome}): {advice}")
     return setting, state
+
+
+def _refuse_to_yield(setting: Setting, who: str, otherwise: str, *, moving: bool) -> None:
+    """Refuse supports that yield (or move) where they are not known, instead of passing over them.
+
+    Raises:
+        RopewalkError: there is such a support.
+    """
+    supports = setting.supports
+    for number, free in enumerate(supports.free):
+        if free.any() or (moving and supports.motion_count[number] > 1):
+            name = f"lines: {setting.lines[number // 2]}: {('start', 'end')[number % 2]}_support"
+            kinds = "fixed" if moving else "fixed and moving"
+            raise RopewalkError(f"{name}: {who} only {kinds} supports so far; write kind: fixed, or {otherwise}")
 
 
 def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | None = None) -> Spectrum:
@@ -219,13 +254,14 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     Raises:
         EquilibriumError: there is no rest shape, or it is not determined without the loads.
         ScenarioError: the instant lies outside the run, or the run knows no time.
-        RopewalkError: the run does not come to the instant.
+        RopewalkError: the run does not come to the instant, or a support yields.
     """
     from ropewalk.solve.spectrum import spectrum  # lazy: a run does not need the eigenvalue solvers
 
     run = scenario.run
     if at is None:
         setting = setting_of(scenario, 0.0)
+        _refuse_to_yield(setting, "the spectrum knows", "fix the end where it rests", moving=False)
         if not isinstance(run, Dynamic) or run.start.with_loads:
             return spectrum(setting.strands, start_state(setting, True), how_many=how_many, names=setting.lines)
         rests = [rest for rest in setting.bare if rest is not None]
@@ -242,5 +278,6 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     if not 0.0 <= at <= run.until:
         remedy = f"give a time from 0 s to run.until, {run.until:g} s"
         raise ScenarioError([Problem("at", "the time lies outside the run", f"{at:g} s", remedy)])
+    _refuse_to_yield(setting_of(scenario, 0.0), "the spectrum knows", "fix the end where it is then", moving=False)
     setting, state = state_at(scenario, at)
     return spectrum(setting.strands, state, how_many=how_many, names=setting.lines)

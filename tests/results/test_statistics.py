@@ -54,7 +54,7 @@ OFF = {
     "contact_tension": [[NAN, NAN]],
 }
 FRAMES = [
-    frame(0.0, energy=[0, 0, 100, 0, 0, 0, 0, 0]),
+    frame(0.0, energy=[0, 0, 100, 0, 0, 0, 0, 0, 0]),
     frame(
         0.5,
         tension=[10, 20, -7],
@@ -63,9 +63,9 @@ FRAMES = [
         hold_force=[[-2, 0]],
         contact_tension=[[30, 5]],
         reaction=[[-30, 40], [1, 0]],
-        energy=[30, 20, 40, 10, 0, 0, 0, 0.5],
+        energy=[30, 20, 40, 10, 0, 0, 0, 0, 0.5],
     ),
-    frame(1.0, position=[[0, 0], [1, 0.25], [2, 1], [2, 1], [6, 1]], energy=[35, 5, 40, 20, 0, 0, 0, -0.1], **OFF),
+    frame(1.0, position=[[0, 0], [1, 0.25], [2, 1], [2, 1], [6, 1]], energy=[35, 5, 40, 20, 0, 0, 0, 0, -0.1], **OFF),
 ]
 
 

@@ -94,5 +94,5 @@ def _frame(plan: Layout, x: np.ndarray, time: float) -> Frame:
         contact_speed=np.full(contacts, SPEED) * off,
         contact_tension=np.full((contacts, 2), [1620.0, 1380.0]) * off,
         reaction=vector(2, [-tension[0], tension[-1]], [300.0, 400.0 + 100 * time]),
-        energy=np.array([kinetic, elastic, gravity, 10 * time, work, 20 * time, 0.0, 0.02 * np.sin(9 * time)]),
+        energy=np.array([kinetic, elastic, gravity, 10 * time, work, 20 * time, 0.0, 0.0, 0.02 * np.sin(9 * time)]),
     )

@@ -2,7 +2,8 @@
 
 All lines are kept in one array of nodes, one strand after the other; node i of a strand and node i + 1 share
 link i. Between the last node of one strand and the first of the next lies a link that does not exist and whose
-force stays zero, so that loops may run over everything at once. The first and the last node of a strand are held.
+force stays zero, so that loops may run over everything at once. The first and the last node of a strand stand on
+supports.
 
 State: `r` are positions (axis, node). `w` are velocities **of the material** (axis, node). A node that rides with
 a load has the material coordinate `X` of the load; all others keep theirs. See docs/notes/travelling-node.md.
@@ -30,7 +31,7 @@ CAPSTAN, BLOCK = 0, 1
 OFF, SHARED = -2, -1  # values of `rider` for a load off the line, or shared by the two nodes of its link
 
 # Entries of `work`: what has been done or lost since the start, in J.
-LINE_DAMPING, LOAD_WORK, HOLD_WORK, CONTACT = 0, 1, 2, 3
+LINE_DAMPING, LOAD_WORK, HOLD_WORK, CONTACT, SUPPORT_WORK = 0, 1, 2, 3, 4
 
 
 class Strands(NamedTuple):
@@ -92,7 +93,7 @@ class State(NamedTuple):
     speed: Array  # (load,) m/s, d xi / dt
     rider: Integers  # (load,) node that rides with the load, or SHARED, or OFF
     hold: Array  # (load,) N s, impulse of the hold force (along x) since the start
-    work: Array  # (4,) J
+    work: Array  # (5,) J
 
     def copy(self) -> State:
         """An independent copy."""

@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 ENERGY_FORMS = (
-    "kinetic",  # of the lines
+    "kinetic",  # of the lines and of what moves with their ends
     "elastic",  # stored in the lines and in the springs of their supports
     "gravitational",  # of the lines and of what their supports carry, zero at z = 0; and of constant forces there
-    "line_damping",  # dissipated by Kelvin-Voigt and drag damping since the start
+    "line_damping",  # dissipated in lines, by Kelvin-Voigt and drag damping, and in supports, since the start
     "load_work",  # done by the given forces since the start
     "hold_work",  # done by the hold forces since the start
     "contact_dissipation",  # lost at the contacts since the start; negative: a motor is hidden there
+    "support_work",  # done by supports that move as prescribed since the start
     "imbalance",  # what the audit misses: zero for an exact solution
 )
 

@@ -13,14 +13,16 @@ from ropewalk.mechanics.chain import (
     LINE_DAMPING,
     LOAD_WORK,
     OFF,
+    SUPPORT_WORK,
     Array,
     State,
 )
 from ropewalk.mechanics.law import stored_total, tensions
 from ropewalk.mechanics.rider import force_at, link_of, part_of, speed_at
 from ropewalk.results.frame import Frame, Layout
+from ropewalk.solve.ends import drives_at, ends_of
 from ropewalk.solve.holding import coefficient_used
-from ropewalk.solve.standing import Standing
+from ropewalk.solve.standing import Standing, View
 from ropewalk.solve.start import Setting
 
 
@@ -118,7 +120,7 @@ def _links_only(setting: Setting, values: Array) -> Array:
 
 
 def energies(setting: Setting, state: State, elastic: float) -> Array:
-    """Kinetic, elastic and gravitational energy of the lines, J."""
+    """Kinetic, elastic and gravitational energy of the lines and of what yields or moves with their ends, J."""
     strands = setting.strands
     kinetic = gravitational = 0.0
     for s in range(strands.first.size):
@@ -127,6 +129,14 @@ def energies(setting: Setting, state: State, elastic: float) -> Array:
         kinetic += 0.5 * m * float((state.w[:, i + 1 : j] ** 2).sum())
         gravitational -= m * float((strands.gravity[:, None] * state.r[:, i + 1 : j]).sum())
         gravitational -= 0.5 * m * float((strands.gravity * (state.r[:, i] + state.r[:, j])).sum())
+    ends = ends_of(strands, setting.supports)
+    if ends is not None:
+        kinetic += 0.5 * float((ends.mass * (state.w[:, ends.node] ** 2).sum(axis=0)).sum())
+        r, t = state.r[:, ends.node].T, float(state.t[0])
+        for e, number in enumerate(ends.number):
+            moved = r[e] - setting.held(number // 2, t).place[number % 2]
+            elastic += 0.5 * float(moved @ ends.stiffness[e] @ moved)
+            gravitational -= float(ends.force[e] @ r[e])
     return np.array([kinetic, elastic, gravitational])
 
 
@@ -136,7 +146,7 @@ class Camera:
     def __init__(self, setting: Setting) -> None:
         self.setting = setting
         self._first: float | None = None
-        self._work: Array = np.zeros(4)
+        self._work: Array = np.zeros(5)
         self._held: tuple[float, Array] = (0.0, np.zeros(setting.xi.size))
 
     def take(self, state: State) -> Frame:
@@ -178,6 +188,7 @@ class Camera:
                         reaction[2 * s + 1] -= share * F
             force[k] = F + hold[k]
             xi[k], speed[k] = state.xi[k], speed_at(loads, k, t)
+        _let_yield(setting, state, reaction)
         return Frame(
             path=t,
             position=r.T,
@@ -201,8 +212,9 @@ class Camera:
             self._first, self._work = total, work.copy()
         done = work - self._work
         spent = done[LINE_DAMPING] + done[CONTACT]
-        imbalance = total - self._first + spent - done[LOAD_WORK] - done[HOLD_WORK]
-        return np.array([*energy, done[LINE_DAMPING], done[LOAD_WORK], done[HOLD_WORK], done[CONTACT], imbalance])
+        works = done[[LINE_DAMPING, LOAD_WORK, HOLD_WORK, CONTACT, SUPPORT_WORK]]
+        imbalance = total - self._first + spent - done[LOAD_WORK] - done[HOLD_WORK] - done[SUPPORT_WORK]
+        return np.array([*energy, *works, imbalance])
 
 
 def _reactions(setting: Setting, f: Array) -> Array:
@@ -214,6 +226,31 @@ def _reactions(setting: Setting, f: Array) -> Array:
         half = 0.5 * strands.rho[s] * strands.h[s] * strands.gravity
         out += [-f[:, i] - half, f[:, j - 1] - half]
     return np.array(out)
+
+
+def _let_yield(setting: Setting, state: State, reaction: Array) -> None:
+    """Make reactions of points that do not move, changed in place, those of supports that yield or move.
+
+    On half a link at the end act the line, the loads there, and the reaction; the latter is all that the line knows of
+    spring, damper, rail and mass.
+    """
+    strands, supports, t = setting.strands, setting.supports, float(state.t[0])
+    ends = ends_of(strands, supports)
+    if ends is None:
+        return
+    drives = drives_at(ends, t)
+    for e, number in enumerate(ends.number):
+        i, s = ends.node[e], number // 2
+        drag = strands.drag[s] * ends.half[e] * state.w[:, i]
+        # Beside a load, the link that the end carries half of is not uniform.
+        uneven = 0.5 * strands.rho[s] * float(np.diff(state.X[ends.link[e] : ends.link[e] + 2])[0]) - ends.half[e]
+        reaction[number] += drag - uneven * strands.gravity
+        if ends.free[e]:
+            place = setting.held(int(s), t).place[number % 2]
+            given = ends.force[e] + ends.stiffness[e] @ (place - state.r[:, i])
+            given += supports.damping[number] @ (drives[:, e] - state.w[:, i])
+            push = supports.free[number] @ (given - reaction[number])
+            reaction[number] += ends.half[e] / ends.mass[e] * push
 
 
 def _friction_used(setting: Setting, state: State, pieces: _Pieces, k: int, b: int) -> float:
@@ -246,26 +283,27 @@ def standing_frame(
     position, tension, strain, reaction = [], [], [], []
     elastic = gravitational = 0.0
     for s, rest in enumerate(stands):
-        n, h, on, last = int(strands.links[s]), float(strands.h[s]), setting.on[s], rest.X.size - 1
-        middle = np.searchsorted(rest.X, (np.arange(n) + 0.5) * h, side="right") - 1
-        position.append(rest.position.T)
-        tension.append(rest.tension[middle])
-        strain.append(rest.strain[middle])
+        on, last = setting.on[s], rest.X.size - 1
+        view = View.of(rest, strands.law[s], float(strands.h[s]))
+        position.append(view.position)
+        tension.append(view.tension)
+        strain.append(view.strain)
+        elastic, gravitational = elastic + view.elastic, gravitational + view.gravitational
         place[on], force[on], both[on] = rest.r[:, rest.contact].T, rest.force.T, rest.beside
         friction[on] = rest.friction
         left, right = -rest.pull[:, 0] - rest.weight[:, 0], rest.pull[:, -1] - rest.weight[:, -1]
-        reaction += [
-            left - rest.force[:, rest.contact == 0].sum(axis=1),
-            right - rest.force[:, rest.contact == last].sum(axis=1),
-        ]
-        elastic += stored_total(strands.law[s], rest.strain, rest.X[1:] - rest.X[:-1])
-        gravitational -= float((rest.weight * rest.r).sum())
+        for k, i in enumerate(rest.contact):
+            if i == 0:
+                left = left - rest.force[:, k]
+            elif i == last:
+                right = right - rest.force[:, k]
+        reaction += [left, right]
         held = setting.held(s, t)
         if not held.is_fast:
             ends = rest.r[:, [0, -1]].T
             moved = ends - held.place
             elastic += 0.5 * float(np.einsum("ea,eab,eb", moved, held.stiffness, moved))
-            gravitational -= float((held.force * ends).sum())
+            gravitational -= float((held.force * moved).sum())
     nodes = np.concatenate(position)
     return Frame(
         path=path,
@@ -281,5 +319,5 @@ def standing_frame(
         contact_tension=both,
         contact_friction=friction,
         reaction=np.array(reaction),
-        energy=np.array([0.0, elastic, gravitational, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        energy=np.array([0.0, elastic, gravitational, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
     )

@@ -15,10 +15,11 @@ _ENERGY = {
     "kinetic": "kinetic",
     "elastic": "elastic",
     "gravitational": "gravitational",
-    "line_damping": "damped in the line",
+    "line_damping": "damped in lines and supports",
     "load_work": "work of the loads",
     "hold_work": "work of the hold forces",
     "contact_dissipation": "lost at the contacts",
+    "support_work": "work of moving supports",
 }
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.mechanics.chain import FRICTIONLESS, Array, Loads, State, Strands
+from ropewalk.mechanics.chain import FRICTIONLESS, Array, Loads, State, Strands, Supports
 from ropewalk.mechanics.law import tangents, tensions
 
 # Explicit while it needs fewer steps than this for every link of the line; beyond, the implicit method is faster: a
@@ -23,6 +23,8 @@ RKN6_LIMIT = 3.1
 COMPRESSED = 0.6
 # Links beside a riding node are as short as half a link: the largest frequency and damping rate that this can give.
 SEAT_FREQUENCY, SEAT_DAMPING = 1.13, 1.28
+# The same where an end yields, whose half mass hangs on such a link.
+SEAT_FREQUENCY_AT_END, SEAT_DAMPING_AT_END = 1.28, 1.62
 
 
 @dataclass(frozen=True)
@@ -43,16 +45,18 @@ class Choice:
     compressed: float = 1.0  # part of the step that is kept from when an undamped line is seen in compression
 
 
-def bounds(strands: Strands, r: Array, X: Array, with_riders: bool) -> Bounds:
+def bounds(strands: Strands, r: Array, X: Array, with_riders: bool, supports: Supports | None = None) -> Bounds:
     """Upper bounds of the largest frequency and damping rate of the chain in its present state.
 
     On a uniform chain they are sharp: omega = (2/h) sqrt(k/rho), with the larger of T' and T/lam for k, and
-    4 c / (rho h^2) for the damping.
+    4 c / (rho h^2) for the damping. An end that yields carries half a link: without a spring nothing changes, a spring
+    k on the mass m adds k/m to omega^2 at most. Its damper does not matter (ends.py).
     """
+    yields = supports is not None and bool(supports.free.any())
     frequency = damping = 0.0
     for s in range(strands.first.size):
         i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
-        if strands.links[s] < 2:
+        if strands.links[s] < 2 and not yields:
             continue
         lam = _stretches(r, X, i, j)
         p, h, rho = strands.law[s], float(strands.h[s]), float(strands.rho[s])
@@ -61,8 +65,18 @@ def bounds(strands: Strands, r: Array, X: Array, with_riders: bool) -> Bounds:
         frequency = max(frequency, 2.0 / h * np.sqrt(stiffness / rho))
         damping = max(damping, 4.0 * float(strands.damping[s]) / (rho * h * h))
     if with_riders:
-        frequency, damping = frequency * SEAT_FREQUENCY, damping * SEAT_DAMPING
+        frequency *= SEAT_FREQUENCY_AT_END if yields else SEAT_FREQUENCY
+        damping *= SEAT_DAMPING_AT_END if yields else SEAT_DAMPING
+    if supports is not None and yields:
+        frequency = np.hypot(frequency, _spring_frequency(strands, supports))
     return Bounds(float(frequency), float(damping))
+
+
+def _spring_frequency(strands: Strands, supports: Supports) -> float:
+    """Largest frequency of an end on its spring alone, rad/s."""
+    stiffest = np.linalg.eigvalsh(supports.stiffness)[:, -1]
+    mass = np.repeat(0.5 * strands.rho * strands.h, 2) + supports.mass
+    return float(np.sqrt(np.max(stiffest / mass)))
 
 
 def _stretches(r: Array, X: Array, i: int, j: int) -> Array:
@@ -104,6 +118,7 @@ def choose(
     step: float | None,
     accuracy: float,
     duration: float,
+    supports: Supports | None = None,
 ) -> Choice:
     """Choose method and step for a motion.
 
@@ -113,12 +128,15 @@ def choose(
         step: largest step wanted by the user, s, or None.
         accuracy: wanted accuracy in time of the positions, m.
         duration: how long the run is, s.
+        supports: what holds the ends; None: points that do not move.
 
     Raises:
-        RopewalkError: the method asked for cannot do what the loads need.
+        RopewalkError: the method asked for cannot do what the loads or the supports need.
     """
-    limits = bounds(strands, state.r, state.X, bool(loads.strand.size))
+    limits = bounds(strands, state.r, state.X, bool(loads.strand.size), supports)
     damped = limits.damping > 0.0
+    dampers = supports is not None and bool(supports.damping.any())
+    explicit_only = _explicit_only(loads, supports)
     explicit = verlet_step(limits)
     relative = accuracy / float((strands.h * strands.links).max())
     facts = f"largest frequency {limits.frequency:.4g} rad/s"
@@ -130,21 +148,25 @@ def choose(
         most = MOST_EXPLICIT_STEPS_PER_LINK * int(strands.links.max())
         if damped and needed > most and method == "auto":
             wanted, why = "implicit", f"damping makes the chain stiff: {needed:.2g} explicit steps would be needed"
-            if np.any(loads.contact == FRICTIONLESS):
-                wanted, why = "verlet", f"{needed:.2g} explicit steps, as a frictionless contact needs them"
+            if explicit_only:
+                wanted, why = "verlet", f"{needed:.2g} explicit steps, as {explicit_only} needs them"
         elif damped:
             wanted, why = "verlet", f"lightly damped: {needed:.2g} explicit steps are cheaper than implicit ones"
+        elif dampers:
+            wanted, why = "verlet", "dampers at supports: the sixth order would be lost"
         elif relative >= 4e-4:
             wanted, why = "verlet", "undamped, and a coarse accuracy is enough"
         else:
             wanted, why = "rkn6", "undamped: the spectrum is imaginary, and the sixth order pays"
     else:
         why = "as asked"
-    if wanted == "implicit" and np.any(loads.contact == FRICTIONLESS):
-        raise RopewalkError("run.method: implicit cannot hold a frictionless contact; use auto, or contact: clamped")
+    if wanted == "implicit" and explicit_only:
+        remedy = "fixed supports" if "support" in explicit_only else "contact: clamped"
+        raise RopewalkError(f"run.method: implicit cannot do {explicit_only}; use auto or verlet, or {remedy}")
     if wanted == "rkn6":
-        if damped:
-            wanted, why = "verlet", "rkn6 cannot be used with Kelvin-Voigt damping; the second-order method is used"
+        if damped or dampers:
+            what = "Kelvin-Voigt damping" if damped else "dampers at supports"
+            wanted, why = "verlet", f"rkn6 cannot be used with {what}; the second-order method is used"
             own = explicit
         else:
             own = rkn6_step(limits, relative) if step is None else RKN6_LIMIT / max(limits.frequency, 1e-300)
@@ -156,3 +178,12 @@ def choose(
     if step is not None and step > own and wanted != "implicit":
         why += f"; the step asked for ({step:.3g} s) is above the stable one ({own:.3g} s), which is used"
     return Choice(wanted, min(own, step) if step is not None else own, f"{why} ({facts})", compressed)
+
+
+def _explicit_only(loads: Loads, supports: Supports | None) -> str:
+    """What the implicit method does not know, in words; nothing if it knows all that there is."""
+    if np.any(loads.contact == FRICTIONLESS):
+        return "a frictionless contact"
+    if supports is not None and (supports.free.any() or (supports.motion_count > 1).any()):
+        return "a support that yields or moves"
+    return ""

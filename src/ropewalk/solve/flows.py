@@ -19,6 +19,7 @@ from ropewalk.mechanics.rider import (
     seat_of,
     speed_at,
 )
+from ropewalk.solve.ends import kicked_velocity
 
 
 @inlined
@@ -85,7 +86,7 @@ def move_nodes(strands, state, buffers, kick, drift, lead):
 
 
 @inlined
-def _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead):
+def _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead, ends):
     """Momentum for the node b that rides with load k: its force, and the flux of momentum past it.
 
     The links and gravity have already kicked all nodes, and these have drifted, see _update.
@@ -98,7 +99,10 @@ def _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead):
     m, span, work = strands.rho[s] * strands.h[s], X[b + 1] - X[b - 1], 0.0
     for a in range(r.shape[0]):
         F = force_at(loads, k, state.t[0], a)
-        after = (w[a, b + 1] - w[a, b - 1]) / decay
+        if ends is None:
+            after = (w[a, b + 1] - w[a, b - 1]) / decay
+        else:
+            after = kicked_velocity(state, ends, b + 1, decay, a) - kicked_velocity(state, ends, b - 1, decay, a)
         extra = kick * (F / m + U / span * 0.5 * (dw[a, k] + after))
         kicked = kick * ((f[a, b] - f[a, b - 1]) / m + strands.gravity[a]) + extra
         w[a, b] += decay * extra
@@ -129,7 +133,7 @@ def _shift_weight(strands, loads, state, buffers, k, kick, way, decay, lead):
 
 @inlined
 def _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead):
-    """Momentum from a load that is shared by the two nodes of its link, unless they are held.
+    """Momentum from a load that is shared by the two nodes of its link; those on supports are left to `move_ends`.
 
     Returns:
         The work of the force, J.
@@ -156,7 +160,7 @@ def _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead):
 
 
 @inlined
-def kick_loads(strands, loads, state, buffers, kick, drift, lead):
+def kick_loads(strands, loads, state, buffers, kick, drift, lead, ends):
     """Give the nodes at the loads what these add to the kick that all nodes have had.
 
     Returns:
@@ -167,7 +171,7 @@ def kick_loads(strands, loads, state, buffers, kick, drift, lead):
         way, decay = _drift_with_drag(strands.drag[loads.strand[k]], drift)
         if state.rider[k] >= 0:
             _shift_weight(strands, loads, state, buffers, k, kick, way, decay, lead)
-            work += _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead)
+            work += _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead, ends)
         elif state.rider[k] == SHARED:
             work += _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead)
     return work

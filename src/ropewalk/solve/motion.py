@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ropewalk.mechanics.chain import Array, Buffers, Integers, Loads, State, Strands
+from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.chain import Array, Buffers, Integers, Loads, State, Strands, Supports
 from ropewalk.solve.choice import RKN6_LIMIT, Choice, bounds, is_compressed, verlet_step
 from ropewalk.solve.composition import RKN6, VERLET
+from ropewalk.solve.ends import ends_of
 from ropewalk.solve.splitting import END_OF_LINE, NO_CONVERGENCE, NOT_FINITE, RUNNING, TOO_MANY_STEPS, advance
 
 if TYPE_CHECKING:
@@ -50,7 +52,14 @@ ADVICE = {
 
 
 def move(
-    strands: Strands, loads: Loads, state: State, choice: Choice, accuracy: float, times: Array, progress: Progress
+    strands: Strands,
+    loads: Loads,
+    state: State,
+    choice: Choice,
+    accuracy: float,
+    times: Array,
+    progress: Progress,
+    supports: Supports | None = None,
 ) -> Iterator[State]:
     """Yield the state at each of the times; the same object every time, to be read before going on.
 
@@ -60,19 +69,27 @@ def move(
         accuracy: wanted accuracy in time, m (for the adaptive method).
         times: rising instants, s.
         progress: filled in; the iteration ends early if its status is no longer RUNNING.
+        supports: what holds the ends; None: points that do not move.
+
+    Raises:
+        RopewalkError: the method does not know what the supports do.
     """
+    ends = ends_of(strands, supports) if supports is not None else None
+    if ends is not None and choice.method == "implicit":
+        raise RopewalkError("the implicit method does not know supports that yield or move; use verlet")
     room = _room_for(choice, loads, state)
-    knots = np.unique(
-        np.concatenate([_knots(loads.speed_time, loads.speed_count), _knots(loads.force_time, loads.force_count)])
-    )
+    knots = [_knots(loads.speed_time, loads.speed_count), _knots(loads.force_time, loads.force_count)]
+    if supports is not None:
+        knots.append(_knots(supports.motion_time, supports.motion_count))
+    corners = np.unique(np.concatenate(knots))
     step = choice.step
-    limits = bounds(strands, state.r, state.X, bool(loads.strand.size))
+    limits = bounds(strands, state.r, state.X, bool(loads.strand.size), supports)
     for time in times:
-        stops = [*knots[(knots > state.t[0]) & (knots < time)], time]
+        stops = [*corners[(corners > state.t[0]) & (corners < time)], time]
         for stop in stops:
             if state.t[0] >= stop:
                 continue
-            progress.status, taken = _advance(strands, loads, state, room, choice, accuracy, stop, step)
+            progress.status, taken = _advance(strands, loads, state, room, choice, accuracy, stop, step, ends)
             progress.steps += int(taken)
             if progress.status != RUNNING:
                 yield state
@@ -82,7 +99,7 @@ def move(
             yield state
             return
         yield state
-        now = bounds(strands, state.r, state.X, bool(loads.strand.size))
+        now = bounds(strands, state.r, state.X, bool(loads.strand.size), supports)
         if now.frequency > 1.05 * limits.frequency and choice.method != "implicit":
             # The line has stiffened: keep the step in proportion.
             own = verlet_step(now) if choice.method == "verlet" else RKN6_LIMIT / now.frequency
@@ -110,13 +127,14 @@ def _room_for(choice: Choice, loads: Loads, state: State) -> Buffers | Workspace
     return Buffers.for_state(state)
 
 
-def _advance(strands, loads, state, room, choice, accuracy, stop, step):
+def _advance(strands, loads, state, room, choice, accuracy, stop, step, ends):
     if choice.method == "implicit":
         from ropewalk.solve.radau import advance_implicit
 
         return advance_implicit(strands, loads, state, room, stop, accuracy, step, MOST_STEPS)
     kicks, drifts = RKN6 if choice.method == "rkn6" else VERLET
-    return advance(strands, loads, state, room, kicks, drifts, stop, step, MOST_STEPS)
+    yielding = () if ends is None else (ends,)
+    return advance(strands, loads, state, room, kicks, drifts, stop, step, MOST_STEPS, *yielding)
 
 
 def _knots(times: Array, counts: Integers) -> Array:

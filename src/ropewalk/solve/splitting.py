@@ -26,6 +26,7 @@ from ropewalk.mechanics.rider import (
     slope,
     speed_at,
 )
+from ropewalk.solve.ends import drive_ends, move_ends
 from ropewalk.solve.flows import kick_loads, move_loads, move_nodes
 
 RUNNING, END_OF_LINE, NOT_FINITE, TOO_MANY_STEPS, NO_CONVERGENCE = 0, 1, 2, 3, 4
@@ -203,7 +204,7 @@ def _pull_all(strands, state, buffers, kick):
 
 
 @lean
-def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most):
+def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most, ends=None):
     """Move `state` to the time `until`.
 
     Args:
@@ -212,6 +213,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
         until: time to stop at, s.
         longest: largest step, s.
         most: largest number of steps.
+        ends: what yields or moves, from `ends_of`; None: nothing does, and it is compiled without them.
 
     Returns:
         Status (RUNNING when `until` is reached, else what went wrong) and the number of steps taken.
@@ -223,6 +225,8 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
     end, tolerance = until - 1e-12 * max(1.0, abs(until)), np.inf
     for s in range(strands.h.size):
         tolerance = min(tolerance, ARRIVED * strands.h[s])
+    if ends is not None:
+        drive_ends(state, ends, time[0])
     while time[0] < end:
         if _take_seats(strands, loads, state, buffers):
             return END_OF_LINE, steps
@@ -255,7 +259,9 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most)
                             buffers.dr[a, k] = r[a, b + 1] - r[a, b - 1]
                             buffers.dw[a, k] = w[a, b + 1] - w[a, b - 1]
                 work[LINE_DAMPING] += move_nodes(strands, state, buffers, kick, drift, lead)
-                work[LOAD_WORK] += kick_loads(strands, loads, state, buffers, kick, drift, lead)
+                if ends is not None:
+                    move_ends(strands, loads, state, buffers, ends, kick, drift, lead)
+                work[LOAD_WORK] += kick_loads(strands, loads, state, buffers, kick, drift, lead, ends)
                 if drift != 0.0:
                     move_loads(strands, loads, state, buffers, drift)
                     time[0] += drift

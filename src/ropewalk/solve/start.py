@@ -26,6 +26,7 @@ from ropewalk.mechanics.law import RIGID, strain
 from ropewalk.mechanics.rider import ROOM, force_at, link_of, part_of, speed_at
 from ropewalk.model.line import Line
 from ropewalk.model.scenario import Scenario
+from ropewalk.solve.ends import seat_ends
 from ropewalk.solve.equilibrium import at_rest
 from ropewalk.solve.held import Held, ends_at
 from ropewalk.solve.holding import Contacts
@@ -168,14 +169,16 @@ def start_state(setting: Setting, with_loads: bool) -> State:
     X = np.concatenate([np.arange(n + 1) * h for n, h in zip(strands.links, strands.h, strict=True)])
     state = State(
         t=np.zeros(1), r=np.zeros((dim, nodes)), w=np.zeros((dim, nodes)), X=X, xi=setting.xi.copy(),
-        speed=np.zeros(count), rider=np.full(count, SHARED), hold=np.zeros(count), work=np.zeros(4),
+        speed=np.zeros(count), rider=np.full(count, SHARED), hold=np.zeros(count), work=np.zeros(5),
     )  # fmt: skip
     _take_first_seats(strands, loads, state)
     for s in range(strands.first.size):
         i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
         f = np.zeros((dim, j - i + 1))
         # Every node bears half of its two links; beside a riding node these are not uniform.
-        f[:, 1:-1] = strands.rho[s] * strands.gravity[:, None] * 0.5 * (X[i + 2 : j + 1] - X[i : j - 1])
+        half = strands.rho[s] * strands.gravity[:, None] * 0.5 * np.diff(X[i : j + 1])
+        f[:, :-1] += half
+        f[:, 1:] += half
         for k in range(count):
             if with_loads and loads.strand[k] == s:
                 F = np.array([force_at(loads, k, 0.0, a) for a in range(dim)])
@@ -190,6 +193,7 @@ def start_state(setting: Setting, with_loads: bool) -> State:
         guess = bare.first_force if bare is not None else None
         rest = at_rest(strands.law[s], np.diff(X[i : j + 1]), f, setting.ends[s], guess)
         state.r[:, i : j + 1] = rest.position
+    seat_ends(strands, setting.supports, state)
     return state
 
 
