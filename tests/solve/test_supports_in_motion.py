@@ -303,10 +303,10 @@ _CASES = {
     "springs": ("rkn6", _supports(0.0)),
     "dashpots": ("verlet", _supports(80.0)),
     "an end that moves": ("rkn6", {"start_support": Moving(displacement=_PATH)}),
-    "an end that moves, damped": ("verlet", {"start_support": Moving(displacement=_PATH), "axial_damping": 3.0}),
+    "an end that moves, damped": ("verlet", {"start_support": Moving(displacement=_PATH), "axial_damping": 60.0}),
     "drag": ("verlet", _supports(80.0) | {"drag": 2.0}),
     "an end that moves in drag": ("verlet", {"start_support": Moving(displacement=_PATH), "drag": 2.0}),
-    "all": ("verlet", _supports(80.0) | {"drag": 2.0, "axial_damping": 3.0}),
+    "all": ("verlet", _supports(80.0) | {"drag": 2.0, "axial_damping": 60.0}),
 }
 
 
