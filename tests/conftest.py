@@ -5,6 +5,12 @@ import os
 import tempfile
 from pathlib import Path
 
+from hypothesis import settings
+
+# The same examples in every run, so that a green tree stays green; HYPOTHESIS_PROFILE=default looks for new ones.
+settings.register_profile("repeatable", derandomize=True)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
+
 # Numba's cache looks at the file of a kernel only, not at the kernels that it calls. A cache of its own for every
 # state of the sources keeps a changed kernel from being tested in its old form.
 _SOURCES = sorted(Path(__file__).parent.parent.glob("src/ropewalk/**/*.py"))

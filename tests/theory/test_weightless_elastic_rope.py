@@ -190,3 +190,17 @@ def test_energy_has_its_minimum_at_the_solution(stiffness: float, law: rope.Axia
 def test_nonsense_is_refused(changed: dict[str, object], said: str) -> None:
     with pytest.raises(ValueError, match=said):
         rope.weightless_elastic(**({"loads": [(5.0, WEIGHT)]} | PAPER | changed))
+
+
+def test_a_load_on_the_support_leaves_the_barely_taut_rope_alone() -> None:
+    """214 N beside a tension of 1 mN: the support takes the load, the rope keeps what its length gives it."""
+    shape = {
+        "span": 20.0,
+        "height": 0.34375,
+        "length": float(np.hypot(20.0, 0.34375)) * 0.99999,
+        "axial_stiffness": 100.0,
+    }
+    loaded = rope.resting(**shape, loads=[(0.0, (0.0, -214.0))])
+    tension = 100.0 * (1.0 / 0.99999 - 1.0)
+    assert float(loaded.tension(10.0)) == pytest.approx(tension, rel=1e-9)  # 1e-16 of 214 N, and of the stretch
+    assert loaded.start_reaction[1] == pytest.approx(214.0, rel=1e-5)

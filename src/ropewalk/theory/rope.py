@@ -149,6 +149,8 @@ def resting(
         if partly_slack is not None:
             return partly_slack
     offset = -drops + np.stack([np.zeros_like(pieces), weight * breaks[:-1]], axis=1)
+    # The unknown is the force at the beginning of the rope itself, not of nothing before a load on the support.
+    offset -= offset[np.argmax(pieces > 0.0)]
 
     def gap(force: FloatArray) -> tuple[FloatArray, FloatArray]:
         at_start = force + offset
