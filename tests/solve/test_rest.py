@@ -1,6 +1,6 @@
 """Ropes at rest: the chain against the elastic catenary, robust from any start, and a true minimum of the energy.
 
-Numbers of theory.md: 5B weightless elastic rope, 5D elastic catenary (Irvine), 5E with a point load.
+Numbers: weightless elastic rope, elastic catenary (Irvine), the same with a point load; closed forms in ropewalk.theory.rope.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Slow motion: every measured path comes out right, frictionless contacts even out, supports and energy balance.
 
-Numbers of theory.md: 5A ellipse, 5B weightless elastic rope, 5E heavy rope with point loads.
+Numbers: ellipse, weightless elastic rope, heavy rope with point loads; closed forms in ropewalk.theory.
 """
 
 from __future__ import annotations
