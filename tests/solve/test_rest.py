@@ -1,6 +1,6 @@
 """Ropes at rest: the chain against the elastic catenary, robust from any start, and a true minimum of the energy.
 
-Numbers: weightless elastic rope, elastic catenary (Irvine), the same with a point load; closed forms in ropewalk.theory.rope.
+Numbers: weightless elastic rope, elastic catenary (Irvine), the same with a point load; closed forms in theory.rope.
 """
 
 from __future__ import annotations
