@@ -14,7 +14,25 @@ PAGE = Path(__file__).with_name("reference.md")
 THEORY = Path(__file__).with_name("theory.md")
 
 SECTIONS = {
-    "What is there": ("Scenario", "Line", "MovingForce", "Travel", "ForceTable", "SpeedTable", "DisplacementTable"),
+    "What is there": ("Scenario", "Line", "ForceTable", "SpeedTable", "DriveTable", "DisplacementTable"),
+    "Loads": (
+        "MovingForce",
+        "MovingMass",
+        "Oscillator",
+        "Trolley",
+        "Payload",
+        "Vehicle",
+        "RigidBody",
+        "Wheel",
+        "Spring",
+        "Matrices",
+        "MatrixWheel",
+        "Footsteps",
+        "Harmonic",
+        "Walker",
+        "Stepper",
+    ),
+    "Travel": ("Travel", "FreeTravel", "Driver", "Brake"),
     "Axial laws": ("Hooke", "TensionOnly", "SecondPiolaKirchhoff", "Polynomial", "Tabulated", "Inextensible"),
     "Supports": ("Fixed", "Elastic", "Guided", "Moving"),
     "What is asked": ("Dynamic", "Start", "Quasistatic", "Equilibrium", "Linear"),

@@ -10,18 +10,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropewalk.errors import EquilibriumError, Problem, RopewalkError, ScenarioError
+from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array, State
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account, Frame, Layout
 from ropewalk.results.snapshot import Camera, layout_of, standing_frame
+from ropewalk.solve.boarding import board, resting_forces
 from ropewalk.solve.choice import choose
 from ropewalk.solve.ends import ends_of, seat_ends
+from ropewalk.solve.guides import guides_of
 from ropewalk.solve.measure import shapes
-from ropewalk.solve.motion import ADVICE, Progress, move
+from ropewalk.solve.motion import STOPPED, Progress, move
 from ropewalk.solve.quasistatic import Place, walk
 from ropewalk.solve.remarks import Remarks
-from ropewalk.solve.splitting import END_OF_LINE, RUNNING
+from ropewalk.solve.splitting import END_OF_LINE, MET, RUNNING
 from ropewalk.solve.start import Setting, setting_of, start_state
 from ropewalk.solve.timetable import horizon
 
@@ -82,11 +85,10 @@ def must_compile() -> bool:
 
 def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:
     """The frames of a run, one after the other, with their layout and their number; `account` is filled in."""
-    names = tuple(scenario.loads)
     if isinstance(scenario.run, Dynamic):
         setting = setting_of(scenario, scenario.run.until)
         times = output_times(scenario.run)
-        return layout_of(setting, names), _motion(setting, scenario, times, account), times.size
+        return layout_of(setting), _motion(setting, scenario, times, account), times.size
     if isinstance(scenario.run, Linear):
         from ropewalk import linear  # lazy: the closed forms take a while to import
 
@@ -94,9 +96,9 @@ def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
         _refuse_to_yield(setting, "run.kind: linear knows", "ask for kind: dynamic", moving=True)
         times = output_times(scenario.run)
         account.method, account.reason = "linear theory", "as asked: superposition of small deflections about the chord"
-        return layout_of(setting, names), linear.frames(setting, scenario, times, account), times.size
+        return layout_of(setting), linear.frames(setting, scenario, times, account), times.size
     setting = setting_of(scenario, horizon(scenario) if isinstance(scenario.run, Quasistatic) else 0.0)
-    layout = layout_of(setting, names, "load_path")
+    layout = layout_of(setting, "load_path")
     account.method = "rest"
     account.reason = "least potential energy"
     if isinstance(scenario.run, Quasistatic):
@@ -117,17 +119,17 @@ def output_times(run: Dynamic | Linear) -> Array:
     return times
 
 
-def _initial(setting: Setting, scenario: Scenario) -> State:
+def _initial(setting: Setting, scenario: Scenario) -> tuple[State, Bodies | None]:
     run = scenario.run
     assert isinstance(run, Dynamic)
-    state = start_state(setting, run.start.with_loads)
+    state = start_state(setting, run.start.with_loads, resting_forces(setting))
     if run.start.kind == "result":
         from ropewalk.results.resume import take_up
 
         take_up(setting, state, run.start)
         _check_ends(setting, state)
         seat_ends(setting.strands, setting.supports, state)
-    return state
+    return state, board(setting, state)
 
 
 def _check_ends(setting: Setting, state: State) -> None:
@@ -148,22 +150,25 @@ def _check_ends(setting: Setting, state: State) -> None:
 def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account) -> Iterator[Frame]:
     run = scenario.run
     assert isinstance(run, Dynamic)
-    state = _initial(setting, scenario)
+    state, bodies = _initial(setting, scenario)
     choice = choose(
-        setting.strands, setting.loads, state,
-        method=run.method, step=run.step, accuracy=run.accuracy, duration=run.until, supports=setting.supports,
+        setting.strands, setting.loads, state, method=run.method, step=run.step, accuracy=run.accuracy,
+        duration=run.until, supports=setting.supports, bodies=bodies,
     )  # fmt: skip
     account.method, account.reason, account.step = choice.method, choice.reason, choice.step
-    camera, progress = Camera(setting), Progress()
+    guides = guides_of(setting, scenario, bodies)
+    for guide in guides:
+        guide.begin(state)
+    camera, progress = Camera(setting, bodies), Progress()
     yield camera.take(state)
     warned = False
     strands, loads, supports = setting.strands, setting.loads, setting.supports
-    for current in move(strands, loads, state, choice, run.accuracy, times[1:], progress, supports):
+    for current in move(strands, loads, state, choice, run.accuracy, times[1:], progress, supports, bodies, guides):
         account.steps = progress.steps
         if progress.status != RUNNING:
-            account.outcome, advice = ADVICE[progress.status]
+            account.outcome, advice = progress.told()
             account.advice = f"stopped at t = {current.t[0]:.6g} s: {advice}"
-            if current.t[0] > 0.0 and progress.status == END_OF_LINE:
+            if current.t[0] > 0.0 and progress.status in (END_OF_LINE, MET, STOPPED):
                 yield camera.take(current)
             return
         frame = camera.take(current)
@@ -212,18 +217,21 @@ def state_at(scenario: Scenario, t: float | None) -> tuple[Setting, State]:
     setting = setting_of(scenario, until)
     if t is None or not isinstance(run, Dynamic):
         return setting, start_state(setting, with_loads=t is not None)
-    state = _initial(setting, scenario)
+    state, bodies = _initial(setting, scenario)
     if t > 0.0:
         choice = choose(
-            setting.strands, setting.loads, state,
-            method=run.method, step=run.step, accuracy=run.accuracy, duration=run.until, supports=setting.supports,
+            setting.strands, setting.loads, state, method=run.method, step=run.step, accuracy=run.accuracy,
+            duration=run.until, supports=setting.supports, bodies=bodies,
         )  # fmt: skip
         progress = Progress()
         strands, loads, supports = setting.strands, setting.loads, setting.supports
-        for _ in move(strands, loads, state, choice, run.accuracy, np.array([t]), progress, supports):
+        guides = guides_of(setting, scenario, bodies)
+        for guide in guides:
+            guide.begin(state)
+        for _ in move(strands, loads, state, choice, run.accuracy, np.array([t]), progress, supports, bodies, guides):
             pass
         if progress.status != RUNNING:
-            outcome, advice = ADVICE[progress.status]
+            outcome, advice = progress.told()
             raise RopewalkError(f"the run did not come to t = {t:g} s ({outcome}): {advice}")
     return setting, state
 

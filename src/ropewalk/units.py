@@ -27,7 +27,7 @@ _TABLE: dict[_Dimension, str] = {
     (1, 1, -2): "N 1, mN 0.001, daN 10, kN 1e3, MN 1e6, GN 1e9, kgf 9.80665, lbf 4.4482216152605",
     (-1, 1, -2): "Pa 1, kPa 1e3, MPa 1e6, GPa 1e9",
     (0, 0, -1): "Hz 1, kHz 1e3",
-    (0, 0, 0): "% 0.01, dimensionless 1",
+    (0, 0, 0): "% 0.01, dimensionless 1, rad 1, mrad 0.001, deg 0.017453292519943295",
 }
 _SYMBOLS: dict[str, tuple[Fraction, _Dimension]] = {
     entry.split()[0]: (Fraction(entry.split()[1]), dimension)
@@ -39,7 +39,13 @@ _MEANING = {
     "m": ("a length", "19.5 m"),
     "s": ("a time", "10 ms"),
     "N": ("a force", "100 kN"),
+    "kg": ("a mass", "80 kg"),
+    "rad": ("an angle", "69 deg"),
+    "Hz": ("a frequency", "2 Hz"),
     "m/s": ("a speed", "72 km/h"),
+    "N/m": ("a stiffness", "14 kN/m"),
+    "N*s/m": ("a damping", "200 N*s/m"),
+    "kg*m^2": ("a moment of inertia", "1200 kg*m^2"),
     "kg/m": ("a mass per length", "1.35 kg/m"),
     "N*s": ("an axial damping", "50 N*s"),
     "1/s": ("a rate", "0.1 1/s"),
@@ -49,7 +55,9 @@ _MEANING = {
 
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
 _FACTOR = re.compile(r"\s*(?P<operator>[*/])?\s*(?P<symbol>[^\W\d_][\w]*|%|1)(?:\s*\^\s*(?P<power>[+-]?\d))?\s*")
-_SAME = str.maketrans({"μ": "µ", "−": "-", "·": "*", "⋅": "*", "²": "^2", "³": "^3", "\u00a0": " ", "\u202f": " "})
+_SAME = str.maketrans(
+    {"μ": "µ", "−": "-", "·": "*", "⋅": "*", "²": "^2", "³": "^3", "°": " deg", "\u00a0": " ", "\u202f": " "}
+)
 
 
 def to_si(value: object, unit: str) -> float:

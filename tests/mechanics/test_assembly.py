@@ -26,6 +26,7 @@ from ropewalk.mechanics.chain import (
     Loads,
 )
 from ropewalk.mechanics.rider import force_at, look_up_integral, speed_at
+from ropewalk.mechanics.wheels import wheels_of
 from ropewalk.model import (
     Equilibrium,
     ForceTable,
@@ -53,6 +54,10 @@ def load(on: str = "rope", force: object = (0.0, -700.0), contact: str = "clampe
 def way(loads: Loads, k: int, t: float) -> float:
     first, count = loads.speed_first[k], loads.speed_count[k]
     return float(look_up_integral(loads.speed_time, loads.speed_value, loads.speed_path, first, count, t))
+
+
+def loads_in(scene, until):
+    return loads_of(scene, wheels_of(scene), until)
 
 
 def test_lines_become_strands_one_after_the_other() -> None:
@@ -97,7 +102,7 @@ def test_a_force_or_an_end_aside_opens_the_third_axis() -> None:
 
 def test_loads_keep_their_line_measure_contact_and_end() -> None:
     lines = {"rope": ROPE, "wire": ROPE.model_copy(update={"start": (0.0, 5.0), "end": (20.0, 5.0)})}
-    loads = loads_of(
+    loads = loads_in(
         scenario(
             lines,
             a=load("wire", measured="slip", at_end="stay"),
@@ -114,7 +119,7 @@ def test_loads_keep_their_line_measure_contact_and_end() -> None:
 
 
 def test_every_load_finds_its_own_part_of_the_tables() -> None:
-    loads = loads_of(
+    loads = loads_in(
         scenario(
             a=load(speed=3.0),
             b=load(speed=SpeedTable(time=(1, 2, 4), value=(0, 1, 5)), start=4.0, force=(1.0, -2.0)),
@@ -136,7 +141,7 @@ def test_every_load_finds_its_own_part_of_the_tables() -> None:
 def test_integrals_of_speed_tables_count_from_zero_wherever_the_table_begins(shift: float) -> None:
     times = tuple(t + shift for t in (0.0, 1.0, 2.0, 2.0, 5.0))
     table = SpeedTable(time=times, value=(1.0, 3.0, -1.0, 4.0, 0.5))
-    loads = loads_of(scenario(a=load(), b=load(speed=table, start=1.0)), 9.0)
+    loads = loads_in(scenario(a=load(), b=load(speed=table, start=1.0)), 9.0)
     for t in (0.0, 0.3, 1.5, 2.0, 3.1, 6.0, 9.0):
         knots = [k for k in times if 0.0 < k < t]
         expected = quad(lambda x: speed_at(loads, 1, x), 0.0, t, points=knots or None, epsabs=1e-12)[0]
@@ -151,7 +156,7 @@ def test_integrals_of_speed_tables_count_from_zero_wherever_the_table_begins(shi
 def test_the_integral_of_any_speed_table_grows_at_its_speed(entries: list[tuple[float, float]], t: float) -> None:
     entries = sorted((hundredths / 100.0, speed) for hundredths, speed in entries)
     table = SpeedTable(time=tuple(x for x, _ in entries), value=tuple(v for _, v in entries))
-    loads = loads_of(scenario(a=load(speed=table)), 9.0)
+    loads = loads_in(scenario(a=load(speed=table)), 9.0)
     assert way(loads, 0, 0.0) == pytest.approx(0.0, abs=1e-13)  # roundings
     grid = np.unique([0.0, t, *(x for x, _ in entries if 0.0 < x < t)])
     speeds = np.array([speed_at(loads, 0, x) for x in grid])
@@ -188,7 +193,7 @@ def test_a_jump_in_a_callable_is_found_to_the_smallest_interval() -> None:
 
 
 def test_callable_forces_are_tabulated_component_by_component() -> None:
-    loads = loads_of(scenario(a=load(force=lambda t: (math.cos(t), -700.0 + 90.0 * math.sin(5.0 * t)))), 3.0)
+    loads = loads_in(scenario(a=load(force=lambda t: (math.cos(t), -700.0 + 90.0 * math.sin(5.0 * t)))), 3.0)
     for t in (0.0, 0.777, 1.9, 3.0):
         expected = (math.cos(t), -700.0 + 90.0 * math.sin(5.0 * t))
         # 1e-6 of the largest component
@@ -198,12 +203,12 @@ def test_callable_forces_are_tabulated_component_by_component() -> None:
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 def test_callables_that_are_not_finite_are_refused(bad: float) -> None:
     with pytest.raises(ValueError, match="finite"):
-        loads_of(scenario(a=load(speed=lambda t: bad if t > 1.0 else 1.0)), 2.0)
+        loads_in(scenario(a=load(speed=lambda t: bad if t > 1.0 else 1.0)), 2.0)
     with pytest.raises(ValueError, match="finite"):
-        loads_of(scenario(a=load(force=lambda t: (0.0, bad))), 2.0)
+        loads_in(scenario(a=load(force=lambda t: (0.0, bad))), 2.0)
 
 
 def test_a_scenario_without_loads_has_empty_tables() -> None:
-    loads = loads_of(scenario(), 1.0)
+    loads = loads_in(scenario(), 1.0)
     assert loads.strand.size == loads.speed_time.size == loads.force_time.size == 0
     assert loads.force_value.shape == (2, 0)

@@ -30,6 +30,11 @@ CONTRACT = {
     "contact_speed": (("time", "contact"), "m/s"),
     "contact_friction": (("time", "contact"), "1"),
     "contact_tension": (("time", "contact", "side"), "N"),
+    "contact_state": (("time", "contact"), "1"),
+    "contact_in_air": (("time", "contact"), "s"),
+    "friction_power": (("time", "contact"), "W"),
+    "body_position": (("time", "body", "axis"), "m"),
+    "body_velocity": (("time", "body", "axis"), "m/s"),
     "reaction": (("time", "support", "axis"), "N"),
     "energy": (("time", "form"), "J"),
 }

@@ -24,6 +24,9 @@ LAYOUT = Layout(
 )
 
 
+NOTHING = (0.0,) * (len(ENERGY_FORMS) - 4)
+
+
 def frame(time: float, **changes: object) -> Frame:
     values: dict[str, object] = {
         "position": [[0, 0], [1, -0.5], [2, 1], [2, 1], [6, 1]],
@@ -37,6 +40,11 @@ def frame(time: float, **changes: object) -> Frame:
         "contact_speed": [2.0],
         "contact_friction": [0.1],
         "contact_tension": [[10.0, 20.0]],
+        "contact_state": [3.0],
+        "contact_in_air": [0.0],
+        "friction_power": [0.0],
+        "body_position": np.zeros((0, 2)),
+        "body_velocity": np.zeros((0, 2)),
         "reaction": [[-6.0, 8.0], [1.0, 0.0]],
         "energy": np.zeros(len(ENERGY_FORMS)),
         **changes,
@@ -54,7 +62,7 @@ OFF = {
     "contact_tension": [[NAN, NAN]],
 }
 FRAMES = [
-    frame(0.0, energy=[0, 0, 100, 0, 0, 0, 0, 0, 0]),
+    frame(0.0, energy=[0, 0, 100, *NOTHING, 0]),
     frame(
         0.5,
         tension=[10, 20, -7],
@@ -63,9 +71,9 @@ FRAMES = [
         hold_force=[[-2, 0]],
         contact_tension=[[30, 5]],
         reaction=[[-30, 40], [1, 0]],
-        energy=[30, 20, 40, 10, 0, 0, 0, 0, 0.5],
+        energy=[30, 20, 40, 10, *NOTHING[1:], 0.5],
     ),
-    frame(1.0, position=[[0, 0], [1, 0.25], [2, 1], [2, 1], [6, 1]], energy=[35, 5, 40, 20, 0, 0, 0, 0, -0.1], **OFF),
+    frame(1.0, position=[[0, 0], [1, 0.25], [2, 1], [2, 1], [6, 1]], energy=[35, 5, 40, 20, *NOTHING[1:], -0.1], **OFF),
 ]
 
 

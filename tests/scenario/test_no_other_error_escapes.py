@@ -32,7 +32,26 @@ loads:
   b: {kind: force, on: wire, force: [0, 1], travel: {speed: {time: [0, 1], value: [1, 2]}, measured: arc}}
 run: {kind: dynamic, until: 1, every: 0.1, start: {kind: rest, with_loads: true}}
 """
+BODIES = """
+lines: {rope: {start: [0, 0], end: [40, 0], length: 41, mass: 1, axial_stiffness: 1e5, elements: 10}}
+loads:
+  a: {kind: mass, on: rope, mass: 80, travel: {kind: free, friction: 0.1, driver: {speed: 1, force: 9}, drive: 2}}
+  b: {kind: trolley, on: rope, mass: 8, payload: {mass: 9, length: 2, at: [0, 1]}, travel: {speed: 1, from: 3}}
+  c:
+    {kind: vehicle, on: rope, bodies: {b: {mass: 9, inertia: 1}}, wheels: {f: {at: 1, mass: 1}, r: {at: 0}},
+    springs: {f: {between: [b, f], stiffness: 5}, r: {between: [r, b], stiffness: 5}}, travel: {speed: 1, from: 6}}
+  d:
+    {kind: matrices, on: rope, coordinates: [a, b], mass: [[1, 0], [0, 1]], stiffness: [[1, 0], [0, 1]],
+    wheels: {w: {coordinate: a}}, weight: [1, 1], travel: {speed: 1, from: 9}}
+  e: {kind: footsteps, on: rope, mass: 70, from: 11, model: [{amplitude: 0.4}, {amplitude: 0.1, phase: 90 deg}]}
+  f: {kind: walker, on: rope, from: 20}
+  g: {kind: stepper, on: rope, model: "a.b:c", options: {n: 1, more: {x: [1, true, text]}}, from: 30}
+  h:
+    {kind: oscillator, on: rope, mass: 8, stiffness: [1, 2], lift_off: true, contact_stiffness: 9,
+    travel: {speed: 0, from: 35}}
+"""
 TREE: dict[str, Any] = YAML(typ="safe", pure=True).load(TEXT)
+TREES: list[dict[str, Any]] = [TREE, YAML(typ="safe", pure=True).load(BODIES)]
 
 junk = st.recursive(
     st.none()
@@ -40,7 +59,9 @@ junk = st.recursive(
     | st.integers()
     | st.floats()
     | st.sampled_from([0, -1, 1e-300, 1e300, 10**400, 1e30, "1e30 m", "", "nan m", "rope", "wire", "result", "dynamic"])
-    | st.sampled_from(["hooke", "horizontal", "quasistatic", "equilibrium", "-5 m/s", "1 kN", "2 s", "leave", "stay"])
+    | st.sampled_from(
+        ["hooke", "horizontal", "quasistatic", "equilibrium", "-5 m/s", "1 kN", "2 s", "leave", "stay", "free"]
+    )
     | st.text(max_size=8),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=6), inner, max_size=3),
     max_leaves=6,
@@ -60,7 +81,7 @@ def at(tree: Any, path: tuple[Any, ...]) -> Any:
 
 @st.composite
 def damaged(draw: st.DrawFn) -> Any:
-    tree = copy.deepcopy(TREE)
+    tree = copy.deepcopy(draw(st.sampled_from(TREES)))
     for _ in range(draw(st.integers(1, 4))):
         where = places(tree)
         if not where:
@@ -93,7 +114,7 @@ def survives(text: str, name: str) -> Scenario | None:
     return None
 
 
-@pytest.mark.parametrize("text", [TEXT])
+@pytest.mark.parametrize("text", [TEXT, BODIES])
 def test_the_scenario_is_valid_before_it_is_damaged(text: str) -> None:
     assert loads(text).lines
 
@@ -109,7 +130,7 @@ def test_a_damaged_tree_is_refused_or_loads_and_survives_writing(tree: Any) -> N
 @settings(max_examples=300, deadline=None)
 @given(st.data())
 def test_damaged_text_is_refused_or_loads(data: st.DataObject) -> None:
-    rows = TEXT.splitlines()
+    rows = data.draw(st.sampled_from([TEXT, BODIES])).splitlines()
     for _ in range(data.draw(st.integers(1, 3))):
         row = data.draw(st.integers(0, len(rows) - 1))
         action = data.draw(st.sampled_from(["twice", "drop", "shift", "insert"]))
@@ -126,7 +147,9 @@ def test_damaged_text_is_refused_or_loads(data: st.DataObject) -> None:
 
 
 @settings(max_examples=200, deadline=None)
-@given(st.sampled_from([".".join(map(str, path)) for path in places(TREE)]) | st.text(max_size=12), junk)
-def test_an_override_is_refused_or_loads(key: str, value: Any) -> None:
+@given(st.data(), st.sampled_from([TEXT, BODIES]), junk)
+def test_an_override_is_refused_or_loads(data: st.DataObject, text: str, value: Any) -> None:
+    known = [".".join(map(str, path)) for path in places(TREES[text == BODIES])]
+    key = data.draw(st.sampled_from(known) | st.text(max_size=12))
     with contextlib.suppress(ScenarioError):
-        loads(TEXT, "case.yaml", [f"{key}={json.dumps(value)}"])
+        loads(text, "case.yaml", [f"{key}={json.dumps(value)}"])

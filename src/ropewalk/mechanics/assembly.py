@@ -28,8 +28,10 @@ from ropewalk.mechanics.chain import (
     Strands,
     Supports,
 )
+from ropewalk.mechanics.footfall import Footfall
 from ropewalk.mechanics.law import CUBIC, NO_FLOOR, RIGID, SERIES, TABLE
-from ropewalk.model.history import DisplacementTable, ForceTable, SpeedTable
+from ropewalk.mechanics.wheels import Wheel
+from ropewalk.model.history import DisplacementTable, DriveTable, ForceTable, SpeedTable
 from ropewalk.model.law import Hooke, Inextensible, Law, Polynomial, SecondPiolaKirchhoff, Tabulated, TensionOnly
 from ropewalk.model.line import spatial
 from ropewalk.model.scenario import Scenario
@@ -143,6 +145,9 @@ def _vector_table(history: Any, until: float, axes: tuple[str, ...]) -> tuple[Ar
     """Times (n,) and values (axis, n) of forces or displacements."""
     if isinstance(history, ForceTable | DisplacementTable):
         times, rows = np.array(history.time), history.value
+    elif isinstance(history, Footfall):
+        times = history.instants(until)
+        rows = tuple(tuple(row) for row in history(times))
     elif callable(history):
         times, samples = tabulate(history, 0.0, until)
         rows = tuple(tuple(row) for row in samples)
@@ -163,22 +168,30 @@ def _integral_from_zero(times: Array, values: Array) -> Array:
     return np.asarray(path - (path[i] + 0.5 * (values[i] + at_zero) * -times[i]))
 
 
-def loads_of(scenario: Scenario, until: float) -> Loads:
-    """All loads of a scenario, with their histories tabulated up to the time `until`."""
+def drive_table(drive: Any, until: float) -> tuple[Array, Array]:
+    """Times (n,) and values (n,) of a drive in N, up to the time `until`."""
+    if isinstance(drive, DriveTable):
+        return np.array(drive.time), np.array(drive.value)
+    if callable(drive):
+        return tabulate(drive, 0.0, until)
+    return np.zeros(1), np.array([float(drive)])
+
+
+def loads_of(scenario: Scenario, wheels: list[Wheel], until: float) -> Loads:
+    """All wheels of a scenario, with their histories tabulated up to the time `until`."""
     names, axes = list(scenario.lines), axes_of(scenario)
-    loads = list(scenario.loads.values())
-    speeds = [_speed_table(load.travel.speed, until) for load in loads]
-    forces = [_vector_table(load.force, until, axes) for load in loads]
+    speeds = [_speed_table(wheel.speed, until) for wheel in wheels]
+    forces = [_vector_table(wheel.force, until, axes) for wheel in wheels]
 
     def codes(values: list[int]) -> NDArray[np.int64]:
         return np.array(values, dtype=np.int64)
 
     none = np.zeros(0)
     return Loads(
-        strand=codes([names.index(load.on) for load in loads]),
-        measure=codes([_MEASURES[load.travel.measured] for load in loads]),
-        contact=codes([_CONTACTS[load.contact] for load in loads]),
-        at_end=codes([_ENDS[load.travel.at_end] for load in loads]),
+        strand=codes([names.index(wheel.on) for wheel in wheels]),
+        measure=codes([_MEASURES[wheel.measured] for wheel in wheels]),
+        contact=codes([_CONTACTS[wheel.contact] for wheel in wheels]),
+        at_end=codes([_ENDS[wheel.at_end] for wheel in wheels]),
         speed_first=_first(speeds),
         speed_count=_count(speeds),
         speed_time=np.concatenate([none, *(t for t, _ in speeds)]),
@@ -188,8 +201,8 @@ def loads_of(scenario: Scenario, until: float) -> Loads:
         force_count=_count(forces),
         force_time=np.concatenate([none, *(t for t, _ in forces)]),
         force_value=np.concatenate([np.zeros((len(axes), 0)), *(v for _, v in forces)], axis=1),
-        friction=np.array([np.nan if load.friction is None else load.friction for load in loads], dtype=float),
-        friction_model=codes([_FRICTION_MODELS[load.friction_model] for load in loads]),
+        friction=np.array([np.nan if wheel.friction is None else wheel.friction for wheel in wheels], dtype=float),
+        friction_model=codes([_FRICTION_MODELS[wheel.friction_model] for wheel in wheels]),
     )
 
 

@@ -32,6 +32,8 @@ OFF, SHARED = -2, -1  # values of `rider` for a load off the line, or shared by 
 
 # Entries of `work`: what has been done or lost since the start, in J.
 LINE_DAMPING, LOAD_WORK, HOLD_WORK, CONTACT, SUPPORT_WORK = 0, 1, 2, 3, 4
+FRICTION, DRIVE, LOAD_DAMPING = 5, 6, 7  # of bodies: lost along the line, given by drives, lost in dampers and air
+WORKS = 8
 
 
 class Strands(NamedTuple):
@@ -93,7 +95,7 @@ class State(NamedTuple):
     speed: Array  # (load,) m/s, d xi / dt
     rider: Integers  # (load,) node that rides with the load, or SHARED, or OFF
     hold: Array  # (load,) N s, impulse of the hold force (along x) since the start
-    work: Array  # (5,) J
+    work: Array  # (WORKS,) J
 
     def copy(self) -> State:
         """An independent copy."""

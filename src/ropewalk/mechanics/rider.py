@@ -84,7 +84,7 @@ def force_at(loads, k, t, a):
     return look_up(loads.force_time, loads.force_value[a], loads.force_first[k], loads.force_count[k], t)
 
 
-@inlined
+@lean
 def seat_of(X, xi, h, i0, i1):
     """Link between the nodes i0 and i1 that holds the material coordinate xi."""
     i = i0 + min(max(int(xi / h), 0), i1 - i0 - 1)
@@ -227,7 +227,7 @@ def next_change(strands, loads, state, k):
     s = loads.strand[k]
     h, n = strands.h[s], strands.links[s]
     b, U, xi = state.rider[k], state.speed[k], state.xi[k]
-    if b == OFF or U == 0.0:
+    if b <= OFF or U == 0.0:
         return np.inf
     if b >= 0:
         home = (b - strands.first[s]) * h
@@ -263,8 +263,8 @@ def _is_subsonic(strands, state, s, i, j, U):
     return mean > SUBSONIC * strands.rho[s] * U * U
 
 
-@lean_inner
-def _put_back(strands, state, s, b, U):
+@lean
+def put_back(strands, state, s, b, U):
     """Put the riding node b back to its own place, on the straight sub-link that holds it."""
     home = (b - strands.first[s]) * strands.h[s]
     X, r, w = state.X, state.r, state.w
@@ -288,7 +288,7 @@ def _move(strands, loads, state, k, step, point, velocity):
     for a in range(state.r.shape[0]):
         point[a], velocity[a] = state.r[a, b], node_velocity(state, b, a)
     subsonic = _is_subsonic(strands, state, s, b - 1, b, U)
-    _put_back(strands, state, s, b, U)
+    put_back(strands, state, s, b, U)
     state.rider[k] = SHARED
     j = b + step
     if not _is_free(strands, state, s, j, state.xi[k]) or not subsonic:
@@ -338,7 +338,7 @@ def settle(strands, loads, state, k, point, velocity):
         True if the load has come to the end of its line and may go neither on nor off.
     """
     s, b, U = loads.strand[k], state.rider[k], state.speed[k]
-    if b == OFF:
+    if b <= OFF:
         return False
     h, n = strands.h[s], strands.links[s]
     tol = ARRIVED * h

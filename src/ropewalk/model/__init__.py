@@ -1,39 +1,68 @@
 """What is there: frozen declarations without numerics, in SI units (text with units is read at the edge)."""
 
-from ropewalk.model.history import DisplacementTable, ForceTable, SpeedTable
+from ropewalk.model.footsteps import Footsteps, Harmonic
+from ropewalk.model.history import DisplacementTable, DriveTable, ForceTable, SpeedTable
 from ropewalk.model.law import Hooke, Inextensible, Law, Polynomial, SecondPiolaKirchhoff, Tabulated, TensionOnly
 from ropewalk.model.line import Line
-from ropewalk.model.load import Load, MovingForce
+from ropewalk.model.load import AnyLoad, Load, MovingForce, Travelling
+from ropewalk.model.mass import MovingMass
+from ropewalk.model.matrices import Matrices, MatrixWheel
+from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, Run, Start
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.stepper import Stepper
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
-from ropewalk.model.travel import Travel
+from ropewalk.model.travel import AnyTravel, Brake, Driver, FreeTravel, Travel
+from ropewalk.model.trolley import Payload, Trolley
+from ropewalk.model.vehicle import RigidBody, Spring, Vehicle, Wheel
+from ropewalk.model.walker import Walker
 
 __all__ = [
+    "AnyLoad",
+    "AnyTravel",
+    "Brake",
     "DisplacementTable",
+    "DriveTable",
+    "Driver",
     "Dynamic",
     "Elastic",
     "Equilibrium",
     "Fixed",
+    "Footsteps",
     "ForceTable",
+    "FreeTravel",
     "Guided",
+    "Harmonic",
     "Hooke",
     "Inextensible",
     "Law",
     "Line",
     "Linear",
     "Load",
+    "Matrices",
+    "MatrixWheel",
     "Moving",
     "MovingForce",
+    "MovingMass",
+    "Oscillator",
+    "Payload",
     "Polynomial",
     "Quasistatic",
+    "RigidBody",
     "Run",
     "Scenario",
     "SecondPiolaKirchhoff",
     "SpeedTable",
+    "Spring",
     "Start",
+    "Stepper",
     "Support",
     "Tabulated",
     "TensionOnly",
     "Travel",
+    "Travelling",
+    "Trolley",
+    "Vehicle",
+    "Walker",
+    "Wheel",
 ]

@@ -57,9 +57,14 @@ class Variants:
     """Annotation: the value is one of several declarations, told apart by `kind`, which must be written.
 
     It replaces a tagged union so that errors stand at the key itself and an unknown kind gives exactly one.
+
+    Args:
+        what: what the declarations are, for messages.
+        default: the kind that is meant where none is written; empty: it must be written.
     """
 
     what: str
+    default: str = ""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         kinds = {model.model_fields["kind"].default: model for model in declarations_in(source)}
@@ -73,9 +78,10 @@ class Variants:
                 slip = nearest("kind", [key for key in value if isinstance(key, str)])
                 if slip is not None and not any(slip in model.model_fields for model in kinds.values()):
                     report(self.what, [Finding((slip,), "unknown key", remedy="did you mean kind?")])
-                remedy = f"add kind: {' | '.join(kinds)}"
-                report(self.what, [Finding(("kind",), "is missing", remedy=remedy)])
-            kind = value["kind"]
+                if not self.default or (other := _other_kind(value, kinds, self.default)):
+                    remedy = f"add kind: {' | '.join(kinds) if not self.default else other}"
+                    report(self.what, [Finding(("kind",), "is missing", remedy=remedy)])
+            kind = value.get("kind", self.default)
             if not isinstance(kind, str) or kind not in kinds:
                 remedy = did_you_mean(kind if isinstance(kind, str) else "", kinds)
                 report(self.what, [Finding(("kind",), f"unknown kind of {self.what}", repr(kind), remedy)])
@@ -86,6 +92,17 @@ class Variants:
             choices = {kind: handler.generate_schema(model) for kind, model in kinds.items()}
             inner = core_schema.tagged_union_schema(choices, discriminator="kind")
         return core_schema.no_info_wrap_validator_function(read, inner)
+
+
+def _other_kind(value: Mapping[Any, Any], kinds: Mapping[str, type[Declaration]], default: str) -> str:
+    """Find the kind that has the keys which the default kind has not, empty if there are none."""
+
+    def unknown(model: type[Declaration]) -> set[Any]:
+        fields = model.model_fields.items()
+        return set(value) - {key for name, field in fields for key in (name, field.alias)}
+
+    foreign = unknown(kinds[default])
+    return next((kind for kind, model in kinds.items() if foreign and not foreign & unknown(model)), "")
 
 
 def declarations_in(annotation: Any) -> list[type[Declaration]]:

@@ -2,56 +2,38 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from itertools import combinations
+from collections.abc import Iterator
+from dataclasses import replace
 
 from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Finding
-from ropewalk.model.course import Piece, between, course, first_at_most, place_at
-from ropewalk.model.history import SpeedTable
+from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.history import SpeedTable, rows
 from ropewalk.model.law import Inextensible
 from ropewalk.model.line import Line
 from ropewalk.model.load import MovingForce
-from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
-from ropewalk.model.travel import Travel
+from ropewalk.model.mass import MovingMass
+from ropewalk.model.matrices import Matrices
+from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.parts import Parts
+from ropewalk.model.places import meetings, reach, travels
+from ropewalk.model.run import Dynamic, Linear, Quasistatic
+from ropewalk.model.travel import FreeTravel
+from ropewalk.model.trolley import Trolley
+from ropewalk.model.vehicle import Vehicle
+from ropewalk.model.walker import Walker
 
 LARGEST_RESULT = 5e7
 """Nodes times output frames: about 10 GB of result, beyond what is wanted on purpose."""
-
-
-@dataclass(frozen=True)
-class Parts:
-    """A scenario in parts; a part that is itself wrong is None, and checks that need it are left out."""
-
-    lines: Mapping[str, Line | None]
-    loads: Mapping[str, MovingForce | None]
-    run: Dynamic | Quasistatic | Equilibrium | Linear | None
-    gravity: float | None
-    on: Mapping[str, str] = field(default_factory=dict)  # line named by each load, also by those that are None
-
-    def loads_on(self, line: str) -> list[str]:
-        """Names of the loads on a line."""
-        return [load for load, name in self.on.items() if name == line]
 
 
 def check(parts: Parts) -> list[Finding]:
     """Find everything that does not fit together."""
     return [
         finding
-        for examine in (_unknown_lines, _travels, _meetings, _known_to_the_run, _path, _rest, _size)
+        for examine in (_unknown_lines, _travels, meetings, _known_to_the_run, _weights, _path, _rest, _size)
         for finding in examine(parts)
     ]
-
-
-def reach(line: Line, travel: Travel) -> float | None:
-    """Find how far in m a load can be from the start of the line, None where that is not known exactly."""
-    if travel.measured == "material":
-        return line.length
-    if travel.measured == "horizontal":  # under gravity alone x never turns back between the ends
-        return abs(line.end[0] - line.start[0])
-    return None
 
 
 def _unknown_lines(parts: Parts) -> Iterator[Finding]:
@@ -59,115 +41,6 @@ def _unknown_lines(parts: Parts) -> Iterator[Finding]:
         if line not in parts.lines:
             remedy = did_you_mean(line, parts.lines, otherwise=f"lines here: {', '.join(parts.lines)}")
             yield Finding(("loads", load, "on"), "no such line", repr(line), remedy)
-
-
-def _complete(parts: Parts) -> Iterator[tuple[str, MovingForce, str, Line]]:
-    for name, load in parts.loads.items():
-        line = parts.lines.get(load.on) if load is not None else None
-        if load is not None and line is not None:
-            yield name, load, load.on, line
-
-
-def _travels(parts: Parts) -> Iterator[Finding]:
-    for name, load, on, line in _complete(parts):
-        travel = load.travel
-        limit = reach(line, travel)
-        if travel.measured == "horizontal" and limit == 0.0:
-            remedy = "measure the speed as material, slip or arc"
-            wrong = f"{on} has no horizontal extent"
-            yield Finding(("loads", name, "travel", "measured"), wrong, "horizontal", remedy)
-            continue
-        beyond = _beyond(line, travel, limit, parts.gravity)
-        if beyond is not None:
-            remedy = f"start at most {beyond:g} m from the start of the line"
-            wrong = f"the load would start beyond the end of {on}"
-            yield Finding(("loads", name, "travel", "from"), wrong, f"{travel.start:g} m", remedy)
-        elif isinstance(parts.run, Dynamic | Linear) and travel.at_end == "refuse":
-            yield from _passing(name, on, travel, limit, parts.run.until)
-
-
-def _beyond(line: Line, travel: Travel, limit: float | None, gravity: float | None) -> float | None:
-    """The length in m that `from` exceeds for certain, None if it may be on the line."""
-    if limit is not None:
-        return limit if travel.start > limit * (1.0 + 1e-9) else None
-    if line.length is None or line.axial_stiffness is None or gravity is None:
-        return None
-    if line.mass * gravity * line.length > 0.1 * line.axial_stiffness:
-        return None  # soft enough for its own weight to stretch it far: the arc length at rest is not known here
-    longest = max(line.length, line.distance)
-    return longest if travel.start > 1.5 * longest else None
-
-
-def _passing(name: str, on: str, travel: Travel, limit: float | None, until: float) -> Iterator[Finding]:
-    if callable(travel.speed):
-        return
-    way = course(travel.speed, travel.start, until)
-    slack = 1e-9 * (limit or 1.0)
-    ends: list[tuple[str, float | None]] = [("start", first_at_most(way, -slack))]
-    if limit is not None:
-        ends.append(("end", first_at_most([p.mirrored() for p in way], -limit - slack)))
-    times = [(time, end) for end, time in ends if time is not None]
-    if not times:
-        return
-    time, end = min(times)
-    given = "a table" if isinstance(travel.speed, SpeedTable) else f"{travel.speed:g} m/s"
-    wrong = f"the load passes the {end} of {on} at {_floor(time):g} s and the run goes on until {until:g} s"
-    remedy = f"write run.until: {_floor(time):g} s, change speed or from, or write at_end: leave"
-    if _floor(time) == 0.0:
-        wrong = f"the load stands at the {end} of {on} and would move off it"
-        remedy = "let it start elsewhere (from), turn the sign of speed, or write at_end: leave"
-    yield Finding(("loads", name, "travel", "speed"), wrong, given, remedy)
-
-
-def _floor(time: float) -> float:
-    """Round a time down to four digits, so that it is safe to write into a scenario."""
-    if time < 1e-9:
-        return 0.0
-    scale = 10.0 ** (3 - math.floor(math.log10(time)))
-    return math.floor(time * scale * (1.0 + 1e-12)) / scale
-
-
-def _meetings(parts: Parts) -> Iterator[Finding]:
-    for (one, first, on, line), (two, second, other, _) in combinations(_complete(parts), 2):
-        a, b = first.travel, second.travel
-        same = a.measured == b.measured
-        if on != other:
-            continue
-        if (a.start == b.start == 0.0) or (same and math.isclose(a.start, b.start, rel_tol=1e-12)):
-            remedy = "let it start elsewhere (from), or add the forces up in one load"
-            wrong = f"starts at the same place as load {one}"
-            yield Finding(("loads", two, "travel", "from"), wrong, f"{b.start:g} m", remedy)
-        elif same and isinstance(parts.run, Dynamic):  # in the linear theory they do not notice each other
-            met = _meeting(a, b, line, parts.run.until)
-            if met is not None:
-                time, place = met
-                wrong = f"the load meets load {one} at {time:.4g} s, {place:.4g} m along {on}"
-                remedy = f"loads cannot pass each other: change speed or from, or end the run before {time:.4g} s"
-                yield Finding(("loads", two, "travel", "speed"), wrong, remedy=remedy)
-
-
-def _meeting(a: Travel, b: Travel, line: Line, until: float) -> tuple[float, float] | None:
-    """Time in s and place in m where two loads meet for certain while both are on the line."""
-    if callable(a.speed) or callable(b.speed):
-        return None
-    ahead, behind = (a, b) if a.start > b.start else (b, a)
-    ways = [course(travel.speed, travel.start, until) for travel in (ahead, behind) if not callable(travel.speed)]
-    time = first_at_most(between(*ways), 0.0)
-    if time is None:
-        return None
-    for travel, way in zip((ahead, behind), ways, strict=True):
-        limit = reach(line, travel)
-        if limit is None:  # not known exactly; a load that would be refused there does not matter
-            limit = math.inf if travel.at_end == "refuse" else 0.5 * line.distance
-        if _leaves(way, limit, time):
-            return None
-    return time, place_at(ways[0], time)
-
-
-def _leaves(way: list[Piece], limit: float, before: float) -> bool:
-    slack = 1e-9 * (limit if math.isfinite(limit) else 1.0)
-    times = [first_at_most(way, -slack), first_at_most([p.mirrored() for p in way], -limit - slack)]
-    return any(time is not None and time < before for time in times)
 
 
 def _known_to_the_run(parts: Parts) -> Iterator[Finding]:
@@ -178,6 +51,14 @@ def _known_to_the_run(parts: Parts) -> Iterator[Finding]:
                 if getattr(line, key):
                     remedy = "ask for kind: linear, or leave it out"
                     yield Finding(("lines", name, key), f"kind: {parts.run.kind} does not know it yet", remedy=remedy)
+    if isinstance(parts.run, Linear):
+        yield from _bodies_in_linear_theory(parts, parts.run)
+    elif parts.run is not None and not isinstance(parts.run, Dynamic):
+        for name, load in parts.loads.items():
+            if load is not None and not isinstance(load, MovingForce):
+                remedy = "ask for kind: dynamic, or write kind: force with its weight as force"
+                wrong = f"kind: {parts.run.kind} knows forces only"
+                yield Finding(("loads", name, "kind"), wrong, load.kind, remedy)
     if not isinstance(parts.run, Dynamic | Linear):
         return
     for name, line in parts.lines.items():
@@ -185,11 +66,132 @@ def _known_to_the_run(parts: Parts) -> Iterator[Finding]:
             remedy = "ask for kind: quasistatic or equilibrium, or give an axial_stiffness with law hooke"
             yield Finding(("lines", name, "law"), "an inextensible line cannot move in time", remedy=remedy)
     for name, load in parts.loads.items():
-        if load is not None and load.contact in ("coulomb", "dragged"):
+        if isinstance(load, MovingForce) and load.contact in ("coulomb", "dragged"):
             wrong, remedy = "friction of a prescribed travel is for slow motion", "ask for kind: quasistatic"
             yield Finding(
                 ("loads", name, "contact"), wrong, load.contact, f"{remedy}, or write clamped or frictionless"
             )
+
+
+def _travels(parts: Parts) -> Iterator[Finding]:
+    """Travels; in the linear theory wheels may come from level ground before the line."""
+    coming = {
+        name
+        for name, load in parts.loads.items()
+        if isinstance(parts.run, Linear)
+        and isinstance(load, Vehicle | Matrices)
+        and min(place.start for place in load.starts()) < 0.0
+    }
+    yield from travels(replace(parts, loads={k: None if k in coming else load for k, load in parts.loads.items()}))
+    for name in coming:
+        load = parts.loads[name]
+        assert isinstance(load, Vehicle | Matrices)
+        if load.travel.at_end != "leave":
+            wrong = "a vehicle that comes onto the line from before its start goes over it"
+            yield Finding(("loads", name, "travel", "at_end"), wrong, load.travel.at_end, "write at_end: leave")
+
+
+_LinearBody = MovingMass | Oscillator | Vehicle | Matrices
+
+
+def _bodies_in_linear_theory(parts: Parts, run: Linear) -> Iterator[Finding]:
+    """What of loads with a mass the linear theory does not know."""
+    for name, load in parts.loads.items():
+        if load is None or isinstance(load, MovingForce):
+            continue
+        if not isinstance(load, _LinearBody):
+            wrong = "kind: linear knows forces, masses, oscillators and vehicles only"
+            remedy = "ask for kind: dynamic, or write kind: force with its weight as force"
+            yield Finding(("loads", name, "kind"), wrong, load.kind, remedy)
+            continue
+        others = [other for other in parts.loads_on(load.on) if other != name]
+        if others:
+            wrong, given = "kind: linear knows a load with a mass alone on its line", f"with {', '.join(others)}"
+            remedy = "give it a line of its own, make one vehicle of all, or ask for kind: dynamic"
+            yield Finding(("loads", name, "on"), wrong, given, remedy)
+        for key, wrong, given, remedy in _not_linear(load):
+            yield Finding(("loads", name, *key), f"kind: linear knows {wrong}", given, remedy)
+        line = parts.lines.get(load.on)
+        if line is not None:
+            for key, wrong, given, remedy in _on_its_line(load, line, run):
+                yield Finding(("loads", name, *key), f"kind: linear knows {wrong}", given, remedy)
+
+
+_Lack = tuple[tuple[str, ...], str, str, str]
+"""Key, what is known only, what was given, remedy."""
+
+
+def _not_linear(load: _LinearBody) -> Iterator[_Lack]:
+    """What of a load by itself is not known."""
+    dynamic, travel = "ask for kind: dynamic", load.travel
+    if isinstance(travel, FreeTravel):
+        yield ("travel", "kind"), "masses that travel as prescribed", "free", f"{dynamic}, or give the speed"
+        return
+    if callable(travel.speed) or isinstance(travel.speed, SpeedTable):
+        remedy = f"write one number, or {dynamic}"
+        yield ("travel", "speed"), "masses that travel with constant speed", "a speed that varies", remedy
+    elif travel.speed == 0.0:
+        yield ("travel", "speed"), "masses that travel", "0 m/s", f"write a speed, or {dynamic}"
+    if travel.measured in ("slip", "arc"):
+        remedy = "write material or horizontal: with a constant tension the difference is a factor"
+        yield ("travel", "measured"), "masses measured as material or horizontal", travel.measured, remedy
+    if travel.at_end == "stay":
+        yield ("travel", "at_end"), "masses that go over the line", "stay", "write leave, or end the run before"
+    if load.lift_off and load.side == "below":
+        yield ("side",), "lift_off of what runs above", "below", f"write above, or {dynamic}"
+    if isinstance(load, MovingMass | Oscillator) and load.air_drag:
+        yield ("air_drag",), "no drag of the air", f"{load.air_drag:g} kg/m", f"leave it out, or {dynamic}"
+    if isinstance(load, MovingMass):
+        force = load.force
+        if callable(force) or len(set(rows(force))) > 1 or any(any(row[:-1]) for row in rows(force)):
+            remedy = f"write [0, Fz], or {dynamic}"
+            yield ("force",), "a constant vertical force on a mass", "another force", remedy
+    soft: list[tuple[tuple[str, ...], float | None]] = []
+    if isinstance(load, Oscillator):
+        soft = [(("contact_stiffness",), load.contact_stiffness)]
+    elif isinstance(load, Vehicle):
+        soft = [(("wheels", name, "contact_stiffness"), wheel.contact_stiffness) for name, wheel in load.wheels.items()]
+    for key, stiffness in soft:
+        if stiffness is not None:
+            yield key, "rigid contact", f"{stiffness:g} N/m", f"leave it out, or {dynamic}"
+
+
+def _on_its_line(load: _LinearBody, line: Line, run: Linear) -> Iterator[_Lack]:
+    """What of a load on this line is not known."""
+    if abs(line.end[-1] - line.start[-1]) > 1e-9 * line.distance:
+        given = f"heights {line.start[-1]:g} and {line.end[-1]:g} m"
+        yield ("on",), "masses on lines whose ends have one height", given, "level the line, or ask for kind: dynamic"
+    if line.bending_stiffness or run.modes is not None:
+        return
+    otherwise = "give the line a bending_stiffness, or ask for kind: dynamic"
+    if isinstance(load, Vehicle | Matrices):
+        wrong = "a mass or an oscillator, no more, on a line without bending stiffness"
+        yield ("kind",), wrong, load.kind, otherwise
+        return
+    if load.lift_off:
+        wrong = "no lift-off from a line without bending stiffness"
+        yield ("lift_off",), wrong, "true", f"leave it out to be warned where contact would be lost, or {otherwise}"
+    if isinstance(load.travel, FreeTravel) or callable(load.travel.speed) or isinstance(load.travel.speed, SpeedTable):
+        return
+    limit, start = reach(line, load.travel.measured), load.travel.start
+    if (load.travel.speed > 0.0 and start != 0.0) or (
+        load.travel.speed < 0.0 and limit is not None and abs(start - limit) > 1e-9 * limit
+    ):
+        wrong = "masses that enter at an end, on a line without bending stiffness"
+        yield ("travel", "from"), wrong, f"{start:g} m", otherwise
+
+
+def _weights(parts: Parts) -> Iterator[Finding]:
+    """What cannot be without gravity."""
+    if parts.gravity != 0.0:
+        return
+    for name, load in parts.loads.items():
+        if isinstance(load, Footsteps | Walker):
+            yield Finding(("loads", name, "kind"), "nobody walks without gravity", load.kind, "give gravity")
+        if isinstance(load, Trolley) and load.payload.stiffness is None:
+            wrong = "is missing, without a weight there is no default"
+            remedy = "add stiffness (of the payload's rope, in N/m), or give gravity"
+            yield Finding(("loads", name, "payload", "stiffness"), wrong, remedy=remedy)
 
 
 def _path(parts: Parts) -> Iterator[Finding]:
@@ -198,7 +200,9 @@ def _path(parts: Parts) -> Iterator[Finding]:
     if not parts.loads:
         remedy = "add a load, or write kind: equilibrium"
         yield Finding(("run", "kind"), "no load moves along a path", "quasistatic", remedy)
-    for name, load, on, line in _complete(parts):
+    for name, load, on, line in parts.complete():
+        if not isinstance(load, MovingForce):
+            continue
         speed = load.travel.speed
         if callable(speed):
             continue
@@ -208,7 +212,7 @@ def _path(parts: Parts) -> Iterator[Finding]:
             remedy = "write a speed (its sign is the direction of the path), or ask for kind: equilibrium"
             yield Finding(key, "a load that stands still has no path", "0 m/s", remedy)
             continue
-        limit, start = reach(line, load.travel), load.travel.start
+        limit, start = reach(line, load.travel.measured), load.travel.start
         if (max(values) <= 0.0 and start == 0.0) or (min(values) >= 0.0 and start == limit):
             end = "start" if start == 0.0 else "end"
             remedy = "let it start elsewhere (from), or turn the sign of speed"

@@ -12,7 +12,7 @@ from pydantic_core import core_schema
 
 from ropewalk.errors import Refused
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.quantity import Displacement, Speed, TableSpeed, TableTime, Vector
+from ropewalk.model.quantity import Displacement, Force, Speed, TableForce, TableSpeed, TableTime, Vector
 
 
 def _clock(time: tuple[float, ...], values: int) -> list[Finding]:
@@ -48,6 +48,18 @@ class SpeedTable(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         report("speed table", _clock(self.time, len(self.value)))
+        return self
+
+
+class DriveTable(Declaration):
+    """A force along the line given at instants, linear in between and constant outside."""
+
+    time: tuple[TableTime, ...] = Field(min_length=1, description="instants, not falling; two equal ones make a jump")
+    value: tuple[TableForce, ...] = Field(min_length=1, description="force at each instant; positive: towards the end")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        report("drive table", _clock(self.time, len(self.value)))
         return self
 
 
@@ -101,23 +113,29 @@ class History:
                 raise Refused("another kind of table is wanted here", self.expected)
             return constant.validate_python(value)
 
-        def write(value: Any) -> Any:
+        def write(value: Any, info: core_schema.SerializationInfo) -> Any:
             if isinstance(value, self.table):
-                return value.model_dump(mode="json", by_alias=True)
+                return value.model_dump(mode=info.mode, by_alias=True)
             if callable(value):
-                raise ValueError("a callable cannot be written; give a table {time, value} instead")
-            return constant.dump_python(value, mode="json")
+                if info.mode_is_json():
+                    raise ValueError("a callable cannot be written; give a table {time, value} instead")
+                return value
+            return constant.dump_python(value, mode="json" if info.mode_is_json() else "python")
 
         return core_schema.no_info_wrap_validator_function(
             read,
             core_schema.union_schema([handler.generate_schema(self.constant), handler.generate_schema(self.table)]),
-            serialization=core_schema.plain_serializer_function_ser_schema(write, when_used="json"),
+            serialization=core_schema.plain_serializer_function_ser_schema(write, info_arg=True),
         )
 
 
 SpeedHistory = Annotated[
     float | SpeedTable | Callable[[float], float],
     History(Speed, SpeedTable, "write a speed such as 10 m/s or a table {time: [...], value: [...]}"),
+]
+DriveHistory = Annotated[
+    float | DriveTable | Callable[[float], float],
+    History(Force, DriveTable, "write a force such as 200 N or a table {time: [...], value: [...]}"),
 ]
 ForceHistory = Annotated[
     tuple[float, float] | tuple[float, float, float] | ForceTable | Callable[[float], tuple[float, ...]],

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, Variants, report
-from ropewalk.model.history import ForceHistory
+from ropewalk.model.contact import FrictionModel
+from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.history import ForceHistory, rows
+from ropewalk.model.mass import MovingMass
+from ropewalk.model.matrices import Matrices
+from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.quantity import FrictionCoefficient
-from ropewalk.model.travel import Travel
+from ropewalk.model.stepper import Stepper
+from ropewalk.model.travel import Place, Travel, prescribed_only
+from ropewalk.model.trolley import Trolley
+from ropewalk.model.vehicle import Vehicle
+from ropewalk.model.walker import Walker
 
 Contact = Literal["clamped", "frictionless", "coulomb", "dragged"]
-FrictionModel = Literal["capstan", "block"]
 
 
 class MovingForce(Declaration):
@@ -27,7 +36,9 @@ class MovingForce(Declaration):
     kind: Literal["force"] = "force"
     on: str = Field(description="name of the line")
     force: ForceHistory = Field(description="[Fx, Fz] or [Fx, Fy, Fz], or a table {time, value} of them")
-    travel: Travel = Field(description="how it advances along the line")
+    travel: Annotated[Travel, prescribed_only("a force without mass cannot travel freely")] = Field(
+        description="how it advances along the line"
+    )
     contact: Contact = Field(
         default="clamped",
         description="clamped: the line feels the force alone; frictionless: equal tension on both sides; "
@@ -54,6 +65,20 @@ class MovingForce(Declaration):
         report("load", findings)
         return self
 
+    def starts(self) -> list[Place]:
+        """List where it stands at the beginning."""
+        return [Place("", self.travel.measured, self.travel.start)]
 
-Load = Annotated[MovingForce, Variants("load")]
+    def vectors(self) -> Iterator[tuple[float, ...]]:
+        """List all vectors that it is given by."""
+        yield from rows(self.force)
+
+
+Travelling = MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices
+"""The loads that have a travel; the others have a gait or a will of their own."""
+AnyLoad = Travelling | Footsteps | Walker | Stepper
+Load = Annotated[
+    MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices | Footsteps | Walker | Stepper,
+    Variants("load"),
+]
 """Any load."""

@@ -132,6 +132,42 @@ class OneOrEach:
 
 
 @dataclass(frozen=True)
+class Rows:
+    """Annotation: a list of lists of plain numbers, or an array, kept as a tuple of tuples of floats."""
+
+    def read(self, value: object) -> tuple[tuple[float, ...], ...]:
+        entries = value.tolist() if hasattr(value, "tolist") else value
+        expected = Refused("expected a list of rows", "write [[a, b], [c, d]]")
+        if not isinstance(entries, list | tuple):
+            raise expected
+        one = Quantity("dimensionless", tiny=True)
+        rows: list[tuple[float, ...]] = []
+        details = []
+        for index, entry in enumerate(entries):
+            if not isinstance(entry, list | tuple):
+                details.append(InitErrorDetails(type="value_error", loc=(index,), input=entry, ctx={"error": expected}))
+                continue
+            numbers = []
+            for column, cell in enumerate(entry):
+                try:
+                    numbers.append(one.read(cell))
+                except Refused as error:
+                    place, context = (index, column), {"error": error}
+                    details.append(InitErrorDetails(type="value_error", loc=place, input=cell, ctx=context))
+            rows.append(tuple(numbers))
+        if details:
+            raise ValidationError.from_exception_data("rows", details)
+        return tuple(rows)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        cell = {"type": ["number", "string"], "unit": "dimensionless"}
+        return {"type": "array", "items": {"type": "array", "items": cell}}
+
+
+@dataclass(frozen=True)
 class Count:
     """Annotation: a whole number between two bounds."""
 
@@ -182,15 +218,27 @@ Direction = Annotated[tuple[float, float] | tuple[float, float, float], Componen
 Stiffnesses = Annotated[float | tuple[float, float] | tuple[float, float, float], OneOrEach("N/m", "positive")]
 Viscosities = Annotated[float | tuple[float, float] | tuple[float, float, float], OneOrEach("N*s/m", "not negative")]
 
+Matrix = Annotated[tuple[tuple[float, ...], ...], Rows()]
+
 Offset = Annotated[float, Quantity("m", "not negative")]
 PositiveLength = Annotated[float, Quantity("m", "positive")]
 PositiveTime = Annotated[float, Quantity("s", "positive")]
 PositiveForce = Annotated[float, Quantity("N", "positive")]
+PositiveMass = Annotated[float, Quantity("kg", "positive")]
+PositiveSpeed = Annotated[float, Quantity("m/s", "positive")]
+PositiveStiffness = Annotated[float, Quantity("N/m", "positive")]
+Frequency = Annotated[float, Quantity("Hz", "positive")]
+Station = Annotated[float, Quantity("m")]
+"""A place along a vehicle, ahead of its point 0 if positive."""
 Force = Annotated[float, Quantity("N")]
 Stiffness = Annotated[float, Quantity("N/m", "not negative")]
 Viscosity = Annotated[float, Quantity("N*s/m", "not negative")]
 Mass = Annotated[float, Quantity("kg", "not negative")]
 FrictionCoefficient = Annotated[float, Quantity("dimensionless", "not negative")]
+Inertia = Annotated[float, Quantity("kg*m^2", "not negative")]
+AirDrag = Annotated[float, Quantity("kg/m", "not negative")]
+Share = Annotated[float, Quantity("dimensionless", "not negative")]
+Angle = Annotated[float, Quantity("rad")]
 TurnAngle = Annotated[float, Quantity("rad", "positive")]
 MassPerLength = Annotated[float, Quantity("kg/m", "positive")]
 AxialDamping = Annotated[float, Quantity("N*s", "not negative")]

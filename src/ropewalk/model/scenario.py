@@ -7,10 +7,10 @@ from typing import Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, report
-from ropewalk.model.consistency import Parts, check
-from ropewalk.model.history import rows
+from ropewalk.model.consistency import check
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import Load
+from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import Acceleration, Name
 from ropewalk.model.run import Dynamic, Run
 
@@ -34,5 +34,5 @@ class Scenario(Declaration):
     def is_plane(self) -> bool:
         """Whether nothing leaves the x-z plane."""
         vectors = [vector for line in self.lines.values() for vector in line.vectors()]
-        vectors += [row for load in self.loads.values() for row in rows(load.force)]
+        vectors += [vector for load in self.loads.values() for vector in load.vectors()]
         return all(spatial(vector)[1] == 0.0 for vector in vectors)

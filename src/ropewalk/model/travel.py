@@ -2,21 +2,38 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
-from ropewalk.model._base import Declaration
-from ropewalk.model.history import SpeedHistory
-from ropewalk.model.quantity import Offset
+from ropewalk.model._base import Declaration, Finding, Variants, report
+from ropewalk.model.contact import FrictionModel
+from ropewalk.model.history import DriveHistory, SpeedHistory
+from ropewalk.model.quantity import FrictionCoefficient, Offset, PositiveForce, PositiveLength, Speed, Viscosity
 
 Measure = Literal["material", "slip", "arc", "horizontal"]
 """What the speed counts: dxi/dt, (1 + mean eps) dxi/dt, arc length from the start, or x."""
+AtEnd = Literal["refuse", "leave", "stay"]
+
+_MARGIN = (
+    "distance from a support, along the unstrained line, at which the line ends for the load "
+    "(default: 0 for forces, a quarter of a link for what has a mass)"
+)
+
+
+class Place(NamedTuple):
+    """Where a wheel or foot of a load stands at the beginning."""
+
+    label: str  # of the wheel, empty where a load has only one
+    measured: Measure
+    start: float  # m from the start of the line
 
 
 class Travel(Declaration):
     """A prescribed advance: speed, its measure, where it begins, what happens at the end of the line."""
 
+    kind: Literal["prescribed"] = Field(default="prescribed", json_schema_extra={"optional": True})
     speed: SpeedHistory = Field(description="a constant, or a table {time, value}; negative: towards the start")
     measured: Measure = Field(default="material", description="what the speed counts")
     start: Offset = Field(
@@ -25,7 +42,75 @@ class Travel(Declaration):
         description="distance from the start of the line: material length for `material`, "
         "arc length at rest for `slip` and `arc`, horizontal distance for `horizontal`",
     )
-    at_end: Literal["refuse", "leave", "stay"] = Field(
+    at_end: AtEnd = Field(
         default="refuse",
         description="a load that would pass an end of the line is refused, leaves the line, or stays there",
     )
+    margin: PositiveLength | None = Field(default=None, description=_MARGIN)
+
+
+class Driver(Declaration):
+    """Somebody who holds a speed as well as a force of limited size allows."""
+
+    speed: SpeedHistory = Field(description="to hold, along the line: a constant, or a table {time, value}")
+    force: PositiveForce = Field(description="the most it can push or brake with")
+
+
+class Brake(Declaration):
+    """A brake near the ends of a line: a force against the motion, as long as there is one."""
+
+    force: PositiveForce = Field(description="with which it brakes")
+    within: PositiveLength = Field(description="distance from the end of the line, along it, where it acts")
+    at: Literal["start", "end", "both"] = Field(default="end", description="end of the line at which it acts")
+
+
+class FreeTravel(Declaration):
+    """A free advance: the load moves along the line as the forces on it demand.
+
+    These are its weight, the line's own push, friction, resistance and drag, a drive, a driver and a brake. Friction
+    and rolling resistance act together: the first grows with the bend of the line around the contact, the second with
+    the contact force, rolling * |contact force|.
+    """
+
+    kind: Literal["free"] = "free"
+    start: Offset = Field(default=0.0, alias="from", description="unstrained length from the start of the line")
+    speed: Speed = Field(default=0.0, description="at the beginning, along the line; negative: towards the start")
+    friction: FrictionCoefficient = Field(default=0.0, description="coefficient of the sliding contact")
+    friction_model: FrictionModel = Field(
+        default="capstan",
+        description="capstan: the line bends around the contact, T2/T1 = exp(mu angle); "
+        "block: a point, |T2 - T1| = mu (T1 + T2) tan(angle/2)",
+    )
+    rolling: FrictionCoefficient = Field(default=0.0, description="coefficient of rolling resistance")
+    viscous: Viscosity = Field(default=0.0, description="resistance proportional to the speed along the line")
+    drive: DriveHistory = Field(
+        default=0.0, description="force along the line on the load: a constant, or a table {time, value}"
+    )
+    driver: Driver | None = Field(default=None, description="who holds a speed, beside the drive")
+    brake: Brake | None = Field(default=None, description="what slows it near the end of the line")
+    at_end: AtEnd = Field(
+        default="stay",
+        description="a load that comes to an end of the line is refused, leaves the line, or is stopped there",
+    )
+    margin: PositiveLength | None = Field(default=None, description=_MARGIN)
+
+    @property
+    def measured(self) -> Measure:
+        """What `from` counts."""
+        return "material"
+
+
+AnyTravel = Annotated[Travel | FreeTravel, Variants("travel", default="prescribed")]
+"""Any travel; one without `kind` is prescribed."""
+
+
+def prescribed_only(why: str) -> BeforeValidator:
+    """Make the annotation of a travel that must be prescribed, with the reason as a sentence."""
+
+    def read(value: Any) -> Any:
+        kind = value.get("kind") if isinstance(value, Mapping) else getattr(value, "kind", None)
+        if kind == "free":
+            report("travel", [Finding(("kind",), why, "free", "write a travel with its speed, and leave kind out")])
+        return value
+
+    return BeforeValidator(read)

@@ -56,6 +56,13 @@ VARIABLES: Mapping[str, Quantity] = {
     "contact_speed": Quantity(("contact",), "m/s", "speed of the load as measured"),
     "contact_tension": Quantity(("contact", "side"), "N", "tension behind and ahead of the load"),
     "contact_friction": Quantity(("contact",), "1", "friction coefficient that the contact needs at least"),
+    "contact_state": Quantity(
+        ("contact",), "1", "0: off the line, 1: in the air, 2: at rest along the line, 3: moves along it"
+    ),
+    "contact_in_air": Quantity(("contact",), "s", "time that the load has been in the air so far"),
+    "friction_power": Quantity(("contact",), "W", "power lost to friction along the line"),
+    "body_position": Quantity(("body", "axis"), "m", "position of the body of a load"),
+    "body_velocity": Quantity(("body", "axis"), "m/s", "velocity of the body of a load"),
     "reaction": Quantity(("support", "axis"), "N", "force of the support on the line"),
     "energy": Quantity(("form",), "J", "energy of each form in the audit"),
 }
@@ -72,6 +79,7 @@ COORDINATES: Mapping[str, Quantity] = {
     "link_line": Quantity(("link",), "1", "line of the link"),
     "link_xi": Quantity(("link",), "m", "material coordinate of the middle of the link (unstrained arc length)"),
     "load": Quantity(("contact",), "1", "load of the contact"),
+    "body": Quantity(("body",), "1", "body of a load, beside its contacts"),
     "side": Quantity(("side",), "1", "side of the load: behind is towards the start of the line"),
     "support": Quantity(("support",), "1", "support of a line"),
     "form": Quantity(("form",), "1", "form of energy"),
@@ -85,6 +93,7 @@ def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
         "line": layout.node_line,
         "link_line": layout.link_line,
         "load": layout.contact_load,
+        "body": layout.body,
         "side": SIDES,
         "support": layout.support,
         "form": ENERGY_FORMS,
@@ -102,6 +111,7 @@ def sizes(layout: Layout) -> dict[str, int]:
         "axis": len(layout.axes),
         "link": len(layout.link_line),
         "contact": len(layout.contact_load),
+        "body": len(layout.body),
         "side": len(SIDES),
         "support": len(layout.support),
         "form": len(ENERGY_FORMS),

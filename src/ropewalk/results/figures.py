@@ -32,6 +32,11 @@ FORM_LABELS = {
     "hold_work": "work of the hold forces",
     "contact_dissipation": "lost at the contacts",
     "support_work": "work of moving supports",
+    "load_kinetic": "kinetic, of the loads",
+    "load_potential": "potential, of the loads",
+    "load_damping": "damped in loads and air",
+    "friction": "lost to friction",
+    "drive_work": "work of drives",
     "imbalance": "imbalance",
 }
 

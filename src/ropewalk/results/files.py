@@ -97,7 +97,7 @@ def _why_unreadable(path: Path, problem: Exception) -> str:
 
 def _tidy(dataset: xr.Dataset) -> xr.Dataset:
     """Give a dataset the form it has in memory: types of names and attributes, empty quantities (no loads)."""
-    size: dict[Any, int] = {**dict.fromkeys(("node", "link", "contact", "support"), 0), **dataset.sizes}
+    size: dict[Any, int] = {**dict.fromkeys(("node", "link", "contact", "body", "support"), 0), **dataset.sizes}
     coordinates: dict[str, Any] = {}
     for name, quantity in COORDINATES.items():
         values = dataset[name].values if name in dataset.variables else np.empty(size[quantity.dims[0]])
@@ -108,7 +108,7 @@ def _tidy(dataset: xr.Dataset) -> xr.Dataset:
     for name, quantity in VARIABLES.items():
         if name not in dataset.variables:
             dims = (path, *quantity.dims)
-            dataset[name] = (dims, np.empty([size[d] for d in dims]), quantity.attributes)
+            dataset[name] = (dims, np.full([size[d] for d in dims], np.nan), quantity.attributes)
     dataset = dataset.assign_coords(coordinates)
     dataset.attrs = {key: getattr(value, "item", lambda v=value: v)() for key, value in dataset.attrs.items()}
     dataset.attrs["steps"] = int(dataset.attrs["steps"])

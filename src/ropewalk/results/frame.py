@@ -18,8 +18,16 @@ ENERGY_FORMS = (
     "hold_work",  # done by the hold forces since the start
     "contact_dissipation",  # lost at the contacts since the start; negative: a motor is hidden there
     "support_work",  # done by supports that move as prescribed since the start
+    "load_kinetic",  # of the loads
+    "load_potential",  # of the loads: of their weights, zero at z = 0, and stored in their springs
+    "load_damping",  # dissipated in dampers of the loads and by drag of the air, since the start
+    "friction",  # lost to friction and brakes along the lines, since the start
+    "drive_work",  # done by drives and drivers since the start
     "imbalance",  # what the audit misses: zero for an exact solution
 )
+
+OFF_LINE, IN_AIR, STICKS, MOVES = 0.0, 1.0, 2.0, 3.0
+CONTACT_STATES = ("off_line", "in_air", "at_rest_on_line", "moves_along_line")
 
 
 @dataclass(frozen=True)
@@ -33,6 +41,7 @@ class Layout:
     link_xi: Array  # material coordinate of the middle of each link, m
     contact_load: tuple[str, ...]  # load of each contact
     support: tuple[str, ...]  # "rope.start", "rope.end", ...
+    body: tuple[str, ...] = ()  # bodies of loads beside their contacts
     path: str = "time"  # leading dimension: "time" (s) or "load_path" (m)
 
 
@@ -52,6 +61,11 @@ class Frame:
     contact_speed: Array  # (contact,) m/s as measured
     contact_tension: Array  # (contact, 2) N, behind (towards the start of the line) and ahead
     contact_friction: Array  # (contact,) friction coefficient that these tensions need at least
+    contact_state: Array  # (contact,) OFF_LINE, IN_AIR, STICKS or MOVES
+    contact_in_air: Array  # (contact,) s, time in the air so far
+    friction_power: Array  # (contact,) W, lost to friction along the line
+    body_position: Array  # (body, axis) m
+    body_velocity: Array  # (body, axis) m/s
     reaction: Array  # (support, axis) N, of the support on the line
     energy: Array  # (form,) J, in the order of ENERGY_FORMS
 

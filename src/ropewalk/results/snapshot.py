@@ -6,27 +6,41 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropewalk.mechanics.bodies import ALONG_X, CARRIED, EVEN, FLYING, FREE, GIVEN, PARKED, WAITING, Bodies
 from ropewalk.mechanics.chain import (
     CONTACT,
+    DRIVE,
+    FRICTION,
     FRICTIONLESS,
     HOLD_WORK,
     LINE_DAMPING,
+    LOAD_DAMPING,
     LOAD_WORK,
     OFF,
     SUPPORT_WORK,
+    WORKS,
     Array,
     State,
 )
 from ropewalk.mechanics.law import stored_total, tensions
 from ropewalk.mechanics.rider import force_at, link_of, part_of, speed_at
-from ropewalk.results.frame import Frame, Layout
+from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, STICKS, Frame, Layout
+from ropewalk.results.load_states import (
+    Points,
+    contact_state,
+    light_wheels,
+    load_energies,
+    points_of,
+    seated_nodes,
+    shown_bodies,
+)
 from ropewalk.solve.ends import drives_at, ends_of
 from ropewalk.solve.holding import coefficient_used
 from ropewalk.solve.standing import Standing, View
 from ropewalk.solve.start import Setting
 
 
-def layout_of(setting: Setting, load_names: tuple[str, ...], path: str = "time") -> Layout:
+def layout_of(setting: Setting, path: str = "time") -> Layout:
     """Names and coordinates of the result of a run."""
     strands = setting.strands
     node_line, link_line, node_xi, link_xi = [], [], [], []
@@ -41,7 +55,8 @@ def layout_of(setting: Setting, load_names: tuple[str, ...], path: str = "time")
         node_xi=np.concatenate(node_xi),
         link_line=tuple(link_line),
         link_xi=np.concatenate(link_xi),
-        contact_load=load_names,
+        contact_load=tuple(wheel.name for wheel in setting.wheels),
+        body=tuple(body.name for body in setting.fleet.shown) if setting.fleet is not None else (),
         support=tuple(f"{name}.{end}" for name in setting.lines for end in ("start", "end")),
         path=path,
     )
@@ -49,33 +64,50 @@ def layout_of(setting: Setting, load_names: tuple[str, ...], path: str = "time")
 
 @dataclass(frozen=True)
 class _Pieces:
-    """Strains, tensions and force vectors of the links of all strands (entries between strands are zero)."""
+    """Strains, tensions and force vectors of the links of all strands (entries between strands are zero).
+
+    Where a wheel divides a link, its strain and tension are those in its middle, and its force vector is that at the
+    support, if it is the last one, else that at its first node.
+    """
 
     eps: Array
     T: Array
     f: Array
     elastic: float
+    beside: dict[int, tuple[Array, Array, Array]]  # per wheel: tensions (2,), force vectors and tangents r' (axis, 2)
 
 
-def _pieces(setting: Setting, state: State) -> _Pieces:
+def _pieces(setting: Setting, state: State, bodies: Bodies | None) -> _Pieces:
     strands = setting.strands
     r, v, X = state.r, node_velocities(setting, state), state.X
     count = X.size - 1
     eps, T, f, elastic = np.zeros(count), np.zeros(count), np.zeros((r.shape[0], count)), 0.0
-    U = mesh_speeds(state)
+    U, beside = mesh_speeds(state), {}
     for s in range(strands.first.size):
         i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
-        d, rest = np.diff(r[:, i : j + 1], axis=1), np.diff(X[i : j + 1])
+        if bodies is None:
+            points = Points(X[i : j + 1], r[:, i : j + 1], v[:, i : j + 1], U[i : j + 1], np.full(j + 1 - i, -1))
+        else:
+            points = points_of(setting, state, bodies, s, v, U)
+        d, rest = np.diff(points.r, axis=1), np.diff(points.X)
         length = np.sqrt((d * d).sum(axis=0))
         strain = length / rest - 1.0
-        rate = (
-            (d * np.diff(v[:, i : j + 1], axis=1)).sum(axis=0) / length - np.diff(U[i : j + 1]) * length / rest
-        ) / rest
-        eps[i:j] = strain
-        T[i:j] = tensions(strands.law[s], strain) + strands.damping[s] * rate
-        f[:, i:j] = T[i:j] * d / length
+        rate = ((d * np.diff(points.v, axis=1)).sum(axis=0) / length - np.diff(points.U) * length / rest) / rest
+        pull = tensions(strands.law[s], strain) + strands.damping[s] * rate
+        vector = pull * d / length
         elastic += stored_total(strands.law[s], strain, rest)
-    return _Pieces(eps, T, f, elastic)
+        for at in np.flatnonzero(points.wheel >= 0):
+            near = slice(at - 1, at + 1)
+            beside[int(points.wheel[at])] = pull[near], vector[:, near], d[:, near] / rest[near]
+        if rest.size > j - i:  # some link is divided
+            homes = X[i : j + 1]
+            middle = np.searchsorted(points.X, 0.5 * (homes[1:] + homes[:-1])) - 1
+            begin = np.searchsorted(points.X, homes[:-1])
+            begin[-1] = rest.size - 1
+            eps[i:j], T[i:j], f[:, i:j] = strain[middle], pull[middle], vector[:, begin]
+        else:
+            eps[i:j], T[i:j], f[:, i:j] = strain, pull, vector
+    return _Pieces(eps, T, f, elastic, beside)
 
 
 def mesh_speeds(state: State) -> Array:
@@ -96,9 +128,11 @@ def node_velocities(setting: Setting, state: State) -> Array:
     return v
 
 
-def _material_nodes(setting: Setting, state: State) -> tuple[Array, Array]:
-    """Positions and velocities of the material nodes: riding nodes are looked up on their sub-links."""
+def _material_nodes(setting: Setting, state: State, bodies: Bodies | None) -> tuple[Array, Array]:
+    """Positions and velocities of the material nodes: those that ride with loads are looked up on their sub-links."""
     r, w = state.r.copy(), state.w.copy()
+    if bodies is not None:
+        seated_nodes(setting, state, bodies, r, w)
     v = node_velocities(setting, state)
     for k, b in enumerate(state.rider):
         if b < 0:
@@ -119,14 +153,18 @@ def _links_only(setting: Setting, values: Array) -> Array:
     return np.concatenate(keep)
 
 
-def energies(setting: Setting, state: State, elastic: float) -> Array:
-    """Kinetic, elastic and gravitational energy of the lines and of what yields or moves with their ends, J."""
+def energies(setting: Setting, state: State, elastic: float, w: Array) -> Array:
+    """Kinetic, elastic and gravitational energy of the lines and of what yields or moves with their ends, J.
+
+    Args:
+        w: (axis, node) m/s, velocities of the particles.
+    """
     strands = setting.strands
     kinetic = gravitational = 0.0
     for s in range(strands.first.size):
         i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
         m = strands.rho[s] * strands.h[s]
-        kinetic += 0.5 * m * float((state.w[:, i + 1 : j] ** 2).sum())
+        kinetic += 0.5 * m * float((w[:, i + 1 : j] ** 2).sum())
         gravitational -= m * float((strands.gravity[:, None] * state.r[:, i + 1 : j]).sum())
         gravitational -= 0.5 * m * float((strands.gravity * (state.r[:, i] + state.r[:, j])).sum())
     ends = ends_of(strands, setting.supports)
@@ -143,22 +181,22 @@ def energies(setting: Setting, state: State, elastic: float) -> Array:
 class Camera:
     """Takes frames of a motion; the energy at the first one is the origin of the audit."""
 
-    def __init__(self, setting: Setting) -> None:
-        self.setting = setting
+    def __init__(self, setting: Setting, bodies: Bodies | None = None) -> None:
+        self.setting, self.bodies = setting, bodies
         self._first: float | None = None
-        self._work: Array = np.zeros(5)
+        self._work: Array = np.zeros(WORKS)
         self._held: tuple[float, Array] = (0.0, np.zeros(setting.xi.size))
 
     def take(self, state: State) -> Frame:
         """The frame of the present state."""
-        setting, loads = self.setting, self.setting.loads
-        pieces = _pieces(setting, state)
-        r, w = _material_nodes(setting, state)
+        setting, loads, bodies = self.setting, self.setting.loads, self.bodies
+        pieces = _pieces(setting, state, bodies)
+        r, w = _material_nodes(setting, state, bodies)
         dim, count, t = r.shape[0], state.xi.size, float(state.t[0])
         nowhere = np.full((count, dim), np.nan)
         place, force, hold = nowhere, nowhere.copy(), nowhere.copy()
         xi, speed, both = np.full(count, np.nan), np.full(count, np.nan), np.full((count, 2), np.nan)
-        friction = np.full(count, np.nan)
+        friction, phase = np.full(count, np.nan), np.full(count, OFF_LINE)
         reaction = _reactions(setting, pieces.f)
         # The hold force of a chain ripples while a load passes a node: its mean since the last frame is reported.
         since, impulse = self._held
@@ -166,10 +204,20 @@ class Camera:
         self._held = (t, state.hold.copy())
         for k in range(count):
             b = int(state.rider[k])
+            if bodies is not None:
+                phase[k] = contact_state(state, bodies, k)
+                if b == CARRIED:
+                    at = self._of_body(state, bodies, pieces, k, float(mean_hold[k]), reaction)
+                    place[k], force[k], hold[k], both[k], xi[k], speed[k] = at
+                    continue
             if b == OFF:
                 continue
             s = int(loads.strand[k])
             F = np.array([force_at(loads, k, t, a) for a in range(dim)])
+            if bodies is not None:
+                F = bodies.wheels["on_line"][k, :dim].copy()
+            else:
+                phase[k] = MOVES if state.speed[k] != 0.0 else STICKS
             hold[k] = 0.0
             if b >= 0:
                 place[k], both[k] = state.r[:, b], pieces.T[[b - 1, b]]
@@ -189,6 +237,13 @@ class Camera:
             force[k] = F + hold[k]
             xi[k], speed[k] = state.xi[k], speed_at(loads, k, t)
         _let_yield(setting, state, reaction)
+        energy = energies(setting, state, pieces.elastic, w)
+        in_air, power, of_loads = np.zeros(count), np.zeros(count), np.zeros(2)
+        shown = np.zeros((0, dim)), np.zeros((0, dim))
+        if bodies is not None:
+            light_wheels(setting, state, bodies, place)
+            in_air, power = bodies.wheels["in_air"].copy(), bodies.wheels["power"].copy()
+            of_loads, shown = load_energies(setting, state, bodies), shown_bodies(setting, state, bodies)
         return Frame(
             path=t,
             position=r.T,
@@ -202,19 +257,54 @@ class Camera:
             contact_speed=speed,
             contact_tension=both,
             contact_friction=friction,
+            contact_state=phase,
+            contact_in_air=in_air,
+            friction_power=power,
+            body_position=shown[0],
+            body_velocity=shown[1],
             reaction=reaction,
-            energy=self._audit(energies(setting, state, pieces.elastic), state.work),
+            energy=self._audit(energy, of_loads, state.work),
         )
 
-    def _audit(self, energy: Array, work: Array) -> Array:
-        total = float(energy.sum())
+    def _of_body(
+        self, state: State, bodies: Bodies, pieces: _Pieces, k: int, mean_hold: float, reaction: Array
+    ) -> tuple[Array, Array, Array, Array, float, float]:
+        """Place, force on the line, hold force, tensions, xi and speed of a wheel that has its own place."""
+        record, dim, s = bodies.wheels[k], state.r.shape[0], int(self.setting.loads.strand[k])
+        place, force, hold, both = record["r"][:dim].copy(), np.zeros(dim), np.zeros(dim), np.full(2, np.nan)
+        phase, xi, speed = int(record["phase"]), float(state.xi[k]), float(speed_at(self.setting.loads, k, state.t[0]))
+        if phase == WAITING:
+            return place, force, hold, both, np.nan, speed
+        if phase == FLYING:
+            return place, force, hold, both, xi, float(record["v"][0])
+        if phase == PARKED:
+            force = record["on_line"][:dim].copy()
+            i = int(record["at"])
+            reaction[2 * s + (0 if i == self.setting.strands.first[s] else 1)] -= force
+            return place, force, hold, np.repeat(pieces.T[i], 2), xi, speed
+        both, vector, tangent = pieces.beside[k]
+        U = float(state.speed[k])
+        force = vector[:, 0] - vector[:, 1] + self.setting.strands.rho[s] * U * U * (tangent[:, 1] - tangent[:, 0])
+        if record["travel"] in (EVEN, ALONG_X):
+            hold[0] = mean_hold
+        elif record["travel"] == GIVEN:  # what the line is gripped with
+            mean = tangent.sum(axis=1)
+            mean = mean / np.linalg.norm(mean)
+            hold = (force @ mean) * mean
+        if record["travel"] == FREE:
+            speed = U * float(np.linalg.norm(tangent, axis=0).mean())
+        return place, force, hold, both, xi, speed
+
+    def _audit(self, energy: Array, of_loads: Array, work: Array) -> Array:
+        total = float(energy.sum() + of_loads.sum())
         if self._first is None:
             self._first, self._work = total, work.copy()
         done = work - self._work
-        spent = done[LINE_DAMPING] + done[CONTACT]
+        spent = done[LINE_DAMPING] + done[CONTACT] + done[FRICTION] + done[LOAD_DAMPING]
+        given = done[LOAD_WORK] + done[HOLD_WORK] + done[SUPPORT_WORK] + done[DRIVE]
         works = done[[LINE_DAMPING, LOAD_WORK, HOLD_WORK, CONTACT, SUPPORT_WORK]]
-        imbalance = total - self._first + spent - done[LOAD_WORK] - done[HOLD_WORK] - done[SUPPORT_WORK]
-        return np.array([*energy, *works, imbalance])
+        spent_by_loads = done[[LOAD_DAMPING, FRICTION, DRIVE]]
+        return np.array([*energy, *works, *of_loads, *spent_by_loads, total - self._first + spent - given])
 
 
 def _reactions(setting: Setting, f: Array) -> Array:
@@ -318,6 +408,11 @@ def standing_frame(
         contact_speed=np.zeros(count),
         contact_tension=both,
         contact_friction=friction,
+        contact_state=np.full(count, STICKS),
+        contact_in_air=np.zeros(count),
+        friction_power=np.zeros(count),
+        body_position=np.zeros((0, dim)),
+        body_velocity=np.zeros((0, dim)),
         reaction=np.array(reaction),
-        energy=np.array([0.0, elastic, gravitational, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        energy=np.array([0.0, elastic, gravitational, *np.zeros(len(ENERGY_FORMS) - 3)]),
     )

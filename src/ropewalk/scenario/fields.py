@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, get_args, get_origin
+from typing import Annotated, Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
 from ropewalk.model import Scenario
-from ropewalk.model._base import Declaration, declarations_in
+from ropewalk.model._base import Declaration, Variants, declarations_in
 from ropewalk.model.quantity import Components, Quantity
 from ropewalk.scenario.source import Key
 
@@ -45,6 +45,9 @@ def _annotation_at(key: Key, tree: Any, start: type[Declaration] = Scenario) -> 
     annotation: Any = start
     value = tree
     for part in key:
+        if isinstance(value, list) and part.isdecimal():
+            value = value[int(part)] if int(part) < len(value) else None
+            continue  # the entries are what the annotation of the list says
         if get_origin(annotation) is dict:
             annotation = get_args(annotation)[1]
         else:
@@ -52,7 +55,8 @@ def _annotation_at(key: Key, tree: Any, start: type[Declaration] = Scenario) -> 
             field = known_keys(block).get(part) if block is not None else None
             if field is None:
                 return None
-            annotation = field.annotation
+            marks = [mark for mark in field.metadata if isinstance(mark, Variants)]
+            annotation = Annotated[field.annotation, marks[0]] if marks else field.annotation
         value = value.get(part) if isinstance(value, dict) else None
     return annotation
 
@@ -60,7 +64,8 @@ def _annotation_at(key: Key, tree: Any, start: type[Declaration] = Scenario) -> 
 def _declaration(annotation: Any, value: Any) -> type[Declaration] | None:
     models = declarations_in(annotation)
     if len(models) > 1:
-        kind = value.get("kind") if isinstance(value, dict) else None
+        default = next((mark.default for mark in _marks(annotation) if isinstance(mark, Variants)), None)
+        kind = value.get("kind", default) if isinstance(value, dict) else None
         models = [model for model in models if model.model_fields["kind"].default == kind]
     return models[0] if len(models) == 1 else None
 

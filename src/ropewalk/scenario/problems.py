@@ -12,8 +12,9 @@ from pydantic_core import ErrorDetails
 from ropewalk.errors import Problem, Refused, ScenarioError, did_you_mean, nearest
 from ropewalk.model import Dynamic, Line, Load, Run, Scenario
 from ropewalk.model._base import Finding
-from ropewalk.model.consistency import Parts, check
+from ropewalk.model.consistency import check
 from ropewalk.model.line import contradictions
+from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import Acceleration
 from ropewalk.scenario.fields import block_at, choices_of, known_keys, unit_of
 from ropewalk.scenario.source import Key, Source, is_within, shown
@@ -144,7 +145,7 @@ def _words(detail: ErrorDetails, key: Key, tree: Any) -> tuple[str, str, str]:
 
 def _listed(key: Key, tree: Any) -> str:
     block = block_at(key, tree)
-    return ", ".join(known_keys(block)) if block else "key: value"
+    return ", ".join(name for name in known_keys(block) if name != "kind") if block else "key: value"
 
 
 def _addition(name: str, keys: dict[str, Any]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from ropewalk.scenario.schema import json_schema
@@ -15,9 +16,15 @@ _SECTIONS = [
     ("A line", ["Line"]),
     ("Laws", ["Hooke", "TensionOnly", "SecondPiolaKirchhoff", "Polynomial", "Tabulated", "Inextensible"]),
     ("Supports", ["Fixed", "Elastic", "Guided", "Moving"]),
-    ("Loads", ["MovingForce"]),
-    ("Travel", ["Travel"]),
-    ("Tables", ["SpeedTable", "ForceTable", "DisplacementTable"]),
+    (
+        "Loads",
+        ["MovingForce", "MovingMass", "Oscillator", "Trolley", "Payload", "Vehicle", "RigidBody", "Wheel", "Spring"],
+    ),
+    ("Loads given by matrices", ["Matrices", "MatrixWheel"]),
+    ("Loads that walk", ["Footsteps", "Harmonic", "Walker"]),
+    ("Loads of your own", ["Stepper"]),
+    ("Travel", ["Travel", "FreeTravel", "Driver", "Brake"]),
+    ("Tables", ["SpeedTable", "ForceTable", "DriveTable", "DisplacementTable"]),
     ("Runs", ["Dynamic", "Quasistatic", "Equilibrium", "Linear"]),
     ("The start of a motion", ["Start"]),
 ]
@@ -47,7 +54,8 @@ def _block(name: str, block: dict[str, Any]) -> list[str]:
     kind = block["properties"].get("kind", {}).get("const")
     title = [f"### {name}", ""]
     if kind:
-        title += [f"`kind: {kind}`", ""]
+        left_out = "" if "kind" in block.get("required", []) else " (may be left out)"
+        title += [f"`kind: {kind}`{left_out}", ""]
     properties = {key: value for key, value in block["properties"].items() if "const" not in value}
     rows = [*title, _cell(block.get("description", "")), ""]
     if properties:
@@ -81,7 +89,8 @@ def _value(schema: dict[str, Any]) -> str:
     if kind == "array":
         return f"list of {_value(schema['items'])}"
     if kind == "object":
-        return f"names, each with {_value(schema['additionalProperties'])}"
+        inner = schema.get("additionalProperties")
+        return f"names, each with {_value(inner)}" if isinstance(inner, dict) else "names, each with a value"
     if kind == "integer":
         return f"{schema['minimum']} to {schema['maximum']}"
     return {"string": "text", "boolean": "true or false"}.get(str(kind), str(kind))
@@ -95,7 +104,8 @@ def _default(schema: dict[str, Any]) -> str:
         telling = {key: value for key, value in default.items() if key in ("kind", "until")}
         return f"`{{{', '.join(f'{key}: {value}' for key, value in telling.items())}}}`"
     if isinstance(default, int | float) and "unit" in schema:
-        default = written(default, schema["unit"])
+        angle = schema["unit"] == "rad"  # a whole number of degrees is not one of radians
+        default = f"{math.degrees(default):.6g} deg" if angle else written(default, schema["unit"])
     return f"`{_plain(default)}`"
 
 

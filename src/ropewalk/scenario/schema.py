@@ -40,7 +40,8 @@ def _tidy(node: Any) -> None:
     kind = node.get("properties", {}).get("kind", {})
     if isinstance(kind, dict) and "const" in kind:
         kind.pop("default", None)
-        node["required"] = ["kind", *(key for key in node.get("required", []) if key != "kind")]
+        if not kind.pop("optional", False):  # the kind that is meant where none is written
+            node["required"] = ["kind", *(key for key in node.get("required", []) if key != "kind")]
     if "default" in node:
         node["default"] = _written(node["default"])
     for entry in node.values():

@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import os
 import re
+from collections.abc import Iterator
 from typing import Any
 
 from ropewalk.errors import Problem, ScenarioError
-from ropewalk.model import Scenario
+from ropewalk.model import Scenario, Stepper
+from ropewalk.model._base import Declaration
 
 _PLAIN = re.compile(r"[A-Za-z](?:[\w ./*^()-]*[\w./*^()-])?|-?\d[\d.e+-]* [A-Za-z1/][\w/*^]*", re.ASCII)
 _WORDS = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
@@ -18,13 +20,12 @@ def dump(scenario: Scenario) -> str:
     """Write a scenario as YAML text with units, defaults included.
 
     Raises:
-        ScenarioError: a speed or a force is a Python callable, which no file can hold.
+        ScenarioError: a speed, a force or a model is a Python object, which no file can hold.
     """
     problems = [
-        Problem(f"loads.{name}.{key}", "a callable cannot be written", remedy="give a table {time, value}")
+        Problem(".".join(("loads", name, *key)), wrong, remedy=remedy)
         for name, load in scenario.loads.items()
-        for key, value in (("force", load.force), ("travel.speed", load.travel.speed))
-        if callable(value)
+        for key, wrong, remedy in _unwritable(load)
     ]
     if problems:
         raise ScenarioError(problems)
@@ -36,12 +37,24 @@ def save(scenario: Scenario, path: str | os.PathLike[str]) -> None:
     """Write a scenario into a YAML file.
 
     Raises:
-        ScenarioError: a speed or a force is a Python callable, which no file can hold.
+        ScenarioError: a speed, a force or a model is a Python object, which no file can hold.
         OSError: the file cannot be written.
     """
     text = dump(scenario)
     with open(path, "w", encoding="utf-8", newline="\n") as stream:
         stream.write(text)
+
+
+def _unwritable(block: Declaration) -> Iterator[tuple[tuple[str, ...], str, str]]:
+    """Find what a declaration holds that no file can hold: its key, what is wrong, what to do."""
+    for name, field in type(block).model_fields.items():
+        key, value = field.alias or name, getattr(block, name)
+        if isinstance(value, Declaration):
+            yield from (((key, *inner), wrong, remedy) for inner, wrong, remedy in _unwritable(value))
+        elif isinstance(block, Stepper) and key == "model" and not isinstance(value, str):
+            yield (key,), "an object cannot be written", "name what makes it as text, module:name or file.py:name"
+        elif callable(value):
+            yield (key,), "a callable cannot be written", "give a table {time, value}"
 
 
 def _block(tree: dict[str, Any], indent: str) -> list[str]:
@@ -59,7 +72,7 @@ def _inline(value: Any) -> str:
     if isinstance(value, list):
         return f"[{', '.join(_inline(entry) for entry in value)}]"
     if isinstance(value, dict):
-        return "{}"
+        return f"{{{', '.join(f'{_inline(key)}: {_inline(entry)}' for key, entry in value.items())}}}"
     if isinstance(value, str) and _PLAIN.fullmatch(value) and value.lower() not in _WORDS:
         return value
     if isinstance(value, str):

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import eigh
 
 from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import FRICTIONLESS, Array, Loads, State, Strands, Supports
 from ropewalk.mechanics.law import tangents, tensions
 
@@ -21,6 +23,9 @@ RKN6_LIMIT = 3.1
 # Part of the sixth-order step that is used once a chain has been seen in compression: it amplifies every error until
 # the end of the run, and so aims at a twentieth of it (docs/notes/speed.md).
 COMPRESSED = 0.6
+# The same once more for masses: they pass nodes, steps are cut there and at outputs, and a chain whose steps vary in a
+# rhythm is unstable before its limit (docs/notes/moving-mass.md).
+SAFETY_WITH_MASSES = 0.75
 # Links beside a riding node are as short as half a link: the largest frequency and damping rate that this can give.
 SEAT_FREQUENCY, SEAT_DAMPING = 1.13, 1.28
 # The same where an end yields, whose half mass hangs on such a link.
@@ -45,7 +50,15 @@ class Choice:
     compressed: float = 1.0  # part of the step that is kept from when an undamped line is seen in compression
 
 
-def bounds(strands: Strands, r: Array, X: Array, with_riders: bool, supports: Supports | None = None) -> Bounds:
+def bounds(
+    strands: Strands,
+    r: Array,
+    X: Array,
+    with_riders: bool,
+    supports: Supports | None = None,
+    loads: Loads | None = None,
+    bodies: Bodies | None = None,
+) -> Bounds:
     """Upper bounds of the largest frequency and damping rate of the chain in its present state.
 
     On a uniform chain they are sharp: omega = (2/h) sqrt(k/rho), with the larger of T' and T/lam for k, and
@@ -67,9 +80,54 @@ def bounds(strands: Strands, r: Array, X: Array, with_riders: bool, supports: Su
     if with_riders:
         frequency *= SEAT_FREQUENCY_AT_END if yields else SEAT_FREQUENCY
         damping *= SEAT_DAMPING_AT_END if yields else SEAT_DAMPING
+    if bodies is not None and loads is not None:
+        part = _seats_of_masses(strands, loads, bodies)
+        frequency, damping = max(frequency, frequency * part), max(damping, damping * part * part)
+        frequency = np.hypot(frequency, vehicle_frequency(strands, loads, bodies))
     if supports is not None and yields:
         frequency = np.hypot(frequency, _spring_frequency(strands, supports))
     return Bounds(float(frequency), float(damping))
+
+
+def _seats_of_masses(strands: Strands, loads: Loads, bodies: Bodies) -> float:
+    """Largest frequency of a uniform chain with a heavy wheel in one of its links, over that without.
+
+    A fit to the eigenvalues for all places that carrying.py lets a wheel take; right to 15 %, on the safe side.
+    """
+    part = 1.0
+    for k, wheel in enumerate(bodies.wheels):
+        if wheel["heavy"]:
+            s = loads.strand[k]
+            ratio = strands.rho[s] * strands.h[s] / wheel["mass"][: strands.gravity.size].min()
+            part = max(part, float(np.sqrt(1.33 + 1.3 * ratio)))
+    return part
+
+
+def vehicle_frequency(strands: Strands, loads: Loads, bodies: Bodies) -> float:
+    """Largest frequency of the vehicles, to which the line adds nothing but the masses of nodes, rad/s."""
+    dim, most = strands.gravity.size, 0.0
+    s = loads.strand
+    node = strands.rho[s] * strands.h[s]
+    masses = bodies.wheels["mass"][:, :dim] + np.where(bodies.wheels["heavy"] == 1, 0.0, node)[:, None]
+    for v, vehicle in enumerate(bodies.vehicles):
+        n, count, first = int(vehicle["coordinates"]), int(vehicle["wheels"]), int(vehicle["first"])
+        size = n + count
+        K, M = bodies.K[v, :size, :size].copy(), bodies.M[v, :size, :size].copy()
+        for j in range(count):
+            M[n + j, n + j] += masses[bodies.wheel[v, j], bodies.axis[v, j]]
+        for buffer in bodies.buffers:  # the contact below it moves as well
+            i = int(buffer["coordinate"]) - first
+            if 0 <= i < n:
+                K[i, i] += buffer["stiffness"]
+                most = max(most, float(buffer["stiffness"] / masses[buffer["wheel"], dim - 1]))
+        for tether in bodies.tethers:
+            if tether["first"] == first:
+                K[:dim, :dim] += tether["stiffness"] * np.eye(dim)
+                most = max(most, float(tether["stiffness"] / masses[tether["wheel"]].min()))
+        if size:
+            most = max(most, float(eigh(K, M, eigvals_only=True)[-1]))
+    # The places of wheels and the coordinates above them may swing against each other: the sum bounds both.
+    return float(np.sqrt(2.0 * most))
 
 
 def _spring_frequency(strands: Strands, supports: Supports) -> float:
@@ -119,6 +177,7 @@ def choose(
     accuracy: float,
     duration: float,
     supports: Supports | None = None,
+    bodies: Bodies | None = None,
 ) -> Choice:
     """Choose method and step for a motion.
 
@@ -129,15 +188,16 @@ def choose(
         accuracy: wanted accuracy in time of the positions, m.
         duration: how long the run is, s.
         supports: what holds the ends; None: points that do not move.
+        bodies: what has a mass of its own; None: nothing has.
 
     Raises:
         RopewalkError: the method asked for cannot do what the loads or the supports need.
     """
-    limits = bounds(strands, state.r, state.X, bool(loads.strand.size), supports)
+    limits = bounds(strands, state.r, state.X, bool(loads.strand.size), supports, loads, bodies)
     damped = limits.damping > 0.0
     dampers = supports is not None and bool(supports.damping.any())
-    explicit_only = _explicit_only(loads, supports)
-    explicit = verlet_step(limits)
+    explicit_only = _explicit_only(loads, supports, bodies)
+    explicit = verlet_step(limits) * (SAFETY_WITH_MASSES if bodies is not None else 1.0)
     relative = accuracy / float((strands.h * strands.links).max())
     facts = f"largest frequency {limits.frequency:.4g} rad/s"
     if damped:
@@ -152,6 +212,8 @@ def choose(
                 wanted, why = "verlet", f"{needed:.2g} explicit steps, as {explicit_only} needs them"
         elif damped:
             wanted, why = "verlet", f"lightly damped: {needed:.2g} explicit steps are cheaper than implicit ones"
+        elif bodies is not None:
+            wanted, why = "verlet", "masses that pass nodes are of second order in time"
         elif dampers:
             wanted, why = "verlet", "dampers at supports: the sixth order would be lost"
         elif relative >= 4e-4:
@@ -161,11 +223,15 @@ def choose(
     else:
         why = "as asked"
     if wanted == "implicit" and explicit_only:
-        remedy = "fixed supports" if "support" in explicit_only else "contact: clamped"
+        remedy = "contact: clamped"
+        if bodies is not None:
+            remedy = "kind: force"
+        elif "support" in explicit_only:
+            remedy = "fixed supports"
         raise RopewalkError(f"run.method: implicit cannot do {explicit_only}; use auto or verlet, or {remedy}")
     if wanted == "rkn6":
-        if damped or dampers:
-            what = "Kelvin-Voigt damping" if damped else "dampers at supports"
+        if damped or dampers or bodies is not None:
+            what = "Kelvin-Voigt damping" if damped else "dampers at supports" if dampers else "moving masses"
             wanted, why = "verlet", f"rkn6 cannot be used with {what}; the second-order method is used"
             own = explicit
         else:
@@ -180,8 +246,10 @@ def choose(
     return Choice(wanted, min(own, step) if step is not None else own, f"{why} ({facts})", compressed)
 
 
-def _explicit_only(loads: Loads, supports: Supports | None) -> str:
+def _explicit_only(loads: Loads, supports: Supports | None, bodies: Bodies | None) -> str:
     """What the implicit method does not know, in words; nothing if it knows all that there is."""
+    if bodies is not None:
+        return "a load with a mass"
     if np.any(loads.contact == FRICTIONLESS):
         return "a frictionless contact"
     if supports is not None and (supports.free.any() or (supports.motion_count > 1).any()):

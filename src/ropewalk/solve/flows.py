@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.chain import FRICTIONLESS, HOLD_WORK, MATERIAL, OFF, SHARED, STAY
+from ropewalk.mechanics.chain import FRICTIONLESS, HOLD_WORK, LINE_DAMPING, MATERIAL, OFF, SHARED, STAY
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.rider import (
     even_out,
@@ -86,7 +86,7 @@ def move_nodes(strands, state, buffers, kick, drift, lead):
 
 
 @inlined
-def _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead, ends):
+def _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead, ends, bodies):
     """Momentum for the node b that rides with load k: its force, and the flux of momentum past it.
 
     The links and gravity have already kicked all nodes, and these have drifted, see _update.
@@ -103,13 +103,41 @@ def _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead, ends)
             after = (w[a, b + 1] - w[a, b - 1]) / decay
         else:
             after = kicked_velocity(state, ends, b + 1, decay, a) - kicked_velocity(state, ends, b - 1, decay, a)
-        extra = kick * (F / m + U / span * 0.5 * (dw[a, k] + after))
-        kicked = kick * ((f[a, b] - f[a, b - 1]) / m + strands.gravity[a]) + extra
+        flux = kick * U / span * 0.5 * (dw[a, k] + after)
+        pulled = kick * ((f[a, b] - f[a, b - 1]) / m + strands.gravity[a])
+        impulse = kick * F
+        if bodies is not None:  # a light wheel: its mass moves with the contact, at w + U r'
+            M = bodies.wheels[k].mass[a]
+            impulse = (
+                (impulse + bodies.wheels[k].push[a] + M * (kick * strands.gravity[a] - pulled - 2.0 * flux))
+                * m
+                / (m + M)
+            )
+            bodies.wheels[k].on_line[a] = impulse / kick
+        extra = impulse / m + flux
+        kicked = pulled + extra
         w[a, b] += decay * extra
         ahead[a, b] += decay * (1.0 + lead) * extra
         r[a, b] += way * extra
         work += kick * F * (w[a, b] / decay - 0.5 * kicked + U * dr[a, k] / span)
+        if bodies is not None and decay < 1.0:
+            before, noted = w[a, b] / decay, w[a, b] - decay * extra
+            lost = _spare(bodies.wheels[k].mass[a], m, before, way, decay, r, w, a, b)
+            state.work[LINE_DAMPING] += lost - 0.5 * m * (1.0 / decay**2 - 1.0) * noted * noted
     return work
+
+
+@inlined
+def _spare(M, m, v, way, decay, r, w, a, b):
+    """Let drag slow down a node with a mass M on it as if it acted on the line's own m only; v is without drag.
+
+    Returns:
+        What the drag takes from the motion, J.
+    """
+    part = decay ** (m / (m + M))
+    w[a, b] = part * v
+    r[a, b] += ((1.0 - part) / (1.0 - decay) * (m + M) / m - 1.0) * way * v
+    return 0.5 * (m + M) * (1.0 - part * part) * v * v
 
 
 @inlined
@@ -132,7 +160,7 @@ def _shift_weight(strands, loads, state, buffers, k, kick, way, decay, lead):
 
 
 @inlined
-def _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead):
+def _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead, bodies):
     """Momentum from a load that is shared by the two nodes of its link; those on supports are left to `move_ends`.
 
     Returns:
@@ -146,10 +174,22 @@ def _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead):
     for a in range(r.shape[0]):
         F = force_at(loads, k, state.t[0], a)
         v = U * (r[a, i + 1] - r[a, i]) / (X[i + 1] - X[i])
+        impulse = kick * F
+        if bodies is not None:
+            M, per_impulse, pulled = bodies.wheels[k].mass[a], 0.0, 0.0
+            for end in range(2):
+                node, share = i + end, (part if end == 1 else 1.0 - part)
+                if first < node < last:
+                    per_impulse += share * share / m
+                    pulled += share * kick * ((f[a, node] - f[a, node - 1]) / m + strands.gravity[a])
+            impulse = (impulse + bodies.wheels[k].push[a] + M * (kick * strands.gravity[a] - pulled)) / (
+                1.0 + per_impulse * M
+            )
+            bodies.wheels[k].on_line[a] = impulse / kick
         for end in range(2):
             node, share = i + end, (part if end == 1 else 1.0 - part)
             if first < node < last:
-                extra = kick * share * F / m
+                extra = share * impulse / m
                 kicked = kick * ((f[a, node] - f[a, node - 1]) / m + strands.gravity[a]) + extra
                 w[a, node] += decay * extra
                 ahead[a, node] += decay * (1.0 + lead) * extra
@@ -160,7 +200,7 @@ def _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead):
 
 
 @inlined
-def kick_loads(strands, loads, state, buffers, kick, drift, lead, ends):
+def kick_loads(strands, loads, state, buffers, kick, drift, lead, ends, bodies):
     """Give the nodes at the loads what these add to the kick that all nodes have had.
 
     Returns:
@@ -171,9 +211,9 @@ def kick_loads(strands, loads, state, buffers, kick, drift, lead, ends):
         way, decay = _drift_with_drag(strands.drag[loads.strand[k]], drift)
         if state.rider[k] >= 0:
             _shift_weight(strands, loads, state, buffers, k, kick, way, decay, lead)
-            work += _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead, ends)
+            work += _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead, ends, bodies)
         elif state.rider[k] == SHARED:
-            work += _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead)
+            work += _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead, bodies)
     return work
 
 
@@ -243,7 +283,7 @@ def move_loads(strands, loads, state, buffers, drift):
     r, w, X, dr = state.r, state.w, state.X, buffers.dr
     for k in range(state.xi.size):
         b, s = state.rider[k], loads.strand[k]
-        if b == OFF:
+        if b <= OFF:
             continue
         way, decay = _drift_with_drag(strands.drag[s], drift)
         x = r[0, max(b, 0)] - way * w[0, max(b, 0)] / decay

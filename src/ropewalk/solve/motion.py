@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array, Buffers, Integers, Loads, State, Strands, Supports
-from ropewalk.solve.choice import RKN6_LIMIT, Choice, bounds, is_compressed, verlet_step
+from ropewalk.solve.choice import RKN6_LIMIT, SAFETY_WITH_MASSES, Choice, bounds, is_compressed, verlet_step
 from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.solve.ends import ends_of
-from ropewalk.solve.splitting import END_OF_LINE, NO_CONVERGENCE, NOT_FINITE, RUNNING, TOO_MANY_STEPS, advance
+from ropewalk.solve.splitting import (
+    ASKED,
+    END_OF_LINE,
+    MET,
+    NO_CONVERGENCE,
+    NOT_FINITE,
+    RUNNING,
+    TOO_MANY_STEPS,
+    advance,
+)
 
 if TYPE_CHECKING:
     from ropewalk.solve.collocation import Workspace
@@ -24,12 +34,41 @@ MOST_STEPS = 10**11
 LONGEST_STRETCH = 100.0
 
 
+# So often a guide may be asked without a step in between.
+MOST_QUESTIONS = 100
+# A load that could not go on; the message says why.
+STOPPED = 7
+
+
+class TravelEndedError(RopewalkError):
+    """A load has come to an end of its line where it may go neither on nor off."""
+
+
+class Guide(Protocol):
+    """Who decides on the way what a load does: where feet stand, what a model of the user's own presses with."""
+
+    def begin(self, state: State) -> None:
+        """Take the first decisions, before anything moves."""
+
+    def next(self, t: float) -> float:
+        """The next instant after t, in s, at which to be asked again; infinity: only when something happens."""
+
+    def act(self, state: State) -> None:
+        """Decide, if it is time or something has happened."""
+
+
 @dataclass
 class Progress:
     """How a motion has gone so far."""
 
     status: int = RUNNING
     steps: int = 0
+    message: str = ""  # of a load that could not go on
+
+    def told(self) -> tuple[str, str]:
+        """The outcome of a motion that has ended early, and advice."""
+        outcome, advice = ADVICE[self.status]
+        return outcome, advice or self.message
 
 
 ADVICE = {
@@ -47,6 +86,12 @@ ADVICE = {
         "the implicit method found no step small enough; use method: explicit, law {kind: tension_only}, or a finer "
         "mesh, and check stiffness and forces",
     ),
+    MET: (
+        "loads met",
+        "two loads came together on one line and cannot pass each other; let one start elsewhere, change a speed, or "
+        "end the run before",
+    ),
+    STOPPED: ("load failed", ""),
     TOO_MANY_STEPS: ("too many steps", "raise `step`, use fewer elements, or method: implicit"),
 }
 
@@ -60,6 +105,8 @@ def move(
     times: Array,
     progress: Progress,
     supports: Supports | None = None,
+    bodies: Bodies | None = None,
+    guides: Sequence[Guide] = (),
 ) -> Iterator[State]:
     """Yield the state at each of the times; the same object every time, to be read before going on.
 
@@ -70,6 +117,8 @@ def move(
         times: rising instants, s.
         progress: filled in; the iteration ends early if its status is no longer RUNNING.
         supports: what holds the ends; None: points that do not move.
+        bodies: what has a mass of its own; changed with the state.
+        guides: who decide on the way what loads do.
 
     Raises:
         RopewalkError: the method does not know what the supports do.
@@ -82,31 +131,52 @@ def move(
     if supports is not None:
         knots.append(_knots(supports.motion_time, supports.motion_count))
     corners = np.unique(np.concatenate(knots))
-    step = choice.step
-    limits = bounds(strands, state.r, state.X, bool(loads.strand.size), supports)
+    step, idle = choice.step, 0
+    limits = bounds(strands, state.r, state.X, bool(loads.strand.size), supports, loads, bodies)
     for time in times:
         stops = [*corners[(corners > state.t[0]) & (corners < time)], time]
         for stop in stops:
-            if state.t[0] >= stop:
-                continue
-            progress.status, taken = _advance(strands, loads, state, room, choice, accuracy, stop, step, ends)
-            progress.steps += int(taken)
-            if progress.status != RUNNING:
-                yield state
-                return
+            while state.t[0] < stop:
+                until = min([stop, *(guide.next(float(state.t[0])) for guide in guides)])
+                progress.status, taken = _advance(
+                    strands, loads, state, room, choice, accuracy, until, step, ends, bodies
+                )
+                progress.steps += int(taken)
+                if progress.status in (RUNNING, ASKED):
+                    idle = idle + 1 if taken == 0 else 0
+                    progress.status = _ask(guides, state, progress)
+                    if idle > MOST_QUESTIONS:
+                        progress.status, progress.message = STOPPED, "a load asks again and again without moving on"
+                if progress.status != RUNNING:
+                    yield state
+                    return
         if _is_torn(strands, state):
             progress.status = NOT_FINITE
             yield state
             return
         yield state
-        now = bounds(strands, state.r, state.X, bool(loads.strand.size), supports)
+        now = bounds(strands, state.r, state.X, bool(loads.strand.size), supports, loads, bodies)
         if now.frequency > 1.05 * limits.frequency and choice.method != "implicit":
             # The line has stiffened: keep the step in proportion.
-            own = verlet_step(now) if choice.method == "verlet" else RKN6_LIMIT / now.frequency
+            own = RKN6_LIMIT / now.frequency
+            if choice.method == "verlet":
+                own = verlet_step(now) * (SAFETY_WITH_MASSES if bodies is not None else 1.0)
             step = min(step, own)
         fine = choice.step * choice.compressed
         if fine < step and is_compressed(strands, state.r, state.X):
             step = fine
+
+
+def _ask(guides: Sequence[Guide], state: State, progress: Progress) -> int:
+    try:
+        for guide in guides:
+            guide.act(state)
+    except TravelEndedError:
+        return END_OF_LINE
+    except RopewalkError as error:
+        progress.message = str(error)
+        return STOPPED
+    return RUNNING
 
 
 def _is_torn(strands: Strands, state: State) -> bool:
@@ -127,14 +197,15 @@ def _room_for(choice: Choice, loads: Loads, state: State) -> Buffers | Workspace
     return Buffers.for_state(state)
 
 
-def _advance(strands, loads, state, room, choice, accuracy, stop, step, ends):
+def _advance(strands, loads, state, room, choice, accuracy, stop, step, ends, bodies):
     if choice.method == "implicit":
         from ropewalk.solve.radau import advance_implicit
 
         return advance_implicit(strands, loads, state, room, stop, accuracy, step, MOST_STEPS)
     kicks, drifts = RKN6 if choice.method == "rkn6" else VERLET
-    yielding = () if ends is None else (ends,)
-    return advance(strands, loads, state, room, kicks, drifts, stop, step, MOST_STEPS, *yielding)
+    # What is not there is left out instead of given as None, and the kernel without it is the one that is cached.
+    more = () if ends is None and bodies is None else (ends,) if bodies is None else (ends, bodies)
+    return advance(strands, loads, state, room, kicks, drifts, stop, step, MOST_STEPS, *more)
 
 
 def _knots(times: Array, counts: Integers) -> Array:

@@ -26,10 +26,20 @@ from ropewalk.mechanics.rider import (
     slope,
     speed_at,
 )
+from ropewalk.solve.bodywork import (
+    begin_bodies,
+    drift_vehicles,
+    is_body_due,
+    kick_beside,
+    move_bodies,
+    pull_bodies,
+    seat_bodies,
+    settle_bodies,
+)
 from ropewalk.solve.ends import drive_ends, move_ends
 from ropewalk.solve.flows import kick_loads, move_loads, move_nodes
 
-RUNNING, END_OF_LINE, NOT_FINITE, TOO_MANY_STEPS, NO_CONVERGENCE = 0, 1, 2, 3, 4
+RUNNING, END_OF_LINE, NOT_FINITE, TOO_MANY_STEPS, NO_CONVERGENCE, MET, ASKED = 0, 1, 2, 3, 4, 5, 6
 
 
 @lean_inner
@@ -109,7 +119,7 @@ def _take_seats(strands, loads, state, buffers):
     """
     t = state.t[0]
     for k in range(state.xi.size):
-        if state.rider[k] == OFF:
+        if state.rider[k] <= OFF:
             continue
         state.speed[k] = material_speed(strands, loads, state, k, speed_at(loads, k, t))
         target, tolerance = next_change(strands, loads, state, k), ARRIVED * strands.h[loads.strand[k]]
@@ -158,7 +168,7 @@ def _loss(strands, loads, state):
     total = 0.0
     for k in range(state.xi.size):
         s, b = loads.strand[k], state.rider[k]
-        if b == OFF:
+        if b <= OFF:
             continue
         behind, ahead = b - 1, b
         if b == SHARED:  # between the links beyond its own
@@ -204,7 +214,7 @@ def _pull_all(strands, state, buffers, kick):
 
 
 @lean
-def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most, ends=None):
+def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most, ends=None, bodies=None):
     """Move `state` to the time `until`.
 
     Args:
@@ -214,6 +224,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
         longest: largest step, s.
         most: largest number of steps.
         ends: what yields or moves, from `ends_of`; None: nothing does, and it is compiled without them.
+        bodies: what has a mass of its own; None: nothing has.
 
     Returns:
         Status (RUNNING when `until` is reached, else what went wrong) and the number of steps taken.
@@ -230,9 +241,15 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
     while time[0] < end:
         if _take_seats(strands, loads, state, buffers):
             return END_OF_LINE, steps
+        if bodies is not None:
+            status = settle_bodies(strands, loads, state, buffers, bodies)
+            if status != 0:
+                return END_OF_LINE if status == 1 else (MET if status == 2 else ASKED), steps
         dt = _plan(until - time[0], longest, target, xi, speed, rider)
         kick, t_w, over, before, following = kicks[0] * dt, time[0], False, 0.0, 0.0
         _copy(w, buffers.ahead)
+        if bodies is not None:
+            begin_bodies(strands, loads, state, buffers, bodies)
         while not over:
             begin = time[0]
             work[CONTACT] += 0.5 * (before + dt) * _loss(strands, loads, state)  # half the step before and half of this
@@ -244,6 +261,8 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                     steps += 1
                     time[0] = begin + dt
                     over = time[0] >= end or steps >= most or _is_due(target, xi, speed, rider, tolerance)
+                    if bodies is not None and not over:
+                        over = is_body_due(strands, loads, state, bodies)
                     if not over:
                         following = _plan(until - time[0], longest, target, xi, speed, rider)
                         kick += kicks[0] * following
@@ -252,6 +271,8 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                 # The velocities belong to t_w; damping wants them at the next instant at which it is evaluated.
                 lead = (time[0] + drift - t_w - kick) / kick
                 work[LINE_DAMPING] += _pull_all(strands, state, buffers, kick)
+                if bodies is not None:
+                    pull_bodies(strands, loads, state, buffers, bodies, kick, lead)
                 for k in range(xi.size):
                     b = rider[k]
                     if b >= 0:
@@ -261,10 +282,17 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                 work[LINE_DAMPING] += move_nodes(strands, state, buffers, kick, drift, lead)
                 if ends is not None:
                     move_ends(strands, loads, state, buffers, ends, kick, drift, lead)
-                work[LOAD_WORK] += kick_loads(strands, loads, state, buffers, kick, drift, lead, ends)
+                if bodies is not None:
+                    kick_beside(strands, loads, state, buffers, bodies, kick, drift, lead)
+                work[LOAD_WORK] += kick_loads(strands, loads, state, buffers, kick, drift, lead, ends, bodies)
                 if drift != 0.0:
                     move_loads(strands, loads, state, buffers, drift)
+                    if bodies is not None:
+                        move_bodies(strands, loads, state, buffers, bodies, drift)
+                        drift_vehicles(strands, loads, state, bodies, drift)
                     time[0] += drift
+                if bodies is not None:
+                    seat_bodies(state, buffers, bodies)
                 t_w += kick
                 if stage < stages:
                     kick = kicks[stage + 1] * dt

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,6 +16,7 @@ from ropewalk.mechanics.chain import (
     MATERIAL,
     SHARED,
     SHARING,
+    WORKS,
     Array,
     Integers,
     Loads,
@@ -22,10 +24,14 @@ from ropewalk.mechanics.chain import (
     Strands,
     Supports,
 )
+from ropewalk.mechanics.fleet import Fleet, fleet_of
 from ropewalk.mechanics.law import RIGID, strain
 from ropewalk.mechanics.rider import ROOM, force_at, link_of, part_of, speed_at
+from ropewalk.mechanics.wheels import Wheel, wheels_of
 from ropewalk.model.line import Line
+from ropewalk.model.load import MovingForce
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.solve.ends import seat_ends
 from ropewalk.solve.equilibrium import at_rest
 from ropewalk.solve.held import Held, ends_at
@@ -44,7 +50,10 @@ class Setting:
     supports: Supports
     ends: tuple[Held, ...]  # what holds each strand at the beginning
     bare: tuple[Standing | None, ...]  # each strand at rest without loads; None: not determined without them
-    xi: Array  # (load,) m, where the loads begin
+    xi: Array  # (load,) m, where the loads begin; negative: before the start of the line
+    wheels: tuple[Wheel, ...]
+    fleet: Fleet | None  # what has a mass; None if nothing has
+    payloads: Mapping[str, Payload]  # of trolleys
 
     @cached_property
     def on(self) -> tuple[Integers, ...]:
@@ -83,7 +92,11 @@ def setting_of(scenario: Scenario, until: float) -> Setting:
         name: line.length if line.length is not None else _length_for_tension(scenario, name, line)
         for name, line in scenario.lines.items()
     }
-    strands, loads = strands_of(scenario, lengths), loads_of(scenario, until)
+    wheels = wheels_of(scenario)
+    strands, loads = strands_of(scenario, lengths), loads_of(scenario, wheels, until)
+    forces_only = all(isinstance(load, MovingForce) for load in scenario.loads.values())
+    fleet = None if forces_only else fleet_of(scenario, wheels, strands, axes, until)
+    payloads = {name: load.payload for name, load in scenario.loads.items() if isinstance(load, Trolley)}
     supports = supports_of(scenario, until)
     ends = tuple(ends_at(supports, s, 0.0, strands.gravity) for s in range(len(scenario.lines)))
     nothing, none = np.zeros(0), np.zeros((len(axes), 0))
@@ -95,12 +108,11 @@ def setting_of(scenario: Scenario, until: float) -> Setting:
             if not any(load.on == name for load in scenario.loads.values()):
                 raise EquilibriumError(f"line {name}: {error}") from None
             bare.append(None)  # slack and without weight: loads may still give it a shape
-    starts = [load.travel.start for load in scenario.loads.values()]
-    xi = [
-        _place(strands, bare, loads, k, start, name)
-        for (k, start), name in zip(enumerate(starts), scenario.loads, strict=True)
-    ]
-    return Setting(axes, tuple(scenario.lines), strands, loads, supports, ends, tuple(bare), np.array(xi, dtype=float))
+    xi = [_place(strands, bare, loads, k, wheel.start, wheel.name) for k, wheel in enumerate(wheels)]
+    return Setting(
+        axes, tuple(scenario.lines), strands, loads, supports, ends, tuple(bare), np.array(xi, dtype=float),
+        tuple(wheels), fleet, payloads,
+    )  # fmt: skip
 
 
 def _length_for_tension(scenario: Scenario, name: str, line: Line) -> float:
@@ -138,7 +150,7 @@ def _place(strands: Strands, bare: list[Standing | None], loads: Loads, k: int, 
     s = int(loads.strand[k])
     length = float(strands.links[s] * strands.h[s])
     rest, measure = bare[s], loads.measure[k]
-    if measure == MATERIAL or start == 0.0:
+    if measure == MATERIAL or start <= 0.0:
         return min(start, length)
     if rest is None:
         raise EquilibriumError(
@@ -161,15 +173,21 @@ def _place(strands: Strands, bare: list[Standing | None], loads: Loads, k: int, 
     return float(min(np.interp(start, along, rest.X), length))
 
 
-def start_state(setting: Setting, with_loads: bool) -> State:
-    """The state of rest under gravity (and the loads at their start, if wanted), every load in its seat."""
+def start_state(setting: Setting, with_loads: bool, resting: Array | None = None) -> State:
+    """The state of rest under gravity (and the loads at their start, if wanted), every load in the seat of a force.
+
+    Args:
+        setting: the model.
+        with_loads: let the loads rest on the line.
+        resting: (axis, wheel) N, what bodies at rest press on the line with.
+    """
     strands, loads = setting.strands, setting.loads
     dim, nodes = len(setting.axes), int((strands.links + 1).sum())
     count = setting.xi.size
     X = np.concatenate([np.arange(n + 1) * h for n, h in zip(strands.links, strands.h, strict=True)])
     state = State(
         t=np.zeros(1), r=np.zeros((dim, nodes)), w=np.zeros((dim, nodes)), X=X, xi=setting.xi.copy(),
-        speed=np.zeros(count), rider=np.full(count, SHARED), hold=np.zeros(count), work=np.zeros(5),
+        speed=np.zeros(count), rider=np.full(count, SHARED), hold=np.zeros(count), work=np.zeros(WORKS),
     )  # fmt: skip
     _take_first_seats(strands, loads, state)
     for s in range(strands.first.size):
@@ -180,8 +198,10 @@ def start_state(setting: Setting, with_loads: bool) -> State:
         f[:, :-1] += half
         f[:, 1:] += half
         for k in range(count):
-            if with_loads and loads.strand[k] == s:
+            if with_loads and loads.strand[k] == s and state.xi[k] >= 0.0:
                 F = np.array([force_at(loads, k, 0.0, a) for a in range(dim)])
+                if resting is not None:
+                    F += resting[:, k]
                 if state.rider[k] >= 0:
                     f[:, state.rider[k] - i] += F
                 else:
@@ -201,6 +221,8 @@ def _take_first_seats(strands: Strands, loads: Loads, state: State) -> None:
     """Let each load ride with its nearest node where that one is free and inside the line."""
     for k in range(state.xi.size):
         s, xi = int(loads.strand[k]), float(state.xi[k])
+        if xi < 0.0:
+            continue
         first, n, h = int(strands.first[s]), int(strands.links[s]), float(strands.h[s])
         ahead = speed_at(loads, k, 0.0) >= 0.0
         nearest = int(np.floor(xi / h + 0.5)) if ahead else int(np.ceil(xi / h - 0.5))

@@ -7,6 +7,7 @@ import numpy as np
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.rider import look_up_integral
 from ropewalk.model.history import SpeedTable
+from ropewalk.model.load import MovingForce
 from ropewalk.model.scenario import Scenario
 from ropewalk.solve.measure import Measure, room
 from ropewalk.solve.start import Setting
@@ -14,7 +15,7 @@ from ropewalk.solve.start import Setting
 
 def horizon(scenario: Scenario) -> float:
     """For how long callables are needed until a load has certainly passed its line, s (0 without callables)."""
-    loads = scenario.loads.values()
+    loads = [load for load in scenario.loads.values() if isinstance(load, MovingForce)]
     if not any(callable(load.travel.speed) or callable(load.force) for load in loads):
         return 0.0
     times = []

@@ -8,6 +8,7 @@
 ``pulley``          ropes at rest under frictionless loads and the forces that hold them
 ``locus``           path of a slowly moved load, its tensions and hold force; the ellipse
 ``friction``        friction that a load needs: capstan and point block
+``bead``            bead that slides on a weightless rope, with and without friction, until it rests
 ``waves``           free waves on strings and beams, bedded or not, and those a moving load excites
 ``periodic``        lines on periodic supports: pass bands, propagation constants, moving force
 ``cable``           natural frequencies and modes of a shallow sagging cable
@@ -18,6 +19,8 @@
 ``varying_tension`` string or beam whose tension varies, such as a hanging line: frequencies, deflection
 ``selfsimilar``     nonlinear string without ends: transverse impact, force that starts to move
 ``chain``           natural frequencies of the straight chain of links
+``gait``            walking: forces by harmonics, two spring legs, balance to the side
+``highline``        person on an elastic webbing: sag, tension, frequencies
 ==================  =====================================================================================
 
 The wing depends on NumPy and SciPy only and knows nothing of the rest of the package. SI units; arrays
@@ -31,12 +34,15 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ropewalk.theory import (
         balance,
+        bead,
         beam,
         beam_vehicle,
         cable,
         chain,
         foundation,
         friction,
+        gait,
+        highline,
         locus,
         periodic,
         pulley,
@@ -51,12 +57,15 @@ if TYPE_CHECKING:
 
 __all__ = [
     "balance",
+    "bead",
     "beam",
     "beam_vehicle",
     "cable",
     "chain",
     "foundation",
     "friction",
+    "gait",
+    "highline",
     "locus",
     "periodic",
     "pulley",

@@ -8,7 +8,7 @@ A force is treated here, exactly for every mode (Fryba, Vibration of Solids and 
 the simply supported beam; the rest derived here): its modal force is a sum of exponentials exp(s V t), and the
 response to one of them is the second divided difference of z -> exp(z t) over s V and the two poles of the mode. In
 that form nothing is special about resonance, critical damping or a pole at zero. Loads with inertia are in
-`beam_crossing`; their names stand here, too.
+`beam_crossing`, those that can leave the beam in `beam_flight`; their names stand here, too.
 
 All functions take the beam as the keyword arguments of `Beam`: ``length``, ``bending_stiffness``, ``mass``,
 ``tension``, ``foundation``, ``damping``, ``ends``. ``modes`` fixes the number of modes; without it as many are taken
@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ropewalk.theory import _arguments
 from ropewalk.theory.beam_crossing import Crossing, moving_mass, moving_oscillator, moving_vehicle
+from ropewalk.theory.beam_flight import Flight, flying_vehicle
 from ropewalk.theory.beam_modes import Beam, Ends, Modes, buckling_force, natural_frequencies, resonance_speeds
 from ropewalk.theory.beam_response import free, poles, second_difference
 from ropewalk.theory.beam_vehicle import Vehicle
@@ -30,9 +31,11 @@ from ropewalk.theory.beam_vehicle import Vehicle
 __all__ = [
     "Beam",
     "Crossing",
+    "Flight",
     "Peak",
     "Vehicle",
     "buckling_force",
+    "flying_vehicle",
     "impact_factor",
     "moving_force",
     "moving_force_peak",

@@ -10,7 +10,7 @@ solved exactly for the polynomials that the forces are then; under wheels with m
 the modes are collocated, too (order 8, unconditionally stable). Modes do not see each other within a step, so that
 each step ends in equations for contact forces and bodies alone. Contact is bilateral: where a contact force becomes
 negative the load would have lifted off, and the solution is not valid from there on; `Crossing.contact_lost_at`
-tells when.
+tells when. `beam_flight` lets the wheels go there.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ropewalk.theory import _arguments
 from ropewalk.theory.beam_modes import Beam, Ends, Modes
-from ropewalk.theory.beam_response import GAUSS, STAGES, ExactStep, GaussStep
+from ropewalk.theory.beam_response import GAUSS, STAGES
+from ropewalk.theory.beam_step import Surface, Track
 from ropewalk.theory.beam_vehicle import Vehicle, oscillator, point_mass
 
 __all__ = ["Crossing", "moving_mass", "moving_oscillator", "moving_vehicle"]
@@ -49,12 +50,18 @@ class Crossing:
     steps: int
     change: float  # in the last refinement, relative to the maximum: of what `tolerance` bounds
     _coordinates: FloatArray
+    _rates: FloatArray
     _series: Modes
 
-    def beam_deflection(self, x: ArrayLike) -> FloatArray:
-        """Return the deflection of the beam at ``x`` (m), shape (instant, *x.shape), in m."""
-        shape = self._series.shape(np.asarray(x, dtype=np.float64))
+    def beam_deflection(self, x: ArrayLike, derivative: int = 0) -> FloatArray:
+        """Return the deflection of the beam (or its derivative) at ``x`` (m), shape (instant, *x.shape), in m."""
+        shape = self._series.shape(np.asarray(x, dtype=np.float64), derivative)
         return np.tensordot(self._coordinates, shape, axes=(-1, -1))
+
+    def beam_velocity(self, x: ArrayLike) -> FloatArray:
+        """Return the velocity of the beam's points at ``x`` (m), shape (instant, *x.shape), in m/s."""
+        shape = self._series.shape(np.asarray(x, dtype=np.float64))
+        return np.tensordot(self._rates, shape, axes=(-1, -1))
 
 
 def moving_mass(
@@ -105,6 +112,7 @@ def moving_vehicle(
     *,
     vehicle: Vehicle,
     speed: float,
+    start: float = 0.0,
     ends: Ends = "simply_supported",
     modes: int | None = None,
     tolerance: float = TOLERANCE,
@@ -112,28 +120,29 @@ def moving_vehicle(
 ) -> Crossing:
     """Let a vehicle cross the beam; its front enters at t = 0, the vehicle being at rest vertically.
 
-    ``t`` (s) is a scalar or list of instants, ``speed`` >= 0 in m/s, the beam as in `Beam`. Steps are halved, and modes
-    doubled unless their number (up to 1000) is given, until deflections under the wheels, modal coordinates and bodies
-    change by less than ``tolerance`` times their maximum at the given instants; contact forces and accelerations
-    converge later. `ValueError` for arguments out of range, for a beam that buckles and where the tolerance is not
-    reached.
+    ``t`` (s) is a scalar or list of instants, ``speed`` >= 0 in m/s, the beam as in `Beam`. At t = 0 the front stands
+    at ``start`` (m): if that is positive, wheels stand on the beam then, and their weight begins to act at once on a
+    beam that is still straight. Steps are halved, and modes doubled unless their number (up to 1000) is given, until
+    deflections under the wheels, modal coordinates and bodies change by less than ``tolerance`` times their maximum at
+    the given instants; contact forces and accelerations converge later. `ValueError` for arguments out of range, for a
+    beam that buckles and where the tolerance is not reached.
     """
     given = Beam(ends=ends, **beam)
     _arguments.not_negative(speed=speed)
-    _arguments.finite(t=t)
+    _arguments.finite(t=t, start=start)
     _arguments.positive(tolerance=tolerance)
     instants = np.atleast_1d(np.asarray(t, dtype=np.float64)).ravel()
     count = 10 if modes is None else modes
     if not 1 <= count <= MOST_MODES:
         raise ValueError(f"modes must lie between 1 and {MOST_MODES}, not {count}")
-    passage = (given.length + float(np.max(vehicle.axles))) / speed if speed > 0.0 else 0.0
+    passage = max(given.length + float(np.max(vehicle.axles)) - start, 0.0) / speed if speed > 0.0 else 0.0
     # A first size that is not blind: some steps in a period of the bodies, and of the modes if they are collocated.
     highest = given.modes(count).frequency[-1] if vehicle.heavy_wheels else 0.0
     rate = np.max([4.0 * given.modes(1).frequency[0], *(4.0 * vehicle.natural_frequencies()), 0.1 * highest])
     steps = 20 + int(min(passage * rate / (2.0 * np.pi), MOST_STEPS))
     last: _March | None = None
     while steps <= MOST_STEPS and count <= MOST_MODES:
-        march = _March(given, given.modes(count), vehicle, speed, steps, instants)
+        march = _March(Track(given, given.modes(count), speed, vehicle.axles, start), vehicle, steps, instants)
         march.run()
         if last is not None:
             shared = slice(0, len(last.series.frequency))
@@ -160,11 +169,10 @@ def _change(before: FloatArray, after: FloatArray) -> float:
 class _March:
     """One passage with given modes and steps; results are written at the instants that fall into each step."""
 
-    def __init__(
-        self, beam: Beam, series: Modes, vehicle: Vehicle, speed: float, steps: int, instants: FloatArray
-    ) -> None:
-        self.beam, self.series, self.vehicle, self.speed, self.steps = beam, series, vehicle, speed, steps
-        self.instants = instants
+    def __init__(self, track: Track, vehicle: Vehicle, steps: int, instants: FloatArray) -> None:
+        self.track, self.vehicle, self.steps, self.instants = track, vehicle, steps, instants
+        self.series, self.speed = track.series, track.speed
+        series = track.series
         count, wheels, bodies = len(instants), len(vehicle.axles), vehicle.bodies
         self.coordinates, self.rates = (
             np.zeros((count, len(series.frequency))),
@@ -175,30 +183,28 @@ class _March:
         self.q, self.v = np.zeros((2, len(series.frequency)))
         self.z, self.z_rate = np.zeros((2, bodies))
         self.lost_at: float | None = None
-        place = speed * np.maximum(instants, 0.0)[:, np.newaxis] - vehicle.axles
-        self.on = (place >= 0.0) & (place <= beam.length) & (instants[:, np.newaxis] > 0.0)
-        self.place = speed * instants[:, np.newaxis] - vehicle.axles
+        self.place = track.place(instants)
+        self.on = (self.place >= 0.0) & (self.place <= track.beam.length) & (instants[:, np.newaxis] > 0.0)
         self.seen = np.zeros((count, wheels))
 
     def run(self) -> None:
         if self.speed > 0.0:
-            enters = self.vehicle.axles / self.speed
-            leaves = enters + self.beam.length / self.speed
+            enters, leaves = self.track.enters, self.track.leaves
             end = float(np.max(self.instants, initial=0.0))
             events = np.unique(np.concatenate([[0.0], enters, leaves, [end]]))
-            events = events[events <= end]
+            events = events[(events >= 0.0) & (events <= end)]
             for start, stop in zip(events[:-1], events[1:], strict=True):  # noqa: RUF007, itertools stays out
                 middle = 0.5 * (start + stop)
                 on = (enters <= middle) & (middle <= leaves)
                 self._impact(enters == start, 0.0)
-                self._interval(float(start), float(stop), on, float(np.max(leaves)))
-                self._impact(leaves == stop, self.beam.length)
-        shape = self._shapes(self.place, self.on, 0)
+                self._interval(float(start), float(stop), on, max(float(np.max(leaves)), 1e-300))
+                self._impact(leaves == stop, self.track.beam.length)
+        shape = self.track.shapes(self.place, self.on, 0)
         self.seen = np.einsum("twn,tn->tw", shape, self.coordinates)
 
     def crossing(self, change: float) -> Crossing:
-        slope = self._shapes(self.place, self.on, 1)
-        velocity = np.einsum("twn,tn->tw", self._shapes(self.place, self.on, 0), self.rates)
+        slope = self.track.shapes(self.place, self.on, 1)
+        velocity = np.einsum("twn,tn->tw", self.track.shapes(self.place, self.on, 0), self.rates)
         velocity += self.speed * np.einsum("twn,tn->tw", slope, self.coordinates)
         return Crossing(
             self.instants,
@@ -214,12 +220,9 @@ class _March:
             self.steps,
             change,
             self.coordinates,
+            self.rates,
             self.series,
         )
-
-    def _shapes(self, place: FloatArray, on: NDArray[np.bool_], derivative: int) -> FloatArray:
-        shape = self.series.shape(np.clip(place, 0.0, self.beam.length), derivative)
-        return shape * np.broadcast_to(on, place.shape)[..., np.newaxis]
 
     def _impact(self, wheels: NDArray[np.bool_], end: float) -> None:
         """A wheel takes or loses the speed of the slope; bodies with inertial coupling to it feel the jump."""
@@ -257,29 +260,13 @@ class _Step:
     def __init__(self, march: _March, h: float) -> None:
         self.march, self.h = march, h
         self.once, self.twice, self.c = h * GAUSS.once, h**2 * GAUSS.twice, h * GAUSS.c
-        kind = GaussStep if march.vehicle.heavy_wheels else ExactStep
-        self.modes = kind(march.series.frequency, march.beam.decay, h)
-        self.end = self.modes.response(np.array([h]))
+        self.surface = Surface(march.track, h, exact=not march.vehicle.heavy_wheels)
         self.threshold = -1e-12 * float(np.max(np.abs(march.vehicle.static_load)))
 
     def prepare(self, begins: FloatArray, on: NDArray[np.bool_]) -> None:
         """Set up the coupled equations of several steps at once."""
-        march, speed, vehicle = self.march, self.march.speed, self.march.vehicle
-        place = speed * (begins[:, np.newaxis] + self.c)[..., np.newaxis] - vehicle.axles
-        shape, slope, bend = (speed**d * march._shapes(place, on, d) for d in range(3))
-        by_force = [a.transpose(1, 2, 0)[:, :, np.newaxis] * shape[:, np.newaxis] for a in self.modes.by_force]
-        by_state = [
-            np.stack([a.T, b.T], axis=1)[:, np.newaxis]
-            for a, b in zip(self.modes.from_q, self.modes.from_v, strict=True)
-        ]
-        # Coordinate, velocity and acceleration of the wheels from acceleration, velocity and coordinate of the modes.
-        parts: list[dict[int, FloatArray]] = [{2: shape}, {1: shape, 2: slope}, {0: shape, 1: 2.0 * slope, 2: bend}]
-        wheel_force, wheel_state = [], []
-        for part in parts:
-            force_terms = [np.einsum("piwn,pijxn->piwjx", a, by_force[k], optimize=True) for k, a in part.items()]
-            wheel_force.append(np.sum(force_terms, axis=0))
-            wheel_state.append(np.sum([a[..., np.newaxis, :] * by_state[k] for k, a in part.items()], axis=0))
-        self.shape = shape
+        wheel_force, wheel_state = self.surface.prepare(begins, on)
+        self.shape = self.surface.shape
         self._couple(wheel_force, wheel_state)
 
     def _couple(self, wheel_force: list[FloatArray], wheel_state: list[FloatArray]) -> None:
@@ -311,7 +298,7 @@ class _Step:
         weight = np.tile(np.concatenate([np.zeros(bodies), vehicle.static_load]), STAGES)
         self.rest = solve @ weight
         self.gain = solve @ np.concatenate([on_state.reshape(steps, rows, -1), on_bodies], axis=2)
-        ends = [a[0].T[:, np.newaxis] * self.shape for a in self.end[4:]]  # p j w n
+        ends = [a[0].T[:, np.newaxis] * self.shape for a in self.surface.end[4:]]  # p j w n
         self.push = np.concatenate(ends, axis=3).reshape(steps, STAGES * wheels, -1)
 
     def take(self, index: int, begin: float, on: NDArray[np.bool_], inside: NDArray[np.intp]) -> None:
@@ -328,7 +315,7 @@ class _Step:
             theta = (march.instants[inside] - begin) / h
             value, first, second = GAUSS.integrals(theta)
             after = h * theta[:, np.newaxis]
-            from_q, from_v, rate_from_q, rate_from_v, by_force, rate_by_force = self.modes.response(h * theta)
+            from_q, from_v, rate_from_q, rate_from_v, by_force, rate_by_force = self.surface.modes.response(h * theta)
             pushed = np.einsum("jwn,jw->nj", self.shape[index], contact)
             march.coordinates[inside] = from_q * q + from_v * v + np.sum(by_force * pushed, axis=-1)
             march.rates[inside] = rate_from_q * q + rate_from_v * v + np.sum(rate_by_force * pushed, axis=-1)
@@ -337,6 +324,6 @@ class _Step:
             march.body_rate[inside] = z_rate + h * first @ pull
             march.body_acceleration[inside] = value @ pull
         pushed = forces @ self.push[index]
-        march.q = self.end[0][0] * q + self.end[1][0] * v + pushed[: len(q)]
-        march.v = self.end[2][0] * q + self.end[3][0] * v + pushed[len(q) :]
+        march.q = self.surface.end[0][0] * q + self.surface.end[1][0] * v + pushed[: len(q)]
+        march.v = self.surface.end[2][0] * q + self.surface.end[3][0] * v + pushed[len(q) :]
         march.z, march.z_rate = z + h * z_rate + h**2 * GAUSS.b_twice @ pull, z_rate + h * GAUSS.b @ pull

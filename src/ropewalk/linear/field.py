@@ -1,0 +1,125 @@
+"""Forces on a line in the linear theory: deflections that add up."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ropewalk.errors import RopewalkError
+from ropewalk.linear.chord import Chord
+from ropewalk.mechanics.chain import HORIZONTAL, LEAVE, MATERIAL, Array
+from ropewalk.mechanics.rider import look_up_integral, speed_at
+from ropewalk.model.run import Linear
+from ropewalk.model.scenario import Scenario
+from ropewalk.solve.start import Setting
+from ropewalk.theory import beam, string
+from ropewalk.theory.image_sum import travelling_force
+
+# Steps for differences of exact deflections, as a part of the length or the time of a wave along it.
+_DIFFERENCE = 1e-6
+
+
+class Field:
+    """The deflection of one line under all its loads."""
+
+    def __init__(self, setting: Setting, scenario: Scenario, s: int, chord: Chord) -> None:
+        assert isinstance(scenario.run, Linear)
+        self.setting, self.s, self.chord, self.modes = setting, s, chord, scenario.run.modes
+        self.until = scenario.run.until
+        self.names = tuple(scenario.loads)
+        self.places: Array = np.linspace(0.0, chord.length, int(setting.strands.links[s]) + 1)
+        self.scales = {int(k): self._scale(int(k)) for k in setting.on[s]}
+
+    def _scale(self, k: int) -> float:
+        """Distance along the chord for each metre of the path as measured."""
+        measure = self.setting.loads.measure[k]
+        if measure == MATERIAL:
+            return self.chord.length / self.chord.material
+        return 1.0 / abs(float(self.chord.along[0])) if measure == HORIZONTAL else 1.0
+
+    def place(self, k: int, t: Array) -> Array:
+        """Where load k is along the chord, m."""
+        loads = self.setting.loads
+        first, count = loads.speed_first[k], loads.speed_count[k]
+        tables = loads.speed_time, loads.speed_value, loads.speed_path
+        way = np.array([look_up_integral(*tables, first, count, time) for time in np.ravel(t)]).reshape(np.shape(t))
+        begin = float(self.setting.xi[k]) * self.chord.length / self.chord.material
+        return np.asarray(begin + self.scales[k] * way)
+
+    def deflection(self, k: int, a: int, x: Array, t: Array) -> Array:
+        """Deflection in m in the direction `across[a]` under load k alone; x and t broadcast."""
+        loads, chord = self.setting.loads, self.chord
+        begin, V = float(self.place(k, np.zeros(1))[0]), self.scales[k] * speed_at(loads, k, 0.0)
+        size = self._force(k, a)
+        steady = loads.speed_count[k] == 1 and not callable(size) and not isinstance(size, tuple)
+        from_end = steady and ((V > 0.0 and begin == 0.0) or (V < 0.0 and begin >= chord.length * (1.0 - 1e-12)))
+        x = x if V > 0.0 else chord.length - x
+        if chord.is_string:
+            line = {"length": chord.length, "tension": chord.tension, "mass": chord.mass}
+            if from_end:
+                return string.moving_force(x, t, force=float(size), speed=abs(V), modes=self.modes, **line)
+            if self.modes is not None:
+                raise RopewalkError(
+                    f"load {self.names[k]}: modes are for a constant force that enters at an end with constant speed; "
+                    "leave run.modes out"
+                )
+            path = (np.array([0.0, self.until]), self.place(k, np.array([0.0, self.until])))
+            way = path if loads.speed_count[k] == 1 else (lambda tau: self.place(k, tau))
+            return travelling_force(x if V > 0.0 else chord.length - x, t, path=way, force=size, **line)
+        if not from_end:
+            raise RopewalkError(
+                f"load {self.names[k]}: on a beam the linear theory here knows a constant force that enters at an end "
+                "with constant speed"
+            )
+        return beam.moving_force(x, t, force=float(size), speed=abs(V), modes=self.modes, **chord.beam)
+
+    def _force(self, k: int, a: int) -> Any:
+        """Component of the force of load k across the chord: a number, or a table (times, values)."""
+        loads = self.setting.loads
+        entries = slice(loads.force_first[k], loads.force_first[k] + loads.force_count[k])
+        values = self.chord.across[a] @ loads.force_value[:, entries]
+        if values.size == 1:
+            return float(values[0])
+        times = np.concatenate(
+            [[-1.0], loads.force_time[entries], [max(self.until, loads.force_time[entries][-1]) + 1.0]]
+        )
+        # A jump, two values at one instant, is a steep rise for a table whose times must increase.
+        times[1:] = np.maximum(times[1:], times[:-1] + 1e-9 * self.until)
+        return times, np.concatenate([values[:1], values, values[-1:]])
+
+    def motion(self, x: Array, times: Array) -> tuple[Array, Array]:
+        """Deflections and velocities (time, place, axis) of the line at places x under all loads."""
+        moved, speed = (np.zeros((times.size, x.size, self.chord.along.size)) for _ in range(2))
+        step = _DIFFERENCE * self.chord.length / self._wave_speed()
+        for k in self.setting.on[self.s]:
+            for a, direction in enumerate(self.chord.across):
+                w = self.deflection(int(k), a, x[None, :], times[:, None])
+                ahead = self.deflection(int(k), a, x[None, :], times[:, None] + step)
+                behind = self.deflection(int(k), a, x[None, :], np.maximum(times[:, None] - step, 0.0))
+                rate = (ahead - behind) / (step + np.minimum(step, times[:, None]))
+                moved += w[:, :, None] * direction
+                speed += rate[:, :, None] * direction
+        return moved, speed
+
+    def _wave_speed(self) -> float:
+        if self.chord.is_string:
+            return string.wave_speed(tension=self.chord.tension, mass=self.chord.mass)
+        return float(beam.natural_frequencies(1, **self.chord.beam)[0]) * self.chord.length / np.pi
+
+    def point(self, x: Array) -> Array:
+        """Places on the chord with its sag, (place, axis) m."""
+        return self.chord.point(x, self.setting.strands.gravity)
+
+    def contact(self, k: int, t: float) -> tuple[float, Array, float] | None:
+        """Place along the chord, position and slope under load k; None while it is off the line."""
+        x = float(self.place(k, np.array([t]))[0])
+        if not 0.0 <= x <= self.chord.length:
+            if self.setting.loads.at_end[k] == LEAVE:
+                return None
+            x = min(max(x, 0.0), self.chord.length)
+        step = _DIFFERENCE * self.chord.length
+        near = np.clip(np.array([x - step, x, x + step]), 0.0, self.chord.length)
+        w, _ = self.motion(near, np.array([t]))
+        slope = float((w[0, 2] - w[0, 0]) @ self.chord.across[0]) / (near[2] - near[0])
+        return x, self.point(near[1:2])[0] + w[0, 1], slope

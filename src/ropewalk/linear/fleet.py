@@ -1,0 +1,89 @@
+"""Loads with a mass, from the arrays of a fleet to the vehicles of the linear theory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.rider import force_at
+from ropewalk.model.load import AnyLoad
+from ropewalk.model.oscillator import Oscillator
+from ropewalk.solve.start import Setting
+from ropewalk.theory.beam_vehicle import Vehicle
+
+
+@dataclass(frozen=True)
+class Coach:
+    """A load as a vehicle of the linear theory, and what leads back to the load."""
+
+    load: AnyLoad
+    wheels: Integers  # (wheel,) contacts of the result
+    vehicle: Vehicle
+    coordinates: tuple[int, ...]  # number in the fleet of each body coordinate
+    rest: Array  # (coordinate,) value at rest on level ground, of heights over it, m
+    weights: Array  # (coordinate and wheel,) N
+    carried: float  # kg, of all that moves along
+
+    def energies(self, body: Array, rates: Array, velocity: float, level: float) -> tuple[float, float]:
+        """Kinetic and potential energy, J, the latter zero at height 0.
+
+        Args:
+            body: displacements of coordinates and wheels downwards, m.
+            rates: their velocities, m/s.
+            velocity: along the line, m/s.
+            level: height of the line's chord, m.
+        """
+        height = np.concatenate([self.rest, np.zeros(self.wheels.size)]) - body
+        kinetic = 0.5 * self.carried * velocity**2 + 0.5 * float(rates @ self.vehicle.mass @ rates)
+        stored = 0.5 * float(height @ self.vehicle.stiffness @ height)
+        return kinetic, stored + float(self.weights @ height) + float(self.weights.sum()) * level
+
+
+def coach_of(setting: Setting, name: str, load: AnyLoad, axles: Array) -> Coach:
+    """Put together the vehicle of a load: of an oscillator the height alone, of the rest everything.
+
+    Args:
+        axles: (wheel,) m, distances of the wheels behind the foremost one.
+
+    Raises:
+        RopewalkError: the coordinates are not held by springs.
+        ValueError: the matrices cannot be used.
+    """
+    assert setting.fleet is not None
+    bodies, dim = setting.fleet.bodies, len(setting.axes)
+    wheels = np.flatnonzero([wheel.load == name for wheel in setting.wheels])
+    mass = bodies.wheels["mass"][wheels, dim - 1]
+    carried = float(bodies.wheels["mass"][wheels, 0].sum())
+    own, seats = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+    M, K, C, given = np.diag(mass), np.zeros((mass.size, mass.size)), np.zeros((mass.size, mass.size)), np.zeros(0)
+    first = 0
+    vehicle = [i for i, v in enumerate(bodies.vehicles) if v["wheels"] and bodies.wheel[i, 0] in wheels]
+    if vehicle:
+        i = vehicle[0]
+        count, places, first = (int(bodies.vehicles[i][key]) for key in ("coordinates", "wheels", "first"))
+        own = np.array([dim - 1]) if isinstance(load, Oscillator) else np.arange(count)
+        seats = count + np.flatnonzero(bodies.axis[i, :places] == dim - 1)
+        if isinstance(load, Oscillator):
+            carried += load.mass
+        rows = np.concatenate([own, seats])
+        pick = np.ix_(rows, rows)
+        M, C, K = bodies.M[i][pick], bodies.C[i][pick], bodies.K[i][pick]
+        M[np.arange(own.size, rows.size), np.arange(own.size, rows.size)] += mass
+        given = -bodies.load[i][rows]
+    held = slice(0, own.size)
+    gravity = -float(setting.strands.gravity[-1])
+    weights = np.concatenate([np.zeros(own.size), mass * gravity])
+    weights[: given.size] += given
+    push = np.array([-force_at(setting.loads, int(k), 0.0, dim - 1) for k in wheels])
+    try:
+        rest = np.linalg.solve(K[held, held], -weights[held])
+    except np.linalg.LinAlgError:
+        raise RopewalkError(
+            f"load {name}: nothing keeps its coordinates where they are; check its stiffness matrix"
+        ) from None
+    static = weights[own.size :] + push + K[own.size :, held] @ rest
+    numbers = tuple(int(first + d) for d in own)
+    return Coach(load, wheels, Vehicle(M, C, K, axles, static), numbers, rest, weights, carried)

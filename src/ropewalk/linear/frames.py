@@ -1,0 +1,151 @@
+"""Frames of a run of kind linear."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ropewalk.linear.chord import Chord, chords
+from ropewalk.linear.field import Field
+from ropewalk.linear.ride import Ride, ride_of
+from ropewalk.mechanics.chain import FRICTIONLESS, Array
+from ropewalk.mechanics.fleet import Body
+from ropewalk.mechanics.rider import force_at, speed_at
+from ropewalk.model.load import MovingForce
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, OFF_LINE, Account, Frame
+from ropewalk.solve.start import Setting
+
+_OF_LOADS = [ENERGY_FORMS.index(form) for form in ("load_kinetic", "load_potential")]
+_IN_IMPACTS = ENERGY_FORMS.index("contact_dissipation")
+
+
+def frames(setting: Setting, scenario: Scenario, times: Array, account: Account) -> Iterator[Frame]:
+    """The frames at the given times, s.
+
+    Raises:
+        RopewalkError: what is asked is beyond the solutions that are known.
+    """
+    lines = chords(setting, scenario, account)
+    fields = [Field(setting, scenario, s, chord) for s, chord in enumerate(lines)]
+    bodies = {load.on: name for name, load in scenario.loads.items() if not isinstance(load, MovingForce)}
+    rides = [
+        ride_of(setting, scenario, bodies[name], s, chord, times, account) if name in bodies else None
+        for s, (name, chord) in enumerate(zip(scenario.lines, lines, strict=True))
+    ]
+    nodes = [
+        ride.nodes if ride is not None else field.motion(field.places, times)
+        for field, ride in zip(fields, rides, strict=True)
+    ]
+    for i, t in enumerate(times):
+        yield _frame(setting, fields, rides, nodes, i, float(t))
+
+
+def _frame(
+    setting: Setting, fields: list[Field], rides: list[Ride | None], nodes: list[tuple[Array, Array]], i: int, t: float
+) -> Frame:
+    loads, dim, count = setting.loads, len(setting.axes), setting.xi.size
+    nowhere = np.full((count, dim), np.nan)
+    place, force, hold = nowhere, nowhere.copy(), nowhere.copy()
+    xi, speed = np.full(count, np.nan), np.full(count, np.nan)
+    both, friction = np.full((count, 2), np.nan), np.full(count, np.nan)
+    position, velocity, tension, strain, reaction = [], [], [], [], []
+    state, in_air = np.full(count, np.nan), np.zeros(count)
+    energy = np.full(len(ENERGY_FORMS), np.nan)
+    energy[:3] = 0.0
+    if any(ride is not None for ride in rides):
+        energy[_OF_LOADS] = 0.0
+        energy[_IN_IMPACTS] = 0.0
+    shown = setting.fleet.shown if setting.fleet is not None else ()
+    body_place, body_speed = np.full((len(shown), dim), np.nan), np.full((len(shown), dim), np.nan)
+    for field, ride, (w, rate) in zip(fields, rides, nodes, strict=True):
+        chord, s = field.chord, field.s
+        r = field.point(field.places) + w[i]
+        position.append(r)
+        velocity.append(rate[i])
+        links, step = field.places.size - 1, chord.length / (field.places.size - 1)
+        tension.append(np.full(links, chord.tension))
+        rest = setting.bare[s]
+        stretch = rest.strain.mean() if rest is not None else 0.0
+        strain.append(np.full(links, stretch if chord.is_string else chord.strain(setting.strands.gravity)))
+        tilt = np.diff(r, axis=0) / step
+        reaction += [-chord.tension * tilt[0], chord.tension * tilt[-1]]
+        lumped = np.full(links + 1, chord.mass * step)
+        lumped[[0, -1]] *= 0.5
+        bent = np.diff(r, 2, axis=0) / step**2
+        energy[0] += 0.5 * float(lumped @ (rate[i] ** 2).sum(axis=1))
+        energy[1] += 0.5 * chord.tension * step * float(((tilt - chord.along) ** 2).sum())
+        energy[1] += 0.5 * chord.bending_stiffness * step * float((bent**2).sum())
+        energy[1] += 0.5 * chord.foundation * step * float((w[i] ** 2).sum())
+        energy[2] -= float(lumped @ (r @ setting.strands.gravity))
+        if ride is not None:
+            energy[_OF_LOADS] += _energies(ride, chord, i)
+            energy[_IN_IMPACTS] += ride.loss[i]
+            for j, k in enumerate(ride.coach.wheels):
+                if not ride.on[i, j]:
+                    continue
+                x = ride.place[i, j]
+                place[k] = field.point(np.array([x]))[0] + ride.wheel[i, j] * chord.across[0]
+                hold[k] = 0.0
+                if loads.contact[k] == FRICTIONLESS:
+                    hold[k] = -ride.force[i, j] * ride.slope[i, j] * chord.along
+                force[k] = ride.force[i, j] * chord.across[0] + hold[k]
+                xi[k], speed[k], both[k] = x * chord.material / chord.length, speed_at(loads, int(k), t), chord.tension
+                state[k] = IN_AIR if ride.in_air[i, j] else MOVES
+            in_air[ride.coach.wheels] = ride.time_in_air[i]
+            for b, body in enumerate(shown):
+                if body.wheel in ride.coach.wheels:
+                    body_place[b], body_speed[b] = _body(ride, chord, body, i)
+            continue
+        for k in setting.on[s]:
+            found = field.contact(int(k), t)
+            if found is None:
+                continue
+            x, place[k], slope = found
+            given = np.array([force_at(loads, k, t, a) for a in range(dim)])
+            hold[k] = 0.0
+            if loads.contact[k] == FRICTIONLESS:  # what the slope throws back, or pulls on
+                hold[k] = -float(given @ chord.across[0]) * slope * chord.along
+            force[k] = given + hold[k]
+            xi[k], speed[k], both[k] = x * chord.material / chord.length, speed_at(loads, k, t), chord.tension
+    return Frame(
+        path=t,
+        position=np.concatenate(position),
+        velocity=np.concatenate(velocity),
+        tension=np.concatenate(tension),
+        strain=np.concatenate(strain),
+        contact_position=place,
+        contact_force=force,
+        hold_force=hold,
+        contact_xi=xi,
+        contact_speed=speed,
+        contact_tension=both,
+        contact_friction=friction,
+        contact_state=np.where(np.isfinite(xi), np.where(np.isfinite(state), state, MOVES), OFF_LINE),
+        contact_in_air=in_air,
+        friction_power=np.zeros(xi.size),
+        body_position=body_place,
+        body_velocity=body_speed,
+        reaction=np.array(reaction),
+        energy=energy,
+    )
+
+
+def _energies(ride: Ride, chord: Chord, i: int) -> Array:
+    """Kinetic and potential energy of the load, J."""
+    moved = np.concatenate([ride.body[i], ride.wheel[i]])
+    rates = np.concatenate([ride.body_velocity[i], ride.wheel_velocity[i]])
+    return np.array(ride.coach.energies(moved, rates, ride.velocity, float(chord.start[-1])))
+
+
+def _body(ride: Ride, chord: Chord, body: Body, i: int) -> tuple[Array, Array]:
+    """Place and velocity of a body. Heights count from the chord: in this theory loads do not feel the sag."""
+    j = ride.coach.wheels.tolist().index(body.wheel)
+    place = chord.start + (ride.place[i, j] + body.ahead) * chord.along
+    speed = ride.velocity * chord.along
+    if body.coordinates[-1] >= 0:
+        c = ride.coach.coordinates.index(body.coordinates[-1])
+        place[-1] += ride.coach.rest[c] - ride.body[i, c]
+        speed[-1] -= ride.body_velocity[i, c]
+    return place, speed

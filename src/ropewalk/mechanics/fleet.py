@@ -1,0 +1,354 @@
+"""Fleets: all loads that have a mass, from their declarations to the arrays of `Bodies`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.assembly import components, drive_table
+from ropewalk.mechanics.bodies import (
+    ALONG_X,
+    BUFFER,
+    COORDINATE,
+    EVEN,
+    FREE,
+    GIVEN,
+    PULLS,
+    PUSHES,
+    TETHER,
+    VEHICLE,
+    Bodies,
+    without_vehicles,
+)
+from ropewalk.mechanics.chain import Array, Strands
+from ropewalk.mechanics.wheels import Wheel
+from ropewalk.model.load import AnyLoad, MovingForce
+from ropewalk.model.matrices import Matrices
+from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.scenario import Scenario
+from ropewalk.model.trolley import Trolley
+from ropewalk.model.vehicle import Vehicle
+from ropewalk.model.walker import Walker
+
+# A wheel has its own place on the chain from this part of the mass of a link on.
+HEAVY = 1.0
+# Part of a link, within which a support bears a wheel: below, the piece between them would need smaller steps.
+LEAST_ROOM, MOST_ROOM, ROOM_PER_MASS = 0.005, 0.25, 0.5
+# Distance from a support at which the line ends for a mass, as a part of a link.
+MARGIN = 0.25
+# Stretch of the rope of a payload under its weight where its stiffness is not given, m.
+STRETCH = 1e-3
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body of a load, as results show it: where its place is found."""
+
+    name: str
+    wheel: int  # where what has no coordinate of its own is: above this wheel,
+    ahead: float  # m, and so far ahead of it
+    coordinates: tuple[int, ...]  # (axis,) number of the coordinate, or -1
+    mass: float  # kg
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """All that has a mass, at the beginning."""
+
+    bodies: Bodies
+    shown: tuple[Body, ...]
+
+
+@dataclass
+class _Vehicle:
+    """A vehicle while it is put together: u = (coordinates, places of wheels)."""
+
+    coordinates: int
+    seats: list[tuple[int, int]]  # wheel and axis of each place
+    M: Array
+    C: Array
+    K: Array
+    load: Array
+    drag: dict[int, float] = field(default_factory=dict)  # kg/m, by coordinate
+    tethers: list[dict[str, Any]] = field(default_factory=list)
+    buffers: list[dict[str, Any]] = field(default_factory=list)
+
+    @staticmethod
+    def of(coordinates: int, seats: list[tuple[int, int]]) -> _Vehicle:
+        size = coordinates + len(seats)
+        block = np.zeros((size, size))
+        return _Vehicle(coordinates, seats, block, block.copy(), block.copy(), np.zeros(size))
+
+    def join(self, row: Array, stiffness: float, damping: float) -> None:
+        """Add a spring and a damper whose elongation is row @ u."""
+        self.K += stiffness * np.outer(row, row)
+        self.C += damping * np.outer(row, row)
+
+
+def fleet_of(scenario: Scenario, wheels: list[Wheel], strands: Strands, axes: tuple[str, ...], until: float) -> Fleet:
+    """Put together all loads of a scenario.
+
+    Args:
+        scenario: what is there.
+        wheels: its wheels, in order.
+        strands: its lines; what depends on the mesh is which wheels are heavy, and how far from supports they stay.
+        axes: names of the axes.
+        until: how long tables are needed, s.
+
+    Raises:
+        RopewalkError: a vehicle's matrices cannot be used.
+    """
+    dim = len(axes)
+    bodies = without_vehicles(len(wheels))
+    vehicles: list[_Vehicle] = []
+    shown: list[Body] = []
+    for name, load in scenario.loads.items():
+        if isinstance(load, MovingForce):
+            continue
+        on = [k for k, wheel in enumerate(wheels) if wheel.load == name]
+        first = sum(v.coordinates for v in vehicles)
+        vehicle, own = _vehicle(name, load, on, dim, first, scenario.gravity, axes)
+        shown += own
+        if vehicle is not None:
+            vehicles.append(vehicle)
+    _fill_wheels(bodies, wheels, dim)
+    _fit_to_mesh(bodies, wheels, strands, list(scenario.lines))
+    bodies = _with_drives(bodies, wheels, until)
+    return Fleet(_with_vehicles(bodies, vehicles), tuple(shown))
+
+
+def _fill_wheels(bodies: Bodies, wheels: list[Wheel], dim: int) -> None:
+    for k, wheel in enumerate(wheels):
+        record = bodies.wheels[k]
+        record["mass"][: dim - 1] = wheel.mass + wheel.across
+        record["mass"][dim - 1] = wheel.mass
+        record["air_drag"], record["lift"] = wheel.air_drag, wheel.lift
+        record["travel"] = EVEN if wheel.contact == "frictionless" else GIVEN
+        if wheel.measured == "horizontal":
+            record["travel"] = ALONG_X
+        free = wheel.free
+        if free is not None:
+            record["travel"], record["rolling"], record["viscous"] = FREE, free.rolling, free.viscous
+            record["driver"] = free.driver.force if free.driver is not None else 0.0
+
+
+def _fit_to_mesh(bodies: Bodies, wheels: list[Wheel], strands: Strands, lines: list[str]) -> None:
+    for record, wheel in zip(bodies.wheels, wheels, strict=True):
+        s = lines.index(wheel.on)
+        h, m = float(strands.h[s]), float(strands.rho[s] * strands.h[s])
+        record["heavy"] = wheel.mass > 0.0 and (
+            wheel.mass >= HEAVY * m or wheel.free is not None or wheel.lift != 0 or record["travel"] in (EVEN, ALONG_X)
+        )
+        if record["heavy"]:
+            record["room"] = h * np.clip(ROOM_PER_MASS * m / wheel.mass, LEAST_ROOM, MOST_ROOM)
+        else:
+            record["travel"] = GIVEN
+        record["margin"] = wheel.margin if wheel.margin is not None else (MARGIN * h if record["heavy"] else 0.0)
+        if wheel.free is not None and wheel.free.brake is not None:
+            brake, length = wheel.free.brake, h * float(strands.links[s])
+            record["brake"] = brake.force
+            if brake.at in ("start", "both"):
+                record["brake_start"] = brake.within
+            if brake.at in ("end", "both"):
+                record["brake_end"] = length - brake.within
+
+
+def _with_drives(bodies: Bodies, wheels: list[Wheel], until: float) -> Bodies:
+    tables = [drive_table(w.free.drive if w.free is not None else 0.0, until) for w in wheels]
+    counts = np.array([t.size for t, _ in tables], dtype=np.int64)
+    bodies.wheels["drive_count"] = counts
+    bodies.wheels["drive_first"] = np.cumsum(counts) - counts
+    none = np.zeros(0)
+    return bodies._replace(
+        drive_time=np.concatenate([none, *(t for t, _ in tables)]),
+        drive_value=np.concatenate([none, *(v for _, v in tables)]),
+    )
+
+
+def _with_vehicles(bodies: Bodies, vehicles: list[_Vehicle]) -> Bodies:
+    size = max((v.load.size for v in vehicles), default=1)
+    places = max((len(v.seats) for v in vehicles), default=1) or 1
+    count = len(vehicles)
+    records = np.zeros(count, VEHICLE)
+    wheel, axis = np.zeros((count, places), dtype=np.int64), np.zeros((count, places), dtype=np.int64)
+    M, C, K = (np.zeros((count, size, size)) for _ in range(3))
+    load, first = np.zeros((count, size)), 0
+    coordinates = np.zeros(sum(v.coordinates for v in vehicles), COORDINATE)
+    for i, v in enumerate(vehicles):
+        n = v.load.size
+        M[i, :n, :n], C[i, :n, :n], K[i, :n, :n], load[i, :n] = v.M, v.C, v.K, v.load
+        for j, (k, a) in enumerate(v.seats):
+            wheel[i, j], axis[i, j] = k, a
+        records[i] = (first, v.coordinates, len(v.seats), v.C.any(), not (v.M - np.diag(np.diag(v.M))).any())
+        for d, drag in v.drag.items():
+            coordinates[first + d]["drag"] = drag
+        first += v.coordinates
+    return bodies._replace(
+        vehicles=records, wheel=wheel, axis=axis, M=M, C=C, K=K, load=load, coordinates=coordinates,
+        tethers=_records(TETHER, [t for v in vehicles for t in v.tethers]),
+        buffers=_records(BUFFER, [b for v in vehicles for b in v.buffers]),
+        A=np.zeros((size, size + 2)), b=np.zeros(size),
+    )  # fmt: skip
+
+
+def _records(kind: np.dtype[Any], rows: list[dict[str, Any]]) -> Any:
+    records = np.zeros(len(rows), kind)
+    for record, row in zip(records, rows, strict=True):
+        for name, value in row.items():
+            record[name] = value
+    return records
+
+
+def _vehicle(
+    name: str, load: AnyLoad, on: list[int], dim: int, first: int, gravity: float, axes: tuple[str, ...]
+) -> tuple[_Vehicle | None, list[Body]]:
+    """The vehicle above the wheels `on` of a load, if there is one, and what of it results show."""
+    numbers = tuple(range(first, first + dim))
+    if isinstance(load, Oscillator):
+        soft = load.contact_stiffness is not None
+        shown = Body(name, on[0], 0.0, (-1,) * (dim - 1) + (first,) if soft else numbers, load.mass)
+        return _oscillator(load, on[0], dim, first, gravity, axes), [shown]
+    if isinstance(load, Trolley):
+        payload = load.payload
+        stiffness = payload.stiffness or payload.mass * gravity / STRETCH
+        tether = {
+            "wheel": on[0], "first": first, "length": payload.length, "full": payload.length, "stiffness": stiffness,
+            "damping": payload.damping, "way": PULLS, "on": 1,
+        }  # fmt: skip
+        vehicle = _particle(payload.mass, dim, gravity, payload.air_drag)
+        vehicle.tethers.append(tether)
+        return vehicle, [Body(f"{name}.payload", on[0], 0.0, numbers, payload.mass)]
+    if isinstance(load, Walker):
+        vehicle = _particle(load.mass, dim, gravity, 0.0)
+        for foot in on:
+            vehicle.tethers.append(
+                {
+                    "wheel": foot, "first": first, "length": load.leg_length, "full": load.leg_length,
+                    "stiffness": load.leg_stiffness, "damping": load.leg_damping, "way": PUSHES, "on": 0,
+                }
+            )  # fmt: skip
+        return vehicle, [Body(name, on[0], 0.0, numbers, load.mass)]
+    if isinstance(load, Vehicle):
+        return _sprung(name, load, on, dim, first, gravity)
+    if isinstance(load, Matrices):
+        return _given(name, load, on, dim, first, gravity)
+    return None, []
+
+
+def _particle(mass: float, dim: int, gravity: float, drag: float) -> _Vehicle:
+    vehicle = _Vehicle.of(dim, [])
+    vehicle.M[:] = mass * np.eye(dim)
+    vehicle.load[-1] = -mass * gravity
+    if drag:
+        vehicle.drag[0] = drag
+    return vehicle
+
+
+def _oscillator(load: Oscillator, wheel: int, dim: int, first: int, gravity: float, axes: tuple[str, ...]) -> _Vehicle:
+    k, c = (
+        components(value, axes) if isinstance(value, tuple) else np.full(dim, value)
+        for value in (load.stiffness, load.damping)
+    )
+    if load.contact_stiffness is not None:  # up and down only: mass, wheel, and the buffer below it
+        vehicle = _Vehicle.of(2, [])
+        vehicle.M[:] = np.diag([load.mass, load.wheel_mass])
+        vehicle.join(np.array([1.0, -1.0]), float(k[-1]), float(c[-1]))
+        vehicle.load[:] = -gravity * np.diag(vehicle.M)
+        vehicle.buffers.append(
+            {"wheel": wheel, "coordinate": first + 1, "stiffness": load.contact_stiffness, "side": _side(load.side)}
+        )
+        return vehicle
+    vehicle = _Vehicle.of(dim, [(wheel, a) for a in range(dim)])
+    for a in range(dim):
+        vehicle.M[a, a] = load.mass
+        row = np.zeros(2 * dim)
+        row[a], row[dim + a] = 1.0, -1.0
+        vehicle.join(row, float(k[a]), float(c[a]))
+    vehicle.load[dim - 1] = -load.mass * gravity
+    if load.air_drag:
+        vehicle.drag[0] = load.air_drag
+    return vehicle
+
+
+def _side(side: str) -> int:
+    return 1 if side == "above" else -1
+
+
+def _sprung(
+    name: str, load: Vehicle, on: list[int], dim: int, first: int, gravity: float
+) -> tuple[_Vehicle | None, list[Body]]:
+    """Bodies on springs: heights, pitches, and the heights of wheels with a soft contact; rigid wheels are places."""
+    index: dict[tuple[str, str], int] = {}
+    for part, body in load.bodies.items():
+        index[part, "height"] = len(index)
+        if body.inertia:
+            index[part, "pitch"] = len(index)
+    for part, wheel in load.wheels.items():
+        if wheel.contact_stiffness is not None:
+            index[part, "height"] = len(index)
+    coordinates = len(index)
+    seats = []
+    for k, (part, wheel) in zip(on, load.wheels.items(), strict=True):
+        if wheel.contact_stiffness is None:
+            index[part, "height"] = len(index)
+            seats.append((k, dim - 1))
+    if not coordinates:
+        return None, []
+    vehicle = _Vehicle.of(coordinates, seats)
+    shown = []
+    for part, body in load.bodies.items():
+        i = index[part, "height"]
+        vehicle.M[i, i] = body.mass
+        vehicle.load[i] = -body.mass * gravity
+        if body.inertia:
+            j = index[part, "pitch"]
+            vehicle.M[j, j] = body.inertia
+        nearest = min(range(len(on)), key=lambda n: abs(list(load.wheels.values())[n].at - body.at))
+        ahead = body.at - list(load.wheels.values())[nearest].at
+        shown.append(Body(f"{name}.{part}", on[nearest], ahead, (-1,) * (dim - 1) + (first + i,), body.mass))
+    for k, (part, wheel) in zip(on, load.wheels.items(), strict=True):
+        if wheel.contact_stiffness is not None:
+            i = index[part, "height"]
+            vehicle.M[i, i] = wheel.mass
+            vehicle.load[i] = -wheel.mass * gravity
+            vehicle.buffers.append(
+                {"wheel": k, "coordinate": first + i, "stiffness": wheel.contact_stiffness, "side": _side(load.side)}
+            )
+    for spring in load.springs.values():
+        row, at = np.zeros(len(index)), load.place_of(spring)
+        for sign, part in zip((1.0, -1.0), spring.between, strict=True):
+            row[index[part, "height"]] += sign
+            if (part, "pitch") in index:
+                row[index[part, "pitch"]] += sign * (at - load.bodies[part].at)
+        vehicle.join(row, spring.stiffness, spring.damping)
+    return vehicle, shown
+
+
+def _given(
+    name: str, load: Matrices, on: list[int], dim: int, first: int, gravity: float
+) -> tuple[_Vehicle | None, list[Body]]:
+    """A vehicle given by matrices: the coordinates of its wheels put last, their own mass left to the wheels."""
+    followers = [load.coordinates.index(wheel.coordinate) for wheel in load.wheels.values()]
+    own = [i for i in range(len(load.coordinates)) if i not in followers]
+    order = np.array([*own, *followers])
+    pick = np.ix_(order, order)
+    vehicle = _Vehicle.of(len(own), [(k, dim - 1) for k in on])
+    M = np.array(load.mass)
+    if np.linalg.eigvalsh(M).min() < -1e-9 * max(float(np.abs(M).max()), 1e-300):
+        raise RopewalkError(f"load {name}: the mass matrix has a negative eigenvalue; check its signs")
+    weight = np.array(load.weight) if load.weight is not None else M.sum(axis=1) * gravity
+    vehicle.M[:], vehicle.K[:] = M[pick], np.array(load.stiffness)[pick]
+    if load.damping is not None:
+        vehicle.C[:] = np.array(load.damping)[pick]
+    vehicle.load[:] = -weight[order]
+    for i in range(len(own), order.size):
+        vehicle.load[i] += vehicle.M[i, i] * gravity
+        vehicle.M[i, i] = 0.0
+    shown = [
+        Body(f"{name}.{load.coordinates[i]}", on[0], 0.0, (-1,) * (dim - 1) + (first + j,), float(M[i, i]))
+        for j, i in enumerate(own)
+    ]
+    return (vehicle if own or vehicle.M.any() or vehicle.K.any() else None), shown

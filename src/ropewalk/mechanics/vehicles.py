@@ -1,0 +1,248 @@
+"""Vehicles: coordinates q that are coupled to each other and to the wheels below them.
+
+With the places of the wheels appended, u = (q, places),
+
+    M u'' + C u' + K u = weights + forces of tethers and buffers + forces of the line on the wheels
+
+where M holds the vehicle's own inertia for q, and for a wheel what moves with it: its mass, and the node that a light
+wheel rides with. A kick solves this for the velocities, with the damping at their mean before and after: however strong
+a damper is, it costs no smaller step. Tethers (straight, of any direction: hanging ropes, legs) and buffers (vertical,
+pushing only: contact stiffness) are explicit.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropewalk.mechanics.bodies import AWAY, INSIDE, PARKED, PULLS, PUSHES, SEATED, WAITING
+from ropewalk.mechanics.chain import LOAD_DAMPING, SHARED
+from ropewalk.mechanics.compiled import lean_inner
+from ropewalk.mechanics.rider import force_at, seat_of
+
+
+@lean_inner
+def is_fast(bodies, k):
+    """Whether wheel k stands on something that does not give way to it."""
+    phase = bodies.wheels[k].phase
+    return phase in (AWAY, WAITING, PARKED)
+
+
+@lean_inner
+def wheel_place(strands, loads, state, bodies, k, a):
+    """Component a of the place of wheel k."""
+    b = state.rider[k]
+    if b >= 0:
+        return state.r[a, b]
+    if b != SHARED:
+        return bodies.wheels[k].r[a]
+    s = loads.strand[k]
+    first = strands.first[s]
+    i = seat_of(state.X, state.xi[k], strands.h[s], first, first + strands.links[s])
+    part = (state.xi[k] - state.X[i]) / (state.X[i + 1] - state.X[i])
+    return (1.0 - part) * state.r[a, i] + part * state.r[a, i + 1]
+
+
+@lean_inner
+def _motion(strands, loads, state, buffers, bodies, k, a, kick, leading):
+    """How wheel k moves along axis a in a kick without its vehicle.
+
+    Args:
+        leading: take the velocity at the instant of the positions instead of that before the kick.
+
+    Returns:
+        Velocity before the kick in m/s, what the line and given forces add to it, and what an impulse adds: the inverse
+        of the mass that moves with the wheel, 1/kg.
+    """
+    s, b, U = loads.strand[k], state.rider[k], state.speed[k]
+    m, g, M = strands.rho[s] * strands.h[s], strands.gravity[a], bodies.wheels[k].mass[a]
+    w, X, r, f = buffers.ahead if leading else state.w, state.X, state.r, buffers.f
+    if b >= 0:
+        span = X[b + 1] - X[b - 1]
+        flux = U * (w[a, b + 1] - w[a, b - 1]) / span
+        v = w[a, b] + U * (r[a, b + 1] - r[a, b - 1]) / span
+        own = kick * ((f[a, b] - f[a, b - 1]) / m + g + 2.0 * flux)
+        per_impulse = 1.0 / (m + M)
+        return v, (m * own + kick * (force_at(loads, k, state.t[0], a) + M * g)) * per_impulse, per_impulse
+    if b == SHARED:
+        first, last = strands.first[s], strands.first[s] + strands.links[s]
+        i = seat_of(X, state.xi[k], strands.h[s], first, last)
+        part = (state.xi[k] - X[i]) / (X[i + 1] - X[i])
+        v, own, per_impulse = U * (r[a, i + 1] - r[a, i]) / (X[i + 1] - X[i]), 0.0, 0.0
+        for end in range(2):
+            node, share = i + end, (part if end == 1 else 1.0 - part)
+            v += share * w[a, node]
+            if first < node < last:
+                own += share * kick * ((f[a, node] - f[a, node - 1]) / m + g)
+                per_impulse += share * share / m
+        mass = 1.0 + per_impulse * M
+        own += per_impulse * kick * (force_at(loads, k, state.t[0], a) + M * g)
+        return v, own / mass, per_impulse / mass
+    v = bodies.wheels[k].ahead[a] if leading else bodies.wheels[k].v[a]
+    if is_fast(bodies, k):
+        return v, 0.0, 0.0
+    total = force_at(loads, k, state.t[0], a) + M * g
+    if bodies.wheels[k].phase == INSIDE or bodies.wheels[k].phase == SEATED:
+        total += bodies.wheels[k].forth[a] - bodies.wheels[k].behind[a]
+        if bodies.wheels[k].phase == SEATED:
+            total += m * g
+    return v, kick * total / M, 1.0 / M
+
+
+@lean_inner
+def _tethers(strands, loads, state, buffers, bodies, kick):
+    """Forces of tethers and buffers, on the coordinates and (as impulses of a kick) on the wheels."""
+    dim = state.r.shape[0]
+    for e in range(bodies.tethers.size):
+        if bodies.tethers[e].on == 0:
+            continue
+        k, d = bodies.tethers[e].wheel, bodies.tethers[e].first
+        square, along = 0.0, 0.0
+        for a in range(dim):
+            way = bodies.coordinates[d + a].q - wheel_place(strands, loads, state, bodies, k, a)
+            square += way * way
+            if bodies.tethers[e].damping > 0.0:
+                v, _, _ = _motion(strands, loads, state, buffers, bodies, k, a, kick, True)
+                along += way * (bodies.coordinates[d + a].ahead - v)
+        length = np.sqrt(square)
+        longer = length - bodies.tethers[e].length
+        T = bodies.tethers[e].stiffness * longer
+        if bodies.tethers[e].way == PULLS:
+            T = 0.0 if longer <= 0.0 else max(T + bodies.tethers[e].damping * along / length, 0.0)
+        elif bodies.tethers[e].way == PUSHES:
+            T = 0.0 if longer >= 0.0 else min(T + bodies.tethers[e].damping * along / length, 0.0)
+        else:
+            T += bodies.tethers[e].damping * along / length
+        if bodies.tethers[e].damping > 0.0:
+            damping = T - bodies.tethers[e].stiffness * longer if T != 0.0 else 0.0
+            state.work[LOAD_DAMPING] += kick * damping * along / length
+        if T != 0.0:
+            for a in range(dim):
+                pull = T / length * (bodies.coordinates[d + a].q - wheel_place(strands, loads, state, bodies, k, a))
+                bodies.coordinates[d + a].pushed -= pull
+                bodies.wheels[k].push[a] += kick * pull
+    z = dim - 1
+    for e in range(bodies.buffers.size):
+        k, d = bodies.buffers[e].wheel, bodies.buffers[e].coordinate
+        side = float(bodies.buffers[e].side)
+        deep = side * (wheel_place(strands, loads, state, bodies, k, z) - bodies.coordinates[d].q)
+        if deep > 0.0 and bodies.wheels[k].phase != AWAY:
+            force = bodies.buffers[e].stiffness * deep * side
+            bodies.coordinates[d].pushed += force
+            bodies.wheels[k].push[z] -= kick * force
+
+
+@lean_inner
+def _solve(A, b, n):
+    """Solve A x = b in place by elimination: the matrices are small and positive definite."""
+    for i in range(n):
+        for j in range(i + 1, n):
+            factor = A[j, i] / A[i, i]
+            if factor != 0.0:
+                for c in range(i, n):
+                    A[j, c] -= factor * A[i, c]
+                b[j] -= factor * b[i]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            b[i] -= A[i, j] * b[j]
+        b[i] /= A[i, i]
+
+
+@lean_inner
+def _kick_vehicle(strands, loads, state, buffers, bodies, v, kick, lead):
+    """New velocities of the coordinates of vehicle v, and the impulses that its wheels get."""
+    first, n, wheels = bodies.vehicles[v].first, bodies.vehicles[v].coordinates, bodies.vehicles[v].wheels
+    size = n + wheels
+    A, b, M, C, K = bodies.A, bodies.b, bodies.M[v], bodies.C[v], bodies.K[v]
+    # u into the last column of A, velocities into the one before it
+    for i in range(size):
+        if i < n:
+            A[i, size + 1], A[i, size] = bodies.coordinates[first + i].q, bodies.coordinates[first + i].v
+        else:
+            k, a = bodies.wheel[v, i - n], bodies.axis[v, i - n]
+            A[i, size + 1] = wheel_place(strands, loads, state, bodies, k, a)
+            A[i, size], _, _ = _motion(strands, loads, state, buffers, bodies, k, a, kick, False)
+    for i in range(size):
+        force = bodies.load[v, i] + (bodies.coordinates[first + i].pushed if i < n else 0.0)
+        for j in range(size):
+            force -= K[i, j] * A[j, size + 1]
+        b[i] = kick * force
+    damped = bodies.vehicles[v].damped == 1
+    if damped:
+        for i in range(size):
+            for j in range(size):
+                b[i] -= kick * C[i, j] * A[j, size]
+    # Unknown: the change of the velocities. A wheel on firm ground has none but its own.
+    for i in range(n, size):
+        k, a = bodies.wheel[v, i - n], bodies.axis[v, i - n]
+        _, own, per_impulse = _motion(strands, loads, state, buffers, bodies, k, a, kick, False)
+        if per_impulse > 0.0:
+            b[i] += bodies.wheels[k].push[a] + own / per_impulse
+    if not damped and bodies.vehicles[v].lumped == 1:
+        for i in range(size):
+            if i < n:
+                b[i] /= M[i, i]
+            else:
+                k, a = bodies.wheel[v, i - n], bodies.axis[v, i - n]
+                _, _, per_impulse = _motion(strands, loads, state, buffers, bodies, k, a, kick, False)
+                b[i] *= per_impulse
+    else:
+        for i in range(size):
+            for j in range(size):
+                A[i, j] = M[i, j] + (0.5 * kick * C[i, j] if damped else 0.0)
+            if i >= n:
+                k, a = bodies.wheel[v, i - n], bodies.axis[v, i - n]
+                _, _, per_impulse = _motion(strands, loads, state, buffers, bodies, k, a, kick, False)
+                if per_impulse > 0.0:
+                    A[i, i] += 1.0 / per_impulse
+                else:
+                    for j in range(size):
+                        A[i, j] = 1.0 if i == j else 0.0
+                    b[i] = 0.0
+        _solve(A, b, size)
+    if damped:
+        lost = 0.0
+        for i in range(size):
+            for j in range(size):
+                lost += (A[i, size] + 0.5 * b[i]) * C[i, j] * (A[j, size] + 0.5 * b[j])
+        state.work[LOAD_DAMPING] += kick * lost
+    for i in range(n):
+        bodies.coordinates[first + i].v += b[i]
+        bodies.coordinates[first + i].ahead = bodies.coordinates[first + i].v + lead * b[i]
+    for i in range(n, size):
+        k, a = bodies.wheel[v, i - n], bodies.axis[v, i - n]
+        _, own, per_impulse = _motion(strands, loads, state, buffers, bodies, k, a, kick, False)
+        bodies.wheels[k].push[a] = (b[i] - own) / per_impulse if per_impulse > 0.0 else 0.0
+
+
+@lean_inner
+def _resist_air(bodies, state, kick):
+    """Air drag on the particles of vehicles: exact for a kick in which nothing else acts."""
+    dim = state.r.shape[0]
+    for d in range(bodies.coordinates.size):
+        if bodies.coordinates[d].drag == 0.0:
+            continue
+        square = 0.0
+        for a in range(dim):
+            square += bodies.coordinates[d + a].v ** 2
+        v = 0
+        while bodies.vehicles[v].first + bodies.vehicles[v].coordinates <= d:
+            v += 1
+        m = bodies.M[v, d - bodies.vehicles[v].first, d - bodies.vehicles[v].first]
+        slower = 1.0 / (1.0 + kick * bodies.coordinates[d].drag * np.sqrt(square) / m)
+        state.work[LOAD_DAMPING] += 0.5 * m * square * (1.0 - slower * slower)
+        for a in range(dim):
+            bodies.coordinates[d + a].v *= slower
+
+
+@lean_inner
+def kick_vehicles(strands, loads, state, buffers, bodies, kick, lead):
+    """New velocities of all coordinates, and the impulses for the wheels, into `bodies.push`."""
+    for k in range(state.xi.size):
+        for a in range(state.r.shape[0]):
+            bodies.wheels[k].push[a] = 0.0
+    for d in range(bodies.coordinates.size):
+        bodies.coordinates[d].pushed = 0.0
+    _tethers(strands, loads, state, buffers, bodies, kick)
+    for v in range(bodies.vehicles.size):
+        _kick_vehicle(strands, loads, state, buffers, bodies, v, kick, lead)
+    _resist_air(bodies, state, kick)

@@ -1,0 +1,156 @@
+"""Wheels: every place where a load touches its line, from the declarations of the loads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from ropewalk.mechanics.footfall import Footfall
+from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.load import AnyLoad, MovingForce
+from ropewalk.model.mass import MovingMass
+from ropewalk.model.matrices import Matrices
+from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.scenario import Scenario
+from ropewalk.model.stepper import Stepper
+from ropewalk.model.travel import FreeTravel, Measure, Travel
+from ropewalk.model.trolley import Trolley
+from ropewalk.model.vehicle import Vehicle
+from ropewalk.model.walker import Walker
+
+FEET = ("left", "right")
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """A wheel, foot or contact of a load."""
+
+    load: str  # name of its load
+    part: str  # name within it, empty where it is the only one
+    on: str
+    measured: Measure
+    start: float  # m from the start of the line, as measured; negative: before it
+    speed: Any = 0.0  # m/s as measured, a history
+    at_end: str = "leave"
+    margin: float | None = None  # m
+    force: Any = (0.0, 0.0)  # N, a history
+    contact: str = "clamped"
+    friction: float | None = None
+    friction_model: str = "capstan"
+    mass: float = 0.0  # kg, that follows the line up and down
+    across: float = 0.0  # kg, more of it in the other directions: what the wheel pulls along
+    air_drag: float = 0.0  # kg/m
+    lift: int = 0  # 1: runs above and may leave the line, -1: below
+    free: FreeTravel | None = None
+    given: bool = field(default=True)  # False for a force that is found while the motion goes on
+
+    @property
+    def name(self) -> str:
+        """Name of the contact in results."""
+        return f"{self.load}.{self.part}" if self.part else self.load
+
+
+def wheels_of(scenario: Scenario) -> list[Wheel]:
+    """All wheels of all loads, in order."""
+    return [wheel for name, load in scenario.loads.items() for wheel in _wheels(name, load, scenario.gravity)]
+
+
+def _wheels(name: str, load: AnyLoad, gravity: float) -> Iterator[Wheel]:
+    places = load.starts()
+    if isinstance(load, MovingForce):
+        yield Wheel(
+            name, "", load.on, places[0].measured, places[0].start, **_prescribed(load.travel), force=load.force,
+            contact=load.contact, friction=load.friction, friction_model=load.friction_model,
+        )  # fmt: skip
+    elif isinstance(load, MovingMass):
+        yield Wheel(
+            name, "", load.on, places[0].measured, places[0].start, **_travel(load.travel), force=load.force,
+            contact=load.contact, mass=load.mass, air_drag=load.air_drag, lift=_lift(load),
+        )  # fmt: skip
+    elif isinstance(load, Trolley):
+        yield Wheel(
+            name, "", load.on, places[0].measured, places[0].start, **_travel(load.travel), force=load.force,
+            mass=load.mass, air_drag=load.air_drag, lift=_lift(load),
+        )  # fmt: skip
+    elif isinstance(load, Oscillator):
+        soft = load.contact_stiffness is not None
+        yield Wheel(
+            name, "", load.on, places[0].measured, places[0].start, **_travel(load.travel),
+            mass=0.0 if soft else load.wheel_mass, across=load.mass + load.wheel_mass if soft else 0.0,
+            lift=0 if soft else _lift(load),
+        )  # fmt: skip
+    elif isinstance(load, Vehicle):
+        across = shares(load)
+        for place, (part, wheel) in zip(places, load.wheels.items(), strict=True):
+            soft = wheel.contact_stiffness is not None
+            yield Wheel(
+                name, part if len(places) > 1 else "", load.on, place.measured, place.start,
+                **_prescribed(load.travel), mass=0.0 if soft else wheel.mass,
+                across=across[part] + (wheel.mass if soft else 0.0), lift=0 if soft else _lift(load),
+            )  # fmt: skip
+    elif isinstance(load, Matrices):
+        for place, (part, axle) in zip(places, load.wheels.items(), strict=True):
+            own = load.coordinates.index(axle.coordinate)
+            yield Wheel(
+                name, part if len(places) > 1 else "", load.on, place.measured, place.start,
+                **_prescribed(load.travel), mass=load.mass[own][own], lift=_lift(load),
+            )  # fmt: skip
+    elif isinstance(load, Footsteps):
+        for number, foot in enumerate(FEET):
+            force = Footfall(load, number, gravity)
+            yield Wheel(name, foot, load.on, "material", places[0].start, force=force, given=False)
+    elif isinstance(load, Walker):
+        for foot in FEET:
+            yield Wheel(name, foot, load.on, "material", places[0].start, mass=load.foot_mass, given=False)
+    else:
+        assert isinstance(load, Stepper)
+        count = contacts_of(load)
+        for number in range(count):
+            part = str(number + 1) if count > 1 else ""
+            yield Wheel(name, part, load.on, "material", places[0].start, given=False)
+
+
+def contacts_of(load: Stepper) -> int:
+    """How many contacts the model of a stepper may have: its attribute `contacts`, 1 without it."""
+    if isinstance(load.model, str):
+        return int(load.options.get("contacts", 1))
+    return int(getattr(load.model, "contacts", 1))
+
+
+def _prescribed(travel: Travel) -> dict[str, Any]:
+    return {"speed": travel.speed, "at_end": travel.at_end, "margin": travel.margin}
+
+
+def _travel(travel: Travel | FreeTravel) -> dict[str, Any]:
+    if isinstance(travel, Travel):
+        return _prescribed(travel)
+    return {
+        "speed": travel.driver.speed if travel.driver is not None else travel.speed, "at_end": travel.at_end,
+        "margin": travel.margin, "friction": travel.friction, "friction_model": travel.friction_model, "free": travel,
+    }  # fmt: skip
+
+
+def _lift(load: MovingMass | Trolley | Oscillator | Vehicle | Matrices) -> int:
+    return 0 if not load.lift_off else (1 if load.side == "above" else -1)
+
+
+def shares(load: Vehicle) -> dict[str, float]:
+    """Mass that each wheel of a vehicle pulls along: its bodies, shared as by levers about the outer springs."""
+    names = list(load.wheels)
+    if len(names) == 1:
+        return {names[0]: sum(body.mass for body in load.bodies.values())}
+    found = dict.fromkeys(names, 0.0)
+    for body in load.bodies.values():  # to the two wheels on both sides of its centre
+        ahead = [n for n in names if load.wheels[n].at >= body.at]
+        behind = [n for n in names if load.wheels[n].at < body.at]
+        front = min(ahead, key=lambda n: load.wheels[n].at) if ahead else max(names, key=lambda n: load.wheels[n].at)
+        rear = max(behind, key=lambda n: load.wheels[n].at) if behind else min(names, key=lambda n: load.wheels[n].at)
+        if front == rear or not ahead or not behind:
+            found[front if ahead else rear] += body.mass
+            continue
+        a, b = load.wheels[rear].at, load.wheels[front].at
+        part = (body.at - a) / (b - a)
+        found[front] += part * body.mass
+        found[rear] += (1.0 - part) * body.mass
+    return found

@@ -1,0 +1,22 @@
+"""How a load touches its line: the words of it, and what goes with them."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from ropewalk.model._base import Finding, Path
+
+FrictionModel = Literal["capstan", "block"]
+Side = Literal["above", "below"]
+
+LIFT_OFF = "whether it may leave the line; it lands again without bouncing"
+SIDE = "side of the line on which it runs; matters with lift_off"
+CONTACT_STIFFNESS = "normal stiffness of a contact that can only push, goes with lift_off (default: rigid)"
+
+
+def soft_contact(path: Path, stiffness: float | None, *, lift_off: bool) -> list[Finding]:
+    """Find a contact stiffness (N/m, at `path`) of a load that cannot leave the line."""
+    if stiffness is None or lift_off:
+        return []
+    wrong, remedy = "a contact that can only push lets go", "write lift_off: true, or leave contact_stiffness out"
+    return [Finding(path, wrong, f"{stiffness:g} N/m", remedy)]

@@ -1,0 +1,118 @@
+"""Footsteps: a person as a pair of given forces that step along."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, GetCoreSchemaHandler, TypeAdapter, model_validator
+from pydantic_core import core_schema
+
+from ropewalk.errors import Refused, did_you_mean
+from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.quantity import Angle, Frequency, Offset, PositiveLength, PositiveMass, Share
+from ropewalk.model.travel import AtEnd, Place
+
+MOST_OVERLAP = 0.5
+YOUNG = (1.0, 2.8)
+"""Steps per second for which Young's amplitudes were fitted."""
+
+
+class Harmonic(Declaration):
+    """One term of the force of a person who walks, as part of the weight: amplitude * sin(2 pi i f t - phase)."""
+
+    amplitude: Share = Field(description="as part of the weight")
+    phase: Angle = Field(default=0.0, description="lag of the term")
+
+
+@dataclass(frozen=True)
+class _Walk:
+    """Annotation: the name of a published model, or a list of harmonics."""
+
+    names: tuple[str, ...]
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        harmonics: TypeAdapter[tuple[Harmonic, ...]] = TypeAdapter(tuple[Harmonic, ...])
+        listed = "or a list of {amplitude, phase}"
+
+        def read(value: Any, _: Any) -> Any:
+            if isinstance(value, list | tuple):
+                return harmonics.validate_python(value)
+            if not isinstance(value, str):
+                raise Refused("expected a model of the force", f"write {' or '.join(self.names)}, {listed}")
+            if value not in self.names:
+                known = f"known here: {', '.join(self.names)}, {listed}"
+                raise Refused("unknown model of the force", did_you_mean(value, self.names, otherwise=known))
+            return value
+
+        words = core_schema.literal_schema(list(self.names))
+        inner = core_schema.union_schema([words, handler.generate_schema(tuple[Harmonic, ...])])
+        return core_schema.no_info_wrap_validator_function(read, inner)
+
+
+class Footsteps(Declaration):
+    """A person as given forces: two feet that alternate, each at its own place.
+
+    Foot n = 0, 1, 2, ... lands `step_length` beyond the one before at the time n / frequency and stays for
+    (1 + overlap) / frequency; while two feet stand, the force goes over from one to the other. Together they press
+    with mg (1 + sum of a_i sin(2 pi i f t - phase_i)), whatever the line does: `kind: walker` is who responds.
+    """
+
+    kind: Literal["footsteps"] = "footsteps"
+    on: str = Field(description="name of the line")
+    mass: PositiveMass = Field(description="of the person; only its weight acts")
+    frequency: Frequency = Field(default=2.0, description="steps per second")
+    step_length: PositiveLength = Field(default=0.7, description="from foot to foot, along the unstrained line")
+    model: Annotated[Literal["bachmann", "young"] | tuple[Harmonic, ...], _Walk(("bachmann", "young"))] = Field(
+        default="young", description="amplitudes of the force: bachmann, young, or a list of {amplitude, phase}"
+    )
+    overlap: Share = Field(
+        default=0.2,
+        description="part of a step during which both feet stand, up to 0.5; 0.2 is ordinary walking, in which a foot "
+        "stands for 60 % of a stride of two steps (Perry, Gait Analysis, 1992)",
+    )
+    start: Offset = Field(default=0.0, alias="from", description="unstrained length from the start to the first foot")
+    towards: Literal["end", "start"] = Field(default="end", description="end of the line towards which it steps")
+    at_end: AtEnd = Field(
+        default="refuse",
+        description="a person who would step off an end of the line is refused, leaves the line, or stays there",
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        findings = []
+        if self.overlap > MOST_OVERLAP:
+            wrong, remedy = "nobody walks with both feet down for so long", "write 0 to 0.5"
+            findings.append(Finding(("overlap",), wrong, f"{self.overlap:g}", remedy))
+        if self.model == "young" and not YOUNG[0] <= self.frequency <= YOUNG[1]:
+            wrong = f"model young is for {YOUNG[0]:g} to {YOUNG[1]:g} steps per second"
+            remedy = "write the amplitudes as a list of {amplitude, phase}"
+            findings.append(Finding(("frequency",), wrong, f"{self.frequency:g} Hz", remedy))
+        report("footsteps", findings)
+        return self
+
+    def starts(self) -> list[Place]:
+        """List where the first foot stands at the beginning."""
+        return [Place("", "material", self.start)]
+
+    def vectors(self) -> Iterator[tuple[float, ...]]:
+        """List all vectors that it is given by: none."""
+        yield from ()
+
+    def harmonics(self) -> tuple[Harmonic, ...]:
+        """List the terms of the force, the first at the frequency of the steps.
+
+        Bachmann and Ammann: a1 = 0.4 at 2 Hz rising to 0.5 at 2.4 Hz (constant outside), a2 = a3 = 0.1 with a lag of
+        pi/2. Young: a1 = 0.41 (f - 0.95) up to 0.56, a2 = 0.069 + 0.0056 * 2f, a3 = 0.033 + 0.0064 * 3f,
+        a4 = 0.013 + 0.0065 * 4f; he gives no lags, they are 0 here.
+        """
+        if not isinstance(self.model, str):
+            return self.model
+        f = self.frequency
+        if self.model == "bachmann":
+            first, lag = min(max(0.4 + 0.25 * (f - 2.0), 0.4), 0.5), 1.5707963267948966
+            return Harmonic(amplitude=first), *(Harmonic(amplitude=0.1, phase=lag) for _ in range(2))
+        first = min(max(0.41 * (f - 0.95), 0.0), 0.56)
+        higher = (0.069 + 0.0056 * 2.0 * f, 0.033 + 0.0064 * 3.0 * f, 0.013 + 0.0065 * 4.0 * f)
+        return tuple(Harmonic(amplitude=amplitude) for amplitude in (first, *higher))

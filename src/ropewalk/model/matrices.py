@@ -1,0 +1,109 @@
+"""Vehicles given by their matrices."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import combinations
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from ropewalk.errors import did_you_mean
+from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.contact import LIFT_OFF, SIDE, Side
+from ropewalk.model.quantity import Matrix, Name, Station, TableForce
+from ropewalk.model.travel import Place, Travel, prescribed_only
+
+
+class MatrixWheel(Declaration):
+    """A wheel of a vehicle given by matrices: the coordinate that follows the line at its place."""
+
+    at: Station = Field(default=0.0, description="place along the vehicle, ahead of its point 0 if positive")
+    coordinate: str = Field(description="name of the coordinate that follows the line, positive upwards")
+
+
+class Matrices(Declaration):
+    """Any linear vehicle: M q'' + C q' + K q = contact forces - weights, some of the q following the line.
+
+    The numbers are in SI units as the coordinates demand (kg and m for a height, kg*m^2 and rad for a pitch). At
+    q = 0 nothing is stressed. Heights are positive upwards.
+    """
+
+    kind: Literal["matrices"] = "matrices"
+    on: str = Field(description="name of the line")
+    coordinates: tuple[Name, ...] = Field(min_length=1, description="names of the coordinates, in order")
+    mass: Matrix = Field(description="mass matrix, symmetric")
+    damping: Matrix | None = Field(default=None, description="damping matrix (default: none)")
+    stiffness: Matrix = Field(description="stiffness matrix")
+    wheels: dict[Name, MatrixWheel] = Field(min_length=1, description="the wheels, by name")
+    weight: tuple[TableForce, ...] | None = Field(
+        default=None,
+        description="of each coordinate, positive downwards (default: row sums of the mass matrix times gravity, "
+        "which is right where all coordinates are heights)",
+    )
+    travel: Annotated[Travel, prescribed_only("a vehicle travels as prescribed")] = Field(
+        description="how its point 0 advances; wheels with a positive `at` run ahead of it towards the end of the line"
+    )
+    lift_off: bool = Field(default=False, description=LIFT_OFF)
+    side: Side = Field(default="above", description=SIDE)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        sizes = list(self._sizes())
+        report("matrices", [*self._names(), *(sizes or self._mass())])
+        return self
+
+    def starts(self) -> list[Place]:
+        """List where its wheels stand at the beginning; negative: before the start of the line."""
+        return [Place(name, self.travel.measured, self.travel.start + w.at) for name, w in self.wheels.items()]
+
+    def vectors(self) -> Iterator[tuple[float, ...]]:
+        """List all vectors that it is given by: none."""
+        yield from ()
+
+    def _names(self) -> Iterator[Finding]:
+        for index, name in enumerate(self.coordinates):
+            if name in self.coordinates[:index]:
+                remedy = "give every coordinate its own name"
+                yield Finding(("coordinates", index), "the name stands twice", repr(name), remedy)
+        for name, wheel in self.wheels.items():
+            if wheel.coordinate not in self.coordinates:
+                remedy = did_you_mean(wheel.coordinate, self.coordinates)
+                yield Finding(("wheels", name, "coordinate"), "no such coordinate", repr(wheel.coordinate), remedy)
+        for (one, first), (two, second) in combinations(self.wheels.items(), 2):
+            if first.coordinate == second.coordinate:
+                wrong, remedy = f"wheel {one} has the same coordinate", "give every wheel its own coordinate"
+                yield Finding(("wheels", two, "coordinate"), wrong, repr(second.coordinate), remedy)
+            elif math.isclose(first.at, second.at, rel_tol=1e-9, abs_tol=1e-9):
+                remedy = "let it stand elsewhere (at), or make one wheel of the two"
+                yield Finding(("wheels", two, "at"), f"at the same place as wheel {one}", f"{second.at:g} m", remedy)
+
+    def _sizes(self) -> Iterator[Finding]:
+        count = len(self.coordinates)
+        size = f"{count} coordinate{'s' if count > 1 else ''}"
+        for key, matrix in (("mass", self.mass), ("damping", self.damping), ("stiffness", self.stiffness)):
+            if matrix is None:
+                continue
+            if len(matrix) != count:
+                remedy = f"write {count} rows of {count} numbers"
+                yield Finding((key,), f"does not go with {size}", f"{len(matrix)} rows", remedy)
+                continue
+            for index, row in enumerate(matrix):
+                if len(row) != count:
+                    remedy = f"write {count} numbers in each row"
+                    yield Finding((key, index), f"does not go with {size}", f"a row of {len(row)}", remedy)
+        if self.weight is not None and len(self.weight) != count:
+            remedy = f"write {count} weights, or leave weight out"
+            yield Finding(("weight",), f"does not go with {size}", f"{len(self.weight)} weights", remedy)
+
+    def _mass(self) -> Iterator[Finding]:
+        for i, row in enumerate(self.mass):
+            if row[i] < 0.0:
+                remedy = "a mass matrix has no negative diagonal: check its signs"
+                yield Finding(("mass", i, i), "a negative mass", f"{row[i]:g}", remedy)
+            for j in range(i):
+                if not math.isclose(row[j], self.mass[j][i], rel_tol=1e-9):
+                    wrong, remedy = "the mass matrix is not symmetric", "write the same number on both sides"
+                    given = f"{row[j]:g} here and {self.mass[j][i]:g} in row {j}, column {i} (counted from 0)"
+                    yield Finding(("mass", i, j), wrong, given, remedy)

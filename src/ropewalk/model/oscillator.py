@@ -1,0 +1,46 @@
+"""Oscillators: a mass on a spring on a wheel."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.contact import CONTACT_STIFFNESS, LIFT_OFF, SIDE, Side, soft_contact
+from ropewalk.model.quantity import AirDrag, Mass, PositiveMass, PositiveStiffness, Stiffnesses, Viscosities
+from ropewalk.model.travel import AnyTravel, FreeTravel, Place
+
+
+class Oscillator(Declaration):
+    """A mass on springs and dampers on a wheel that runs on the line."""
+
+    kind: Literal["oscillator"] = "oscillator"
+    on: str = Field(description="name of the line")
+    mass: PositiveMass = Field(description="on the springs")
+    stiffness: Stiffnesses = Field(description="of the springs, one value for all directions or [kx, kz]")
+    damping: Viscosities = Field(default=0.0, description="of the dampers, one value or [cx, cz]")
+    wheel_mass: Mass = Field(default=0.0, description="of the wheel; a free travel needs it")
+    travel: AnyTravel = Field(description="how its wheel advances along the line, prescribed or free")
+    lift_off: bool = Field(default=False, description=LIFT_OFF)
+    side: Side = Field(default="above", description=SIDE)
+    contact_stiffness: PositiveStiffness | None = Field(default=None, description=CONTACT_STIFFNESS)
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v against the motion of the mass")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        findings = soft_contact(("contact_stiffness",), self.contact_stiffness, lift_off=self.lift_off)
+        if isinstance(self.travel, FreeTravel) and not self.wheel_mass:
+            remedy = "add wheel_mass, for example a hundredth of mass, or prescribe the travel"
+            findings.append(Finding(("wheel_mass",), "is missing, a free travel moves the wheel by it", remedy=remedy))
+        report("oscillator", findings)
+        return self
+
+    def starts(self) -> list[Place]:
+        """List where its wheel stands at the beginning."""
+        return [Place("", self.travel.measured, self.travel.start)]
+
+    def vectors(self) -> Iterator[tuple[float, ...]]:
+        """List all vectors that it is given by: none."""
+        yield from ()

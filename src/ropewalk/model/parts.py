@@ -1,0 +1,32 @@
+"""The parts of a scenario, as the checks of what does not fit together see them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from ropewalk.model.line import Line
+from ropewalk.model.load import AnyLoad
+from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
+
+
+@dataclass(frozen=True)
+class Parts:
+    """A scenario in parts; a part that is itself wrong is None, and checks that need it are left out."""
+
+    lines: Mapping[str, Line | None]
+    loads: Mapping[str, AnyLoad | None]
+    run: Dynamic | Quasistatic | Equilibrium | Linear | None
+    gravity: float | None
+    on: Mapping[str, str] = field(default_factory=dict)  # line named by each load, also by those that are None
+
+    def loads_on(self, line: str) -> list[str]:
+        """Names of the loads on a line."""
+        return [load for load, name in self.on.items() if name == line]
+
+    def complete(self) -> Iterator[tuple[str, AnyLoad, str, Line]]:
+        """List the loads that are themselves right and stand on a line that is, too: name, load, line's name, line."""
+        for name, load in self.loads.items():
+            line = self.lines.get(load.on) if load is not None else None
+            if load is not None and line is not None:
+                yield name, load, load.on, line

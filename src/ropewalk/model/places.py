@@ -1,0 +1,203 @@
+"""Where the loads of a scenario stand, when they would pass an end of their line, and whether they meet."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import combinations, product
+
+from ropewalk.model._base import Finding
+from ropewalk.model.course import Piece, between, course, first_at_most, place_at
+from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.history import SpeedTable
+from ropewalk.model.line import Line
+from ropewalk.model.load import AnyLoad, MovingForce, Travelling
+from ropewalk.model.parts import Parts
+from ropewalk.model.run import Dynamic, Linear
+from ropewalk.model.travel import FreeTravel, Measure, Place, Travel
+
+
+def reach(line: Line, measured: Measure) -> float | None:
+    """Find how far in m a load can be from the start of the line, None where that is not known exactly."""
+    if measured == "material":
+        return line.length
+    if measured == "horizontal":  # under gravity alone x never turns back between the ends
+        return abs(line.end[0] - line.start[0])
+    return None
+
+
+def margin(load: AnyLoad, line: Line) -> float:
+    """Find the unstrained length in m at which the line ends for a load before its support, 0 where not known."""
+    if not isinstance(load, Travelling) or isinstance(load, MovingForce):
+        return (load.travel.margin or 0.0) if isinstance(load, MovingForce) else 0.0
+    quarter = 0.25 * line.length / line.elements if line.length is not None else 0.0
+    return quarter if load.travel.margin is None else load.travel.margin
+
+
+def travels(parts: Parts) -> Iterator[Finding]:
+    """Find loads that start off their line, or that would pass an end of it and are to be refused there."""
+    for name, load, on, line in parts.complete():
+        places = load.starts()
+        measured = places[0].measured
+        limit = reach(line, measured)
+        if measured == "horizontal" and limit == 0.0:
+            remedy = "measure the speed as material, slip or arc"
+            wrong = f"{on} has no horizontal extent"
+            yield Finding(("loads", name, "travel", "measured"), wrong, "horizontal", remedy)
+            continue
+        room = margin(load, line)
+        if line.length is not None and room >= 0.5 * line.length:
+            remedy = f"stay below {0.5 * line.length:g} m, half the length of the line"
+            yield Finding(("loads", name, "travel", "margin"), f"leaves no room on {on}", f"{room:g} m", remedy)
+            continue
+        wrong_start = _off_the_line(load, on, line, parts.gravity)
+        if wrong_start is not None:
+            wrong, given, remedy = wrong_start
+            yield Finding(("loads", name, *_start_key(load)), wrong, given, remedy)
+        elif isinstance(parts.run, Dynamic | Linear):
+            yield from _passing(name, load, on, line, parts.run.until)
+
+
+def meetings(parts: Parts) -> Iterator[Finding]:
+    """Find loads that start at one place, and those with a prescribed travel that meet later."""
+    for (one, first, on, line), (two, second, other, _) in combinations(parts.complete(), 2):
+        if on != other:
+            continue
+        pairs = list(product(first.starts(), second.starts()))
+        same = next((b for a, b in pairs if _coincide(a, b)), None)
+        if same is not None:
+            what = f"wheel {same.label} starts" if same.label else "starts"
+            remedy = "let it start elsewhere (from), or add the forces up in one load"
+            wrong = f"{what} at the same place as load {one}"
+            yield Finding(("loads", two, *_start_key(second)), wrong, f"{same.start:g} m", remedy)
+        elif isinstance(parts.run, Dynamic):  # in the linear theory they do not notice each other
+            a, b = _prescribed(first), _prescribed(second)
+            if a is None or b is None or a.measured != b.measured:
+                continue
+            met = [_meeting((a, p.start), (b, q.start), line, parts.run.until) for p, q in pairs]
+            known = [meeting for meeting in met if meeting is not None]
+            if known:
+                time, place = min(known)
+                wrong = f"the load meets load {one} at {time:.4g} s, {place:.4g} m along {on}"
+                remedy = f"loads cannot pass each other: change speed or from, or end the run before {time:.4g} s"
+                yield Finding(("loads", two, "travel", "speed"), wrong, remedy=remedy)
+
+
+def _start_key(load: AnyLoad) -> tuple[str, ...]:
+    return ("travel", "from") if isinstance(load, Travelling) else ("from",)
+
+
+def _prescribed(load: AnyLoad) -> Travel | None:
+    travel = load.travel if isinstance(load, Travelling) else None
+    return None if isinstance(travel, FreeTravel) else travel
+
+
+def _coincide(a: Place, b: Place) -> bool:
+    if a.start == b.start == 0.0:
+        return True
+    return a.measured == b.measured and math.isclose(a.start, b.start, rel_tol=1e-12)
+
+
+def _off_the_line(load: AnyLoad, on: str, line: Line, gravity: float | None) -> tuple[str, str, str] | None:
+    """Say which place is off the line at the start, what was given and what to do."""
+    start = load.travel.start if isinstance(load, Travelling) else load.start
+    for place in load.starts():
+        what = f"wheel {place.label}" if place.label else "the load"
+        ahead = place.start - start
+        if place.start < -1e-9 * max(start, 1.0):
+            remedy = f"start at least {-ahead:g} m from the start of the line"
+            return f"{what} would start before the start of {on}", f"{start:g} m", remedy
+        beyond = _beyond(line, place, gravity)
+        if beyond is not None:
+            remedy = f"start at most {beyond - ahead:g} m from the start of the line"
+            if ahead > beyond:
+                remedy = f"the line is only {beyond:g} m long: check the places (at) of the wheels"
+            return f"{what} would start beyond the end of {on}", f"{start:g} m", remedy
+    return None
+
+
+def _beyond(line: Line, place: Place, gravity: float | None) -> float | None:
+    """The length in m that a start exceeds for certain, None if it may be on the line."""
+    limit = reach(line, place.measured)
+    if limit is not None:
+        return limit if place.start > limit * (1.0 + 1e-9) else None
+    if line.length is None or line.axial_stiffness is None or gravity is None:
+        return None
+    if line.mass * gravity * line.length > 0.1 * line.axial_stiffness:
+        return None  # soft enough for its own weight to stretch it far: the arc length at rest is not known here
+    longest = max(line.length, line.distance)
+    return longest if place.start > 1.5 * longest else None
+
+
+def _passing(name: str, load: AnyLoad, on: str, line: Line, until: float) -> Iterator[Finding]:
+    travel = _prescribed(load)
+    if isinstance(load, Footsteps):
+        yield from _stepping_off(name, load, on, line, until)
+    if travel is None or callable(travel.speed) or travel.at_end != "refuse":
+        return
+    limit = reach(line, travel.measured)
+    room = margin(load, line) if travel.measured == "material" else 0.0  # elsewhere its size is not known
+    slack = 1e-9 * (limit or 1.0)
+    ends: list[tuple[str, float | None]] = []
+    for place in load.starts():
+        way = course(travel.speed, place.start, until)
+        ends.append(("start", first_at_most(way, min(room, place.start) - slack)))
+        if limit is not None:
+            last = max(limit - room, place.start) if room else limit
+            ends.append(("end", first_at_most([p.mirrored() for p in way], -last - slack)))
+    times = [(time, end) for end, time in ends if time is not None]
+    if not times:
+        return
+    time, end = min(times)
+    given = "a table" if isinstance(travel.speed, SpeedTable) else f"{travel.speed:g} m/s"
+    wrong = f"the load passes the {end} of {on} at {_floor(time):g} s and the run goes on until {until:g} s"
+    remedy = f"write run.until: {_floor(time):g} s, change speed or from, or write at_end: leave"
+    if _floor(time) == 0.0:
+        wrong = f"the load stands at the {end} of {on} and would move off it"
+        remedy = "let it start elsewhere (from), turn the sign of speed, or write at_end: leave"
+    yield Finding(("loads", name, "travel", "speed"), wrong, given, remedy)
+
+
+def _stepping_off(name: str, load: Footsteps, on: str, line: Line, until: float) -> Iterator[Finding]:
+    room = load.start if load.towards == "start" else None if line.length is None else line.length - load.start
+    if room is None or load.at_end != "refuse":
+        return
+    time = (math.floor(room / load.step_length * (1.0 + 1e-9)) + 1) / load.frequency  # of the first foot beyond it
+    if time < until:
+        wrong = f"a foot lands beyond the {load.towards} of {on} at {time:.4g} s and the run goes on until {until:g} s"
+        remedy = f"write run.until: {_floor(time):g} s, change from or towards, or write at_end: leave"
+        yield Finding(("loads", name, "from"), wrong, f"{load.start:g} m", remedy)
+
+
+def _floor(time: float) -> float:
+    """Round a time down to four digits, so that it is safe to write into a scenario."""
+    if time < 1e-9:
+        return 0.0
+    scale = 10.0 ** (3 - math.floor(math.log10(time)))
+    return math.floor(time * scale * (1.0 + 1e-12)) / scale
+
+
+def _meeting(a: tuple[Travel, float], b: tuple[Travel, float], line: Line, until: float) -> tuple[float, float] | None:
+    """Time in s and place in m where two places that travel meet for certain while both are on the line."""
+    ahead, behind = (a, b) if a[1] > b[1] else (b, a)
+    ways: list[list[Piece]] = []
+    for travel, start in (ahead, behind):
+        if callable(travel.speed):
+            return None
+        ways.append(course(travel.speed, start, until))
+    time = first_at_most(between(*ways), 0.0)
+    if time is None:
+        return None
+    for (travel, _), way in zip((ahead, behind), ways, strict=True):
+        limit = reach(line, travel.measured)
+        if limit is None:  # not known exactly; a load that would be refused there does not matter
+            limit = math.inf if travel.at_end == "refuse" else 0.5 * line.distance
+        if _leaves(way, limit, time):
+            return None
+    return time, place_at(ways[0], time)
+
+
+def _leaves(way: list[Piece], limit: float, before: float) -> bool:
+    slack = 1e-9 * (limit if math.isfinite(limit) else 1.0)
+    times = [first_at_most(way, -slack), first_at_most([p.mirrored() for p in way], -limit - slack)]
+    return any(time is not None and time < before for time in times)

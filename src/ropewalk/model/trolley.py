@@ -1,0 +1,80 @@
+"""Trolleys: a mass on the line with a payload that swings below."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.contact import LIFT_OFF, SIDE, Side
+from ropewalk.model.history import ForceHistory, rows
+from ropewalk.model.quantity import (
+    AirDrag,
+    Angle,
+    Displacement,
+    PositiveLength,
+    PositiveMass,
+    PositiveStiffness,
+    Viscosity,
+)
+from ropewalk.model.travel import AnyTravel, Place
+
+LARGEST_STRETCH = 2.0
+"""A rope that would begin longer than this times its length is taken for a slip of the pen."""
+
+
+class Payload(Declaration):
+    """A mass on a rope of its own, which can only pull; where it is slack the mass flies."""
+
+    mass: PositiveMass = Field(description="of the payload")
+    length: PositiveLength = Field(description="of its rope, unstrained")
+    stiffness: PositiveStiffness | None = Field(
+        default=None, description="of its rope (default: so stiff that the weight stretches it by 1 mm)"
+    )
+    damping: Viscosity = Field(default=0.0, description="of its rope, while it pulls")
+    swing: Angle = Field(default=0.0, description="angle from the vertical at the start, towards +x")
+    at: Displacement | None = Field(
+        default=None, description="place at the start relative to the trolley, [x, z] or [x, y, z], instead of swing"
+    )
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v against its motion")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        findings = []
+        if self.at is not None and self.swing:
+            wrong, remedy = "swing and at exclude each other", "give the angle of the taut rope or the place, not both"
+            findings.append(Finding(("swing",), wrong, f"{self.swing:g} rad", remedy))
+        if self.at is not None and math.hypot(*self.at) > LARGEST_STRETCH * self.length:
+            wrong = f"the rope of {self.length:g} m would begin stretched to {math.hypot(*self.at):.3g} m"
+            findings.append(Finding(("at",), wrong, str(list(self.at)), "check length and at"))
+        report("payload", findings)
+        return self
+
+
+class Trolley(Declaration):
+    """A mass on the line from which a payload hangs, free to swing wide."""
+
+    kind: Literal["trolley"] = "trolley"
+    on: str = Field(description="name of the line")
+    mass: PositiveMass = Field(description="of the trolley without its payload")
+    payload: Payload = Field(description="what hangs from it")
+    travel: AnyTravel = Field(description="how it advances along the line, prescribed or free")
+    force: ForceHistory = Field(
+        default=(0.0, 0.0), description="further force on the trolley, or a table {time, value}"
+    )
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v against the motion of the trolley")
+    lift_off: bool = Field(default=False, description=LIFT_OFF)
+    side: Side = Field(default="above", description=SIDE)
+
+    def starts(self) -> list[Place]:
+        """List where it stands at the beginning."""
+        return [Place("", self.travel.measured, self.travel.start)]
+
+    def vectors(self) -> Iterator[tuple[float, ...]]:
+        """List all vectors that it is given by."""
+        yield from rows(self.force)
+        if self.payload.at is not None:
+            yield self.payload.at

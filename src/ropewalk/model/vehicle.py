@@ -1,0 +1,169 @@
+"""Vehicles: bodies on springs on wheels, several of them behind each other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
+from pydantic_core import core_schema
+
+from ropewalk.errors import Refused, did_you_mean
+from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.contact import CONTACT_STIFFNESS, LIFT_OFF, SIDE, Side, soft_contact
+from ropewalk.model.quantity import Inertia, Mass, Name, PositiveMass, PositiveStiffness, Station, Viscosity
+from ropewalk.model.travel import Place, Travel, prescribed_only
+
+
+class RigidBody(Declaration):
+    """A rigid body of a vehicle: it moves up and down and, if it has an inertia, pitches about its centre."""
+
+    mass: PositiveMass = Field(description="of the body")
+    inertia: Inertia = Field(default=0.0, description="moment of inertia about its centre; 0: it does not pitch")
+    at: Station = Field(default=0.0, description="place of its centre along the vehicle")
+
+
+class Wheel(Declaration):
+    """A wheel, axle or unsprung mass that runs on the line."""
+
+    at: Station = Field(default=0.0, description="place along the vehicle, ahead of its point 0 if positive")
+    mass: Mass = Field(default=0.0, description="unsprung, that follows the line")
+    contact_stiffness: PositiveStiffness | None = Field(default=None, description=CONTACT_STIFFNESS)
+
+
+@dataclass(frozen=True)
+class _TwoNames:
+    """Annotation: two names in a list."""
+
+    def read(self, value: object) -> tuple[str, str]:
+        if not isinstance(value, list | tuple) or len(value) != 2 or not all(isinstance(name, str) for name in value):
+            raise Refused("expected two names", "write [body, wheel] or [body, body]")
+        return value[0], value[1]
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
+
+
+class Spring(Declaration):
+    """A vertical spring with a damper beside it, between two parts of a vehicle."""
+
+    between: Annotated[tuple[str, str], _TwoNames()] = Field(description="names of a body and a wheel, or two bodies")
+    stiffness: PositiveStiffness = Field(description="of the spring")
+    damping: Viscosity = Field(default=0.0, description="of the damper")
+    at: Station | None = Field(
+        default=None,
+        description="place along the vehicle (default: that of the wheel, or of the centre of the first body)",
+    )
+
+
+class Vehicle(Declaration):
+    """Bodies on springs on wheels, with vertical motion and pitch, pulled along as prescribed.
+
+    Places `at` count along the line and forwards from the point 0 of the vehicle, which is where `travel` says. All
+    distances between wheels are kept in what the travel measures.
+    """
+
+    kind: Literal["vehicle"] = "vehicle"
+    on: str = Field(description="name of the line")
+    bodies: dict[Name, RigidBody] = Field(default_factory=dict, description="the sprung bodies, by name")
+    wheels: dict[Name, Wheel] = Field(min_length=1, description="the wheels, by name")
+    springs: dict[Name, Spring] = Field(default_factory=dict, description="what joins them, by name")
+    travel: Annotated[Travel, prescribed_only("a vehicle travels as prescribed")] = Field(
+        description="how its point 0 advances; wheels with a positive `at` run ahead of it towards the end of the line"
+    )
+    lift_off: bool = Field(default=False, description=LIFT_OFF)
+    side: Side = Field(default="above", description=SIDE)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        findings = [*self._names(), *self._wheels()]
+        if not findings:  # who is joined to whom is known
+            findings = list(self._bodies())
+        report("vehicle", findings)
+        return self
+
+    def starts(self) -> list[Place]:
+        """List where its wheels stand at the beginning; negative: before the start of the line."""
+        return [Place(name, self.travel.measured, self.travel.start + w.at) for name, w in self.wheels.items()]
+
+    def vectors(self) -> Iterator[tuple[float, ...]]:
+        """List all vectors that it is given by: none."""
+        yield from ()
+
+    def place_of(self, spring: Spring) -> float:
+        """Place of a spring along the vehicle in m."""
+        if spring.at is not None:
+            return spring.at
+        first = next((name for name in spring.between if name in self.wheels), spring.between[0])
+        return self.wheels[first].at if first in self.wheels else self.bodies[first].at
+
+    def _names(self) -> Iterator[Finding]:
+        shared = [name for name in self.wheels if name in self.bodies]
+        for name in shared:
+            wrong, remedy = "a body has the same name", "give every part of the vehicle its own name"
+            yield Finding(("wheels", name), wrong, remedy=remedy)
+        if shared:
+            return  # what a spring means is not known
+        for name, spring in self.springs.items():
+            unknown = [end for end in spring.between if end not in self.bodies and end not in self.wheels]
+            for end in dict.fromkeys(unknown):
+                path = ("springs", name, "between", spring.between.index(end))
+                remedy = did_you_mean(end, [*self.bodies, *self.wheels])
+                yield Finding(path, "no such body or wheel", repr(end), remedy)
+            if unknown:
+                continue
+            if spring.between[0] == spring.between[1]:
+                wrong, remedy = "a spring joins two different things", "name a body and a wheel, or two bodies"
+                yield Finding(("springs", name, "between"), wrong, f"{spring.between[0]} twice", remedy)
+            elif all(end in self.wheels for end in spring.between):
+                wrong, remedy = "a spring between two wheels bears nothing", "name a body and a wheel, or two bodies"
+                yield Finding(("springs", name, "between"), wrong, " and ".join(spring.between), remedy)
+
+    def _wheels(self) -> Iterator[Finding]:
+        sprung = {end for spring in self.springs.values() for end in spring.between}
+        for name, wheel in self.wheels.items():
+            if not wheel.mass and name not in sprung:
+                remedy = "give it a mass, name it in a spring, or leave it out"
+                yield Finding(("wheels", name), "a wheel with neither mass nor spring", remedy=remedy)
+            yield from soft_contact(
+                ("wheels", name, "contact_stiffness"), wheel.contact_stiffness, lift_off=self.lift_off
+            )
+        for (one, first), (two, second) in combinations(self.wheels.items(), 2):
+            if _same(first.at, second.at):
+                remedy = "let it stand elsewhere (at), or make one wheel of the two"
+                yield Finding(("wheels", two, "at"), f"at the same place as wheel {one}", f"{second.at:g} m", remedy)
+
+    def _bodies(self) -> Iterator[Finding]:
+        carried = self._carried()
+        for name, body in self.bodies.items():
+            places = [self.place_of(spring) for spring in self.springs.values() if name in spring.between]
+            if not places:
+                yield Finding(("bodies", name), "a body without springs falls", remedy="name it in a spring")
+            elif name not in carried:
+                remedy = "join it, or a body that carries it, to a wheel"
+                yield Finding(("bodies", name), "no spring leads from it to a wheel", remedy=remedy)
+            elif body.inertia and all(_same(place, places[0]) for place in places):
+                wrong = "nothing keeps the body from pitching: its springs stand at one place"
+                remedy = "let springs stand at two places (at), or leave inertia out"
+                yield Finding(("bodies", name, "inertia"), wrong, f"{body.inertia:g} kg*m^2", remedy)
+            elif not body.inertia and not all(_same(place, body.at) for place in places):
+                wrong = "springs stand off its centre, and it has no inertia to pitch with"
+                remedy = f"give it an inertia, or let its springs stand at {body.at:g} m"
+                yield Finding(("bodies", name, "inertia"), wrong, remedy=remedy)
+
+    def _carried(self) -> set[str]:
+        """Names of all parts that springs join to a wheel."""
+        carried = set(self.wheels)
+        for _ in self.springs:
+            carried |= {end for s in self.springs.values() if carried & set(s.between) for end in s.between}
+        return carried
+
+
+def _same(one: float, two: float) -> bool:
+    return math.isclose(one, two, rel_tol=1e-9, abs_tol=1e-9)

@@ -1,0 +1,145 @@
+"""What bodies are and do at an instant: their contacts, their places, their energy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropewalk.mechanics.bodies import AWAY, FLYING, INSIDE, PULLS, PUSHES, RIDING, SEATED, WAITING, Bodies
+from ropewalk.mechanics.chain import Array, State
+from ropewalk.mechanics.rider import link_of
+from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, STICKS
+from ropewalk.solve.start import Setting
+
+
+@dataclass(frozen=True)
+class Points:
+    """Nodes and wheels of a strand, sorted along it."""
+
+    X: Array  # (point,) m
+    r: Array  # (axis, point) m
+    v: Array  # (axis, point) m/s, of the points themselves
+    U: Array  # (point,) m/s, d X / dt
+    wheel: Array  # (point,) wheel that stands there, or -1
+
+
+def points_of(setting: Setting, state: State, bodies: Bodies, s: int, v: Array, U: Array) -> Points:
+    """Collect the points of strand s; v (axis, node) and U (node,) are those of its nodes."""
+    dim = state.r.shape[0]
+    first, last = int(setting.strands.first[s]), int(setting.strands.first[s] + setting.strands.links[s])
+    X, r = state.X[first : last + 1], state.r[:, first : last + 1]
+    v, U = v[:, first : last + 1].copy(), U[first : last + 1].copy()
+    wheel = np.full(X.size, -1)
+    inside = []
+    for k, record in enumerate(bodies.wheels):
+        if setting.loads.strand[k] != s:
+            continue
+        if record["phase"] == SEATED:
+            node = int(record["at"]) - first
+            wheel[node], U[node], v[:, node] = k, state.speed[k], record["v"][:dim]
+        elif record["phase"] == INSIDE:
+            inside.append(k)
+    if not inside:
+        return Points(X, r, v, U, wheel)
+    inside.sort(key=lambda k: state.xi[k])
+    at = np.searchsorted(X, state.xi[inside])
+    return Points(
+        np.insert(X, at, state.xi[inside]),
+        np.insert(r, at, bodies.wheels["r"][inside, :dim].T, axis=1),
+        np.insert(v, at, bodies.wheels["v"][inside, :dim].T, axis=1),
+        np.insert(U, at, state.speed[inside]),
+        np.insert(wheel, at, inside),
+    )
+
+
+def contact_state(state: State, bodies: Bodies, k: int) -> float:
+    """In which state the contact of wheel k is."""
+    phase = bodies.wheels[k]["phase"]
+    if phase in (AWAY, WAITING) or (phase == RIDING and state.rider[k] <= -2):
+        return OFF_LINE
+    if phase == FLYING:
+        return IN_AIR
+    if phase == RIDING and not np.any(bodies.wheels[k]["on_line"]) and _is_buffered(bodies, k):
+        return IN_AIR
+    return MOVES if state.speed[k] != 0.0 else STICKS
+
+
+def _is_buffered(bodies: Bodies, k: int) -> bool:
+    return bool((bodies.buffers["wheel"] == k).any())
+
+
+def seated_nodes(setting: Setting, state: State, bodies: Bodies, r: Array, w: Array) -> None:
+    """Put the particles that wheels carry to their own places, in r and w (axis, node)."""
+    dim = r.shape[0]
+    for k, record in enumerate(bodies.wheels):
+        if record["phase"] != SEATED:
+            continue
+        s, b = int(setting.loads.strand[k]), int(record["at"])
+        h = float(setting.strands.h[s])
+        home = (b - int(setting.strands.first[s])) * h
+        near = slice(b - 1, b + 2)
+        for a in range(dim):
+            r[a, b] = np.interp(home, state.X[near], state.r[a, near])
+        w[:, b] = record["store"][:dim] / (setting.strands.rho[s] * h)
+
+
+def shown_bodies(setting: Setting, state: State, bodies: Bodies) -> tuple[Array, Array]:
+    """Positions and velocities of all bodies beside the contacts, (body, axis) each."""
+    assert setting.fleet is not None
+    dim = state.r.shape[0]
+    place, speed = np.empty((len(setting.fleet.shown), dim)), np.empty((len(setting.fleet.shown), dim))
+    for i, body in enumerate(setting.fleet.shown):
+        for a, d in enumerate(body.coordinates):
+            record = bodies.wheels[body.wheel]
+            place[i, a] = bodies.coordinates["q"][d] if d >= 0 else record["r"][a] + (body.ahead if a == 0 else 0.0)
+            speed[i, a] = bodies.coordinates["v"][d] if d >= 0 else record["v"][a]
+    return place, speed
+
+
+def load_energies(setting: Setting, state: State, bodies: Bodies) -> Array:
+    """Kinetic and potential energy of all loads, J."""
+    strands, dim = setting.strands, state.r.shape[0]
+    z = dim - 1
+    wheels = bodies.wheels
+    mass, v, r = wheels["mass"][:, :dim], wheels["v"][:, :dim], wheels["r"][:, :dim]
+    kinetic = 0.5 * float((mass * v * v).sum())
+    potential = -float((mass[:, z] * strands.gravity[z] * r[:, z]).sum())
+    for i, vehicle in enumerate(bodies.vehicles):
+        n, count, first = int(vehicle["coordinates"]), int(vehicle["wheels"]), int(vehicle["first"])
+        size, own = n + count, slice(first, first + n)
+        seats = (bodies.wheel[i, :count], bodies.axis[i, :count])
+        u = np.concatenate((bodies.coordinates["q"][own], r[seats]))
+        rate = np.concatenate((bodies.coordinates["v"][own], v[seats]))
+        kinetic += 0.5 * float(rate @ bodies.M[i, :size, :size] @ rate)
+        potential += 0.5 * float(u @ bodies.K[i, :size, :size] @ u) - float(bodies.load[i, :size] @ u)
+    for tether in bodies.tethers:
+        if tether["on"]:
+            own = slice(int(tether["first"]), int(tether["first"]) + dim)
+            way = bodies.coordinates["q"][own] - r[tether["wheel"]]
+            longer = float(np.linalg.norm(way)) - float(tether["length"])
+            if (tether["way"] == PULLS and longer < 0.0) or (tether["way"] == PUSHES and longer > 0.0):
+                continue
+            potential += 0.5 * float(tether["stiffness"]) * longer * longer
+    for buffer in bodies.buffers:
+        deep = buffer["side"] * (r[buffer["wheel"], z] - bodies.coordinates["q"][buffer["coordinate"]])
+        potential += 0.5 * float(buffer["stiffness"]) * max(float(deep), 0.0) ** 2
+    return np.array([kinetic, potential])
+
+
+def light_wheels(setting: Setting, state: State, bodies: Bodies, places: Array) -> None:
+    """Note places and velocities of the wheels that ride as forces do; `places` are (wheel, axis)."""
+    dim = state.r.shape[0]
+    for k, record in enumerate(bodies.wheels):
+        b, U = int(state.rider[k]), float(state.speed[k])
+        if record["phase"] != RIDING or not np.isfinite(places[k]).all():
+            continue
+        record["r"][:dim] = places[k]
+        near = slice(b - 1, b + 2) if b >= 0 else slice(0, 0)
+        if b < 0:
+            i = int(link_of(setting.strands, setting.loads, state, k))
+            near = slice(i, i + 2)
+        X = state.X[near]
+        slope = (state.r[:, near][:, -1] - state.r[:, near][:, 0]) / (X[-1] - X[0])
+        w = state.w[:, b] if b >= 0 else np.array([np.interp(state.xi[k], X, row) for row in state.w[:, near]])
+        record["v"][:dim] = w + U * slope

@@ -1,0 +1,181 @@
+"""Boarding: how bodies stand on their lines when a motion begins."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropewalk.mechanics.bodies import AWAY, CARRIED, FREE, PARKED, RIDING, WAITING, Bodies
+from ropewalk.mechanics.carrying import land, on_straight, sort
+from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, OFF, Array, State
+from ropewalk.mechanics.fleet import MOST_ROOM
+from ropewalk.mechanics.law import tangents
+from ropewalk.mechanics.rider import contact_point, seat_of, speed_at
+from ropewalk.model.trolley import Payload
+from ropewalk.solve.start import Setting
+
+# A wheel leaves a support when it is this many steps away from it.
+STEPS_OF_ROOM = 4.0
+
+
+def board(setting: Setting, state: State) -> Bodies | None:
+    """Let all bodies take their places, at rest within themselves and moving with their wheels.
+
+    Args:
+        setting, state: the model and its state, every load in the seat of a force; the state is changed.
+
+    Returns:
+        The bodies, None if there are none.
+    """
+    if setting.fleet is None:
+        return None
+    bodies, loads, strands = setting.fleet.bodies.copy(), setting.loads, setting.strands
+    dim = state.r.shape[0]
+    landing: list[int] = []
+    for k, wheel in enumerate(setting.wheels):
+        record, s = bodies.wheels[k], int(loads.strand[k])
+        first, n, h = int(strands.first[s]), int(strands.links[s]), float(strands.h[s])
+        V = wheel.free.speed if wheel.free is not None else speed_at(loads, k, 0.0)
+        if not wheel.given:
+            _put_back(setting, state, k)
+            state.rider[k], record["phase"] = OFF, AWAY
+            continue
+        if state.xi[k] < 0.0:
+            record["phase"], state.rider[k], state.speed[k] = WAITING, CARRIED, V
+            record["r"][:dim] = state.r[:, first]
+            record["r"][0] += state.xi[k] * np.sign(state.r[0, first + n] - state.r[0, first])
+            record["v"][0] = V * np.sign(state.r[0, first + n] - state.r[0, first])
+            continue
+        place = np.zeros(dim)
+        contact_point(strands, loads, state, k, place)
+        i = int(seat_of(state.X, state.xi[k], h, first, first + n))
+        b = int(state.rider[k])
+        near = slice(b - 1, b + 2) if b >= 0 else slice(i, i + 2)
+        d = np.diff(state.r[:, near], axis=1)
+        stretch = float(np.mean(np.sqrt((d * d).sum(axis=0)) / np.diff(state.X[near])))
+        state.speed[k] = V if loads.measure[k] == MATERIAL and wheel.free is None else V / stretch
+        if loads.measure[k] == HORIZONTAL and wheel.free is None:
+            state.speed[k] = V / ((d[0].sum()) / float(state.X[near][-1] - state.X[near][0]))
+        slope = d.sum(axis=1) / float(state.X[near][-1] - state.X[near][0])
+        w = np.array([np.interp(state.xi[k], state.X[near], row) for row in state.w[:, near]])
+        record["r"][:dim], record["v"][:dim] = place, w + state.speed[k] * slope
+        if record["heavy"]:
+            _put_back(setting, state, k)
+            state.rider[k] = CARRIED
+            length = n * h
+            # In a step, which waves take for a link, the piece between wheel and support must not grow manifold.
+            stiffness = float(tangents(strands.law[s], np.array([0.0, abs(stretch - 1.0) + 1e-9])).max())
+            waves = float(np.sqrt(stiffness / strands.rho[s]))
+            room = float(np.clip(STEPS_OF_ROOM * abs(state.speed[k]) / waves * h, record["room"], MOST_ROOM * h))
+            record["room"] = room
+            moved = min(max(state.xi[k], room), length - room) if record["travel"] == FREE else state.xi[k]
+            away, state.xi[k] = moved != state.xi[k], moved
+            record["phase"], record["at"] = PARKED, int(seat_of(state.X, state.xi[k], h, first, first + n))
+            if away:
+                on_straight(state, bodies, k)
+            if min(state.xi[k], length - state.xi[k]) >= room * (1.0 - 1e-9):
+                landing.append(k)
+            else:
+                on_straight(state, bodies, k)
+        else:
+            record["phase"] = RIDING
+        record["ahead"] = record["v"]
+    for k in landing:  # after all velocities have been looked up: a wheel that takes a node gives it its own
+        land(strands, loads, state, bodies, k)
+    sort(loads, state, bodies)
+    _rest_on_wheels(setting, state, bodies)
+    return bodies
+
+
+def _put_back(setting: Setting, state: State, k: int) -> None:
+    """Put the node that rides with load k at rest back to its own place."""
+    b = int(state.rider[k])
+    if b < 0:
+        return
+    s = int(setting.loads.strand[k])
+    home = float((b - setting.strands.first[s]) * setting.strands.h[s])
+    for values in (state.r, state.w):
+        for row in values:
+            row[b] = np.interp(home, state.X[b - 1 : b + 2], row[b - 1 : b + 2])
+    state.X[b] = home
+
+
+def _rest_on_wheels(setting: Setting, state: State, bodies: Bodies) -> None:
+    """Let the coordinates of all vehicles stand where they rest on their wheels, and move with these."""
+    dim = state.r.shape[0]
+    for v, vehicle in enumerate(bodies.vehicles):
+        n, first = int(vehicle["coordinates"]), int(vehicle["first"])
+        seats = list(zip(bodies.wheel[v], bodies.axis[v], strict=True))[: int(vehicle["wheels"])]
+        places = np.array([bodies.wheels["r"][k, a] for k, a in seats])
+        speeds = np.array([bodies.wheels["v"][k, a] for k, a in seats])
+        own = slice(first, first + n)
+        if any(first <= int(t["first"]) < first + n for t in bodies.tethers):
+            continue
+        bodies.coordinates["q"][own] = _at_rest(bodies, v, places, bodies.wheels["r"][:, dim - 1])
+        level = bodies.load[v].copy()
+        bodies.load[v] = 0.0
+        bodies.coordinates["v"][own] = _at_rest(bodies, v, speeds, bodies.wheels["v"][:, dim - 1])
+        bodies.load[v] = level
+        bodies.coordinates["ahead"][own] = bodies.coordinates["v"][own]
+    _hang(setting, bodies, dim)
+
+
+def _at_rest(bodies: Bodies, v: int, places: Array, heights: Array) -> Array:
+    """Coordinates of vehicle v at rest on wheels at given places; `heights` are those of all wheels."""
+    n, first = int(bodies.vehicles[v]["coordinates"]), int(bodies.vehicles[v]["first"])
+    size = n + places.size
+    K, f = bodies.K[v, :n, :n].copy(), bodies.load[v, :n] - bodies.K[v, :n, n:size] @ places
+    for buffer in bodies.buffers:
+        i = int(buffer["coordinate"]) - first
+        if 0 <= i < n:
+            K[i, i] += buffer["stiffness"]
+            f[i] += buffer["stiffness"] * heights[buffer["wheel"]]
+    return np.asarray(np.linalg.lstsq(K, f, rcond=None)[0])
+
+
+def resting_forces(setting: Setting) -> Array:
+    """Forces of all bodies at rest on their lines, (axis, wheel) N."""
+    dim, g = len(setting.axes), -float(setting.strands.gravity[-1])
+    force = np.zeros((dim, len(setting.wheels)))
+    if setting.fleet is None:
+        return force
+    bodies = setting.fleet.bodies
+    force[-1] -= g * bodies.wheels["mass"][:, dim - 1]
+    level = np.zeros(len(setting.wheels))
+    for v, vehicle in enumerate(bodies.vehicles):
+        n, count, first = int(vehicle["coordinates"]), int(vehicle["wheels"]), int(vehicle["first"])
+        q = _at_rest(bodies, v, np.zeros(count), level)
+        for j in range(count):
+            force[bodies.axis[v, j], bodies.wheel[v, j]] += bodies.load[v, n + j] - bodies.K[v, n + j, :n] @ q
+        for buffer in bodies.buffers:
+            i = int(buffer["coordinate"]) - first
+            if 0 <= i < n:
+                force[-1, buffer["wheel"]] += buffer["stiffness"] * q[i]
+        for tether in bodies.tethers:
+            if tether["first"] == first:
+                force[:, tether["wheel"]] += bodies.load[v, :dim]
+                break  # a person begins on one leg
+    return force
+
+
+def _hang(setting: Setting, bodies: Bodies, dim: int) -> None:
+    """Let payloads hang from their trolleys as declared."""
+    for tether in bodies.tethers:
+        k, first = int(tether["wheel"]), int(tether["first"])
+        own = slice(first, first + dim)
+        payload = setting.payloads.get(setting.wheels[k].load)
+        if payload is None:
+            continue
+        bodies.coordinates["q"][own] = bodies.wheels["r"][k, :dim] + _below(payload, tether, setting, dim)
+        bodies.coordinates["v"][own] = bodies.coordinates["ahead"][own] = bodies.wheels["v"][k, :dim]
+
+
+def _below(payload: Payload, tether: np.void, setting: Setting, dim: int) -> Array:
+    from ropewalk.mechanics.assembly import components
+
+    if payload.at is not None:
+        return components(payload.at, setting.axes)
+    g = -float(setting.strands.gravity[-1])
+    length = payload.length + payload.mass * g * np.cos(payload.swing) / float(tether["stiffness"])
+    way = np.zeros(dim)
+    way[0], way[-1] = np.sin(payload.swing), -np.cos(payload.swing)
+    return np.asarray(length * way)
