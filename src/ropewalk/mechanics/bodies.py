@@ -60,6 +60,11 @@ WHEEL = np.dtype(
         ("store", *_VECTOR),  # kg m/s, momentum of the particle it carries
         ("behind", *_VECTOR),  # N, force vector of the piece of line behind
         ("forth", *_VECTOR),  # N, of the piece ahead
+        ("place", *_VECTOR),  # m, before a kick, of any wheel
+        ("before", *_VECTOR),  # m/s, before a kick
+        ("leading", *_VECTOR),  # m/s, extrapolated to the instant of the positions
+        ("own", *_VECTOR),  # m/s, what a kick adds without the vehicle
+        ("per_impulse", *_VECTOR),  # 1/kg, what an impulse adds; 0 on firm ground
         ("push", *_VECTOR),  # N s, impulse that a kick gets from the vehicle
         ("on_line", *_VECTOR),  # N, force on the line in the last kick, of wheels that are light or parked
         ("hold", _REAL),  # N, see divided.hold

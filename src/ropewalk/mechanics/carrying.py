@@ -27,8 +27,9 @@ D0 = 0.25
 # It is put back a little further away, so that it is not taken again at once.
 RELEASE = 1.02 * D0
 # Wheels on one line meet when they are closer than this part of a link, at the mass of a link or less than that of a
-# wheel; between heavier wheels a shorter piece is still no stiffer than a step allows.
-MET, LEAST_MET = 0.25, 1e-3
+# wheel; between heavier wheels a shorter piece is still no stiffer than a step allows. Sliding wheels come no closer
+# to others than 0.02 of the way between them and the next point.
+MET, LEAST_MET = 0.25, 0.03
 
 
 @lean

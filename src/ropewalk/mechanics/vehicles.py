@@ -43,53 +43,57 @@ def wheel_place(strands, loads, state, bodies, k, a):
 
 
 @lean_inner
-def _motion(strands, loads, state, buffers, bodies, k, a, kick, leading):
-    """How wheel k moves along axis a in a kick without its vehicle.
+def _look_at_wheels(strands, loads, state, buffers, bodies, kick):
+    """Note of each wheel how it moves in a kick without its vehicle.
 
-    Args:
-        leading: take the velocity at the instant of the positions instead of that before the kick.
-
-    Returns:
-        Velocity before the kick in m/s, what the line and given forces add to it, and what an impulse adds: the inverse
-        of the mass that moves with the wheel, 1/kg.
+    Its place, its velocities before the kick and at the instant of the positions, what the line and given forces add to
+    it, and what an impulse adds: the inverse of the mass that moves with the wheel.
     """
-    s, b, U = loads.strand[k], state.rider[k], state.speed[k]
-    m, g, M = strands.rho[s] * strands.h[s], strands.gravity[a], bodies.wheels[k].mass[a]
-    w, X, r, f = buffers.ahead if leading else state.w, state.X, state.r, buffers.f
-    if b >= 0:
-        span = X[b + 1] - X[b - 1]
-        flux = U * (w[a, b + 1] - w[a, b - 1]) / span
-        v = w[a, b] + U * (r[a, b + 1] - r[a, b - 1]) / span
-        own = kick * ((f[a, b] - f[a, b - 1]) / m + g + 2.0 * flux)
-        per_impulse = 1.0 / (m + M)
-        return v, (m * own + kick * (force_at(loads, k, state.t[0], a) + M * g)) * per_impulse, per_impulse
-    if b == SHARED:
+    w, ahead, X, r, f, t = state.w, buffers.ahead, state.X, state.r, buffers.f, state.t[0]
+    for k in range(state.xi.size):
+        wheel = bodies.wheels[k]
+        s, b, U, phase = loads.strand[k], state.rider[k], state.speed[k], wheel.phase
+        m = strands.rho[s] * strands.h[s]
+        on_line = phase in (INSIDE, SEATED)
+        fast = phase in (AWAY, WAITING, PARKED)
         first, last = strands.first[s], strands.first[s] + strands.links[s]
-        i = seat_of(X, state.xi[k], strands.h[s], first, last)
-        part = (state.xi[k] - X[i]) / (X[i + 1] - X[i])
-        v, own, per_impulse = U * (r[a, i + 1] - r[a, i]) / (X[i + 1] - X[i]), 0.0, 0.0
-        for end in range(2):
-            node, share = i + end, (part if end == 1 else 1.0 - part)
-            v += share * w[a, node]
-            if first < node < last:
-                own += share * kick * ((f[a, node] - f[a, node - 1]) / m + g)
-                per_impulse += share * share / m
-        mass = 1.0 + per_impulse * M
-        own += per_impulse * kick * (force_at(loads, k, state.t[0], a) + M * g)
-        return v, own / mass, per_impulse / mass
-    v = bodies.wheels[k].ahead[a] if leading else bodies.wheels[k].v[a]
-    if is_fast(bodies, k):
-        return v, 0.0, 0.0
-    total = force_at(loads, k, state.t[0], a) + M * g
-    if bodies.wheels[k].phase == INSIDE or bodies.wheels[k].phase == SEATED:
-        total += bodies.wheels[k].forth[a] - bodies.wheels[k].behind[a]
-        if bodies.wheels[k].phase == SEATED:
-            total += m * g
-    return v, kick * total / M, 1.0 / M
+        i = seat_of(X, state.xi[k], strands.h[s], first, last) if b == SHARED else 0
+        for a in range(r.shape[0]):
+            g, M = strands.gravity[a], wheel.mass[a]
+            given = force_at(loads, k, t, a) + M * g
+            if b >= 0:
+                span = X[b + 1] - X[b - 1]
+                along = U * (r[a, b + 1] - r[a, b - 1]) / span
+                flux = U * (w[a, b + 1] - w[a, b - 1]) / span
+                own = (f[a, b] - f[a, b - 1]) + m * (g + 2.0 * flux)
+                wheel.place[a], wheel.before[a], wheel.leading[a] = r[a, b], w[a, b] + along, ahead[a, b] + along
+                wheel.per_impulse[a] = 1.0 / (m + M)
+                wheel.own[a] = kick * (own + given) / (m + M)
+            elif b == SHARED:
+                part, rest = (state.xi[k] - X[i]) / (X[i + 1] - X[i]), X[i + 1] - X[i]
+                along, own, per_impulse = U * (r[a, i + 1] - r[a, i]) / rest, 0.0, 0.0
+                wheel.place[a] = (1.0 - part) * r[a, i] + part * r[a, i + 1]
+                wheel.before[a] = along + (1.0 - part) * w[a, i] + part * w[a, i + 1]
+                wheel.leading[a] = along + (1.0 - part) * ahead[a, i] + part * ahead[a, i + 1]
+                for end in range(2):
+                    node, share = i + end, (part if end == 1 else 1.0 - part)
+                    if first < node < last:
+                        own += share * ((f[a, node] - f[a, node - 1]) / m + g)
+                        per_impulse += share * share / m
+                mass = 1.0 + per_impulse * M
+                wheel.own[a] = kick * (own + per_impulse * given) / mass
+                wheel.per_impulse[a] = per_impulse / mass
+            else:
+                wheel.place[a], wheel.before[a], wheel.leading[a] = wheel.r[a], wheel.v[a], wheel.ahead[a]
+                wheel.own[a] = wheel.per_impulse[a] = 0.0
+                if not fast:
+                    if on_line:
+                        given += wheel.forth[a] - wheel.behind[a] + (m * g if phase == SEATED else 0.0)
+                    wheel.own[a], wheel.per_impulse[a] = kick * given / M, 1.0 / M
 
 
 @lean_inner
-def _tethers(strands, loads, state, buffers, bodies, kick):
+def _tethers(state, bodies, kick):
     """Forces of tethers and buffers, on the coordinates and (as impulses of a kick) on the wheels."""
     dim = state.r.shape[0]
     for e in range(bodies.tethers.size):
@@ -98,10 +102,10 @@ def _tethers(strands, loads, state, buffers, bodies, kick):
         k, d = bodies.tethers[e].wheel, bodies.tethers[e].first
         square, along = 0.0, 0.0
         for a in range(dim):
-            way = bodies.coordinates[d + a].q - wheel_place(strands, loads, state, bodies, k, a)
+            way = bodies.coordinates[d + a].q - bodies.wheels[k].place[a]
             square += way * way
             if bodies.tethers[e].damping > 0.0:
-                v, _, _ = _motion(strands, loads, state, buffers, bodies, k, a, kick, True)
+                v = bodies.wheels[k].leading[a]
                 along += way * (bodies.coordinates[d + a].ahead - v)
         length = np.sqrt(square)
         longer = length - bodies.tethers[e].length
@@ -117,14 +121,14 @@ def _tethers(strands, loads, state, buffers, bodies, kick):
             state.work[LOAD_DAMPING] += kick * damping * along / length
         if T != 0.0:
             for a in range(dim):
-                pull = T / length * (bodies.coordinates[d + a].q - wheel_place(strands, loads, state, bodies, k, a))
+                pull = T / length * (bodies.coordinates[d + a].q - bodies.wheels[k].place[a])
                 bodies.coordinates[d + a].pushed -= pull
                 bodies.wheels[k].push[a] += kick * pull
     z = dim - 1
     for e in range(bodies.buffers.size):
         k, d = bodies.buffers[e].wheel, bodies.buffers[e].coordinate
         side = float(bodies.buffers[e].side)
-        deep = side * (wheel_place(strands, loads, state, bodies, k, z) - bodies.coordinates[d].q)
+        deep = side * (bodies.wheels[k].place[z] - bodies.coordinates[d].q)
         if deep > 0.0 and bodies.wheels[k].phase != AWAY:
             force = bodies.buffers[e].stiffness * deep * side
             bodies.coordinates[d].pushed += force
@@ -148,7 +152,7 @@ def _solve(A, b, n):
 
 
 @lean_inner
-def _kick_vehicle(strands, loads, state, buffers, bodies, v, kick, lead):
+def _kick_vehicle(state, bodies, v, kick, lead):
     """New velocities of the coordinates of vehicle v, and the impulses that its wheels get."""
     first, n, wheels = bodies.vehicles[v].first, bodies.vehicles[v].coordinates, bodies.vehicles[v].wheels
     size = n + wheels
@@ -159,8 +163,8 @@ def _kick_vehicle(strands, loads, state, buffers, bodies, v, kick, lead):
             A[i, size + 1], A[i, size] = bodies.coordinates[first + i].q, bodies.coordinates[first + i].v
         else:
             k, a = bodies.wheel[v, i - n], bodies.axis[v, i - n]
-            A[i, size + 1] = wheel_place(strands, loads, state, bodies, k, a)
-            A[i, size], _, _ = _motion(strands, loads, state, buffers, bodies, k, a, kick, False)
+            A[i, size + 1] = bodies.wheels[k].place[a]
+            A[i, size] = bodies.wheels[k].before[a]
     for i in range(size):
         force = bodies.load[v, i] + (bodies.coordinates[first + i].pushed if i < n else 0.0)
         for j in range(size):
@@ -174,7 +178,7 @@ def _kick_vehicle(strands, loads, state, buffers, bodies, v, kick, lead):
     # Unknown: the change of the velocities. A wheel on firm ground has none but its own.
     for i in range(n, size):
         k, a = bodies.wheel[v, i - n], bodies.axis[v, i - n]
-        _, own, per_impulse = _motion(strands, loads, state, buffers, bodies, k, a, kick, False)
+        own, per_impulse = bodies.wheels[k].own[a], bodies.wheels[k].per_impulse[a]
         if per_impulse > 0.0:
             b[i] += bodies.wheels[k].push[a] + own / per_impulse
     if not damped and bodies.vehicles[v].lumped == 1:
@@ -183,7 +187,7 @@ def _kick_vehicle(strands, loads, state, buffers, bodies, v, kick, lead):
                 b[i] /= M[i, i]
             else:
                 k, a = bodies.wheel[v, i - n], bodies.axis[v, i - n]
-                _, _, per_impulse = _motion(strands, loads, state, buffers, bodies, k, a, kick, False)
+                per_impulse = bodies.wheels[k].per_impulse[a]
                 b[i] *= per_impulse
     else:
         for i in range(size):
@@ -191,7 +195,7 @@ def _kick_vehicle(strands, loads, state, buffers, bodies, v, kick, lead):
                 A[i, j] = M[i, j] + (0.5 * kick * C[i, j] if damped else 0.0)
             if i >= n:
                 k, a = bodies.wheel[v, i - n], bodies.axis[v, i - n]
-                _, _, per_impulse = _motion(strands, loads, state, buffers, bodies, k, a, kick, False)
+                per_impulse = bodies.wheels[k].per_impulse[a]
                 if per_impulse > 0.0:
                     A[i, i] += 1.0 / per_impulse
                 else:
@@ -210,7 +214,7 @@ def _kick_vehicle(strands, loads, state, buffers, bodies, v, kick, lead):
         bodies.coordinates[first + i].ahead = bodies.coordinates[first + i].v + lead * b[i]
     for i in range(n, size):
         k, a = bodies.wheel[v, i - n], bodies.axis[v, i - n]
-        _, own, per_impulse = _motion(strands, loads, state, buffers, bodies, k, a, kick, False)
+        own, per_impulse = bodies.wheels[k].own[a], bodies.wheels[k].per_impulse[a]
         bodies.wheels[k].push[a] = (b[i] - own) / per_impulse if per_impulse > 0.0 else 0.0
 
 
@@ -242,7 +246,10 @@ def kick_vehicles(strands, loads, state, buffers, bodies, kick, lead):
             bodies.wheels[k].push[a] = 0.0
     for d in range(bodies.coordinates.size):
         bodies.coordinates[d].pushed = 0.0
-    _tethers(strands, loads, state, buffers, bodies, kick)
+    if bodies.vehicles.size == 0:
+        return
+    _look_at_wheels(strands, loads, state, buffers, bodies, kick)
+    _tethers(state, bodies, kick)
     for v in range(bodies.vehicles.size):
-        _kick_vehicle(strands, loads, state, buffers, bodies, v, kick, lead)
+        _kick_vehicle(state, bodies, v, kick, lead)
     _resist_air(bodies, state, kick)

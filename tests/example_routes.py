@@ -1,0 +1,54 @@
+"""Independent routes to numbers of the examples with bodies: quasi-static catenaries, energy."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from ropewalk.theory.rope import elastic_catenary
+
+G = 9.81
+
+
+def zip_line_speed(mass: float = 79.0, rolling: float = 0.015, drag: float = 0.35, end: float = 131.1) -> float:
+    """Speed at the brake of a rider on the catenary that her weight shapes: m v v' = m g sin - rolling - drag, m/s."""
+    rope = {"span": 150.0, "height": -14.0, "length": 151.1, "weight": 0.55 * G, "axial_stiffness": 6e6}
+    xi = np.linspace(3.0, end, 120)
+    places = np.array(
+        [elastic_catenary(**rope, loads=[(s, (0.0, -mass * G))]).load_positions[0] for s in xi]  # type: ignore[arg-type]
+    )
+    way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))))
+
+    def rate(s: float, v2: np.ndarray) -> list[float]:
+        slope = np.interp(s, 0.5 * (way[1:] + way[:-1]), -np.diff(places[:, 1]) / np.diff(way))
+        return [2.0 * (G * slope - rolling * G * math.sqrt(1.0 - slope**2)) - 2.0 * drag / mass * v2[0]]
+
+    return math.sqrt(float(solve_ivp(rate, (0.0, way[-1]), [0.0], rtol=1e-8, max_step=1.0).y[0, -1]))
+
+
+def deepest_without_losses() -> float:
+    """Lowest place of a person of 70 kg who falls into the leash of leash-fall.yaml, if no energy got lost, m.
+
+    Two straight halves of webbing without mass, tension T0 at rest, and the leash, in equilibrium with the largest
+    force; energy from the level of the line.
+    """
+    a, b, T0, EA, k, length, m = 15.0, 25.0, 2000.0, 140e3, 8e3, 1.5, 70.0
+    rest = (a + b) / (1.0 + T0 / EA)
+
+    def line(depth: float) -> tuple[float, float]:
+        """Force that holds the line down, N, and what it stores above its rest, J; the ring slides: one tension."""
+        long = math.hypot(a, depth) + math.hypot(b, depth)
+        T = EA * (long / rest - 1.0)
+        stored = 0.5 * (T * T - T0 * T0) / EA * rest
+        return T * (depth / math.hypot(a, depth) + depth / math.hypot(b, depth)), stored
+
+    def surplus(depth: float) -> float:
+        force, stored = line(depth)
+        longer = force / k
+        return m * G * (depth + length + longer) - stored - 0.5 * k * longer**2
+
+    depth = brentq(surplus, 1.0, 20.0)
+    return -(depth + length + line(depth)[0] / k)
