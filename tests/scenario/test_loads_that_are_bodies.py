@@ -88,6 +88,11 @@ def test_every_kind_of_load_is_among_them() -> None:
 
 
 REFUSED = [
+    (
+        f"{MASS}, travel: {{speed: 3, measured: arc}}",
+        "travel.measured",
+        "a mass that follows the arc length is unstable",
+    ),
     # a travel
     (f"{MASS}, travel: {{friction: 0.1}}", "travel.kind", "is missing; add kind: free"),
     (f"{MASS}, travel: {{knd: free}}", "travel.knd", "did you mean kind"),

@@ -222,7 +222,8 @@ def slide(strands, loads, state, buffers, bodies, p, speed, dt):
     T1, _ = _piece(strands, s, l1, old - low)
     T2, _ = _piece(strands, s, l2, high - old)
     stretch1, stretch2 = l1 / (old - low), l2 / (high - old)
-    mean = 0.5 * (stretch1 + stretch2)
+    there = min(max(old + dt * state.speed[k], least), most)  # about where it will be, for stretches to look at
+    mean = 0.5 * (l1 / (there - low) + l2 / (high - there))
     xi, sign = old, 0.0
     if bodies.wheels[k].driver > 0.0:
         U = speed / mean
@@ -273,13 +274,15 @@ def slide(strands, loads, state, buffers, bodies, p, speed, dt):
                     break
     state.xi[k] = xi
     if sign == 0.0:
-        state.speed[k] = 0.0
+        state.speed[k], bodies.wheels[k].driving = 0.0, P
         return 0.0, 0.0
     U = (xi - old) / dt if sign == 2.0 else sliding_speed(strands, loads, state, bodies, p, sign)
     state.speed[k] = U
     way = mean * (xi - old)
     lost = (kappa * max(T1 + T2, 0.0) + brake) * abs(way) + viscous * mean * U * way
-    return P * way, lost
+    driven = 0.5 * (bodies.wheels[k].driving + P) * way
+    bodies.wheels[k].driving = P
+    return driven, lost
 
 
 @lean_inner

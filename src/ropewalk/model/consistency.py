@@ -71,6 +71,10 @@ def _known_to_the_run(parts: Parts) -> Iterator[Finding]:
             yield Finding(
                 ("loads", name, "contact"), wrong, load.contact, f"{remedy}, or write clamped or frictionless"
             )
+        if isinstance(parts.run, Dynamic) and isinstance(load, _Massive) and load.travel.measured == "arc":
+            wrong = "a mass that follows the arc length is unstable: the line that it stretches steers it"
+            remedy = "write slip, which differs by how fast the line behind gets longer, or material or horizontal"
+            yield Finding(("loads", name, "travel", "measured"), wrong, "arc", remedy)
 
 
 def _travels(parts: Parts) -> Iterator[Finding]:
@@ -91,6 +95,7 @@ def _travels(parts: Parts) -> Iterator[Finding]:
             yield Finding(("loads", name, "travel", "at_end"), wrong, load.travel.at_end, "write at_end: leave")
 
 
+_Massive = MovingMass | Oscillator | Trolley | Vehicle | Matrices
 _LinearBody = MovingMass | Oscillator | Vehicle | Matrices
 
 
