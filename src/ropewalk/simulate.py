@@ -12,6 +12,7 @@ import numpy as np
 from ropewalk.errors import EquilibriumError, Problem, RopewalkError, ScenarioError
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array, State
+from ropewalk.model.load import MovingForce
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account, Frame, Layout
@@ -37,6 +38,9 @@ _COMPRESSION = (
     "at t = {time:.4g} s line {line} is in compression without any damping: a chain cannot carry that, and "
     "disturbances of the size of rounding errors grow; use law {{kind: tension_only}} or a little axial_damping"
 )
+
+# Size of the compiled kernel of a motion in bytes from which on it is that with bodies.
+BODIED_KERNEL = 2_000_000
 
 
 def simulate(
@@ -75,12 +79,22 @@ def simulate(
         return recorder.close()
 
 
-def must_compile() -> bool:
-    """Whether the kernels of a motion have not been compiled on this machine yet, which takes a while."""
+def must_compile(scenario: Scenario) -> str:
+    """How long compiling takes that has to be done first, in words; empty if the kernels of the run are there.
+
+    The kernel of a motion is compiled once more for bodies; its two kinds of machine code are told apart by their size,
+    about 1 and 4 MB.
+    """
     from ropewalk.solve.splitting import advance
 
     folder = getattr(getattr(advance, "stats", None), "cache_path", None)
-    return folder is not None and not any(Path(folder).glob("splitting.advance-*.nbi"))
+    if folder is None or not isinstance(scenario.run, Dynamic):
+        return ""
+    bodied = any(not isinstance(load, MovingForce) for load in scenario.loads.values())
+    sizes = [code.stat().st_size for code in Path(folder).glob("splitting.advance-*.nbc")]
+    if any((size > BODIED_KERNEL) == bodied for size in sizes):
+        return ""
+    return "about a minute" if bodied else "about half a minute"
 
 
 def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:

@@ -39,6 +39,9 @@ HEAVY = 1.0
 LEAST_ROOM, MOST_ROOM, ROOM_PER_MASS = 0.005, 0.25, 0.5
 # Distance from a support at which the line ends for a mass, as a part of a link.
 MARGIN = 0.25
+# Light wheels of a load that are closer than this many links would share a node, which carries the mass of one
+# only: they get places of their own, and one without mass borrows this part of that of a link, without weight.
+CROWDED, BORROWED = 2.0, 0.2
 # Stretch of the rope of a payload under its weight where its stiffness is not given, m.
 STRETCH = 1e-3
 
@@ -115,7 +118,7 @@ def fleet_of(scenario: Scenario, wheels: list[Wheel], strands: Strands, axes: tu
         if vehicle is not None:
             vehicles.append(vehicle)
     _fill_wheels(bodies, wheels, dim)
-    _fit_to_mesh(bodies, wheels, strands, list(scenario.lines))
+    _fit_to_mesh(bodies, wheels, strands, list(scenario.lines), vehicles)
     bodies = _with_drives(bodies, wheels, until)
     return Fleet(_with_vehicles(bodies, vehicles), tuple(shown))
 
@@ -135,15 +138,29 @@ def _fill_wheels(bodies: Bodies, wheels: list[Wheel], dim: int) -> None:
             record["driver"] = free.driver.force if free.driver is not None else 0.0
 
 
-def _fit_to_mesh(bodies: Bodies, wheels: list[Wheel], strands: Strands, lines: list[str]) -> None:
-    for record, wheel in zip(bodies.wheels, wheels, strict=True):
+def _fit_to_mesh(
+    bodies: Bodies, wheels: list[Wheel], strands: Strands, lines: list[str], vehicles: list[_Vehicle]
+) -> None:
+    for k, (record, wheel) in enumerate(zip(bodies.wheels, wheels, strict=True)):
         s = lines.index(wheel.on)
         h, m = float(strands.h[s]), float(strands.rho[s] * strands.h[s])
-        record["heavy"] = wheel.mass > 0.0 and (
-            wheel.mass >= HEAVY * m or wheel.free is not None or wheel.lift != 0 or record["travel"] in (EVEN, ALONG_X)
+        crowded, mass = _is_crowded(wheels, k, CROWDED * h), wheel.mass
+        if crowded and mass == 0.0:  # as the mesh is refined, what it borrows vanishes
+            mass = BORROWED * m
+            record["mass"] += mass
+            for vehicle in vehicles:
+                for j, (number, axis) in enumerate(vehicle.seats):
+                    if number == k:
+                        vehicle.load[vehicle.coordinates + j] -= mass * strands.gravity[axis]
+        record["heavy"] = mass > 0.0 and (
+            mass >= HEAVY * m
+            or wheel.free is not None
+            or wheel.lift != 0
+            or record["travel"] in (EVEN, ALONG_X)
+            or crowded
         )
         if record["heavy"]:
-            record["room"] = h * np.clip(ROOM_PER_MASS * m / wheel.mass, LEAST_ROOM, MOST_ROOM)
+            record["room"] = h * np.clip(ROOM_PER_MASS * m / mass, LEAST_ROOM, MOST_ROOM)
         else:
             record["travel"] = GIVEN
         record["margin"] = wheel.margin if wheel.margin is not None else (MARGIN * h if record["heavy"] else 0.0)
@@ -154,6 +171,12 @@ def _fit_to_mesh(bodies: Bodies, wheels: list[Wheel], strands: Strands, lines: l
                 record["brake_start"] = brake.within
             if brake.at in ("end", "both"):
                 record["brake_end"] = length - brake.within
+
+
+def _is_crowded(wheels: list[Wheel], k: int, distance: float) -> bool:
+    """Whether another wheel of the same load runs closer to wheel k than this (m), at a constant distance."""
+    near = (w for j, w in enumerate(wheels) if j != k and w.load == wheels[k].load)
+    return wheels[k].given and any(abs(w.start - wheels[k].start) < distance for w in near)
 
 
 def _with_drives(bodies: Bodies, wheels: list[Wheel], until: float) -> Bodies:
@@ -339,6 +362,9 @@ def _given(
     M = np.array(load.mass)
     if np.linalg.eigvalsh(M).min() < -1e-9 * max(float(np.abs(M).max()), 1e-300):
         raise RopewalkError(f"load {name}: the mass matrix has a negative eigenvalue; check its signs")
+    inner = M[np.ix_(own, own)]
+    if own and np.linalg.eigvalsh(inner).min() <= 1e-12 * float(np.abs(M).max()):
+        raise RopewalkError(f"load {name}: a coordinate without a wheel has no mass; give it some, or eliminate it")
     weight = np.array(load.weight) if load.weight is not None else M.sum(axis=1) * gravity
     vehicle.M[:], vehicle.K[:] = M[pick], np.array(load.stiffness)[pick]
     if load.damping is not None:

@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.bodies import AWAY, INSIDE, PARKED, PULLS, PUSHES, SEATED, WAITING
-from ropewalk.mechanics.chain import LOAD_DAMPING, SHARED
+from ropewalk.mechanics.bodies import AWAY, INSIDE, PARKED, PULLS, PUSHES, RIDING, SEATED, WAITING
+from ropewalk.mechanics.chain import HOLD_WORK, LOAD_DAMPING, OFF, SHARED
 from ropewalk.mechanics.compiled import lean_inner
 from ropewalk.mechanics.rider import force_at, seat_of
 
@@ -117,7 +117,8 @@ def _tethers(state, bodies, kick):
         else:
             T += bodies.tethers[e].damping * along / length
         if bodies.tethers[e].damping > 0.0:
-            damping = T - bodies.tethers[e].stiffness * longer if T != 0.0 else 0.0
+            taut = longer > 0.0 if bodies.tethers[e].way == PULLS else (longer < 0.0 or bodies.tethers[e].way != PUSHES)
+            damping = T - bodies.tethers[e].stiffness * longer if taut else 0.0  # all of it where the end runs ahead
             state.work[LOAD_DAMPING] += kick * damping * along / length
         if T != 0.0:
             for a in range(dim):
@@ -133,6 +134,8 @@ def _tethers(state, bodies, kick):
             force = bodies.buffers[e].stiffness * deep * side
             bodies.coordinates[d].pushed += force
             bodies.wheels[k].push[z] -= kick * force
+        elif bodies.wheels[k].phase == RIDING and state.rider[k] != OFF:
+            bodies.wheels[k].in_air += kick
 
 
 @lean_inner
@@ -215,7 +218,13 @@ def _kick_vehicle(state, bodies, v, kick, lead):
     for i in range(n, size):
         k, a = bodies.wheel[v, i - n], bodies.axis[v, i - n]
         own, per_impulse = bodies.wheels[k].own[a], bodies.wheels[k].per_impulse[a]
-        bodies.wheels[k].push[a] = (b[i] - own) / per_impulse if per_impulse > 0.0 else 0.0
+        if per_impulse > 0.0:
+            bodies.wheels[k].push[a] = (b[i] - own) / per_impulse
+        else:  # what the firm ground has to bear
+            impulse = kick * bodies.load[v, i]
+            for j in range(size):
+                impulse -= kick * (K[i, j] * A[j, size + 1] + C[i, j] * (A[j, size] + 0.5 * b[j])) + M[i, j] * b[j]
+            bodies.wheels[k].push[a] += impulse
 
 
 @lean_inner
@@ -252,4 +261,8 @@ def kick_vehicles(strands, loads, state, buffers, bodies, kick, lead):
     _tethers(state, bodies, kick)
     for v in range(bodies.vehicles.size):
         _kick_vehicle(state, bodies, v, kick, lead)
+    for k in range(state.xi.size):
+        if is_fast(bodies, k):  # it keeps its velocity, whatever pushes it
+            for a in range(state.r.shape[0]):
+                state.work[HOLD_WORK] -= bodies.wheels[k].push[a] * bodies.wheels[k].before[a]
     _resist_air(bodies, state, kick)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
+from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.footfall import Footfall
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import AnyLoad, MovingForce
@@ -105,17 +109,40 @@ def _wheels(name: str, load: AnyLoad, gravity: float) -> Iterator[Wheel]:
             yield Wheel(name, foot, load.on, "material", places[0].start, mass=load.foot_mass, given=False)
     else:
         assert isinstance(load, Stepper)
-        count = contacts_of(load)
+        count = contacts_of(name, load)
         for number in range(count):
             part = str(number + 1) if count > 1 else ""
             yield Wheel(name, part, load.on, "material", places[0].start, given=False)
 
 
-def contacts_of(load: Stepper) -> int:
-    """How many contacts the model of a stepper may have: its attribute `contacts`, 1 without it."""
-    if isinstance(load.model, str):
-        return int(load.options.get("contacts", 1))
-    return int(getattr(load.model, "contacts", 1))
+def contacts_of(name: str, load: Stepper) -> int:
+    """How many contacts the model of a stepper may have: its attribute `contacts`, an option of that name, or 1.
+
+    Raises:
+        RopewalkError: there is no such model.
+    """
+    model = named(name, load.model) if isinstance(load.model, str) else load.model
+    return int(getattr(model, "contacts", load.options.get("contacts", 1)))
+
+
+def named(name: str, place: str) -> Any:
+    """What module:name or file.py:name stands for, for the load of a name.
+
+    Raises:
+        RopewalkError: there is no such thing.
+    """
+    home, _, attribute = place.rpartition(":")
+    try:
+        if not home.endswith(".py"):
+            return getattr(importlib.import_module(home), attribute)
+        spec = importlib.util.spec_from_file_location(Path(home).stem, home)
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return getattr(module, attribute)
+    except Exception as error:
+        raise RopewalkError(f"load {name}: its model {place} cannot be found ({error})") from error
 
 
 def _prescribed(travel: Travel) -> dict[str, Any]:

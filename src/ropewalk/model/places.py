@@ -104,8 +104,8 @@ def _off_the_line(load: AnyLoad, on: str, line: Line, gravity: float | None) -> 
     for place in load.starts():
         what = f"wheel {place.label}" if place.label else "the load"
         ahead = place.start - start
-        if place.start < -1e-9 * max(start, 1.0):
-            remedy = f"start at least {-ahead:g} m from the start of the line"
+        if place.start < -1e-9 * max(start, 1.0) and not _comes_by_itself(load):
+            remedy = f"start at least {-ahead:g} m from the start of the line, or write at_end: leave"
             return f"{what} would start before the start of {on}", f"{start:g} m", remedy
         beyond = _beyond(line, place, gravity)
         if beyond is not None:
@@ -114,6 +114,12 @@ def _off_the_line(load: AnyLoad, on: str, line: Line, gravity: float | None) -> 
                 remedy = f"the line is only {beyond:g} m long: check the places (at) of the wheels"
             return f"{what} would start beyond the end of {on}", f"{start:g} m", remedy
     return None
+
+
+def _comes_by_itself(load: AnyLoad) -> bool:
+    """Whether wheels of the load may begin before the start of the line: on level ground, from which they roll on."""
+    travel = _prescribed(load)
+    return travel is not None and travel.at_end == "leave"
 
 
 def _beyond(line: Line, place: Place, gravity: float | None) -> float | None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropewalk.mechanics.bodies import ALONG_X, CARRIED, EVEN, FLYING, FREE, GIVEN, PARKED, WAITING, Bodies
+from ropewalk.mechanics.bodies import ALONG_X, CARRIED, EVEN, FLYING, FREE, GIVEN, PARKED, SEATED, WAITING, Bodies
 from ropewalk.mechanics.chain import (
     CONTACT,
     DRIVE,
@@ -285,6 +285,8 @@ class Camera:
         both, vector, tangent = pieces.beside[k]
         U = float(state.speed[k])
         force = vector[:, 0] - vector[:, 1] + self.setting.strands.rho[s] * U * U * (tangent[:, 1] - tangent[:, 0])
+        if phase == SEATED:  # the weight of the particle that it carries is the line's own
+            force -= self.setting.strands.rho[s] * self.setting.strands.h[s] * self.setting.strands.gravity
         if record["travel"] in (EVEN, ALONG_X):
             hold[0] = mean_hold
         elif record["travel"] == GIVEN:  # what the line is gripped with

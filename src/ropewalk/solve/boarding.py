@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.bodies import AWAY, CARRIED, FREE, PARKED, RIDING, WAITING, Bodies
 from ropewalk.mechanics.carrying import land, on_straight, sort
 from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, OFF, Array, State
 from ropewalk.mechanics.fleet import MOST_ROOM
 from ropewalk.mechanics.law import tangents
-from ropewalk.mechanics.rider import contact_point, seat_of, speed_at
+from ropewalk.mechanics.rider import contact_point, force_at, seat_of, speed_at
 from ropewalk.model.trolley import Payload
 from ropewalk.solve.start import Setting
 
@@ -25,9 +26,20 @@ def board(setting: Setting, state: State) -> Bodies | None:
 
     Returns:
         The bodies, None if there are none.
+
+    Raises:
+        RopewalkError: a wheel on a contact stiffness has no mass.
     """
     if setting.fleet is None:
         return None
+    for v, vehicle in enumerate(setting.fleet.bodies.vehicles):
+        own, first = int(vehicle["coordinates"]), int(vehicle["first"])
+        for buffer in setting.fleet.bodies.buffers:
+            i = int(buffer["coordinate"]) - first
+            if 0 <= i < own and setting.fleet.bodies.M[v, i, i] <= 0.0:
+                name = setting.wheels[int(buffer["wheel"])].name
+                wrong = "has no mass to move on its contact_stiffness; give it wheel_mass (of a vehicle: mass)"
+                raise RopewalkError(f"load {name}: the wheel {wrong}, for example a tenth of what it carries")
     bodies, loads, strands = setting.fleet.bodies.copy(), setting.loads, setting.strands
     dim = state.r.shape[0]
     landing: list[int] = []
@@ -42,8 +54,11 @@ def board(setting: Setting, state: State) -> Bodies | None:
         if state.xi[k] < 0.0:
             record["phase"], state.rider[k], state.speed[k] = WAITING, CARRIED, V
             record["r"][:dim] = state.r[:, first]
-            record["r"][0] += state.xi[k] * np.sign(state.r[0, first + n] - state.r[0, first])
-            record["v"][0] = V * np.sign(state.r[0, first + n] - state.r[0, first])
+            onward = np.sign(state.r[0, first + n] - state.r[0, first])
+            if loads.measure[k] == MATERIAL:  # the ground counts as stretched as the line that follows
+                onward *= float(np.linalg.norm(state.r[:, first + 1] - state.r[:, first])) / h
+            record["r"][0] += state.xi[k] * onward
+            record["v"][0] = V * onward
             continue
         place = np.zeros(dim)
         contact_point(strands, loads, state, k, place)
@@ -79,6 +94,7 @@ def board(setting: Setting, state: State) -> Bodies | None:
         else:
             record["phase"] = RIDING
         record["ahead"] = record["v"]
+    bodies.wheels["on_line"][:, :dim] = _pressing(setting)
     for k in landing:  # after all velocities have been looked up: a wheel that takes a node gives it its own
         land(strands, loads, state, bodies, k)
     sort(loads, state, bodies)
@@ -155,6 +171,13 @@ def resting_forces(setting: Setting) -> Array:
                 force[:, tether["wheel"]] += bodies.load[v, :dim]
                 break  # a person begins on one leg
     return force
+
+
+def _pressing(setting: Setting) -> Array:
+    """Forces with which all loads at rest press on their lines, until a kick has found them, (wheel, axis) N."""
+    loads, press = setting.loads, resting_forces(setting).T
+    given = [[force_at(loads, k, 0.0, a) for a in range(press.shape[1])] for k in range(press.shape[0])]
+    return np.asarray(press + np.array(given).reshape(press.shape))
 
 
 def _hang(setting: Setting, bodies: Bodies, dim: int) -> None:

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
 import math
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +12,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.bodies import AWAY, RIDING, STANDS, SWINGS, Bodies
 from ropewalk.mechanics.chain import DRIVE, LOAD_DAMPING, OFF, SHARED, Array, State
 from ropewalk.mechanics.rider import contact_point, put_back, seat_of
+from ropewalk.mechanics.wheels import named
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
@@ -28,18 +26,22 @@ UPRIGHT_FORCE = 0.52
 FALLEN = 0.4
 # What the kernel has found due is due here, too, but for rounding: as a part of a leg.
 NEAR = 1e-9
-# How much further ahead a foot lands for every m/s that the body is too fast, s.
-STEERING = 0.4
+# How much further ahead a foot lands for every m/s that the body is too fast, s, beyond what is nothing to mind, m/s:
+# a hundredth of a second before it lands on firm ground, a body is slower by 0.015 m/s.
+STEERING, EASY = 0.4, 0.03
 # A foot lands no sooner than the body has passed the other one by this part of the reach of a leg.
 PASSED, LATEST = 0.4, 0.55
 # Time in which a leg that has landed bent is stretched, and between two looks, s.
 STRETCHING, LOOK = 0.25, 0.01
 # The most by which a leg pushes off, as a part of it, and the part of a line at its ends where nobody steps.
 LONGEST_PUSH, MARGIN = 0.05, 1e-3
+# Part of a link up to which a contact of a model slides to where it is said to be; mass of who is on firm ground, kg.
+SLIDES, FIRM = 0.5, 1e30
 # How far ahead of the body a foot may land, as a part of a leg.
 SHORTEST, LONGEST = -0.5, 0.7
-# Lead of the body over its foot when the other one lands on firm ground, as a part of the reach.
-USUAL_LEAD = 0.435
+# Lead of the body over its foot, as a part of the reach, at which a pendulum is as fast as the walker of theory/gait.py
+# when the other foot lands (he leads by 0.435 then).
+USUAL_LEAD = 0.39
 
 
 @dataclass
@@ -67,6 +69,14 @@ class Line:
         row, X = self.state.r[0, first : last + 1], self.state.X[first : last + 1]
         return float(np.interp(x, row, X) if row[-1] > row[0] else np.interp(-x, -row, X))
 
+    def height(self, x: float) -> float:
+        """Height of the line in m at a horizontal place in m; beyond its ends it goes on straight, as in the kernel."""
+        first, last = self.ends
+        row, z = self.state.r[0, first : last + 1], self.state.r[-1, first : last + 1]
+        onward = 1.0 if row[-1] > row[0] else -1.0
+        i = min(max(int(np.searchsorted(onward * row, onward * x)) - 1, 0), row.size - 2)
+        return float(z[i] + (x - row[i]) / (row[i + 1] - row[i]) * (z[i + 1] - z[i]))
+
     @property
     def ends(self) -> tuple[int, int]:
         """Numbers of its first and last node."""
@@ -83,22 +93,23 @@ class Line:
 def _set_down(setting: Setting, state: State, bodies: Bodies, k: int, xi: float) -> None:
     """Let contact k stand on its line at xi."""
     _take_up(setting, state, bodies, k)
-    before = _height_energy(setting, bodies, k)
+    s = int(setting.loads.strand[k])
     state.xi[k], state.rider[k], state.speed[k] = xi, SHARED, 0.0
     record, dim = bodies.wheels[k], state.r.shape[0]
+    before = _foot_energy(setting, bodies, k)
     record["phase"] = RIDING
     place = np.zeros(dim)
     contact_point(setting.strands, setting.loads, state, k, place)
-    _, speed = Line(setting, state, int(setting.loads.strand[k])).at(xi)
+    _, speed = Line(setting, state, s).at(xi)
     record["r"][:dim], record["v"][:dim] = place, speed  # a foot is set down as fast as the line moves
-    state.work[DRIVE] += _height_energy(setting, bodies, k) - before
-    state.work[DRIVE] += 0.5 * float((record["mass"] * record["v"] ** 2).sum())
+    state.work[DRIVE] += _foot_energy(setting, bodies, k) - before
 
 
-def _height_energy(setting: Setting, bodies: Bodies, k: int) -> float:
-    """Potential energy of the mass of a foot, which its owner lifts and lowers, J."""
-    z = len(setting.axes) - 1
-    return -float(bodies.wheels["mass"][k, z] * setting.strands.gravity[z] * bodies.wheels["r"][k, z])
+def _foot_energy(setting: Setting, bodies: Bodies, k: int) -> float:
+    """Energy of the mass of a foot, which its owner lifts, lowers and moves, J."""
+    z, record = len(setting.axes) - 1, bodies.wheels[k]
+    height = -float(record["mass"][z] * setting.strands.gravity[z] * record["r"][z])
+    return height + 0.5 * float((record["mass"] * record["v"] ** 2).sum())
 
 
 def _take_up(setting: Setting, state: State, bodies: Bodies, k: int) -> None:
@@ -239,7 +250,8 @@ class Person:
         g = -float(self.setting.strands.gravity[-1])
         lead = passed[-1] if passed else 0.0
         landing = math.hypot(w.speed, math.sqrt(g / w.leg_length) * USUAL_LEAD * reach)
-        ahead = reach + STEERING * (speed - landing)
+        fast = speed - landing
+        ahead = reach + STEERING * math.copysign(max(abs(fast) - EASY, 0.0), fast)
         ahead = min(max(ahead, SHORTEST * w.leg_length), LONGEST * w.leg_length)
         for foot in (0, 1):
             if foot in self.standing:
@@ -298,8 +310,8 @@ class Person:
     def _is_down(self, state: State, foot: int) -> bool:
         leg, dim = self.bodies.tethers[self.legs[foot]], state.r.shape[0]
         sole = self._body(dim) + leg["reach"][:dim]
-        line = self._line(state)
-        return bool(sole[-1] <= line.at(line.below(float(sole[0])))[0][-1] + NEAR * self.walker.leg_length)
+        height = self._line(state).height(float(sole[0]))
+        return bool(sole[-1] <= height + NEAR * self.walker.leg_length)
 
     def _lift(self, state: State, foot: int) -> None:
         _take_up(self.setting, state, self.bodies, self.feet[foot])
@@ -350,17 +362,22 @@ class Person:
         if self.walker.at_end == "refuse":
             raise TravelEndedError(f"load {self.name} comes to the end of its line")
         self.gone = True
-        for foot in (0, 1):
-            leg = self.bodies.tethers[self.legs[foot]]
-            leg["watch"] = 0
-            if self.walker.at_end == "leave":
-                if foot in self.standing:
-                    _take_up(self.setting, state, self.bodies, self.feet[foot])
-                leg["on"] = 0
-        if self.walker.at_end == "leave":  # on over firm ground
-            self.standing.clear()
-            own = self._own(state.r.shape[0])
-            self.bodies.coordinates["v"][own] = 0.0
+        for leg in self.legs:
+            self.bodies.tethers[leg]["watch"] = 0
+        own = self._own(state.r.shape[0])
+        if self.walker.at_end == "leave":
+            for foot in list(self.standing):
+                self._drop(state, foot)
+            self._stop(state, own)
+        else:  # upright by herself, going up and down
+            self._stop(state, slice(own.start, own.stop - 1))
+
+    def _stop(self, state: State, own: slice) -> None:
+        """Let some coordinates of the body stand as on firm ground: nothing moves what has no end of mass."""
+        state.work[LOAD_DAMPING] += 0.5 * self.walker.mass * float((self.bodies.coordinates["v"][own] ** 2).sum())
+        self.bodies.coordinates["v"][own] = self.bodies.coordinates["ahead"][own] = 0.0
+        vehicle = int(np.flatnonzero(self.bodies.vehicles["first"] == own.start)[0])
+        np.fill_diagonal(self.bodies.M[vehicle][: own.stop - own.start], FIRM)
 
 
 @dataclass
@@ -435,10 +452,12 @@ class Model:
                 return
             xi = min(max(xi, 0.0), self.line.length)
         loads = self.setting.loads
-        loads.force_value[:, loads.force_first[k]] = values
-        loads.speed_value[loads.speed_first[k]] = speed
-        if state.rider[k] == OFF or abs(xi - state.xi[k]) > 1e-9:
+        away = xi - float(state.xi[k])
+        if state.rider[k] == OFF or abs(away) > SLIDES * float(self.setting.strands.h[loads.strand[k]]):
             _set_down(self.setting, state, self.bodies, k, xi)
+            away = 0.0
+        loads.force_value[:, loads.force_first[k]] = values
+        loads.speed_value[loads.speed_first[k]] = speed + away / self.stepper.every  # catches up until the next step
 
 
 def guides_of(setting: Setting, scenario: Scenario, bodies: Bodies | None) -> list[Steps | Person | Model]:
@@ -470,17 +489,8 @@ def model_of(name: str, stepper: Stepper) -> Any:
     """
     if not isinstance(stepper.model, str):
         return stepper.model
-    home, _, attribute = stepper.model.rpartition(":")
+    made = named(name, stepper.model)
     try:
-        if home.endswith(".py"):
-            spec = importlib.util.spec_from_file_location(Path(home).stem, home)
-            assert spec is not None
-            assert spec.loader is not None
-            module = importlib.util.module_from_spec(spec)
-            spec.loader.exec_module(module)
-        else:
-            module = importlib.import_module(home)
-        made = getattr(module, attribute)
         made = made(**stepper.options) if callable(made) else made
     except Exception as error:
         raise RopewalkError(f"load {name}: its model {stepper.model} cannot be made ({error})") from error
