@@ -28,7 +28,7 @@ help:
 	@echo "make lint         ruff: rules and format"
 	@echo "make types        mypy, strict"
 	@echo "make figures      the figures of the paper, in out/figures"
-	@echo "make bench        riding against sharing, cost per node, and error against time beside peers (make peers installs them)"
+	@echo "make bench        riding against sharing, cost per node, moving bodies, and error against time beside peers (make peers installs them)"
 	@echo "make clean-cache  forget compiled kernels (after a change to a kernel that others call)"
 	@echo "make clean        remove .venv, results and caches"
 

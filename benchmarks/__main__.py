@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from . import continuum, cost, statics, theory
+from . import bodies, continuum, cost, statics, theory
 from .peers import __main__ as peers
 
 
@@ -13,9 +13,10 @@ def main() -> None:
     """Print what was asked for."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument(
-        "what", nargs="?", default="all", choices=["all", "peers", "continuum", "cost", "statics", "theory"],
+        "what", nargs="?", default="all", choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies"],
         help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling; "
-        "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields",
+        "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields; "
+        "bodies: masses, walkers, models of one's own, and Exudyn's sliding joint",
     )  # fmt: skip
     what = parser.parse_args().what
     if what in ("all", "continuum"):
@@ -26,6 +27,8 @@ def main() -> None:
         statics.main()
     if what in ("all", "theory"):
         theory.main()
+    if what in ("all", "bodies"):
+        bodies.main()
     if what in ("all", "peers"):
         sys.argv = ["benchmarks.peers", "--case", "all"]
         peers.main()

@@ -37,7 +37,16 @@ SECTIONS = {
     "Supports": ("Fixed", "Elastic", "Guided", "Moving"),
     "What is asked": ("Dynamic", "Start", "Quasistatic", "Equilibrium", "Linear"),
     "Files": ("load", "save", "open_result"),
-    "Answers": ("simulate", "spectrum", "summary", "figure", "film"),
+    "Answers": (
+        "simulate",
+        "spectrum",
+        "feedback",
+        "Comparison",
+        "without_feedback",
+        "summary",
+        "figure",
+        "film",
+    ),
     "Closed forms": ("theory",),
     "Errors": ("RopewalkError", "ScenarioError", "EquilibriumError", "ResultError"),
 }

@@ -17,7 +17,8 @@ axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `T
 supports        `Fixed`, `Elastic`, `Guided`, `Moving`
 what is asked   `Dynamic` (from a `Start`), `Quasistatic`, `Equilibrium`, `Linear`
 files           `load` and `save` a scenario, `open_result`
-answers         `simulate`, `spectrum`; `summary`, `figure` and `film` of a result
+answers         `simulate`, `spectrum`; `feedback` gives a `Comparison` with a run `without_feedback`; `summary`,
+                `figure` and `film` of a result
 closed forms    `theory`: what the simulation is checked against
 errors          `RopewalkError`, and of its kind `ScenarioError`, `EquilibriumError`, `ResultError`
 ==============  ======================================================================================
@@ -35,6 +36,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ropewalk import theory
+    from ropewalk.coupling import Comparison, feedback
+    from ropewalk.decouple import without_feedback
     from ropewalk.errors import EquilibriumError, RopewalkError, ScenarioError
     from ropewalk.model import (
         Brake,
@@ -87,6 +90,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Brake",
+    "Comparison",
     "DisplacementTable",
     "DriveTable",
     "Driver",
@@ -130,6 +134,7 @@ __all__ = [
     "Vehicle",
     "Walker",
     "Wheel",
+    "feedback",
     "figure",
     "film",
     "load",
@@ -139,10 +144,12 @@ __all__ = [
     "spectrum",
     "summary",
     "theory",
+    "without_feedback",
 ]
 
 _HOME = {
     "Brake": "model",
+    "Comparison": "coupling",
     "DisplacementTable": "model",
     "DriveTable": "model",
     "Driver": "model",
@@ -186,6 +193,7 @@ _HOME = {
     "Vehicle": "model",
     "Walker": "model",
     "Wheel": "model",
+    "feedback": "coupling",
     "figure": "results",
     "film": "results",
     "load": "scenario",
@@ -193,6 +201,7 @@ _HOME = {
     "save": "scenario",
     "spectrum": "simulate",
     "summary": "results",
+    "without_feedback": "decouple",
 }
 _NAME_AT_HOME = {"spectrum": "spectrum_of"}
 

@@ -117,8 +117,8 @@ def run(
         replaced = " (replaced)" if target.exists() else ""
         from ropewalk.simulate import must_compile, simulate
 
-        if must_compile() and not quiet:
-            _say("compiling (first run only, about half a minute)")
+        if not quiet and (how_long := must_compile(scenario)):
+            _say(f"compiling (first run only, {how_long})")
         with _progress("running", quiet) as progress:
             dataset = simulate(scenario, file=target, progress=progress)
         with dataset:
@@ -206,6 +206,23 @@ def spectrum(
             rows = found.table()
             width = max(len(name) for name, _ in rows)
             typer.echo("\n".join(f"{name:{width}}  {value}".rstrip() for name, value in rows))
+
+
+@app.command()
+def feedback(file: ScenarioFile, settings: Settings = None, as_json: Json = False) -> None:
+    """Compare a run with that of the forces its loads exert on rigid ground: does the coupling matter?"""
+    with _reported():
+        scenario = _load(file, settings)
+        found = import_module("ropewalk.coupling").feedback(scenario)
+        if as_json:
+            _print_json(found.as_dict())
+        else:
+            rows = found.table()
+            widths = [max(len(row[k]) for row in rows) for k in range(3)]
+            for what, coupled, without, change in rows:
+                row = f"{what:{widths[0]}}  {coupled:>{widths[1]}}  {without:>{widths[2]}}  {change}"
+                typer.echo(row.rstrip())
+            typer.echo(f"\n{found.verdict}")
 
 
 @app.command()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropewalk.errors import EquilibriumError, Problem, RopewalkError, ScenarioError
-from ropewalk.mechanics.bodies import Bodies
+from ropewalk.mechanics.bodies import Bodies, are_weightless
 from ropewalk.mechanics.chain import Array, State
 from ropewalk.model.load import MovingForce
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
@@ -165,9 +165,10 @@ def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account
     run = scenario.run
     assert isinstance(run, Dynamic)
     state, bodies = _initial(setting, scenario)
+    moving = None if bodies is None or are_weightless(bodies) else bodies
     choice = choose(
         setting.strands, setting.loads, state, method=run.method, step=run.step, accuracy=run.accuracy,
-        duration=run.until, supports=setting.supports, bodies=bodies,
+        duration=run.until, supports=setting.supports, bodies=moving,
     )  # fmt: skip
     account.method, account.reason, account.step = choice.method, choice.reason, choice.step
     guides = guides_of(setting, scenario, bodies)
@@ -177,7 +178,7 @@ def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account
     yield camera.take(state)
     warned = False
     strands, loads, supports = setting.strands, setting.loads, setting.supports
-    for current in move(strands, loads, state, choice, run.accuracy, times[1:], progress, supports, bodies, guides):
+    for current in move(strands, loads, state, choice, run.accuracy, times[1:], progress, supports, moving, guides):
         account.steps = progress.steps
         if progress.status != RUNNING:
             account.outcome, advice = progress.told()
@@ -232,17 +233,18 @@ def state_at(scenario: Scenario, t: float | None) -> tuple[Setting, State]:
     if t is None or not isinstance(run, Dynamic):
         return setting, start_state(setting, with_loads=t is not None)
     state, bodies = _initial(setting, scenario)
+    moving = None if bodies is None or are_weightless(bodies) else bodies
     if t > 0.0:
         choice = choose(
             setting.strands, setting.loads, state, method=run.method, step=run.step, accuracy=run.accuracy,
-            duration=run.until, supports=setting.supports, bodies=bodies,
+            duration=run.until, supports=setting.supports, bodies=moving,
         )  # fmt: skip
         progress = Progress()
         strands, loads, supports = setting.strands, setting.loads, setting.supports
         guides = guides_of(setting, scenario, bodies)
         for guide in guides:
             guide.begin(state)
-        for _ in move(strands, loads, state, choice, run.accuracy, np.array([t]), progress, supports, bodies, guides):
+        for _ in move(strands, loads, state, choice, run.accuracy, np.array([t]), progress, supports, moving, guides):
             pass
         if progress.status != RUNNING:
             outcome, advice = progress.told()

@@ -10,6 +10,7 @@ import xarray as xr
 from scipy.special import ellipk
 
 from ropewalk.model import Dynamic, Line, Scenario, Trolley
+from ropewalk.scenario import loads
 from ropewalk.simulate import simulate
 
 GRAVITY, LENGTH, PAYLOAD = 9.81, 2.0, 100.0
@@ -95,3 +96,27 @@ def test_the_audit_of_a_free_trolley_on_a_rope_closes_with_the_mesh() -> None:
     print(missed)
     assert missed[2] < 0.5 * missed[0]
     assert missed[2] < 2e-3 * np.ptp(form(result, "load_potential"))
+
+
+def test_a_damped_tether_on_an_undamped_line_does_not_care_how_often_one_looks() -> None:
+    # The damper once saw velocities of the last output: forces were ten times too large, the more the rarer it was.
+    def largest_force(every: float) -> float:
+        result = simulate(
+            loads(
+                f"""
+lines:
+  rope: {{start: [0, 0], end: [20, 0], tension: 2 kN, mass: 0.1, axial_stiffness: 100 kN, elements: 40}}
+loads:
+  cart:
+    kind: trolley
+    on: rope
+    mass: 0.05 kg
+    payload: {{mass: 50, length: 1, stiffness: 20 kN/m, damping: 300, swing: 20 deg}}
+    travel: {{speed: 0, from: 7}}
+run: {{kind: dynamic, until: 1 s, every: {every}}}
+"""
+            )
+        )
+        return float(np.abs(result.contact_force.sel(time=slice(0.1, 1.0), axis="z")[:: round(0.1 / every)]).max())
+
+    assert largest_force(0.1) == pytest.approx(largest_force(0.002), rel=0.02)

@@ -151,6 +151,11 @@ class Bodies(NamedTuple):
         return Bodies(*(array.copy() for array in self))  # type: ignore[arg-type]
 
 
+def are_weightless(bodies: Bodies) -> bool:
+    """Whether there is nothing but contacts that press with given forces: then lines move as with forces alone."""
+    return not (bodies.wheels["mass"].any() or bodies.coordinates.size)
+
+
 def without_vehicles(wheels: int) -> Bodies:
     """Wheels that ride as forces do, to be filled in; nothing stands above them."""
     records = np.zeros(wheels, WHEEL)

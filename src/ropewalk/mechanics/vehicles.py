@@ -49,11 +49,12 @@ def _look_at_wheels(strands, loads, state, buffers, bodies, kick):
     Its place, its velocities before the kick and at the instant of the positions, what the line and given forces add to
     it, and what an impulse adds: the inverse of the mass that moves with the wheel.
     """
-    w, ahead, X, r, f, t = state.w, buffers.ahead, state.X, state.r, buffers.f, state.t[0]
+    w, X, r, f, t = state.w, state.X, state.r, buffers.f, state.t[0]
     for k in range(state.xi.size):
         wheel = bodies.wheels[k]
         s, b, U, phase = loads.strand[k], state.rider[k], state.speed[k], wheel.phase
         m = strands.rho[s] * strands.h[s]
+        ahead = buffers.ahead if strands.damping[s] > 0.0 else w  # kept up for damped lines only
         on_line = phase in (INSIDE, SEATED)
         fast = phase in (AWAY, WAITING, PARKED)
         first, last = strands.first[s], strands.first[s] + strands.links[s]

@@ -23,6 +23,7 @@ from ropewalk.results.figures import set_scale
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
 from ropewalk.results.statistics import lines
+from ropewalk.results.ties import tied, ties
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -132,8 +133,11 @@ class Stage:
         self._path = shown[name].values
         self._lines = [_Curve.of(shown, dataset, line) for line in lines(dataset)]
         self._spots: Array = shown["contact_position"].values[..., [0, -1]]
+        self._bodies: Array = shown["body_position"].values[..., [0, -1]]
+        self._pairs = ties(dataset)
         self._forces: Array = shown["contact_force"].values[..., [0, -1]]
-        height = _height(shown["position"].values[..., [0, -1]])
+        seen = [shown["position"].values[..., [0, -1]], self._bodies]
+        height = _height(np.concatenate([points.reshape(-1, 2) for points in seen]))
         self._figure = Figure(figsize=(WIDTH / 100, height / 100), dpi=100, layout="constrained")
         self._canvas = _canvas(self._figure)
         self._axes = self._figure.add_subplot()
@@ -192,6 +196,11 @@ class Stage:
         self._arrows = ax.quiver(empty, empty, empty, empty, **arrow, **size)
         dot: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 7, "zorder": 6}
         (self._dots,) = ax.plot([], [], color=style.INK, markeredgecolor="white", animated=True, **dot)
+        body: dict[str, Any] = {"linestyle": "none", "marker": "s", "markersize": 8, "zorder": 6}
+        (self._masses,) = ax.plot([], [], color=style.BLUE, markeredgecolor="white", animated=True, **body)
+        self._ties: Any = ax.add_collection(
+            LineCollection([], colors=[style.BLUE], linewidths=style.LINE, animated=True), autolim=False
+        )
         note: dict[str, Any] = {
             "transform": ax.transAxes,
             "va": "top",
@@ -199,7 +208,7 @@ class Stage:
             "color": style.INK,
         }
         self._clock = ax.text(0.985, 0.965, "", ha="right", family="monospace", animated=True, **note)
-        factor = set_scale(ax, shown["position"], [self._spots.reshape(-1, 2)], room=ARROW)
+        factor = set_scale(ax, shown["position"], [self._spots.reshape(-1, 2), self._bodies.reshape(-1, 2)], room=ARROW)
         height = "z (m)" if factor == 1.0 else f"z (m), drawn {factor:g} times as high"
         style.dress(ax, str(shown.attrs.get("title", "")), "x (m)", height)
         ax.set_title(pace.label, loc="right", fontsize=style.NOTE, color=style.FAINT)
@@ -208,7 +217,15 @@ class Stage:
         """Draw the k-th frame shown, an array (height, width, 3)."""
         self._canvas.restore_region(self._ground)
         self._move(k)
-        for artist in (*self._links, *self._traces, self._arrows, self._dots, self._clock):
+        for artist in (
+            *self._links,
+            *self._traces,
+            self._arrows,
+            self._ties,
+            self._dots,
+            self._masses,
+            self._clock,
+        ):
             self._axes.draw_artist(artist)
         return np.asarray(self._canvas.buffer_rgba())[:, :, :3].copy()
 
@@ -220,6 +237,8 @@ class Stage:
             links.set_array(curve.tension[k])
         for j, trace in enumerate(self._traces):
             trace.set_data(self._spots[: k + 1, j, 0], self._spots[: k + 1, j, 1])
+        self._masses.set_data(self._bodies[k, :, 0], self._bodies[k, :, 1])
+        self._ties.set_segments(tied(self._bodies[k], self._spots[k], self._pairs))
         if self._traces:
             spots, force = self._spots[k], self._forces[k] / self._unit
             self._dots.set_data(spots[:, 0], spots[:, 1])

@@ -6,15 +6,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.markers import CARETUP
+from numpy.typing import NDArray
 
 from ropewalk.results import style
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import ENERGY_FORMS, Array
 from ropewalk.results.statistics import AUDIT, blocks, lines, turnover
 from ropewalk.results.table import number
+from ropewalk.results.ties import tied, ties
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,32 +47,36 @@ FORM_LABELS = {
 def figure(dataset: xr.Dataset) -> Figure:
     """Draw the overview: shapes, tension, contact, energy and support forces, all axes with units.
 
+    Hold forces give way to contact forces where there are none, the imbalance of the energy to friction where nothing
+    moves in time; loads that lose power to friction get a row for that and for their speed.
+
     Args:
         dataset: a result; one with a single frame (an equilibrium) gets its shape and its tension.
     """
     if dataset.sizes[path_name(dataset)] < 2:
         return _rest_figure(dataset)
-    fig = Figure(figsize=(11.0, 10.5), dpi=style.DPI, layout="constrained")
-    layout: list[Any] = [["shapes", "shapes"], ["tension", "height"], ["energy", "hold"], ["imbalance", "reactions"]]
-    ax = fig.subplot_mosaic(layout, height_ratios=(1.35, 1.0, 1.0, 0.8))
+    force = "hold_force" if _any(dataset, "hold_force") or not _any(dataset, "contact_force") else "contact_force"
+    audit = "imbalance" if path_name(dataset) == "time" else "contact_friction"
+    layout: list[Any] = [["shapes", "shapes"], ["tension", "contact_height"], ["energy", force]]
+    if _any(dataset, "friction_power"):
+        layout.append(["contact_speed", "friction_power"])
+    layout.append([audit, "reactions"])
+    rows = len(layout)
+    fig = Figure(figsize=(11.0, 2.1 + 2.1 * rows), dpi=style.DPI, layout="constrained")
+    ax = fig.subplot_mosaic(layout, height_ratios=(1.35, *(1.0,) * (rows - 2), 0.8))
     _headline(fig, dataset)
-    shapes(dataset, ax["shapes"])
-    tension(dataset, ax["tension"])
-    contact_height(dataset, ax["height"])
-    energy(dataset, ax["energy"])
-    hold_force(dataset, ax["hold"])
-    imbalance(dataset, ax["imbalance"])
-    reactions(dataset, ax["reactions"])
-    below = [ax[name] for name in ("tension", "height", "energy", "hold", "imbalance", "reactions")]
+    for name, panel in ax.items():
+        VIEWS[name](dataset, panel)
+    below = [ax[name] for row in layout[1:] for name in row]
     for other in below[1:]:
         other.sharex(below[0])
-    for upper in below[:4]:
+    for upper in below[:-2]:
         upper.set_xlabel("")
         upper.tick_params(labelbottom=False)
     for row in layout[1:]:
         style.lift_titles([ax[name] for name in row])
-    fig.align_ylabels([ax["tension"], ax["energy"], ax["imbalance"]])
-    fig.align_ylabels([ax["height"], ax["hold"], ax["reactions"]])
+    for column in range(2):
+        fig.align_ylabels([ax[row[column]] for row in layout[1:]])
     return fig
 
 
@@ -87,7 +94,7 @@ def single(dataset: xr.Dataset, view: str) -> Figure:
 
 
 def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
-    """Draw side views of the lines at several instants (early to late) with the paths of the loads.
+    """Draw side views of the lines at several instants (early to late) with the paths of the loads and their bodies.
 
     Lengths and heights have one scale, unless the shape is so flat that nothing could be seen: then the heights
     are exaggerated by a round number, which the label states.
@@ -116,7 +123,7 @@ def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
         ax.plot(
             path[:, 0],
             path[:, -1],
-            color=style.LOAD,
+            color=_load_colour(dataset, k),
             linewidth=style.LINE,
             linestyle=(0, (1, 1.2)),
             label=label,
@@ -131,13 +138,33 @@ def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
             edgecolors="white",
             linewidths=0.7,
         )
+    bodies = _draw_bodies(dataset, ax, frames, colours)
     values, unit = dataset[name].values[frames], dataset[name].attrs["units"]
-    factor = set_scale(ax, chosen["position"], [path for _, path in paths])
+    factor = set_scale(ax, chosen["position"], [*(path for _, path in paths), *bodies])
     height = "z (m)" if factor == 1.0 else f"z (m), drawn {factor:g} times as high"
     style.dress(ax, "Shapes", "x (m)", height)
     if len(frames) > 1:
         _instants_bar(ax, values, f"{_word(dataset)} ({unit})")
     style.legend(ax)
+
+
+def _draw_bodies(dataset: xr.Dataset, ax: Axes, frames: NDArray[np.intp], colours: Any) -> list[Array]:
+    """Draw payloads, sprung masses and people at some instants, tied to their contacts; gives their paths."""
+    if not dataset.sizes["body"]:
+        return []
+    every = dataset["body_position"].values[..., [0, -1]]
+    spots = dataset["contact_position"].values[..., [0, -1]]
+    pairs = ties(dataset)
+    for frame, colour in zip(frames, colours, strict=False):
+        pieces = tied(every[frame], spots[frame], pairs)
+        ax.add_collection(LineCollection(list(pieces), colors=[colour], linewidths=style.THIN), autolim=False)
+    for i, body in enumerate(dataset["body"].values.tolist()):
+        ax.plot(
+            every[:, i, 0], every[:, i, 1], color=style.FAINT, linewidth=style.THIN, linestyle=(0, (4, 1.5)),
+            label=f"path of {body}", zorder=1,
+        )  # fmt: skip
+        ax.scatter(every[frames, i, 0], every[frames, i, 1], c=colours[: len(frames)], s=30, marker="s", zorder=5)
+    return [every[:, i] for i in range(dataset.sizes["body"])]
 
 
 def tension(dataset: xr.Dataset, ax: Axes) -> None:
@@ -154,8 +181,10 @@ def tension(dataset: xr.Dataset, ax: Axes) -> None:
             label = f"{end} of {line}" if several else f"at the {end}"
             ax.plot(path, values, color=colour, linewidth=style.THIN, label=label)
     sides = ((0, "behind", style.RED, "-"), (1, "ahead of", style.ORANGE, "--"))
+    alone = dataset.sizes["contact"] == 1
     for k, load in enumerate(dataset["load"].values.tolist()):
-        for index, side, colour, dashes in sides:
+        for index, side, own, dashes in sides:
+            colour = own if alone else _colour(k)  # several loads have a colour each, and each side its dashes
             values = dataset["contact_tension"][:, k, index].values
             ax.plot(path, values, color=colour, linestyle=dashes, linewidth=style.LINE, label=f"{side} {load}")
     style.dress(ax, "Tension", _path_label(dataset), "tension (N)")
@@ -163,11 +192,15 @@ def tension(dataset: xr.Dataset, ax: Axes) -> None:
 
 
 def contact_height(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the height of every load over time."""
+    """Draw the height of every load and of its bodies over time."""
     path = dataset[path_name(dataset)].values
     for k, load in enumerate(dataset["load"].values.tolist()):
         height = dataset["contact_position"][:, k].sel(axis="z").values
         ax.plot(path, height, color=_colour(k), linewidth=style.LINE, label=load)
+    for i, body in enumerate(dataset["body"].values.tolist()):
+        height = dataset["body_position"][:, i].sel(axis="z").values
+        colour = _colour(dataset.sizes["contact"] + i)
+        ax.plot(path, height, color=colour, linewidth=style.LINE, linestyle=(0, (4, 1.5)), label=body)
     style.dress(ax, "Height of the load", _path_label(dataset), "z (m)")
     _finish_loads(dataset, ax)
 
@@ -183,6 +216,29 @@ def contact_force(dataset: xr.Dataset, ax: Axes) -> None:
     """Draw the contact force of every load by component."""
     _components(dataset, ax, dataset["contact_force"], dataset["load"].values.tolist())
     style.dress(ax, "Contact force on the line", _path_label(dataset), "force (N)")
+    _finish_loads(dataset, ax)
+
+
+def contact_speed(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the speed of every load along its line, as measured."""
+    _of_contacts(dataset, ax, "contact_speed")
+    style.dress(ax, "Speed of the load", _path_label(dataset), "speed (m/s)")
+    _finish_loads(dataset, ax)
+
+
+def friction_power(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the power that every load loses to friction and brakes along its line."""
+    _of_contacts(dataset, ax, "friction_power")
+    style.dress(ax, "Power lost to friction", _path_label(dataset), "power (W)")
+    _finish_loads(dataset, ax)
+
+
+def contact_friction(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the friction coefficient that every contact needs at least, to stand as it does."""
+    _of_contacts(dataset, ax, "contact_friction")
+    style.dress(ax, "Friction needed", _path_label(dataset), "coefficient (1)")
+    if ax.lines:
+        ax.set_ylim(bottom=0.0, top=1.1 * max(float(np.nanmax(line.get_ydata())) for line in ax.lines))
     _finish_loads(dataset, ax)
 
 
@@ -251,6 +307,9 @@ VIEWS = {
     "contact_height": contact_height,
     "contact_force": contact_force,
     "hold_force": hold_force,
+    "contact_speed": contact_speed,
+    "friction_power": friction_power,
+    "contact_friction": contact_friction,
     "reactions": reactions,
     "energy": energy,
     "imbalance": imbalance,
@@ -309,6 +368,25 @@ def _path_label(dataset: xr.Dataset) -> str:
 
 def _colour(k: int) -> str:
     return style.CYCLE[(k + 1) % len(style.CYCLE)]
+
+
+def _load_colour(dataset: xr.Dataset, k: int) -> str:
+    """Colour of the path of a load: that of loads where it is alone."""
+    return style.LOAD if dataset.sizes["contact"] == 1 else _colour(k)
+
+
+def _any(dataset: xr.Dataset, name: str) -> bool:
+    """Whether a quantity is anything but zero anywhere."""
+    return bool((np.nan_to_num(dataset[name].values) != 0.0).any())
+
+
+def _of_contacts(dataset: xr.Dataset, ax: Axes, name: str) -> None:
+    """Draw a quantity of every contact, if it is anything but zero."""
+    path, values = dataset[path_name(dataset)].values, dataset[name].values
+    for k, load in enumerate(dataset["load"].values.tolist()):
+        if np.nan_to_num(values[:, k]).any():
+            ax.plot(path, np.where(np.isfinite(values[:, k]), values[:, k], np.nan), color=_colour(k), label=load,
+                    linewidth=style.LINE)  # fmt: skip
 
 
 def _row_max(values: Array) -> Array:

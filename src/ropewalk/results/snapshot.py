@@ -6,7 +6,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropewalk.mechanics.bodies import ALONG_X, CARRIED, EVEN, FLYING, FREE, GIVEN, PARKED, SEATED, WAITING, Bodies
+from ropewalk.mechanics.bodies import (
+    ALONG_X,
+    CARRIED,
+    EVEN,
+    FLYING,
+    FREE,
+    GIVEN,
+    PARKED,
+    SEATED,
+    WAITING,
+    Bodies,
+    are_weightless,
+)
 from ropewalk.mechanics.chain import (
     CONTACT,
     DRIVE,
@@ -183,6 +195,7 @@ class Camera:
 
     def __init__(self, setting: Setting, bodies: Bodies | None = None) -> None:
         self.setting, self.bodies = setting, bodies
+        self._weightless = bodies is not None and are_weightless(bodies)
         self._first: float | None = None
         self._work: Array = np.zeros(WORKS)
         self._held: tuple[float, Array] = (0.0, np.zeros(setting.xi.size))
@@ -214,9 +227,9 @@ class Camera:
                 continue
             s = int(loads.strand[k])
             F = np.array([force_at(loads, k, t, a) for a in range(dim)])
-            if bodies is not None:
+            if bodies is not None and not self._weightless:
                 F = bodies.wheels["on_line"][k, :dim].copy()
-            else:
+            if bodies is None:
                 phase[k] = MOVES if state.speed[k] != 0.0 else STICKS
             hold[k] = 0.0
             if b >= 0:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.results.contract import path_name
-from ropewalk.results.frame import ENERGY_FORMS, Array
+from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -203,7 +203,45 @@ def _contact(dataset: xr.Dataset, k: int) -> Summary:
         "hold_force": _vector(dataset, dataset["hold_force"][:, k]),
         "friction_needed": needed,
         "share_on_line": float(np.mean(present)) if present.size else None,
+        "share_in_air": _share_in_air(dataset, k),
+        "friction_power": _peak(dataset, np.asarray(dataset["friction_power"][:, k].values), "W"),
+        "friction_work": _work(path, np.asarray(dataset["friction_power"][:, k].values)),
+        "last_speed": _last_speed(dataset, k),
     }
+
+
+def _share_in_air(dataset: xr.Dataset, k: int) -> float | None:
+    """Part of the time up to where a load leaves its line for good that it spends in the air."""
+    path, state = dataset[path_name(dataset)].values, dataset["contact_state"][:, k].values
+    there = np.flatnonzero(state != OFF_LINE)
+    if path_name(dataset) != "time" or there.size < 2:
+        return None
+    first, last = there[0], there[-1]
+    in_air = dataset["contact_in_air"][:, k].values
+    return float((in_air[last] - in_air[first]) / (path[last] - path[first]))
+
+
+def _peak(dataset: xr.Dataset, values: Array, unit: str) -> Summary:
+    """The largest of values over the leading dimension, with its instant."""
+    out: Summary = {"value": _reduce(np.max, values), "unit": unit}
+    if out["value"] is not None:
+        out[path_name(dataset)] = dataset[path_name(dataset)].values[np.nanargmax(values)]
+    return out
+
+
+def _work(path: Array, power: Array) -> Summary:
+    """What a power sampled at the outputs comes to, J."""
+    return {"value": float(np.trapezoid(np.nan_to_num(power), path)), "unit": "J"}
+
+
+def _last_speed(dataset: xr.Dataset, k: int) -> Summary | None:
+    """The speed at the last output before a load leaves its line or stops; None if it does neither, or never moves."""
+    state, speed = dataset["contact_state"][:, k].values, dataset["contact_speed"][:, k].values
+    moving = np.flatnonzero((state == MOVES) & np.isfinite(speed) & (speed != 0.0))
+    if path_name(dataset) != "time" or not moving.size or moving[-1] == state.size - 1:
+        return None
+    last = moving[-1]
+    return {"value": speed[last], "unit": "m/s", "time": dataset["time"].values[last]}
 
 
 def _energy(dataset: xr.Dataset) -> Summary:
@@ -212,6 +250,7 @@ def _energy(dataset: xr.Dataset) -> Summary:
         return {
             "unit": "J",
             "final": dict.fromkeys(ENERGY_FORMS),
+            "always_zero": [],
             "turnover": None,
             "largest_imbalance": None,
         }
@@ -223,7 +262,8 @@ def _energy(dataset: xr.Dataset) -> Summary:
         relative = audit[at] / moved if moved > 0.0 else None
         worst = {"value": audit[at], "unit": "J", "relative": relative, path_name(dataset): path[at]}
     final = dict(zip(ENERGY_FORMS, energy[-1].tolist(), strict=True))
-    return {"unit": "J", "final": final, "turnover": moved, "largest_imbalance": worst}
+    idle = [form for form, values in zip(ENERGY_FORMS, energy.T, strict=True) if not values.any()]
+    return {"unit": "J", "final": final, "always_zero": idle, "turnover": moved, "largest_imbalance": worst}
 
 
 def _method(dataset: xr.Dataset) -> Summary:

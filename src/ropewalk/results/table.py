@@ -113,10 +113,19 @@ def _contact_rows(name: str, contact: Summary) -> Iterator[Row]:
     jump = contact["tension_jump"]
     yield "largest tension jump", f"{number(jump['value'])} N", "  ".join(_when(jump))
     hold = contact["hold_force"]
-    yield "largest hold force", f"{number(hold['value'])} N", "  ".join((*_when(hold), *_components(hold)))
+    if hold["value"]:
+        yield "largest hold force", f"{number(hold['value'])} N", "  ".join((*_when(hold), *_components(hold)))
     needed = contact["friction_needed"]
     if needed["value"] is not None:
         yield "friction coefficient needed", number(needed["value"], 3), "  ".join(_when(needed))
+    if contact["share_in_air"]:
+        yield "in the air", f"{number(100 * contact['share_in_air'], 2)} %", "of its time"
+    if contact["friction_power"]["value"]:
+        power = contact["friction_power"]
+        yield "largest friction power", f"{number(power['value'])} W", "  ".join(_when(power))
+    if contact["last_speed"] is not None:
+        speed = contact["last_speed"]
+        yield "last speed", f"{number(speed['value'])} m/s", "  ".join((*_when(speed), "before it leaves or stops"))
     if share < 1.0:
         yield "on the line", f"{100 * share:.0f} %", "of the output instants"
 
@@ -124,9 +133,10 @@ def _contact_rows(name: str, contact: Summary) -> Iterator[Row]:
 def _energy_rows(energy: Summary) -> Iterator[Row]:
     yield "Energy at the end", "", ""
     for form, label in _ENERGY.items():
-        yield label, f"{number(energy['final'].get(form))} J", ""
+        if form not in energy["always_zero"]:
+            yield label, f"{number(energy['final'].get(form))} J", ""
     worst: dict[str, Any] | None = energy["largest_imbalance"]
-    if worst is not None:
+    if worst is not None and "load_path" not in worst:  # what stands still has no audit
         share = "" if worst["relative"] is None else f"{number(100 * worst['relative'], 2)} % of the energy turned over"
         yield (
             "largest imbalance",

@@ -70,7 +70,7 @@ def board(setting: Setting, state: State) -> Bodies | None:
         state.speed[k] = V if loads.measure[k] == MATERIAL and wheel.free is None else V / stretch
         if loads.measure[k] == HORIZONTAL and wheel.free is None:
             state.speed[k] = V / ((d[0].sum()) / float(state.X[near][-1] - state.X[near][0]))
-        slope = d.sum(axis=1) / float(state.X[near][-1] - state.X[near][0])
+        slope = (d / np.diff(state.X[near])).mean(axis=1)
         w = np.array([np.interp(state.xi[k], state.X[near], row) for row in state.w[:, near]])
         record["r"][:dim], record["v"][:dim] = place, w + state.speed[k] * slope
         if record["heavy"]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
+from numba import typeof, types
 
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.bodies import Bodies
@@ -132,6 +133,7 @@ def move(
         knots.append(_knots(supports.motion_time, supports.motion_count))
     corners = np.unique(np.concatenate(knots))
     step, idle = choice.step, 0
+    entries: list[Callable[..., tuple[int, int]]] = []
     limits = bounds(strands, state.r, state.X, bool(loads.strand.size), supports, loads, bodies)
     for time in times:
         stops = [*corners[(corners > state.t[0]) & (corners < time)], time]
@@ -139,7 +141,7 @@ def move(
             while state.t[0] < stop:
                 until = min([stop, *(guide.next(float(state.t[0])) for guide in guides)])
                 progress.status, taken = _advance(
-                    strands, loads, state, room, choice, accuracy, until, step, ends, bodies
+                    strands, loads, state, room, choice, accuracy, until, step, ends, bodies, entries
                 )
                 progress.steps += int(taken)
                 if progress.status in (RUNNING, ASKED):
@@ -197,15 +199,20 @@ def _room_for(choice: Choice, loads: Loads, state: State) -> Buffers | Workspace
     return Buffers.for_state(state)
 
 
-def _advance(strands, loads, state, room, choice, accuracy, stop, step, ends, bodies):
+def _advance(strands, loads, state, room, choice, accuracy, stop, step, ends, bodies, entries):
     if choice.method == "implicit":
         from ropewalk.solve.radau import advance_implicit
 
         return advance_implicit(strands, loads, state, room, stop, accuracy, step, MOST_STEPS)
     kicks, drifts = RKN6 if choice.method == "rkn6" else VERLET
-    # What is not there is left out instead of given as None, and the kernel without it is the one that is cached.
-    more = () if ends is None and bodies is None else (ends,) if bodies is None else (ends, bodies)
-    return advance(strands, loads, state, room, kicks, drifts, stop, step, MOST_STEPS, *more)
+    arguments = strands, loads, state, room, kicks, drifts, float(stop), float(step), MOST_STEPS, ends, bodies
+    if not hasattr(advance, "compile"):  # plain Python
+        return advance(*arguments)
+    if not entries:  # finding out the types of sixty arrays costs as much as thousands of nodes: once is enough
+        # What is not there counts as left out, so that everybody without it shares one kernel in the cache.
+        kinds = [types.Omitted(None) if argument is None else typeof(argument) for argument in arguments]
+        entries.append(advance.compile(tuple(kinds)))
+    return entries[0](*arguments)
 
 
 def _knots(times: Array, counts: Integers) -> Array:
