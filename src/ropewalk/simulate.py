@@ -168,7 +168,7 @@ def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account
     moving = None if bodies is None or are_weightless(bodies) else bodies
     choice = choose(
         setting.strands, setting.loads, state, method=run.method, step=run.step, accuracy=run.accuracy,
-        duration=run.until, supports=setting.supports, bodies=moving,
+        duration=run.until, supports=setting.supports, bodies=moving, guided=bodies is not None,
     )  # fmt: skip
     account.method, account.reason, account.step = choice.method, choice.reason, choice.step
     guides = guides_of(setting, scenario, bodies)
@@ -237,7 +237,7 @@ def state_at(scenario: Scenario, t: float | None) -> tuple[Setting, State]:
     if t > 0.0:
         choice = choose(
             setting.strands, setting.loads, state, method=run.method, step=run.step, accuracy=run.accuracy,
-            duration=run.until, supports=setting.supports, bodies=moving,
+            duration=run.until, supports=setting.supports, bodies=moving, guided=bodies is not None,
         )  # fmt: skip
         progress = Progress()
         strands, loads, supports = setting.strands, setting.loads, setting.supports

@@ -178,6 +178,7 @@ def choose(
     duration: float,
     supports: Supports | None = None,
     bodies: Bodies | None = None,
+    guided: bool = False,
 ) -> Choice:
     """Choose method and step for a motion.
 
@@ -189,6 +190,7 @@ def choose(
         duration: how long the run is, s.
         supports: what holds the ends; None: points that do not move.
         bodies: what has a mass of its own; None: nothing has.
+        guided: whether loads decide on the way what they do.
 
     Raises:
         RopewalkError: the method asked for cannot do what the loads or the supports need.
@@ -196,7 +198,7 @@ def choose(
     limits = bounds(strands, state.r, state.X, bool(loads.strand.size), supports, loads, bodies)
     damped = limits.damping > 0.0
     dampers = supports is not None and bool(supports.damping.any())
-    explicit_only = _explicit_only(loads, supports, bodies)
+    explicit_only = _explicit_only(loads, supports, bodies, guided)
     explicit = verlet_step(limits) * (SAFETY_WITH_MASSES if bodies is not None else 1.0)
     relative = accuracy / float((strands.h * strands.links).max())
     facts = f"largest frequency {limits.frequency:.4g} rad/s"
@@ -224,7 +226,7 @@ def choose(
         why = "as asked"
     if wanted == "implicit" and explicit_only:
         remedy = "contact: clamped"
-        if bodies is not None:
+        if bodies is not None or guided:
             remedy = "kind: force"
         elif "support" in explicit_only:
             remedy = "fixed supports"
@@ -246,10 +248,12 @@ def choose(
     return Choice(wanted, min(own, step) if step is not None else own, f"{why} ({facts})", compressed)
 
 
-def _explicit_only(loads: Loads, supports: Supports | None, bodies: Bodies | None) -> str:
+def _explicit_only(loads: Loads, supports: Supports | None, bodies: Bodies | None, guided: bool) -> str:
     """What the implicit method does not know, in words; nothing if it knows all that there is."""
     if bodies is not None:
         return "a load with a mass"
+    if guided:
+        return "a load that decides on the way"
     if np.any(loads.contact == FRICTIONLESS):
         return "a frictionless contact"
     if supports is not None and (supports.free.any() or (supports.motion_count > 1).any()):
