@@ -18,7 +18,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account, Frame, Layout
 from ropewalk.results.snapshot import Camera, layout_of, standing_frame
 from ropewalk.solve.boarding import board, resting_forces
-from ropewalk.solve.choice import choose
+from ropewalk.solve.choice import Choice, choose
 from ropewalk.solve.ends import ends_of, seat_ends
 from ropewalk.solve.guides import guides_of
 from ropewalk.solve.measure import shapes
@@ -161,24 +161,36 @@ def _check_ends(setting: Setting, state: State) -> None:
             )
 
 
-def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account) -> Iterator[Frame]:
+def _course(
+    setting: Setting, scenario: Scenario, state: State, bodies: Bodies | None
+) -> tuple[Choice, Callable[[Array, Progress], Iterator[State]]]:
+    """How a motion goes on from its first state: the method, and what gives the states at later instants."""
     run = scenario.run
     assert isinstance(run, Dynamic)
-    state, bodies = _initial(setting, scenario)
+    strands, loads, supports = setting.strands, setting.loads, setting.supports
     moving = None if bodies is None or are_weightless(bodies) else bodies
     choice = choose(
-        setting.strands, setting.loads, state, method=run.method, step=run.step, accuracy=run.accuracy,
-        duration=run.until, supports=setting.supports, bodies=moving, guided=bodies is not None,
+        strands, loads, state, method=run.method, step=run.step, accuracy=run.accuracy,
+        duration=run.until, supports=supports, bodies=moving, guided=bodies is not None,
     )  # fmt: skip
-    account.method, account.reason, account.step = choice.method, choice.reason, choice.step
     guides = guides_of(setting, scenario, bodies)
     for guide in guides:
         guide.begin(state)
+
+    def states(times: Array, progress: Progress) -> Iterator[State]:
+        return move(strands, loads, state, choice, run.accuracy, times, progress, supports, moving, guides)
+
+    return choice, states
+
+
+def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account) -> Iterator[Frame]:
+    state, bodies = _initial(setting, scenario)
+    choice, states = _course(setting, scenario, state, bodies)
+    account.method, account.reason, account.step = choice.method, choice.reason, choice.step
     camera, progress = Camera(setting, bodies), Progress()
     yield camera.take(state)
     warned = False
-    strands, loads, supports = setting.strands, setting.loads, setting.supports
-    for current in move(strands, loads, state, choice, run.accuracy, times[1:], progress, supports, moving, guides):
+    for current in states(times[1:], progress):
         account.steps = progress.steps
         if progress.status != RUNNING:
             account.outcome, advice = progress.told()
@@ -233,18 +245,10 @@ def state_at(scenario: Scenario, t: float | None) -> tuple[Setting, State]:
     if t is None or not isinstance(run, Dynamic):
         return setting, start_state(setting, with_loads=t is not None)
     state, bodies = _initial(setting, scenario)
-    moving = None if bodies is None or are_weightless(bodies) else bodies
     if t > 0.0:
-        choice = choose(
-            setting.strands, setting.loads, state, method=run.method, step=run.step, accuracy=run.accuracy,
-            duration=run.until, supports=setting.supports, bodies=moving, guided=bodies is not None,
-        )  # fmt: skip
         progress = Progress()
-        strands, loads, supports = setting.strands, setting.loads, setting.supports
-        guides = guides_of(setting, scenario, bodies)
-        for guide in guides:
-            guide.begin(state)
-        for _ in move(strands, loads, state, choice, run.accuracy, np.array([t]), progress, supports, moving, guides):
+        _, states = _course(setting, scenario, state, bodies)
+        for _ in states(np.array([t]), progress):
             pass
         if progress.status != RUNNING:
             outcome, advice = progress.told()
