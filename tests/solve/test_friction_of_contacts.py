@@ -120,6 +120,19 @@ def test_only_the_load_that_needs_it_is_held() -> None:
     assert used[1] == pytest.approx(0.3, rel=1e-8)
 
 
+def test_a_load_that_would_slip_alone_stands_once_its_neighbour_is_held() -> None:
+    """With both clamped, the second one needs 0.71, then 0.24: what holds the first one takes some of that off it."""
+    both = load(1.4, "coulomb", friction=0.13), load(2.6, "coulomb", friction=0.25)
+    free = at_rest(load(1.4), load(2.6)).contact_friction.to_numpy()[0]
+    assert free[1] > 0.7
+    result = at_rest(*both)
+    hold, used = result.hold_force.to_numpy()[0, :, 0], result.contact_friction.to_numpy()[0]
+    assert hold[0] < 0.0
+    assert used[0] == pytest.approx(0.13, rel=1e-8)
+    assert hold[1] == 0.0
+    assert used[1] < 0.25
+
+
 def test_along_a_path_it_slips_where_friction_ends_and_stands_in_between() -> None:
     scenario = Scenario(
         gravity=0.0, lines={"rope": rope()}, run=Quasistatic(positions=181),
@@ -130,6 +143,8 @@ def test_along_a_path_it_slips_where_friction_ends_and_stands_in_between() -> No
     assert used.max() == pytest.approx(0.3, rel=1e-8)
     assert np.array_equal(hold != 0.0, used > 0.3 * (1.0 - 1e-8))
     first = int(np.argmax(hold == 0.0))
+    assert first > 0
+    assert np.count_nonzero(hold == 0.0) > 50  # of 181 places
     assert np.all(hold[:first] < 0.0)
     assert np.all(np.diff(np.flatnonzero(hold == 0.0)) == 1)  # stands in one stretch around the middle
 

@@ -11,8 +11,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from ropewalk.model import Dynamic, ForceTable, Line, MovingMass, Scenario, Start, Travel
-from ropewalk.simulate import simulate
+from ropewalk.mechanics.bodies import FLYING, SEATED, Bodies
+from ropewalk.mechanics.chain import State
+from ropewalk.model import Dynamic, ForceTable, FreeTravel, Guided, Line, MovingMass, Scenario, Start, Travel
+from ropewalk.simulate import _initial, simulate
+from ropewalk.solve.choice import choose
+from ropewalk.solve.motion import Progress, move
+from ropewalk.solve.start import setting_of
 from ropewalk.theory import string
 
 IN_AIR, MOVES = 1.0, 3.0
@@ -127,6 +132,56 @@ def test_landing_costs_a_small_part_of_its_energy(elements: int) -> None:
     landing, energy = changes(result)[1], form(result, "imbalance")
     # The node it lands on or beside takes its velocity; how much depends on where it lands: 0.02 to 1.2 J of 1000 J.
     assert abs(float(energy[landing + 5] - energy[landing - 1])) < 4e-3 * form(result, "load_kinetic").max()
+
+
+def momentum_of(state: State, bodies: Bodies, node: float, axis: int) -> float:
+    """Of a mass and its line, whose nodes have the mass `node`: what the mass carries of a node is noted beside it."""
+    mass = bodies.wheels[0]
+    line = node * state.w[axis]
+    line[[0, -1]] *= 0.5
+    if mass["phase"] == SEATED:
+        line[mass["at"]] = mass["store"][axis]
+    return float(mass["mass"][axis] * mass["v"][axis] + line.sum())
+
+
+@pytest.mark.parametrize("elements", [20, 33])
+@pytest.mark.parametrize(("axis", "carried"), [(0, 40.0), (1, 0.0)])
+def test_momentum_is_kept_when_it_lands_on_a_line_that_nothing_holds(axis: int, carried: float, elements: int) -> None:
+    """Both ends slide on rails along the axis; a force lifts the mass and another one throws it back."""
+    along, force = ((1, 0), 1000.0) if axis == 0 else ((0, 1), 0.0)
+    line = Line(
+        start=(0, 0), end=(20.2, 0), length=20.0, mass=1.0, axial_stiffness=1e5, elements=elements,
+        start_support=Guided(along=along, force=-force), end_support=Guided(along=along, force=force),
+    )  # fmt: skip
+    # Linear between corners, at which steps end: 18.75 N s upwards and 37.5 N s downwards without an error.
+    back = 0.15
+    throw = ForceTable(time=(0.0, 0.025, 0.05, 0.1, back), value=((0, 0), (0, 750.0), (0, 0), (0, -750.0), (0, 0)))
+    way = {"from": 8.03, "speed": 4.0}  # free where x is looked at, with friction, which is between mass and line
+    travel = FreeTravel.model_validate({**way, "viscous": 20.0}) if axis == 0 else Travel.model_validate(way)
+    load = MovingMass(on="line", mass=10.0, lift_off=True, force=throw, travel=travel)
+    # Hardly any gravity: only so that above and below exist.
+    scenario = Scenario(gravity=1e-12, lines={"line": line}, loads={"mass": load}, run=Dynamic(until=0.5, every=0.01))
+    setting = setting_of(scenario, 0.5)
+    state, bodies = _initial(setting, scenario)
+    assert bodies is not None
+    choice = choose(
+        setting.strands, setting.loads, state, method="auto", step=None, accuracy=1e-3, duration=0.5,
+        supports=setting.supports, bodies=bodies,
+    )  # fmt: skip
+    times, node = np.linspace(0.01, 0.5, 50), 20.0 / elements
+    phases, momenta = [], []
+    for now in move(setting.strands, setting.loads, state, choice, 1e-3, times, Progress(), setting.supports, bodies):
+        phases.append(int(bodies.wheels["phase"][0]))
+        momenta.append(momentum_of(now, bodies, node, axis))
+    in_air = np.flatnonzero(np.array(phases) == FLYING)
+    free = times > back + 1e-9
+    assert free[in_air[-1]]
+    assert in_air[-1] < 40  # it has landed long before the end
+    kept = np.array(momenta)[free]
+    assert np.ptp(kept) < 1e-11 * 40.0
+    assert kept[0] == pytest.approx(carried - (18.75 if axis == 1 else 0.0), abs=1e-9)
+    # What it had in the air has become the line's.
+    assert abs(float(bodies.wheels["mass"][0, axis] * bodies.wheels["v"][0, axis]) - kept[-1]) > 0.5
 
 
 def test_what_runs_below_the_line_takes_off_downwards() -> None:

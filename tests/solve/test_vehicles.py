@@ -303,6 +303,9 @@ def test_wheels_come_onto_the_line_one_after_the_other(wheel: float) -> None:
     assert (states[t < 0.22, 1] == 0.0).all()  # the rear axle is on firm ground
     assert (states[(t > 0.24), 1] == 3.0).all()
     assert (found.contact_force.values[(t > 0.0) & (t < 0.22), 1] == 0.0).all()
+    # It is as far behind as on the line, which is stretched by T/EA.
+    waits = 1.005 * (10.0 * t[t < 0.22] - 2.3)
+    assert found.contact_position.values[t < 0.22, 1, 0] == pytest.approx(waits, abs=1e-4)
     assert found.body_position.values[1, 0, 0] == pytest.approx(-1.1 + 10.0 * t[1], abs=0.02)
     assert missed(found) < 60.0  # J of 5000 J: the rope is longer by 1 % than at rest when the rear comes
     with pytest.raises(ValueError, match="at_end: leave"):
