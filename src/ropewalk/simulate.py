@@ -270,6 +270,20 @@ def _refuse_to_yield(setting: Setting, who: str, otherwise: str, *, moving: bool
             raise RopewalkError(f"{name}: {who} only {kinds} supports so far; write kind: fixed, or {otherwise}")
 
 
+def _refuse_masses(scenario: Scenario) -> None:
+    """Refuse loads with a mass where the spectrum would leave it out.
+
+    Raises:
+        RopewalkError: there is such a load.
+    """
+    for name, load in scenario.loads.items():
+        if not isinstance(load, MovingForce):
+            raise RopewalkError(
+                f"load {name}: the spectrum with loads in their places knows forces only, not kind: {load.kind}; ask for "
+                "that of the line alone (no instant, no start.with_loads), or write kind: force with its weight as force"
+            )
+
+
 def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | None = None) -> Spectrum:
     """Find the spectrum of a scenario.
 
@@ -287,6 +301,8 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     from ropewalk.solve.spectrum import spectrum  # lazy: a run does not need the eigenvalue solvers
 
     run = scenario.run
+    if at is not None or (isinstance(run, Dynamic) and run.start.with_loads):
+        _refuse_masses(scenario)
     if at is None:
         setting = setting_of(scenario, 0.0)
         _refuse_to_yield(setting, "the spectrum knows", "fix the end where it rests", moving=False)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ropewalk.errors import EquilibriumError, RopewalkError, ScenarioError
-from ropewalk.model import Dynamic, Equilibrium, Line, MovingForce, Scenario, Travel
+from ropewalk.model import Dynamic, Equilibrium, Line, MovingForce, MovingMass, Scenario, Start, Travel
 from ropewalk.results.spectrum_figure import spectrum_figure
 from ropewalk.simulate import spectrum_of
 from ropewalk.solve.spectrum import spectrum
@@ -40,6 +40,16 @@ def test_a_scenario_is_linearised_at_rest_without_loads_or_at_an_instant():
 def test_an_instant_outside_the_run_is_refused(run, at):
     with pytest.raises(ScenarioError, match=f"given {at:g} s"):
         spectrum_of(slack_rope(run=run), at=at)
+
+
+@pytest.mark.parametrize("at", [0.2, None])
+def test_masses_are_not_passed_over(at):
+    whole = slack_rope(run=Dynamic(until=0.5, start=Start(with_loads=at is None)))
+    travel = whole.loads["walker"].travel
+    heavy = whole.model_copy(update={"loads": {"trolley": MovingMass(on="rope", mass=80.0, travel=travel)}})
+    with pytest.raises(RopewalkError, match="load trolley: the spectrum .* knows forces only, not kind: mass"):
+        spectrum_of(heavy, at=at)
+    assert spectrum_of(whole, at=at).lowest_frequency > 0.0
 
 
 def test_a_line_without_a_rest_shape_of_its_own_is_refused_until_its_load_is_on_it():
