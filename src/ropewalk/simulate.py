@@ -15,7 +15,7 @@ from ropewalk.mechanics.chain import Array, State
 from ropewalk.model.load import MovingForce
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Account, Frame, Layout
+from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
 from ropewalk.results.snapshot import Camera, layout_of, standing_frame
 from ropewalk.solve.boarding import board, resting_forces
 from ropewalk.solve.choice import Choice, choose
@@ -24,7 +24,7 @@ from ropewalk.solve.guides import guides_of
 from ropewalk.solve.measure import shapes
 from ropewalk.solve.motion import STOPPED, Progress, move
 from ropewalk.solve.quasistatic import Place, walk
-from ropewalk.solve.remarks import Remarks
+from ropewalk.solve.remarks import Remarks, on_parting, who_met
 from ropewalk.solve.splitting import END_OF_LINE, MET, RUNNING
 from ropewalk.solve.start import Setting, setting_of, start_state
 from ropewalk.solve.timetable import horizon
@@ -189,10 +189,12 @@ def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account
     account.method, account.reason, account.step = choice.method, choice.reason, choice.step
     camera, progress = Camera(setting, bodies), Progress()
     yield camera.take(state)
-    warned = False
+    warned, parted = False, set[int]()
     for current in states(times[1:], progress):
         account.steps = progress.steps
         if progress.status != RUNNING:
+            if progress.status == MET:
+                progress.message = who_met(setting, current)
             account.outcome, advice = progress.told()
             account.advice = f"stopped at t = {current.t[0]:.6g} s: {advice}"
             if current.t[0] > 0.0 and progress.status in (END_OF_LINE, MET, STOPPED):
@@ -201,6 +203,11 @@ def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account
         frame = camera.take(current)
         if not warned:
             warned = _warn_of_compression(setting, frame, account)
+        if bodies is not None:
+            moving = sum(
+                float(frame.energy[ENERGY_FORMS.index(form)]) for form in ("kinetic", "elastic", "load_kinetic")
+            )
+            account.warnings += on_parting(setting, bodies, moving, parted)
         yield frame
 
 

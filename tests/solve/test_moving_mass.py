@@ -77,10 +77,11 @@ def test_deflection_on_a_string_with_mass_is_of_second_order(alpha: float, monke
     assert found[-1] < 1e-4
 
 
-@pytest.mark.parametrize("ratio", [1.0, 4.0])
-def test_deflection_is_right_with_the_first_part_of_a_link_borne_by_the_support(ratio: float) -> None:
+@pytest.mark.parametrize(("ratio", "tolerance"), [(1.0, 1e-4), (4.0, 4e-5)])
+def test_deflection_is_right_with_the_first_part_of_a_link_borne_by_the_support(ratio: float, tolerance: float) -> None:
     deflection, _ = misses(passage(100, ratio * LENGTH, 0.5, 0.9), ratio * LENGTH, 0.5)
-    assert np.abs(deflection).max() < 2e-4  # measured 1.3e-4 and 1.1e-4
+    # Measured 9.0e-5 and 2.6e-5; with four times the part of the link, 1.1e-4 and 8.7e-5.
+    assert np.abs(deflection).max() < tolerance
 
 
 @pytest.mark.parametrize(("alpha", "tolerance"), [(0.5, 0.01), (0.8, 0.04)])
@@ -321,3 +322,14 @@ def test_a_speed_that_jumps_loses_no_way() -> None:
     table = SpeedTable(time=(0.0, 0.31, 0.31, 1.0), value=(9.0, 9.0, 5.0, 5.0))
     result = simulate(rope({"m": travel(table, 4.0)}))
     assert result.contact_xi.values[-1, 0] == pytest.approx(4.0 + 9.0 * 0.31 + 5.0 * 0.69, abs=1e-9)
+
+
+def test_a_mass_that_runs_into_a_free_one_ends_the_run_and_says_so() -> None:
+    free = {"travel": {"kind": "free", "from": 9.0}}
+    result = simulate(rope({"tug": travel(9.0, 8.0), "car": free}, until=1.2))
+    assert result.attrs["outcome"] == "loads met"
+    assert "load tug meets load car at" in result.attrs["advice"]
+    assert result.time.values[-1] == pytest.approx(1.0 / 9.0, rel=0.05)  # the car hardly moves until then
+    gap = np.diff(result.contact_xi.values, axis=1) / (19.8 / 60)
+    assert 0.07 < gap[-1, 0] < 0.1  # links; a step is 0.017
+    assert np.abs(result.energy.sel(form="imbalance").values).max() < 3.0  # J of 1700; 35 at a fiftieth of a link

@@ -47,7 +47,7 @@ def test_masses_are_not_passed_over(at):
     whole = slack_rope(run=Dynamic(until=0.5, start=Start(with_loads=at is None)))
     travel = whole.loads["walker"].travel
     heavy = whole.model_copy(update={"loads": {"trolley": MovingMass(on="rope", mass=80.0, travel=travel)}})
-    with pytest.raises(RopewalkError, match="load trolley: the spectrum .* knows forces only, not kind: mass"):
+    with pytest.raises(RopewalkError, match=r"load trolley: the spectrum .* knows forces only, not kind: mass"):
         spectrum_of(heavy, at=at)
     assert spectrum_of(whole, at=at).lowest_frequency > 0.0
 

@@ -133,7 +133,8 @@ def tabulate(
     return times, np.array([samples[t] for t in times])
 
 
-def _speed_table(speed: Any, until: float) -> tuple[Array, Array]:
+def speed_table(speed: Any, until: float) -> tuple[Array, Array]:
+    """Times (n,) and values (n,) of a speed in m/s, up to the time `until`."""
     if isinstance(speed, SpeedTable):
         return np.array(speed.time), np.array(speed.value)
     if callable(speed):
@@ -180,7 +181,7 @@ def drive_table(drive: Any, until: float) -> tuple[Array, Array]:
 def loads_of(scenario: Scenario, wheels: list[Wheel], until: float) -> Loads:
     """All wheels of a scenario, with their histories tabulated up to the time `until`."""
     names, axes = list(scenario.lines), axes_of(scenario)
-    speeds = [_speed_table(wheel.speed, until) for wheel in wheels]
+    speeds = [speed_table(wheel.speed, until) for wheel in wheels]
     forces = [_vector_table(wheel.force, until, axes) for wheel in wheels]
 
     def codes(values: list[int]) -> NDArray[np.int64]:

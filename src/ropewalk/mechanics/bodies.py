@@ -73,6 +73,7 @@ WHEEL = np.dtype(
         ("driving", _REAL),  # N, of drive and driver in the last step
         ("in_air", _REAL),  # s, time off the line so far
         ("power", _REAL),  # W, of friction, in the last step
+        ("parting", _REAL),  # J, lost by the line when the wheel left it
     ],
     align=True,
 )

@@ -18,7 +18,7 @@ import numpy as np
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.bodies import AWAY, CARRIED, FLYING, FREE, INSIDE, PARKED, SEATED
-from ropewalk.mechanics.chain import LEAVE, OFF, REFUSE
+from ropewalk.mechanics.chain import CONTACT, LEAVE, OFF, REFUSE, SHARED
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.rider import ARRIVED, seat_of
 
@@ -28,8 +28,12 @@ D0 = 0.25
 RELEASE = 1.02 * D0
 # Wheels on one line meet when they are closer than this part of a link, at the mass of a link or less than that of a
 # wheel; between heavier wheels a shorter piece is still no stiffer than a step allows. Sliding wheels come no closer
-# to others than 0.02 of the way between them and the next point.
-MET, LEAST_MET = 0.25, 0.03
+# to others than 0.02 of the way between them and the next point, but have met before: they shorten the piece between
+# within few steps, and its energy with it.
+MET, LEAST_MET, LEAST_MET_SLIDING = 0.25, 0.03, 0.1
+# A contact without a place of its own meets a heavy wheel within these parts of a link: if it rides with a node, which
+# must not come closer; if it is shared by two nodes, which the wheel must not take.
+MET_RIDING, MET_SHARED = 0.25, 1.0
 
 
 @lean
@@ -388,11 +392,61 @@ def _at_end(strands, loads, state, bodies, k):
 
 
 @lean_inner
+def _stored(strands, state, bodies, s, one, two):
+    """Strain energy of the piece between two points, J."""
+    rest, square = coordinate(state, two) - coordinate(state, one), 0.0
+    for a in range(state.r.shape[0]):
+        square += (place(state, bodies, two, a) - place(state, bodies, one, a)) ** 2
+    return rest * law.stored(strands.law[s], np.sqrt(square) / rest - 1.0)
+
+
+@lean_inner
 def take_off(strands, loads, state, bodies, k):
-    """Take wheel k off the line for good."""
-    let_go(strands, state, bodies, k, loads.strand[k])
+    """Take wheel k off the line for good.
+
+    What the pieces beside it lose is lost: at a prescribed speed the last of them may have been stretched manifold.
+    """
+    s, p, seated, b = loads.strand[k], _number(bodies, k), bodies.wheels[k].phase == SEATED, bodies.wheels[k].at
+    lost, on_line = 0.0, bodies.wheels[k].phase == INSIDE or seated
+    if on_line:
+        m, one, two = strands.rho[s] * strands.h[s], beside(bodies, p, -1), beside(bodies, p, 1)
+        lost = _stored(strands, state, bodies, s, one, -1 - k) + _stored(strands, state, bodies, s, -1 - k, two)
+        if seated:
+            for a in range(state.r.shape[0]):
+                mass = bodies.wheels[k].mass[a]
+                lost += 0.5 * (bodies.wheels[k].store[a] ** 2 / m + mass * bodies.wheels[k].v[a] ** 2)
+    let_go(strands, state, bodies, k, s)
     bodies.wheels[k].phase = AWAY
     state.rider[k] = OFF
+    if seated:
+        lost -= _stored(strands, state, bodies, s, one, b) + _stored(strands, state, bodies, s, b, two)
+        for a in range(state.r.shape[0]):
+            lost -= 0.5 * (m * state.w[a, b] ** 2 + bodies.wheels[k].mass[a] * bodies.wheels[k].v[a] ** 2)
+    elif on_line:
+        lost -= _stored(strands, state, bodies, s, one, two)
+    state.work[CONTACT] += lost
+    bodies.wheels[k].parting = lost
+
+
+@lean
+def have_met(strands, loads, state, bodies):
+    """Whether two loads have met, of which one at least has a place of its own."""
+    for p in range(bodies.ordered[0]):
+        k = bodies.order[p]
+        s, xi = loads.strand[k], state.xi[k]
+        h = strands.h[s]
+        if p > 0 and loads.strand[bodies.order[p - 1]] == s:
+            j = bodies.order[p - 1]
+            node, mass = strands.rho[s] * h, min(bodies.wheels[j].mass[0], bodies.wheels[k].mass[0])
+            slides = bodies.wheels[j].travel == FREE or bodies.wheels[k].travel == FREE
+            least = LEAST_MET_SLIDING if slides else LEAST_MET
+            if xi - state.xi[j] < h * min(max(MET * node / mass, least), MET):
+                return True
+        for j in range(state.xi.size):
+            least = MET_SHARED if state.rider[j] == SHARED else MET_RIDING
+            if state.rider[j] > OFF and loads.strand[j] == s and abs(state.xi[j] - xi) < h * least:
+                return True
+    return False
 
 
 @lean
@@ -421,13 +475,8 @@ def take_places(strands, loads, state, bodies, target):
         for k in range(state.xi.size):
             if bodies.wheels[k].phase == INSIDE or bodies.wheels[k].phase == SEATED:
                 changed = _change(strands, loads, state, bodies, k) or changed
-    for p in range(1, bodies.ordered[0]):
-        j, k = bodies.order[p - 1], bodies.order[p]
-        s = loads.strand[k]
-        node, mass = strands.rho[s] * strands.h[s], min(bodies.wheels[j].mass[0], bodies.wheels[k].mass[0])
-        closest = strands.h[s] * min(max(MET * node / mass, LEAST_MET), MET)
-        if loads.strand[j] == s and state.xi[k] - state.xi[j] < closest:
-            return 2
+    if have_met(strands, loads, state, bodies):
+        return 2
     for k in range(state.xi.size):
         if state.rider[k] == CARRIED:
             target[k] = _next(strands, loads, state, bodies, k)

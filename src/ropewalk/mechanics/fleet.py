@@ -24,6 +24,7 @@ from ropewalk.mechanics.bodies import (
     without_vehicles,
 )
 from ropewalk.mechanics.chain import Array, Strands
+from ropewalk.mechanics.crowds import crowded
 from ropewalk.mechanics.wheels import Wheel
 from ropewalk.model.load import AnyLoad, MovingForce
 from ropewalk.model.matrices import Matrices
@@ -39,8 +40,8 @@ HEAVY = 1.0
 LEAST_ROOM, MOST_ROOM, ROOM_PER_MASS = 0.005, 0.25, 0.5
 # Distance from a support at which the line ends for a mass, as a part of a link.
 MARGIN = 0.25
-# Light wheels of a load that are closer than this many links would share a node, which carries the mass of one
-# only: they get places of their own, and one without mass borrows this part of that of a link, without weight.
+# Light wheels that come closer than this many links would share a node, which carries the mass of one only: they get
+# places of their own, and one of next to no mass borrows this part of that of a link, without weight.
 CROWDED, BORROWED = 2.0, 0.2
 # Stretch of the rope of a payload under its weight where its stiffness is not given, m.
 STRETCH = 1e-3
@@ -118,7 +119,8 @@ def fleet_of(scenario: Scenario, wheels: list[Wheel], strands: Strands, axes: tu
         if vehicle is not None:
             vehicles.append(vehicle)
     _fill_wheels(bodies, wheels, dim)
-    _fit_to_mesh(bodies, wheels, strands, list(scenario.lines), vehicles)
+    close = _crowd(scenario, wheels, strands, until)
+    _fit_to_mesh(bodies, wheels, strands, list(scenario.lines), vehicles, close)
     bodies = _with_drives(bodies, wheels, until)
     return Fleet(_with_vehicles(bodies, vehicles), tuple(shown))
 
@@ -138,26 +140,30 @@ def _fill_wheels(bodies: Bodies, wheels: list[Wheel], dim: int) -> None:
             record["driver"] = free.driver.force if free.driver is not None else 0.0
 
 
+def _crowd(scenario: Scenario, wheels: list[Wheel], strands: Strands, until: float) -> set[int]:
+    """Wheels that come close to others."""
+    forces = {name for name, load in scenario.loads.items() if isinstance(load, MovingForce)}
+    h = dict(zip(scenario.lines, strands.h, strict=True))
+    lengths = {name: float(h[name] * n) for name, n in zip(scenario.lines, strands.links, strict=True)}
+    return crowded(wheels, forces, {name: CROWDED * float(size) for name, size in h.items()}, lengths, until)
+
+
 def _fit_to_mesh(
-    bodies: Bodies, wheels: list[Wheel], strands: Strands, lines: list[str], vehicles: list[_Vehicle]
+    bodies: Bodies, wheels: list[Wheel], strands: Strands, lines: list[str], vehicles: list[_Vehicle], close: set[int]
 ) -> None:
     for k, (record, wheel) in enumerate(zip(bodies.wheels, wheels, strict=True)):
         s = lines.index(wheel.on)
-        h, m = float(strands.h[s]), float(strands.rho[s] * strands.h[s])
-        crowded, mass = _is_crowded(wheels, k, CROWDED * h), wheel.mass
-        if crowded and mass == 0.0:  # as the mesh is refined, what it borrows vanishes
+        h, m, mass = float(strands.h[s]), float(strands.rho[s] * strands.h[s]), wheel.mass
+        if k in close and mass < BORROWED * m:  # as the mesh is refined, what it borrows vanishes
+            record["mass"] += BORROWED * m - mass
+            _bear(vehicles, k, (mass - BORROWED * m) * strands.gravity)
             mass = BORROWED * m
-            record["mass"] += mass
-            for vehicle in vehicles:
-                for j, (number, axis) in enumerate(vehicle.seats):
-                    if number == k:
-                        vehicle.load[vehicle.coordinates + j] -= mass * strands.gravity[axis]
         record["heavy"] = mass > 0.0 and (
             mass >= HEAVY * m
             or wheel.free is not None
             or wheel.lift != 0
             or record["travel"] in (EVEN, ALONG_X)
-            or crowded
+            or k in close
         )
         if record["heavy"]:
             record["room"] = h * np.clip(ROOM_PER_MASS * m / mass, LEAST_ROOM, MOST_ROOM)
@@ -173,10 +179,16 @@ def _fit_to_mesh(
                 record["brake_end"] = length - brake.within
 
 
-def _is_crowded(wheels: list[Wheel], k: int, distance: float) -> bool:
-    """Whether another wheel of the same load runs closer to wheel k than this (m), at a constant distance."""
-    near = (w for j, w in enumerate(wheels) if j != k and w.load == wheels[k].load)
-    return wheels[k].given and any(abs(w.start - wheels[k].start) < distance for w in near)
+def _bear(vehicles: list[_Vehicle], k: int, force: Array) -> None:
+    """Let a force in N on wheel k, (axis,), bear the weight of what it borrows."""
+    seats = {seat for vehicle in vehicles for seat in vehicle.seats}
+    own = [(k, axis) for axis in range(force.size) if (k, axis) not in seats and force[axis]]
+    if own:
+        vehicles.append(_Vehicle.of(0, own))
+    for vehicle in vehicles:
+        for j, (number, axis) in enumerate(vehicle.seats):
+            if number == k:
+                vehicle.load[vehicle.coordinates + j] += force[axis]
 
 
 def _with_drives(bodies: Bodies, wheels: list[Wheel], until: float) -> Bodies:

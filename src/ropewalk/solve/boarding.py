@@ -14,8 +14,9 @@ from ropewalk.mechanics.rider import contact_point, force_at, seat_of, speed_at
 from ropewalk.model.trolley import Payload
 from ropewalk.solve.start import Setting
 
-# A wheel leaves a support when it is this many steps away from it.
-STEPS_OF_ROOM = 4.0
+# A wheel leaves a support when it is as far away as it goes in this part of the time that waves take for a link. With
+# half of it, a heavy mass near the speed of transverse waves gains energy (docs/notes/moving-mass.md).
+STEPS_OF_ROOM = 1.0
 
 
 def board(setting: Setting, state: State) -> Bodies | None:

@@ -19,7 +19,7 @@ from ropewalk.mechanics.bodies import (
     SWINGS,
     WAITING,
 )
-from ropewalk.mechanics.carrying import beside, land, let_go, on_straight, sort, take_places
+from ropewalk.mechanics.carrying import beside, have_met, land, let_go, on_straight, sort, take_places
 from ropewalk.mechanics.chain import (
     ARC,
     CONTACT,
@@ -389,8 +389,8 @@ def is_leg_due(strands, loads, state, bodies):
 
 @lean_inner
 def is_body_due(strands, loads, state, bodies):
-    """Whether some wheel leaves the line, lands on it, or comes to its start, or a leg lands or takes off."""
-    if is_leg_due(strands, loads, state, bodies):
+    """Whether a wheel leaves the line, lands on it, comes to its start or to another, or a leg lands or takes off."""
+    if is_leg_due(strands, loads, state, bodies) or have_met(strands, loads, state, bodies):
         return True
     for k in range(state.xi.size):
         if bodies.wheels[k].phase == WAITING and state.xi[k] >= 0.0:

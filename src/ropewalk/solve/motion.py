@@ -64,12 +64,12 @@ class Progress:
 
     status: int = RUNNING
     steps: int = 0
-    message: str = ""  # of a load that could not go on
+    message: str = ""  # what has happened: to a load that could not go on, to two that have met
 
     def told(self) -> tuple[str, str]:
         """The outcome of a motion that has ended early, and advice."""
         outcome, advice = ADVICE[self.status]
-        return outcome, advice or self.message
+        return outcome, "; ".join(part for part in (self.message, advice) if part)
 
 
 ADVICE = {
@@ -89,8 +89,8 @@ ADVICE = {
     ),
     MET: (
         "loads met",
-        "two loads came together on one line and cannot pass each other; let one start elsewhere, change a speed, or "
-        "end the run before",
+        "loads cannot pass or push each other: let one start elsewhere, change a speed, or end the run before; if they "
+        "are meant to run so close (a quarter of a link, a whole one near supports), raise elements",
     ),
     STOPPED: ("load failed", ""),
     TOO_MANY_STEPS: ("too many steps", "raise `step`, use fewer elements, or method: implicit"),

@@ -1,13 +1,21 @@
-"""What an engineer should know of a slow motion although it went through: each remark once, where it begins."""
+"""What an engineer should know of a slow motion although it went through: each remark once, where it begins.
+
+And of a motion: which two loads have ended it by coming together, and which one has torn at its support.
+"""
 
 from __future__ import annotations
 
-from ropewalk.mechanics.chain import CLAMPED, COULOMB
+from itertools import combinations
+
+from ropewalk.mechanics.bodies import CARRIED, Bodies
+from ropewalk.mechanics.chain import CLAMPED, COULOMB, OFF, State
 from ropewalk.solve.quasistatic import Place
 from ropewalk.solve.start import Setting
 
 # A tension below this part of that on the other side is none.
 _SLACK = 1e-6
+# What a wheel may take with it when it leaves its line, as a part of the moving and the elastic energy.
+_PARTING = 0.02
 
 
 class Remarks:
@@ -52,3 +60,33 @@ class Remarks:
         if kind == COULOMB and hold != 0.0:
             return [(load, "friction", f"slips: friction {given:g} does not hold it, a force of {hold:.4g} N does")]
         return []
+
+
+def who_met(setting: Setting, state: State) -> str:
+    """The two contacts that have met, one of them with a place of its own: the closest on one line, in words."""
+    strand, xi, on = setting.loads.strand, state.xi, (state.rider != OFF) & (state.xi >= 0.0)
+    pairs = [
+        (abs(float(xi[j] - xi[k])), j, k)
+        for j, k in combinations(range(xi.size), 2)
+        if strand[j] == strand[k] and on[j] and on[k] and CARRIED in (state.rider[j], state.rider[k])
+    ]
+    if not pairs:
+        return "two loads meet"
+    _, j, k = min(pairs)
+    one, two, line = setting.wheels[j].name, setting.wheels[k].name, setting.lines[strand[j]]
+    return f"load {one} meets load {two} at {xi[k]:.4g} m (unstrained) along {line}"
+
+
+def on_parting(setting: Setting, bodies: Bodies, energy: float, made: set[int]) -> list[str]:
+    """The wheels that have torn at a support when they left their line, each of them once; `energy` in J counts."""
+    found = []
+    for k, lost in enumerate(bodies.wheels["parting"]):
+        if lost > _PARTING * energy and k not in made:
+            made.add(k)
+            name, line = setting.wheels[k].name, setting.lines[setting.loads.strand[k]]
+            found.append(
+                f"load {name} left {line} and took {lost:.3g} J of the pieces of line beside it, which are lost: it "
+                "came to its support from below or above, and the last piece is stretched the more, the finer the "
+                "mesh is; what follows depends on it: let it leave earlier (travel.margin), or end the run before"
+            )
+    return found
