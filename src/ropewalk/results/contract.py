@@ -65,6 +65,12 @@ VARIABLES: Mapping[str, Quantity] = {
     "body_velocity": Quantity(("body", "axis"), "m/s", "velocity of the body of a load"),
     "reaction": Quantity(("support", "axis"), "N", "force of the support on the line"),
     "energy": Quantity(("form",), "J", "energy of each form in the audit"),
+    "tie_force": Quantity(("tie",), "N", "tension in the tie"),
+    "sampled_station": Quantity(("sample", "contact"), "m", "place of the contact along the line, between outputs"),
+    "sampled_force": Quantity(("sample", "contact"), "N", "force upwards on the line at the contact, between outputs"),
+    "sampled_height": Quantity(("sample", "contact"), "m", "height of the contact, between outputs"),
+    "sampled_tie_force": Quantity(("sample", "tie"), "N", "tension in the tie, between outputs"),
+    "sampled_uplift": Quantity(("sample", "watched"), "m", "height over rest of the watched point, between outputs"),
 }
 
 PATHS: Mapping[str, Quantity] = {
@@ -83,7 +89,21 @@ COORDINATES: Mapping[str, Quantity] = {
     "side": Quantity(("side",), "1", "side of the load: behind is towards the start of the line"),
     "support": Quantity(("support",), "1", "support of a line"),
     "form": Quantity(("form",), "1", "form of energy"),
+    "tie": Quantity(("tie",), "1", "tie between lines, such as a dropper"),
+    "tie_station": Quantity(("tie",), "m", "place of the tie along its line"),
+    "watched": Quantity(("watched",), "1", "point of a line whose height is sampled"),
+    "watched_station": Quantity(("watched",), "m", "place of the watched point along its line"),
+    "sample": Quantity(("sample",), "s", "time of the sample after the output instant (negative: before it)"),
 }
+
+
+OPTIONAL = ("tie", "watched", "sample")
+"""Dimensions that only some results have: what needs them is left out of the others."""
+
+
+def is_present(quantity: Quantity, size: Mapping[Any, int]) -> bool:
+    """Whether a quantity belongs to a result with dimensions of these sizes."""
+    return all(size.get(dim, 0) or dim not in OPTIONAL for dim in quantity.dims)
 
 
 def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
@@ -97,10 +117,14 @@ def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
         "side": SIDES,
         "support": layout.support,
         "form": ENERGY_FORMS,
+        "tie": layout.tie,
+        "watched": layout.watched,
     }
     values: dict[str, NDArray[Any]] = {name: np.array(text, dtype=np.str_) for name, text in names.items()}
     values["xi"] = np.array(layout.node_xi, dtype=np.float64)
     values["link_xi"] = np.array(layout.link_xi, dtype=np.float64)
+    for name in ("tie_station", "watched_station", "sample"):
+        values[name] = np.array(getattr(layout, name), dtype=np.float64)
     return {name: values[name] for name in COORDINATES}
 
 
@@ -115,6 +139,9 @@ def sizes(layout: Layout) -> dict[str, int]:
         "side": len(SIDES),
         "support": len(layout.support),
         "form": len(ENERGY_FORMS),
+        "tie": len(layout.tie),
+        "watched": len(layout.watched),
+        "sample": len(layout.sample),
     }
 
 

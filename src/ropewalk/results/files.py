@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.results.contract import CONVENTIONS, COORDINATES, VARIABLES, path_name
+from ropewalk.results.contract import CONVENTIONS, COORDINATES, VARIABLES, is_present, path_name
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -100,13 +100,15 @@ def _tidy(dataset: xr.Dataset) -> xr.Dataset:
     size: dict[Any, int] = {**dict.fromkeys(("node", "link", "contact", "body", "support"), 0), **dataset.sizes}
     coordinates: dict[str, Any] = {}
     for name, quantity in COORDINATES.items():
+        if not is_present(quantity, size):
+            continue
         values = dataset[name].values if name in dataset.variables else np.empty(size[quantity.dims[0]])
-        if name not in ("xi", "link_xi"):
+        if quantity.unit == "1":
             values = np.array(values.tolist(), dtype=np.str_)
         coordinates[name] = (quantity.dims, values, quantity.attributes)
     path = path_name(dataset)
     for name, quantity in VARIABLES.items():
-        if name not in dataset.variables:
+        if name not in dataset.variables and is_present(quantity, size):
             dims = (path, *quantity.dims)
             dataset[name] = (dims, np.full([size[d] for d in dims], np.nan), quantity.attributes)
     dataset = dataset.assign_coords(coordinates)

@@ -42,6 +42,11 @@ class Layout:
     contact_load: tuple[str, ...]  # load of each contact
     support: tuple[str, ...]  # "rope.start", "rope.end", ...
     body: tuple[str, ...] = ()  # bodies of loads beside their contacts
+    tie: tuple[str, ...] = ()  # droppers and other ties
+    tie_station: tuple[float, ...] = ()  # m along the line that carries them, of each
+    watched: tuple[str, ...] = ()  # points of lines whose height is sampled
+    watched_station: tuple[float, ...] = ()  # m
+    sample: tuple[float, ...] = ()  # s, offsets of samples from the output instant: before it, or zero
     path: str = "time"  # leading dimension: "time" (s) or "load_path" (m)
 
 
@@ -68,6 +73,13 @@ class Frame:
     body_velocity: Array  # (body, axis) m/s
     reaction: Array  # (support, axis) N, of the support on the line
     energy: Array  # (form,) J, in the order of ENERGY_FORMS
+    # What only some runs have: None stands for an array without entries.
+    tie_force: Array | None = None  # (tie,) N
+    sampled_station: Array | None = None  # (sample, contact) m
+    sampled_force: Array | None = None  # (sample, contact) N, upwards on the line
+    sampled_height: Array | None = None  # (sample, contact) m
+    sampled_tie_force: Array | None = None  # (sample, tie) N
+    sampled_uplift: Array | None = None  # (sample, watched) m
 
 
 @dataclass

@@ -66,8 +66,8 @@ class Recorder:
         if self._closed:
             raise ValueError("the recorder is closed")
         for name, shape in self._shapes.items():
-            if np.shape(getattr(frame, name)) != shape:
-                given = np.shape(getattr(frame, name))
+            given = np.shape(getattr(frame, name))
+            if given != shape and not (getattr(frame, name) is None and 0 in shape):
                 raise ValueError(f"frame {self.frames}: {name} has shape {given}, the layout says {shape}")
         self._store.append(frame, self._account)
 
@@ -120,6 +120,12 @@ def _rows(layout: Layout, rows: int) -> dict[str, Array]:
     return {contract.PATH: np.full(rows, np.nan), **arrays}
 
 
+def _put(frame: Frame, arrays: dict[str, Array], row: int) -> None:
+    for name, array in arrays.items():
+        if array[row].size:
+            array[row] = getattr(frame, name)
+
+
 class _Memory:
     """Arrays that double when they are full."""
 
@@ -131,8 +137,7 @@ class _Memory:
     def append(self, frame: Frame, account: Account) -> None:
         if self.count == len(self._arrays[contract.PATH]):
             self._resize(2 * self.count)
-        for name, array in self._arrays.items():
-            array[self.count] = getattr(frame, name)
+        _put(frame, self._arrays, self.count)
         self.count += 1
 
     def _resize(self, rows: int) -> None:
@@ -146,10 +151,18 @@ class _Memory:
         import xarray as xr
 
         path, arrays = self._layout.path, self._arrays
-        values = contract.coordinate_values(self._layout)
-        coordinates = {name: (q.dims, values[name], q.attributes) for name, q in contract.COORDINATES.items()}
+        values, size = contract.coordinate_values(self._layout), contract.sizes(self._layout)
+        coordinates = {
+            name: (q.dims, values[name], q.attributes)
+            for name, q in contract.COORDINATES.items()
+            if contract.is_present(q, size)
+        }
         coordinates[path] = ((path,), arrays[contract.PATH], contract.PATHS[path].attributes)
-        variables = {name: ((path, *q.dims), arrays[name], q.attributes) for name, q in contract.VARIABLES.items()}
+        variables = {
+            name: ((path, *q.dims), arrays[name], q.attributes)
+            for name, q in contract.VARIABLES.items()
+            if contract.is_present(q, size)
+        }
         return xr.Dataset(variables, coordinates, {**self._fixed, **contract.account_attributes(account)})
 
 
@@ -178,8 +191,7 @@ class _File:
 
     def append(self, frame: Frame, account: Account) -> None:
         row = self.count - self._base
-        for name, array in self._arrays.items():
-            array[row] = getattr(frame, name)
+        _put(frame, self._arrays, row)
         self.count += 1
         now = time.monotonic()
         slow = now - self._last_append >= SLOW_FRAME or self.count == 1

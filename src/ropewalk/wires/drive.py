@@ -1,0 +1,43 @@
+"""What riders do during a run, and what is recorded of it: in rows at equal times, each of some steps."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ropewalk.wires.mesh import Places, Riders
+from ropewalk.wires.plan import Array, Integers
+
+ABSENT, ON_WIRE, ON_GROUND = 0, 1, 2
+
+
+class Drive(NamedTuple):
+    """What is given at each row, and after the last one; linear in between."""
+
+    station: Array  # (row, contact) m along the wire
+    where: Integers  # (row, contact) ABSENT, ON_WIRE or ON_GROUND: level ground of the height of the wire's end
+    rough: Array  # (row, contact) m, irregularity: height that the contact feels beside that of the wire
+    given: Array  # (row, contact) N upwards on the wire, beside what a rider does
+    push: Array  # (row, rider, C) N on the coordinates
+
+    def rows(self, begin: int, end: int) -> Drive:
+        """Some of the rows, and that after them."""
+        return Drive(*(array[begin : end + 1] for array in self))  # type: ignore[arg-type]
+
+
+class Record(NamedTuple):
+    """What is found at each row."""
+
+    force: Array  # (row, contact) N upwards on the wire
+    height: Array  # (row, contact) m, of the wire at the contact
+    body: Array  # (row, rider, C) m, coordinates
+    spring: Array  # (row, spring) N, of ties (pull) and then of elastic holds (upwards on the wire)
+    watched: Array  # (row, point) m, height of watched points
+
+    @staticmethod
+    def of(rows: int, riders: Riders, springs: int, watched: Places) -> Record:
+        """Room for a number of rows."""
+        contacts, bodies = riders.owner.size, riders.mass.shape[:2]
+        shapes = (contacts,), (contacts,), bodies, (springs,), (watched.base.size,)
+        return Record(*(np.full((rows, *shape), np.nan) for shape in shapes))

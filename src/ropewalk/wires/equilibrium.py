@@ -1,0 +1,246 @@
+"""Rest of wires with all geometry: the least potential energy, by Newton's method."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sparse
+import scipy.sparse.linalg
+from numpy.typing import NDArray
+
+from ropewalk.errors import EquilibriumError
+from ropewalk.wires.mesh import CLAMPED, FREE, Mesh
+from ropewalk.wires.plan import Array
+from ropewalk.wires.rest import differences, rows, spring, ties_springs
+
+_FULL_STEPS, _MOST_STEPS = 40, 400
+_PARTS = (1, 8)  # in which constant forces are put on
+_LONGEST = 0.1  # of the longest wire: longer steps are cut
+_ALMOST = 1e-8  # of the longest wire: steps this small are taken although rounding may hide that the energy falls
+_CLOSE = 1e-11  # of the longest wire: a step this small is the last one, as is the first that is no smaller than before
+
+
+class Potential:
+    """Potential energy of wires, its gradient and its second derivatives, as functions of all positions (3, node).
+
+    Args:
+        mesh: the wires and what is attached to them.
+        rest: (node,) m, unstrained length of the link behind each node.
+        force: (3, node) N, constant forces beside gravity.
+    """
+
+    def __init__(self, mesh: Mesh, rest: Array, force: Array | None = None) -> None:
+        self.mesh, self.nodes = mesh, mesh.nodes
+        s, plan = mesh.strands, mesh.plan
+        behind = np.ones(mesh.nodes, dtype=np.bool_)
+        behind[s.first + s.links] = False
+        self._link = np.flatnonzero(behind)
+        self._rest = rest[self._link]
+        self._EA = np.repeat([wire.axial_stiffness for wire in plan.wires], s.links)
+        self._bend, self._turn = _bending(mesh)
+        self._bed, self._level = _beds(mesh), mesh.straight()[2]
+        self._tie = rows(mesh.ties.other, mesh.nodes) - rows(mesh.ties.one, mesh.nodes)
+        self._ground = np.where(np.isfinite(mesh.ties.ground), mesh.ties.ground, 0.0)
+        self._pull, self._push = ties_springs(mesh)
+        self._hold = rows(mesh.holds.at, mesh.nodes)
+        self._stiff = spring(mesh.holds.stiffness, mesh.holds.at.local[:, None])
+        self.force = np.zeros((3, mesh.nodes)) if force is None else force.copy()
+        self.force[2] -= plan.gravity * mesh.mass
+        self.force[2] += self._hold.T @ mesh.holds.force
+        for i, wire in enumerate(plan.wires):
+            if wire.end_force is not None:
+                self.force[0, s.first[i]] -= wire.end_force[0]
+                self.force[0, s.first[i] + s.links[i]] += wire.end_force[1]
+
+    def tension(self, r: Array) -> Array:
+        """Tension of all links, N."""
+        d = r[:, self._link + 1] - r[:, self._link]
+        length = np.sqrt((d**2).sum(axis=0))
+        tension: Array = self._EA * (length / self._rest - 1.0)
+        return tension
+
+    def _ties(self, r: Array) -> tuple[Array, Array, Array, Array]:
+        d = (self._tie @ r.T).T + self._ground.T
+        length = np.sqrt((d**2).sum(axis=0))
+        longer = length - self.mesh.ties.length
+        k = np.where(longer > 0.0, self._pull, self._push)
+        return d, length, longer, k
+
+    def energy(self, r: Array) -> float:
+        """Potential energy, J."""
+        strain = self.tension(r) / self._EA
+        *_, longer, k = self._ties(r)
+        held = self._stiff.T * (self.mesh.holds.place.T - (self._hold @ r.T).T) ** 2
+        bent = (r * (self._bend @ r.T).T).sum() - 2.0 * (r * self._turn).sum()
+        sunk = (self._bed * (r[2] - self._level) ** 2).sum()
+        axial = (self._EA * self._rest * strain**2).sum()
+        return float(0.5 * (axial + bent + sunk + (k * longer**2).sum() + held.sum()) - (self.force * r).sum())
+
+    def pull(self, r: Array) -> Array:
+        """Forces on all nodes, (3, node) N."""
+        d = r[:, self._link + 1] - r[:, self._link]
+        along = self.tension(r) / np.sqrt((d**2).sum(axis=0)) * d
+        out = self.force - (self._bend @ r.T).T + self._turn
+        out[:, self._link] += along
+        out[:, self._link + 1] -= along
+        out[2] -= self._bed * (r[2] - self._level)
+        d, length, longer, k = self._ties(r)
+        out -= (self._tie.T @ (k * longer / length * d).T).T
+        held: Array = out + (self._hold.T @ (self._stiff * (self.mesh.holds.place - self._hold @ r.T))).T
+        return held
+
+    def stiffness(self, r: Array) -> sparse.csc_matrix:
+        """Second derivatives, (3 node, 3 node), component by component."""
+        d = r[:, self._link + 1] - r[:, self._link]
+        length = np.sqrt((d**2).sum(axis=0))
+        q, axial = self.tension(r) / length, self._EA / self._rest
+        one = sparse.csr_matrix(
+            (np.repeat([[-1.0, 1.0]], self._link.size, axis=0).ravel(),
+             (np.repeat(np.arange(self._link.size), 2), np.stack([self._link, self._link + 1], axis=1).ravel())),
+            shape=(self._link.size, self.nodes),
+        )  # fmt: skip
+        e, (way, far, longer, k) = d / length, self._ties(r)
+        u, N = way / far, k * longer / far
+        blocks: list[list[Any]] = [[None] * 3 for _ in range(3)]
+        for a in range(3):
+            for b in range(3):
+                same = 1.0 if a == b else 0.0
+                block = one.T @ sparse.diags((axial - q) * e[a] * e[b] + q * same) @ one
+                block = block + self._tie.T @ sparse.diags((k - N) * u[a] * u[b] + N * same) @ self._tie
+                if a == b:
+                    block = block + self._bend + self._hold.T @ sparse.diags(self._stiff[:, a]) @ self._hold
+                    if a == 2:
+                        block = block + sparse.diags(self._bed)
+                blocks[a][b] = block
+        return sparse.bmat(blocks, format="csc")
+
+
+def _bending(mesh: Mesh) -> tuple[Any, Array]:
+    """Stiffness of bending for one component, and the forces of clamped ends that belong to straight wires."""
+    blocks, straight = [], mesh.straight()
+    turned = np.zeros((3, mesh.nodes))
+    for w, n in enumerate(mesh.strands.links):
+        h, EI, first = mesh.strands.h[w], mesh.strands.stiffness[w], mesh.strands.first[w]
+        _, bent = differences(int(n))
+        block = EI / h**3 * (bent.T @ bent)
+        for side, (i, j) in enumerate(((0, 1), (n, n - 1))):
+            if mesh.strands.end[w, side] == CLAMPED:
+                turn = sparse.csr_matrix(([-1.0, 1.0], ([0, 0], [i, j])), shape=(1, n + 1))
+                block = block + 2.0 * EI / h**3 * (turn.T @ turn)
+                slope = straight[:, first + j] - straight[:, first + i]
+                slope *= h / np.linalg.norm(slope)
+                turned[:, first + j] += 2.0 * EI / h**3 * slope
+                turned[:, first + i] -= 2.0 * EI / h**3 * slope
+        blocks.append(block)
+    return sparse.block_diag(blocks, format="csr"), turned
+
+
+def _beds(mesh: Mesh) -> Array:
+    s = mesh.strands
+    bed: Array = np.repeat(s.bed * s.h, s.links + 1)
+    bed[s.first] *= 0.5
+    bed[s.first + s.links] *= 0.5
+    return bed
+
+
+def movable(mesh: Mesh, *, space: bool) -> NDArray[np.bool_]:
+    """Which components of which nodes may move, (3, node)."""
+    free = np.ones((3, mesh.nodes), dtype=np.bool_)
+    last = mesh.strands.first + mesh.strands.links
+    for i, wire in enumerate(mesh.plan.wires):
+        for side, node in enumerate((mesh.strands.first[i], last[i])):
+            if mesh.strands.end[i, side] != FREE:
+                free[:, node] = False
+                free[0, node] = wire.end_force is not None
+    if not space:
+        free[1] = False
+    return free
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Wires at rest."""
+
+    position: Array  # (3, node) m
+    tension: Array  # (link,) N
+
+
+def settle(potential: Potential, start: Array, *, space: bool = False) -> Balance:
+    """Find the rest next to a shape.
+
+    Newton's method in full steps, which may climb the walls of the narrow valley that a wire which hardly stretches
+    makes of the energy; the constant forces are put on in parts if that does not converge; and downhill only, if
+    neither does.
+
+    Args:
+        potential: of the wires.
+        start: (3, node) m.
+        space: whether anything moves sideways.
+
+    Raises:
+        EquilibriumError: no rest was found.
+    """
+    free = movable(potential.mesh, space=space).ravel()
+    whole = potential.force
+    try:
+        for parts in _PARTS:
+            r: Array | None = start
+            for part in range(1, parts + 1):
+                potential.force = whole * (part / parts)
+                r = _newton(potential, r, free) if r is not None else None
+            if r is not None:
+                return Balance(r, potential.tension(r))
+    finally:
+        potential.force = whole
+    r = _downhill(potential, start, free)
+    return Balance(r, potential.tension(r))
+
+
+def _size(potential: Potential) -> float:
+    return float(max(wire.length for wire in potential.mesh.plan.wires))
+
+
+def _newton(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Array | None:
+    """Newton's method in full steps, cut where they are long; None if it does not converge."""
+    r, size, before = start.copy(), _size(potential), np.inf
+    for _ in range(_FULL_STEPS):
+        found = np.zeros(free.size)
+        with np.errstate(all="ignore"):
+            found[free] = scipy.sparse.linalg.spsolve(
+                potential.stiffness(r)[free][:, free], potential.pull(r).ravel()[free]
+            )
+        largest = float(np.abs(found).max())
+        if not np.isfinite(largest):
+            return None
+        r = r + found.reshape(3, -1) * min(1.0, _LONGEST * size / max(largest, 1e-300))
+        if largest <= _CLOSE * size or before <= largest <= _ALMOST * size:
+            return r
+        before = largest
+    return None
+
+
+def _downhill(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Array:
+    """Newton's method with a shift that grows until the energy falls."""
+    r, size, energy, shift, before = start.copy(), _size(potential), potential.energy(start), 0.0, np.inf
+    for _ in range(_MOST_STEPS):
+        out = potential.pull(r).ravel()[free]
+        K = potential.stiffness(r)[free][:, free]
+        scale = float(np.abs(K.diagonal()).mean())
+        while True:
+            found = np.zeros(free.size)
+            with np.errstate(all="ignore"):
+                found[free] = scipy.sparse.linalg.spsolve(K + shift * scale * sparse.identity(out.size), out)
+            step, largest, gain = found.reshape(3, -1), np.abs(found).max(), float(found[free] @ out)
+            tried = potential.energy(r + step) if np.isfinite(largest) else np.inf
+            if gain > 0.0 and (tried < energy or largest < _ALMOST * size):
+                break
+            if shift > 1e6:
+                raise EquilibriumError("the wires find no rest; check what holds them, and whether they are compressed")
+            shift = max(1e-9, 10.0 * shift)
+        r, energy, shift = r + step, tried, 0.1 * shift if shift > 1e-9 else 0.0
+        if shift == 0.0 and (largest <= _CLOSE * size or before <= largest <= _ALMOST * size):
+            return r
+        before = largest
+    raise EquilibriumError(f"the wires found no rest in {_MOST_STEPS} steps; check what holds them")

@@ -1,0 +1,227 @@
+"""Frames of a run on wires."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
+from ropewalk.wires.drive import ON_WIRE, Drive, Record
+from ropewalk.wires.equilibrium import Potential
+from ropewalk.wires.journey import drive_of
+from ropewalk.wires.large import LargeMotion, hung
+from ropewalk.wires.mesh import riders_of
+from ropewalk.wires.plan import Array
+from ropewalk.wires.rest import rows, spring, vertical_stiffness
+from ropewalk.wires.small import SmallMotion
+from ropewalk.wires.stability import largest_step
+from ropewalk.wires.task import Task, ready
+
+SAMPLE = 1e-3  # s, interval of samples where none is asked for
+_ESCAPED = 10.0  # a node that has moved further than so many lengths of its wire belongs to a run that has blown up
+_KINETIC, _OF_LOADS = ENERGY_FORMS.index("kinetic"), ENERGY_FORMS.index("load_kinetic")
+
+
+class Run:
+    """A run under way: its layout, and its frames one after the other.
+
+    Args:
+        task: what is computed.
+        times: output instants in s, from 0.
+        account: filled in.
+        sample: interval of samples in s; a part of the interval of outputs is taken that is no longer.
+        step: largest step in s; None: as large as is stable.
+
+    Raises:
+        RopewalkError: there is no rest to begin with.
+    """
+
+    def __init__(
+        self, task: Task, times: Array, account: Account, sample: float = SAMPLE, step: float | None = None
+    ) -> None:
+        self.task, self.mesh, self.rest = ready(task)
+        self.account = account
+        self.riders = riders_of([journey.rider for journey in self.task.journeys])
+        interval = float(np.diff(times).max()) if times.size > 1 else sample
+        self.rows = max(1, int(np.ceil(interval / sample * (1.0 - 1e-9))))
+        self.sample = interval / self.rows
+        self.times = _snapped(times, self.sample)
+        nonlinear = task.geometry == "nonlinear"
+        self._stable = largest_step(self.mesh, self.riders, axial=nonlinear, inertia=task.inertia)
+        self.steps = max(1, int(np.ceil(self.sample / (self._stable if step is None else step) * (1.0 - 1e-9))))
+        account.method, account.step = "explicit", self.sample / self.steps
+        if nonlinear:
+            account.reason = "Stoermer's method for all components; axial waves limit the step"
+            unstrained = hung(self.mesh, self.rest.position)
+            self._potential = Potential(self.mesh, unstrained)
+            self.motion: LargeMotion | SmallMotion = LargeMotion(
+                self.mesh, self.rest.position, unstrained, self.riders, account.step, self._first(), task.inertia,
+                space=task.space,
+            )  # fmt: skip
+        else:
+            account.reason = "Stoermer's method for small vertical motion about rest, with constant tensions"
+            self._stiffness = vertical_stiffness(self.mesh)
+            self.motion = SmallMotion(self.mesh, self.rest, self.riders, account.step, self._first(), task.window)
+        self._in_air = np.zeros(self.riders.owner.size)
+        self._axes = [0, 1, 2] if task.space else [0, 2]
+        self._watched_at_rest = rows(self.motion.watched, self.mesh.nodes) @ self.rest.position[2]
+
+    def _first(self) -> Array:
+        first = np.zeros(self.riders.mass.shape[:2])
+        for i, journey in enumerate(self.task.journeys):
+            first[i, : journey.first.size] = journey.first
+        return first
+
+    @property
+    def layout(self) -> Layout:
+        """Names and coordinates of the result."""
+        plan, strands = self.task.plan, self.mesh.strands
+        node_line, link_line, node_xi, link_xi = [], [], [], []
+        for wire, n, h in zip(plan.wires, strands.links, strands.h, strict=True):
+            node_line += [wire.name] * (int(n) + 1)
+            link_line += [wire.name] * int(n)
+            node_xi.append(np.arange(n + 1) * h)
+            link_xi.append((np.arange(n) + 0.5) * h)
+        ends = [f"{wire.name}.{end}" for wire in plan.wires for end in ("start", "end")]
+        return Layout(
+            axes=tuple("xyz"[a] for a in self._axes), node_line=tuple(node_line), node_xi=np.concatenate(node_xi),
+            link_line=tuple(link_line), link_xi=np.concatenate(link_xi), contact_load=self.task.contacts,
+            support=(*ends, *(hold.name for hold in plan.holds)), body=tuple(body.name for body in self.task.shown),
+            tie=tuple(tie.name for tie in plan.ties), tie_station=tuple(tie.spot.station for tie in plan.ties),
+            watched=tuple(plan.watched), watched_station=tuple(spot.station for spot in plan.watched.values()),
+            sample=tuple(self.sample * (np.arange(self.rows) - self.rows)),
+        )  # fmt: skip
+
+    def frames(self) -> Iterator[Frame]:
+        """The frames; a run that blows up ends with the last one before, and the account says so."""
+        contacts = len(self.task.contacts)
+        before = (
+            np.full((self.rows, contacts), np.nan),
+            Record.of(self.rows, self.riders, len(self.task.plan.ties), self.motion.watched),
+        )
+        for i, t in enumerate(self.times):
+            count = max(1, round((self.times[i + 1] - t) / self.sample)) if i + 1 < self.times.size else 1
+            drive = self._drive(float(t), count)
+            frame = self._picture(float(t), drive)
+            record = self.motion.go(drive, self.steps)
+            yield self._with_forces(frame, drive, record, *before)
+            if not self._is_sane(record):
+                self.account.outcome, self.account.advice = "diverged", self._advice(float(t))
+                return
+            self.account.steps += count * self.steps if i + 1 < self.times.size else 0
+            on = np.where(drive.where[:-1] == ON_WIRE, drive.station[:-1], np.nan)
+            before = _padded(on, self.rows), Record(*(_padded(array, self.rows) for array in record))
+
+    def _drive(self, t: float, count: int) -> Drive:
+        return drive_of(self.task.plan, self.task.journeys, t + self.sample * np.arange(count + 1.0))
+
+    def _is_sane(self, record: Record) -> bool:
+        moved = self.motion.position - self.rest.position
+        longest = max(wire.length for wire in self.task.plan.wires)
+        return bool(np.isfinite(moved).all() and np.abs(moved).max() < _ESCAPED * longest)
+
+    def _advice(self, t: float) -> str:
+        what = f"after t = {t:.6g} s the motion grew beyond all bounds; "
+        if self.account.step > self._stable:
+            what += f"its step of {self.account.step:.3g} s is larger than the stable one of {self._stable:.3g} s: "
+            return what + "write a smaller run.step, or leave it out"
+        return what + "write a smaller run.step, and check masses, stiffnesses and what travels"
+
+    def _picture(self, t: float, drive: Drive) -> Frame:
+        """All of a frame but the forces of contacts and ties, which the next step finds."""
+        contacts, dim, none = len(self.task.contacts), len(self._axes), np.zeros(0)
+        position, velocity = self.motion.position, self.motion.velocity
+        strain = self._strain()
+        EA = np.repeat([wire.axial_stiffness for wire in self.task.plan.wires], self.mesh.strands.links)
+        unknown, nowhere = np.full(contacts, np.nan), np.full((contacts, dim), np.nan)
+        bodies, rates = self._bodies(drive)
+        energy = np.full(len(ENERGY_FORMS), np.nan)
+        energy[_KINETIC] = 0.5 * float((self.mesh.mass * (velocity**2).sum(axis=0)).sum())
+        moved = (self.motion.pace.q - self.motion.pace.last) / self.motion.pace.step
+        energy[_OF_LOADS] = 0.5 * float(np.einsum("ia,iab,ib->", moved, self.riders.mass, moved))
+        return Frame(
+            path=t, position=position[self._axes].T, velocity=velocity[self._axes].T, tension=EA * strain,
+            strain=strain, contact_position=nowhere, contact_force=nowhere.copy(), hold_force=nowhere.copy(),
+            contact_xi=unknown, contact_speed=unknown, contact_tension=np.full((contacts, 2), np.nan),
+            contact_friction=unknown, contact_state=np.full(contacts, OFF_LINE), contact_in_air=np.zeros(contacts),
+            friction_power=np.zeros(contacts), body_position=bodies, body_velocity=rates,
+            reaction=self._reactions(position)[:, self._axes], energy=energy, tie_force=none, sampled_station=none,
+        )  # fmt: skip
+
+    def _with_forces(self, frame: Frame, drive: Drive, now: Record, stations: Array, before: Record) -> Frame:
+        on, ties = drive.where[0] == ON_WIRE, len(self.task.plan.ties)
+        station, place, force = drive.station[0], frame.contact_position.copy(), frame.contact_force.copy()
+        place[on], force[on], hold = 0.0, 0.0, frame.hold_force.copy()
+        hold[on] = 0.0
+        place[on, -1], force[on, -1] = now.height[0, on], now.force[0, on]
+        both = frame.contact_tension.copy()
+        first = np.concatenate([[0], np.cumsum(self.mesh.strands.links)[:-1]])
+        for k in np.flatnonzero(on):
+            a = int(self.riders.wire[k])
+            wire, links = self.task.plan.wires[a], int(self.mesh.strands.links[a])
+            place[k, 0] = wire.start[0] + station[k] / wire.length * (wire.end[0] - wire.start[0])
+            both[k] = frame.tension[first[a] + min(int(station[k] / self.mesh.strands.h[a]), links - 1)]
+        in_air = self.riders.lifts & (now.force[0] == 0.0)
+        self._in_air += self.sample * ((before.force == 0.0) & self.riders.lifts).sum(axis=0)
+        return replace(
+            frame, contact_position=place, contact_force=force, hold_force=hold, contact_tension=both,
+            contact_xi=np.where(on, station, np.nan),
+            contact_speed=np.where(on, (drive.station[1] - station) / self.sample, np.nan),
+            contact_state=np.where(on, np.where(in_air, IN_AIR, MOVES), OFF_LINE), contact_in_air=self._in_air.copy(),
+            tie_force=now.spring[0, :ties], sampled_station=stations, sampled_force=before.force,
+            sampled_height=before.height, sampled_tie_force=before.spring[:, :ties],
+            sampled_uplift=before.watched - self._watched_at_rest,
+        )  # fmt: skip
+
+    def _strain(self) -> Array:
+        strands = self.mesh.strands
+        if isinstance(self.motion, LargeMotion):
+            strain = self.motion.strain()
+            return np.concatenate([strain[i : i + n] for i, n in zip(strands.first, strands.links, strict=True)])
+        return np.repeat([wire.tension / wire.axial_stiffness for wire in self.task.plan.wires], strands.links)
+
+    def _bodies(self, drive: Drive) -> tuple[Array, Array]:
+        place, speed = (np.zeros((len(self.task.shown), len(self._axes))) for _ in range(2))
+        pace = self.motion.pace
+        for i, body in enumerate(self.task.shown):
+            k = int(np.flatnonzero(self.riders.owner == body.journey)[0])
+            behind = self.task.journeys[body.journey].rider.contacts[0].behind
+            n = body.row.size
+            q, moved = pace.q[body.journey, :n], pace.q[body.journey, :n] - pace.last[body.journey, :n]
+            start = self.task.plan.wires[int(self.riders.wire[k])].start[0]
+            place[i, 0], place[i, -1] = start + drive.station[0, k] + behind + body.ahead, body.base + body.row @ q
+            speed[i, 0], speed[i, -1] = np.diff(drive.station[:2, k])[0] / self.sample, body.row @ moved / pace.step
+        return place, speed
+
+    def _reactions(self, position: Array) -> Array:
+        """Forces of ends and holds on the wires, (support, 3) N."""
+        strands, plan, holds = self.mesh.strands, self.task.plan, self.mesh.holds
+        ends = np.stack([strands.first, strands.first + strands.links], axis=1).ravel()
+        at = rows(holds.at, self.mesh.nodes) @ position.T
+        held = spring(holds.stiffness, holds.at.local[:, None]) * (holds.place - at)
+        held[:, 2] += holds.force
+        if isinstance(self.motion, LargeMotion):
+            return np.vstack([-self._potential.pull(position)[:, ends].T, held])
+        force = np.zeros((ends.size, 3))
+        force[:, 2] = (self._stiffness @ position[2] + plan.gravity * self.mesh.mass)[ends]
+        force[0::2, 0], force[1::2, 0] = -strands.tension, strands.tension
+        held[:, :2] = 0.0
+        return np.vstack([force, held])
+
+
+def _snapped(times: Array, sample: float) -> Array:
+    """Output instants with a last interval of whole samples."""
+    out = times.copy()
+    if times.size > 1:
+        out[-1] = times[-2] + sample * max(1, round((times[-1] - times[-2]) / sample))
+    return out
+
+
+def _padded(array: Array, count: int) -> Array:
+    if array.shape[0] == count:
+        return array
+    out = np.full((count, *array.shape[1:]), np.nan)
+    out[count - array.shape[0] :] = array[:count]
+    return out

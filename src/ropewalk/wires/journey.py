@@ -1,0 +1,58 @@
+"""Journeys: where riders are and what is put on them, at any time; from them, what drives a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive
+from ropewalk.wires.plan import Array, Plan, Rider
+
+
+def _nothing(times: Array) -> Array:
+    return np.zeros((times.size, 1))
+
+
+def _smooth(stations: Array) -> Array:
+    return np.zeros_like(stations)
+
+
+@dataclass(frozen=True)
+class Journey:
+    """What a rider does, of which the wires know nothing. Times in s."""
+
+    rider: Rider
+    place: Callable[[Array], Array]  # times to the station of the rider, m
+    push: Callable[[Array], Array] = _nothing  # times to forces on the coordinates, (time, coordinate or 1) N
+    given: Callable[[Array], Array] = _nothing  # times to forces upwards on the wire, (time, contact or 1) N
+    rough: Callable[[Array], Array] = _smooth  # stations to heights that are added to the wire, m
+    first: Array = field(default_factory=lambda: np.zeros(0))  # (coordinate,) m at the beginning
+    beside: int = ABSENT  # before the start of the wire and beyond its end: ABSENT, or ON_GROUND
+
+
+def drive_of(plan: Plan, journeys: Sequence[Journey], times: Array) -> Drive:
+    """What is given at times, s."""
+    most = max((journey.rider.size for journey in journeys), default=0)
+    station, where, rough, given = [], [], [], []
+    push = np.zeros((times.size, len(journeys), most))
+    for i, journey in enumerate(journeys):
+        place, contacts = journey.place(times), journey.rider.contacts
+        push[:, i, : journey.rider.size] = journey.push(times)
+        own = np.broadcast_to(journey.given(times), (times.size, len(contacts)))
+        for k, contact in enumerate(contacts):
+            here, length = place - contact.behind, plan.wires[contact.wire].length
+            on = (here >= 0.0) & (here <= length)
+            station.append(here)
+            where.append(np.where(on, ON_WIRE, journey.beside))
+            rough.append(np.where(on, journey.rough(here), 0.0))
+            given.append(np.where(on, own[:, k], 0.0))
+    none = np.zeros((times.size, 0))
+    return Drive(
+        np.column_stack([none, *station]), np.column_stack([none, *where]).astype(np.int64),
+        np.column_stack([none, *rough]), np.column_stack([none, *given]), push,
+    )  # fmt: skip
+
+
+__all__ = ["ABSENT", "ON_GROUND", "Journey", "drive_of"]

@@ -1,0 +1,433 @@
+"""Large motion of wires, explicit: nodes move along, up and (in space) sideways; tensions follow from the stretch.
+
+Störmer's method for all components. The stencil corrects the dispersion of transverse waves as in small motion; axial
+waves are followed, and limit the step.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ropewalk.mechanics.compiled import inlined, lean, lean_inner
+from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive, Record
+from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Riders, places_of
+from ropewalk.wires.plan import Array, Integers
+from ropewalk.wires.rest import rows, spring, ties_springs
+from ropewalk.wires.riders import begin, between, local_at, pace_of, press, ride
+from ropewalk.wires.spline import WIDTH, weights
+
+# Strain up to which tension over length follows from a series: its error is 1e-11 of the tension there.
+SMALL_STRAIN = 5e-3
+_SHARES = tuple(np.uint64(k) for k in range(WIDTH))
+_CLOSE = 1e-9  # links: how closely a place of given x is sought
+
+
+class Threads(NamedTuple):
+    """What a step of a given length needs of the wires."""
+
+    bending: Array  # (wire,) N m^2, corrected
+    gain: Array  # (node,) m/N, displacement by a force during a step
+    along: Array  # (node,) the same along x, less where axial inertia is scaled up
+    keep: Array  # (wire,) part of the last displacement that is kept, 1 without drag
+    fall: Array  # (wire,) m by gravity during a step
+    pull: Array  # (node,) N/m, axial stiffness over unstrained length of the link behind the node
+    rest: Array  # (node,) 1/m^2, one over the square of that length
+    weight: Array  # (end, axis) N, of weights that pull at ends: they slide along x. NaN: held
+
+
+class Strings(NamedTuple):
+    """Ties and holds in space."""
+
+    ties: int  # number of ties, which come first
+    one: Integers  # (spring,) first node of the one end, and of the other
+    other: Integers
+    weight: Array  # (spring, 2, WIDTH) of both ends
+    place: Array  # (spring, 3) m, of the ground; NaN where the other end is on a wire
+    length: Array  # m unstrained; NaN for holds
+    pull: Array  # N/m
+    push: Array  # N/m
+    damping: Array  # N s/m of ties
+    last: Array  # (spring, 3) m, a step ago: length of a tie, place of what is held
+    stiff: Array  # (spring, 3) N/m of holds
+    loss: Array  # (spring, 3) N s/m of holds
+    lift: Array  # (spring,) N upwards, of holds
+
+
+def threads_of(mesh: Mesh, rest: Array, step: float, inertia: float = 1.0) -> Threads:
+    """Prepare steps.
+
+    Args:
+        mesh: the wires.
+        rest: (node,) m, unstrained length of the link behind each node (those of last nodes are not used).
+        step: s.
+        inertia: factor on the mass for motion along x.
+    """
+    s, plan = mesh.strands, mesh.plan
+    T = np.maximum(s.tension, 0.0)
+    bending = s.stiffness + T * (s.h**2 - T / s.rho * step**2) / 12.0
+    slow = 1.0 + 0.5 * step * s.drag
+    gain = step**2 / mesh.mass / np.repeat(slow, s.links + 1)
+    EA = np.repeat([wire.axial_stiffness for wire in plan.wires], s.links + 1)
+    weight = np.full((2 * s.first.size, 1), np.nan)
+    for i, wire in enumerate(plan.wires):
+        if wire.end_force is not None:
+            weight[2 * i : 2 * i + 2, 0] = -wire.end_force[0], wire.end_force[1]
+    return Threads(
+        bending, gain, gain / inertia, (2.0 - slow) / slow, -plan.gravity * step**2 / slow,
+        EA / rest, 1.0 / rest**2, weight[:, 0],
+    )  # fmt: skip
+
+
+def strings_of(mesh: Mesh, position: Array) -> Strings:
+    """Ties, and then all holds."""
+    ties, holds = mesh.ties, mesh.holds
+    pull, push = ties_springs(mesh)
+    count, nan = holds.force.size, np.full(holds.force.size, np.nan)
+    stiff = spring(holds.stiffness, holds.at.local[:, None])
+    no_ties = np.zeros((ties.length.size, 3))
+    blank, last = np.zeros(count), np.zeros((ties.length.size + count, 3))
+    away = (rows(ties.other, mesh.nodes) - rows(ties.one, mesh.nodes)) @ position.T
+    away += np.where(np.isfinite(ties.ground), ties.ground, 0.0)
+    last[: ties.length.size, 0] = np.sqrt((away**2).sum(axis=1))
+    last[ties.length.size :] = rows(holds.at, mesh.nodes) @ position.T
+    return Strings(
+        ties.length.size, np.concatenate([ties.one.base, holds.at.base]),
+        np.concatenate([ties.other.base, holds.at.base]),
+        np.concatenate([
+            np.stack([ties.one.weight, ties.other.weight], axis=1),
+            np.stack([holds.at.weight, np.zeros_like(holds.at.weight)], axis=1),
+        ]),
+        np.concatenate([ties.ground, holds.place]), np.concatenate([ties.length, nan]), np.concatenate([pull, blank]),
+        np.concatenate([push, blank]), np.concatenate([ties.damping, blank]), last,
+        np.concatenate([no_ties, stiff]), np.concatenate([no_ties, holds.damping]),
+        np.concatenate([np.zeros(ties.length.size), holds.force]),
+    )  # fmt: skip
+
+
+@lean_inner
+def _stretch(x, y, z, rest, pull, out, first, n, small):
+    """Tension over length of the links of a wire."""
+    a, c = x[first : first + n + 1], z[first : first + n + 1]  # slices let the loops vectorise
+    d, e, q = rest[first : first + n], pull[first : first + n], out[first : first + n]
+    if y is not None:
+        b = y[first : first + n + 1]
+    if small:
+        for i in range(n):
+            square = (a[i + 1] - a[i]) ** 2 + (c[i + 1] - c[i]) ** 2
+            if y is not None:
+                square += (b[i + 1] - b[i]) ** 2
+            E = 0.5 * (square * d[i] - 1.0)
+            q[i] = e[i] * E * (1.0 - E * (1.5 - E * (2.5 - E * (4.375 - E * 7.875))))  # 1 - (1 + 2 E)^(-1/2)
+        return
+    for i in range(n):
+        square = (a[i + 1] - a[i]) ** 2 + (c[i + 1] - c[i]) ** 2
+        if y is not None:
+            square += (b[i + 1] - b[i]) ** 2
+        q[i] = e[i] * (1.0 - 1.0 / np.sqrt(square * d[i]))
+
+
+@lean_inner
+def _along(now, other, felt, q, gain, first, n, keep, b, t, fall, bed, level):
+    """Put the next positions of the inner nodes, two away from the ends, in place of the last; one component."""
+    u, k = now[first : first + n + 1], q[first : first + n]  # slices let the loops vectorise
+    out, g = other[first + 2 : first + n - 1], gain[first + 2 : first + n - 1]
+    if felt is None:
+        for i in range(n - 3):
+            pull = k[i + 2] * (u[i + 3] - u[i + 2]) - k[i + 1] * (u[i + 2] - u[i + 1])
+            pull -= b * (u[i] + u[i + 4] - 4.0 * (u[i + 1] + u[i + 3]) + 6.0 * u[i + 2])
+            out[i] = u[i + 2] + keep * (u[i + 2] - out[i]) + g[i] * pull + fall
+        return
+    f, base = felt[first : first + n + 1], level[first + 2 : first + n - 1]
+    for i in range(n - 3):
+        pull = k[i + 2] * (u[i + 3] - u[i + 2]) - k[i + 1] * (u[i + 2] - u[i + 1]) - bed * (u[i + 2] - base[i])
+        pull -= b * (f[i] + f[i + 4] - 4.0 * (f[i + 1] + f[i + 3]) + 6.0 * f[i + 2])
+        pull += t * ((f[i + 1] - u[i + 1]) - 2.0 * (f[i + 2] - u[i + 2]) + (f[i + 3] - u[i + 3]))
+        out[i] = u[i + 2] + keep * (u[i + 2] - out[i]) + g[i] * pull + fall
+
+
+@inlined
+def _end(now, other, felt, ql, qi, gain, e, d, keep, b, t, fall, bed, level, kind, slope, held, force):
+    """The same for the node e at an end, and for its neighbour e + d.
+
+    Args:
+        ql, qi: tension over length of the first link and of the second.
+        slope: difference of nodes that a clamped end asks for.
+        held: whether the end stays. force: N on it.
+    """
+    i = e + d
+    m0 = 2.0 * (felt[i] - felt[e] - slope) if kind == CLAMPED else 0.0
+    m1 = felt[e] - 2.0 * felt[i] + felt[i + d]
+    m2 = felt[i] - 2.0 * felt[i + d] + felt[i + 2 * d]
+    late = t * ((felt[i] - now[i]) - (felt[e] - now[e]))
+    late_next = t * ((felt[i + d] - now[i + d]) - (felt[i] - now[i]))
+    pull = qi * (now[i + d] - now[i]) - ql * (now[i] - now[e]) - b * (m0 - 2.0 * m1 + m2) - bed * (now[i] - level[i])
+    pull += late_next - late
+    other[i] = now[i] + keep * (now[i] - other[i]) + gain[i] * pull + fall
+    if held:
+        other[e] = now[e]
+        return
+    pull = ql * (now[i] - now[e]) - b * (m1 - m0) - 0.5 * bed * (now[e] - level[e]) + late + force
+    other[e] = now[e] + keep * (now[e] - other[e]) + gain[e] * pull + fall
+
+
+@inlined
+def _move(strands, threads, now, other, room, q, level, slope, small, dt):
+    """Let the wires go on for a step."""
+    axes, up = now.shape[0], now.shape[0] - 1
+    for a in range(strands.first.size):
+        i, n, h, keep = strands.first[a], strands.links[a], strands.h[a], threads.keep[a]
+        late, b, bed = strands.retardation[a] / dt, threads.bending[a] / (h * h * h), strands.bed[a] * h
+        if axes == 2:
+            _stretch(now[0], None, now[1], threads.rest, threads.pull, q, i, n, small)
+        else:
+            _stretch(now[0], now[1], now[up], threads.rest, threads.pull, q, i, n, small)
+        t = strands.tension[a] / h if late > 0.0 else 0.0
+        for c in range(axes):
+            gain, fall = threads.along if c == 0 else threads.gain, threads.fall[a] if c == up else 0.0
+            k, felt = bed if c == up else 0.0, now[c]
+            if late > 0.0:
+                felt = room
+                for j in range(i, i + n + 1):
+                    room[j] = now[c, j] + late * (now[c, j] - other[c, j])
+            if late > 0.0 or k > 0.0:
+                _along(now[c], other[c], felt, q, gain, i, n, keep, b, t, fall, k, level)
+            else:
+                _along(now[c], other[c], None, q, gain, i, n, keep, b, t, fall, k, None)
+            for side in range(2):
+                e, d = (i, 1) if side == 0 else (i + n, -1)
+                ql, qi = (q[e], q[e + 1]) if side == 0 else (q[e - 1], q[e - 2])
+                force, kind = threads.weight[2 * a + side], strands.end[a, side]
+                slides = np.isfinite(force) and c == 0
+                _end(now[c], other[c], felt, ql, qi, gain, e, d, keep, b, t, fall, k, level, kind,
+                     slope[2 * a + side, c], kind != FREE and not slides, force if slides else 0.0)  # fmt: skip
+
+
+@inlined
+def _height(x, i, weight, e, side):
+    """Coordinate of one end of spring e on a wire."""
+    out = 0.0
+    for k in _SHARES:
+        out += weight[e, side, k] * x[i + k]
+    return out
+
+
+@inlined
+def _give(x, gain, i, weight, e, side, F):
+    """Let a force move the nodes that share one end of spring e."""
+    for k in _SHARES:
+        x[i + k] += gain[i + k] * weight[e, side, k] * F
+
+
+@inlined
+def _pull(strings, now, other, gain, along, dt, found, row, step):
+    """What ties do during a step."""
+    axes, weight, length, last = now.shape[0], strings.weight, strings.length, strings.last
+    x, z, out_x, out_z = now[0], now[axes - 1], other[0], other[axes - 1]
+    for e in range(strings.ties):
+        i, j = np.uint64(strings.one[e]), np.uint64(strings.other[e])  # unsigned: no look at what is before an array
+        dx, dy, dz = strings.place[e, 0], strings.place[e, 1], strings.place[e, 2]
+        if np.isnan(dx):
+            dx, dz = _height(x, j, weight, e, 1), _height(z, j, weight, e, 1)
+            dy = _height(now[1], j, weight, e, 1) if axes == 3 else 0.0
+        dx, dz = dx - _height(x, i, weight, e, 0), dz - _height(z, i, weight, e, 0)
+        dy = dy - _height(now[1], i, weight, e, 0) if axes == 3 else 0.0
+        size = np.sqrt(dx * dx + dy * dy + dz * dz)
+        if size > length[e]:
+            N = strings.pull[e] * (size - length[e]) + strings.damping[e] * (size - last[e, 0]) / dt
+        else:
+            N = strings.push[e] * (size - length[e])
+        last[e, 0] = size
+        if step == 0:
+            found[row, e] = N
+        N /= size
+        _give(out_x, along, i, weight, e, 0, N * dx)
+        _give(out_z, gain, i, weight, e, 0, N * dz)
+        _give(out_x, along, j, weight, e, 1, -N * dx)
+        _give(out_z, gain, j, weight, e, 1, -N * dz)
+        if axes == 3:
+            _give(other[1], gain, i, weight, e, 0, N * dy)
+            _give(other[1], gain, j, weight, e, 1, -N * dy)
+
+
+@inlined
+def _hold(strings, now, other, gain, along, dt, found, row, step):
+    """What holds do during a step."""
+    axes, weight = now.shape[0], strings.weight
+    for e in range(strings.ties, strings.one.size):
+        i = np.uint64(strings.one[e])
+        for c in range(axes):
+            at = 2 if c == axes - 1 else c
+            if strings.stiff[e, at] == 0.0 and strings.loss[e, at] == 0.0 and at < 2:
+                continue
+            here = _height(now[c], i, weight, e, 0)
+            F = (
+                strings.stiff[e, at] * (strings.place[e, at] - here)
+                - strings.loss[e, at] * (here - strings.last[e, at]) / dt
+            )
+            strings.last[e, at] = here
+            if at == 2:
+                F += strings.lift[e]
+                if step == 0:
+                    found[row, e] = F
+            _give(other[c], along if c == 0 else gain, i, weight, e, 0, F)
+
+
+@inlined
+def _seek(x, s, n, place, w):
+    """Place in links on a wire, whose nodes have the coordinates x, where its x is `place`: from s, by Newton."""
+    base = weights(s, n, w)
+    for _ in range(20):
+        here, slope = 0.0, 0.0
+        for j in range(WIDTH):
+            here += w[0, j] * x[base + j]
+            slope += w[1, j] * x[base + j]
+        step = (place - here) / slope
+        s = min(max(s + step, 0.0), float(n))
+        base = weights(s, n, w)
+        if abs(step) < _CLOSE:
+            break
+    return s, base
+
+
+@inlined
+def _touch(strands, threads, riders, pace, now, other, drive, record, row, step, steps, k, w):
+    """What contact k, which is at a given x, does during a step."""
+    where, part, up = drive.where[row, k], step / steps, now.shape[0] - 1
+    if where == ABSENT:
+        return
+    a = riders.wire[k]
+    first, n, h = strands.first[a], strands.links[a], strands.h[a]
+    place, base, local, height = between(drive.station, row, part, k), 0, 0.0, 0.0
+    if where == ON_GROUND:
+        height = now[up, first] if place <= now[0, first] else now[up, first + n]
+    else:
+        guess = pace.place[k] if np.isfinite(pace.place[k]) else (place - now[0, first]) / h
+        s, base = _seek(now[0, first : first + n + 1], min(max(guess, 0.0), float(n)), n, place, w)
+        pace.place[k], local = s, local_at(strands, a, s)
+        base += first
+        for j in range(WIDTH):
+            height += w[0, j] * now[up, base + j]
+    force = press(riders, pace, k, height + between(drive.rough, row, part, k), local)
+    force += between(drive.given, row, part, k)
+    if step == 0:
+        record.force[row, k], record.height[row, k] = force, height + local * force
+    if where == ON_WIRE:
+        for j in range(WIDTH):
+            other[up, base + j] += threads.gain[base + j] * w[0, j] * force
+
+
+@lean
+def advance(strands, threads, strings, watched, riders, pace, level, slope, now, other, room, q, small, drive, record,
+            steps, w):  # fmt: skip
+    """Go on by all rows of the record.
+
+    Args:
+        level: (node,) m, heights at which beds are without force.
+        slope: (end, axis) m, differences of the first two nodes that clamped ends ask for.
+        now, other: (axis, node) m, at the present instant and a step before it; they change places with every step.
+        room, q: (node,) room.
+        small: whether all strains are below SMALL_STRAIN.
+        steps: in each row.
+        w: (3, WIDTH) room for weights of a spline.
+    """
+    axes = now.shape[0]
+    for row in range(record.force.shape[0]):
+        for p in range(watched.base.size):
+            record.watched[row, p] = 0.0
+            for k in range(WIDTH):
+                record.watched[row, p] += watched.weight[p, k] * now[axes - 1, watched.base[p] + k]
+        for i in range(riders.size.size):
+            for c in range(riders.size[i]):
+                record.body[row, i, c] = pace.q[i, c]
+        for step in range(steps):
+            _move(strands, threads, now, other, room, q, level, slope, small, pace.step)
+            _pull(strings, now, other, threads.gain, threads.along, pace.step, record.spring, row, step)
+            _hold(strings, now, other, threads.gain, threads.along, pace.step, record.spring, row, step)
+            begin(riders, pace, drive.push, row, step / steps)
+            for k in range(riders.owner.size):
+                _touch(strands, threads, riders, pace, now, other, drive, record, row, step, steps, k, w)
+            ride(riders, pace)
+            now, other = other, now
+
+
+class LargeMotion:
+    """A motion in the plane, or in space, under way.
+
+    Args:
+        mesh: the wires and what is attached to them.
+        position: (3, node) m at rest.
+        rest: (node,) m, unstrained length of the link behind each node.
+        riders: what travels.
+        step: s.
+        q: (rider, C) m, first coordinates, at rest.
+        inertia: factor on the mass for motion along x, which lets the step grow by its root.
+        space: whether anything moves sideways.
+    """
+
+    def __init__(
+        self, mesh: Mesh, position: Array, rest: Array, riders: Riders, step: float, q: Array, inertia: float = 1.0,
+        *, space: bool = False,
+    ) -> None:  # fmt: skip
+        self.mesh, self.riders, self.rest, axes = mesh, riders, rest, [0, 1, 2] if space else [0, 2]
+        self.threads, self.strings = threads_of(mesh, rest, step, inertia), strings_of(mesh, position)
+        self.pace = pace_of(riders, step, q, np.full(riders.owner.size, np.nan))
+        self.watched = places_of(mesh.strands, list(mesh.plan.watched.values()))
+        straight = mesh.straight()[axes]
+        self._level, ends = np.ascontiguousarray(straight[-1]), mesh.strands.first + mesh.strands.links
+        self._slope = np.empty((2 * ends.size, len(axes)))
+        self._slope[0::2] = (straight[:, mesh.strands.first + 1] - straight[:, mesh.strands.first]).T
+        self._slope[1::2] = (straight[:, ends - 1] - straight[:, ends]).T
+        self._r = [np.ascontiguousarray(position[axes]) for _ in range(2)]  # now, a step before
+        self._side = position[1].copy()
+        self._room = np.zeros(mesh.nodes), np.zeros(mesh.nodes)
+        self._w = np.zeros((3, WIDTH))
+
+    @property
+    def position(self) -> Array:
+        """Positions of all nodes now, (3, node) m."""
+        return self._spread(self._r[0], self._side)
+
+    @property
+    def velocity(self) -> Array:
+        """Velocities of all nodes half a step ago, (3, node) m/s."""
+        return self._spread((self._r[0] - self._r[1]) / self.pace.step, np.zeros_like(self._side))
+
+    def _spread(self, values: Array, aside: Array) -> Array:
+        return values.copy() if values.shape[0] == 3 else np.vstack([values[0], aside, values[1]])
+
+    def strain(self) -> Array:
+        """Strain of the links behind all nodes (of last nodes: without meaning)."""
+        step = np.diff(self._r[0], axis=1, append=self._r[0][:, -1:])
+        length: Array = np.sqrt((step**2).sum(axis=0))
+        return length / self.rest - 1.0
+
+    def go(self, drive: Drive, steps: int = 1) -> Record:
+        """Go on by the rows of the drive but the last, `steps` steps each."""
+        record = Record.of(drive.station.shape[0] - 1, self.riders, self.strings.one.size, self.watched)
+        strain = self.strain()
+        strain[self.mesh.strands.first + self.mesh.strands.links] = 0.0
+        small = bool(np.abs(strain).max() < 0.5 * SMALL_STRAIN)
+        advance(
+            self.mesh.strands, self.threads, self.strings, self.watched, self.riders, self.pace, self._level,
+            self._slope, *self._r, *self._room, small, drive, record, steps, self._w,
+        )  # fmt: skip
+        if (record.force.shape[0] * steps) % 2:
+            self._r.reverse()
+        return record
+
+
+def hung(mesh: Mesh, position: Array) -> Array:
+    """Unstrained lengths of links with which wires of constant tension along x hang as they do, (node,) m.
+
+    Args:
+        position: (3, node) m at rest.
+    """
+    rest = np.ones(mesh.nodes)
+    for a, wire in enumerate(mesh.plan.wires):
+        part = mesh.of(a)
+        step = np.diff(position[:, part], axis=1)
+        length = np.sqrt((step**2).sum(axis=0))
+        rest[part][:-1] = length / (1.0 + wire.tension * length / step[0] / wire.axial_stiffness)
+    return rest

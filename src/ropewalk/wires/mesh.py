@@ -1,0 +1,267 @@
+"""A plan of wires as plain arrays: control points, and what is attached to them.
+
+The control points of all wires stand in one array, one wire after the other; those of a wire have the same distance
+`h` from each other at rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ropewalk.errors import RopewalkError
+from ropewalk.wires.plan import Array, Integers, Plan, Rider, Spot, Wire
+from ropewalk.wires.spline import WIDTH, points
+
+HELD, CLAMPED, FREE = 0, 1, 2
+_END = {"held": HELD, "clamped": CLAMPED, "free": FREE}
+FEWEST_LINKS = 8
+_CELL = 80  # links in which the local compliance is found; it decays within a few
+
+
+class Strands(NamedTuple):
+    """One entry for each wire."""
+
+    first: Integers  # index of the first control point
+    links: Integers
+    h: Array  # distance of control points, m
+    tension: Array  # N, at rest
+    stiffness: Array  # EI, N m^2
+    rho: Array  # kg/m
+    drag: Array  # 1/s
+    retardation: Array  # s
+    bed: Array  # N/m^2
+    end: Integers  # (wire, 2) HELD, CLAMPED or FREE
+    local: Array  # (wire, 2) m/N, compliance that points at and midway between control points have beside the spline's
+
+
+class Places(NamedTuple):
+    """Points of wires: the nodes that share each, and their weights."""
+
+    base: Integers  # (point,) index of the first of them
+    weight: Array  # (point, WIDTH)
+    wire: Integers
+    station: Array  # m
+    local: Array  # (point,) m/N: the point of the wire stands this much higher than the spline, for each N upwards
+
+
+class Ties(NamedTuple):
+    """Links between two points, or between a point and the ground."""
+
+    one: Places
+    other: Places  # where `grounded`, the weights are zero
+    ground: Array  # (tie, 3) m, NaN where not grounded
+    stiffness: Array
+    pushes: Array
+    damping: Array
+    length: Array
+
+
+class Holds(NamedTuple):
+    """Springs to the ground."""
+
+    at: Places
+    stiffness: Array  # (hold, 3) N/m; inf: held fast
+    damping: Array  # (hold, 3)
+    place: Array  # (hold, 3)
+    force: Array  # (hold,)
+
+
+class Mesh(NamedTuple):
+    """Everything that does not change while the wires move."""
+
+    plan: Plan
+    strands: Strands
+    mass: Array  # (node,) kg, with all that is clamped to the wires
+    extra: Integers  # (special,) control points that carry more than their wire
+    ties: Ties
+    holds: Holds
+
+    @property
+    def nodes(self) -> int:
+        """Number of control points."""
+        return int(self.mass.size)
+
+    def of(self, wire: int) -> slice:
+        """The control points of a wire."""
+        first = int(self.strands.first[wire])
+        return slice(first, first + int(self.strands.links[wire]) + 1)
+
+    def straight(self) -> Array:
+        """Positions of all control points on the chords of their wires, (3, node) m."""
+        parts = [
+            np.linspace(wire.start, wire.end, int(n) + 1).T
+            for wire, n in zip(self.plan.wires, self.strands.links, strict=True)
+        ]
+        return np.ascontiguousarray(np.concatenate(parts, axis=1))
+
+
+def links_of(wire: Wire, element: float) -> int:
+    """Number of links about `element` long."""
+    return max(FEWEST_LINKS, round(wire.length / element))
+
+
+def mesh_of(plan: Plan, element: float | list[int]) -> Mesh:
+    """Divide the wires of a plan.
+
+    Args:
+        plan: what there is.
+        element: wanted length of a link in m, or the number of links of each wire.
+
+    Raises:
+        RopewalkError: something is attached beyond the end of a wire.
+    """
+    links = [links_of(wire, element) for wire in plan.wires] if isinstance(element, float) else element
+    wires, count = plan.wires, np.array(links, dtype=np.int64)
+    column = {
+        key: np.array([getattr(wire, key) for wire in wires], dtype=np.float64)
+        for key in ("tension", "bending_stiffness", "mass", "drag", "retardation", "bed", "length")
+    }
+    first = np.concatenate([[0], np.cumsum(count + 1)[:-1]]).astype(np.int64)
+    strands = Strands(
+        first, count, column["length"] / count, column["tension"], column["bending_stiffness"], column["mass"],
+        column["drag"], column["retardation"], column["bed"],
+        np.array([[_END[end] for end in wire.ends] for wire in wires], dtype=np.int64),
+        np.array([local_compliance(wire, wire.length / n) for wire, n in zip(wires, links, strict=True)]),
+    )  # fmt: skip
+    mass = np.concatenate([np.full(n + 1, rho * h) for n, rho, h in zip(count, strands.rho, strands.h, strict=True)])
+    mass[first] *= 0.5
+    mass[first + count] *= 0.5
+    _check(plan)
+    lumps = [(lump.spot, lump.mass) for lump in plan.masses if lump.mass]
+    for tie in plan.ties:
+        if tie.mass:
+            lumps += [(spot, 0.5 * tie.mass) for spot in (tie.spot, tie.other) if isinstance(spot, Spot)]
+    at, special = places_of(strands, [spot for spot, _ in lumps]), set()
+    for base, weight, (_, lump) in zip(at.base, at.weight, lumps, strict=True):
+        mass[base : base + WIDTH] += weight * lump
+        special |= set(range(int(base), int(base) + WIDTH))
+    extra = np.array(sorted(special), dtype=np.int64)
+    return Mesh(plan, strands, mass, extra, _ties(strands, plan), _holds(strands, plan))
+
+
+def places_of(strands: Strands, spots: Sequence[Spot]) -> Places:
+    """Where points of wires are on the mesh."""
+    wire = np.array([spot.wire for spot in spots], dtype=np.int64)
+    station = np.array([spot.station for spot in spots], dtype=np.float64)
+    s = station / strands.h[wire]
+    base, weight = points(s, strands.links[wire])
+    part = s - np.floor(s)
+    local = strands.local[wire, 0] + 4.0 * part * (1.0 - part) * (strands.local[wire, 1] - strands.local[wire, 0])
+    return Places(base + strands.first[wire], np.ascontiguousarray(weight[:, 0]), wire, station, local)
+
+
+def local_compliance(wire: Wire, h: float) -> tuple[float, float]:
+    """By how much the wire itself yields more than its spline to a force, at and midway between control points, m/N.
+
+    A spline rounds the kink (of a string) or the sharp bend (of a stiff wire) under a point force, as it shares the
+    force. The difference to the closed form of a stiff string decays within a few links, so it acts as a spring in
+    series. Without tension it is of the order of the error of the mesh.
+
+    Args:
+        wire: its tension and bending stiffness.
+        h: distance of control points, m.
+    """
+    T, EI = wire.tension, wire.bending_stiffness
+    stiff = h**3 / (2.0 * EI) if EI else np.inf
+    if T <= 0.0:
+        return (stiff, stiff) if EI else (0.0, 0.0)
+    reach, L = np.sqrt(EI / T) / h, float(_CELL)
+    one, two = np.diff(np.eye(_CELL + 1), axis=0)[:, 1:-1], np.diff(np.eye(_CELL + 1), 2, axis=0)[:, 1:-1]
+    K = one.T @ one + reach**2 * (two.T @ two)
+    found = []
+    for x in (0.5 * L, 0.5 * L + 0.5):
+        base, weight = points(np.array([x]), np.array([_CELL]))
+        w = np.zeros(_CELL - 1)
+        w[base[0] - 1 : base[0] - 1 + WIDTH] = weight[0, 0]
+        # p (L - p) / L - reach sinh(p / reach) sinh((L - p) / reach) / sinh(L / reach)
+        exact = x * (L - x) / L
+        if reach > 0.0:
+            a, b, c = (1.0 - np.exp(-2.0 * d / reach) for d in (x, L - x, L))
+            exact -= 0.5 * reach * a * b / c
+        found.append(min((exact - float(w @ np.linalg.solve(K, w))) * h / T, stiff))
+    return found[0], found[1]
+
+
+def _check(plan: Plan) -> None:
+    spots = [(f"tie {tie.name}", spot) for tie in plan.ties for spot in (tie.spot, tie.other) if isinstance(spot, Spot)]
+    spots += [(f"hold {hold.name}", hold.spot) for hold in plan.holds]
+    spots += [(f"mass at {lump.spot.station:g} m", lump.spot) for lump in plan.masses]
+    for name, spot in spots:
+        wire = plan.wires[spot.wire]
+        if not -1e-9 * wire.length <= spot.station <= wire.length * (1.0 + 1e-9):
+            raise RopewalkError(
+                f"{name} stands at {spot.station:g} m of {wire.name}, which is {wire.length:g} m long; "
+                "move it onto the wire"
+            )
+
+
+def _column(values: list[float]) -> Array:
+    return np.array(values, dtype=np.float64)
+
+
+def _ties(strands: Strands, plan: Plan) -> Ties:
+    ties = plan.ties
+    ground = np.array([(np.nan,) * 3 if isinstance(tie.other, Spot) else tie.other for tie in ties]).reshape(-1, 3)
+    one = places_of(strands, [tie.spot for tie in ties])
+    other = places_of(strands, [tie.other if isinstance(tie.other, Spot) else tie.spot for tie in ties])
+    other.weight[np.isfinite(ground[:, 0])] = 0.0
+    return Ties(
+        one, other, ground, _column([tie.stiffness for tie in ties]), _column([tie.pushes for tie in ties]),
+        _column([tie.damping for tie in ties]), _column([tie.length for tie in ties]),
+    )  # fmt: skip
+
+
+def _holds(strands: Strands, plan: Plan) -> Holds:
+    holds = plan.holds
+    return Holds(
+        places_of(strands, [hold.spot for hold in holds]), np.array([hold.stiffness for hold in holds]).reshape(-1, 3),
+        np.array([hold.damping for hold in holds]).reshape(-1, 3), np.array([h.place for h in holds]).reshape(-1, 3),
+        _column([hold.force for hold in holds]),
+    )  # fmt: skip
+
+
+class Riders(NamedTuple):
+    """What travels, as arrays padded to the largest rider."""
+
+    size: Integers  # (rider,) number of coordinates
+    mass: Array  # (rider, C, C)
+    damping: Array
+    stiffness: Array
+    owner: Integers  # (contact,) its rider
+    row: Array  # (contact, C) its height is row @ q; zeros: a given force
+    wire: Integers  # (contact,)
+    behind: Array  # (contact,) m
+    spring: Array  # (contact,) N/m, inf: rigid
+    damper: Array  # (contact,) N s/m
+    base: Array  # (contact,) m
+    rest: Array  # (contact,) N
+    sign: Array  # (contact,) +1: the rider is below and pushes the wire up; -1: it stands on the wire
+    lifts: NDArray[np.bool_]  # (contact,)
+
+
+def riders_of(riders: list[Rider]) -> Riders:
+    """The arrays of all riders."""
+    most = max([rider.size for rider in riders], default=0)
+    stack = np.zeros((3, len(riders), most, most))
+    for i, rider in enumerate(riders):
+        for j, matrix in enumerate((rider.mass, rider.damping, rider.stiffness)):
+            stack[j, i, : rider.size, : rider.size] = matrix
+    contacts = [(i, contact) for i, rider in enumerate(riders) for contact in rider.contacts]
+    row = np.zeros((len(contacts), most))
+    for k, (_, contact) in enumerate(contacts):
+        row[k, : len(contact.row)] = contact.row
+    return Riders(
+        np.array([rider.size for rider in riders], dtype=np.int64), stack[0], stack[1], stack[2],
+        np.array([i for i, _ in contacts], dtype=np.int64),
+        row,
+        np.array([contact.wire for _, contact in contacts], dtype=np.int64),
+        _column([contact.behind for _, contact in contacts]), _column([contact.stiffness for _, contact in contacts]),
+        _column([contact.damping for _, contact in contacts]), _column([contact.base for _, contact in contacts]),
+        _column([contact.rest for _, contact in contacts]),
+        _column([1.0 if contact.below else -1.0 for _, contact in contacts]),
+        np.array([contact.lifts_off for _, contact in contacts], dtype=np.bool_),
+    )  # fmt: skip

@@ -1,0 +1,134 @@
+"""A plan of wires: what there is, before any mesh. Both formulations (splines, Hermite elements) start from it.
+
+A wire is a line with bending stiffness under tension, as in an overhead line. It lies along x between its ends; a
+**station** is the distance from its start along the chord at rest. Heights are positive upwards.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+EndKind = Literal["held", "clamped", "free"]
+
+
+@dataclass(frozen=True)
+class Wire:
+    """A wire at rest.
+
+    `held`: the end stands still and may turn; `clamped`: it cannot turn either; `free`: nothing holds it.
+    """
+
+    name: str
+    start: tuple[float, float, float]  # m
+    end: tuple[float, float, float]  # m
+    tension: float  # N, along the chord at rest
+    mass: float  # kg/m
+    bending_stiffness: float = 0.0  # EI, N m^2
+    axial_stiffness: float = 1e9  # EA, N; unknown to small motion
+    drag: float = 0.0  # 1/s, alpha of Rayleigh damping
+    retardation: float = 0.0  # s, beta of Rayleigh damping
+    bed: float = 0.0  # N/m^2, of an elastic bed below
+    ends: tuple[EndKind, EndKind] = ("held", "held")
+    end_force: tuple[float, float] | None = None  # N outwards along x on ends that slide along x (weights)
+    unstrained: float | None = None  # m; None: what follows from the tension
+
+    @property
+    def chord(self) -> float:
+        """Distance of the ends, m."""
+        return float(np.linalg.norm(np.subtract(self.end, self.start)))
+
+    @property
+    def length(self) -> float:
+        """What stations count up to: the unstrained length if that is given, or else the chord, m."""
+        return self.chord if self.unstrained is None else self.unstrained
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A point of a wire."""
+
+    wire: int
+    station: float  # m
+
+
+@dataclass(frozen=True)
+class PointMass:
+    """What is clamped to a wire and moves with it."""
+
+    spot: Spot
+    mass: float  # kg
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Springs and dampers between a point of a wire and the ground, in x, y and z; infinitely stiff ones hold fast."""
+
+    name: str
+    spot: Spot
+    stiffness: tuple[float, float, float]  # N/m
+    damping: tuple[float, float, float] = (0.0, 0.0, 0.0)  # N s/m
+    place: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m, where the springs are without force
+    force: float = 0.0  # N upwards, constant
+
+
+@dataclass(frozen=True)
+class Tie:
+    """A straight link between two wires (a dropper), or between a wire and a place on the ground (a steady arm)."""
+
+    name: str
+    spot: Spot
+    other: Spot | tuple[float, float, float]
+    stiffness: float  # N/m, when longer than `length`
+    length: float  # m, unstrained
+    pushes: float = 0.0  # N/m, stiffness when shorter
+    damping: float = 0.0  # N s/m, while it pulls
+    mass: float = 0.0  # kg, half of which goes to each end
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Where a rider touches a wire. Infinite stiffness keeps them together, or apart, rigidly."""
+
+    wire: int
+    row: tuple[float, ...] = ()  # its height is row @ q; nothing: a force that is given
+    behind: float = 0.0  # m, behind the place of the rider
+    stiffness: float = np.inf  # N/m
+    damping: float = 0.0  # N s/m
+    base: float = 0.0  # m, height of the contact where row @ q is zero
+    rest: float = 0.0  # N upwards on the wire where nothing is moved: coordinates may count from an equilibrium
+    below: bool = False  # whether the rider touches the wire from below
+    lifts_off: bool = False
+
+
+@dataclass(frozen=True)
+class Rider:
+    """What travels: M q'' + C q' + K q = forces, with heights q, and its contacts; without coordinates, a force."""
+
+    name: str
+    mass: Array  # (coordinate, coordinate) kg
+    damping: Array  # N s/m
+    stiffness: Array  # N/m
+    contacts: tuple[Contact, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return int(self.mass.shape[0])
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All wires and what is attached to them."""
+
+    wires: tuple[Wire, ...]
+    ties: tuple[Tie, ...] = ()
+    holds: tuple[Hold, ...] = ()
+    masses: tuple[PointMass, ...] = ()
+    gravity: float = 9.81  # m/s^2, downwards
+    watched: dict[str, Spot] = field(default_factory=dict)  # points whose height is recorded closely, by name

@@ -1,0 +1,165 @@
+"""Rest of wires in small motion: tensions are given, heights are sought; ties may be slack."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sparse
+import scipy.sparse.linalg
+from numpy.typing import NDArray
+
+from ropewalk.errors import EquilibriumError
+from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Places
+from ropewalk.wires.plan import Array
+from ropewalk.wires.spline import WIDTH
+
+_MOST_STEPS = 60
+# Heights are found to this part of the longest wire; forces follow from them.
+_CLOSE = 1e-13
+
+
+@dataclass(frozen=True)
+class Rest:
+    """Wires at rest."""
+
+    position: Array  # (3, node) m
+    tie_force: Array  # (tie,) N, positive in tension
+    tie_way: Array  # (tie, 3) from one to the other end, unit vector
+    tie_distance: Array  # (tie,) m
+    hold_force: Array  # (hold,) N upwards on the wire, its constant force included
+
+
+def vertical_stiffness(mesh: Mesh) -> sparse.csr_matrix:
+    """Stiffness of all wires against vertical displacements, (node, node) N/m, without what is attached."""
+    blocks = []
+    for w, n in enumerate(mesh.strands.links):
+        h, T, EI = mesh.strands.h[w], mesh.strands.tension[w], mesh.strands.stiffness[w]
+        slope, bent = differences(int(n))
+        bed = np.full(n + 1, mesh.strands.bed[w] * h)
+        bed[[0, -1]] *= 0.5
+        block = T / h * (slope.T @ slope) + EI / h**3 * (bent.T @ bent) + sparse.diags(bed)
+        for side, (i, j) in enumerate(((0, 1), (n, n - 1))):
+            if mesh.strands.end[w, side] == CLAMPED:
+                turn = sparse.csr_matrix(([-1.0, 1.0], ([0, 0], [i, j])), shape=(1, n + 1))
+                block = block + 2.0 * EI / h**3 * (turn.T @ turn)
+        blocks.append(block)
+    return sparse.block_diag(blocks, format="csr")
+
+
+def differences(n: int) -> tuple[Any, Any]:
+    """First and second differences of n + 1 control points."""
+    one = np.ones(n + 1)
+    return (
+        sparse.diags([-one, one], [0, 1], shape=(n, n + 1)),
+        sparse.diags([one, -2.0 * one, one], [0, 1, 2], shape=(n - 1, n + 1)),
+    )
+
+
+def rows(places: Places, nodes: int) -> sparse.csr_matrix:
+    """Interpolation: (point, node), the height of each point from those of the control points."""
+    count = places.base.size
+    row, column = np.repeat(np.arange(count), WIDTH), (places.base[:, None] + np.arange(WIDTH)).ravel()
+    return sparse.csr_matrix((places.weight.ravel(), (row, column)), shape=(count, nodes))
+
+
+def moving(mesh: Mesh) -> NDArray[np.bool_]:
+    """Which control points may move up and down."""
+    free = np.ones(mesh.nodes, dtype=np.bool_)
+    last = mesh.strands.first + mesh.strands.links
+    for side, nodes in enumerate((mesh.strands.first, last)):
+        free[nodes[mesh.strands.end[:, side] != FREE]] = False
+    return free
+
+
+def held_shape(mesh: Mesh, places: Places, heights: Array, load: Array) -> tuple[Array, Array]:
+    """Heights of all control points of wires that go through given heights, and the forces upwards that it takes.
+
+    Args:
+        places: points of the wires.
+        heights: (point,) m.
+        load: (node,) N upwards on the control points.
+    """
+    K, C = vertical_stiffness(mesh), rows(places, mesh.nodes)
+    free, chord = moving(mesh), mesh.straight()[2]
+    z, force = _solve(K, C, places.local, free, load - K @ chord + _bed(mesh, chord), heights - C @ chord)
+    return chord + z, force
+
+
+def _bed(mesh: Mesh, chord: Array) -> Array:
+    """What a bed that lies along the chord adds, so that it does not push there, N."""
+    bed = np.concatenate(
+        [np.full(n + 1, k * h) for n, k, h in zip(mesh.strands.links, mesh.strands.bed, mesh.strands.h, strict=True)]
+    )
+    last = mesh.strands.first + mesh.strands.links
+    bed[mesh.strands.first] *= 0.5
+    bed[last] *= 0.5
+    return bed * chord
+
+
+def _solve(K: Any, C: Any, local: Array, free: NDArray[np.bool_], load: Array, gap: Array) -> tuple[Array, Array]:
+    """Solve K z = load + C' force, C z + local force = gap for the free control points."""
+    z, k = np.zeros(free.size), C.shape[0]
+    A, B = K[free][:, free], C[:, free]
+    system = sparse.bmat([[A, -B.T], [B, sparse.diags(local)]], format="csc") if k else sparse.csc_matrix(A)
+    found = scipy.sparse.linalg.spsolve(system, np.concatenate([load[free], gap]))
+    if not np.isfinite(found).all():
+        raise EquilibriumError("the wires have no rest shape: something is not held; check supports and droppers")
+    z[free] = found[: found.size - k]
+    return z, found[found.size - k :]
+
+
+def rest_of(mesh: Mesh) -> Rest:
+    """Rest under gravity with the given lengths of the ties; ties that would be pushed are slack.
+
+    Raises:
+        EquilibriumError: there is no rest.
+    """
+    free, K = moving(mesh), vertical_stiffness(mesh)
+    position = mesh.straight()
+    chord, z = position[2].copy(), position[2].copy()
+    ties, holds = mesh.ties, mesh.holds
+    A = rows(ties.other, mesh.nodes) - rows(ties.one, mesh.nodes)
+    grounded = np.isfinite(ties.ground)
+    across = A @ position[:2].T + np.where(grounded[:, :2], ties.ground[:, :2], 0.0)
+    ground = np.where(grounded[:, 2], ties.ground[:, 2], 0.0)
+    H, stiff = rows(holds.at, mesh.nodes), spring(holds.stiffness[:, 2], holds.at.local)
+    load = -mesh.plan.gravity * mesh.mass + _bed(mesh, chord) + H.T @ (holds.force + stiff * holds.place[:, 2])
+    K = K + H.T @ sparse.diags(stiff) @ H
+    size = float(mesh.strands.h @ mesh.strands.links)
+    none = np.zeros((0, mesh.nodes)), np.zeros(0)
+    z += _solve(K, none[0], none[1], free, load - K @ z, none[1])[0]
+    pull, slack = ties_springs(mesh)
+    for _ in range(_MOST_STEPS):
+        rise = A @ z + ground
+        reach = np.sqrt((across**2).sum(axis=1) + rise**2)
+        way = np.column_stack([across, rise]) / reach[:, None]
+        longer = reach - ties.length
+        k = np.where(longer > 0.0, pull, slack)
+        force = k * longer
+        tangent = k * way[:, 2] ** 2 + force / reach * (1.0 - way[:, 2] ** 2)
+        out = load - K @ z - A.T @ (force * way[:, 2])
+        step, _ = _solve(K + A.T @ sparse.diags(tangent) @ A, none[0], none[1], free, out, none[1])
+        z = z + step
+        if np.abs(step).max() <= _CLOSE * size:
+            break
+    else:
+        raise EquilibriumError(
+            "the droppers find no rest between tight and slack; check their lengths, or give them a little `pushes`"
+        )
+    position[2] = z
+    return Rest(position, force, way, reach, holds.force + stiff * (holds.place[:, 2] - H @ z))
+
+
+def spring(stiffness: Array, local: Array) -> Array:
+    """Stiffness between a spline and what stands beyond a spring at the wire, the local compliance in series, N/m."""
+    with np.errstate(divide="ignore"):
+        return np.where(stiffness > 0.0, 1.0 / (1.0 / stiffness + local), 0.0)
+
+
+def ties_springs(mesh: Mesh) -> tuple[Array, Array]:
+    """Stiffness of ties between splines when pulled and when pushed, N/m."""
+    ties = mesh.ties
+    local = ties.one.local + np.where(np.isfinite(ties.ground[:, 0]), 0.0, ties.other.local)
+    return spring(ties.stiffness, local), spring(ties.pushes, local)

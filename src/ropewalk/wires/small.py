@@ -1,0 +1,278 @@
+"""Small vertical motion of wires about their rest, explicit: constant tensions, droppers that slacken, riders.
+
+Störmer's method, with a stencil whose bending stiffness is corrected so that waves on a string travel with the right
+speed to the fourth order in mesh and step (docs/notes/wires.md).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ropewalk.mechanics.compiled import inlined, lean, lean_inner
+from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive, Record
+from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Riders, places_of
+from ropewalk.wires.plan import Array, Integers
+from ropewalk.wires.rest import Rest, spring, ties_springs
+from ropewalk.wires.riders import begin, between, local_at, pace_of, press, ride
+from ropewalk.wires.spline import WIDTH, weights
+
+_NOTHING = 1e-150  # m
+_WIDTH = np.uint64(WIDTH)
+_SHARES = tuple(np.uint64(k) for k in range(WIDTH))
+
+
+class Springs(NamedTuple):
+    """Ties and holds as vertical springs between splines, about rest; ties first."""
+
+    one: Integers  # (spring,) first control point of one end
+    other: Integers  # the same of the other end
+    weight: Array  # (spring, 2 WIDTH) that gives how far they move apart; zeros for the ground
+    rest: Array  # N along the tie at rest; of a slack one the negative of what pulls it straight
+    pull: Array  # N/m along the tie, while tight
+    push: Array  # N/m along the tie, while slack
+    across: Array  # N/m vertically, of its tension at rest; all the stiffness of a hold
+    damping: Array  # N s/m, while tight
+    way: Array  # (spring,) vertical part of its direction
+    last: Array  # m by which its ends had moved apart a step ago
+    station: Array  # m, to know whether it lies in the window
+
+
+class Window(NamedTuple):
+    """What of the wires moves: the rest stands still."""
+
+    low: Integers  # (wire,) first control point, counted in the wire
+    high: Integers  # (wire,) one beyond the last
+    first: int  # spring
+    last: int  # one beyond
+
+
+class Stencil(NamedTuple):
+    """What a step of a given length needs of the wires."""
+
+    bending: Array  # (wire,) N m^2, corrected
+    gain: Array  # (node,) m/N, displacement by a force during a step
+    keep: Array  # (wire,) part of the last displacement that is kept, 1 without drag
+
+
+def springs_of(mesh: Mesh, rest: Rest) -> Springs:
+    """Ties and elastic holds, as springs about rest."""
+    ties, holds = mesh.ties, mesh.holds
+    pull, slack = ties_springs(mesh)
+    held = spring(holds.stiffness[:, 2], holds.at.local)
+    keep = held > 0.0
+    none, way = np.zeros(int(keep.sum())), rest.tie_way[:, 2]
+    apart = np.hstack([-ties.one.weight, ties.other.weight])
+    to_ground = np.hstack([-holds.at.weight[keep], np.zeros_like(holds.at.weight[keep])])
+    across = np.maximum(rest.tie_force, 0.0) / rest.tie_distance * (1.0 - way**2)
+    return Springs(
+        np.concatenate([ties.one.base, holds.at.base[keep]]), np.concatenate([ties.other.base, holds.at.base[keep]]),
+        np.concatenate([apart, to_ground]), np.concatenate([pull * (rest.tie_distance - ties.length), none]),
+        np.concatenate([pull, none]), np.concatenate([slack, none]), np.concatenate([across, held[keep]]),
+        np.concatenate([ties.damping, holds.damping[keep, 2]]), np.concatenate([way, none + 1.0]),
+        np.zeros(way.size + none.size), np.concatenate([ties.one.station, holds.at.station[keep]]),
+    )  # fmt: skip
+
+
+def stencil_of(mesh: Mesh, step: float) -> Stencil:
+    """Prepare steps of a length in s."""
+    s = mesh.strands
+    T = np.maximum(s.tension, 0.0)
+    bending = s.stiffness + T * (s.h**2 - T / s.rho * step**2) / 12.0
+    gain = step**2 / mesh.mass / (1.0 + 0.5 * step * np.repeat(s.drag, s.links + 1))
+    gain[s.first[s.end[:, 0] != FREE]] = 0.0
+    gain[(s.first + s.links)[s.end[:, 1] != FREE]] = 0.0
+    return Stencil(bending, gain, (1.0 - 0.5 * step * s.drag) / (1.0 + 0.5 * step * s.drag))
+
+
+@lean_inner
+def _along(now, felt, other, gain, e, low, high, keep, t, b, bed):
+    """Put the next position of control points e + low to e + high - 1, all inside, in place of the last."""
+    c0, c1, first, last = -2.0 * t - 6.0 * b - bed, t + 4.0 * b, e + low, e + high
+    u, out, g = now[first:last], other[first:last], gain[first:last]  # slices let the loop vectorise
+    f = felt[first - 2 : last + 2]
+    for i in range(last - first):
+        pull = c0 * f[i + 2] + c1 * (f[i + 1] + f[i + 3]) - b * (f[i] + f[i + 4])
+        out[i] = u[i] + keep * (u[i] - out[i]) + g[i] * pull
+
+
+@inlined
+def _end(now, felt, other, gain, e, d, keep, t, b, bed, kind):
+    """The same for the control point e at an end, and for its neighbour e + d."""
+    i = e + d
+    m0 = 2.0 * (felt[i] - felt[e]) if kind == CLAMPED else 0.0
+    m1 = felt[e] - 2.0 * felt[i] + felt[i + d]
+    m2 = felt[i] - 2.0 * felt[i + d] + felt[i + 2 * d]
+    pull = t * m1 - b * (m0 - 2.0 * m1 + m2) - bed * felt[i]
+    other[i] = now[i] + keep * (now[i] - other[i]) + gain[i] * pull
+    pull = t * (felt[i] - felt[e]) - b * (m1 - m0) - 0.5 * bed * felt[e]
+    other[e] = now[e] + keep * (now[e] - other[e]) + gain[e] * pull
+
+
+@lean
+def advance(strands, stencil, springs, window, watched, riders, pace, level, now, other, room, drive, record, steps, w):
+    """Go on by all rows of the record.
+
+    Args:
+        level: (node,) m, heights at rest.
+        now, other, room: (node,) m above rest, at the present instant and a step before it, which change places with
+            every step; and room.
+        steps: in each row.
+        w: (3, WIDTH) room for weights of a spline.
+    """
+    for row in range(record.force.shape[0]):
+        _look(watched, level, now, record.watched, row)
+        for i in range(riders.size.size):
+            for c in range(riders.size[i]):
+                record.body[row, i, c] = pace.q[i, c]
+        for step in range(steps):
+            _move(strands, stencil, window, now, other, room, pace.step)
+            _pull(springs, window, now, other, stencil.gain, pace.step, record.spring, row, step)
+            begin(riders, pace, drive.push, row, step / steps)
+            for k in range(riders.owner.size):
+                _touch(strands, riders, pace, level, now, other, stencil.gain, drive, record, row, step, steps, k, w)
+            ride(riders, pace)
+            now, other = other, now
+
+
+@inlined
+def _look(watched, level, now, found, row):
+    for p in range(watched.base.size):
+        found[row, p] = 0.0
+        for k in range(WIDTH):
+            found[row, p] += watched.weight[p, k] * (level[watched.base[p] + k] + now[watched.base[p] + k])
+
+
+@inlined
+def _move(strands, stencil, window, now, other, room, dt):
+    """Let the wires go on for a step."""
+    gain = stencil.gain
+    for a in range(strands.first.size):
+        i, n, h, keep = strands.first[a], strands.links[a], strands.h[a], stencil.keep[a]
+        low, high, late = window.low[a], window.high[a], strands.retardation[a] / dt
+        t, b, bed = strands.tension[a] / h, stencil.bending[a] / (h * h * h), strands.bed[a] * h
+        felt = now
+        if late > 0.0:
+            felt = room
+            for k in range(i + max(low - 2, 0), i + min(high + 2, n + 1)):
+                room[k] = now[k] + late * (now[k] - other[k])
+        _along(now, felt, other, gain, i, max(low, 2), min(high, n - 1), keep, t, b, bed)
+        if low < 2:
+            _end(now, felt, other, gain, i, 1, keep, t, b, bed, strands.end[a, 0])
+        if high > n - 1:
+            _end(now, felt, other, gain, i + n, -1, keep, t, b, bed, strands.end[a, 1])
+
+
+@inlined
+def _touch(strands, riders, pace, level, now, other, gain, drive, record, row, step, steps, k, w):
+    """What contact k does during a step."""
+    where, part = drive.where[row, k], step / steps
+    if where == ABSENT:
+        return
+    a = riders.wire[k]
+    s, n, base, local, height = between(drive.station, row, part, k) / strands.h[a], strands.links[a], 0, 0.0, 0.0
+    if where == ON_GROUND:
+        height = level[strands.first[a]] if s <= 0.0 else level[strands.first[a] + n]
+    else:
+        base, local = strands.first[a] + weights(s, n, w), local_at(strands, a, s)
+        for j in range(WIDTH):
+            height += w[0, j] * (level[base + j] + now[base + j])
+    force = press(riders, pace, k, height + between(drive.rough, row, part, k), local)
+    force += between(drive.given, row, part, k)
+    if step == 0:
+        record.force[row, k], record.height[row, k] = force, height + local * force
+    if where == ON_WIRE:
+        for j in range(WIDTH):
+            other[base + j] += gain[base + j] * w[0, j] * force
+
+
+@inlined
+def _pull(springs, window, now, other, gain, dt, found, row, step):
+    """What ties and holds do during a step."""
+    one, two, weight, rest, pull = springs.one, springs.other, springs.weight, springs.rest, springs.pull
+    push, across, damping, way, last = springs.push, springs.across, springs.damping, springs.way, springs.last
+    for e in range(window.first, window.last):
+        i, j, c = np.uint64(one[e]), np.uint64(two[e]), damping[e]  # unsigned: no look at what is before an array
+        apart = 0.0
+        for k in _SHARES:
+            apart += weight[e, k] * now[i + k] + weight[e, k + _WIDTH] * now[j + k]
+        loss = 0.0
+        if c > 0.0:
+            loss = c * (apart - last[e]) / dt
+            last[e] = apart
+        F = across[e] * apart
+        if pull[e] > 0.0:
+            N = rest[e] + pull[e] * way[e] * apart
+            N = N + way[e] * loss if N > 0.0 else N * push[e] / pull[e]
+            before = rest[e] if rest[e] > 0.0 else rest[e] * push[e] / pull[e]
+            F += way[e] * (N - before)
+            if step == 0:
+                found[row, e] = N
+        else:
+            F += loss
+            if step == 0:
+                found[row, e] = -F
+        for k in _SHARES:
+            other[i + k] -= gain[i + k] * weight[e, k] * F
+            other[j + k] -= gain[j + k] * weight[e, k + _WIDTH] * F
+
+
+class SmallMotion:
+    """A motion about rest under way.
+
+    Args:
+        mesh: the wires and what is attached to them.
+        rest: their rest.
+        riders: what travels.
+        step: time step, s.
+        q: (rider, C) m, first coordinates, at rest.
+        window: half width of what moves around the contacts, m; everything if infinite.
+    """
+
+    def __init__(self, mesh: Mesh, rest: Rest, riders: Riders, step: float, q: Array, window: float = np.inf) -> None:
+        self.mesh, self.rest, self.riders, self.window = mesh, rest, riders, window
+        self.stencil = stencil_of(mesh, step)
+        self.pace = pace_of(riders, step, q, np.zeros(riders.owner.size))
+        springs = springs_of(mesh, rest)
+        self._order = np.argsort(springs.station, kind="stable")
+        self.springs = Springs(*(np.ascontiguousarray(array[self._order]) for array in springs))  # type: ignore[arg-type]
+        self.level = np.ascontiguousarray(rest.position[2])
+        self.watched = places_of(mesh.strands, list(mesh.plan.watched.values()))
+        # Not quite zero: what arrives early of a wave is below the smallest normal number, and slow to compute with.
+        self._u = [np.where(self.stencil.gain > 0.0, _NOTHING, 0.0) for _ in range(2)]  # now, a step before
+        self._room, self._w = np.zeros(mesh.nodes), np.zeros((3, WIDTH))
+
+    @property
+    def position(self) -> Array:
+        """Positions of all nodes now, (3, node) m."""
+        return np.vstack([self.rest.position[:2], self.level + self._u[0]])
+
+    @property
+    def velocity(self) -> Array:
+        """Velocities of all nodes half a step ago, (3, node) m/s."""
+        still = np.zeros((2, self.mesh.nodes))
+        return np.vstack([still, (self._u[0] - self._u[1]) / self.pace.step])
+
+    def go(self, drive: Drive, steps: int = 1) -> Record:
+        """Go on by the rows of the drive but the last, `steps` steps each."""
+        record = Record.of(drive.station.shape[0] - 1, self.riders, self.springs.one.size, self.watched)
+        advance(
+            self.mesh.strands, self.stencil, self.springs, self._window(drive), self.watched, self.riders, self.pace,
+            self.level, *self._u, self._room, drive, record, steps, self._w,
+        )  # fmt: skip
+        if (record.force.shape[0] * steps) % 2:
+            self._u.reverse()
+        spring = np.empty_like(record.spring)
+        spring[:, self._order] = record.spring
+        return record._replace(spring=spring)
+
+    def _window(self, drive: Drive) -> Window:
+        strands, station = self.mesh.strands, drive.station[drive.where == ON_WIRE]
+        if station.size == 0 or not np.isfinite(self.window):
+            return Window(np.zeros_like(strands.links), strands.links + 1, 0, self.springs.one.size)
+        begin, end, edge = station.min() - self.window, station.max() + self.window, WIDTH * strands.h.max()
+        low = np.clip(np.floor(begin / strands.h), 0, strands.links - 1).astype(np.int64)
+        high = np.clip(np.ceil(end / strands.h), 2, strands.links + 1).astype(np.int64)
+        first, last = np.searchsorted(self.springs.station, [begin + edge, end - edge])
+        return Window(low, high, int(first), int(last))

@@ -1,0 +1,72 @@
+"""The largest step with which explicit motion of wires is stable."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropewalk.wires.mesh import Mesh, Riders
+from ropewalk.wires.plan import Array
+from ropewalk.wires.rest import spring, ties_springs
+
+SAFETY = 0.9
+_SQUARES = 0.72  # the largest sum of squares of the weights of a spline
+
+
+def largest_step(mesh: Mesh, riders: Riders, *, axial: bool, inertia: float = 1.0) -> float:
+    """A step in s that is stable for certain, from bounds of the frequencies of all parts, which add up at worst.
+
+    Args:
+        mesh: the wires and what is attached to them.
+        riders: what travels.
+        axial: whether wires stretch.
+        inertia: factor on the mass for motion along x.
+    """
+    s = mesh.strands
+    T, m = np.maximum(s.tension, 0.0), s.rho * s.h
+    bending = s.stiffness + T * s.h**2 / 12.0
+    across = (4.0 * T / s.h + 16.0 * bending / s.h**3 + s.bed * s.h) / m
+    late = s.retardation
+    lightest, square = float(m.min()), across.copy()
+    if axial:
+        EA = np.array([wire.axial_stiffness for wire in mesh.plan.wires])
+        square = np.maximum(across, (4.0 * EA / s.h / m) / inertia)
+    attached = _attached(mesh, lightest) + _ridden(mesh, riders, lightest)
+    # omega^2 (dt^2 + 2 beta dt) < 4 for each wire
+    total = square + attached
+    steps = np.sqrt(4.0 / total + late**2) - late
+    return SAFETY * float(min(steps.min(), _alone(riders)))
+
+
+def _attached(mesh: Mesh, lightest: float) -> float:
+    """Bound of what ties and holds add to the square of a frequency; two neighbours may share nodes."""
+    stiff = [0.0, *ties_springs(mesh)[0], *spring(mesh.holds.stiffness, mesh.holds.at.local[:, None]).ravel()]
+    return 2.0 * _SQUARES * float(max(stiff)) / lightest
+
+
+def _ridden(mesh: Mesh, riders: Riders, lightest: float) -> float:
+    local = mesh.strands.local.min(axis=1)
+    found = [0.0]
+    for k, i in enumerate(riders.owner):
+        if riders.spring[k] == 0.0:
+            continue
+        stiff = 1.0 / (1.0 / riders.spring[k] + local[riders.wire[k]])
+        n = riders.size[i]
+        row = riders.row[k, :n]
+        light = float(row @ np.linalg.solve(riders.mass[i, :n, :n], row)) if n else 0.0
+        found.append(stiff * (_SQUARES / lightest + light))
+    return float(sum(sorted(found)[-2:]))
+
+
+def _alone(riders: Riders) -> float:
+    """The same for riders on rigid ground."""
+    steps = [np.inf]
+    for i, n in enumerate(riders.size):
+        if n == 0:
+            continue
+        K: Array = riders.stiffness[i, :n, :n].copy()
+        for k in np.flatnonzero(riders.owner == i):
+            if np.isfinite(riders.spring[k]):
+                K += riders.spring[k] * np.outer(riders.row[k, :n], riders.row[k, :n])
+        square = np.abs(np.linalg.eigvals(np.linalg.solve(riders.mass[i, :n, :n], K))).max()
+        steps.append(2.0 / np.sqrt(square) if square > 0.0 else np.inf)
+    return float(min(steps))
