@@ -32,12 +32,13 @@ class Record(NamedTuple):
     force: Array  # (row, contact) N upwards on the wire
     height: Array  # (row, contact) m, of the wire at the contact
     body: Array  # (row, rider, C) m, coordinates
-    spring: Array  # (row, spring) N, of ties (pull) and then of elastic holds (upwards on the wire)
+    tie: Array  # (row, tie) N, pull
+    hold: Array  # (row, hold, 3) N on the wire, in small motion its change since rest
     watched: Array  # (row, point) m, height of watched points
 
     @staticmethod
-    def of(rows: int, riders: Riders, springs: int, watched: Places) -> Record:
+    def of(rows: int, riders: Riders, ties: int, holds: int, watched: Places) -> Record:
         """Room for a number of rows."""
         contacts, bodies = riders.owner.size, riders.mass.shape[:2]
-        shapes = (contacts,), (contacts,), bodies, (springs,), (watched.base.size,)
+        shapes = (contacts,), (contacts,), bodies, (ties,), (holds, 3), (watched.base.size,)
         return Record(*(np.full((rows, *shape), np.nan) for shape in shapes))

@@ -11,10 +11,10 @@ from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, OFF_LINE, Accoun
 from ropewalk.wires.drive import ON_WIRE, Drive, Record
 from ropewalk.wires.equilibrium import Potential
 from ropewalk.wires.journey import drive_of
-from ropewalk.wires.large import LargeMotion, hung
+from ropewalk.wires.large import LargeMotion
 from ropewalk.wires.mesh import riders_of
 from ropewalk.wires.plan import Array
-from ropewalk.wires.rest import rows, spring, vertical_stiffness
+from ropewalk.wires.rest import rows, vertical_stiffness
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.stability import largest_step
 from ropewalk.wires.task import Task, ready
@@ -41,32 +41,31 @@ class Run:
     def __init__(
         self, task: Task, times: Array, account: Account, sample: float = SAMPLE, step: float | None = None
     ) -> None:
-        self.task, self.mesh, self.rest = ready(task)
+        self.task, start = ready(task)
+        self.mesh, self._at_rest = start.mesh, start.position
         self.account = account
         self.riders = riders_of([journey.rider for journey in self.task.journeys])
         interval = float(np.diff(times).max()) if times.size > 1 else sample
         self.rows = max(1, int(np.ceil(interval / sample * (1.0 - 1e-9))))
         self.sample = interval / self.rows
         self.times = _snapped(times, self.sample)
-        nonlinear = task.geometry == "nonlinear"
-        self._stable = largest_step(self.mesh, self.riders, axial=nonlinear, inertia=task.inertia)
+        self._stable = largest_step(self.mesh, self.riders, axial=start.rest is None, inertia=task.inertia)
         self.steps = max(1, int(np.ceil(self.sample / (self._stable if step is None else step) * (1.0 - 1e-9))))
         account.method, account.step = "explicit", self.sample / self.steps
-        if nonlinear:
+        if start.rest is None:
             account.reason = "Stoermer's method for all components; axial waves limit the step"
-            unstrained = hung(self.mesh, self.rest.position)
-            self._potential = Potential(self.mesh, unstrained)
+            self._potential = Potential(self.mesh, start.unstrained)
             self.motion: LargeMotion | SmallMotion = LargeMotion(
-                self.mesh, self.rest.position, unstrained, self.riders, account.step, self._first(), task.inertia,
+                self.mesh, start.position, start.unstrained, self.riders, account.step, self._first(), task.inertia,
                 space=task.space,
             )  # fmt: skip
         else:
             account.reason = "Stoermer's method for small vertical motion about rest, with constant tensions"
             self._stiffness = vertical_stiffness(self.mesh)
-            self.motion = SmallMotion(self.mesh, self.rest, self.riders, account.step, self._first(), task.window)
+            self.motion = SmallMotion(self.mesh, start.rest, self.riders, account.step, self._first(), task.window)
         self._in_air = np.zeros(self.riders.owner.size)
         self._axes = [0, 1, 2] if task.space else [0, 2]
-        self._watched_at_rest = rows(self.motion.watched, self.mesh.nodes) @ self.rest.position[2]
+        self._watched_at_rest = rows(self.motion.watched, self.mesh.nodes) @ self._at_rest[2]
 
     def _first(self) -> Array:
         first = np.zeros(self.riders.mass.shape[:2])
@@ -97,10 +96,9 @@ class Run:
     def frames(self) -> Iterator[Frame]:
         """The frames; a run that blows up ends with the last one before, and the account says so."""
         contacts = len(self.task.contacts)
-        before = (
-            np.full((self.rows, contacts), np.nan),
-            Record.of(self.rows, self.riders, len(self.task.plan.ties), self.motion.watched),
-        )
+        plan = self.task.plan
+        nothing = Record.of(self.rows, self.riders, len(plan.ties), len(plan.holds), self.motion.watched)
+        before = np.full((self.rows, contacts), np.nan), nothing
         for i, t in enumerate(self.times):
             count = max(1, round((self.times[i + 1] - t) / self.sample)) if i + 1 < self.times.size else 1
             drive = self._drive(float(t), count)
@@ -118,7 +116,7 @@ class Run:
         return drive_of(self.task.plan, self.task.journeys, t + self.sample * np.arange(count + 1.0))
 
     def _is_sane(self, record: Record) -> bool:
-        moved = self.motion.position - self.rest.position
+        moved = self.motion.position - self._at_rest
         longest = max(wire.length for wire in self.task.plan.wires)
         return bool(np.isfinite(moved).all() and np.abs(moved).max() < _ESCAPED * longest)
 
@@ -147,11 +145,11 @@ class Run:
             contact_xi=unknown, contact_speed=unknown, contact_tension=np.full((contacts, 2), np.nan),
             contact_friction=unknown, contact_state=np.full(contacts, OFF_LINE), contact_in_air=np.zeros(contacts),
             friction_power=np.zeros(contacts), body_position=bodies, body_velocity=rates,
-            reaction=self._reactions(position)[:, self._axes], energy=energy, tie_force=none, sampled_station=none,
+            reaction=self._reactions(position), energy=energy, tie_force=none, sampled_station=none,
         )  # fmt: skip
 
     def _with_forces(self, frame: Frame, drive: Drive, now: Record, stations: Array, before: Record) -> Frame:
-        on, ties = drive.where[0] == ON_WIRE, len(self.task.plan.ties)
+        on = drive.where[0] == ON_WIRE
         station, place, force = drive.station[0], frame.contact_position.copy(), frame.contact_force.copy()
         place[on], force[on], hold = 0.0, 0.0, frame.hold_force.copy()
         hold[on] = 0.0
@@ -170,8 +168,9 @@ class Run:
             contact_xi=np.where(on, station, np.nan),
             contact_speed=np.where(on, (drive.station[1] - station) / self.sample, np.nan),
             contact_state=np.where(on, np.where(in_air, IN_AIR, MOVES), OFF_LINE), contact_in_air=self._in_air.copy(),
-            tie_force=now.spring[0, :ties], sampled_station=stations, sampled_force=before.force,
-            sampled_height=before.height, sampled_tie_force=before.spring[:, :ties],
+            reaction=np.vstack([frame.reaction, now.hold[0][:, self._axes]]), tie_force=now.tie[0],
+            sampled_station=stations, sampled_force=before.force,
+            sampled_height=before.height, sampled_tie_force=before.tie,
             sampled_uplift=before.watched - self._watched_at_rest,
         )  # fmt: skip
 
@@ -196,19 +195,16 @@ class Run:
         return place, speed
 
     def _reactions(self, position: Array) -> Array:
-        """Forces of ends and holds on the wires, (support, 3) N."""
-        strands, plan, holds = self.mesh.strands, self.task.plan, self.mesh.holds
+        """Forces of the ends on their wires, (end, axis) N."""
+        strands, plan = self.mesh.strands, self.task.plan
         ends = np.stack([strands.first, strands.first + strands.links], axis=1).ravel()
-        at = rows(holds.at, self.mesh.nodes) @ position.T
-        held = spring(holds.stiffness, holds.at.local[:, None]) * (holds.place - at)
-        held[:, 2] += holds.force
         if isinstance(self.motion, LargeMotion):
-            return np.vstack([-self._potential.pull(position)[:, ends].T, held])
-        force = np.zeros((ends.size, 3))
-        force[:, 2] = (self._stiffness @ position[2] + plan.gravity * self.mesh.mass)[ends]
-        force[0::2, 0], force[1::2, 0] = -strands.tension, strands.tension
-        held[:, :2] = 0.0
-        return np.vstack([force, held])
+            force = -self._potential.pull(position)[:, ends].T
+        else:
+            force = np.zeros((ends.size, 3))
+            force[:, 2] = (self._stiffness @ position[2] + plan.gravity * self.mesh.mass)[ends]
+            force[0::2, 0], force[1::2, 0] = -strands.tension, strands.tension
+        return force[:, self._axes]
 
 
 def _snapped(times: Array, sample: float) -> Array:

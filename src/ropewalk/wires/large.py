@@ -15,7 +15,7 @@ from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive, Record
 from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Riders, places_of
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.rest import rows, spring, ties_springs
-from ropewalk.wires.riders import begin, between, local_at, pace_of, press, ride
+from ropewalk.wires.riders import begin, between, join, local_at, pace_of, press, ride, sweeps_of
 from ropewalk.wires.spline import WIDTH, weights
 
 # Strain up to which tension over length follows from a series: its error is 1e-11 of the tension there.
@@ -85,7 +85,7 @@ def strings_of(mesh: Mesh, position: Array) -> Strings:
     ties, holds = mesh.ties, mesh.holds
     pull, push = ties_springs(mesh)
     count, nan = holds.force.size, np.full(holds.force.size, np.nan)
-    stiff = spring(holds.stiffness, holds.at.local[:, None])
+    stiff = np.where(np.isinf(holds.stiffness), 0.0, spring(holds.stiffness, holds.at.local[:, None]))
     no_ties = np.zeros((ties.length.size, 3))
     blank, last = np.zeros(count), np.zeros((ties.length.size + count, 3))
     away = (rows(ties.other, mesh.nodes) - rows(ties.one, mesh.nodes)) @ position.T
@@ -104,6 +104,32 @@ def strings_of(mesh: Mesh, position: Array) -> Strings:
         np.concatenate([no_ties, stiff]), np.concatenate([no_ties, holds.damping]),
         np.concatenate([np.zeros(ties.length.size), holds.force]),
     )  # fmt: skip
+
+
+class Grips(NamedTuple):
+    """Components of holds that stand fast."""
+
+    base: Integers
+    weight: Array  # (grip, WIDTH)
+    axis: Integers
+    place: Array  # m
+    soft: Array  # (grip,) m/N, by which the wire gives way to a force during a step
+    hold: Integers  # which hold it is
+
+
+def grips_of(mesh: Mesh, threads: Threads, axes: list[int]) -> Grips:
+    """All of them."""
+    holds = mesh.holds
+    pairs = [(hold, axis) for hold, axis in np.argwhere(np.isinf(holds.stiffness)) if axis in axes]
+    fast, axis = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    base, weight = holds.at.base[fast], np.ascontiguousarray(holds.at.weight[fast])
+    moved = [
+        (threads.along if a == 0 else threads.gain)[b : b + WIDTH] @ w**2
+        for a, b, w in zip(axis, base, weight, strict=True)
+    ]
+    soft = np.array(moved).reshape(-1) + holds.at.local[fast]
+    component = np.array([axes.index(a) for a in axis], dtype=np.int64)
+    return Grips(base, weight, component, holds.place[fast, axis], soft, fast)
 
 
 @lean_inner
@@ -253,25 +279,36 @@ def _pull(strings, now, other, gain, along, dt, found, row, step):
 
 @inlined
 def _hold(strings, now, other, gain, along, dt, found, row, step):
-    """What holds do during a step."""
-    axes, weight = now.shape[0], strings.weight
+    """What elastic holds do during a step."""
+    axes, weight, stiff, loss = now.shape[0], strings.weight, strings.stiff, strings.loss
     for e in range(strings.ties, strings.one.size):
         i = np.uint64(strings.one[e])
         for c in range(axes):
             at = 2 if c == axes - 1 else c
-            if strings.stiff[e, at] == 0.0 and strings.loss[e, at] == 0.0 and at < 2:
-                continue
-            here = _height(now[c], i, weight, e, 0)
-            F = (
-                strings.stiff[e, at] * (strings.place[e, at] - here)
-                - strings.loss[e, at] * (here - strings.last[e, at]) / dt
-            )
-            strings.last[e, at] = here
-            if at == 2:
-                F += strings.lift[e]
-                if step == 0:
-                    found[row, e] = F
-            _give(other[c], along if c == 0 else gain, i, weight, e, 0, F)
+            F = strings.lift[e] if at == 2 else 0.0
+            if stiff[e, at] > 0.0 or loss[e, at] > 0.0:
+                here = _height(now[c], i, weight, e, 0)
+                F += stiff[e, at] * (strings.place[e, at] - here) - loss[e, at] * (here - strings.last[e, at]) / dt
+                strings.last[e, at] = here
+            if step == 0:
+                found[row, e - strings.ties, at] = F
+            if F != 0.0:
+                _give(other[c], along if c == 0 else gain, i, weight, e, 0, F)
+
+
+@inlined
+def _grip(grips, axes, other, gain, along, record, row, step):
+    """What rigid holds do at the end of a step."""
+    for e in range(grips.base.size):
+        i, c, here = grips.base[e], grips.axis[e], 0.0
+        at, give = 2 if c == axes - 1 else c, along if c == 0 else gain
+        for k in range(WIDTH):
+            here += grips.weight[e, k] * other[c, i + k]
+        F = (grips.place[e] - here) / grips.soft[e]
+        if step == 0:
+            record.hold[row, grips.hold[e], at] += F
+        for k in range(WIDTH):
+            other[c, i + k] += give[i + k] * grips.weight[e, k] * F
 
 
 @inlined
@@ -292,23 +329,35 @@ def _seek(x, s, n, place, w):
 
 
 @inlined
+def _seat(strands, riders, pace, x, z, drive, row, part, k, w):
+    """Where contact k is on its wire, whose nodes are at x and z: place in links, first node, and height there."""
+    a, where, place = riders.wire[k], drive.where[row, k], between(drive.station, row, part, k)
+    first, n, s, base, height = strands.first[a], strands.links[a], 0.0, 0, 0.0
+    if where == ON_GROUND:
+        return s, base, z[first] if place <= 0.0 else z[first + n]
+    if riders.material[k]:
+        s = place / strands.h[a]
+        base = first + weights(s, n, w)
+    else:
+        guess = pace.place[k] if np.isfinite(pace.place[k]) else place / strands.h[a]
+        begin, end = strands.across[a, 0], strands.across[a, 1]
+        s, base = _seek(x[first : first + n + 1], min(max(guess, 0.0), float(n)), n, begin + end * place, w)
+        pace.place[k] = s
+        base += first
+    for j in range(WIDTH):
+        height += w[0, j] * z[base + j]
+    return s, base, height
+
+
+@inlined
 def _touch(strands, threads, riders, pace, now, other, drive, record, row, step, steps, k, w):
-    """What contact k, which is at a given x, does during a step."""
-    where, part, up = drive.where[row, k], step / steps, now.shape[0] - 1
+    """What contact k does during a step."""
+    where, part, up, local = drive.where[row, k], step / steps, now.shape[0] - 1, 0.0
     if where == ABSENT:
         return
-    a = riders.wire[k]
-    first, n, h = strands.first[a], strands.links[a], strands.h[a]
-    place, base, local, height = between(drive.station, row, part, k), 0, 0.0, 0.0
-    if where == ON_GROUND:
-        height = now[up, first] if place <= now[0, first] else now[up, first + n]
-    else:
-        guess = pace.place[k] if np.isfinite(pace.place[k]) else (place - now[0, first]) / h
-        s, base = _seek(now[0, first : first + n + 1], min(max(guess, 0.0), float(n)), n, place, w)
-        pace.place[k], local = s, local_at(strands, a, s)
-        base += first
-        for j in range(WIDTH):
-            height += w[0, j] * now[up, base + j]
+    s, base, height = _seat(strands, riders, pace, now[0], now[up], drive, row, part, k, w)
+    if where == ON_WIRE:
+        local = local_at(strands, riders.wire[k], s)
     force = press(riders, pace, k, height + between(drive.rough, row, part, k), local)
     force += between(drive.given, row, part, k)
     if step == 0:
@@ -318,9 +367,28 @@ def _touch(strands, threads, riders, pace, now, other, drive, record, row, step,
             other[up, base + j] += threads.gain[base + j] * w[0, j] * force
 
 
+@inlined
+def _join(strands, threads, riders, pace, other, drive, record, row, step, steps, k, w):
+    """What keeps the rigid contact k together at the end of a step."""
+    where, part, up, soft = drive.where[row, k], (step + 1.0) / steps, other.shape[0] - 1, 0.0
+    if where == ABSENT:
+        return
+    s, base, height = _seat(strands, riders, pace, other[0], other[up], drive, row, part, k, w)
+    if where == ON_WIRE:
+        soft = local_at(strands, riders.wire[k], s)
+        for j in range(WIDTH):
+            soft += w[0, j] * w[0, j] * threads.gain[base + j]
+    force = join(riders, pace, k, height + between(drive.rough, row, part, k), soft)
+    if step == 0:
+        record.force[row, k] += force
+    if where == ON_WIRE:
+        for j in range(WIDTH):
+            other[up, base + j] += threads.gain[base + j] * w[0, j] * force
+
+
 @lean
-def advance(strands, threads, strings, watched, riders, pace, level, slope, now, other, room, q, small, drive, record,
-            steps, w):  # fmt: skip
+def advance(strands, threads, strings, grips, watched, riders, pace, level, slope, now, other, room, q, small, drive,
+            record, steps, sweeps, w):  # fmt: skip
     """Go on by all rows of the record.
 
     Args:
@@ -330,6 +398,7 @@ def advance(strands, threads, strings, watched, riders, pace, level, slope, now,
         room, q: (node,) room.
         small: whether all strains are below SMALL_STRAIN.
         steps: in each row.
+        sweeps: over all that is rigid, in each step.
         w: (3, WIDTH) room for weights of a spline.
     """
     axes = now.shape[0]
@@ -343,12 +412,17 @@ def advance(strands, threads, strings, watched, riders, pace, level, slope, now,
                 record.body[row, i, c] = pace.q[i, c]
         for step in range(steps):
             _move(strands, threads, now, other, room, q, level, slope, small, pace.step)
-            _pull(strings, now, other, threads.gain, threads.along, pace.step, record.spring, row, step)
-            _hold(strings, now, other, threads.gain, threads.along, pace.step, record.spring, row, step)
+            _pull(strings, now, other, threads.gain, threads.along, pace.step, record.tie, row, step)
+            _hold(strings, now, other, threads.gain, threads.along, pace.step, record.hold, row, step)
             begin(riders, pace, drive.push, row, step / steps)
             for k in range(riders.owner.size):
                 _touch(strands, threads, riders, pace, now, other, drive, record, row, step, steps, k, w)
             ride(riders, pace)
+            for _ in range(sweeps):
+                _grip(grips, axes, other, threads.gain, threads.along, record, row, step)
+                for k in range(riders.owner.size):
+                    if np.isinf(riders.spring[k]):
+                        _join(strands, threads, riders, pace, other, drive, record, row, step, steps, k, w)
             now, other = other, now
 
 
@@ -372,6 +446,7 @@ class LargeMotion:
     ) -> None:  # fmt: skip
         self.mesh, self.riders, self.rest, axes = mesh, riders, rest, [0, 1, 2] if space else [0, 2]
         self.threads, self.strings = threads_of(mesh, rest, step, inertia), strings_of(mesh, position)
+        self.grips = grips_of(mesh, self.threads, axes)
         self.pace = pace_of(riders, step, q, np.full(riders.owner.size, np.nan))
         self.watched = places_of(mesh.strands, list(mesh.plan.watched.values()))
         straight = mesh.straight()[axes]
@@ -405,13 +480,16 @@ class LargeMotion:
 
     def go(self, drive: Drive, steps: int = 1) -> Record:
         """Go on by the rows of the drive but the last, `steps` steps each."""
-        record = Record.of(drive.station.shape[0] - 1, self.riders, self.strings.one.size, self.watched)
+        plan = self.mesh.plan
+        record = Record.of(drive.station.shape[0] - 1, self.riders, len(plan.ties), len(plan.holds), self.watched)
+        record.hold[:] = 0.0
         strain = self.strain()
         strain[self.mesh.strands.first + self.mesh.strands.links] = 0.0
         small = bool(np.abs(strain).max() < 0.5 * SMALL_STRAIN)
         advance(
-            self.mesh.strands, self.threads, self.strings, self.watched, self.riders, self.pace, self._level,
-            self._slope, *self._r, *self._room, small, drive, record, steps, self._w,
+            self.mesh.strands, self.threads, self.strings, self.grips, self.watched, self.riders, self.pace,
+            self._level, self._slope, *self._r, *self._room, small, drive, record, steps,
+            sweeps_of(self.riders, self.grips.base.size), self._w,
         )  # fmt: skip
         if (record.force.shape[0] * steps) % 2:
             self._r.reverse()

@@ -20,6 +20,8 @@ HELD, CLAMPED, FREE = 0, 1, 2
 _END = {"held": HELD, "clamped": CLAMPED, "free": FREE}
 FEWEST_LINKS = 8
 _CELL = 80  # links in which the local compliance is found; it decays within a few
+_FRACTIONS = np.linspace(0.0, 0.5, 6)  # of a link, where it is found
+_STIFF = 5.0  # links: where sqrt(EI / T) is longer, a wire is a beam on this mesh
 
 
 class Strands(NamedTuple):
@@ -35,7 +37,8 @@ class Strands(NamedTuple):
     retardation: Array  # s
     bed: Array  # N/m^2
     end: Integers  # (wire, 2) HELD, CLAMPED or FREE
-    local: Array  # (wire, 2) m/N, compliance that points at and midway between control points have beside the spline's
+    across: Array  # (wire, 2) x of the start in m, and x per station along the chord
+    local: Array  # (wire, 3) m/N, of the compliance that a point has beside the spline's: see `local_compliance`
 
 
 class Places(NamedTuple):
@@ -125,6 +128,7 @@ def mesh_of(plan: Plan, element: float | list[int]) -> Mesh:
         first, count, column["length"] / count, column["tension"], column["bending_stiffness"], column["mass"],
         column["drag"], column["retardation"], column["bed"],
         np.array([[_END[end] for end in wire.ends] for wire in wires], dtype=np.int64),
+        np.array([(wire.start[0], (wire.end[0] - wire.start[0]) / wire.length) for wire in wires]),
         np.array([local_compliance(wire, wire.length / n) for wire, n in zip(wires, links, strict=True)]),
     )  # fmt: skip
     mass = np.concatenate([np.full(n + 1, rho * h) for n, rho, h in zip(count, strands.rho, strands.h, strict=True)])
@@ -150,40 +154,43 @@ def places_of(strands: Strands, spots: Sequence[Spot]) -> Places:
     s = station / strands.h[wire]
     base, weight = points(s, strands.links[wire])
     part = s - np.floor(s)
-    local = strands.local[wire, 0] + 4.0 * part * (1.0 - part) * (strands.local[wire, 1] - strands.local[wire, 0])
+    g = part * (1.0 - part)
+    c = strands.local[wire]
+    local = c[:, 0] + g * g * (c[:, 1] + g * c[:, 2])
     return Places(base + strands.first[wire], np.ascontiguousarray(weight[:, 0]), wire, station, local)
 
 
-def local_compliance(wire: Wire, h: float) -> tuple[float, float]:
-    """By how much the wire itself yields more than its spline to a force, at and midway between control points, m/N.
+def local_compliance(wire: Wire, h: float) -> tuple[float, float, float]:
+    """By how much a wire itself yields more to a force than its spline: c[0] + c[1] g^2 + c[2] g^3, m/N.
 
-    A spline rounds the kink (of a string) or the sharp bend (of a stiff wire) under a point force, as it shares the
-    force. The difference to the closed form of a stiff string decays within a few links, so it acts as a spring in
-    series. Without tension it is of the order of the error of the mesh.
+    g = f (1 - f) at the part f of a link. A spline rounds the kink of a string under a point force, as it shares the
+    force; the difference to the closed form of a stiff string decays within a few links, so it acts as a spring in
+    series. It is a polynomial for strings and all but one for stiff ones. Without tension it is of the order of the
+    error of the mesh, and left out.
 
     Args:
         wire: its tension and bending stiffness.
-        h: distance of control points, m.
+        h: distance of nodes, m.
     """
-    T, EI = wire.tension, wire.bending_stiffness
-    stiff = h**3 / (2.0 * EI) if EI else np.inf
-    if T <= 0.0:
-        return (stiff, stiff) if EI else (0.0, 0.0)
-    reach, L = np.sqrt(EI / T) / h, float(_CELL)
+    T, EI, L = wire.tension, wire.bending_stiffness, float(_CELL)
+    if T <= 0.0 or (_STIFF * h) ** 2 * T < EI:
+        return 0.0, 0.0, 0.0
+    reach = np.sqrt(EI / T) / h
     one, two = np.diff(np.eye(_CELL + 1), axis=0)[:, 1:-1], np.diff(np.eye(_CELL + 1), 2, axis=0)[:, 1:-1]
     K = one.T @ one + reach**2 * (two.T @ two)
-    found = []
-    for x in (0.5 * L, 0.5 * L + 0.5):
+    more, powers = np.zeros(_FRACTIONS.size), np.zeros((_FRACTIONS.size, 3))
+    for i, f in enumerate(_FRACTIONS):
+        x, g = 0.5 * L + f, f * (1.0 - f)
         base, weight = points(np.array([x]), np.array([_CELL]))
         w = np.zeros(_CELL - 1)
         w[base[0] - 1 : base[0] - 1 + WIDTH] = weight[0, 0]
-        # p (L - p) / L - reach sinh(p / reach) sinh((L - p) / reach) / sinh(L / reach)
         exact = x * (L - x) / L
-        if reach > 0.0:
+        if reach > 0.0:  # less reach sinh(x / reach) sinh((L - x) / reach) / sinh(L / reach)
             a, b, c = (1.0 - np.exp(-2.0 * d / reach) for d in (x, L - x, L))
             exact -= 0.5 * reach * a * b / c
-        found.append(min((exact - float(w @ np.linalg.solve(K, w))) * h / T, stiff))
-    return found[0], found[1]
+        more[i], powers[i] = exact - float(w @ np.linalg.solve(K, w)), (1.0, g * g, g**3)
+    c0, c2, c3 = np.linalg.lstsq(powers, more, rcond=None)[0] * h / T
+    return float(c0), float(c2), float(c3)
 
 
 def _check(plan: Plan) -> None:
@@ -237,6 +244,7 @@ class Riders(NamedTuple):
     behind: Array  # (contact,) m
     spring: Array  # (contact,) N/m, inf: rigid
     damper: Array  # (contact,) N s/m
+    material: NDArray[np.bool_]  # (contact,) whether its station counts along the wire itself, not along x
     base: Array  # (contact,) m
     rest: Array  # (contact,) N
     sign: Array  # (contact,) +1: the rider is below and pushes the wire up; -1: it stands on the wire
@@ -260,8 +268,9 @@ def riders_of(riders: list[Rider]) -> Riders:
         row,
         np.array([contact.wire for _, contact in contacts], dtype=np.int64),
         _column([contact.behind for _, contact in contacts]), _column([contact.stiffness for _, contact in contacts]),
-        _column([contact.damping for _, contact in contacts]), _column([contact.base for _, contact in contacts]),
-        _column([contact.rest for _, contact in contacts]),
+        _column([contact.damping for _, contact in contacts]),
+        np.array([contact.material for _, contact in contacts], dtype=np.bool_),
+        _column([contact.base for _, contact in contacts]), _column([contact.rest for _, contact in contacts]),
         _column([1.0 if contact.below else -1.0 for _, contact in contacts]),
         np.array([contact.lifts_off for _, contact in contacts], dtype=np.bool_),
     )  # fmt: skip

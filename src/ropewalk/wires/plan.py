@@ -98,7 +98,8 @@ class Contact:
     wire: int
     row: tuple[float, ...] = ()  # its height is row @ q; nothing: a force that is given
     behind: float = 0.0  # m, behind the place of the rider
-    stiffness: float = np.inf  # N/m
+    material: bool = False  # whether its station counts along the wire itself, and not along x
+    stiffness: float = np.inf  # N/m; 0: nothing but what is given
     damping: float = 0.0  # N s/m
     base: float = 0.0  # m, height of the contact where row @ q is zero
     rest: float = 0.0  # N upwards on the wire where nothing is moved: coordinates may count from an equilibrium

@@ -18,6 +18,7 @@ from ropewalk.wires.spline import WIDTH
 _MOST_STEPS = 60
 # Heights are found to this part of the longest wire; forces follow from them.
 _CLOSE = 1e-13
+_RIGID = 1e-12  # m/N: what yields less is taken to yield by this
 
 
 @dataclass(frozen=True)
@@ -124,12 +125,13 @@ def rest_of(mesh: Mesh) -> Rest:
     grounded = np.isfinite(ties.ground)
     across = A @ position[:2].T + np.where(grounded[:, :2], ties.ground[:, :2], 0.0)
     ground = np.where(grounded[:, 2], ties.ground[:, 2], 0.0)
-    H, stiff = rows(holds.at, mesh.nodes), spring(holds.stiffness[:, 2], holds.at.local)
+    H, fast = rows(holds.at, mesh.nodes), np.isinf(holds.stiffness[:, 2])
+    stiff = np.where(fast, 0.0, spring(holds.stiffness[:, 2], holds.at.local))
     load = -mesh.plan.gravity * mesh.mass + _bed(mesh, chord) + H.T @ (holds.force + stiff * holds.place[:, 2])
     K = K + H.T @ sparse.diags(stiff) @ H
     size = float(mesh.strands.h @ mesh.strands.links)
-    none = np.zeros((0, mesh.nodes)), np.zeros(0)
-    z += _solve(K, none[0], none[1], free, load - K @ z, none[1])[0]
+    grip, local, level = H[fast], holds.at.local[fast], holds.place[fast, 2]
+    z += _solve(K, grip, local, free, load - K @ z, level - grip @ z)[0]
     pull, slack = ties_springs(mesh)
     for _ in range(_MOST_STEPS):
         rise = A @ z + ground
@@ -140,7 +142,7 @@ def rest_of(mesh: Mesh) -> Rest:
         force = k * longer
         tangent = k * way[:, 2] ** 2 + force / reach * (1.0 - way[:, 2] ** 2)
         out = load - K @ z - A.T @ (force * way[:, 2])
-        step, _ = _solve(K + A.T @ sparse.diags(tangent) @ A, none[0], none[1], free, out, none[1])
+        step, held = _solve(K + A.T @ sparse.diags(tangent) @ A, grip, local, free, out, level - grip @ z)
         z = z + step
         if np.abs(step).max() <= _CLOSE * size:
             break
@@ -149,13 +151,16 @@ def rest_of(mesh: Mesh) -> Rest:
             "the droppers find no rest between tight and slack; check their lengths, or give them a little `pushes`"
         )
     position[2] = z
-    return Rest(position, force, way, reach, holds.force + stiff * (holds.place[:, 2] - H @ z))
+    lift = holds.force + stiff * (holds.place[:, 2] - H @ z)
+    lift[fast] += held
+    return Rest(position, force, way, reach, lift)
 
 
 def spring(stiffness: Array, local: Array) -> Array:
     """Stiffness between a spline and what stands beyond a spring at the wire, the local compliance in series, N/m."""
     with np.errstate(divide="ignore"):
-        return np.where(stiffness > 0.0, 1.0 / (1.0 / stiffness + local), 0.0)
+        soft = 1.0 / stiffness + local
+    return np.where(stiffness > 0.0, 1.0 / np.where(np.abs(soft) > _RIGID, soft, _RIGID), 0.0)
 
 
 def ties_springs(mesh: Mesh) -> tuple[Array, Array]:

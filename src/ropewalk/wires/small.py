@@ -15,7 +15,7 @@ from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive, Record
 from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Riders, places_of
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.rest import Rest, spring, ties_springs
-from ropewalk.wires.riders import begin, between, local_at, pace_of, press, ride
+from ropewalk.wires.riders import begin, between, join, local_at, pace_of, press, ride, sweeps_of
 from ropewalk.wires.spline import WIDTH, weights
 
 _NOTHING = 1e-150  # m
@@ -37,6 +37,16 @@ class Springs(NamedTuple):
     way: Array  # (spring,) vertical part of its direction
     last: Array  # m by which its ends had moved apart a step ago
     station: Array  # m, to know whether it lies in the window
+    number: Integers  # of the tie, or of the hold
+
+
+class Grips(NamedTuple):
+    """Holds that stand fast."""
+
+    base: Integers
+    weight: Array  # (grip, WIDTH)
+    soft: Array  # (grip,) m/N, by which the wire gives way to a force during a step
+    hold: Integers  # which hold it is
 
 
 class Window(NamedTuple):
@@ -61,7 +71,7 @@ def springs_of(mesh: Mesh, rest: Rest) -> Springs:
     ties, holds = mesh.ties, mesh.holds
     pull, slack = ties_springs(mesh)
     held = spring(holds.stiffness[:, 2], holds.at.local)
-    keep = held > 0.0
+    keep = (holds.stiffness[:, 2] > 0.0) & ~np.isinf(holds.stiffness[:, 2])
     none, way = np.zeros(int(keep.sum())), rest.tie_way[:, 2]
     apart = np.hstack([-ties.one.weight, ties.other.weight])
     to_ground = np.hstack([-holds.at.weight[keep], np.zeros_like(holds.at.weight[keep])])
@@ -72,6 +82,7 @@ def springs_of(mesh: Mesh, rest: Rest) -> Springs:
         np.concatenate([pull, none]), np.concatenate([slack, none]), np.concatenate([across, held[keep]]),
         np.concatenate([ties.damping, holds.damping[keep, 2]]), np.concatenate([way, none + 1.0]),
         np.zeros(way.size + none.size), np.concatenate([ties.one.station, holds.at.station[keep]]),
+        np.concatenate([np.arange(way.size), np.flatnonzero(keep)]),
     )  # fmt: skip
 
 
@@ -84,6 +95,14 @@ def stencil_of(mesh: Mesh, step: float) -> Stencil:
     gain[s.first[s.end[:, 0] != FREE]] = 0.0
     gain[(s.first + s.links)[s.end[:, 1] != FREE]] = 0.0
     return Stencil(bending, gain, (1.0 - 0.5 * step * s.drag) / (1.0 + 0.5 * step * s.drag))
+
+
+def grips_of(mesh: Mesh, gain: Array) -> Grips:
+    """Rigid holds, for steps in which forces displace nodes by a gain in m/N."""
+    at, fast = mesh.holds.at, np.flatnonzero(np.isinf(mesh.holds.stiffness[:, 2]))
+    base, weight = at.base[fast], at.weight[fast]
+    moved = np.array([gain[b : b + WIDTH] @ w**2 for b, w in zip(base, weight, strict=True)])
+    return Grips(base, weight, moved.reshape(-1) + at.local[fast], fast)
 
 
 @lean_inner
@@ -111,7 +130,8 @@ def _end(now, felt, other, gain, e, d, keep, t, b, bed, kind):
 
 
 @lean
-def advance(strands, stencil, springs, window, watched, riders, pace, level, now, other, room, drive, record, steps, w):
+def advance(strands, stencil, springs, grips, window, watched, riders, pace, level, now, other, room, drive, record,
+            steps, sweeps, w):  # fmt: skip
     """Go on by all rows of the record.
 
     Args:
@@ -119,6 +139,7 @@ def advance(strands, stencil, springs, window, watched, riders, pace, level, now
         now, other, room: (node,) m above rest, at the present instant and a step before it, which change places with
             every step; and room.
         steps: in each row.
+        sweeps: over all that is rigid, in each step.
         w: (3, WIDTH) room for weights of a spline.
     """
     for row in range(record.force.shape[0]):
@@ -128,11 +149,16 @@ def advance(strands, stencil, springs, window, watched, riders, pace, level, now
                 record.body[row, i, c] = pace.q[i, c]
         for step in range(steps):
             _move(strands, stencil, window, now, other, room, pace.step)
-            _pull(springs, window, now, other, stencil.gain, pace.step, record.spring, row, step)
+            _pull(springs, window, now, other, stencil.gain, pace.step, record, row, step)
             begin(riders, pace, drive.push, row, step / steps)
             for k in range(riders.owner.size):
                 _touch(strands, riders, pace, level, now, other, stencil.gain, drive, record, row, step, steps, k, w)
             ride(riders, pace)
+            for sweep in range(sweeps):
+                _grip(grips, other, stencil.gain, record, row, step, sweep)
+                for k in range(riders.owner.size):
+                    if np.isinf(riders.spring[k]):
+                        _join(strands, riders, pace, level, other, stencil.gain, drive, record, row, step, steps, k, w)
             now, other = other, now
 
 
@@ -188,7 +214,45 @@ def _touch(strands, riders, pace, level, now, other, gain, drive, record, row, s
 
 
 @inlined
-def _pull(springs, window, now, other, gain, dt, found, row, step):
+def _grip(grips, other, gain, record, row, step, sweep):
+    """What rigid holds do at the end of a step."""
+    for e in range(grips.base.size):
+        i, height = grips.base[e], 0.0
+        for k in range(WIDTH):
+            height += grips.weight[e, k] * other[i + k]
+        F = -height / grips.soft[e]
+        if step == 0:
+            record.hold[row, grips.hold[e], 2] = F + (record.hold[row, grips.hold[e], 2] if sweep > 0 else 0.0)
+        for k in range(WIDTH):
+            other[i + k] += gain[i + k] * grips.weight[e, k] * F
+
+
+@inlined
+def _join(strands, riders, pace, level, other, gain, drive, record, row, step, steps, k, w):
+    """What keeps the rigid contact k together at the end of a step."""
+    where, part = drive.where[row, k], (step + 1.0) / steps
+    if where == ABSENT:
+        return
+    a = riders.wire[k]
+    s, n, base, height = between(drive.station, row, part, k) / strands.h[a], strands.links[a], 0, 0.0
+    soft = 0.0
+    if where == ON_GROUND:
+        height = level[strands.first[a]] if s <= 0.0 else level[strands.first[a] + n]
+    else:
+        base, soft = strands.first[a] + weights(s, n, w), local_at(strands, a, s)
+        for j in range(WIDTH):
+            height += w[0, j] * (level[base + j] + other[base + j])
+            soft += w[0, j] * w[0, j] * gain[base + j]
+    force = join(riders, pace, k, height + between(drive.rough, row, part, k), soft)
+    if step == 0:
+        record.force[row, k] += force
+    if where == ON_WIRE:
+        for j in range(WIDTH):
+            other[base + j] += gain[base + j] * w[0, j] * force
+
+
+@inlined
+def _pull(springs, window, now, other, gain, dt, record, row, step):
     """What ties and holds do during a step."""
     one, two, weight, rest, pull = springs.one, springs.other, springs.weight, springs.rest, springs.pull
     push, across, damping, way, last = springs.push, springs.across, springs.damping, springs.way, springs.last
@@ -208,11 +272,11 @@ def _pull(springs, window, now, other, gain, dt, found, row, step):
             before = rest[e] if rest[e] > 0.0 else rest[e] * push[e] / pull[e]
             F += way[e] * (N - before)
             if step == 0:
-                found[row, e] = N
+                record.tie[row, springs.number[e]] = N
         else:
             F += loss
             if step == 0:
-                found[row, e] = -F
+                record.hold[row, springs.number[e], 2] = -F
         for k in _SHARES:
             other[i + k] -= gain[i + k] * weight[e, k] * F
             other[j + k] -= gain[j + k] * weight[e, k + _WIDTH] * F
@@ -235,8 +299,10 @@ class SmallMotion:
         self.stencil = stencil_of(mesh, step)
         self.pace = pace_of(riders, step, q, np.zeros(riders.owner.size))
         springs = springs_of(mesh, rest)
-        self._order = np.argsort(springs.station, kind="stable")
-        self.springs = Springs(*(np.ascontiguousarray(array[self._order]) for array in springs))  # type: ignore[arg-type]
+        order = np.argsort(springs.station, kind="stable")
+        self.springs = Springs(*(np.ascontiguousarray(array[order]) for array in springs))  # type: ignore[arg-type]
+        self.grips = grips_of(mesh, self.stencil.gain)
+        self._sweeps = sweeps_of(riders, self.grips.base.size)
         self.level = np.ascontiguousarray(rest.position[2])
         self.watched = places_of(mesh.strands, list(mesh.plan.watched.values()))
         # Not quite zero: what arrives early of a wave is below the smallest normal number, and slow to compute with.
@@ -256,16 +322,17 @@ class SmallMotion:
 
     def go(self, drive: Drive, steps: int = 1) -> Record:
         """Go on by the rows of the drive but the last, `steps` steps each."""
-        record = Record.of(drive.station.shape[0] - 1, self.riders, self.springs.one.size, self.watched)
+        rows, plan = drive.station.shape[0] - 1, self.mesh.plan
+        record = Record.of(rows, self.riders, len(plan.ties), len(plan.holds), self.watched)
+        record.tie[:], record.hold[:] = self.rest.tie_force, 0.0  # what lies beyond the window rests
         advance(
-            self.mesh.strands, self.stencil, self.springs, self._window(drive), self.watched, self.riders, self.pace,
-            self.level, *self._u, self._room, drive, record, steps, self._w,
+            self.mesh.strands, self.stencil, self.springs, self.grips, self._window(drive), self.watched, self.riders,
+            self.pace, self.level, *self._u, self._room, drive, record, steps, self._sweeps, self._w,
         )  # fmt: skip
-        if (record.force.shape[0] * steps) % 2:
+        if (rows * steps) % 2:
             self._u.reverse()
-        spring = np.empty_like(record.spring)
-        spring[:, self._order] = record.spring
-        return record._replace(spring=spring)
+        record.hold[:, :, 2] += self.rest.hold_force
+        return record
 
     def _window(self, drive: Drive) -> Window:
         strands, station = self.mesh.strands, drive.station[drive.where == ON_WIRE]

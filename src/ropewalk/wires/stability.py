@@ -39,7 +39,8 @@ def largest_step(mesh: Mesh, riders: Riders, *, axial: bool, inertia: float = 1.
 
 def _attached(mesh: Mesh, lightest: float) -> float:
     """Bound of what ties and holds add to the square of a frequency; two neighbours may share nodes."""
-    stiff = [0.0, *ties_springs(mesh)[0], *spring(mesh.holds.stiffness, mesh.holds.at.local[:, None]).ravel()]
+    held = np.where(np.isinf(mesh.holds.stiffness), 0.0, spring(mesh.holds.stiffness, mesh.holds.at.local[:, None]))
+    stiff = [0.0, *ties_springs(mesh)[0], *held.ravel()]
     return 2.0 * _SQUARES * float(max(stiff)) / lightest
 
 
@@ -47,7 +48,7 @@ def _ridden(mesh: Mesh, riders: Riders, lightest: float) -> float:
     local = mesh.strands.local.min(axis=1)
     found = [0.0]
     for k, i in enumerate(riders.owner):
-        if riders.spring[k] == 0.0:
+        if riders.spring[k] == 0.0 or np.isinf(riders.spring[k]):
             continue
         stiff = 1.0 / (1.0 / riders.spring[k] + local[riders.wire[k]])
         n = riders.size[i]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
+from ropewalk.errors import EquilibriumError
+from ropewalk.wires.equilibrium import Potential, settle
 from ropewalk.wires.journey import Journey
+from ropewalk.wires.large import hung
 from ropewalk.wires.mesh import Mesh, mesh_of, places_of
 from ropewalk.wires.plan import Array, Plan, Spot
 from ropewalk.wires.rest import Rest, rest_of
@@ -39,33 +42,93 @@ class Task:
     window: float = np.inf  # m on both sides of the contacts, beyond which nothing moves; linearised only
     inertia: float = 1.0  # factor on the mass along x; nonlinear only
     space: bool = False  # whether anything moves sideways
-    watched: dict[str, Spot] = field(default_factory=dict)
 
 
-def ready(task: Task) -> tuple[Task, Mesh, Rest]:
+@dataclass(frozen=True)
+class Start:
+    """Wires divided and at rest."""
+
+    mesh: Mesh
+    position: Array  # (3, node) m
+    unstrained: Array  # (node,) m, of the link behind each node
+    rest: Rest | None  # small motion: about this
+
+
+def ready(task: Task) -> tuple[Task, Start]:
     """Divide the wires and find their rest; contacts whose base is NaN begin at the height of their wire.
 
     Raises:
         RopewalkError: something is attached off its wire, or there is no rest.
     """
-    mesh = mesh_of(task.plan, task.element)
-    rest = rest_of(mesh)
+    start = _linearised(task) if task.geometry == "linearised" else _nonlinear(task)
     zero, journeys = np.zeros(1), []
     for journey in task.journeys:
         contacts = []
         for contact in journey.rider.contacts:
             if np.isnan(contact.base):
                 station = float(journey.place(zero)[0]) - contact.behind
-                height = height_at(mesh, rest, contact.wire, station) + float(journey.rough(np.array([station]))[0])
+                height = height_at(start, contact.wire, station) + float(journey.rough(np.array([station]))[0])
                 contact = replace(contact, base=height)
             contacts.append(contact)
         journeys.append(replace(journey, rider=replace(journey.rider, contacts=tuple(contacts))))
-    return replace(task, journeys=tuple(journeys)), mesh, rest
+    return replace(task, journeys=tuple(journeys)), start
 
 
-def height_at(mesh: Mesh, rest: Rest, wire: int, station: float) -> float:
+def _linearised(task: Task) -> Start:
+    for wire in task.plan.wires:
+        if wire.tension <= 0.0 and not wire.bending_stiffness:
+            raise EquilibriumError(
+                f"{wire.name} is slack, and small motion needs a tension: write geometry: nonlinear, or give tension"
+            )
+    mesh = mesh_of(task.plan, task.element)
+    rest = rest_of(mesh)
+    return Start(mesh, rest.position, hung(mesh, rest.position), rest)
+
+
+def _nonlinear(task: Task) -> Start:
+    plan = task.plan
+    mesh = mesh_of(plan, task.element)
+    position, unstrained = _guess(mesh)
+    for _ in range(2):
+        found = settle(Potential(mesh, unstrained), position, space=task.space)
+        position = found.position
+        if all(wire.unstrained is None for wire in plan.wires):
+            break
+        # The tension of rest, which the stencil and the local compliance go by, is known now.
+        last = np.cumsum(mesh.strands.links)
+        parts = [found.tension[i - n : i] for i, n in zip(last, mesh.strands.links, strict=True)]
+        wires = [
+            wire if wire.unstrained is None else replace(wire, tension=float(part.mean()))
+            for wire, part in zip(plan.wires, parts, strict=True)
+        ]
+        plan = replace(plan, wires=tuple(wires))
+        mesh = mesh_of(plan, task.element)
+    return Start(mesh, position, unstrained, None)
+
+
+def _guess(mesh: Mesh) -> tuple[Array, Array]:
+    """Positions near rest, and unstrained lengths: of wires of given length, that; of others, what tension asks for."""
+    wires = mesh.plan.wires
+    taut = all(wire.tension > 0.0 for wire in wires)
+    position = rest_of(mesh).position if taut else mesh.straight()
+    unstrained = hung(mesh, position)
+    for i, wire in enumerate(wires):
+        if wire.unstrained is None:
+            continue
+        part, links = mesh.of(i), int(mesh.strands.links[i])
+        unstrained[part] = wire.unstrained / links
+        spare = wire.unstrained - wire.chord
+        if spare > 1e-9 * wire.chord and "free" not in wire.ends:
+            # A parabola of that length: 8 sag^2 / (3 chord) longer than its chord.
+            sag = np.sqrt(0.375 * spare * wire.chord)
+            x = np.linspace(0.0, 1.0, links + 1)
+            position[2, part] = mesh.straight()[2, part] - 4.0 * sag * x * (1.0 - x)
+    return position, unstrained
+
+
+def height_at(start: Start, wire: int, station: float) -> float:
     """Height of a wire at rest, m; beyond its ends, of the end."""
-    inside = min(max(station, 0.0), mesh.plan.wires[wire].length)
-    at = places_of(mesh.strands, [Spot(wire, inside)])
+    inside = min(max(station, 0.0), start.mesh.plan.wires[wire].length)
+    at = places_of(start.mesh.strands, [Spot(wire, inside)])
     base = int(at.base[0])
-    return float(at.weight[0] @ rest.position[2, base : base + at.weight.shape[1]])
+    return float(at.weight[0] @ start.position[2, base : base + at.weight.shape[1]])
