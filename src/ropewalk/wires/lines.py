@@ -1,0 +1,129 @@
+"""From a scenario with stiff lines to a task: lines become wires, loads become riders."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ropewalk.errors import RopewalkError
+from ropewalk.linear.fleet import Coach, coach_of
+from ropewalk.mechanics.assembly import axes_of, loads_of, strands_of, supports_of
+from ropewalk.mechanics.chain import HORIZONTAL, Loads
+from ropewalk.mechanics.fleet import fleet_of
+from ropewalk.mechanics.rider import force_at, look_up_integral
+from ropewalk.mechanics.wheels import wheels_of
+from ropewalk.model.line import Line, spatial
+from ropewalk.model.load import AnyLoad, MovingForce
+from ropewalk.model.scenario import Scenario
+from ropewalk.model.support import Fixed, Guided
+from ropewalk.solve.start import Setting
+from ropewalk.wires.journey import ON_GROUND, Journey
+from ropewalk.wires.plan import Array, Contact, EndKind, Rider, Wire
+
+# Loads are put together for a mesh so fine that nothing of them depends on it.
+_FINE = 10_000_000
+
+
+def wire_of(name: str, line: Line) -> Wire:
+    """A line as a wire; its tension is that of the straight line where its length is given."""
+    EA = line.axial_stiffness or 0.0
+    tension = line.tension if line.tension is not None else EA * (line.distance / (line.length or np.inf) - 1.0)
+    kinds: list[EndKind] = []
+    weights = [None, None]
+    for i, support in enumerate((line.start_support, line.end_support)):
+        kinds.append("clamped" if isinstance(support, Fixed) and support.clamped else "held")
+        if isinstance(support, Guided):
+            weights[i] = (-1.0, 1.0)[i] * support.force * float(np.sign(support.along[0]))  # type: ignore[call-overload]
+    return Wire(
+        name, spatial(line.start), spatial(line.end), tension, line.mass, line.bending_stiffness, EA, line.drag, 0.0,
+        line.foundation, (kinds[0], kinds[1]), None, line.length,
+    )  # fmt: skip
+
+
+def settled(scenario: Scenario, until: float) -> Setting:
+    """The loads of a scenario as arrays, without the mesh that chains need."""
+    fine = {name: line.model_copy(update={"elements": _FINE}) for name, line in scenario.lines.items()}
+    scenario = scenario.model_copy(update={"lines": fine})
+    axes, wheels = axes_of(scenario), wheels_of(scenario)
+    lengths = {name: line.length or line.distance for name, line in scenario.lines.items()}
+    strands, loads = strands_of(scenario, lengths), loads_of(scenario, wheels, until)
+    forces_only = all(isinstance(load, MovingForce) for load in scenario.loads.values())
+    fleet = None if forces_only else fleet_of(scenario, wheels, strands, axes, until)
+    return Setting(
+        axes, tuple(scenario.lines), strands, loads, supports_of(scenario, until), (), (), np.zeros(len(wheels)),
+        tuple(wheels), fleet, {},
+    )  # fmt: skip
+
+
+def journey_of(setting: Setting, name: str, load: AnyLoad, wire: int, line: Line) -> Journey:
+    """The journey of a load on its line.
+
+    Raises:
+        RopewalkError: its matrices cannot be used.
+    """
+    wheels = np.flatnonzero([wheel.load == name for wheel in setting.wheels])
+    starts = np.array([setting.wheels[int(k)].start for k in wheels])
+    behind = starts.max() - starts
+    place = _place(setting.loads, int(wheels[np.argmax(starts)]), float(starts.max()), line)
+    ground = spatial(line.start)[2]
+    if isinstance(load, MovingForce):
+        k, up = int(wheels[0]), len(setting.axes) - 1
+        none = np.zeros((0, 0))
+        rider = Rider(name, none, none, none, (Contact(wire, stiffness=0.0),))
+
+        def given(times: Array) -> Array:
+            return np.array([[force_at(setting.loads, k, float(t), up)] for t in times])
+
+        return Journey(rider, place, given=given)
+    coach = coach_of(setting, name, load, behind)
+    return Journey(_rider(coach, name, load, wire, behind, ground), place, beside=ON_GROUND)
+
+
+def _place(loads: Loads, k: int, start: float, line: Line) -> Callable[[Array], Array]:
+    scale = 1.0
+    if loads.measure[k] == HORIZONTAL:
+        scale = (line.length or line.distance) / abs(line.end[0] - line.start[0])
+
+    def place(times: Array) -> Array:
+        first, count = loads.speed_first[k], loads.speed_count[k]
+        if count == 1:
+            return scale * (start + loads.speed_value[first] * times)
+        way = [look_up_integral(loads.speed_time, loads.speed_value, loads.speed_path, first, count, t) for t in times]
+        return scale * (start + np.array(way))
+
+    return place
+
+
+def _rider(coach: Coach, name: str, load: AnyLoad, wire: int, behind: Array, ground: float) -> Rider:
+    """Coordinates and heavy wheels move up from rest on level ground; light wheels follow the wire."""
+    vehicle = coach.vehicle
+    M, C, K = vehicle.mass, vehicle.damping, vehicle.stiffness
+    own = M.shape[0] - behind.size
+    light = np.array([j for j in range(own, M.shape[0]) if M[j, j] == 0.0], dtype=np.int64)
+    keep = np.array([i for i in range(M.shape[0]) if i not in light], dtype=np.int64)
+    reduced = K[np.ix_(keep, keep)].copy(), C[np.ix_(keep, keep)].copy()
+    lifts, below = bool(getattr(load, "lift_off", False)), getattr(load, "side", "above") == "below"
+    contacts = []
+    for j, distance in enumerate(behind):
+        seat, row, stiffness, damping = own + j, np.zeros(keep.size), np.inf, 0.0
+        if seat in light:
+            stiffness, damping = float(K[seat, seat]), float(C[seat, seat])
+            row = -K[seat, keep] / stiffness
+            if not np.allclose(C[seat, keep], -damping * row, rtol=1e-9, atol=1e-12 * (damping + 1e-300)):
+                raise RopewalkError(
+                    f"load {name}: springs and dampers of a wheel without mass join it to different places; give the "
+                    "wheel a mass"
+                )
+            reduced[0][:] -= stiffness * np.outer(row, row)
+            reduced[1][:] -= damping * np.outer(row, row)
+        else:
+            row[np.flatnonzero(keep == seat)[0]] = 1.0
+        rest = -float(vehicle.static_load[j])
+        contacts.append(
+            Contact(
+                wire, tuple(row), float(distance), stiffness=stiffness, damping=damping, base=ground, rest=rest,
+                below=below, lifts_off=lifts,
+            )
+        )  # fmt: skip
+    return Rider(name, M[np.ix_(keep, keep)], reduced[1], reduced[0], tuple(contacts))
