@@ -90,6 +90,10 @@ def must_compile(scenario: Scenario) -> str:
     folder = getattr(getattr(advance, "stats", None), "cache_path", None)
     if folder is None or not isinstance(scenario.run, Dynamic):
         return ""
+    if scenario.is_stiff:
+        module = "large" if scenario.run.geometry == "nonlinear" else "small"
+        known = any(Path(folder).parent.glob(f"**/{module}.advance-*.nbc"))
+        return "" if known else "about a quarter of a minute"
     bodied = any(not isinstance(load, MovingForce) for load in scenario.loads.values())
     sizes = [code.stat().st_size for code in Path(folder).glob("splitting.advance-*.nbc")]
     if any((size > BODIED_KERNEL) == bodied for size in sizes):
@@ -99,6 +103,8 @@ def must_compile(scenario: Scenario) -> str:
 
 def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:
     """The frames of a run, one after the other, with their layout and their number; `account` is filled in."""
+    if scenario.is_stiff and not isinstance(scenario.run, Linear):
+        return _wired(scenario, account)
     if isinstance(scenario.run, Dynamic):
         setting = setting_of(scenario, scenario.run.until)
         times = output_times(scenario.run)
@@ -119,6 +125,21 @@ def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
         return layout, _slow(setting, scenario, account), scenario.run.positions
     assert isinstance(scenario.run, Equilibrium)
     return layout, _rest(setting, scenario, account), 1
+
+
+def _wired(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:
+    """The frames of stiff lines and overhead lines."""
+    from ropewalk.wires.frames import SAMPLE, Run  # lazy: most runs do not need their kernels
+    from ropewalk.wiring import task_of
+
+    run = scenario.run
+    if not isinstance(run, Dynamic):
+        found = Run(task_of(scenario), np.zeros(1), account)
+        account.method, account.reason = "rest", "least potential energy"
+        return found.layout, found.frames(), 1
+    times = output_times(run)
+    found = Run(task_of(scenario), times, account, run.sample or SAMPLE, run.step)
+    return found.layout, found.frames(), times.size
 
 
 def output_times(run: Dynamic | Linear) -> Array:
@@ -308,6 +329,8 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     from ropewalk.solve.spectrum import spectrum  # lazy: a run does not need the eigenvalue solvers
 
     run = scenario.run
+    if scenario.is_stiff:
+        raise RopewalkError("the spectrum knows lines without bending stiffness and bed only, and no overhead lines")
     if at is not None or (isinstance(run, Dynamic) and run.start.with_loads):
         _refuse_masses(scenario)
     if at is None:

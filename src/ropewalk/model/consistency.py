@@ -18,6 +18,7 @@ from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
 from ropewalk.model.places import meetings, reach, travels
 from ropewalk.model.run import Dynamic, Linear, Quasistatic
+from ropewalk.model.stiff import check_stiff
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.trolley import Trolley
 from ropewalk.model.vehicle import Vehicle
@@ -31,26 +32,41 @@ def check(parts: Parts) -> list[Finding]:
     """Find everything that does not fit together."""
     return [
         finding
-        for examine in (_unknown_lines, _travels, meetings, _known_to_the_run, _weights, _path, _rest, _size)
+        for examine in (
+            _something,
+            _unknown_lines,
+            check_stiff,
+            _travels,
+            meetings,
+            _known_to_the_run,
+            _weights,
+            _path,
+            _rest,
+            _size,
+        )
         for finding in examine(parts)
     ]
 
 
+def _something(parts: Parts) -> Iterator[Finding]:
+    if not parts.lines and not parts.overhead:
+        yield Finding(("lines",), "there is no line", remedy="add a line, or overhead_lines")
+    for name in parts.overhead:
+        if name in parts.lines:
+            remedy = "give every line its own name"
+            yield Finding(("overhead_lines", name), "a line has the same name", remedy=remedy)
+
+
 def _unknown_lines(parts: Parts) -> Iterator[Finding]:
     for load, line in parts.on.items():
-        if line not in parts.lines:
-            remedy = did_you_mean(line, parts.lines, otherwise=f"lines here: {', '.join(parts.lines)}")
+        known = [*parts.lines, *parts.overhead]
+        if line not in known:
+            remedy = did_you_mean(line, known, otherwise=f"lines here: {', '.join(known)}")
             yield Finding(("loads", load, "on"), "no such line", repr(line), remedy)
 
 
 def _known_to_the_run(parts: Parts) -> Iterator[Finding]:
     """What only some kinds of run know."""
-    if parts.run is not None and not isinstance(parts.run, Linear):
-        for name, line in parts.lines.items():
-            for key in ("bending_stiffness", "foundation") if line is not None else ():
-                if getattr(line, key):
-                    remedy = "ask for kind: linear, or leave it out"
-                    yield Finding(("lines", name, key), f"kind: {parts.run.kind} does not know it yet", remedy=remedy)
     if isinstance(parts.run, Linear):
         yield from _bodies_in_linear_theory(parts, parts.run)
     elif parts.run is not None and not isinstance(parts.run, Dynamic):
@@ -259,6 +275,7 @@ def _size(parts: Parts) -> Iterator[Finding]:
     else:
         return
     nodes = len(parts.loads) + sum(line.elements + 1 for line in parts.lines.values() if line is not None)
+    nodes += sum(int(2.0 * line.length / line.element) for line in parts.overhead.values() if line is not None)
     if frames * nodes > LARGEST_RESULT:
         number = f"{frames * nodes:.3g} node positions ({frames:.4g} frames of {nodes} nodes)"
         action = "positions" if isinstance(run, Quasistatic) else "every"

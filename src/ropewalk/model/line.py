@@ -46,8 +46,10 @@ class Line(Declaration):
     )
     law: Law = Field(default=Hooke(), description="tension as a function of strain")
     axial_damping: AxialDamping = Field(default=0.0, description="Kelvin-Voigt c: T = T(eps) + c eps_t")
-    bending_stiffness: BendingStiffness = Field(default=0.0, description="EI; known to kind: linear")
-    foundation: BedStiffness = Field(default=0.0, description="of an elastic bed, per length; known to kind: linear")
+    bending_stiffness: BendingStiffness = Field(default=0.0, description="EI; known to kind: linear and dynamic")
+    foundation: BedStiffness = Field(
+        default=0.0, description="of an elastic bed, per length; known to kind: linear and dynamic"
+    )
     drag: Rate = Field(default=0.0, description="mass-proportional damping: force -drag * mass * velocity")
     start_support: Support = Field(default=Fixed(), description="what holds the start")
     end_support: Support = Field(default=Fixed(), description="what holds the end")
@@ -81,6 +83,11 @@ class Line(Declaration):
             given = f"{self.length:.10g} m over {self.distance:.10g} m"
             findings.append(Finding(("length",), wrong, given, remedy))
         return findings
+
+    @property
+    def is_stiff(self) -> bool:
+        """Whether it has bending stiffness or lies on a bed."""
+        return bool(self.bending_stiffness or self.foundation)
 
     @property
     def is_held_fast(self) -> bool:

@@ -14,6 +14,7 @@ from ropewalk.model.history import ForceHistory, rows
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.quantity import FrictionCoefficient
 from ropewalk.model.stepper import Stepper
 from ropewalk.model.travel import Place, Travel, prescribed_only
@@ -76,9 +77,9 @@ class MovingForce(Declaration):
 
 Travelling = MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices
 """The loads that have a travel; the others have a gait or a will of their own."""
-AnyLoad = Travelling | Footsteps | Walker | Stepper
+AnyLoad = Travelling | Footsteps | Walker | Stepper | Pantograph
 Load = Annotated[
-    MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices | Footsteps | Walker | Stepper,
+    MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices | Footsteps | Walker | Stepper | Pantograph,
     Variants("load"),
 ]
 """Any load."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad
+from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
 
 
@@ -19,6 +20,7 @@ class Parts:
     run: Dynamic | Quasistatic | Equilibrium | Linear | None
     gravity: float | None
     on: Mapping[str, str] = field(default_factory=dict)  # line named by each load, also by those that are None
+    overhead: Mapping[str, OverheadLine | None] = field(default_factory=dict)
 
     def loads_on(self, line: str) -> list[str]:
         """Names of the loads on a line."""

@@ -12,13 +12,19 @@ from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
 from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, MovingForce, Travelling
+from ropewalk.model.overhead import OverheadLine
+from ropewalk.model.pantograph import Pantograph, PantographTravel
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Linear
 from ropewalk.model.travel import FreeTravel, Measure, Place, Travel
 
+_Prescribed = Travel | PantographTravel
 
-def reach(line: Line, measured: Measure) -> float | None:
+
+def reach(line: Line | OverheadLine, measured: Measure) -> float | None:
     """Find how far in m a load can be from the start of the line, None where that is not known exactly."""
+    if isinstance(line, OverheadLine):
+        return line.length
     if measured == "material":
         return line.length
     if measured == "horizontal":  # under gravity alone x never turns back between the ends
@@ -26,8 +32,10 @@ def reach(line: Line, measured: Measure) -> float | None:
     return None
 
 
-def margin(load: AnyLoad, line: Line) -> float:
+def margin(load: AnyLoad, line: Line | OverheadLine) -> float:
     """Find the unstrained length in m at which the line ends for a load before its support, 0 where not known."""
+    if isinstance(line, OverheadLine):
+        return 0.0
     if not isinstance(load, Travelling) or isinstance(load, MovingForce):
         return (load.travel.margin or 0.0) if isinstance(load, MovingForce) else 0.0
     quarter = 0.25 * line.length / line.elements if line.length is not None else 0.0
@@ -36,6 +44,16 @@ def margin(load: AnyLoad, line: Line) -> float:
 
 def travels(parts: Parts) -> Iterator[Finding]:
     """Find loads that start off their line, or that would pass an end of it and are to be refused there."""
+    for name, load in parts.loads.items():
+        overhead = parts.overhead.get(load.on) if isinstance(load, Pantograph) else None
+        if isinstance(load, Pantograph) and overhead is not None:
+            start, length = load.travel.start, overhead.length
+            if start > length * (1.0 + 1e-9):
+                remedy = f"start at most {length:g} m from the start of the line"
+                wrong = f"the load would start beyond the end of {load.on}"
+                yield Finding(("loads", name, "travel", "from"), wrong, f"{start:g} m", remedy)
+            elif isinstance(parts.run, Dynamic):
+                yield from _passing(name, load, load.on, overhead, parts.run.until)
     for name, load, on, line in parts.complete():
         places = load.starts()
         measured = places[0].measured
@@ -87,8 +105,8 @@ def _start_key(load: AnyLoad) -> tuple[str, ...]:
     return ("travel", "from") if isinstance(load, Travelling) else ("from",)
 
 
-def _prescribed(load: AnyLoad) -> Travel | None:
-    travel = load.travel if isinstance(load, Travelling) else None
+def _prescribed(load: AnyLoad) -> Travel | PantographTravel | None:
+    travel = load.travel if isinstance(load, Travelling | Pantograph) else None
     return None if isinstance(travel, FreeTravel) else travel
 
 
@@ -100,7 +118,7 @@ def _coincide(a: Place, b: Place) -> bool:
 
 def _off_the_line(load: AnyLoad, on: str, line: Line, gravity: float | None) -> tuple[str, str, str] | None:
     """Say which place is off the line at the start, what was given and what to do."""
-    start = load.travel.start if isinstance(load, Travelling) else load.start
+    start = load.travel.start if isinstance(load, Travelling | Pantograph) else load.start
     for place in load.starts():
         what = f"wheel {place.label}" if place.label else "the load"
         ahead = place.start - start
@@ -135,9 +153,9 @@ def _beyond(line: Line, place: Place, gravity: float | None) -> float | None:
     return longest if place.start > 1.5 * longest else None
 
 
-def _passing(name: str, load: AnyLoad, on: str, line: Line, until: float) -> Iterator[Finding]:
+def _passing(name: str, load: AnyLoad, on: str, line: Line | OverheadLine, until: float) -> Iterator[Finding]:
     travel = _prescribed(load)
-    if isinstance(load, Footsteps):
+    if isinstance(load, Footsteps) and isinstance(line, Line):
         yield from _stepping_off(name, load, on, line, until)
     if travel is None or callable(travel.speed) or travel.at_end != "refuse":
         return
@@ -183,7 +201,9 @@ def _floor(time: float) -> float:
     return math.floor(time * scale * (1.0 + 1e-12)) / scale
 
 
-def _meeting(a: tuple[Travel, float], b: tuple[Travel, float], line: Line, until: float) -> tuple[float, float] | None:
+def _meeting(
+    a: tuple[_Prescribed, float], b: tuple[_Prescribed, float], line: Line, until: float
+) -> tuple[float, float] | None:
     """Time in s and place in m where two places that travel meet for certain while both are on the line."""
     ahead, behind = (a, b) if a[1] > b[1] else (b, a)
     ways: list[list[Piece]] = []

@@ -168,6 +168,72 @@ class Rows:
 
 
 @dataclass(frozen=True)
+class Listed:
+    """Annotation: a list of quantities, kept as a tuple of floats.
+
+    Args:
+        unit: the SI unit.
+        sign: which values are accepted.
+        one: accept one quantity instead of a list, too.
+        nested: accept a list of lists, too, kept as a tuple of tuples.
+    """
+
+    unit: str
+    sign: Sign = "any"
+    one: bool = False
+    nested: bool = False
+
+    @property
+    def _remedy(self) -> str:
+        unit = "" if self.unit == "dimensionless" else f" {self.unit}"
+        forms = ([f"1{unit}"] if self.one else []) + [f"[1{unit}, 2{unit}]"]
+        return f"write {' or '.join(forms)}" + (" or a list of such lists" if self.nested else "")
+
+    def read(self, value: object) -> float | tuple[Any, ...]:
+        entries = value.tolist() if hasattr(value, "tolist") else value
+        quantity = Quantity(self.unit, self.sign, tiny=self.sign != "positive")
+        if isinstance(entries, str | int | float) and self.one:
+            return quantity.read(entries)
+        if not isinstance(entries, list | tuple):
+            raise Refused("expected a list", self._remedy)
+        if not entries:
+            raise Refused("the list is empty", self._remedy)
+        inner = Listed(self.unit, self.sign)
+        deep = self.nested and isinstance(entries[0], list | tuple)
+        read, numbers, details = inner.read if deep else quantity.read, [], []
+        for index, entry in enumerate(entries):
+            try:
+                if not deep and isinstance(entry, list | tuple):
+                    raise Refused("a list among single values" if index else "a list within the list", self._remedy)
+                numbers.append(read(entry))
+            except Refused as error:
+                details.append(InitErrorDetails(type="value_error", loc=(index,), input=entry, ctx={"error": error}))
+            except ValidationError as error:
+                for found in error.errors():
+                    place, context = (index, *found["loc"]), {"error": found["ctx"]["error"]}
+                    details.append(InitErrorDetails(type="value_error", loc=place, input=found["input"], ctx=context))
+        if details:
+            raise ValidationError.from_exception_data("list", details)
+        return tuple(numbers)
+
+    def write(self, value: Any) -> Any:
+        return [self.write(entry) for entry in value] if isinstance(value, tuple) else written(value, self.unit)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(
+            self.read,
+            serialization=core_schema.plain_serializer_function_ser_schema(self.write, when_used="json-unless-none"),
+        )
+
+    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        one = Quantity(self.unit, self.sign).__get_pydantic_json_schema__(None, handler)
+        row = {"type": "array", "items": one, "minItems": 1}
+        rows = [{"type": "array", "items": row, "minItems": 1}] if self.nested else []
+        choices = ([one] if self.one else []) + [row, *rows]
+        return choices[0] if len(choices) == 1 else {"anyOf": choices}
+
+
+@dataclass(frozen=True)
 class Count:
     """Annotation: a whole number between two bounds."""
 
@@ -251,3 +317,19 @@ TableTime = Annotated[float, Quantity("s", tiny=True)]
 TableForce = Annotated[float, Quantity("N", tiny=True)]
 TableSpeed = Annotated[float, Quantity("m/s", tiny=True)]
 TableStrain = Annotated[float, Quantity("dimensionless", tiny=True)]
+Factor = Annotated[float, Quantity("dimensionless", "positive")]
+Retardation = Annotated[float, Quantity("s", "not negative")]
+"""Time by which a damping force that grows with the stiffness lags: beta of Rayleigh damping."""
+RampTime = Annotated[float, Quantity("s", "not negative")]
+LinearMass = Annotated[float, Quantity("kg/m", "not negative")]
+Lengths = Annotated[tuple[float, ...], Listed("m", "positive")]
+Places = Annotated[tuple[float, ...] | tuple[tuple[float, ...], ...], Listed("m", "not negative", nested=True)]
+"""One list for every span, or one for each."""
+LengthRows = Annotated[tuple[float, ...] | tuple[tuple[float, ...], ...], Listed("m", "positive", nested=True)]
+Sags = Annotated[
+    float | tuple[float, ...] | tuple[tuple[float, ...], ...], Listed("m", "not negative", one=True, nested=True)
+]
+Staggers = Annotated[float | tuple[float, ...], Listed("m", one=True)]
+Masses = Annotated[tuple[float, ...], Listed("kg", "positive")]
+StiffnessList = Annotated[tuple[float, ...], Listed("N/m", "not negative")]
+ViscosityList = Annotated[tuple[float, ...], Listed("N*s/m", "not negative")]

@@ -7,8 +7,9 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, Variants, report
-from ropewalk.model.quantity import Count, PositiveLength, PositiveTime, TableTime, TurnAngle
+from ropewalk.model.quantity import Count, Factor, PositiveLength, PositiveTime, TableTime, TurnAngle
 
+Geometry = Literal["nonlinear", "linearised"]
 Method = Literal["auto", "explicit", "verlet", "rkn6", "implicit"]
 
 
@@ -52,6 +53,39 @@ class Dynamic(Declaration):
     step: PositiveTime | None = Field(default=None, description="largest time step (default: from accuracy)")
     accuracy: PositiveLength = Field(default=1e-3, description="wanted accuracy in time of the positions")
     start: Start = Field(default=Start(), description="the state at the beginning")
+    geometry: Geometry = Field(
+        default="nonlinear",
+        description="of stiff lines and overhead lines: full, or small vertical motion about rest with constant "
+        "tensions, droppers still slackening",
+    )
+    sample: PositiveTime | None = Field(
+        default=None, description="interval at which contact forces on them are recorded (default: 1 ms)"
+    )
+    window: PositiveLength | None = Field(
+        default=None, description="with linearised geometry, only this far around the contacts do they move"
+    )
+    axial_inertia: Factor = Field(
+        default=1.0,
+        description="with nonlinear geometry, factor on their mass for motion along x, whose waves limit the step: 4 "
+        "doubles it, at some error",
+    )
+
+    @model_validator(mode="after")
+    def _goes_together(self) -> Self:
+        findings = []
+        if self.window is not None and self.geometry != "linearised":
+            remedy = "write geometry: linearised, or leave window out"
+            findings.append(Finding(("window",), "goes with linearised geometry only", f"{self.window:g} m", remedy))
+        if self.axial_inertia < 1.0:
+            wrong, remedy = "below 1 the step would shrink", "write 1 or more, or leave it out"
+            findings.append(Finding(("axial_inertia",), wrong, f"{self.axial_inertia:g}", remedy))
+        elif self.axial_inertia != 1.0 and self.geometry != "nonlinear":
+            remedy = "leave it out: nothing moves along x"
+            findings.append(
+                Finding(("axial_inertia",), "goes with nonlinear geometry only", f"{self.axial_inertia:g}", remedy)
+            )
+        report("dynamic", findings)
+        return self
 
 
 class Quasistatic(Declaration):

@@ -14,12 +14,14 @@ from ropewalk.model import Dynamic, Line, Load, Run, Scenario
 from ropewalk.model._base import Finding
 from ropewalk.model.consistency import check
 from ropewalk.model.line import contradictions
+from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import Acceleration
 from ropewalk.scenario.fields import block_at, choices_of, known_keys, unit_of
 from ropewalk.scenario.source import Key, Source, is_within, shown
 
 _LINE: TypeAdapter[Any] = TypeAdapter(Line)
+_OVERHEAD: TypeAdapter[Any] = TypeAdapter(OverheadLine)
 _LOAD: TypeAdapter[Any] = TypeAdapter(Load)
 _RUN: TypeAdapter[Any] = TypeAdapter(Run)
 _GRAVITY: TypeAdapter[Any] = TypeAdapter(Acceleration)
@@ -203,7 +205,8 @@ def _parts(tree: Any, uncertain: set[str]) -> Parts:
         run = None
     if "gravity" in uncertain:
         gravity = None
-    return Parts(lines, loads, run, gravity, on if lines else {})
+    overhead = {name: _valid(_OVERHEAD, line) for name, line in _members(tree, "overhead_lines").items()}
+    return Parts(lines, loads, run, gravity, on if lines or overhead else {}, overhead)
 
 
 def _members(tree: Any, name: str) -> dict[str, Any]:

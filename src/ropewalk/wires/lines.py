@@ -11,15 +11,16 @@ from ropewalk.linear.fleet import Coach, coach_of
 from ropewalk.mechanics.assembly import axes_of, loads_of, strands_of, supports_of
 from ropewalk.mechanics.chain import HORIZONTAL, Loads
 from ropewalk.mechanics.fleet import fleet_of
-from ropewalk.mechanics.rider import force_at, look_up_integral
+from ropewalk.mechanics.rider import force_at
 from ropewalk.mechanics.wheels import wheels_of
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import AnyLoad, MovingForce
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed, Guided
 from ropewalk.solve.start import Setting
-from ropewalk.wires.journey import ON_GROUND, Journey
+from ropewalk.wires.journey import ON_GROUND, Journey, travelled
 from ropewalk.wires.plan import Array, Contact, EndKind, Rider, Wire
+from ropewalk.wires.task import Shown
 
 # Loads are put together for a mesh so fine that nothing of them depends on it.
 _FINE = 10_000_000
@@ -29,16 +30,26 @@ def wire_of(name: str, line: Line) -> Wire:
     """A line as a wire; its tension is that of the straight line where its length is given."""
     EA = line.axial_stiffness or 0.0
     tension = line.tension if line.tension is not None else EA * (line.distance / (line.length or np.inf) - 1.0)
-    kinds: list[EndKind] = []
-    weights = [None, None]
-    for i, support in enumerate((line.start_support, line.end_support)):
-        kinds.append("clamped" if isinstance(support, Fixed) and support.clamped else "held")
-        if isinstance(support, Guided):
-            weights[i] = (-1.0, 1.0)[i] * support.force * float(np.sign(support.along[0]))  # type: ignore[call-overload]
+    kinds: list[EndKind] = [
+        "clamped" if isinstance(support, Fixed) and support.clamped else "held"
+        for support in (line.start_support, line.end_support)
+    ]
     return Wire(
         name, spatial(line.start), spatial(line.end), tension, line.mass, line.bending_stiffness, EA, line.drag, 0.0,
-        line.foundation, (kinds[0], kinds[1]), None, line.length,
+        line.foundation, (kinds[0], kinds[1]), _pulled(line), line.length,
     )  # fmt: skip
+
+
+def _pulled(line: Line) -> tuple[float, float] | None:
+    """Forces outwards along x on ends that are guided there, N."""
+    supports = line.start_support, line.end_support
+    if not any(isinstance(support, Guided) for support in supports):
+        return None
+    out = [
+        sign * support.force * float(np.sign(support.along[0])) if isinstance(support, Guided) else 0.0
+        for sign, support in zip((-1.0, 1.0), supports, strict=True)
+    ]
+    return out[0], out[1]
 
 
 def settled(scenario: Scenario, until: float) -> Setting:
@@ -56,8 +67,8 @@ def settled(scenario: Scenario, until: float) -> Setting:
     )  # fmt: skip
 
 
-def journey_of(setting: Setting, name: str, load: AnyLoad, wire: int, line: Line) -> Journey:
-    """The journey of a load on its line.
+def journey_of(setting: Setting, name: str, load: AnyLoad, wire: int, line: Line) -> tuple[Journey, Coach | None]:
+    """The journey of a load on its line, and how it was put together if it has a mass.
 
     Raises:
         RopewalkError: its matrices cannot be used.
@@ -75,9 +86,9 @@ def journey_of(setting: Setting, name: str, load: AnyLoad, wire: int, line: Line
         def given(times: Array) -> Array:
             return np.array([[force_at(setting.loads, k, float(t), up)] for t in times])
 
-        return Journey(rider, place, given=given)
+        return Journey(rider, place, given=given), None
     coach = coach_of(setting, name, load, behind)
-    return Journey(_rider(coach, name, load, wire, behind, ground), place, beside=ON_GROUND)
+    return Journey(_rider(coach, name, load, wire, behind, ground), place, beside=ON_GROUND), coach
 
 
 def _place(loads: Loads, k: int, start: float, line: Line) -> Callable[[Array], Array]:
@@ -85,14 +96,8 @@ def _place(loads: Loads, k: int, start: float, line: Line) -> Callable[[Array], 
     if loads.measure[k] == HORIZONTAL:
         scale = (line.length or line.distance) / abs(line.end[0] - line.start[0])
 
-    def place(times: Array) -> Array:
-        first, count = loads.speed_first[k], loads.speed_count[k]
-        if count == 1:
-            return scale * (start + loads.speed_value[first] * times)
-        way = [look_up_integral(loads.speed_time, loads.speed_value, loads.speed_path, first, count, t) for t in times]
-        return scale * (start + np.array(way))
-
-    return place
+    part = slice(int(loads.speed_first[k]), int(loads.speed_first[k] + loads.speed_count[k]))
+    return travelled(scale * start, loads.speed_time[part], scale * loads.speed_value[part])
 
 
 def _rider(coach: Coach, name: str, load: AnyLoad, wire: int, behind: Array, ground: float) -> Rider:
@@ -127,3 +132,16 @@ def _rider(coach: Coach, name: str, load: AnyLoad, wire: int, behind: Array, gro
             )
         )  # fmt: skip
     return Rider(name, M[np.ix_(keep, keep)], reduced[1], reduced[0], tuple(contacts))
+
+
+def shown_of(setting: Setting, coach: Coach, journey: int, line: Line) -> list[Shown]:
+    """The bodies of a load that results show: what moves up and down."""
+    assert setting.fleet is not None
+    heavy = int((np.diag(coach.vehicle.mass) > 0.0).sum())
+    found = []
+    for body in setting.fleet.shown:
+        if body.wheel in coach.wheels and body.coordinates[-1] in coach.coordinates:
+            c = coach.coordinates.index(body.coordinates[-1])
+            base = spatial(line.start)[2] + float(coach.rest[c])
+            found.append(Shown(body.name, journey, np.eye(heavy)[c], base, body.ahead))
+    return found

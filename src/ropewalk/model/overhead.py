@@ -1,0 +1,472 @@
+"""Overhead lines: what a pantograph takes its current from, one section of it, in the words of the railway."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import accumulate
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdapter, model_validator
+from pydantic_core import core_schema
+
+from ropewalk.errors import Refused
+from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.quantity import (
+    BendingStiffness,
+    Count,
+    LengthRows,
+    Lengths,
+    LinearMass,
+    Mass,
+    MassPerLength,
+    Places,
+    Point,
+    PositiveForce,
+    PositiveLength,
+    PositiveStiffness,
+    Rate,
+    Retardation,
+    Sags,
+    Staggers,
+    Stiffness,
+    Stiffnesses,
+    Viscosities,
+    Viscosity,
+)
+
+MOST_SPANS = 2000
+FEWEST_ELEMENTS = 16
+"""In the shortest span: fewer show neither the droppers nor a wave."""
+_DROPPERS_PER_SPAN = 9
+_STEADY_ARM_MASS = 0.333  # kg: a third of an arm of 1 kg, as a hinged rod moves with the wire at its end
+
+
+class OverheadWire(Declaration):
+    """A wire of an overhead line, at constant tension at rest."""
+
+    mass: MassPerLength = Field(description="per length")
+    tension: PositiveForce = Field(description="along the line, at rest")
+    bending_stiffness: BendingStiffness = Field(default=0.0, description="EI")
+    axial_stiffness: PositiveForce = Field(default=17e6, description="EA; unknown to the linearised motion")
+    drag: Rate = Field(default=0.0, description="alpha of Rayleigh damping: force -drag * mass * velocity")
+    retardation: Retardation = Field(default=0.0, description="beta of Rayleigh damping, in proportion to stiffness")
+
+
+class ContactWire(OverheadWire):
+    """The wire that pantographs touch; what is not given is that of the EN 50318 reference models."""
+
+    mass: MassPerLength = Field(default=1.35, description="per length")
+    tension: PositiveForce = Field(default=20e3, description="along the line, at rest")
+    bending_stiffness: BendingStiffness = Field(default=195.0, description="EI")
+
+
+class MessengerWire(OverheadWire):
+    """The wire that carries the contact wire; what is not given is that of the EN 50318:2002 reference model."""
+
+    mass: MassPerLength = Field(default=1.07, description="per length")
+    tension: PositiveForce = Field(default=16e3, description="along the line, at rest")
+    bending_stiffness: BendingStiffness = Field(default=131.7, description="EI")
+    axial_stiffness: PositiveForce = Field(default=14e6, description="EA; unknown to the linearised motion")
+
+
+class StitchWire(OverheadWire):
+    """An auxiliary wire, clamped to the messenger on both sides of each support; droppers below it hang from it.
+
+    The messenger counts with its full tension there, although the stitch wire takes over a part of it.
+    """
+
+    length: PositiveLength = Field(default=14.0, description="from clamp to clamp, half on each side of a support")
+    mass: MassPerLength = Field(default=0.31, description="per length")
+    tension: PositiveForce = Field(default=2.5e3, description="along the line, at rest")
+    axial_stiffness: PositiveForce = Field(default=4e6, description="EA")
+    clamp: Mass = Field(default=0.0, description="mass of each clamp on the messenger")
+
+
+class Spans(Declaration):
+    """Spans of one length."""
+
+    count: Annotated[int, Count(1, MOST_SPANS)] = Field(description="number of spans")
+    length: PositiveLength = Field(description="of each span, from support to support")
+
+
+@dataclass(frozen=True)
+class _ListOrSpans:
+    """Annotation: a list of lengths, or a block {count, length}."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        lengths: TypeAdapter[Any] = TypeAdapter(Lengths)
+
+        def read(value: Any, _: Any) -> Any:
+            if isinstance(value, Spans | Mapping):
+                return Spans.model_validate(value)
+            if not isinstance(value, list | tuple) and not hasattr(value, "tolist"):
+                raise Refused("expected spans", "write {count: 10, length: 60 m}, or a list of all lengths")
+            return lengths.validate_python(value)
+
+        def write(value: Any, info: core_schema.SerializationInfo) -> Any:
+            mode: Literal["json", "python"] = "json" if info.mode_is_json() else "python"
+            return value.model_dump(mode=mode) if isinstance(value, Spans) else lengths.dump_python(value, mode=mode)
+
+        return core_schema.no_info_wrap_validator_function(
+            read,
+            core_schema.union_schema([handler.generate_schema(Lengths), handler.generate_schema(Spans)]),
+            serialization=core_schema.plain_serializer_function_ser_schema(write, info_arg=True),
+        )
+
+
+@dataclass(frozen=True)
+class _FirstAndLast:
+    """Annotation: two counts, the numbers of the first and the last span."""
+
+    def read(self, value: object) -> tuple[int, int]:
+        entries = value.tolist() if hasattr(value, "tolist") else value
+        if not isinstance(entries, list | tuple) or len(entries) != 2:
+            raise Refused("expected two numbers", "write [first, last], counted from 1, for example [5, 6]")
+        first, last = (Count(1, MOST_SPANS).read(entry) for entry in entries)
+        return first, last
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        one = {"type": "integer", "minimum": 1, "maximum": MOST_SPANS}
+        return {"type": "array", "items": one, "minItems": 2, "maxItems": 2}
+
+
+class Droppers(Declaration):
+    """What hangs the contact wire from the messenger: ties that carry tension only, unless `pushes` is given."""
+
+    at: Places | None = Field(
+        default=None, description="distances from the start of every span, or one such list for each span"
+    )
+    per_span: Annotated[int, Count(1, 1000)] | None = Field(
+        default=None,
+        description="number of droppers at equal distances in every span, the outer ones half a distance from the "
+        f"supports, instead of `at` (default: {_DROPPERS_PER_SPAN})",
+    )
+    lengths: LengthRows | None = Field(
+        default=None,
+        description="unstrained length of each dropper of a span, or one such list for each span (default: as the "
+        "wanted pre_sag demands)",
+    )
+    stiffness: PositiveStiffness = Field(default=100e3, description="in tension")
+    pushes: Stiffness = Field(default=0.0, description="stiffness in compression")
+    damping: Viscosity = Field(default=0.0, description="while it pulls")
+    mass: Mass | None = Field(default=None, description="of each dropper; or give mass_per_length")
+    mass_per_length: LinearMass | None = Field(default=None, description="of droppers, instead of `mass`")
+    contact_clamp: Mass = Field(default=0.0, description="mass of the clamp on the contact wire")
+    messenger_clamp: Mass = Field(default=0.0, description="mass of the clamp on the messenger or stitch wire")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        findings = []
+        if self.at is not None and self.per_span is not None:
+            remedy = "give the places (at) or their number (per_span), not both"
+            findings.append(Finding(("per_span",), "at and per_span exclude each other", f"{self.per_span}", remedy))
+        if self.mass is not None and self.mass_per_length is not None:
+            wrong, remedy = "mass and mass_per_length exclude each other", "give one of them"
+            findings.append(Finding(("mass_per_length",), wrong, f"{self.mass_per_length:g} kg/m", remedy))
+        if self.pushes > self.stiffness:
+            remedy = f"write at most {self.stiffness:g} N/m; 0, the default, is a dropper that slackens"
+            findings.append(
+                Finding(("pushes",), "a dropper cannot push harder than it pulls", f"{self.pushes:g} N/m", remedy)
+            )
+        report("droppers", findings)
+        return self
+
+
+class SteadyArms(Declaration):
+    """What holds the contact wire at the supports between spans, at the height of its ends.
+
+    Without stagger an arm is what moves of it, and a constant force upwards that keeps the wire level there. With
+    stagger it is a hinged link to the mast, whose pull bends the wire in plan view; it is inclined so that it keeps
+    the wire level, too. Free arms keep it aside only.
+    """
+
+    mass: Mass | None = Field(
+        default=None,
+        description=f"that moves with the wire (default: {_STEADY_ARM_MASS:g} kg, a third of an arm of 1 kg)",
+    )
+    mass_per_length: LinearMass | None = Field(
+        default=None,
+        description="of the arm, a hinged rod, instead of `mass`: a third of its mass moves with the wire and half its "
+        "weight hangs there",
+    )
+    length: PositiveLength = Field(default=1.2, description="unstrained length")
+    axial_stiffness: PositiveForce = Field(default=17e6, description="EA")
+    stagger: Staggers | None = Field(
+        default=None,
+        description="how far aside the wire is held: at the first end to the left (y > 0), then on alternating sides; "
+        "or a list, one value for each support with both ends",
+    )
+    free: bool = Field(
+        default=False,
+        description="whether nothing but the droppers holds the wire up at the supports; arms with stagger are level",
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        findings = []
+        if self.mass is not None and self.mass_per_length is not None:
+            wrong, remedy = "mass and mass_per_length exclude each other", "give one of them"
+            findings.append(Finding(("mass_per_length",), wrong, f"{self.mass_per_length:g} kg/m", remedy))
+        if self.stagger == 0.0:
+            wrong, remedy = "an arm without stagger has no direction", "leave stagger out"
+            findings.append(Finding(("stagger",), wrong, "0 m", remedy))
+        report("steady arms", findings)
+        return self
+
+    @property
+    def moving_mass(self) -> float:
+        """What moves with the wire, kg."""
+        if self.mass_per_length is not None:
+            return self.mass_per_length * self.length / 3.0
+        return _STEADY_ARM_MASS if self.mass is None else self.mass
+
+    @property
+    def hanging_mass(self) -> float:
+        """Whose weight hangs on the wire, kg."""
+        return self.moving_mass if self.mass_per_length is None else 0.5 * self.mass_per_length * self.length
+
+
+class MessengerSupports(Declaration):
+    """What holds the messenger at the supports between spans, at the system height at rest."""
+
+    stiffness: Stiffnesses | None = Field(
+        default=None, description="one value for all directions, or [kx, kz] or [kx, ky, kz] (default: rigid)"
+    )
+    damping: Viscosities = Field(default=0.0, description="one value for all directions, or [cx, cz], [cx, cy, cz]")
+    along: Literal["swings", "held"] | None = Field(
+        default=None,
+        description="swings: the cantilever turns and the messenger is free along the line; held: it is held along "
+        "the line as well (default: swings, or held where a stiffness along the line is given)",
+    )
+    stagger: Literal["same", "straight"] = Field(
+        default="same",
+        description="same: the messenger stands over the contact wire; straight: it runs straight, and droppers lean",
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        findings = []
+        if isinstance(self.stiffness, tuple) and self.along == "swings":
+            wrong = "what swings has no stiffness along the line"
+            remedy = f"write along: held, or one number, {self.stiffness[-1]:g} N/m"
+            findings.append(Finding(("along",), wrong, f"{self.stiffness[0]:g} N/m", remedy))
+        report("messenger supports", findings)
+        return self
+
+    @property
+    def swings(self) -> bool:
+        """Whether the messenger is free along the line."""
+        return self.along == "swings" or (self.along is None and not isinstance(self.stiffness, tuple))
+
+
+class OverheadLine(Declaration):
+    """One section of overhead line along x: a contact wire that hangs by droppers from a messenger wire."""
+
+    spans: Annotated[tuple[float, ...] | Spans, _ListOrSpans()] = Field(
+        description="{count, length}, or a list of the lengths of all spans, in order"
+    )
+    start: Point = Field(default=(0.0, 0.0), description="where the contact wire begins; the line runs along x")
+    contact_wire: ContactWire = Field(default=ContactWire(), description="the wire that pantographs touch")
+    messenger_wire: MessengerWire = Field(default=MessengerWire(), description="the wire that carries it")
+    droppers: Droppers = Field(default=Droppers(), description="what hangs the one from the other")
+    system_height: PositiveLength = Field(default=1.2, description="of the messenger over the contact wire at supports")
+    pre_sag: Sags | None = Field(
+        default=None,
+        description="how much lower than at the supports the contact wire is: at each dropper of a span, one such list "
+        "for each span, or the largest value, in the middle of a parabola through the outer droppers (default: 0)",
+    )
+    steady_arms: SteadyArms = Field(default=SteadyArms(), description="what holds the contact wire at the supports")
+    messenger_supports: MessengerSupports = Field(
+        default=MessengerSupports(), description="what holds the messenger at the supports"
+    )
+    stitch_wire: StitchWire | None = Field(default=None, description="an auxiliary wire at the supports")
+    ends: Literal["weights", "anchored"] = Field(
+        default="weights",
+        description="of both wires: weights keep the tension constant, or the ends are fixed; the linearised motion "
+        "does not tell them apart",
+    )
+    element: PositiveLength = Field(default=0.25, description="wanted length of the links of all wires")
+    analysed_spans: Annotated[tuple[int, int], _FirstAndLast()] | None = Field(
+        default=None,
+        description="first and last span, counted from 1, that statistics speak of (default: all but a quarter of the "
+        "spans, rounded up, at either end)",
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        findings = [*self._spans(), *self._places()]
+        if not findings:  # how many droppers there are is known
+            findings = [*self._for_each_dropper(), *self._supports()]
+        report("overhead line", findings)
+        return self
+
+    def vectors(self) -> Iterator[tuple[float, ...]]:
+        """List all places of the line."""
+        yield self.start
+
+    @property
+    def span_lengths(self) -> tuple[float, ...]:
+        """Lengths of all spans, m."""
+        return (self.spans.length,) * self.spans.count if isinstance(self.spans, Spans) else self.spans
+
+    @property
+    def length(self) -> float:
+        """Length of the section, m."""
+        return math.fsum(self.span_lengths)
+
+    @property
+    def dropper_places(self) -> list[tuple[float, ...]]:
+        """Distances of the droppers of each span from its start, m."""
+        lengths, at = self.span_lengths, self.droppers.at
+        if at is not None:
+            return list(self._each(at))
+        count = self.droppers.per_span or _DROPPERS_PER_SPAN
+        return [tuple((i + 0.5) * length / count for i in range(count)) for length in lengths]
+
+    @property
+    def sags(self) -> list[tuple[float, ...]]:
+        """Pre-sag at the droppers of each span, m."""
+        sag = 0.0 if self.pre_sag is None else self.pre_sag
+        if isinstance(sag, tuple):
+            return list(self._each(sag))
+        found = []
+        for places in self.dropper_places:
+            middle, half = 0.5 * (places[0] + places[-1]), 0.5 * (places[-1] - places[0])
+            found.append(tuple(sag * (1.0 - ((x - middle) / half) ** 2) if half else sag for x in places))
+        return found
+
+    @property
+    def dropper_lengths(self) -> list[tuple[float, ...]] | None:
+        """Unstrained lengths of the droppers of each span, m, where they are given."""
+        return None if self.droppers.lengths is None else list(self._each(self.droppers.lengths))
+
+    @property
+    def staggers(self) -> tuple[float, ...] | None:
+        """How far aside the contact wire is at all supports with both ends, m."""
+        stagger = self.steady_arms.stagger
+        if isinstance(stagger, float):
+            return tuple(stagger * (-1.0) ** i for i in range(len(self.span_lengths) + 1))
+        return stagger
+
+    @property
+    def analysed(self) -> tuple[int, int]:
+        """First and last span of statistics, counted from 1."""
+        if self.analysed_spans is not None:
+            return self.analysed_spans
+        count = len(self.span_lengths)
+        left_out = min(math.ceil(count / 4), (count - 1) // 2)
+        return left_out + 1, count - left_out
+
+    def _each(self, rows: Any) -> tuple[tuple[float, ...], ...]:
+        """One row for each span."""
+        return rows if isinstance(rows[0], tuple) else (rows,) * len(self.span_lengths)
+
+    def _spans(self) -> Iterator[Finding]:
+        lengths = self.span_lengths
+        if len(lengths) > MOST_SPANS:
+            wrong, remedy = "too many spans", f"write at most {MOST_SPANS}"
+            yield Finding(("spans",), wrong, f"{len(lengths)} spans", remedy)
+        shortest = min(lengths)
+        if self.element > shortest / FEWEST_ELEMENTS:
+            remedy = f"write at most {shortest / FEWEST_ELEMENTS:.3g} m, a {FEWEST_ELEMENTS}th of the shortest span"
+            yield Finding(("element",), "the links are too long for the spans", f"{self.element:g} m", remedy)
+        if self.analysed_spans is not None:
+            first, last = self.analysed_spans
+            if first > last or last > len(lengths):
+                wrong = "not spans of this line" if last > len(lengths) else "the first comes after the last"
+                remedy = f"write the first and the last span, from 1 to {len(lengths)}"
+                yield Finding(("analysed_spans",), wrong, f"[{first}, {last}]", remedy)
+
+    def _places(self) -> Iterator[Finding]:
+        """Droppers outside their spans, or out of order."""
+        at, lengths = self.droppers.at, self.span_lengths
+        if at is None:
+            return
+        if isinstance(at[0], tuple) and len(at) != len(lengths):
+            remedy = "give one list for each span, or one for all"
+            given = f"{len(at)} lists for {len(lengths)} spans"
+            yield Finding(("droppers", "at"), "does not go with the spans", given, remedy)
+            return
+        told = set()  # one list for all spans is wrong once
+        for span, (places, length) in enumerate(zip(self._each(at), lengths, strict=True)):
+            for i, x in enumerate(places):
+                path = ("droppers", "at", span, i) if isinstance(at[0], tuple) else ("droppers", "at", i)
+                if path in told:
+                    continue
+                given = f"{x:g} m in span {span + 1} of {length:g} m"
+                if not 0.0 < x < length:
+                    told.add(path)
+                    remedy = f"write places between 0 m and {length:g} m, from the start of the span"
+                    if not isinstance(at[0], tuple) and len(set(lengths)) > 1:
+                        remedy += "; spans of different lengths take a list of lists, one for each, or per_span"
+                    yield Finding(path, "the dropper stands outside its span", given, remedy)
+                elif i and x - places[i - 1] < self.element:
+                    told.add(path)
+                    before = f"{places[i - 1]:g} m"
+                    wrong = f"must be at least an element ({self.element:g} m) beyond the dropper before it"
+                    remedy = f"the dropper before it is at {before}: sort the places, leave one out, or lower element"
+                    yield Finding(path, wrong, given, remedy)
+
+    def _for_each_dropper(self) -> Iterator[Finding]:
+        """Lists with an entry for each dropper."""
+        places = self.dropper_places
+        for key, rows, what in (
+            (("droppers", "lengths"), self.droppers.lengths, "lengths"),
+            (("pre_sag",), self.pre_sag, "values"),
+        ):
+            if not isinstance(rows, tuple):
+                continue
+            nested = isinstance(rows[0], tuple)
+            if nested and len(rows) != len(places):
+                given = f"{len(rows)} lists for {len(places)} spans"
+                yield Finding(key, "does not go with the spans", given, "give one list for each span, or one for all")
+                continue
+            for span, (row, at) in enumerate(zip(self._each(rows), places, strict=True)):
+                if len(row) != len(at):
+                    given = f"{len(row)} {what} for the {len(at)} droppers of span {span + 1}"
+                    path = (*key, span) if nested else key
+                    yield Finding(path, "does not go with the droppers", given, f"give {len(at)} {what}")
+                    break
+        if self.droppers.lengths is not None and self.pre_sag is not None:
+            wrong, remedy = "lengths and pre_sag exclude each other", "give the lengths or the wanted sag, not both"
+            yield Finding(("pre_sag",), wrong, remedy=remedy)
+
+    def _supports(self) -> Iterator[Finding]:
+        lengths, stagger, stitch = self.span_lengths, self.steady_arms.stagger, self.stitch_wire
+        if isinstance(stagger, tuple) and len(stagger) != len(lengths) + 1:
+            wrong, given = "does not go with the supports", f"{len(stagger)} values for {len(lengths)} spans"
+            remedy = f"give {len(lengths) + 1} values, both ends included, or one for alternating sides"
+            yield Finding(("steady_arms", "stagger"), wrong, given, remedy)
+        if self.messenger_supports.stagger == "straight" and stagger is None:
+            wrong, remedy = "the contact wire is straight, too", "give steady_arms a stagger, or leave this out"
+            yield Finding(("messenger_supports", "stagger"), wrong, "straight", remedy)
+        if stitch is None:
+            return
+        if len(lengths) == 1:
+            wrong, remedy = "there is no support between spans", "leave stitch_wire out, or add spans"
+            yield Finding(("stitch_wire",), wrong, "1 span", remedy)
+        elif stitch.length >= min(lengths):
+            remedy = f"write less than {min(lengths):g} m, the shortest span"
+            wrong = "stitch wires of neighbouring supports would overlap"
+            yield Finding(("stitch_wire", "length"), wrong, f"{stitch.length:g} m", remedy)
+        elif stitch.length < FEWEST_ELEMENTS * self.element:
+            remedy = f"write at least {FEWEST_ELEMENTS * self.element:g} m, or a smaller element"
+            yield Finding(("stitch_wire", "length"), "too short for the elements", f"{stitch.length:g} m", remedy)
+        else:
+            reach = 0.5 * stitch.length - self.element
+            near = [p[0] < reach for p in self.dropper_places[1:]]
+            near += [s - p[-1] < reach for p, s in zip(self.dropper_places, lengths, strict=True)][:-1]
+            if not all(near):
+                wrong = "no dropper hangs from the stitch wire on one side of a support"
+                remedy = "make it longer, or put droppers closer to the supports"
+                yield Finding(("stitch_wire", "length"), wrong, f"{stitch.length:g} m", remedy)
+
+
+def stations_of(line: OverheadLine) -> list[float]:
+    """Distances of all supports from the start of the line, both ends included, m."""
+    return [0.0, *accumulate(line.span_lengths)]

@@ -1,0 +1,112 @@
+"""What lines with bending stiffness, lines on beds and overhead lines do not know of, yet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ropewalk.model._base import Finding
+from ropewalk.model.history import rows
+from ropewalk.model.law import Hooke
+from ropewalk.model.line import Line
+from ropewalk.model.load import MovingForce
+from ropewalk.model.mass import MovingMass
+from ropewalk.model.matrices import Matrices
+from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.pantograph import Pantograph
+from ropewalk.model.parts import Parts
+from ropewalk.model.run import Dynamic, Equilibrium, Linear
+from ropewalk.model.support import Fixed, Guided, Support
+from ropewalk.model.travel import FreeTravel
+from ropewalk.model.vehicle import Vehicle
+
+_Known = MovingForce | MovingMass | Oscillator | Vehicle | Matrices
+_Lack = tuple[tuple[str, ...], str, str, str]
+
+
+def check_stiff(parts: Parts) -> Iterator[Finding]:
+    """Find what does not go together with stiff lines, and pantographs off overhead lines."""
+    stiff = [name for name, line in parts.lines.items() if line is not None and line.is_stiff]
+    for name, load in parts.loads.items():
+        on_overhead = parts.on.get(name) in parts.overhead
+        if isinstance(load, Pantograph) and not on_overhead and load.on in parts.lines:
+            remedy = f"name one of overhead_lines: {', '.join(parts.overhead) or 'there are none'}"
+            yield Finding(("loads", name, "on"), "a pantograph runs under an overhead line", repr(load.on), remedy)
+        if load is not None and on_overhead and not isinstance(load, Pantograph):
+            remedy = "write kind: pantograph"
+            yield Finding(("loads", name, "kind"), "only pantographs run under overhead lines", load.kind, remedy)
+    if isinstance(parts.run, Linear) and parts.overhead:
+        remedy = "ask for kind: dynamic with geometry: linearised"
+        yield Finding(("run", "kind"), "kind: linear does not know overhead lines", "linear", remedy)
+    if not (stiff or parts.overhead) or parts.run is None or isinstance(parts.run, Linear):
+        return
+    if not isinstance(parts.run, Dynamic | Equilibrium):
+        wrong, remedy = "stiff lines and overhead lines do not know slow motion", "ask for kind: dynamic"
+        yield Finding(("run", "kind"), wrong, parts.run.kind, remedy)
+        return
+    if isinstance(parts.run, Equilibrium) and parts.loads:
+        remedy = "leave the loads out, or ask for kind: dynamic"
+        yield Finding(("run", "kind"), "the rest of stiff lines is known without loads only", "equilibrium", remedy)
+    if isinstance(parts.run, Dynamic):
+        yield from _run(parts.run)
+    for name, line in parts.lines.items():
+        if line is not None:
+            for key, wrong, given, remedy in _line(line):
+                yield Finding(("lines", name, *key), f"beside stiff lines {wrong}", given, remedy)
+    for name, load in parts.loads.items():
+        if load is None or isinstance(load, Pantograph):
+            continue
+        if not isinstance(load, _Known):
+            wrong = "stiff lines know forces, masses, oscillators and vehicles only"
+            yield Finding(("loads", name, "kind"), wrong, load.kind, "write one of these")
+            continue
+        for key, wrong, given, remedy in _load(load):
+            yield Finding(("loads", name, *key), f"on stiff lines {wrong}", given, remedy)
+
+
+def _run(run: Dynamic) -> Iterator[Finding]:
+    if run.method not in ("auto", "explicit"):
+        remedy = "write auto, or leave it out"
+        yield Finding(("run", "method"), "stiff lines and overhead lines move explicitly", run.method, remedy)
+    if run.start.kind != "rest" or run.start.with_loads:
+        wrong, remedy = "stiff lines and overhead lines start at rest, without loads", "leave start out"
+        yield Finding(("run", "start"), wrong, remedy=remedy)
+
+
+def _line(line: Line) -> Iterator[_Lack]:
+    if not isinstance(line.law, Hooke):
+        yield ("law",), "only law hooke is known", line.law.kind, "leave law out"
+    if line.axial_damping:
+        yield ("axial_damping",), "it is not known", f"{line.axial_damping:g} N*s", "leave it out, or use drag"
+    for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
+        if not _is_known(support):
+            known = "fixed ends, clamped or not, and ends guided along x by a constant force alone are known"
+            yield (key,), known, support.kind, "write kind: fixed"
+    if any(len(point) == 3 and point[1] != 0.0 for point in (line.start, line.end)):
+        yield ("start",), "lines in the x-z plane are known", "a point with y", "write [x, z]"
+
+
+def _is_known(support: Support) -> bool:
+    if isinstance(support, Guided):
+        other = support.stiffness or support.damping or support.mass
+        return not other and not any(support.along[1:])
+    return isinstance(support, Fixed)
+
+
+def _load(load: _Known) -> Iterator[_Lack]:
+    travel = load.travel
+    if isinstance(travel, FreeTravel):
+        yield ("travel", "kind"), "loads travel as prescribed", "free", "give a speed"
+        return
+    if travel.measured in ("slip", "arc"):
+        remedy = "write material or horizontal"
+        yield ("travel", "measured"), "travel is measured as material or horizontal", travel.measured, remedy
+    if travel.at_end == "stay":
+        yield ("travel", "at_end"), "loads run over the line", "stay", "write leave, or end the run before"
+    if isinstance(load, MovingForce | MovingMass):
+        if load.contact != "clamped":
+            yield ("contact",), "contacts press vertically, no more", load.contact, "leave contact out"
+        force = load.force
+        if callable(force) or any(any(row[:-1]) for row in rows(force)):
+            yield ("force",), "forces are vertical", "another force", "write [0, Fz], or a table of such"
+    if isinstance(load, MovingMass | Oscillator) and load.air_drag:
+        yield ("air_drag",), "drag of the air is not known", f"{load.air_drag:g} kg/m", "leave it out"

@@ -1,0 +1,312 @@
+"""A section of overhead line as a plan of wires: wire 0 is the contact wire, wire 1 the messenger, then stitch wires.
+
+The plan lies straight in plan view, along x at y = 0: what the stagger does to vertical motion, the pull and the
+geometric stiffness of the steady arms and the length of droppers that lean, is in its ties. Where the wires are aside
+is kept beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ropewalk.errors import EquilibriumError
+from ropewalk.model.overhead import OverheadLine, OverheadWire, stations_of
+from ropewalk.overhead.forming import (
+    Dropper,
+    Form,
+    Hanger,
+    Link,
+    Task,
+    form_by_heights,
+    form_by_lengths,
+    soft_holds,
+)
+from ropewalk.wires.mesh import Mesh, mesh_of, places_of
+from ropewalk.wires.plan import Array, EndKind, Hold, Plan, PointMass, Spot, Tie, Wire
+from ropewalk.wires.rest import rest_of, rows
+
+_Pair = tuple[float, float]
+
+CONTACT, MESSENGER = 0, 1
+_SOFT_LINK = 200e3  # N/m, at most, of the last piece of a stitch wire: so its tension hardly changes as it turns
+_NO_KINK = 1e-9
+_STEEPEST = 1.0  # of a steady arm, rise over run: one that is steeper holds the wire up rather than aside
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section at rest, and what its parts are called: `section.3.5` is dropper 5 of span 3, counted from 1."""
+
+    name: str
+    plan: Plan
+    element: float  # m
+    supports: Array  # (span + 1,) m, stations of all supports with both ends
+    analysed: tuple[float, float]  # m, stations between which statistics are made
+    droppers: dict[str, int] = field(default_factory=dict)  # their ties
+    lengths: Array = field(default_factory=lambda: np.zeros(0))  # (dropper,) m, unstrained, in space
+    stations: Array = field(default_factory=lambda: np.zeros(0))  # (dropper,) m
+    pull: Array = field(default_factory=lambda: np.zeros(0))  # (dropper,) N at rest
+    slack: tuple[str, ...] = ()  # droppers that are slack at rest
+    arms: dict[str, int] = field(default_factory=dict)  # ties of steady arms with stagger
+    holds: dict[str, int] = field(default_factory=dict)  # of the messenger's supports and level steady arms
+    side: float = 0.0  # m, y of the line
+    stagger: Array = field(
+        default_factory=lambda: np.zeros(0)
+    )  # (span + 1,) m, how far aside the contact wire is at supports
+    straight_messenger: bool = False  # whether the messenger does not go aside with it
+
+    @property
+    def level(self) -> float:
+        """Height of the contact wire at its ends, m."""
+        return self.plan.wires[CONTACT].start[2]
+
+    def mesh(self, element: float | None = None) -> Mesh:
+        """Divide it, at the length of links that it was formed with."""
+        return mesh_of(self.plan, self.element if element is None else element)
+
+    def aside(self, station: Array, wire: int = CONTACT) -> Array:
+        """Where a wire runs in plan view, y in m at stations in m."""
+        if wire != CONTACT and self.straight_messenger:
+            return np.full_like(station, self.side)
+        return self.side + np.interp(station, self.supports, self.stagger)
+
+
+def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
+    """Find the rest of an overhead line as declared, its droppers' lengths or, where these are given, its heights.
+
+    Raises:
+        EquilibriumError: it cannot rest as wanted, or not with the given lengths.
+    """
+    supports = np.array(stations_of(line))
+    stagger = np.zeros(supports.size) if line.staggers is None else np.array(line.staggers)
+    task = _task(name, line, gravity, supports, stagger)
+    given = line.dropper_lengths
+    try:
+        if given is None:
+            form = form_by_heights(task)
+        else:
+            form = form_by_lengths(task, np.array([length for row in given for length in row]))
+    except EquilibriumError as error:
+        raise EquilibriumError(f"overhead line {name}: {error}") from None
+    return _finished(name, line, task, form, supports, stagger)
+
+
+def joined(sections: Sequence[Section]) -> tuple[Plan, list[int]]:
+    """Put sections into one plan; list the number of the first wire of each, which its own wires are counted from."""
+    wires: tuple[Wire, ...] = ()
+    plan, offsets = replace(sections[0].plan, wires=(), ties=(), holds=(), masses=(), watched={}), []
+    for section in sections:
+        n, part = len(wires), section.plan
+
+        def moved(spot: Spot, n: int = n) -> Spot:
+            return Spot(spot.wire + n, spot.station)
+
+        ties = (
+            replace(t, spot=moved(t.spot), other=moved(t.other) if isinstance(t.other, Spot) else t.other)
+            for t in part.ties
+        )
+        plan = replace(
+            plan,
+            ties=(*plan.ties, *ties),
+            holds=(*plan.holds, *(replace(hold, spot=moved(hold.spot)) for hold in part.holds)),
+            masses=(*plan.masses, *(replace(lump, spot=moved(lump.spot)) for lump in part.masses)),
+            watched=plan.watched | {key: moved(spot) for key, spot in part.watched.items()},
+        )
+        offsets.append(n)
+        wires = (*wires, *part.wires)
+    return replace(plan, wires=wires), offsets
+
+
+def elasticity(
+    section: Section, force: float = 100.0, span: int | None = None, stations: Array | None = None
+) -> tuple[Array, Array]:
+    """Static rise of the contact wire per force, droppers slackening as they are relieved.
+
+    Args:
+        section: the line at rest.
+        force: upwards on the contact wire, N.
+        span: counted from 1 (default: the middle one), of which 25 stations are taken.
+        stations: where instead, m.
+
+    Returns:
+        Stations in m and elasticities in m/N.
+
+    Raises:
+        EquilibriumError: there is no rest.
+    """
+    if stations is None:
+        number = (section.supports.size - 1) // 2 if span is None else span - 1
+        stations = np.linspace(section.supports[number], section.supports[number + 1], 25)
+        if number == 0 or number == section.supports.size - 2:  # ends do not move
+            stations = stations[int(number == 0) : 25 - int(number == section.supports.size - 2)]
+    pushes = tuple(Hold(f"push {x:g}", Spot(CONTACT, float(x)), (0.0, 0.0, 0.0)) for x in stations)
+    mesh = mesh_of(replace(section.plan, holds=section.plan.holds + pushes), section.element)
+    at, own = places_of(mesh.strands, [push.spot for push in pushes]), len(section.plan.holds)
+    before = rest_of(mesh).position[2]
+    found = np.empty(stations.size)
+    for i in range(stations.size):
+        given = mesh.holds.force.copy()
+        given[own + i] = force
+        z = rest_of(mesh._replace(holds=mesh.holds._replace(force=given))).position[2]
+        found[i] = ((rows(at, mesh.nodes) @ (z - before))[i] + at.local[i] * force) / force
+    return stations, found
+
+
+def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagger: Array) -> Task:
+    """What is wanted, in terms of wires."""
+    x0, z0, end = line.start[0], line.start[-1], float(supports[-1])
+    top = z0 + line.system_height
+    wires = [
+        _wire(f"{name}.contact", line.contact_wire, (x0, z0), end, line.ends == "weights"),
+        _wire(f"{name}.messenger", line.messenger_wire, (x0, top), end, line.ends == "weights"),
+    ]
+    inner, links, masses = [float(s) for s in supports[1:-1]], [], []
+    stitch, reach = line.stitch_wire, 0.0
+    if stitch is not None:
+        reach = 0.5 * stitch.length - line.element
+        for i, s in enumerate(inner, start=1):
+            own, at = f"{name}.stitch.{i}", (x0 + s - reach, top - 0.5)
+            wires.append(_wire(own, stitch, at, 2.0 * reach, False, "free"))
+            stiffness = min(stitch.axial_stiffness / line.element, _SOFT_LINK)
+            for side, station, along in (("a", 0.0, -line.element), ("b", 2.0 * reach, line.element)):
+                clamp = Spot(MESSENGER, s - reach + station + along)
+                low = Spot(len(wires) - 1, station)
+                links.append(Link(f"{own}.{side}", low, clamp, stitch.tension, along, stiffness))
+                masses.append(PointMass(clamp, stitch.clamp))
+    hangers = []
+    for span, (places, sags) in enumerate(zip(line.dropper_places, line.sags, strict=True)):
+        for i, (place, sag) in enumerate(zip(places, sags, strict=True), start=1):
+            x = float(supports[span]) + place
+            high = Spot(MESSENGER, x)
+            for number in (span - 1, span) if stitch is not None else ():
+                if 0 <= number < len(inner) and abs(x - inner[number]) < reach:
+                    high = Spot(2 + number, x - inner[number] + reach)
+            straight = line.messenger_supports.stagger == "straight"
+            aside = -float(np.interp(x, supports, stagger)) if straight else 0.0
+            hangers.append(Hanger(f"{name}.{span + 1}.{i}", Spot(CONTACT, x), high, z0 - sag, aside))
+    arms = line.steady_arms
+    masses += [PointMass(Spot(CONTACT, s), arms.moving_mass) for s in inner]
+    levels = [] if arms.free else [(Spot(CONTACT, s), z0) for s in inner]
+    levels += [(Spot(MESSENGER, s), top) for s in inner]
+    d = line.droppers
+    dropper = Dropper(
+        d.stiffness, d.pushes, d.damping, d.mass or 0.0, d.mass_per_length or 0.0, (d.contact_clamp, d.messenger_clamp)
+    )
+    hints = (
+        f"give more system_height (it is {line.system_height:g} m), more tension to messenger_wire "
+        f"(it is {line.messenger_wire.tension:g} N), or shorter spans"
+    )
+    # What an arm weighs at the wire beyond what moves with it.
+    more = gravity * (arms.hanging_mass - arms.moving_mass)
+    weights = [Hold(f"{name}.arm.{i}.weight", Spot(CONTACT, s), (0.0, 0.0, 0.0), force=-more)
+               for i, s in enumerate(inner, start=1) if more]  # fmt: skip
+    plan = Plan(tuple(wires), holds=tuple(weights), masses=tuple(masses), gravity=gravity)
+    return Task(plan, line.element, tuple(hangers), dropper, tuple(links), tuple(levels), hints)
+
+
+def _wire(
+    name: str, wire: OverheadWire, start: tuple[float, float], length: float, weights: bool, end: EndKind = "held"
+) -> Wire:
+    x, z = start
+    return Wire(
+        name, (x, 0.0, z), (x + length, 0.0, z), wire.tension, wire.mass, wire.bending_stiffness, wire.axial_stiffness,
+        wire.drag, wire.retardation, ends=(end, end), end_force=(wire.tension, wire.tension) if weights else None,
+    )  # fmt: skip
+
+
+def _finished(name: str, line: OverheadLine, task: Task, form: Form, supports: Array, stagger: Array) -> Section:
+    """Hold the line by what holds it in fact, with the forces that it takes."""
+    x0, inner = line.start[0], supports[1:-1]
+    stiffness, damping = _three(line.messenger_supports.stiffness, np.inf), _three(line.messenger_supports.damping, 0.0)
+    if line.messenger_supports.swings:
+        stiffness, damping = (0.0, *stiffness[1:]), (0.0, *damping[1:])
+    spots, lift = [Spot(CONTACT, float(s)) for s in inner], np.zeros(inner.size)  # N, of the arms
+    own: list[Hold] = []
+    for i, ((spot, height), force) in enumerate(zip(task.levels, form.holding, strict=True)):
+        number = i % inner.size
+        if spot.wire == CONTACT:
+            lift[number] = force
+        else:
+            z = height if np.isinf(stiffness[2]) else height + float(force) / stiffness[2]
+            place = x0 + spot.station, 0.0, z
+            own.append(Hold(f"{name}.support.{number + 1}", spot, stiffness, damping, place))
+    arms = _arms(name, line, form, spots, lift, stagger) if line.staggers is not None else ()
+    if not arms and not line.steady_arms.free:
+        for i, spot in enumerate(spots):
+            own.append(Hold(f"{name}.arm.{i + 1}", spot, (0.0, 0.0, 0.0), force=float(lift[i])))
+    ends = soft_holds(task.links, form.heights([link.low for link in task.links]))
+    plan = replace(
+        task.plan, ties=(*form.ties, *arms), holds=(*task.plan.holds, *own, *ends), masses=form.masses,
+        watched={f"{name}.support.{i}": spot for i, spot in enumerate(spots, start=1)},
+    )  # fmt: skip
+    first, last = line.analysed
+    hangers = task.hangers
+    return Section(
+        name, plan, line.element, supports, (float(supports[first - 1]), float(supports[last])),
+        droppers={hanger.name: i for i, hanger in enumerate(hangers)},
+        lengths=form.lengths,
+        stations=np.array([hanger.low.station for hanger in hangers]),
+        pull=form.pull,
+        slack=tuple(hanger.name for hanger, pull in zip(hangers, form.pull, strict=True) if pull <= 0.0),
+        arms={arm.name: len(form.ties) + i for i, arm in enumerate(arms)},
+        holds={hold.name: len(task.plan.holds) + i for i, hold in enumerate(own)},
+        side=line.start[1] if len(line.start) == 3 else 0.0,
+        stagger=stagger,
+        straight_messenger=line.messenger_supports.stagger == "straight",
+    )  # fmt: skip
+
+
+def _arms(name: str, line: OverheadLine, form: Form, spots: list[Spot], lift: Array, stagger: Array) -> tuple[Tie, ...]:
+    """Steady arms that pull the contact wire aside as its kinks in plan view demand, and up by `lift` in N."""
+    tension, spans = line.contact_wire.tension, np.array(line.span_lengths)
+    slope = np.diff(stagger) / spans
+    aside, yields = tension * (slope[:-1] - slope[1:]), tension * (1.0 / spans[:-1] + 1.0 / spans[1:])
+    local, low = places_of(form.mesh.strands, spots).local, form.heights(spots)
+    found = []
+    for i, spot in enumerate(spots):
+        at, force = (line.start[0] + spot.station, float(low[i])), (float(aside[i]), float(lift[i]))
+        found.append(_arm(f"{name}.arm.{i + 1}", line, spot, at, force, (1.0 / float(yields[i]), float(local[i]))))
+    return tuple(found)
+
+
+def _arm(label: str, line: OverheadLine, spot: Spot, at: _Pair, force: _Pair, yields: _Pair) -> Tie:
+    """A steady arm, hinged at both ends, that pulls the wire aside and up by given forces in N.
+
+    So it points along that force: it stands on the side to which it pulls, and rises by the ratio of the two. Its
+    length there is that of the arm and its strain, so that only the place of its hinge on the mast is sought. The wire
+    yields sideways like a string, T / left span + T / right span. In a plan without sideways motion that is in series
+    with the arm, or else an inclined arm would prop the wire: the tie is that soft spring, under the same tension.
+
+    Args:
+        at: x and height of the wire there, m.
+        yields: m/N, of the wire sideways, and beside its spline.
+    """
+    (aside, up), arms, (x, z) = force, line.steady_arms, at
+    pull, owner = float(np.hypot(aside, up)), label.split(".")[0]
+    if abs(aside) <= _NO_KINK * line.contact_wire.tension:
+        raise EquilibriumError(
+            f"overhead line {owner}: the wire has no kink at {label}, nothing gives the arm a direction; let stagger "
+            "change there, or leave it out (arms then hold the wire level)"
+        )
+    if abs(up) > _STEEPEST * abs(aside):
+        raise EquilibriumError(
+            f"overhead line {owner}: the wire's kink pulls {label} with {abs(aside):.4g} N only, and the arm would "
+            f"have to stand steeply to hold the wire up with {up:.4g} N; give more stagger there, write free: "
+            "true, or leave stagger out (arms then hold the wire level)"
+        )
+    give = arms.length / arms.axial_stiffness
+    reach, stiffness = arms.length + pull * give, 1.0 / (give + yields[0])
+    ground = x, reach * aside / pull, z + reach * up / pull
+    return Tie(label, spot, ground, stiffness, reach - pull * (1.0 / stiffness + yields[1]), stiffness)
+
+
+def _three(value: float | tuple[float, ...] | None, otherwise: float) -> tuple[float, float, float]:
+    if value is None:
+        return (otherwise,) * 3
+    if isinstance(value, tuple):
+        x, y, z = value if len(value) == 3 else (value[0], value[0], value[1])
+        return x, y, z
+    return (value,) * 3

@@ -1,0 +1,99 @@
+"""From a scenario with stiff lines or overhead lines to a task on wires."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ropewalk.mechanics.assembly import speed_table
+from ropewalk.model.load import AnyLoad
+from ropewalk.model.pantograph import Pantograph
+from ropewalk.model.run import Dynamic
+from ropewalk.model.scenario import Scenario
+from ropewalk.overhead.irregularity import read_irregularity
+from ropewalk.overhead.riding import expected_lift, push_of, rider_of, start_of
+from ropewalk.overhead.section import CONTACT, Section, joined, section_of
+from ropewalk.wires.journey import Journey, travelled
+from ropewalk.wires.lines import journey_of, settled, shown_of, wire_of
+from ropewalk.wires.mesh import links_of
+from ropewalk.wires.plan import Array, Plan
+from ropewalk.wires.rest import rest_of
+from ropewalk.wires.task import Shown, Task
+
+_MASSES = {2: ("frame", "head"), 3: ("lower", "upper", "head")}
+
+
+def task_of(scenario: Scenario) -> Task:
+    """What is to be computed.
+
+    Raises:
+        RopewalkError: an overhead line cannot rest as wanted, or a load cannot be used.
+    """
+    run = scenario.run
+    until = run.until if isinstance(run, Dynamic) else 0.0
+    sections = {name: section_of(name, line, scenario.gravity) for name, line in scenario.overhead_lines.items()}
+    plan, offsets = joined(list(sections.values())) if sections else (Plan((), gravity=scenario.gravity), [])
+    elements = [links_of(wire, section.element) for section in sections.values() for wire in section.plan.wires]
+    first = len(plan.wires)
+    plan = replace(plan, wires=(*plan.wires, *(wire_of(name, line) for name, line in scenario.lines.items())))
+    elements += [line.elements for line in scenario.lines.values()]
+    setting = settled(scenario, until) if scenario.lines else None
+    journeys: list[Journey] = []
+    contacts: list[str] = []
+    shown: list[Shown] = []
+    for name, load in scenario.loads.items():
+        number = len(journeys)
+        if isinstance(load, Pantograph):
+            at = list(sections).index(load.on)
+            journeys.append(_pantograph(name, load, sections[load.on], offsets[at] + CONTACT, until))
+            contacts.append(name)
+            shown += _masses(name, load, number)
+            continue
+        assert setting is not None
+        line = scenario.lines[load.on]
+        journey, coach = journey_of(setting, name, load, first + list(scenario.lines).index(load.on), line)
+        journeys.append(journey)
+        contacts += [wheel.name for wheel in setting.wheels if wheel.load == name]
+        shown += shown_of(setting, coach, number, line) if coach is not None else []
+    more: dict[str, Any] = {}
+    if isinstance(run, Dynamic):
+        more = {
+            "geometry": run.geometry, "inertia": run.axial_inertia,
+            "window": run.window if run.window is not None else np.inf,
+        }  # fmt: skip
+    return Task(plan, tuple(journeys), tuple(contacts), tuple(shown), elements, **more)
+
+
+def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until: float) -> Journey:
+    time, value = speed_table(load.travel.speed, until)
+    start = load.travel.start
+    lift = 0.0
+    if load.wanted_mean is not None:
+        mean = push_of(load, section.level).wanted(np.interp([0.5 * until], time, value))
+        lift = expected_lift(section, float(mean[0]))
+    push = push_of(load, section.level, lift)
+    rough = _rough(load)
+    mesh = section.mesh()
+    first = start_of(load, mesh, rest_of(mesh), CONTACT, float(rough(np.array([start]))[0]))
+    rider = rider_of(name, load, wire)
+
+    def pushed(times: Array) -> Array:
+        return push(times, np.interp(times, time, value))
+
+    return Journey(rider, travelled(start, time, value), pushed, rough=rough, first=first)
+
+
+def _rough(load: Pantograph) -> Callable[[Array], Array]:
+    if load.irregularity is None:
+        return lambda stations: np.zeros_like(stations)
+    return read_irregularity(Path(load.irregularity)).at
+
+
+def _masses(name: str, load: AnyLoad, journey: int) -> list[Shown]:
+    assert isinstance(load, Pantograph)
+    count = len(load.parts.masses)
+    return [Shown(f"{name}.{part}", journey, np.eye(count)[i], 0.0) for i, part in enumerate(_MASSES[count])]

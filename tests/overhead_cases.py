@@ -1,0 +1,68 @@
+"""Overhead lines of the EN 50318 reference models, as declarations."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ropewalk.model.overhead import OverheadLine
+from ropewalk.overhead.section import CONTACT, Section, section_of
+from ropewalk.wires.mesh import places_of
+from ropewalk.wires.plan import Spot
+from ropewalk.wires.rest import Rest, rest_of, rows
+
+EN_2002: dict[str, Any] = {
+    "spans": {"count": 10, "length": "60 m"},
+    "contact_wire": {"mass": "1.35 kg/m", "tension": "20 kN", "bending_stiffness": 0},
+    "messenger_wire": {"mass": "1.07 kg/m", "tension": "16 kN", "bending_stiffness": 0},
+    "droppers": {"at": [5, 10.5, 17, 23.5, 30, 36.5, 43, 49.5, 55], "stiffness": "100 kN/m"},
+    "system_height": "1.2 m",
+    "steady_arms": {"mass": 1 / 3},
+    "analysed_spans": [5, 6],
+    "element": 0.5,
+}
+"""EN 50318:2002; its acceptance table is for wires without bending stiffness."""
+
+SIMPLE_AC: dict[str, Any] = {
+    "spans": {"count": 6, "length": "55 m"},
+    "contact_wire": {"mass": "1.35 kg/m", "tension": "22 kN", "bending_stiffness": 195},
+    "messenger_wire": {"mass": "1.08 kg/m", "tension": "16 kN", "bending_stiffness": 131.7},
+    "droppers": {
+        "at": [4.5, 10.25, 16, 21.75, 27.5, 33.25, 39, 44.75, 50.5],
+        "stiffness": "200 kN/m",
+        "mass_per_length": "0.117 kg/m",
+        "contact_clamp": "0.165 kg",
+        "messenger_clamp": "0.195 kg",
+    },
+    "pre_sag": ["0 mm", "24 mm", "41 mm", "52 mm", "55 mm", "52 mm", "41 mm", "24 mm", "0 mm"],
+    "steady_arms": {"mass_per_length": "0.73 kg/m", "length": "1.2 m", "stagger": "200 mm", "free": True},
+    "messenger_supports": {"stiffness": "500 kN/m"},
+    "element": 0.5,
+}
+"""Benchmark of Bruni et al. (2015), with fewer spans."""
+
+
+def formed(line: dict[str, Any], **changes: Any) -> Section:
+    return section_of("section", OverheadLine.model_validate(line | changes))
+
+
+def rested(section: Section) -> tuple[Rest, NDArray[np.float64]]:
+    """Rest of a section by its plan alone, and heights of the contact wire there: at the droppers, at the supports."""
+    mesh = section.mesh()
+    rest = rest_of(mesh)
+    stations = np.concatenate([section.stations, section.supports[1:-1]])
+    at = places_of(mesh.strands, [Spot(CONTACT, float(x)) for x in stations])
+    pull = np.zeros(stations.size)
+    pull[: section.stations.size] = rest.tie_force[: section.stations.size]
+    for i, label in enumerate(f"{section.name}.arm.{k}" for k in range(1, section.supports.size - 1)):
+        if label in section.holds:
+            pull[section.stations.size + i] = rest.hold_force[section.holds[label]]
+        elif label in section.arms:
+            arm = section.arms[label]
+            pull[section.stations.size + i] = rest.tie_force[arm] * rest.tie_way[arm, 2]
+    weights = [hold for hold in section.plan.holds if hold.name.endswith(".weight")]
+    for hold in weights:
+        pull[section.stations.size :][np.isclose(section.supports[1:-1], hold.spot.station)] += hold.force
+    return rest, rows(at, mesh.nodes) @ rest.position[2] + at.local * pull
