@@ -172,3 +172,24 @@ def test_what_cannot_be_built_is_refused_with_advice(changes: dict[str, Any], sa
     with pytest.raises(EquilibriumError, match="overhead line section: ") as caught:
         formed(EN_2002, **changes)
     assert says in str(caught.value)
+
+
+def test_a_hinged_arm_hangs_half_its_weight_on_the_wire_and_moves_a_third_of_its_mass() -> None:
+    with_arm = formed(EN_2002, steady_arms={"free": True, "mass_per_length": "1 kg/m", "length": "1.2 m"})
+    without = formed(EN_2002, steady_arms={"free": True, "mass": 0})
+    beside = [with_arm.droppers[name] for name in ("section.5.9", "section.6.1")]
+    # The droppers beside the support hold the wire at heights, so that they and no others bear it.
+    assert (with_arm.pull - without.pull)[beside].sum() == pytest.approx(0.6 * GRAVITY, rel=1e-3)
+    assert [lump.mass for lump in with_arm.plan.masses if lump.spot.station == 300.0] == pytest.approx([0.4])
+
+
+def test_stitch_wires_have_their_tension_whatever_the_droppers_do() -> None:
+    line = EN_2002 | {"stitch_wire": {}, "system_height": 1.8, "spans": [60] * 4, "analysed_spans": None}
+    lengths = formed(line).lengths[9:18] + np.array([0.06, 0, 0, 0, 0, 0, 0, 0, 0])
+    section = formed(line, droppers=EN_2002["droppers"] | {"lengths": lengths.tolist()})
+    rest, _ = rested(section)
+    links = [i for i, tie in enumerate(section.plan.ties) if ".stitch." in tie.name]
+    assert len(links) == 6
+    # Along the line, as its links turn with the wire; found to 1e-10 m of 200 kN/m.
+    level = np.sqrt(1.0 - rest.tie_way[links, 2] ** 2)
+    np.testing.assert_allclose(rest.tie_force[links] * level, 2.5e3, rtol=1e-5)

@@ -48,6 +48,12 @@ def check_stiff(parts: Parts) -> Iterator[Finding]:
         yield Finding(("run", "kind"), "the rest of stiff lines is known without loads only", "equilibrium", remedy)
     if isinstance(parts.run, Dynamic):
         yield from _run(parts.run)
+        for name, overhead in parts.overhead.items():
+            if overhead is not None and overhead.stitch_wire is not None and parts.run.geometry == "nonlinear":
+                wrong, remedy = "the nonlinear motion does not know stitch wires", "write run.geometry: linearised"
+                yield Finding(("overhead_lines", name, "stitch_wire"), wrong, remedy=remedy)
+    if parts.gravity == 0.0 and parts.overhead:
+        yield Finding(("gravity",), "an overhead line hangs by its weight", "0 m/s^2", "leave gravity out")
     for name, line in parts.lines.items():
         if line is not None:
             for key, wrong, given, remedy in _line(line):

@@ -13,6 +13,7 @@ from matplotlib.markers import CARETUP
 from numpy.typing import NDArray
 
 from ropewalk.results import style
+from ropewalk.results.contact_figure import contact_figure, is_of_overhead_line
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import ENERGY_FORMS, Array
 from ropewalk.results.statistics import AUDIT, blocks, lines, turnover
@@ -48,13 +49,16 @@ def figure(dataset: xr.Dataset) -> Figure:
     """Draw the overview: shapes, tension, contact, energy and support forces, all axes with units.
 
     Hold forces give way to contact forces where there are none, the imbalance of the energy to friction where nothing
-    moves in time; loads that lose power to friction get a row for that and for their speed.
+    moves in time; loads that lose power to friction get a row for that and for their speed. Pantographs have a figure
+    of their own.
 
     Args:
         dataset: a result; one with a single frame (an equilibrium) gets its shape and its tension.
     """
     if dataset.sizes[path_name(dataset)] < 2:
         return _rest_figure(dataset)
+    if is_of_overhead_line(dataset):
+        return contact_figure(dataset)
     force = "hold_force" if _any(dataset, "hold_force") or not _any(dataset, "contact_force") else "contact_force"
     audit = "imbalance" if path_name(dataset) == "time" else "contact_friction"
     layout: list[Any] = [["shapes", "shapes"], ["tension", "contact_height"], ["energy", force]]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ropewalk.results.contact_summary import contact_summary
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
 
@@ -47,6 +48,7 @@ def summary(dataset: xr.Dataset) -> Summary:
         "largest_sag": _largest_sag(dataset),
         "supports": {label: _vector(dataset, dataset["reaction"][:, k]) for k, label in supports},
         "contacts": {label: _contact(dataset, k) for k, label in loads},
+        **contact_summary(dataset),
         "energy": _energy(dataset),
         "method": _method(dataset),
     }

@@ -11,6 +11,7 @@ from ropewalk.results.statistics import Summary
 Row = tuple[str, str, str]
 """What, how much, where and when."""
 
+SUPPORTS, LARGEST = 8, 3  # with more supports than this only so many of them get a row
 _ENERGY = {
     "kinetic": "kinetic",
     "elastic": "elastic",
@@ -72,10 +73,14 @@ def rows(found: Summary) -> Iterator[Row]:
     yield _quantity("smallest strain", found["smallest_strain"])
     yield _quantity("largest sag", found["largest_sag"])
     yield "Supports", "", ""
-    for name, force in found["supports"].items():
-        yield name, f"{number(force['value'])} N", "  ".join((*_when(force), *_components(force)))
+    yield from _support_rows(found["supports"])
     for name, contact in found["contacts"].items():
-        yield from _contact_rows(name, contact)
+        if name in found["pantographs"]:
+            yield from _pantograph_rows(name, found["pantographs"][name])
+        else:
+            yield from _contact_rows(name, contact)
+    for name, line in found["overhead_lines"].items():
+        yield from _overhead_rows(name, line)
     yield from _energy_rows(found["energy"])
     yield from _method_rows(found["method"])
 
@@ -99,6 +104,86 @@ def _components(force: Summary) -> Iterator[str]:
     for axis, span in force["components"].items():
         if span["min"] is not None:
             yield f"{axis}: {number(span['min'])} to {number(span['max'])} N"
+
+
+def _support_rows(supports: Summary) -> Iterator[Row]:
+    """All supports, or the largest forces and the range of many."""
+    many = len(supports) > SUPPORTS
+    order = sorted(supports, key=lambda name: -(supports[name]["value"] or 0.0))[:LARGEST] if many else list(supports)
+    for name in order:
+        force = supports[name]
+        yield name, f"{number(force['value'])} N", "  ".join((*_when(force), *_components(force)))
+    if many:
+        sizes = [force["value"] for force in supports.values() if force["value"] is not None]
+        span = f"{number(min(sizes))} to {number(max(sizes))} N" if sizes else "–"
+        yield f"all {len(supports)}", span, "largest of each"
+
+
+def _pantograph_rows(name: str, found: Summary) -> Iterator[Row]:
+    yield f"Pantograph {name}", "", ""
+    value = {key: entry["value"] for key, entry in found.items() if isinstance(entry, dict) and "value" in entry}
+    if value["mean"] is None:
+        yield "contact force", "–", "it was not in the analysed spans"
+        return
+    spans, limit, between = found["analysed_spans"], found["filter"]["limit"], found["filter"]["between"]
+    where = [] if spans is None else [f"spans {spans[0]} to {spans[1]}" if spans[0] < spans[1] else f"span {spans[0]}"]
+    where.append(f"at {number(3.6 * value['speed'])} km/h")
+    if not found["complete"]:
+        where.append("not from end to end")
+    yield "analysed", f"{number(value['first'])} to {number(value['last'])} m", "  ".join(where)
+    target = ""
+    if value["target"] is not None:
+        target = f"{number(value['target_ratio'], 3)} of the {number(value['target'])} N asked for"
+    yield "mean contact force Fm", f"{number(value['mean'])} N", target
+    low, high = number(value["deviation_low"], 3), number(value["deviation_high"], 3)
+    bands = f"0-{between:g} Hz: {low} N  {between:g}-{limit:g} Hz: {high} N"
+    yield f"sigma, 0-{limit:g} Hz", f"{number(value['deviation'], 3)} N", bands
+    yield "sigma / Fm", number(value["relative_deviation"], 3), ""
+    extremes = number(value["statistical_minimum"], 3), number(value["statistical_maximum"], 3)
+    yield "Fm - 3 sigma, Fm + 3 sigma", f"{extremes[0]} to {extremes[1]} N", ""
+    for key, what in (("maximum", "largest"), ("minimum", "smallest")):
+        yield f"{what} force", f"{number(value[key])} N", f"at {number(value[f'{key}_at'])} m"
+    raw = f"sigma {number(value['raw_deviation'], 3)} N"
+    yield "unfiltered force", f"{number(value['raw_minimum'], 3)} to {number(value['raw_maximum'], 3)} N", raw
+    yield "without contact", f"{number(100 * value['loss'], 2)} %", "of the time"
+    heights = f"{number(1e3 * value['lowest'], 3)} to {number(1e3 * value['highest'], 3)} mm"
+    yield "range of contact heights", f"{number(1e3 * value['height_range'], 3)} mm", heights
+    if found["acceptance"] is not None:
+        yield from _acceptance_rows(found["acceptance"])
+
+
+def _acceptance_rows(found: Summary) -> Iterator[Row]:
+    yield found["title"], "", ""
+    for check in found["checks"]:
+        verdict = "inside" if check["inside"] else "OUTSIDE"
+        bounds = f"{check['low']:g} to {check['high']:g} {check['unit']} [{check['mark']}]"
+        yield check["what"], f"{number(check['value'])} {check['unit']}", f"{verdict} {bounds}"
+    inside = sum(check["inside"] for check in found["checks"])
+    yield "inside", f"{inside} of {len(found['checks'])}", found["remark"]
+
+
+def _overhead_rows(name: str, found: Summary) -> Iterator[Row]:
+    yield f"Overhead line {name}", "", ""
+    supports = {key: entry for key, entry in found["supports"].items() if entry["uplift"] is not None}
+    shown = [key for key, entry in supports.items() if entry["analysed"]]
+    if len(shown) > SUPPORTS:
+        shown = sorted(shown, key=lambda key: -float(supports[key]["uplift"]))[:LARGEST]
+    largest = max(supports, key=lambda key: float(supports[key]["uplift"]), default=None)
+    if largest is not None and largest not in shown:
+        shown.append(largest)
+    for key in shown:
+        entry = supports[key]
+        note = "" if entry["analysed"] else "  largest of all, beside the analysed spans"
+        yield f"uplift at {key}", f"{number(1e3 * entry['uplift'], 3)} mm", f"{number(entry['station'])} m{note}"
+    pull, slack, count = found["largest_dropper_force"], found["most_slack"], len(found["droppers"])
+    if pull is not None and pull["value"] is not None:
+        where = f"{pull['dropper']} at {number(pull['station'])} m"
+        yield "largest dropper force", f"{number(pull['value'])} N", where
+    if slack is not None and slack["value"]:
+        where = f"of the time, {slack['dropper']} at {number(slack['station'])} m"
+        yield "longest slack dropper", f"{number(100 * slack['value'], 2)} %", where
+    if count:
+        yield "droppers that slacken", f"{found['slackened']} of {count}", "whole line"
 
 
 def _contact_rows(name: str, contact: Summary) -> Iterator[Row]:
@@ -131,6 +216,9 @@ def _contact_rows(name: str, contact: Summary) -> Iterator[Row]:
 
 
 def _energy_rows(energy: Summary) -> Iterator[Row]:
+    told = [form for form, value in energy["final"].items() if value is not None]
+    if told and all("kinetic" in form for form in told):  # a balance is not kept
+        return
     yield "Energy at the end", "", ""
     for form, label in _ENERGY.items():
         if form not in energy["always_zero"]:

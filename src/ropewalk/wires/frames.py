@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
+from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
 from ropewalk.wires.drive import ON_WIRE, Drive, Record
+from ropewalk.wires.energy import Audit
 from ropewalk.wires.equilibrium import Potential
 from ropewalk.wires.journey import drive_of
 from ropewalk.wires.large import LargeMotion
@@ -21,7 +22,6 @@ from ropewalk.wires.task import Task, ready
 
 SAMPLE = 1e-3  # s, interval of samples where none is asked for
 _ESCAPED = 10.0  # a node that has moved further than so many lengths of its wire belongs to a run that has blown up
-_KINETIC, _OF_LOADS = ENERGY_FORMS.index("kinetic"), ENERGY_FORMS.index("load_kinetic")
 
 
 class Run:
@@ -63,6 +63,7 @@ class Run:
             account.reason = "Stoermer's method for small vertical motion about rest, with constant tensions"
             self._stiffness = vertical_stiffness(self.mesh)
             self.motion = SmallMotion(self.mesh, start.rest, self.riders, account.step, self._first(), task.window)
+        self._audit = Audit(self.mesh, self.riders, self.motion, start.position, start.unstrained)
         self._in_air = np.zeros(self.riders.owner.size)
         self._axes = [0, 1, 2] if task.space else [0, 2]
         self._watched_at_rest = rows(self.motion.watched, self.mesh.nodes) @ self._at_rest[2]
@@ -135,17 +136,13 @@ class Run:
         EA = np.repeat([wire.axial_stiffness for wire in self.task.plan.wires], self.mesh.strands.links)
         unknown, nowhere = np.full(contacts, np.nan), np.full((contacts, dim), np.nan)
         bodies, rates = self._bodies(drive)
-        energy = np.full(len(ENERGY_FORMS), np.nan)
-        energy[_KINETIC] = 0.5 * float((self.mesh.mass * (velocity**2).sum(axis=0)).sum())
-        moved = (self.motion.pace.q - self.motion.pace.last) / self.motion.pace.step
-        energy[_OF_LOADS] = 0.5 * float(np.einsum("ia,iab,ib->", moved, self.riders.mass, moved))
         return Frame(
             path=t, position=position[self._axes].T, velocity=velocity[self._axes].T, tension=EA * strain,
             strain=strain, contact_position=nowhere, contact_force=nowhere.copy(), hold_force=nowhere.copy(),
             contact_xi=unknown, contact_speed=unknown, contact_tension=np.full((contacts, 2), np.nan),
             contact_friction=unknown, contact_state=np.full(contacts, OFF_LINE), contact_in_air=np.zeros(contacts),
             friction_power=np.zeros(contacts), body_position=bodies, body_velocity=rates,
-            reaction=self._reactions(position), energy=energy, tie_force=none, sampled_station=none,
+            reaction=self._reactions(position), energy=self._audit.now(), tie_force=none, sampled_station=none,
         )  # fmt: skip
 
     def _with_forces(self, frame: Frame, drive: Drive, now: Record, stations: Array, before: Record) -> Frame:

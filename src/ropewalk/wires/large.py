@@ -15,7 +15,7 @@ from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive, Record
 from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Riders, places_of
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.rest import rows, spring, ties_springs
-from ropewalk.wires.riders import begin, between, join, local_at, pace_of, press, ride, sweeps_of
+from ropewalk.wires.riders import begin, between, join, local_at, pace_of, press, ride, settle_accounts, sweeps_of
 from ropewalk.wires.spline import WIDTH, weights
 
 # Strain up to which tension over length follows from a series: its error is 1e-11 of the tension there.
@@ -31,7 +31,7 @@ class Threads(NamedTuple):
     gain: Array  # (node,) m/N, displacement by a force during a step
     along: Array  # (node,) the same along x, less where axial inertia is scaled up
     keep: Array  # (wire,) part of the last displacement that is kept, 1 without drag
-    fall: Array  # (wire,) m by gravity during a step
+    fall: Array  # (axis, node) m during a step, by gravity; and what the correction would bend at rest, taken back
     pull: Array  # (node,) N/m, axial stiffness over unstrained length of the link behind the node
     rest: Array  # (node,) 1/m^2, one over the square of that length
     weight: Array  # (end, axis) N, of weights that pull at ends: they slide along x. NaN: held
@@ -45,6 +45,7 @@ class Strings(NamedTuple):
     other: Integers
     weight: Array  # (spring, 2, WIDTH) of both ends
     place: Array  # (spring, 3) m, of the ground; NaN where the other end is on a wire
+    aside: Array  # (spring,) m sideways from the one end to the other, in the plane
     length: Array  # m unstrained; NaN for holds
     pull: Array  # N/m
     push: Array  # N/m
@@ -55,11 +56,12 @@ class Strings(NamedTuple):
     lift: Array  # (spring,) N upwards, of holds
 
 
-def threads_of(mesh: Mesh, rest: Array, step: float, inertia: float = 1.0) -> Threads:
+def threads_of(mesh: Mesh, position: Array, rest: Array, step: float, inertia: float = 1.0) -> Threads:
     """Prepare steps.
 
     Args:
         mesh: the wires.
+        position: (axis, node) m at rest, which keeps the real bending stiffness.
         rest: (node,) m, unstrained length of the link behind each node (those of last nodes are not used).
         step: s.
         inertia: factor on the mass for motion along x.
@@ -70,14 +72,40 @@ def threads_of(mesh: Mesh, rest: Array, step: float, inertia: float = 1.0) -> Th
     slow = 1.0 + 0.5 * step * s.drag
     gain = step**2 / mesh.mass / np.repeat(slow, s.links + 1)
     EA = np.repeat([wire.axial_stiffness for wire in plan.wires], s.links + 1)
+    fall = correction(mesh, position, bending) * gain
+    fall[0] /= inertia
+    fall[-1] -= np.repeat(plan.gravity * step**2 / slow, s.links + 1)
     weight = np.full((2 * s.first.size, 1), np.nan)
     for i, wire in enumerate(plan.wires):
         if wire.end_force is not None:
             weight[2 * i : 2 * i + 2, 0] = -wire.end_force[0], wire.end_force[1]
     return Threads(
-        bending, gain, gain / inertia, (2.0 - slow) / slow, -plan.gravity * step**2 / slow,
+        bending, gain, gain / inertia, (2.0 - slow) / slow, fall,
         EA / rest, 1.0 / rest**2, weight[:, 0],
     )  # fmt: skip
+
+
+def correction(mesh: Mesh, position: Array, bending: Array) -> Array:
+    """Forces that undo, in the shape of rest, what the correction of the bending stiffness adds, (axis, node) N."""
+    s, out = mesh.strands, np.zeros_like(position)
+    for a, n in enumerate(s.links):
+        bent = np.diff(position[:, mesh.of(a)], 2, axis=1) * (bending[a] - s.stiffness[a]) / s.h[a] ** 3
+        own = out[:, mesh.of(a)]
+        own[:, :-2] += bent
+        own[:, 1:-1] -= 2.0 * bent
+        own[:, 2:] += bent
+        for side, (end, i, d) in enumerate(((s.first[a], 0, 1), (s.first[a] + n, n, -1))):
+            if s.end[a, side] == CLAMPED:
+                straight = mesh.straight()[:, end + d] - mesh.straight()[:, end]
+                turn = position[:, end + d] - position[:, end] - straight[_axes(position)]
+                turn *= 2.0 * (bending[a] - s.stiffness[a]) / s.h[a] ** 3
+                own[:, i + d] += turn
+                own[:, i] -= turn
+    return out
+
+
+def _axes(position: Array) -> list[int]:
+    return [0, 1, 2] if position.shape[0] == 3 else [0, 2]
 
 
 def strings_of(mesh: Mesh, position: Array) -> Strings:
@@ -99,7 +127,8 @@ def strings_of(mesh: Mesh, position: Array) -> Strings:
             np.stack([ties.one.weight, ties.other.weight], axis=1),
             np.stack([holds.at.weight, np.zeros_like(holds.at.weight)], axis=1),
         ]),
-        np.concatenate([ties.ground, holds.place]), np.concatenate([ties.length, nan]), np.concatenate([pull, blank]),
+        np.concatenate([ties.ground, holds.place]), np.concatenate([away[:, 1], blank]),
+        np.concatenate([ties.length, nan]), np.concatenate([pull, blank]),
         np.concatenate([push, blank]), np.concatenate([ties.damping, blank]), last,
         np.concatenate([no_ties, stiff]), np.concatenate([no_ties, holds.damping]),
         np.concatenate([np.zeros(ties.length.size), holds.force]),
@@ -155,22 +184,23 @@ def _stretch(x, y, z, rest, pull, out, first, n, small):
 
 
 @lean_inner
-def _along(now, other, felt, q, gain, first, n, keep, b, t, fall, bed, level):
+def _along(now, other, felt, q, gain, first, n, keep, b, t, falls, bed, level):
     """Put the next positions of the inner nodes, two away from the ends, in place of the last; one component."""
     u, k = now[first : first + n + 1], q[first : first + n]  # slices let the loops vectorise
     out, g = other[first + 2 : first + n - 1], gain[first + 2 : first + n - 1]
+    fall = falls[first + 2 : first + n - 1]
     if felt is None:
         for i in range(n - 3):
             pull = k[i + 2] * (u[i + 3] - u[i + 2]) - k[i + 1] * (u[i + 2] - u[i + 1])
             pull -= b * (u[i] + u[i + 4] - 4.0 * (u[i + 1] + u[i + 3]) + 6.0 * u[i + 2])
-            out[i] = u[i + 2] + keep * (u[i + 2] - out[i]) + g[i] * pull + fall
+            out[i] = u[i + 2] + keep * (u[i + 2] - out[i]) + g[i] * pull + fall[i]
         return
     f, base = felt[first : first + n + 1], level[first + 2 : first + n - 1]
     for i in range(n - 3):
         pull = k[i + 2] * (u[i + 3] - u[i + 2]) - k[i + 1] * (u[i + 2] - u[i + 1]) - bed * (u[i + 2] - base[i])
         pull -= b * (f[i] + f[i + 4] - 4.0 * (f[i + 1] + f[i + 3]) + 6.0 * f[i + 2])
         pull += t * ((f[i + 1] - u[i + 1]) - 2.0 * (f[i + 2] - u[i + 2]) + (f[i + 3] - u[i + 3]))
-        out[i] = u[i + 2] + keep * (u[i + 2] - out[i]) + g[i] * pull + fall
+        out[i] = u[i + 2] + keep * (u[i + 2] - out[i]) + g[i] * pull + fall[i]
 
 
 @inlined
@@ -190,12 +220,12 @@ def _end(now, other, felt, ql, qi, gain, e, d, keep, b, t, fall, bed, level, kin
     late_next = t * ((felt[i + d] - now[i + d]) - (felt[i] - now[i]))
     pull = qi * (now[i + d] - now[i]) - ql * (now[i] - now[e]) - b * (m0 - 2.0 * m1 + m2) - bed * (now[i] - level[i])
     pull += late_next - late
-    other[i] = now[i] + keep * (now[i] - other[i]) + gain[i] * pull + fall
+    other[i] = now[i] + keep * (now[i] - other[i]) + gain[i] * pull + fall[i]
     if held:
         other[e] = now[e]
         return
     pull = ql * (now[i] - now[e]) - b * (m1 - m0) - 0.5 * bed * (now[e] - level[e]) + late + force
-    other[e] = now[e] + keep * (now[e] - other[e]) + gain[e] * pull + fall
+    other[e] = now[e] + keep * (now[e] - other[e]) + gain[e] * pull + fall[e]
 
 
 @inlined
@@ -211,7 +241,7 @@ def _move(strands, threads, now, other, room, q, level, slope, small, dt):
             _stretch(now[0], now[1], now[up], threads.rest, threads.pull, q, i, n, small)
         t = strands.tension[a] / h if late > 0.0 else 0.0
         for c in range(axes):
-            gain, fall = threads.along if c == 0 else threads.gain, threads.fall[a] if c == up else 0.0
+            gain, fall = threads.along if c == 0 else threads.gain, threads.fall[c]
             k, felt = bed if c == up else 0.0, now[c]
             if late > 0.0:
                 felt = room
@@ -258,7 +288,7 @@ def _pull(strings, now, other, gain, along, dt, found, row, step):
             dx, dz = _height(x, j, weight, e, 1), _height(z, j, weight, e, 1)
             dy = _height(now[1], j, weight, e, 1) if axes == 3 else 0.0
         dx, dz = dx - _height(x, i, weight, e, 0), dz - _height(z, i, weight, e, 0)
-        dy = dy - _height(now[1], i, weight, e, 0) if axes == 3 else 0.0
+        dy = dy - _height(now[1], i, weight, e, 0) if axes == 3 else strings.aside[e]
         size = np.sqrt(dx * dx + dy * dy + dz * dz)
         if size > length[e]:
             N = strings.pull[e] * (size - length[e]) + strings.damping[e] * (size - last[e, 0]) / dt
@@ -330,11 +360,11 @@ def _seek(x, s, n, place, w):
 
 @inlined
 def _seat(strands, riders, pace, x, z, drive, row, part, k, w):
-    """Where contact k is on its wire, whose nodes are at x and z: place in links, first node, and height there."""
+    """Where contact k is on its wire, whose nodes are at x and z: links, first node, height, and slope per link."""
     a, where, place = riders.wire[k], drive.where[row, k], between(drive.station, row, part, k)
-    first, n, s, base, height = strands.first[a], strands.links[a], 0.0, 0, 0.0
+    first, n, s, base, height, slope = strands.first[a], strands.links[a], 0.0, 0, 0.0, 0.0
     if where == ON_GROUND:
-        return s, base, z[first] if place <= 0.0 else z[first + n]
+        return s, base, z[first] if place <= 0.0 else z[first + n], slope
     if riders.material[k]:
         s = place / strands.h[a]
         base = first + weights(s, n, w)
@@ -346,7 +376,8 @@ def _seat(strands, riders, pace, x, z, drive, row, part, k, w):
         base += first
     for j in range(WIDTH):
         height += w[0, j] * z[base + j]
-    return s, base, height
+        slope += w[1, j] * z[base + j]
+    return s, base, height, slope
 
 
 @inlined
@@ -355,11 +386,14 @@ def _touch(strands, threads, riders, pace, now, other, drive, record, row, step,
     where, part, up, local = drive.where[row, k], step / steps, now.shape[0] - 1, 0.0
     if where == ABSENT:
         return
-    s, base, height = _seat(strands, riders, pace, now[0], now[up], drive, row, part, k, w)
+    s, base, height, slope = _seat(strands, riders, pace, now[0], now[up], drive, row, part, k, w)
     if where == ON_WIRE:
         local = local_at(strands, riders.wire[k], s)
-    force = press(riders, pace, k, height + between(drive.rough, row, part, k), local)
-    force += between(drive.given, row, part, k)
+    given = between(drive.given, row, part, k)
+    force = given + press(riders, pace, k, height + between(drive.rough, row, part, k), local)
+    if where == ON_WIRE:
+        here = pace.here[k]
+        here[0], here[1], here[2], here[3], here[4] = height, s, slope, given, force
     if step == 0:
         record.force[row, k], record.height[row, k] = force, height + local * force
     if where == ON_WIRE:
@@ -373,7 +407,7 @@ def _join(strands, threads, riders, pace, other, drive, record, row, step, steps
     where, part, up, soft = drive.where[row, k], (step + 1.0) / steps, other.shape[0] - 1, 0.0
     if where == ABSENT:
         return
-    s, base, height = _seat(strands, riders, pace, other[0], other[up], drive, row, part, k, w)
+    s, base, height, _ = _seat(strands, riders, pace, other[0], other[up], drive, row, part, k, w)
     if where == ON_WIRE:
         soft = local_at(strands, riders.wire[k], s)
         for j in range(WIDTH):
@@ -423,6 +457,7 @@ def advance(strands, threads, strings, grips, watched, riders, pace, level, slop
                 for k in range(riders.owner.size):
                     if np.isinf(riders.spring[k]):
                         _join(strands, threads, riders, pace, other, drive, record, row, step, steps, k, w)
+            settle_accounts(riders, pace)
             now, other = other, now
 
 
@@ -445,7 +480,8 @@ class LargeMotion:
         *, space: bool = False,
     ) -> None:  # fmt: skip
         self.mesh, self.riders, self.rest, axes = mesh, riders, rest, [0, 1, 2] if space else [0, 2]
-        self.threads, self.strings = threads_of(mesh, rest, step, inertia), strings_of(mesh, position)
+        self.inertia = inertia
+        self.threads, self.strings = threads_of(mesh, position[axes], rest, step, inertia), strings_of(mesh, position)
         self.grips = grips_of(mesh, self.threads, axes)
         self.pace = pace_of(riders, step, q, np.full(riders.owner.size, np.nan))
         self.watched = places_of(mesh.strands, list(mesh.plan.watched.values()))
@@ -468,6 +504,11 @@ class LargeMotion:
     def velocity(self) -> Array:
         """Velocities of all nodes half a step ago, (3, node) m/s."""
         return self._spread((self._r[0] - self._r[1]) / self.pace.step, np.zeros_like(self._side))
+
+    @property
+    def both(self) -> list[Array]:
+        """Positions of all nodes now and a step ago, (3, node) m."""
+        return [self._spread(r, self._side) for r in self._r]
 
     def _spread(self, values: Array, aside: Array) -> Array:
         return values.copy() if values.shape[0] == 3 else np.vstack([values[0], aside, values[1]])

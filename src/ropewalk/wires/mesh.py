@@ -7,6 +7,7 @@ The control points of all wires stand in one array, one wire after the other; th
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -172,10 +173,17 @@ def local_compliance(wire: Wire, h: float) -> tuple[float, float, float]:
         wire: its tension and bending stiffness.
         h: distance of nodes, m.
     """
-    T, EI, L = wire.tension, wire.bending_stiffness, float(_CELL)
+    T, EI = wire.tension, wire.bending_stiffness
     if T <= 0.0 or (_STIFF * h) ** 2 * T < EI:
         return 0.0, 0.0, 0.0
-    reach = np.sqrt(EI / T) / h
+    c0, c2, c3 = _unit_compliance(float(np.sqrt(EI / T) / h))
+    return c0 * h / T, c2 * h / T, c3 * h / T
+
+
+@cache
+def _unit_compliance(reach: float) -> tuple[float, float, float]:
+    """The same for a unit tension and unit links; reach = sqrt(EI / T) in links."""
+    L = float(_CELL)
     one, two = np.diff(np.eye(_CELL + 1), axis=0)[:, 1:-1], np.diff(np.eye(_CELL + 1), 2, axis=0)[:, 1:-1]
     K = one.T @ one + reach**2 * (two.T @ two)
     more, powers = np.zeros(_FRACTIONS.size), np.zeros((_FRACTIONS.size, 3))
@@ -189,7 +197,7 @@ def local_compliance(wire: Wire, h: float) -> tuple[float, float, float]:
             a, b, c = (1.0 - np.exp(-2.0 * d / reach) for d in (x, L - x, L))
             exact -= 0.5 * reach * a * b / c
         more[i], powers[i] = exact - float(w @ np.linalg.solve(K, w)), (1.0, g * g, g**3)
-    c0, c2, c3 = np.linalg.lstsq(powers, more, rcond=None)[0] * h / T
+    c0, c2, c3 = np.linalg.lstsq(powers, more, rcond=None)[0]
     return float(c0), float(c2), float(c3)
 
 

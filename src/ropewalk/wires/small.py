@@ -15,10 +15,11 @@ from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive, Record
 from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Riders, places_of
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.rest import Rest, spring, ties_springs
-from ropewalk.wires.riders import begin, between, join, local_at, pace_of, press, ride, sweeps_of
+from ropewalk.wires.riders import begin, between, join, local_at, pace_of, press, ride, settle_accounts, sweeps_of
 from ropewalk.wires.spline import WIDTH, weights
 
 _NOTHING = 1e-150  # m
+_FEW = 0.1  # part of the nodes of a wire that may carry more than it and be seen to afterwards
 _WIDTH = np.uint64(WIDTH)
 _SHARES = tuple(np.uint64(k) for k in range(WIDTH))
 
@@ -36,7 +37,7 @@ class Springs(NamedTuple):
     damping: Array  # N s/m, while tight
     way: Array  # (spring,) vertical part of its direction
     last: Array  # m by which its ends had moved apart a step ago
-    station: Array  # m, to know whether it lies in the window
+    x: Array  # m, to know whether it lies in the window
     number: Integers  # of the tie, or of the hold
 
 
@@ -64,6 +65,17 @@ class Stencil(NamedTuple):
     bending: Array  # (wire,) N m^2, corrected
     gain: Array  # (node,) m/N, displacement by a force during a step
     keep: Array  # (wire,) part of the last displacement that is kept, 1 without drag
+    bare: Array  # (wire,) m/N, gain of a node that carries its wire alone; 0 where many carry more
+    laden: Integers  # the other nodes, of all wires with a bare gain
+    first: Integers  # (wire + 1,) where those of each wire begin
+    saved: Array  # (laden,) room
+
+
+def x_of(mesh: Mesh, wire: Integers, station: Array) -> Array:
+    """Where stations of wires are along x, m."""
+    across = mesh.strands.across[wire]
+    x: Array = across[:, 0] + across[:, 1] * station
+    return x
 
 
 def springs_of(mesh: Mesh, rest: Rest) -> Springs:
@@ -81,7 +93,8 @@ def springs_of(mesh: Mesh, rest: Rest) -> Springs:
         np.concatenate([apart, to_ground]), np.concatenate([pull * (rest.tie_distance - ties.length), none]),
         np.concatenate([pull, none]), np.concatenate([slack, none]), np.concatenate([across, held[keep]]),
         np.concatenate([ties.damping, holds.damping[keep, 2]]), np.concatenate([way, none + 1.0]),
-        np.zeros(way.size + none.size), np.concatenate([ties.one.station, holds.at.station[keep]]),
+        np.zeros(way.size + none.size), x_of(mesh, np.concatenate([ties.one.wire, holds.at.wire[keep]]),
+             np.concatenate([ties.one.station, holds.at.station[keep]])),
         np.concatenate([np.arange(way.size), np.flatnonzero(keep)]),
     )  # fmt: skip
 
@@ -94,7 +107,19 @@ def stencil_of(mesh: Mesh, step: float) -> Stencil:
     gain = step**2 / mesh.mass / (1.0 + 0.5 * step * np.repeat(s.drag, s.links + 1))
     gain[s.first[s.end[:, 0] != FREE]] = 0.0
     gain[(s.first + s.links)[s.end[:, 1] != FREE]] = 0.0
-    return Stencil(bending, gain, (1.0 - 0.5 * step * s.drag) / (1.0 + 0.5 * step * s.drag))
+    slow = 1.0 + 0.5 * step * s.drag
+    bare, laden, first = step**2 / (s.rho * s.h) / slow, [], [0]
+    for a, n in enumerate(s.links):
+        part = slice(int(s.first[a]) + 2, int(s.first[a] + n) - 1)
+        own = part.start + np.flatnonzero(np.abs(gain[part] / bare[a] - 1.0) > 1e-12)
+        if own.size > _FEW * n:
+            bare[a], own = 0.0, own[:0]
+        laden += own.tolist()
+        first.append(len(laden))
+    return Stencil(
+        bending, gain, (2.0 - slow) / slow, bare, np.array(laden, dtype=np.int64), np.array(first, dtype=np.int64),
+        np.zeros(len(laden)),
+    )  # fmt: skip
 
 
 def grips_of(mesh: Mesh, gain: Array) -> Grips:
@@ -114,6 +139,16 @@ def _along(now, felt, other, gain, e, low, high, keep, t, b, bed):
     for i in range(last - first):
         pull = c0 * f[i + 2] + c1 * (f[i + 1] + f[i + 3]) - b * (f[i] + f[i + 4])
         out[i] = u[i] + keep * (u[i] - out[i]) + g[i] * pull
+
+
+@lean_inner
+def _along_bare(now, felt, other, g, e, low, high, keep, t, b, bed):
+    """The same where all have one gain: a stream of numbers less to read."""
+    c0, c1, first, last = -2.0 * t - 6.0 * b - bed, t + 4.0 * b, e + low, e + high
+    u, out, f = now[first:last], other[first:last], felt[first - 2 : last + 2]
+    for i in range(last - first):
+        pull = c0 * f[i + 2] + c1 * (f[i + 1] + f[i + 3]) - b * (f[i] + f[i + 4])
+        out[i] = u[i] + keep * (u[i] - out[i]) + g * pull
 
 
 @inlined
@@ -159,6 +194,7 @@ def advance(strands, stencil, springs, grips, window, watched, riders, pace, lev
                 for k in range(riders.owner.size):
                     if np.isinf(riders.spring[k]):
                         _join(strands, riders, pace, level, other, stencil.gain, drive, record, row, step, steps, k, w)
+            settle_accounts(riders, pace)
             now, other = other, now
 
 
@@ -177,13 +213,26 @@ def _move(strands, stencil, window, now, other, room, dt):
     for a in range(strands.first.size):
         i, n, h, keep = strands.first[a], strands.links[a], strands.h[a], stencil.keep[a]
         low, high, late = window.low[a], window.high[a], strands.retardation[a] / dt
+        if low >= high:
+            continue
         t, b, bed = strands.tension[a] / h, stencil.bending[a] / (h * h * h), strands.bed[a] * h
         felt = now
         if late > 0.0:
             felt = room
             for k in range(i + max(low - 2, 0), i + min(high + 2, n + 1)):
                 room[k] = now[k] + late * (now[k] - other[k])
-        _along(now, felt, other, gain, i, max(low, 2), min(high, n - 1), keep, t, b, bed)
+        bare = stencil.bare[a]
+        if bare > 0.0:
+            for k in range(stencil.first[a], stencil.first[a + 1]):
+                stencil.saved[k] = other[stencil.laden[k]]
+            _along_bare(now, felt, other, bare, i, max(low, 2), min(high, n - 1), keep, t, b, bed)
+            for k in range(stencil.first[a], stencil.first[a + 1]):
+                e = stencil.laden[k]
+                if i + low <= e < i + high:
+                    drift = now[e] + keep * (now[e] - stencil.saved[k])
+                    other[e] = drift + gain[e] / bare * (other[e] - drift)
+        else:
+            _along(now, felt, other, gain, i, max(low, 2), min(high, n - 1), keep, t, b, bed)
         if low < 2:
             _end(now, felt, other, gain, i, 1, keep, t, b, bed, strands.end[a, 0])
         if high > n - 1:
@@ -196,16 +245,21 @@ def _touch(strands, riders, pace, level, now, other, gain, drive, record, row, s
     where, part = drive.where[row, k], step / steps
     if where == ABSENT:
         return
-    a = riders.wire[k]
-    s, n, base, local, height = between(drive.station, row, part, k) / strands.h[a], strands.links[a], 0, 0.0, 0.0
+    a, given = riders.wire[k], between(drive.given, row, part, k)
+    s, n, base, local = between(drive.station, row, part, k) / strands.h[a], strands.links[a], 0, 0.0
+    height, slope = 0.0, 0.0
     if where == ON_GROUND:
         height = level[strands.first[a]] if s <= 0.0 else level[strands.first[a] + n]
     else:
         base, local = strands.first[a] + weights(s, n, w), local_at(strands, a, s)
         for j in range(WIDTH):
-            height += w[0, j] * (level[base + j] + now[base + j])
-    force = press(riders, pace, k, height + between(drive.rough, row, part, k), local)
-    force += between(drive.given, row, part, k)
+            z = level[base + j] + now[base + j]
+            height += w[0, j] * z
+            slope += w[1, j] * z
+    force = given + press(riders, pace, k, height + between(drive.rough, row, part, k), local)
+    if where == ON_WIRE:
+        here = pace.here[k]
+        here[0], here[1], here[2], here[3], here[4] = height, s, slope, given, force
     if step == 0:
         record.force[row, k], record.height[row, k] = force, height + local * force
     if where == ON_WIRE:
@@ -299,7 +353,7 @@ class SmallMotion:
         self.stencil = stencil_of(mesh, step)
         self.pace = pace_of(riders, step, q, np.zeros(riders.owner.size))
         springs = springs_of(mesh, rest)
-        order = np.argsort(springs.station, kind="stable")
+        order = np.argsort(springs.x, kind="stable")
         self.springs = Springs(*(np.ascontiguousarray(array[order]) for array in springs))  # type: ignore[arg-type]
         self.grips = grips_of(mesh, self.stencil.gain)
         self._sweeps = sweeps_of(riders, self.grips.base.size)
@@ -320,6 +374,11 @@ class SmallMotion:
         still = np.zeros((2, self.mesh.nodes))
         return np.vstack([still, (self._u[0] - self._u[1]) / self.pace.step])
 
+    @property
+    def both(self) -> list[Array]:
+        """Displacements of all nodes now and a step ago, (node,) m."""
+        return self._u
+
     def go(self, drive: Drive, steps: int = 1) -> Record:
         """Go on by the rows of the drive but the last, `steps` steps each."""
         rows, plan = drive.station.shape[0] - 1, self.mesh.plan
@@ -335,11 +394,14 @@ class SmallMotion:
         return record
 
     def _window(self, drive: Drive) -> Window:
-        strands, station = self.mesh.strands, drive.station[drive.where == ON_WIRE]
+        strands, on = self.mesh.strands, drive.where == ON_WIRE
+        station = x_of(self.mesh, np.broadcast_to(self.riders.wire, on.shape)[on], drive.station[on])
         if station.size == 0 or not np.isfinite(self.window):
             return Window(np.zeros_like(strands.links), strands.links + 1, 0, self.springs.one.size)
         begin, end, edge = station.min() - self.window, station.max() + self.window, WIDTH * strands.h.max()
-        low = np.clip(np.floor(begin / strands.h), 0, strands.links - 1).astype(np.int64)
-        high = np.clip(np.ceil(end / strands.h), 2, strands.links + 1).astype(np.int64)
-        first, last = np.searchsorted(self.springs.station, [begin + edge, end - edge])
+        each = strands.across[:, 1] * strands.h  # x of a link
+        low = np.clip(np.floor((begin - strands.across[:, 0]) / each), 0, strands.links).astype(np.int64)
+        high = np.clip(np.ceil((end - strands.across[:, 0]) / each), 0, strands.links + 1).astype(np.int64)
+        high = np.maximum(low, high)
+        first, last = np.searchsorted(self.springs.x, [begin + edge, end - edge])
         return Window(low, high, int(first), int(last))

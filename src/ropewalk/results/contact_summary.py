@@ -1,0 +1,95 @@
+"""Current collection in the summary of a result: pantographs with the ranges they should meet, overhead lines."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from ropewalk.results.acceptance import acceptance_of
+from ropewalk.results.contact_statistics import (
+    BETWEEN,
+    CUTOFF,
+    ORDER,
+    UNITS,
+    ContactStatistics,
+    LineStatistics,
+    contact_statistics,
+    has_samples,
+    line_statistics,
+    scenario_of,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ropewalk.model import Scenario
+    from ropewalk.results.acceptance import Acceptance
+
+Summary = dict[str, Any]
+
+
+def contact_summary(dataset: xr.Dataset) -> Summary:
+    """Give `pantographs` and `overhead_lines` of a result, by name; both are empty where it has none, or no samples.
+
+    Args:
+        dataset: a result, in memory or lazy.
+    """
+    if not has_samples(dataset):
+        return {"pantographs": {}, "overhead_lines": {}}
+    scenario = scenario_of(dataset)
+    every = contact_statistics(dataset)
+    return {
+        "pantographs": {name: _pantograph(scenario, name, found) for name, found in every.items()},
+        "overhead_lines": {name: _line(found) for name, found in line_statistics(dataset).items()} if every else {},
+    }
+
+
+def _pantograph(scenario: Scenario | None, name: str, found: ContactStatistics) -> Summary:
+    values = {key: {"value": getattr(found, key), "unit": unit} for key, unit in UNITS.items()}
+    spans = None
+    if scenario is not None and found.line in scenario.overhead_lines:
+        spans = list(scenario.overhead_lines[found.line].analysed)
+    return {
+        "line": found.line,
+        "analysed_spans": spans,
+        "complete": found.complete,
+        "filter": {
+            "kind": "Butterworth, zero phase",
+            "order": ORDER,
+            "unit": "Hz",
+            "limit": CUTOFF,
+            "between": BETWEEN,
+        },
+        **values,
+        "acceptance": _acceptance(acceptance_of(scenario, name, found)),
+    }
+
+
+def _acceptance(found: Acceptance | None) -> Summary | None:
+    if found is None:
+        return None
+    checks = [asdict(check) | {"inside": check.is_inside} for check in found.checks]
+    told = {"title": found.title, "remark": found.remark, "provisional": found.provisional, "met": found.is_met}
+    return told | {"checks": checks}
+
+
+def _line(found: LineStatistics) -> Summary:
+    droppers = found.droppers
+    inner = [name for name, dropper in droppers.items() if dropper.analysed]  # the ends of a line are not typical
+    largest = max(inner, key=lambda name: droppers[name].largest, default=None)
+    slackest = max(inner, key=lambda name: droppers[name].slack, default=None)
+    out: Summary = {
+        "unit": {"station": "m", "uplift": "m", "length": "m", "force": "N", "slack": "1", "slack_time": "s"},
+        "supports": {name: asdict(support) for name, support in found.supports.items()},
+        "droppers": {name: asdict(dropper) for name, dropper in droppers.items()},
+        "largest_dropper_force": None,
+        "most_slack": None,
+        "slackened": sum(dropper.slack > 0.0 for dropper in droppers.values()),
+    }
+    if largest is not None and slackest is not None:
+        for key, name, value, unit in (
+            ("largest_dropper_force", largest, droppers[largest].largest, "N"),
+            ("most_slack", slackest, droppers[slackest].slack, "1"),
+        ):
+            out[key] = {"value": value, "unit": unit, "dropper": name, "station": droppers[name].station}
+    return out

@@ -1,0 +1,177 @@
+"""Rest of wires with all geometry, and its second derivatives: elasticae, buckling, frequencies, the catenary."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipeinc, ellipj, ellipk, ellipkinc
+
+from ropewalk.theory import beam
+from ropewalk.theory.rope import elastic_catenary
+from ropewalk.wires.equilibrium import Potential, movable, settle
+from ropewalk.wires.mesh import mesh_of
+from ropewalk.wires.plan import Array, EndKind, Plan, Wire
+from ropewalk.wires.task import Task, ready
+
+L, EI, RHO = 2.0, 3.0, 0.7
+EA = 1e8  # hardly stretches: forces of EI / L^2 strain it by 1e-8
+ENDS: dict[str, EndKind] = {"simply_supported": "held", "clamped": "clamped"}
+
+
+def potential(links: int, tension: float = 0.0, ends: tuple[EndKind, EndKind] = ("held", "held"), bed: float = 0.0,
+              stretchy: float = EA) -> Potential:  # fmt: skip
+    """A straight wire of length L that is stretched, or compressed, by the given tension, without gravity."""
+    wire = Wire("wire", (0.0, 0.0, 0.0), (L, 0.0, 0.0), tension, RHO, EI, stretchy, bed=bed, ends=ends)
+    mesh = mesh_of(Plan((wire,), gravity=0.0), [links])
+    return Potential(mesh, np.full(mesh.nodes, L / links / (1.0 + tension / stretchy)))
+
+
+# Large deflection
+
+
+def bent_cantilever(alpha: float) -> tuple[float, float]:
+    """How far the tip goes aside, and back, over the length; alpha = P L^2 / EI (Bisshopp and Drucker 1945).
+
+    With p^2 = (1 + sin(angle of the tip)) / 2 and theta = arcsin(1 / (p sqrt 2)): sqrt(alpha) = K(p) - F(p, theta),
+    aside 1 - 2 (E(p) - E(p, theta)) / sqrt(alpha), back 1 - sqrt(2 sin(angle) / alpha).
+    """
+
+    def long(m: float) -> float:
+        return float(ellipk(m) - ellipkinc(np.arcsin(np.sqrt(0.5 / m)), m))
+
+    m = float(brentq(lambda m: long(m) - np.sqrt(alpha), 0.5 + 1e-12, 1.0 - 1e-12, xtol=1e-15))
+    turned = ellipe(m) - ellipeinc(np.arcsin(np.sqrt(0.5 / m)), m)
+    return float(1.0 - 2.0 * turned / np.sqrt(alpha)), float(1.0 - np.sqrt(2.0 * (2.0 * m - 1.0) / alpha))
+
+
+@pytest.mark.parametrize(
+    ("alpha", "aside", "back"), [(1.0, 0.30172, 0.05643), (2.0, 0.49346, 0.16064), (5.0, 0.71379, 0.38763)]
+)
+def test_a_cantilever_bends_as_the_elastica(alpha: float, aside: float, back: float) -> None:
+    exact = np.array(bent_cantilever(alpha))
+    assert exact == pytest.approx([aside, back], abs=1e-5)  # digits given
+    errors = []
+    for links in (20, 40, 80):
+        shape = potential(links, ends=("clamped", "free"))
+        shape.force[2, -1] = alpha * EI / L**2
+        found = settle(shape, shape.mesh.straight()).position
+        errors.append(np.abs([found[2, -1] / L - exact[0], 1.0 - found[0, -1] / L - exact[1]]))
+        # At rest indeed: nothing is left of the force but rounding of EA.
+        assert np.abs(shape.pull(found)[:, 1:]).max() < 1e-5 * EI / L**2
+    assert (errors[-1] < 3e-4).all()
+    # Second order, with a little of higher ones at 20 links.
+    assert np.log2(errors[0] / errors[1]) == pytest.approx([2.0, 2.0], abs=0.1)
+    assert np.log2(errors[1] / errors[2]) == pytest.approx([2.0, 2.0], abs=0.05)
+
+
+@pytest.mark.parametrize("angle", [0.3, 1.0, 2.0])
+def test_a_strut_beyond_buckling_is_an_elastica(angle: float) -> None:
+    """Pinned ends brought together (Timoshenko and Gere, Theory of Elastic Stability).
+
+    With k = sin(angle / 2), angle that of the ends: distance (2 E/K - 1) L, height k L / K, force 4 K^2 EI / L^2.
+    """
+    m = np.sin(0.5 * angle) ** 2
+    K, E = ellipk(m), ellipe(m)
+    high, thrust, errors = np.sqrt(m) / K * L, 4.0 * K**2 * EI / L**2, []
+    for links in (20, 40, 80):
+        s = np.linspace(0.0, L, links + 1)
+        _, cn, _, am = ellipj(2.0 * K * s / L - K, m)
+        found = np.stack([L / K * (ellipeinc(am, m) + E) - s, 0.0 * s, high * cn])
+        assert found[0, -1] == pytest.approx((2.0 * E / K - 1.0) * L, rel=1e-12)
+        for stretchy in (1e3, 1e4, 1e5, 1e6):  # links, shorter than their arcs, would be thrown off by a large EA
+            shape = potential(links, -thrust, stretchy=stretchy)  # so long that it has the length L under the force
+            found = settle(shape, found).position
+        errors.append(np.abs([found[2].max() / high - 1.0, -shape.pull(found)[0, 0] / thrust - 1.0]))
+    assert (errors[-1] < 2e-3).all()
+    # Where it is inclined the force strains it less: by 1e-6 at most, which the flattest height feels tenfold.
+    assert np.log2(errors[0] / errors[1]) == pytest.approx([2.0, 2.0], abs=0.1)
+    assert np.log2(errors[1] / errors[2]) == pytest.approx([2.0, 2.0], abs=0.1)
+
+
+# Buckling
+
+
+def least(shape: Potential) -> float:
+    """Smallest eigenvalue of the stiffness of the straight wire."""
+    free = movable(shape.mesh, space=False).ravel()
+    K = shape.stiffness(shape.mesh.straight())[free][:, free].toarray()
+    return float(np.linalg.eigvalsh(K)[0])
+
+
+def buckling(links: int, ends: str, bed: float = 0.0) -> float:
+    """Compression at which that is zero, N."""
+    near = beam.buckling_force(length=L, bending_stiffness=EI, foundation=bed, ends=ends)  # type: ignore[arg-type]
+    kinds = (ENDS[ends], ENDS[ends])
+    return float(brentq(lambda N: least(potential(links, -N, kinds, bed)), 0.7 * near, 1.2 * near, rtol=1e-10))
+
+
+@pytest.mark.parametrize(("ends", "euler"), [("simply_supported", 1.0), ("clamped", 4.0)])
+def test_it_buckles_under_eulers_load(ends: str, euler: float) -> None:
+    exact = euler * np.pi**2 * EI / L**2
+    errors = [abs(buckling(links, ends) / exact - 1.0) for links in (10, 20, 40)]
+    assert errors[-1] < 2.5e-3
+    assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx([2.0, 2.0], abs=0.1)
+
+
+@pytest.mark.parametrize("ends", ["simply_supported", "clamped"])
+@pytest.mark.parametrize("bed", [30.0, 3e3])
+def test_on_a_bed_it_buckles_into_more_waves(ends: str, bed: float) -> None:
+    exact = beam.buckling_force(length=L, bending_stiffness=EI, foundation=bed, ends=ends)  # type: ignore[arg-type]
+    errors = [abs(buckling(links, ends, bed) / exact - 1.0) for links in (20, 40, 80)]
+    assert errors[-1] < 2e-3
+    assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx([2.0, 2.0], abs=0.15)
+
+
+def test_beyond_that_the_straight_wire_is_no_minimum() -> None:
+    Euler = np.pi**2 * EI / L**2
+    assert least(potential(40, -0.99 * Euler)) > 0.0 > least(potential(40, -1.01 * Euler))
+
+
+# Frequencies
+
+
+@pytest.mark.parametrize("ends", ["simply_supported", "clamped"])
+@pytest.mark.parametrize(("tension", "bed"), [(0.0, 0.0), (40.0, 0.0), (-5.0, 0.0), (40.0, 300.0), (-12.0, 300.0)])
+def test_frequencies_of_stretched_bedded_and_compressed_wires(ends: str, tension: float, bed: float) -> None:
+    line = {"length": L, "bending_stiffness": EI, "mass": RHO, "tension": tension, "foundation": bed}
+    exact = np.sort(beam.natural_frequencies(6, ends=ends, **line))[:3]  # type: ignore[arg-type]
+    errors = []
+    for links in (20, 40, 80):
+        shape = potential(links, tension, (ENDS[ends], ENDS[ends]), bed)
+        n, up = shape.mesh.nodes, slice(1, -1)
+        K = shape.stiffness(shape.mesh.straight()).toarray()[2 * n :, 2 * n :][up, up]
+        m = shape.mesh.mass[up]
+        found = np.sqrt(np.linalg.eigvalsh(K / np.sqrt(np.outer(m, m)))[:3])
+        errors.append(found / exact - 1.0)
+    assert np.abs(errors[-1]).max() < 8e-3
+    # Of the second order. Tension and bending miss with one sign, so no error is by chance small.
+    assert np.log2(np.abs(errors[1] / errors[2])) == pytest.approx([2.0] * 3, abs=0.1)
+
+
+# A wire of given length
+
+
+@pytest.mark.parametrize(("length", "height"), [(20.6, 0.0), (24.0, 3.0), (19.97, 0.0)])
+def test_a_wire_without_stiffness_hangs_as_the_elastic_catenary(length: float, height: float) -> None:
+    """Slack, very slack and uneven, and taut; as a declared line comes to rest."""
+    span, mass, stretchy = 20.0, 1.3, 2e5
+    exact = elastic_catenary(span=span, height=height, length=length, weight=mass * 9.81, axial_stiffness=stretchy)
+    errors: list[Array] = []
+    for links in (25, 50, 100):
+        tension = max(stretchy * (float(np.hypot(span, height)) / length - 1.0), 0.0)
+        wire = Wire("wire", (0.0, 0.0, 0.0), (span, 0.0, height), tension, mass, 0.0, stretchy, unstrained=length)
+        _, start = ready(Task(Plan((wire,)), (), (), element=[links]))
+        xi = np.linspace(0.0, length, links + 1)
+        d = np.diff(start.position, axis=1)
+        pulled = stretchy * (np.sqrt((d**2).sum(axis=0)) / start.unstrained[:-1] - 1.0)
+        errors.append(
+            np.array([
+                np.abs(start.position[[0, 2]].T - exact.position(xi)).max() / exact.sag,
+                np.abs(pulled / exact.tension(0.5 * (xi[1:] + xi[:-1])) - 1.0).max(),
+            ])
+        )  # fmt: skip
+    assert (errors[-1] < 3e-4).all()
+    # Of a taut wire the tension is that of its chord: what is left is rounding, and its shape is found exactly.
+    for coarse, fine in zip(errors[1], errors[2], strict=True):
+        assert fine < 1e-9 or np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
