@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 FAULT, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 FILM_SUFFIXES = (".gif", ".mp4")
+REPORT_SUFFIX = ".html"
 
 Progress = Callable[[float], None]
 
@@ -134,12 +135,14 @@ def show(
     result: Annotated[Path, typer.Argument(metavar="OUT.nc", help="Result file.")],
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="FIG|FILM", help="Draw to .png, .svg, .pdf, .gif or .mp4."),
+        typer.Option(
+            "-o", "--output", metavar="FIG|FILM|REPORT", help="Write a .png, .svg, .pdf, .gif, .mp4 or .html."
+        ),
     ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Print the summary of a result, or draw it as a figure or a film."""
+    """Print the summary of a result, or make a figure, a film or a report of it."""
     with _reported():
         if output is not None:
             _check_picture(output)
@@ -155,6 +158,10 @@ def show(
 
                 with _progress("filming", quiet) as progress:
                     film(dataset, output, progress=progress)
+            elif output.suffix.lower() == REPORT_SUFFIX:
+                from ropewalk.results import html_report
+
+                _write(html_report(dataset), output)
             else:
                 from ropewalk.results import figure
 
@@ -265,11 +272,18 @@ def _print_json(value: Any) -> None:
 
 
 def _check_picture(output: Path) -> None:
-    known = (*FIGURE_SUFFIXES, *FILM_SUFFIXES)
+    known = (*FIGURE_SUFFIXES, *FILM_SUFFIXES, REPORT_SUFFIX)
     if output.suffix.lower() not in known:
-        _fail(f"{output}: unknown kind of picture; the name must end in {', '.join(known)}")
+        _fail(f"{output}: unknown kind of picture or report; the name must end in {', '.join(known)}")
     if not output.parent.is_dir():
         _fail(f"{output}: the folder {output.parent} does not exist; create it or choose another place")
+
+
+def _write(text: str, output: Path) -> None:
+    try:
+        output.write_text(text, encoding="utf-8")
+    except OSError as problem:
+        _fail(f"{output}: cannot be written ({problem.strerror or problem})")
 
 
 def _save(drawn: Any, output: Path) -> None:

@@ -26,6 +26,7 @@ from ropewalk.model.load import AnyLoad, MovingForce, Travelling
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic, Linear, Start
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
@@ -74,6 +75,9 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
     run = scenario.run
     if not isinstance(run, Dynamic | Linear):
         return scenario, {}
+    if isinstance(run, Dynamic) and scenario.is_stiff:
+        wrong = "stiff lines and overhead lines in motion are not known here"
+        raise ScenarioError([Problem("run.kind", wrong, "dynamic", "ask for kind: linear, which knows beams")])
     if isinstance(run, Dynamic) and run.start.kind == "result":
         wrong, remedy = "a stored result has other loads than a run without feedback", "start from rest"
         raise ScenarioError([Problem("run.start.kind", wrong, "result", remedy)])
@@ -266,6 +270,7 @@ def _on_ground(
         changes["at_end"] = "leave" if travel.at_end == "refuse" else travel.at_end
         own["travel"] = travel.model_copy(update=changes)
     else:
+        assert not isinstance(load, Pantograph)
         links = max(LINKS, line.elements)
         own["start"] = load.start / (1.0 + STRETCH)
         if isinstance(load, Stepper):

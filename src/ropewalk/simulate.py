@@ -307,8 +307,9 @@ def _refuse_masses(scenario: Scenario) -> None:
     for name, load in scenario.loads.items():
         if not isinstance(load, MovingForce):
             raise RopewalkError(
-                f"load {name}: the spectrum with loads in their places knows forces only, not kind: {load.kind}; ask for "
-                "that of the line alone (no instant, no start.with_loads), or write kind: force with its weight as force"
+                f"load {name}: the spectrum with loads in their places knows forces only, not kind: {load.kind}; ask "
+                "for that of the line alone (no instant, no start.with_loads), or write kind: force with its weight "
+                "as force"
             )
 
 

@@ -49,8 +49,8 @@ def check(parts: Parts) -> list[Finding]:
 
 
 def _something(parts: Parts) -> Iterator[Finding]:
-    if not parts.lines and not parts.overhead:
-        yield Finding(("lines",), "there is no line", remedy="add a line, or overhead_lines")
+    if parts.is_complete and not parts.lines and not parts.overhead:
+        yield Finding(("lines",), "is missing or empty: there is no line", remedy="add lines, or overhead_lines")
     for name in parts.overhead:
         if name in parts.lines:
             remedy = "give every line its own name"

@@ -21,6 +21,7 @@ class Parts:
     gravity: float | None
     on: Mapping[str, str] = field(default_factory=dict)  # line named by each load, also by those that are None
     overhead: Mapping[str, OverheadLine | None] = field(default_factory=dict)
+    is_complete: bool = True  # whether no block of lines hides behind a misspelt key
 
     def loads_on(self, line: str) -> list[str]:
         """Names of the loads on a line."""

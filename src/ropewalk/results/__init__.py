@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ropewalk.results.files import ResultError, WriteError, check_target, open_result
     from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
     from ropewalk.results.recorder import Recorder
+    from ropewalk.results.report import html_report
     from ropewalk.results.statistics import summary
     from ropewalk.results.table import text
 
@@ -29,6 +30,7 @@ _HOME = {
     "check_target": "files",
     "figure": "figures",
     "film": "animation",
+    "html_report": "report",
     "links": "contract",
     "open_result": "files",
     "single": "figures",
@@ -47,6 +49,7 @@ __all__ = [
     "check_target",
     "figure",
     "film",
+    "html_report",
     "links",
     "open_result",
     "single",

@@ -18,6 +18,7 @@ from matplotlib.markers import CARETUP
 from numpy.typing import NDArray
 
 from ropewalk.results import style
+from ropewalk.results.contact_film import ContactStage, is_filmed_here
 from ropewalk.results.contract import path_name
 from ropewalk.results.figures import set_scale
 from ropewalk.results.files import ResultError
@@ -34,7 +35,7 @@ Progress = Callable[[float], None]
 SUFFIXES = (".gif", ".mp4")
 WIDTH = 960  # pixels
 HEIGHTS = (360, 720)  # pixels, as the shape needs
-FRAMES = 151
+FRAMES, FRAMES_FOLLOWING = 151, 401
 LINKS = 1500  # most links drawn of one line
 DELAYS = (40, 50, 60, 80, 100, 120, 150, 200)  # ms between pictures; GIF counts in 10 ms, 40 ms look fluent
 ARROW = 0.2  # length of the arrow for the largest force, in heights of the picture
@@ -49,13 +50,13 @@ class Tempo:
     label: str
 
 
-def film(dataset: xr.Dataset, path: str | Path, *, frames: int = FRAMES, progress: Progress | None = None) -> None:
-    """Write a film: GIF by Pillow, MP4 if imageio-ffmpeg is installed.
+def film(dataset: xr.Dataset, path: str | Path, *, frames: int | None = None, progress: Progress | None = None) -> None:
+    """Write a film: GIF by Pillow, MP4 if imageio-ffmpeg is installed; pantographs are followed along their line.
 
     Args:
         dataset: a result with at least two frames.
         path: where to write; the suffix decides.
-        frames: most pictures in the film.
+        frames: most pictures in the film (default: 151, or 401 that follow a pantograph).
         progress: is told the fraction done.
 
     Raises:
@@ -67,8 +68,11 @@ def film(dataset: xr.Dataset, path: str | Path, *, frames: int = FRAMES, progres
     if dataset.sizes[path_name(dataset)] < 2:
         raise ResultError("a film needs at least two frames; draw a figure instead")
     write = _write_gif if path.suffix.lower() == ".gif" else _mp4_writer()
-    pace = tempo(dataset, frames)
-    stage = Stage(dataset, pace)
+    if follows := is_filmed_here(dataset):
+        pace = tempo(dataset, frames or FRAMES_FOLLOWING)
+    else:
+        pace = tempo(dataset, frames or FRAMES)
+    stage = ContactStage(dataset, pace.frames, pace.label) if follows else Stage(dataset, pace)
     try:
         write(path, stage, pace.delay, progress or (lambda done: None))
     except BaseException as problem:
@@ -294,7 +298,7 @@ def _height(points: Array) -> int:
     return int(np.clip(wanted, *HEIGHTS)) // 2 * 2  # video wants even numbers
 
 
-def _write_gif(path: Path, stage: Stage, delay: int, progress: Progress) -> None:
+def _write_gif(path: Path, stage: Stage | ContactStage, delay: int, progress: Progress) -> None:
     """Write a GIF with one palette for all pictures, taken from a few of them."""
     from PIL import Image as pillow
 
@@ -318,7 +322,7 @@ def _write_gif(path: Path, stage: Stage, delay: int, progress: Progress) -> None
     next(rest).save(path, "GIF", save_all=True, append_images=rest, duration=delay, loop=0, optimize=False)
 
 
-def _mp4_writer() -> Callable[[Path, Stage, int, Progress], None]:
+def _mp4_writer() -> Callable[[Path, Stage | ContactStage, int, Progress], None]:
     try:
         import imageio_ffmpeg
     except ImportError:
@@ -326,7 +330,7 @@ def _mp4_writer() -> Callable[[Path, Stage, int, Progress], None]:
             "MP4 needs the package imageio-ffmpeg (pip install 'ropewalk[film]'); or write a .gif instead"
         ) from None
 
-    def write(path: Path, stage: Stage, delay: int, progress: Progress) -> None:
+    def write(path: Path, stage: Stage | ContactStage, delay: int, progress: Progress) -> None:
         options: dict[str, Any] = {"fps": 1000 / delay, "macro_block_size": 2, "quality": 8}
         stream = imageio_ffmpeg.write_frames(str(path), stage.size, **options)
         stream.send(None)

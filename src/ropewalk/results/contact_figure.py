@@ -156,7 +156,8 @@ def _force(ax: Axes, rides: list[_Ride]) -> None:
     high = float(np.percentile(seen, 99.9)) if seen.size else 1.0
     low = min([0.0, *(r.found.statistical_minimum for r in rides if math.isfinite(r.found.deviation))])
     ax.set_ylim(min(1.1 * low, -0.03 * high), 1.35 * high)
-    style.dress(ax, "Contact force; supports dotted, analysed spans shaded", "distance along the line (m)", "force (N)")
+    title = "Contact force, with mean and mean ± 3σ of the analysed spans (shaded)"
+    style.dress(ax, title, "distance along the line (m)", "force (N)")
     style.legend(ax)
 
 

@@ -8,7 +8,7 @@ from pydantic.fields import FieldInfo
 
 from ropewalk.model import Scenario
 from ropewalk.model._base import Declaration, Variants, declarations_in
-from ropewalk.model.quantity import Components, Quantity
+from ropewalk.model.quantity import Components, Listed, Quantity
 from ropewalk.scenario.source import Key
 
 
@@ -31,14 +31,17 @@ def known_keys(block: type[Declaration]) -> dict[str, FieldInfo]:
 def unit_of(field: FieldInfo) -> str:
     """Find the unit of a quantity, empty for anything else."""
     for mark in (*field.metadata, *_marks(field.annotation)):
-        if isinstance(mark, Quantity | Components):
+        if isinstance(mark, Quantity | Components | Listed):
             return mark.unit
     return ""
 
 
 def choices_of(field: FieldInfo) -> list[str]:
     """List the words that a key accepts, empty where it is not a choice."""
-    return [str(word) for word in get_args(field.annotation)] if get_origin(field.annotation) is Literal else []
+    for kind in (field.annotation, *get_args(field.annotation)):
+        if get_origin(kind) is Literal:
+            return [str(word) for word in get_args(kind)]
+    return []
 
 
 def _annotation_at(key: Key, tree: Any, start: type[Declaration] = Scenario) -> Any:

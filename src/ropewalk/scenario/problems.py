@@ -206,7 +206,8 @@ def _parts(tree: Any, uncertain: set[str]) -> Parts:
     if "gravity" in uncertain:
         gravity = None
     overhead = {name: _valid(_OVERHEAD, line) for name, line in _members(tree, "overhead_lines").items()}
-    return Parts(lines, loads, run, gravity, on if lines or overhead else {}, overhead)
+    complete = not {"lines", "overhead_lines"} & uncertain and isinstance(tree.get("lines", {}), dict)
+    return Parts(lines, loads, run, gravity, on if lines or overhead else {}, overhead, complete)
 
 
 def _members(tree: Any, name: str) -> dict[str, Any]:
