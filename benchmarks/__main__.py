@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from . import bodies, continuum, cost, statics, theory
+from . import bodies, continuum, cost, overhead, statics, theory
 from .peers import __main__ as peers
 
 
@@ -13,10 +13,10 @@ def main() -> None:
     """Print what was asked for."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument(
-        "what", nargs="?", default="all", choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies"],
+        "what", nargs="?", default="all", choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies", "overhead"],
         help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling; "
         "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields; "
-        "bodies: masses, walkers, models of one's own, and Exudyn's sliding joint",
+        "bodies: masses, walkers, models of one's own, and Exudyn's sliding joint; overhead: against real time",
     )  # fmt: skip
     what = parser.parse_args().what
     if what in ("all", "continuum"):
@@ -29,6 +29,8 @@ def main() -> None:
         theory.main()
     if what in ("all", "bodies"):
         bodies.main()
+    if what in ("all", "overhead"):
+        overhead.main()
     if what in ("all", "peers"):
         sys.argv = ["benchmarks.peers", "--case", "all"]
         peers.main()

@@ -1,4 +1,4 @@
-"""Independent routes to numbers of the examples with bodies: quasi-static catenaries, energy."""
+"""Independent routes to numbers of the examples with bodies: quasi-static catenaries, energy, modes of beams."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from ropewalk.theory import beam, foundation
+from ropewalk.theory.beam_crossing import Crossing
+from ropewalk.theory.beam_vehicle import oscillator, rigid_body
 from ropewalk.theory.rope import elastic_catenary
 
 G = 9.81
@@ -52,3 +55,32 @@ def deepest_without_losses() -> float:
 
     depth = brentq(surplus, 1.0, 20.0)
     return -(depth + length + line(depth)[0] / k)
+
+
+def lorry_crossing() -> Crossing:
+    """The lorry of bridge-biggs.yaml on its bridge, by 20 modes."""
+    lorry = oscillator(32e3, load_stiffness=6e6, load_damping=3e4, wheel_mass=4e3)
+    t = np.linspace(0.0, 1.2, 601)
+    return beam.moving_vehicle(
+        t, vehicle=lorry, speed=25.0, length=30.0, bending_stiffness=12e9, mass=6e3, damping=0.62 * 6e3, modes=20,
+        tolerance=1e-4,
+    )  # fmt: skip
+
+
+TRACK = {"bending_stiffness": 10e6, "foundation": 5e6, "mass": 600.0, "damping": 18.0 * 600.0}
+
+
+def track_under_a_bogie() -> float:
+    """Largest deflection in the middle of the track of bedded-line-vehicle.yaml, by 90 modes, m."""
+    bogie = rigid_body(12e3, pitch_inertia=15e3, centre=1.25, axles=[0.0, 2.5], load_stiffness=1e6, load_damping=4e4,
+                       wheel_mass=1800.0)  # fmt: skip
+    t = np.linspace(0.4, 0.65, 251)
+    crossing = beam.moving_vehicle(t, vehicle=bogie, speed=290.0 / 3.6, length=80.0, modes=90, tolerance=1e-3, **TRACK)
+    return float(crossing.beam_deflection(40.0).max())
+
+
+def endless_track_under_two_axles() -> float:
+    """The same of an endless track under the static loads of the axles, m."""
+    axle = (6000.0 + 1800.0) * G
+    x = np.linspace(-10.0, 5.0, 3001)
+    return float(foundation.several_loads(x, forces=[axle] * 2, places=[0.0, -2.5], speed=290.0 / 3.6, **TRACK).max())

@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 import example_routes as routes
+from ropewalk.results.contact_statistics import contact_statistics
 from ropewalk.results.statistics import summary
 from ropewalk.scenario import load
 from ropewalk.simulate import simulate
@@ -124,6 +125,35 @@ def tension_in_the_middle(result: xr.Dataset) -> float:
     return float(result.tension.values[(body > 18.0) & (body < 22.0)].mean())
 
 
+def deflection_at_midspan(result: xr.Dataset) -> float:
+    """Largest, from rest, m."""
+    z = result.position.sel(axis="z").to_numpy()
+    return float((z[0] - z)[:, z.shape[1] // 2].max())
+
+
+def acceleration_of_the_body(result: xr.Dataset) -> np.ndarray:
+    """Upwards, m/s^2."""
+    return np.gradient(np.gradient(result.body_position[:, 0, -1].to_numpy(), result.time), result.time)
+
+
+def least_contact_force(result: xr.Dataset) -> float:
+    """Smallest pressure of the first wheel on the line well inside of it, N."""
+    force, xi = -result.contact_force[:, 0, -1].to_numpy(), result.contact_xi[:, 0].to_numpy()
+    return float(force[(xi > 0.05 * float(result.xi[-1])) & (xi < 0.95 * float(result.xi[-1]))].min())
+
+
+def collection(name: str, scale: float = 1.0) -> Callable[[xr.Dataset], float]:
+    """A statistic of the pantograph."""
+    return lambda result: scale * float(getattr(contact_statistics(result)["pantograph"], name))
+
+
+def collected(*known: tuple[str, float, float]) -> list[Known]:
+    """Statistics of a pantograph in N, the uplift in mm: their names, what is known of them, and how closely."""
+    return [
+        Known(name, collection(name, 1e3 if name == "uplift" else 1.0), value, apart) for name, value, apart in known
+    ]
+
+
 def audit(result: xr.Dataset) -> float:
     """Largest imbalance over the energy turned over."""
     energy = summary(result)["energy"]
@@ -134,7 +164,59 @@ STANDING = stand(span=40.0, standing_tension=1500.0, stiffness=55e3, mass=57.0)
 CRAB = elastic_catenary(
     span=120.0, length=120.8, weight=9.0 * 9.81, axial_stiffness=1.2e8, loads=[(30.0, (0.0, -6500.0 * 9.81))]
 )
+LORRY = routes.lorry_crossing()
 KNOWN = {
+    # Converged answers on which two formulations agree; tests/overhead/test_en50318_2002.py has all quantities and the
+    # ranges of acceptance. 0.25 m and 1 ms leave 0.4 N of sigma.
+    "en50318-2002-250.yaml": collected(("mean", 116.0, 0.2), ("deviation", 28.2, 0.5), ("uplift", 52.9, 0.5)),
+    "en50318-2002-300.yaml": collected(("mean", 115.3, 0.2), ("deviation", 33.3, 0.5), ("uplift", 60.2, 0.6)),
+    # Known: the mean force that is asked for, and the answers of an independent calculation, in the plane, with other
+    # elements and another filter: to 4 % of the deviations, 8 N of the extremes, 3 mm. The pantograph presses with what
+    # the slow rise of the wire demands; in motion it rises 1 to 2 cm higher, and the spring of its base takes 2 and 3 N
+    # of the mean. Of the provisional ranges, recalled and not seen in the standard, both this and that calculation
+    # miss the one of the smallest force at 320 km/h (55 to 82 N); here the mean (166.5 N) and the uplift (64 mm) miss
+    # theirs, too, by 0.4 N and 0.8 mm.
+    "simple-ac-275.yaml": collected(
+        ("mean", 143.4, 2.5),
+        ("deviation", 35.3, 1.2),
+        ("deviation_low", 26.2, 0.8),
+        ("deviation_high", 22.7, 0.8),
+        ("maximum", 241.0, 8.0),
+        ("minimum", 75.0, 5.0),
+        ("uplift", 45.0, 3.0),
+        ("loss", 0.0, 0.0),
+    ),
+    "simple-ac-320.yaml": collected(
+        ("mean", 169.3, 4.0),
+        ("deviation", 59.9, 2.0),
+        ("deviation_low", 41.8, 1.2),
+        ("deviation_high", 42.4, 1.6),
+        ("maximum", 309.0, 8.0),
+        ("minimum", 45.0, 5.0),
+        ("uplift", 62.5, 3.0),
+        ("loss", 0.0, 0.0),
+    ),
+    "bridge-sprung-mass.yaml": [
+        # 20 modes (tests/theory). Second order of 48 links: 2.4157, 2.4094, 2.4078 mm with 24, 48, 96.
+        Known("deflection at midspan, m", deflection_at_midspan, 2.4073013e-3, 4e-6),
+        Known("largest acceleration up, m/s^2", lambda r: float(acceleration_of_the_body(r).max()), 0.14797, 5e-4),
+        Known("and down", lambda r: float(acceleration_of_the_body(r).min()), -0.14219, 5e-4),
+    ],
+    "bridge-vehicle-2004.yaml": [
+        # 20 modes, as above; of the acceleration 48 links miss 0.4 %.
+        Known("deflection at midspan, m", deflection_at_midspan, 1.2738549e-3, 2e-6),
+        Known("largest acceleration up, m/s^2", lambda r: float(acceleration_of_the_body(r).max()), 0.036866, 2e-4),
+        Known("and down", lambda r: float(acceleration_of_the_body(r).min()), -0.031704, 2e-4),
+    ],
+    "bridge-biggs.yaml": [
+        Known("deflection at midspan, m", deflection_at_midspan, float(LORRY.beam_deflection(15.0).max()), 4e-5),
+        Known("smallest contact force, N", least_contact_force, float(LORRY.contact_force[30:570].min()), 2e3),
+    ],
+    "bedded-line-vehicle.yaml": [
+        Known("deflection in the middle, m", deflection_at_midspan, routes.track_under_a_bogie(), 6e-5),
+        # The bogie still swings a little from where it entered, so that its axle loads are not quite the static ones.
+        Known("that of an endless track, m", deflection_at_midspan, routes.endless_track_under_two_axles(), 3e-4),
+    ],
     "zip-line.yaml": [
         # The rope is lighter than she is but not massless: it moves with her, and she swings. 2.5 % are missing.
         Known("speed at the brake, m/s", speed_of_the_rider, routes.zip_line_speed(), 0.35),

@@ -76,7 +76,7 @@ def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until:
         mean = push_of(load, section.level).wanted(np.interp([0.5 * until], time, value))
         lift = expected_lift(section, float(mean[0]))
     push = push_of(load, section.level, lift)
-    rough = _rough(load)
+    rough = _rough(name, load)
     mesh = section.mesh()
     first = start_of(load, mesh, rest_of(mesh), CONTACT, float(rough(np.array([start]))[0]))
     rider = rider_of(name, load, wire)
@@ -87,10 +87,10 @@ def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until:
     return Journey(rider, travelled(start, time, value), pushed, rough=rough, first=first)
 
 
-def _rough(load: Pantograph) -> Callable[[Array], Array]:
+def _rough(name: str, load: Pantograph) -> Callable[[Array], Array]:
     if load.irregularity is None:
         return lambda stations: np.zeros_like(stations)
-    return read_irregularity(Path(load.irregularity)).at
+    return read_irregularity(Path(load.irregularity), f"loads.{name}.irregularity").at
 
 
 def _masses(name: str, load: AnyLoad, journey: int) -> list[Shown]:

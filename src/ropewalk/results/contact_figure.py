@@ -23,6 +23,7 @@ from ropewalk.results.contact_statistics import (
     contact_statistics,
     filtered,
     has_samples,
+    interval_of,
     line_statistics,
     samples,
     scenario_of,
@@ -106,7 +107,7 @@ def _declared(scenario: Scenario | None, name: str) -> OverheadLine | None:
 
 def _rides(dataset: xr.Dataset) -> list[_Ride]:
     flat = samples(dataset.drop_vars("sampled_tie_force", errors="ignore"))
-    interval = float(np.median(np.diff(flat["time"].values)))
+    interval = interval_of(flat)
     names, out = flat["load"].values.tolist(), []
     for i, (name, found) in enumerate(contact_statistics(dataset).items()):
         k = names.index(name)

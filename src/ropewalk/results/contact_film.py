@@ -15,6 +15,7 @@ from ropewalk.results.contact_statistics import (
     CUTOFF,
     contact_statistics,
     filtered,
+    interval_of,
     line_statistics,
     pantographs,
     samples,
@@ -58,8 +59,9 @@ class ContactStage:
         self._x0 = float(dataset["position"][0].values[self._wires["contact"][0], 0])
         self._rest: Array = dataset["position"][0].values[:, -1]
         self._set_ties(first)
-        supports = line_statistics(dataset, ties=False)
-        self._supports = np.array([s.station for line in supports.values() for s in line.supports.values()])
+        lines = line_statistics(dataset, ties=False)
+        known = lines[first].supports.values() if first in lines else ()
+        self._supports = np.array([support.station for support in known])
         self._bodies: Array = dataset["body_position"].values[frames][..., [0, -1]]
         bodies = dataset["body"].values.tolist()
         self._own = [[i for i, b in enumerate(bodies) if b.rpartition(".")[0] == name] for name in self._names]
@@ -121,8 +123,7 @@ class ContactStage:
         self._instant: Array = flat["time"].values
         self._along: Array = flat["station"].values
         self._raw: Array = np.where(np.isfinite(self._along), flat["force"].values, np.nan)
-        interval = float(np.median(np.diff(self._instant)))
-        self._force = np.stack([filtered(raw, interval) for raw in self._raw.T], axis=1)
+        self._force = np.stack([filtered(raw, interval_of(flat)) for raw in self._raw.T], axis=1)
         seen = self._raw[np.isfinite(self._raw)]
         self._largest = float(np.percentile(seen, 99.5)) if seen.size else 1.0
 

@@ -230,9 +230,9 @@ def _collection(found: Summary) -> Iterator[str]:
             yield from _acceptance(title, body)
     told = next(iter(found["pantographs"].values()))["filter"]
     yield (
-        f'<p class="faint">Forces up to {told["limit"]:g} Hz: a {_text(told["kind"])} filter of order {told["order"]}, '
-        "run forwards and backwards, -6 dB at its limit. The order of the filter moves sigma by up to 3 N; the standards "
-        "leave it open.</p>"
+        f'<p class="faint">Forces up to {told["limit"]:g} Hz: {_text(told["kind"])}, order {told["order"]}, '
+        "run forwards and backwards, -6 dB at its limit. The order of the filter moves sigma by up to 3 N; the "
+        "standards leave it open.</p>"
     )
     yield _section("Forces and energy")
     yield from _tables((title, body) for title, body in _blocks(found) if title not in (*wanted, *titles))
@@ -288,7 +288,7 @@ def _method(dataset: xr.Dataset, found: Summary) -> Iterator[str]:
     body = [row for title, block in _blocks(found) if title == "Method" for row in block]
     told = dataset.attrs
     body.append(("version", f"ropewalk {told.get('ropewalk_version', '')}", ""))
-    body.append(("scenario", str(told.get("scenario_sha256", ""))[:16], "beginning of its SHA-256"))
+    body.append(("SHA-256 of the scenario", str(told.get("scenario_sha256", ""))))
     yield _table(body, values=())
 
 

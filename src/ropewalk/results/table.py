@@ -131,6 +131,9 @@ def _pantograph_rows(name: str, found: Summary) -> Iterator[Row]:
     if not found["complete"]:
         where.append("not from end to end")
     yield "analysed", f"{number(value['first'])} to {number(value['last'])} m", "  ".join(where)
+    if value["fastest"] < limit:
+        told = f"too far apart for {limit:g} Hz, the force is not filtered: write a smaller run.sample"
+        yield "samples", f"every {number(500.0 / value['fastest'], 3)} ms", told
     target = ""
     if value["target"] is not None:
         target = f"{number(value['target_ratio'], 3)} of the {number(value['target'])} N asked for"

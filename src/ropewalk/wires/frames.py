@@ -17,11 +17,11 @@ from ropewalk.wires.mesh import riders_of
 from ropewalk.wires.plan import Array
 from ropewalk.wires.rest import rows, vertical_stiffness
 from ropewalk.wires.small import SmallMotion
-from ropewalk.wires.stability import largest_step
+from ropewalk.wires.stability import largest_step, largest_step_along
 from ropewalk.wires.task import Task, ready
 
 SAMPLE = 1e-3  # s, interval of samples where none is asked for
-_ESCAPED = 10.0  # a node that has moved further than so many lengths of its wire belongs to a run that has blown up
+_ESCAPED = 2.0  # lengths of the longest wire: a node of a wire that is held does not get further, unless a run blows up
 
 
 class Run:
@@ -49,15 +49,21 @@ class Run:
         self.rows = max(1, int(np.ceil(interval / sample * (1.0 - 1e-9))))
         self.sample = interval / self.rows
         self.times = _snapped(times, self.sample)
-        self._stable = largest_step(self.mesh, self.riders, axial=start.rest is None, inertia=task.inertia)
-        self.steps = max(1, int(np.ceil(self.sample / (self._stable if step is None else step) * (1.0 - 1e-9))))
+        along = largest_step_along(self.mesh, task.inertia) if start.rest is None else np.inf
+        self._stable = largest_step(self.mesh, self.riders)
+        if np.isinf(self.riders.spring).any():  # rigid contacts go on by the steps of axial waves
+            self._stable = min(self._stable, along)
+        self.steps = _parts(self.sample, self._stable if step is None else step)
         account.method, account.step = "explicit", self.sample / self.steps
+        inner = _parts(account.step, along)
         if start.rest is None:
-            account.reason = "Stoermer's method for all components; axial waves limit the step"
+            account.reason = "Stoermer's method for all components" + (
+                f"; {inner} inner steps of the wires alone follow axial waves" if inner > 1 else ""
+            )
             self._potential = Potential(self.mesh, start.unstrained)
             self.motion: LargeMotion | SmallMotion = LargeMotion(
-                self.mesh, start.position, start.unstrained, self.riders, account.step, self._first(), task.inertia,
-                space=task.space,
+                self.mesh, start.position, start.unstrained, self.riders, account.step, self._first(), inner,
+                task.inertia, space=task.space,
             )  # fmt: skip
         else:
             account.reason = "Stoermer's method for small vertical motion about rest, with constant tensions"
@@ -202,6 +208,11 @@ class Run:
             force[:, 2] = (self._stiffness @ position[2] + plan.gravity * self.mesh.mass)[ends]
             force[0::2, 0], force[1::2, 0] = -strands.tension, strands.tension
         return force[:, self._axes]
+
+
+def _parts(whole: float, largest: float) -> int:
+    """Number of equal parts that are no longer than the largest."""
+    return max(1, int(np.ceil(whole / largest * (1.0 - 1e-9))))
 
 
 def _snapped(times: Array, sample: float) -> Array:

@@ -1,7 +1,8 @@
 """Large motion of wires, explicit: nodes move along, up and (in space) sideways; tensions follow from the stretch.
 
-Störmer's method for all components. The stencil corrects the dispersion of transverse waves as in small motion; axial
-waves are followed, and limit the step.
+Störmer's method for all components. The stencil corrects the dispersion of transverse waves as in small motion. Waves
+along the wires are tens of times faster than all else: the wires alone follow them by inner steps, while ties, holds
+and riders push once in each step (docs/notes/wires.md).
 """
 
 from __future__ import annotations
@@ -24,11 +25,13 @@ _CLOSE = 1e-9  # links: how closely a place of given x is sought
 
 
 class Threads(NamedTuple):
-    """What a step of a given length needs of the wires."""
+    """What an inner step of a given length needs of the wires."""
 
     bending: Array  # (wire,) N m^2, corrected
     gain: Array  # (node,) m/N, displacement by a force during a step
     along: Array  # (node,) the same along x, less where axial inertia is scaled up
+    kick: Array  # (node,) m/N across, and
+    kick_along: Array  # (node,) along x, in the first inner step for a force of a whole step
     keep: Array  # (wire,) part of the last displacement that is kept, 1 without drag
     fall: Array  # (axis, node) m during a step, by gravity; and what the correction would bend at rest, taken back
     pull: Array  # (node,) N/m, axial stiffness over unstrained length of the link behind the node
@@ -36,14 +39,15 @@ class Threads(NamedTuple):
     weight: Array  # (end, axis) N, of weights that pull at ends: they slide along x. NaN: held
 
 
-def threads_of(mesh: Mesh, position: Array, rest: Array, step: float, inertia: float = 1.0) -> Threads:
-    """Prepare steps.
+def threads_of(mesh: Mesh, position: Array, rest: Array, step: float, inner: int, inertia: float = 1.0) -> Threads:
+    """Prepare inner steps.
 
     Args:
         mesh: the wires.
         position: (axis, node) m at rest, which keeps the real bending stiffness.
         rest: (node,) m, unstrained length of the link behind each node (those of last nodes are not used).
-        step: s.
+        step: s, of an inner step.
+        inner: number of them in a step.
         inertia: factor on the mass for motion along x.
     """
     s, plan = mesh.strands, mesh.plan
@@ -53,14 +57,14 @@ def threads_of(mesh: Mesh, position: Array, rest: Array, step: float, inertia: f
     gain = step**2 / mesh.mass / np.repeat(slow, s.links + 1)
     EA = np.repeat([wire.axial_stiffness for wire in plan.wires], s.links + 1)
     fall = correction(mesh, position, bending) * gain
-    fall[0] /= inertia
+    fall[0] = 0.0  # only waves across are corrected
     fall[-1] -= np.repeat(plan.gravity * step**2 / slow, s.links + 1)
     weight = np.full((2 * s.first.size, 1), np.nan)
     for i, wire in enumerate(plan.wires):
         if wire.end_force is not None:
             weight[2 * i : 2 * i + 2, 0] = -wire.end_force[0], wire.end_force[1]
     return Threads(
-        bending, gain, gain / inertia, (2.0 - slow) / slow, fall,
+        bending, gain, gain / inertia, inner * gain, inner / inertia * gain, (2.0 - slow) / slow, fall,
         EA / rest, 1.0 / rest**2, weight[:, 0],
     )  # fmt: skip
 
@@ -108,6 +112,16 @@ def _stretch(x, y, z, rest, pull, out, first, n, small):
         if y is not None:
             square += (b[i + 1] - b[i]) ** 2
         q[i] = e[i] * (1.0 - 1.0 / np.sqrt(square * d[i]))
+
+
+@lean_inner
+def _axial(now, other, q, gain, first, n, keep):
+    """Put the next x of the inner nodes, two away from the ends, in place of the last; without bending stiffness."""
+    u, k = now[first + 1 : first + n], q[first + 1 : first + n - 1]  # slices let the loops vectorise
+    out, g = other[first + 2 : first + n - 1], gain[first + 2 : first + n - 1]
+    for i in range(n - 3):
+        pull = k[i + 1] * (u[i + 2] - u[i + 1]) - k[i] * (u[i + 1] - u[i])
+        out[i] = u[i + 1] + keep * (u[i + 1] - out[i]) + g[i] * pull
 
 
 @lean_inner
@@ -161,7 +175,7 @@ def _move(strands, threads, now, other, room, q, level, slope, small, dt):
     axes, up = now.shape[0], now.shape[0] - 1
     for a in range(strands.first.size):
         i, n, h, keep = strands.first[a], strands.links[a], strands.h[a], threads.keep[a]
-        late, b, bed = strands.retardation[a] / dt, threads.bending[a] / (h * h * h), strands.bed[a] * h
+        late, b, bed = strands.retardation[a] / dt, 0.0, strands.bed[a] * h
         if axes == 2:
             _stretch(now[0], None, now[1], threads.rest, threads.pull, q, i, n, small)
         else:
@@ -170,11 +184,14 @@ def _move(strands, threads, now, other, room, q, level, slope, small, dt):
         for c in range(axes):
             gain, fall = threads.along if c == 0 else threads.gain, threads.fall[c]
             k, felt = bed if c == up else 0.0, now[c]
+            b = (strands.stiffness[a] if c == 0 else threads.bending[a]) / (h * h * h)  # waves along are not corrected
             if late > 0.0:
                 felt = room
                 for j in range(i, i + n + 1):
                     room[j] = now[c, j] + late * (now[c, j] - other[c, j])
-            if late > 0.0 or k > 0.0:
+            if c == 0 and b == 0.0 and late == 0.0:
+                _axial(now[c], other[c], q, gain, i, n, keep)
+            elif late > 0.0 or k > 0.0:
                 _along(now[c], other[c], felt, q, gain, i, n, keep, b, t, fall, k, level)
             else:
                 _along(now[c], other[c], None, q, gain, i, n, keep, b, t, fall, k, None)
@@ -244,7 +261,7 @@ def _touch(strands, threads, riders, pace, now, other, drive, record, row, step,
         record.force[row, k], record.height[row, k] = force, height + local * force
     if where == ON_WIRE:
         for j in range(WIDTH):
-            other[up, base + j] += threads.gain[base + j] * w[0, j] * force
+            other[up, base + j] += threads.kick[base + j] * w[0, j] * force
 
 
 @inlined
@@ -267,8 +284,8 @@ def _join(strands, threads, riders, pace, other, drive, record, row, step, steps
 
 
 @lean
-def advance(strands, threads, strings, grips, watched, riders, pace, level, slope, now, other, room, q, small, drive,
-            record, steps, sweeps, w):  # fmt: skip
+def advance(strands, threads, strings, grips, watched, riders, pace, level, slope, now, other, room, q, small, inner,
+            drive, record, steps, sweeps, w):  # fmt: skip
     """Go on by all rows of the record.
 
     Args:
@@ -277,6 +294,7 @@ def advance(strands, threads, strings, grips, watched, riders, pace, level, slop
         now, other: (axis, node) m, at the present instant and a step before it; they change places with every step.
         room, q: (node,) room.
         small: whether all strains are below SMALL_STRAIN.
+        inner: steps of the wires alone in each step.
         steps: in each row.
         sweeps: over all that is rigid, in each step.
         w: (3, WIDTH) room for weights of a spline.
@@ -291,9 +309,9 @@ def advance(strands, threads, strings, grips, watched, riders, pace, level, slop
             for c in range(riders.size[i]):
                 record.body[row, i, c] = pace.q[i, c]
         for step in range(steps):
-            _move(strands, threads, now, other, room, q, level, slope, small, pace.step)
-            pull_ties(strings, now, other, threads.gain, threads.along, pace.step, record.tie, row, step)
-            hold(strings, now, other, threads.gain, threads.along, pace.step, record.hold, row, step)
+            _move(strands, threads, now, other, room, q, level, slope, small, pace.step / inner)
+            pull_ties(strings, now, other, threads.kick, threads.kick_along, pace.step, record.tie, row, step)
+            hold(strings, now, other, threads.kick, threads.kick_along, pace.step, record.hold, row, step)
             begin(riders, pace, drive.push, row, step / steps)
             for k in range(riders.owner.size):
                 _touch(strands, threads, riders, pace, now, other, drive, record, row, step, steps, k, w)
@@ -305,6 +323,10 @@ def advance(strands, threads, strings, grips, watched, riders, pace, level, slop
                         _join(strands, threads, riders, pace, other, drive, record, row, step, steps, k, w)
             settle_accounts(riders, pace)
             now, other = other, now
+            for _ in range(1, inner):
+                _move(strands, threads, now, other, room, q, level, slope, small, pace.step / inner)
+                grip(grips, axes, other, threads.gain, threads.along, record, row, steps)
+                now, other = other, now
 
 
 class LargeMotion:
@@ -317,17 +339,21 @@ class LargeMotion:
         riders: what travels.
         step: s.
         q: (rider, C) m, first coordinates, at rest.
+        inner: steps of the wires alone in each step; 1 where contacts are rigid.
         inertia: factor on the mass for motion along x, which lets the step grow by its root.
         space: whether anything moves sideways.
     """
 
     def __init__(
-        self, mesh: Mesh, position: Array, rest: Array, riders: Riders, step: float, q: Array, inertia: float = 1.0,
-        *, space: bool = False,
+        self, mesh: Mesh, position: Array, rest: Array, riders: Riders, step: float, q: Array, inner: int = 1,
+        inertia: float = 1.0, *, space: bool = False,
     ) -> None:  # fmt: skip
         self.mesh, self.riders, self.rest, axes = mesh, riders, rest, [0, 1, 2] if space else [0, 2]
-        self.inertia = inertia
-        self.threads, self.strings = threads_of(mesh, position[axes], rest, step, inertia), strings_of(mesh, position)
+        self.inertia, self.inner = inertia, inner
+        self.threads, self.strings = (
+            threads_of(mesh, position[axes], rest, step / inner, inner, inertia),
+            strings_of(mesh, position),
+        )
         self.grips = grips_of(mesh, self.threads.gain, self.threads.along, axes)
         self.pace = pace_of(riders, step, q, np.full(riders.owner.size, np.nan))
         self.watched = places_of(mesh.strands, list(mesh.plan.watched.values()))
@@ -348,12 +374,12 @@ class LargeMotion:
 
     @property
     def velocity(self) -> Array:
-        """Velocities of all nodes half a step ago, (3, node) m/s."""
-        return self._spread((self._r[0] - self._r[1]) / self.pace.step, np.zeros_like(self._side))
+        """Velocities of all nodes half an inner step ago, (3, node) m/s."""
+        return self._spread((self._r[0] - self._r[1]) * (self.inner / self.pace.step), np.zeros_like(self._side))
 
     @property
     def both(self) -> list[Array]:
-        """Positions of all nodes now and a step ago, (3, node) m."""
+        """Positions of all nodes now and an inner step ago, (3, node) m."""
         return [self._spread(r, self._side) for r in self._r]
 
     def _spread(self, values: Array, aside: Array) -> Array:
@@ -375,10 +401,10 @@ class LargeMotion:
         small = bool(np.abs(strain).max() < 0.5 * SMALL_STRAIN)
         advance(
             self.mesh.strands, self.threads, self.strings, self.grips, self.watched, self.riders, self.pace,
-            self._level, self._slope, *self._r, *self._room, small, drive, record, steps,
+            self._level, self._slope, *self._r, *self._room, small, self.inner, drive, record, steps,
             sweeps_of(self.riders, self.grips.base.size), self._w,
         )  # fmt: skip
-        if (record.force.shape[0] * steps) % 2:
+        if record.force.shape[0] * steps * self.inner % 2:
             self._r.reverse()
         return record
 

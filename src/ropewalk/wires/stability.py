@@ -8,33 +8,29 @@ from ropewalk.wires.mesh import Mesh, Riders
 from ropewalk.wires.plan import Array
 from ropewalk.wires.rest import spring, ties_springs
 
-SAFETY = 0.9
+SAFETY, SAFETY_ALONG = 0.9, 0.97  # nothing but the wire itself counts along it
 _SQUARES = 0.72  # the largest sum of squares of the weights of a spline
 
 
-def largest_step(mesh: Mesh, riders: Riders, *, axial: bool, inertia: float = 1.0) -> float:
-    """A step in s that is stable for certain, from bounds of the frequencies of all parts, which add up at worst.
-
-    Args:
-        mesh: the wires and what is attached to them.
-        riders: what travels.
-        axial: whether wires stretch.
-        inertia: factor on the mass for motion along x.
-    """
+def largest_step(mesh: Mesh, riders: Riders) -> float:
+    """A step in s that is stable for motion across, from bounds of all frequencies, which add up at worst."""
     s = mesh.strands
     T, m = np.maximum(s.tension, 0.0), s.rho * s.h
     bending = s.stiffness + T * s.h**2 / 12.0
     across = (4.0 * T / s.h + 16.0 * bending / s.h**3 + s.bed * s.h) / m
-    late = s.retardation
-    lightest, square = float(m.min()), across.copy()
-    if axial:
-        EA = np.array([wire.axial_stiffness for wire in mesh.plan.wires])
-        square = np.maximum(across, (4.0 * EA / s.h / m) / inertia)
-    attached = _attached(mesh, lightest) + _ridden(mesh, riders, lightest)
+    lightest = float(m.min())
+    total = across + _attached(mesh, lightest) + _ridden(mesh, riders, lightest)
     # omega^2 (dt^2 + 2 beta dt) < 4 for each wire
-    total = square + attached
-    steps = np.sqrt(4.0 / total + late**2) - late
+    steps = np.sqrt(4.0 / total + s.retardation**2) - s.retardation
     return SAFETY * float(min(steps.min(), _alone(riders)))
+
+
+def largest_step_along(mesh: Mesh, inertia: float = 1.0) -> float:
+    """A step in s that is stable for motion along wires; `inertia` is a factor on the mass for that."""
+    s = mesh.strands
+    EA = np.array([wire.axial_stiffness for wire in mesh.plan.wires])
+    square = (4.0 * EA / s.h + 16.0 * s.stiffness / s.h**3) / (s.rho * s.h) / inertia
+    return SAFETY_ALONG * float(2.0 / np.sqrt(square.max()))
 
 
 def _attached(mesh: Mesh, lightest: float) -> float:

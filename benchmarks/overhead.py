@@ -1,0 +1,107 @@
+"""Overhead lines against real time: the EN 50318:2002 reference model at 300 km/h, on one core."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+
+from ropewalk.model import Scenario
+from ropewalk.results.frame import Account
+from ropewalk.scenario import load
+from ropewalk.wires import hermite
+from ropewalk.wires.frames import Run
+from ropewalk.wires.journey import drive_of
+from ropewalk.wiring import task_of
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "en50318-2002-300.yaml"
+SPEED, TURNS = 300.0 / 3.6, 5
+
+
+def reference(spans: int = 10, element: float = 0.25, **run: object) -> Scenario:
+    """The example with other numbers."""
+    scenario = load(EXAMPLE)
+    line = scenario.overhead_lines["line"]
+    line = line.model_copy(update={"spans": (60.0,) * spans, "element": element, "analysed_spans": None})
+    until = (60.0 * spans - 20.0) / SPEED
+    asked = scenario.run.model_copy(update={"until": until, "every": 0.05, **run})
+    return scenario.model_copy(update={"overhead_lines": {"line": line}, "run": asked})
+
+
+def motion_alone(scenario: Scenario, seconds: float = 2.0) -> tuple[float, float]:
+    """CPU seconds for a second of motion, without set-up and output, the median of some turns; and the step in ms."""
+    account, times = Account(), np.arange(0.0, scenario.run.until, 0.05)
+    run = Run(task_of(scenario), times, account)
+    rows = int(seconds / run.sample / TURNS)
+    found, t = [], 0.0
+    for turn in range(TURNS + 1):
+        drive = drive_of(run.task.plan, run.task.journeys, t + run.sample * np.arange(rows + 1.0))
+        begin = clock.process_time()
+        run.motion.go(drive, run.steps)
+        if turn:  # the first one may have to compile
+            found.append((clock.process_time() - begin) / (rows * run.sample))
+        t += rows * run.sample
+    return median(found), 1e3 * account.step
+
+
+def everything(scenario: Scenario) -> float:
+    """CPU seconds of a whole run, form finding, frames and all, for a second of motion."""
+    begin = clock.process_time()
+    account = Account()
+    times = np.arange(0.0, scenario.run.until, 0.05)
+    for _ in Run(task_of(scenario), times, account).frames():
+        pass
+    return (clock.process_time() - begin) / float(times[-1])
+
+
+def by_hermite(element: float = 0.5, step: float = 1e-3, seconds: float = 2.0) -> float:
+    """The same of the implicit reference."""
+    run = Run(task_of(reference(element=element)), np.array([0.0, 0.05]), Account())
+    model = hermite.rest_of(run.task.plan, element)
+    riders = [journey.rider for journey in run.task.journeys]
+    rows = int(seconds / step)
+    drive = drive_of(run.task.plan, run.task.journeys, step * np.arange(rows + 0.0))
+    own = hermite.Drive(station=drive.station, rough=drive.rough, given=drive.given, push=drive.push)
+    hermite.run(model, riders, own, step)
+    found = []
+    for _ in range(TURNS):
+        begin = clock.process_time()
+        hermite.run(model, riders, own, step)
+        found.append((clock.process_time() - begin) / seconds)
+    return median(found)
+
+
+def _line(name: str, seconds: float, more: str = "") -> None:
+    print(f"{name:58s} {1.0 / seconds:8.0f} times real time  {more}", flush=True)
+
+
+def _try(name: str, what: Callable[[], tuple[float, float]]) -> None:
+    seconds, step = what()
+    _line(name, seconds, f"step {step:.3g} ms")
+
+
+def main() -> None:
+    """Print the table."""
+    print("Overhead line and pantograph, EN 50318:2002 at 300 km/h; CPU time of the motion alone\n")
+    for element in (0.5, 0.25):
+        _try(f"linearised, 10 spans, {element} m",
+             lambda e=element: motion_alone(reference(element=e, geometry="linearised")))  # fmt: skip
+    for spans in (10, 50, 200):
+        _try(f"linearised, {spans} spans, 0.25 m, window of 180 m",
+             lambda n=spans: motion_alone(reference(n, geometry="linearised", window=180.0)))  # fmt: skip
+    for spans, element in ((10, 0.5), (20, 0.5), (40, 0.5), (10, 0.25)):
+        _try(f"nonlinear, {spans} spans, {element} m",
+             lambda n=spans, e=element: motion_alone(reference(n, e, geometry="nonlinear"), 0.5))  # fmt: skip
+    _try("nonlinear, 10 spans, 0.25 m, axial inertia x 4",
+         lambda: motion_alone(reference(geometry="nonlinear", axial_inertia=4.0), 0.5))  # fmt: skip
+    _line("Hermite elements, Newmark, 10 spans, 0.5 m", by_hermite(), "step 1 ms")
+    print()
+    _line("a whole run, linearised, 10 spans, 0.25 m", everything(reference(geometry="linearised")))
+    _line("a whole run, nonlinear, 10 spans, 0.25 m", everything(reference(geometry="nonlinear")))
+
+
+if __name__ == "__main__":
+    main()

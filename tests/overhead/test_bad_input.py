@@ -1,0 +1,159 @@
+"""What cannot be is refused, or ends with a partial result: every message says what is wrong, given, and to be done."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+from overhead_cases import EN_2002, formed, rested
+from ropewalk.cli import app
+from ropewalk.errors import RopewalkError
+from ropewalk.results import open_result
+from ropewalk.scenario import load, loads
+from ropewalk.simulate import simulate
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "en50318-2002-250.yaml"
+LINE, LOAD = "overhead_lines.line.", "loads.pantograph."
+
+
+def said(*settings: str) -> str:
+    """What a run of the example with other settings is refused with."""
+    with pytest.raises(RopewalkError) as caught:
+        simulate(load(EXAMPLE, settings))
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("settings", "parts"),
+    [
+        (
+            [f"{LINE}droppers.at=[5 m, 10.5 m, 62 m]"],
+            [f"{LINE}droppers.at.2: the dropper stands outside its span", "given 62 m in span 1 of 60 m",
+             "write places between 0 m and 60 m, from the start of the span"],
+        ),
+        (
+            [f"{LINE}system_height=0.6 m"],
+            ["overhead line line: dropper line.1.5 would have to be -0.06856 m long (30 of 90 are too short)",
+             "give more system_height (it is 0.6 m), more tension to messenger_wire (it is 16000 N), or shorter spans"],
+        ),
+        (
+            [f"{LOAD}travel.from=700 m"],
+            [f"{LOAD}travel.from: the load would start beyond the end of line, given 700 m", "start at most 600 m"],
+        ),
+        ([f"{LOAD}travel.from=-5 m"], [f"{LOAD}travel.from: must not be negative, given '-5 m'; write 0 m or more"]),
+        (
+            ["run.until=9 s"],
+            [f"{LOAD}travel.speed: the load passes the end of line at 8.496 s and the run goes on until 9 s",
+             "write run.until: 8.496 s, change speed or from, or write at_end: leave"],
+        ),
+        (
+            [f"{LOAD}travel.speed=-250 km/h"],
+            [f"{LOAD}travel.speed: the load passes the start of line at 0.144 s", "or write at_end: leave"],
+        ),
+        ([f"{LOAD}on=lin"], [f"{LOAD}on: no such line, given 'lin'; did you mean line?"]),
+        ([f"{LOAD}on=rail"], [f"{LOAD}on: no such line, given 'rail'; lines here: line"]),
+        ([f"{LOAD}model=simple_ac"], [f"{LOAD}model: no such published pantograph", "did you mean simple-ac?"]),
+        ([f"{LOAD}mean_force=acc"], [f"{LOAD}mean_force: no such mean force, given 'acc'; did you mean ac?"]),
+        (
+            [f"{LOAD}irregularity=missing.csv"],
+            [f"{LOAD}irregularity: the file cannot be read", "missing.csv (No such file or directory)",
+             "name a text file beside the scenario"],
+        ),
+        (["run.method=implicit"], ["run.method: stiff lines and overhead lines move explicitly, given implicit"]),
+        (
+            ["run.geometry=nonlinear", "run.window=100 m"],
+            ["run.window: goes with linearised geometry only, given 100 m; write geometry: linearised"],
+        ),
+    ],
+)  # fmt: skip
+def test_settings_that_cannot_be_are_refused(settings: list[str], parts: list[str]) -> None:
+    message = said(*settings)
+    print(message)
+    for part in parts:
+        assert part in message
+
+
+def problems(text: str) -> str:
+    with pytest.raises(RopewalkError) as caught:
+        loads(text, "line.yaml")
+    print(caught.value)
+    return str(caught.value)
+
+
+DYNAMIC = "  kind: dynamic\n  geometry: linearised\n  until: 8.35 s\n  every: 50 ms"
+
+
+def test_a_pantograph_runs_under_overhead_lines_only() -> None:
+    wire = "  wire: {start: [0, 0], end: [600, 0], tension: 1 kN, mass: 1, axial_stiffness: 100 kN}"
+    text = EXAMPLE.read_text(encoding="utf-8").replace("loads:", f"lines:\n{wire}\nloads:")
+    message = problems(text.replace("on: line", "on: wire"))
+    assert "loads.pantograph.on: a pantograph runs under an overhead line, given 'wire'" in message
+    assert "name one of overhead_lines: line" in message
+
+
+def test_nothing_else_runs_under_overhead_lines() -> None:
+    text = EXAMPLE.read_text(encoding="utf-8").replace("    model: en50318-2002\n", "    force: [0 N, 120 N]\n")
+    message = problems(text.replace("kind: pantograph", "kind: force"))
+    assert "loads.pantograph.kind: only pantographs run under overhead lines, given force" in message
+    assert "write kind: pantograph" in message
+
+
+@pytest.mark.parametrize(
+    ("run", "part"),
+    [
+        ("  kind: quasistatic", "overhead lines do not know slow motion, given quasistatic; ask for kind: dynamic"),
+        (
+            "  kind: linear\n  until: 8 s",
+            "kind: linear does not know overhead lines, given linear; ask for kind: dynam",
+        ),
+        (
+            "  kind: equilibrium",
+            "known without loads only, given equilibrium; leave the loads out, or ask for kind: dy",
+        ),
+    ],
+)
+def test_runs_that_overhead_lines_do_not_know(run: str, part: str) -> None:
+    text = EXAMPLE.read_text(encoding="utf-8")
+    assert DYNAMIC in text
+    message = problems(text.replace(DYNAMIC, run))
+    assert "run.kind: " in message
+    assert part in message
+
+
+def test_droppers_that_are_much_too_long_hang_slack_and_the_wire_alone() -> None:
+    droppers = EN_2002["droppers"] | {"lengths": [2.0] * 9}
+    arms = {"mass": 0.0, "free": False}
+    section = formed(EN_2002, spans=[60.0] * 3, droppers=droppers, steady_arms=arms, analysed_spans=[2, 2])
+    assert section.slack == tuple(section.droppers)
+    assert section.pull == pytest.approx(np.zeros(27))
+    _, heights = rested(section)
+    # w L^2 / (8 T) in the middle of each span; second order of links of 0.5 m: none, as a parabola has none.
+    assert heights[[4, 13, 22]] == pytest.approx(np.full(3, -1.35 * 9.81 * 60.0**2 / (8.0 * 20e3)), rel=1e-6)
+
+
+@pytest.mark.parametrize("geometry", ["linearised", "nonlinear"])
+def test_an_unstable_step_ends_with_a_partial_result_and_advice(geometry: str, tmp_path: Path) -> None:
+    """Steps are parts of the interval of samples: a step of 5 ms needs such samples, too."""
+    target = tmp_path / "blown-up.nc"
+    settings = [f"run.geometry={geometry}", "run.step=5 ms", "run.sample=5 ms", "run.until=1 s"]
+    arguments = ["run", str(EXAMPLE), "-o", str(target), "-q", *(part for s in settings for part in ("--set", s))]
+    outcome = CliRunner().invoke(app, arguments)
+    assert outcome.exit_code == 3
+    assert "the run stopped early: diverged; what was computed is kept in" in outcome.stderr
+    assert "its step of 0.005 s is larger than the stable one of " in outcome.stderr
+    assert "write a smaller run.step, or leave it out" in outcome.stderr
+    with open_result(target) as result:
+        assert isinstance(result, xr.Dataset)
+        assert result.attrs["outcome"] == "diverged"
+        assert 1 <= result.sizes["time"] < 21
+        # What is kept is from before: nothing has moved further than lines do.
+        assert np.isfinite(result.position.values).all()
+        moved = np.abs(result.position.values - result.position.values[0]).max()
+        assert moved < 2.0 * 600.0
+    shown = CliRunner().invoke(app, ["show", str(target)])
+    assert shown.exit_code == 0, shown.output
+    assert "advice: after t = " in shown.output
