@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.overhead.section import CONTACT, Section, section_of
-from ropewalk.wires.mesh import places_of
+from ropewalk.wires.mesh import clamped_at
 from ropewalk.wires.plan import Spot
 from ropewalk.wires.rest import Rest, rest_of, rows
 
@@ -53,7 +53,7 @@ def rested(section: Section) -> tuple[Rest, NDArray[np.float64]]:
     mesh = section.mesh()
     rest = rest_of(mesh)
     stations = np.concatenate([section.stations, section.supports[1:-1]])
-    at = places_of(mesh.strands, [Spot(CONTACT, float(x)) for x in stations])
+    at = clamped_at(mesh.strands, [Spot(CONTACT, float(x)) for x in stations])
     pull = np.zeros(stations.size)
     pull[: section.stations.size] = rest.tie_force[: section.stations.size]
     for i, label in enumerate(f"{section.name}.arm.{k}" for k in range(1, section.supports.size - 1)):

@@ -112,15 +112,16 @@ def test_half_the_mesh_and_half_the_step_hardly_change_them(speed: int) -> None:
 
 @pytest.mark.parametrize("speed", [250, 300])
 def test_small_and_large_motion_differ_little(speed: int) -> None:
-    """One key apart: geometry. Axial waves and a messenger that swings lift the supports by 1 to 3 mm more."""
-    small, large = passage(speed, HALF).eight, passage(speed, LARGE).eight
-    apart = {key: large[key] - small[key] for key in small}
+    """One key apart: geometry."""
+    small, large = passage(speed, HALF), passage(speed, LARGE)
+    apart = {key: large.eight[key] - small.eight[key] for key in RANGES}
     said = ", ".join(f"{key} {value:+.2f}" for key, value in apart.items())
     print(f"{speed} km/h, nonlinear less linearised: {said}")
-    # Measured +0.1/-0.4, +1.5/+0.1, +4.6/-2.3, +2.9/-6.9 N and +2.3/+1.6 mm.
-    most = {"mean": 0.6, "sigma": 2.0, "maximum": 6.0, "minimum": 8.0, "uplift": 3.0}
+    # Measured at 250/300 km/h: 0.0/0.0, +0.7/-0.1, +5.2/-0.3 and +1.7/+0.5 N, and -0.1/-0.3 mm.
+    most = {"mean": 0.3, "sigma": 1.0, "maximum": 7.0, "minimum": 3.0, "uplift": 0.6}
     assert all(abs(apart[key]) < most[key] for key in most), said
-    assert apart["uplift"] > 1.0, said
+    # But they are two: the messenger moves along the line, droppers lean, tensions change.
+    assert np.abs(np.interp(small.station, large.station, large.filtered) - small.filtered).max() > 1.0, said
 
 
 @pytest.mark.parametrize("speed", [250, 300])

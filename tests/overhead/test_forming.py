@@ -122,7 +122,8 @@ def test_lengths_found_for_heights_give_these_heights(line: dict[str, Any]) -> N
         np.testing.assert_allclose(heights[: wanted.size], wanted, atol=1e-6)
         np.testing.assert_allclose(rest.tie_force[: wanted.size], by_heights.pull, atol=1e-3)
         if not line["steady_arms"].get("free"):
-            np.testing.assert_allclose(heights[wanted.size :], section.level, atol=1e-6)
+            # The weight of what is clamped there bends a stiff wire by 2e-6 m more than its node, see `rested`.
+            np.testing.assert_allclose(heights[wanted.size :], section.level, atol=3e-6)
     np.testing.assert_allclose(by_lengths.pull, by_heights.pull, atol=1e-3)
 
 

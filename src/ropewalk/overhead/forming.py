@@ -15,7 +15,7 @@ import scipy.sparse as sparse
 import scipy.sparse.linalg
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.wires.mesh import Mesh, Places, mesh_of, places_of
+from ropewalk.wires.mesh import Mesh, Places, clamped_at, mesh_of
 from ropewalk.wires.plan import Array, Hold, Plan, PointMass, Spot, Tie
 from ropewalk.wires.rest import held_shape, moving, rest_of, rows, vertical_stiffness
 
@@ -86,7 +86,7 @@ class Form:
 
     def heights(self, spots: Sequence[Spot]) -> Array:
         """Heights of the splines at points of wires, m."""
-        return np.asarray(rows(places_of(self.mesh.strands, spots), self.mesh.nodes) @ self.z, dtype=np.float64)
+        return np.asarray(rows(clamped_at(self.mesh.strands, spots), self.mesh.nodes) @ self.z, dtype=np.float64)
 
 
 def form_by_heights(task: Task) -> Form:
@@ -101,8 +101,8 @@ def form_by_heights(task: Task) -> Form:
     heights = np.array([hanger.height for hanger in hangers])
     wanted = np.array([height for _, height in task.levels])
     mesh = mesh_of(task.plan, task.element)
-    low, high = (places_of(mesh.strands, spots) for spots in _ends(hangers))
-    level = places_of(mesh.strands, [spot for spot, _ in task.levels])
+    low, high = (clamped_at(mesh.strands, spots) for spots in _ends(hangers))
+    level = clamped_at(mesh.strands, [spot for spot, _ in task.levels])
     at_low, at_high = rows(low, mesh.nodes), rows(high, mesh.nodes)
     bare = rows(mesh.holds.at, mesh.nodes).T @ mesh.holds.force - task.plan.gravity * mesh.mass
     # Each wire is led through its points; what stands above is not yet loaded, and is led through its supports.
@@ -183,7 +183,7 @@ def _shape(mesh: Mesh, task: Task, places: Places, heights: Array, load: Array) 
 
 def _geometric(mesh: Mesh, links: tuple[Link, ...]) -> tuple[sparse.csr_matrix, Array]:
     """How far links' ends stand apart, (link, node), and their stiffness by their tension, N/m."""
-    low, high = (places_of(mesh.strands, spots) for spots in _ends(links))
+    low, high = (clamped_at(mesh.strands, spots) for spots in _ends(links))
     stiff = np.array([link.tension / abs(link.along) for link in links])
     return rows(high, mesh.nodes) - rows(low, mesh.nodes), stiff
 
@@ -193,7 +193,7 @@ def _links(task: Task, mesh: Mesh, z: Array) -> tuple[Tie, ...]:
     if not task.links:
         return ()
     A, _ = _geometric(mesh, task.links)
-    ends = [places_of(mesh.strands, spots).local for spots in _ends(task.links)]
+    ends = [clamped_at(mesh.strands, spots).local for spots in _ends(task.links)]
     found = []
     for link, rise, local in zip(task.links, A @ z, ends[0] + ends[1], strict=True):
         reach = float(np.hypot(link.along, rise))

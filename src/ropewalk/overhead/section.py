@@ -24,7 +24,7 @@ from ropewalk.overhead.forming import (
     form_by_lengths,
     soft_holds,
 )
-from ropewalk.wires.mesh import Mesh, mesh_of, places_of
+from ropewalk.wires.mesh import Mesh, clamped_at, mesh_of
 from ropewalk.wires.plan import Array, EndKind, Hold, Plan, PointMass, Spot, Tie, Wire
 from ropewalk.wires.rest import rest_of, rows
 
@@ -144,7 +144,7 @@ def elasticity(
             stations = stations[int(number == 0) : 25 - int(number == section.supports.size - 2)]
     pushes = tuple(Hold(f"push {x:g}", Spot(CONTACT, float(x)), (0.0, 0.0, 0.0)) for x in stations)
     mesh = mesh_of(replace(section.plan, holds=section.plan.holds + pushes), section.element)
-    at, own = places_of(mesh.strands, [push.spot for push in pushes]), len(section.plan.holds)
+    at, own = clamped_at(mesh.strands, [push.spot for push in pushes]), len(section.plan.holds)
     before = rest_of(mesh).position[2]
     found = np.empty(stations.size)
     for i in range(stations.size):
@@ -264,7 +264,7 @@ def _arms(name: str, line: OverheadLine, form: Form, spots: list[Spot], lift: Ar
     tension, spans = line.contact_wire.tension, np.array(line.span_lengths)
     slope = np.diff(stagger) / spans
     aside, yields = tension * (slope[:-1] - slope[1:]), tension * (1.0 / spans[:-1] + 1.0 / spans[1:])
-    local, low = places_of(form.mesh.strands, spots).local, form.heights(spots)
+    local, low = clamped_at(form.mesh.strands, spots).local, form.heights(spots)
     found = []
     for i, spot in enumerate(spots):
         at, force = (line.start[0] + spot.station, float(low[i])), (float(aside[i]), float(lift[i]))

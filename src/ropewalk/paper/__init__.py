@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 
-AVAILABLE: tuple[int | str, ...] = (2, 3, 4, 5, 6, "bands", "softness", "linear-limits")
+AVAILABLE: tuple[int | str, ...] = (2, 3, 4, 5, 6, 7, "bands", "softness", "linear-limits")
 """Numbers of the paper's figures that can be drawn, and names of our own."""
 
 

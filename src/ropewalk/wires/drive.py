@@ -32,13 +32,14 @@ class Record(NamedTuple):
     force: Array  # (row, contact) N upwards on the wire
     height: Array  # (row, contact) m, of the wire at the contact
     body: Array  # (row, rider, C) m, coordinates
-    tie: Array  # (row, tie) N, pull
-    hold: Array  # (row, hold, 3) N on the wire, in small motion its change since rest
-    watched: Array  # (row, point) m, height of watched points
+    tie: Array  # (row, tie) N, pull; in small motion its change since rest
+    hold: Array  # (row, hold, 3) N on the wire; in small motion its change since rest
+    watched: Array  # (row, point) m, height of watched points; in small motion over rest
 
     @staticmethod
     def of(rows: int, riders: Riders, ties: int, holds: int, watched: Places) -> Record:
         """Room for a number of rows."""
         contacts, bodies = riders.owner.size, riders.mass.shape[:2]
-        shapes = (contacts,), (contacts,), bodies, (ties,), (holds, 3), (watched.base.size,)
-        return Record(*(np.full((rows, *shape), np.nan) for shape in shapes))
+        unknown = (np.full((rows, *shape), np.nan) for shape in ((contacts,), (contacts,), bodies))
+        # Zeros cost nothing until they are touched: what lies beyond a window is not.
+        return Record(*unknown, *(np.zeros((rows, *shape)) for shape in ((ties,), (holds, 3), (watched.base.size,))))

@@ -55,6 +55,12 @@ class Run:
             self._stable = min(self._stable, along)
         self.steps = _parts(self.sample, self._stable if step is None else step)
         account.method, account.step = "explicit", self.sample / self.steps
+        if account.step > self._stable * (1.0 + 1e-9):
+            account.warnings.append(
+                f"the step of {account.step:.3g} s is larger than {self._stable:.3g} s, up to which the motion is "
+                "stable: it may swing without reason even where it does not grow beyond all bounds; write a smaller "
+                "run.step, or leave it out"
+            )
         inner = _parts(account.step, along)
         if start.rest is None:
             account.reason = "Stoermer's method for all components" + (
@@ -72,7 +78,8 @@ class Run:
         self._audit = Audit(self.mesh, self.riders, self.motion, start.position, start.unstrained)
         self._in_air = np.zeros(self.riders.owner.size)
         self._axes = [0, 1, 2] if task.space else [0, 2]
-        self._watched_at_rest = rows(self.motion.watched, self.mesh.nodes) @ self._at_rest[2]
+        watched = rows(self.motion.watched, self.mesh.nodes) @ self._at_rest[2]
+        self._watched_at_rest = watched if start.rest is None else np.zeros_like(watched)
 
     def _first(self) -> Array:
         first = np.zeros(self.riders.mass.shape[:2])
@@ -105,7 +112,7 @@ class Run:
         contacts = len(self.task.contacts)
         plan = self.task.plan
         nothing = Record.of(self.rows, self.riders, len(plan.ties), len(plan.holds), self.motion.watched)
-        before = np.full((self.rows, contacts), np.nan), nothing
+        before = np.full((self.rows, contacts), np.nan), Record(*(np.full_like(array, np.nan) for array in nothing))
         for i, t in enumerate(self.times):
             count = max(1, round((self.times[i + 1] - t) / self.sample)) if i + 1 < self.times.size else 1
             drive = self._drive(float(t), count)
@@ -152,7 +159,7 @@ class Run:
         )  # fmt: skip
 
     def _with_forces(self, frame: Frame, drive: Drive, now: Record, stations: Array, before: Record) -> Frame:
-        on = drive.where[0] == ON_WIRE
+        motion, on = self.motion, drive.where[0] == ON_WIRE
         station, place, force = drive.station[0], frame.contact_position.copy(), frame.contact_force.copy()
         place[on], force[on], hold = 0.0, 0.0, frame.hold_force.copy()
         hold[on] = 0.0
@@ -171,9 +178,10 @@ class Run:
             contact_xi=np.where(on, station, np.nan),
             contact_speed=np.where(on, (drive.station[1] - station) / self.sample, np.nan),
             contact_state=np.where(on, np.where(in_air, IN_AIR, MOVES), OFF_LINE), contact_in_air=self._in_air.copy(),
-            reaction=np.vstack([frame.reaction, now.hold[0][:, self._axes]]), tie_force=now.tie[0],
+            reaction=np.vstack([frame.reaction, (now.hold[0] + motion.hold_at_rest)[:, self._axes]]),
+            tie_force=now.tie[0] + motion.tie_at_rest,
             sampled_station=stations, sampled_force=before.force,
-            sampled_height=before.height, sampled_tie_force=before.tie,
+            sampled_height=before.height, sampled_tie_force=before.tie + motion.tie_at_rest,
             sampled_uplift=before.watched - self._watched_at_rest,
         )  # fmt: skip
 

@@ -302,7 +302,6 @@ def advance(strands, threads, strings, grips, watched, riders, pace, level, slop
     axes = now.shape[0]
     for row in range(record.force.shape[0]):
         for p in range(watched.base.size):
-            record.watched[row, p] = 0.0
             for k in range(WIDTH):
                 record.watched[row, p] += watched.weight[p, k] * now[axes - 1, watched.base[p] + k]
         for i in range(riders.size.size):
@@ -365,6 +364,7 @@ class LargeMotion:
         self._r = [np.ascontiguousarray(position[axes]) for _ in range(2)]  # now, a step before
         self._side = position[1].copy()
         self._room = np.zeros(mesh.nodes), np.zeros(mesh.nodes)
+        self.tie_at_rest, self.hold_at_rest = np.zeros(len(mesh.plan.ties)), np.zeros((len(mesh.plan.holds), 3))
         self._w = np.zeros((3, WIDTH))
 
     @property
@@ -395,7 +395,6 @@ class LargeMotion:
         """Go on by the rows of the drive but the last, `steps` steps each."""
         plan = self.mesh.plan
         record = Record.of(drive.station.shape[0] - 1, self.riders, len(plan.ties), len(plan.holds), self.watched)
-        record.hold[:] = 0.0
         strain = self.strain()
         strain[self.mesh.strands.first + self.mesh.strands.links] = 0.0
         small = bool(np.abs(strain).max() < 0.5 * SMALL_STRAIN)

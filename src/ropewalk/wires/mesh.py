@@ -22,6 +22,7 @@ _END = {"held": HELD, "clamped": CLAMPED, "free": FREE}
 FEWEST_LINKS = 8
 _CELL = 80  # links in which the local compliance is found; it decays within a few
 _FRACTIONS = np.linspace(0.0, 0.5, 6)  # of a link, where it is found
+_AT_NODE = 1e-6  # links
 _STIFF = 5.0  # links: where sqrt(EI / T) is longer, a wire is a beam on this mesh
 
 
@@ -39,6 +40,7 @@ class Strands(NamedTuple):
     bed: Array  # N/m^2
     end: Integers  # (wire, 2) HELD, CLAMPED or FREE
     across: Array  # (wire, 2) x of the start in m, and x per station along the chord
+    nodal: Array  # (wire,) m/N, compliance that a node has beside that of the mesh
     local: Array  # (wire, 3) m/N, of the compliance that a point has beside the spline's: see `local_compliance`
 
 
@@ -130,6 +132,7 @@ def mesh_of(plan: Plan, element: float | list[int]) -> Mesh:
         column["drag"], column["retardation"], column["bed"],
         np.array([[_END[end] for end in wire.ends] for wire in wires], dtype=np.int64),
         np.array([(wire.start[0], (wire.end[0] - wire.start[0]) / wire.length) for wire in wires]),
+        np.array([nodal_compliance(wire, wire.length / n) for wire, n in zip(wires, links, strict=True)]),
         np.array([local_compliance(wire, wire.length / n) for wire, n in zip(wires, links, strict=True)]),
     )  # fmt: skip
     mass = np.concatenate([np.full(n + 1, rho * h) for n, rho, h in zip(count, strands.rho, strands.h, strict=True)])
@@ -140,10 +143,10 @@ def mesh_of(plan: Plan, element: float | list[int]) -> Mesh:
     for tie in plan.ties:
         if tie.mass:
             lumps += [(spot, 0.5 * tie.mass) for spot in (tie.spot, tie.other) if isinstance(spot, Spot)]
-    at, special = places_of(strands, [spot for spot, _ in lumps]), set()
+    at, special = clamped_at(strands, [spot for spot, _ in lumps]), set()
     for base, weight, (_, lump) in zip(at.base, at.weight, lumps, strict=True):
         mass[base : base + WIDTH] += weight * lump
-        special |= set(range(int(base), int(base) + WIDTH))
+        special |= set((int(base) + np.flatnonzero(weight)).tolist())
     extra = np.array(sorted(special), dtype=np.int64)
     return Mesh(plan, strands, mass, extra, _ties(strands, plan), _holds(strands, plan))
 
@@ -159,6 +162,27 @@ def places_of(strands: Strands, spots: Sequence[Spot]) -> Places:
     c = strands.local[wire]
     local = c[:, 0] + g * g * (c[:, 1] + g * c[:, 2])
     return Places(base + strands.first[wire], np.ascontiguousarray(weight[:, 0]), wire, station, local)
+
+
+def clamped_at(strands: Strands, spots: Sequence[Spot]) -> Places:
+    """The same for what stays where it is: at a node it takes hold of the node itself, and not of the spline."""
+    places = places_of(strands, spots)
+    place = places.station / strands.h[places.wire] if len(spots) else places.station
+    for k, s in enumerate(place):
+        if abs(s - round(s)) < _AT_NODE:
+            node = round(s) + int(strands.first[places.wire[k]]) - int(places.base[k])
+            places.weight[k], places.local[k] = np.eye(WIDTH)[node], strands.nodal[places.wire[k]]
+    return places
+
+
+def nodal_compliance(wire: Wire, h: float) -> float:
+    """By how much a wire yields more to a force than a node of its mesh does, m/N: nothing for a string."""
+    T, EI = wire.tension, wire.bending_stiffness
+    if T <= 0.0 or EI == 0.0 or (_STIFF * h) ** 2 * T < EI:
+        return 0.0
+    reach, middle = float(np.sqrt(EI / T) / h), _CELL // 2
+    exact = _exact_compliance(0.5 * _CELL, reach)
+    return float(exact - np.linalg.inv(_lattice(reach))[middle - 1, middle - 1]) * h / T
 
 
 def local_compliance(wire: Wire, h: float) -> tuple[float, float, float]:
@@ -184,21 +208,33 @@ def local_compliance(wire: Wire, h: float) -> tuple[float, float, float]:
 def _unit_compliance(reach: float) -> tuple[float, float, float]:
     """The same for a unit tension and unit links; reach = sqrt(EI / T) in links."""
     L = float(_CELL)
-    one, two = np.diff(np.eye(_CELL + 1), axis=0)[:, 1:-1], np.diff(np.eye(_CELL + 1), 2, axis=0)[:, 1:-1]
-    K = one.T @ one + reach**2 * (two.T @ two)
+    K = _lattice(reach)
     more, powers = np.zeros(_FRACTIONS.size), np.zeros((_FRACTIONS.size, 3))
     for i, f in enumerate(_FRACTIONS):
         x, g = 0.5 * L + f, f * (1.0 - f)
         base, weight = points(np.array([x]), np.array([_CELL]))
         w = np.zeros(_CELL - 1)
         w[base[0] - 1 : base[0] - 1 + WIDTH] = weight[0, 0]
-        exact = x * (L - x) / L
-        if reach > 0.0:  # less reach sinh(x / reach) sinh((L - x) / reach) / sinh(L / reach)
-            a, b, c = (1.0 - np.exp(-2.0 * d / reach) for d in (x, L - x, L))
-            exact -= 0.5 * reach * a * b / c
-        more[i], powers[i] = exact - float(w @ np.linalg.solve(K, w)), (1.0, g * g, g**3)
+        more[i], powers[i] = _exact_compliance(x, reach) - float(w @ np.linalg.solve(K, w)), (1.0, g * g, g**3)
     c0, c2, c3 = np.linalg.lstsq(powers, more, rcond=None)[0]
     return float(c0), float(c2), float(c3)
+
+
+def _lattice(reach: float) -> Array:
+    """Stiffness of a cell of unit links under unit tension with fixed ends, sqrt(EI / T) in links."""
+    one, two = np.diff(np.eye(_CELL + 1), axis=0)[:, 1:-1], np.diff(np.eye(_CELL + 1), 2, axis=0)[:, 1:-1]
+    stiffness: Array = one.T @ one + reach**2 * (two.T @ two)
+    return stiffness
+
+
+def _exact_compliance(x: float, reach: float) -> float:
+    """x (L - x) / L - reach sinh(x / reach) sinh((L - x) / reach) / sinh(L / reach): of a stiff string as long."""
+    L = float(_CELL)
+    exact = x * (L - x) / L
+    if reach > 0.0:
+        a, b, c = (1.0 - np.exp(-2.0 * d / reach) for d in (x, L - x, L))
+        exact -= 0.5 * reach * a * b / c
+    return float(exact)
 
 
 def _check(plan: Plan) -> None:
@@ -221,8 +257,8 @@ def _column(values: list[float]) -> Array:
 def _ties(strands: Strands, plan: Plan) -> Ties:
     ties = plan.ties
     ground = np.array([(np.nan,) * 3 if isinstance(tie.other, Spot) else tie.other for tie in ties]).reshape(-1, 3)
-    one = places_of(strands, [tie.spot for tie in ties])
-    other = places_of(strands, [tie.other if isinstance(tie.other, Spot) else tie.spot for tie in ties])
+    one = clamped_at(strands, [tie.spot for tie in ties])
+    other = clamped_at(strands, [tie.other if isinstance(tie.other, Spot) else tie.spot for tie in ties])
     other.weight[np.isfinite(ground[:, 0])] = 0.0
     return Ties(
         one, other, ground, _column([tie.stiffness for tie in ties]), _column([tie.pushes for tie in ties]),
@@ -233,7 +269,7 @@ def _ties(strands: Strands, plan: Plan) -> Ties:
 def _holds(strands: Strands, plan: Plan) -> Holds:
     holds = plan.holds
     return Holds(
-        places_of(strands, [hold.spot for hold in holds]), np.array([hold.stiffness for hold in holds]).reshape(-1, 3),
+        clamped_at(strands, [hold.spot for hold in holds]), np.array([hold.stiffness for hold in holds]).reshape(-1, 3),
         np.array([hold.damping for hold in holds]).reshape(-1, 3), np.array([h.place for h in holds]).reshape(-1, 3),
         _column([hold.force for hold in holds]),
     )  # fmt: skip

@@ -12,13 +12,14 @@ import numpy as np
 
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive, Record
-from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Riders, places_of
+from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Places, Riders, places_of
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.rest import Rest, spring, ties_springs
 from ropewalk.wires.riders import begin, between, join, local_at, pace_of, press, ride, settle_accounts, sweeps_of
 from ropewalk.wires.spline import WIDTH, weights
 
 _NOTHING = 1e-150  # m
+_LATE = 0.5  # share of the next and of the last instant in what rigid holds keep
 _FEW = 0.1  # part of the nodes of a wire that may carry more than it and be seen to afterwards
 _WIDTH = np.uint64(WIDTH)
 _SHARES = tuple(np.uint64(k) for k in range(WIDTH))
@@ -30,6 +31,7 @@ class Springs(NamedTuple):
     one: Integers  # (spring,) first control point of one end
     other: Integers  # the same of the other end
     weight: Array  # (spring, 2 WIDTH) that gives how far they move apart; zeros for the ground
+    nodes: Integers  # (spring, 2) where both ends are nodes, these, or the node twice for the ground; else -1
     rest: Array  # N along the tie at rest; of a slack one the negative of what pulls it straight
     pull: Array  # N/m along the tie, while tight
     push: Array  # N/m along the tie, while slack
@@ -47,16 +49,32 @@ class Grips(NamedTuple):
     base: Integers
     weight: Array  # (grip, WIDTH)
     soft: Array  # (grip,) m/N, by which the wire gives way to a force during a step
+    local: Array  # (grip,) m/N, beside its spline
     hold: Integers  # which hold it is
+    x: Array  # m, to know whether it lies in the window
+    force: Array  # (grip,) N in the present step
+    now: Array  # (grip,) m, height of the spline over rest now, and
+    last: Array  # (grip,) m, a step ago
 
 
 class Window(NamedTuple):
-    """What of the wires moves: the rest stands still."""
+    """What of the wires moves: the rest stands still. Each as the first of them and one beyond the last."""
 
-    low: Integers  # (wire,) first control point, counted in the wire
-    high: Integers  # (wire,) one beyond the last
-    first: int  # spring
-    last: int  # one beyond
+    low: Integers  # (wire,) control points, counted in the wire
+    high: Integers  # (wire,)
+    laden: Integers  # (wire, 2)
+    springs: tuple[int, int]
+    grips: tuple[int, int]
+    watched: tuple[int, int]
+
+
+class Watched(NamedTuple):
+    """Points whose height is recorded."""
+
+    base: Integers
+    weight: Array  # (point, WIDTH)
+    x: Array  # m
+    number: Integers  # in the record
 
 
 class Stencil(NamedTuple):
@@ -69,6 +87,11 @@ class Stencil(NamedTuple):
     laden: Integers  # the other nodes, of all wires with a bare gain
     first: Integers  # (wire + 1,) where those of each wire begin
     saved: Array  # (laden,) room
+
+
+def _nodes(base: Integers, weight: Array) -> Integers:
+    """The node of each place that is one, else -1."""
+    return np.where((weight == 1.0).any(axis=1), base + np.argmax(weight, axis=1), -1)
 
 
 def x_of(mesh: Mesh, wire: Integers, station: Array) -> Array:
@@ -88,9 +111,14 @@ def springs_of(mesh: Mesh, rest: Rest) -> Springs:
     apart = np.hstack([-ties.one.weight, ties.other.weight])
     to_ground = np.hstack([-holds.at.weight[keep], np.zeros_like(holds.at.weight[keep])])
     across = np.maximum(rest.tie_force, 0.0) / rest.tie_distance * (1.0 - way**2)
+    one = _nodes(np.concatenate([ties.one.base, holds.at.base[keep]]), -np.vstack([apart, to_ground])[:, :WIDTH])
+    other = _nodes(np.concatenate([ties.other.base, holds.at.base[keep]]), np.vstack([apart, to_ground])[:, WIDTH:])
+    grounded = ~np.vstack([apart, to_ground])[:, WIDTH:].any(axis=1)
+    nodes = np.column_stack([one, np.where(grounded, one, other)])
+    nodes[(nodes < 0).any(axis=1)] = -1
     return Springs(
         np.concatenate([ties.one.base, holds.at.base[keep]]), np.concatenate([ties.other.base, holds.at.base[keep]]),
-        np.concatenate([apart, to_ground]), np.concatenate([pull * (rest.tie_distance - ties.length), none]),
+        np.concatenate([apart, to_ground]), nodes, np.concatenate([pull * (rest.tie_distance - ties.length), none]),
         np.concatenate([pull, none]), np.concatenate([slack, none]), np.concatenate([across, held[keep]]),
         np.concatenate([ties.damping, holds.damping[keep, 2]]), np.concatenate([way, none + 1.0]),
         np.zeros(way.size + none.size), x_of(mesh, np.concatenate([ties.one.wire, holds.at.wire[keep]]),
@@ -125,9 +153,14 @@ def stencil_of(mesh: Mesh, step: float) -> Stencil:
 def grips_of(mesh: Mesh, gain: Array) -> Grips:
     """Rigid holds, for steps in which forces displace nodes by a gain in m/N."""
     at, fast = mesh.holds.at, np.flatnonzero(np.isinf(mesh.holds.stiffness[:, 2]))
+    fast = fast[np.argsort(x_of(mesh, at.wire[fast], at.station[fast]), kind="stable")]
     base, weight = at.base[fast], at.weight[fast]
     moved = np.array([gain[b : b + WIDTH] @ w**2 for b, w in zip(base, weight, strict=True)])
-    return Grips(base, weight, moved.reshape(-1) + at.local[fast], fast)
+    none = np.zeros(fast.size)
+    x = x_of(mesh, at.wire[fast], at.station[fast])
+    return Grips(
+        base, np.ascontiguousarray(weight), moved.reshape(-1), at.local[fast], fast, x, none, none.copy(), none.copy()
+    )  # fmt: skip
 
 
 @lean_inner
@@ -178,7 +211,7 @@ def advance(strands, stencil, springs, grips, window, watched, riders, pace, lev
         w: (3, WIDTH) room for weights of a spline.
     """
     for row in range(record.force.shape[0]):
-        _look(watched, level, now, record.watched, row)
+        _look(watched, window, now, record.watched, row)
         for i in range(riders.size.size):
             for c in range(riders.size[i]):
                 record.body[row, i, c] = pace.q[i, c]
@@ -190,7 +223,7 @@ def advance(strands, stencil, springs, grips, window, watched, riders, pace, lev
                 _touch(strands, riders, pace, level, now, other, stencil.gain, drive, record, row, step, steps, k, w)
             ride(riders, pace)
             for sweep in range(sweeps):
-                _grip(grips, other, stencil.gain, record, row, step, sweep)
+                _grip(grips, window, now, other, stencil.gain, record, row, step, sweep == 0)
                 for k in range(riders.owner.size):
                     if np.isinf(riders.spring[k]):
                         _join(strands, riders, pace, level, other, stencil.gain, drive, record, row, step, steps, k, w)
@@ -199,11 +232,10 @@ def advance(strands, stencil, springs, grips, window, watched, riders, pace, lev
 
 
 @inlined
-def _look(watched, level, now, found, row):
-    for p in range(watched.base.size):
-        found[row, p] = 0.0
+def _look(watched, window, now, found, row):
+    for e in range(window.watched[0], window.watched[1]):
         for k in range(WIDTH):
-            found[row, p] += watched.weight[p, k] * (level[watched.base[p] + k] + now[watched.base[p] + k])
+            found[row, watched.number[e]] += watched.weight[e, k] * now[watched.base[e] + k]
 
 
 @inlined
@@ -223,14 +255,13 @@ def _move(strands, stencil, window, now, other, room, dt):
                 room[k] = now[k] + late * (now[k] - other[k])
         bare = stencil.bare[a]
         if bare > 0.0:
-            for k in range(stencil.first[a], stencil.first[a + 1]):
+            for k in range(window.laden[a, 0], window.laden[a, 1]):
                 stencil.saved[k] = other[stencil.laden[k]]
             _along_bare(now, felt, other, bare, i, max(low, 2), min(high, n - 1), keep, t, b, bed)
-            for k in range(stencil.first[a], stencil.first[a + 1]):
+            for k in range(window.laden[a, 0], window.laden[a, 1]):
                 e = stencil.laden[k]
-                if i + low <= e < i + high:
-                    drift = now[e] + keep * (now[e] - stencil.saved[k])
-                    other[e] = drift + gain[e] / bare * (other[e] - drift)
+                drift = now[e] + keep * (now[e] - stencil.saved[k])
+                other[e] = drift + gain[e] / bare * (other[e] - drift)
         else:
             _along(now, felt, other, gain, i, max(low, 2), min(high, n - 1), keep, t, b, bed)
         if low < 2:
@@ -268,15 +299,21 @@ def _touch(strands, riders, pace, level, now, other, gain, drive, record, row, s
 
 
 @inlined
-def _grip(grips, other, gain, record, row, step, sweep):
-    """What rigid holds do at the end of a step."""
-    for e in range(grips.base.size):
+def _grip(grips, window, now, other, gain, record, row, step, begins):
+    """What rigid holds do at the end of a step: they keep the mean over three instants, which costs no energy."""
+    for e in range(window.grips[0], window.grips[1]):
         i, height = grips.base[e], 0.0
+        if begins:
+            grips.last[e], grips.now[e], grips.force[e] = grips.now[e], 0.0, 0.0
+            for k in range(WIDTH):
+                grips.now[e] += grips.weight[e, k] * now[i + k]
         for k in range(WIDTH):
             height += grips.weight[e, k] * other[i + k]
-        F = -height / grips.soft[e]
+        mean = _LATE * (height + grips.last[e]) + (1.0 - 2.0 * _LATE) * grips.now[e]
+        F = -(mean + grips.local[e] * grips.force[e]) / (grips.local[e] + _LATE * grips.soft[e])
+        grips.force[e] += F
         if step == 0:
-            record.hold[row, grips.hold[e], 2] = F + (record.hold[row, grips.hold[e], 2] if sweep > 0 else 0.0)
+            record.hold[row, grips.hold[e], 2] = grips.force[e]
         for k in range(WIDTH):
             other[i + k] += gain[i + k] * grips.weight[e, k] * F
 
@@ -310,11 +347,16 @@ def _pull(springs, window, now, other, gain, dt, record, row, step):
     """What ties and holds do during a step."""
     one, two, weight, rest, pull = springs.one, springs.other, springs.weight, springs.rest, springs.pull
     push, across, damping, way, last = springs.push, springs.across, springs.damping, springs.way, springs.last
-    for e in range(window.first, window.last):
+    nodes = springs.nodes
+    for e in range(window.springs[0], window.springs[1]):
         i, j, c = np.uint64(one[e]), np.uint64(two[e]), damping[e]  # unsigned: no look at what is before an array
+        m, n = nodes[e, 0], nodes[e, 1]
         apart = 0.0
-        for k in _SHARES:
-            apart += weight[e, k] * now[i + k] + weight[e, k + _WIDTH] * now[j + k]
+        if m < 0:
+            for k in _SHARES:
+                apart += weight[e, k] * now[i + k] + weight[e, k + _WIDTH] * now[j + k]
+        else:
+            apart = now[n] - now[m] if n != m else -now[m]
         loss = 0.0
         if c > 0.0:
             loss = c * (apart - last[e]) / dt
@@ -326,11 +368,16 @@ def _pull(springs, window, now, other, gain, dt, record, row, step):
             before = rest[e] if rest[e] > 0.0 else rest[e] * push[e] / pull[e]
             F += way[e] * (N - before)
             if step == 0:
-                record.tie[row, springs.number[e]] = N
+                record.tie[row, springs.number[e]] = N - max(rest[e], 0.0)
         else:
             F += loss
             if step == 0:
                 record.hold[row, springs.number[e], 2] = -F
+        if m >= 0:
+            other[m] += gain[m] * F
+            if n != m:
+                other[n] -= gain[n] * F
+            continue
         for k in _SHARES:
             other[i + k] -= gain[i + k] * weight[e, k] * F
             other[j + k] -= gain[j + k] * weight[e, k + _WIDTH] * F
@@ -359,6 +406,10 @@ class SmallMotion:
         self._sweeps = sweeps_of(riders, self.grips.base.size)
         self.level = np.ascontiguousarray(rest.position[2])
         self.watched = places_of(mesh.strands, list(mesh.plan.watched.values()))
+        self._watched = _looked_at(mesh, self.watched)
+        self.tie_at_rest = np.maximum(rest.tie_force, 0.0)
+        self.hold_at_rest = np.zeros((rest.hold_force.size, 3))
+        self.hold_at_rest[:, 2] = rest.hold_force
         # Not quite zero: what arrives early of a wave is below the smallest normal number, and slow to compute with.
         self._u = [np.where(self.stencil.gain > 0.0, _NOTHING, 0.0) for _ in range(2)]  # now, a step before
         self._room, self._w = np.zeros(mesh.nodes), np.zeros((3, WIDTH))
@@ -383,25 +434,42 @@ class SmallMotion:
         """Go on by the rows of the drive but the last, `steps` steps each."""
         rows, plan = drive.station.shape[0] - 1, self.mesh.plan
         record = Record.of(rows, self.riders, len(plan.ties), len(plan.holds), self.watched)
-        record.tie[:], record.hold[:] = self.rest.tie_force, 0.0  # what lies beyond the window rests
         advance(
-            self.mesh.strands, self.stencil, self.springs, self.grips, self._window(drive), self.watched, self.riders,
+            self.mesh.strands, self.stencil, self.springs, self.grips, self._window(drive), self._watched, self.riders,
             self.pace, self.level, *self._u, self._room, drive, record, steps, self._sweeps, self._w,
         )  # fmt: skip
         if (rows * steps) % 2:
             self._u.reverse()
-        record.hold[:, :, 2] += self.rest.hold_force
         return record
 
     def _window(self, drive: Drive) -> Window:
         strands, on = self.mesh.strands, drive.where == ON_WIRE
         station = x_of(self.mesh, np.broadcast_to(self.riders.wire, on.shape)[on], drive.station[on])
         if station.size == 0 or not np.isfinite(self.window):
-            return Window(np.zeros_like(strands.links), strands.links + 1, 0, self.springs.one.size)
+            whole = ((0, self.springs.x.size), (0, self.grips.x.size), (0, self._watched.x.size))
+            laden = np.stack([self.stencil.first[:-1], self.stencil.first[1:]], axis=1)
+            return Window(np.zeros_like(strands.links), strands.links + 1, laden, *whole)
         begin, end, edge = station.min() - self.window, station.max() + self.window, WIDTH * strands.h.max()
         each = strands.across[:, 1] * strands.h  # x of a link
         low = np.clip(np.floor((begin - strands.across[:, 0]) / each), 0, strands.links).astype(np.int64)
         high = np.clip(np.ceil((end - strands.across[:, 0]) / each), 0, strands.links + 1).astype(np.int64)
         high = np.maximum(low, high)
-        first, last = np.searchsorted(self.springs.x, [begin + edge, end - edge])
-        return Window(low, high, int(first), int(last))
+        parts = [
+            (int(np.searchsorted(x, begin + edge)), int(np.searchsorted(x, end - edge)))
+            for x in (self.springs.x, self.grips.x, self._watched.x)
+        ]
+        return Window(low, high, self._laden(low, high), *parts)
+
+    def _laden(self, low: Integers, high: Integers) -> Integers:
+        """Which of the laden nodes of each wire lie between two of its nodes."""
+        first, laden, found = self.stencil.first, self.stencil.laden, []
+        for a, i in enumerate(self.mesh.strands.first):
+            own = laden[first[a] : first[a + 1]]
+            found.append(first[a] + np.searchsorted(own, [i + max(low[a], 2), i + high[a]]))
+        return np.array(found, dtype=np.int64)
+
+
+def _looked_at(mesh: Mesh, watched: Places) -> Watched:
+    x = x_of(mesh, watched.wire, watched.station)
+    order = np.argsort(x, kind="stable")
+    return Watched(watched.base[order], np.ascontiguousarray(watched.weight[order]), x[order], order)
