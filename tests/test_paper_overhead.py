@@ -48,10 +48,10 @@ def test_figure_7_names_its_data_marks_slack_droppers_and_compares_two_motions()
     assert "times as high" in line.get_ylabel()
     drawn = {c.get_label(): c for c in line.collections if isinstance(c, LineCollection)}
     assert tuple(drawn["slack ones"].get_colors()[0]) == to_rgba(RED)
-    # Before and behind the support at 300 m; none of those in between hangs slack because of its ends alone.
+    # Before and behind the support at 300 m, whose neighbours the pantograph and its waves relieve.
     assert {segment[0, 0] for segment in drawn["slack ones"].get_segments()} >= {295.0, 305.0}
     for kind, label in (("nonlinear", "fully nonlinear"), ("linearised", "linearised")):
-        found = contact_statistics(coarse()[kind])["pantograph"]  # type: ignore[index]
+        found = contact_statistics(coarse()[kind])["pantograph"]
         assert f"{label}: {found.mean:.1f} N, σ {found.deviation:.1f} N" in force.get_legend_handles_labels()[1]
 
 
@@ -62,10 +62,10 @@ def test_droppers_of_figure_7_are_slack_where_their_ends_are_closer_than_their_l
     length = at_rest - rest.pull / 100e3
     slack = now.pull <= 0.0
     assert 2 <= slack.sum() < 20
-    print(far[slack] - length[slack], np.abs(far - length - now.pull / 100e3)[~slack].max())
-    # Nodes stand where droppers are, but only at rest do they lie on what a dropper is tied to: half a millimetre.
-    assert (far[slack] < length[slack] + 5e-4).all()
-    np.testing.assert_allclose(far[~slack], (length + now.pull / 100e3)[~slack], atol=1e-3)
+    # Nodes stand where droppers are, but in motion wires are splines beside them: 0.1 mm, and a slack one by 17 mm.
+    assert (far[slack] < length[slack] + 3e-4).all()
+    assert (far[slack] < length[slack] - 1e-2).any()
+    np.testing.assert_allclose(far[~slack], (length + now.pull / 100e3)[~slack], atol=3e-4)
     assert now.place == pytest.approx(figure7.SHOWN, abs=1e-6)
 
 
@@ -76,6 +76,5 @@ def test_both_motions_of_figure_7_are_one_key_apart_and_nearly_the_same() -> Non
     (x, F), (station, G) = (figure7.force_along(coarse()[kind]) for kind in ("nonlinear", "linearised"))
     inside = (x > 240.0) & (x < 360.0)
     apart = (F - np.interp(x, station, G))[inside]
-    # tests/overhead/test_en50318_2002.py: sigma differs by 0.7 N of 28; the course of the force by a few N.
-    print(apart.std())
+    # tests/overhead/test_en50318_2002.py: sigma differs by 0.7 N of 28; the course of the force by 4 N rms.
     assert 0.5 < apart.std() < 6.0

@@ -138,7 +138,8 @@ def _wired(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame
         account.method, account.reason = "rest", "least potential energy"
         return found.layout, found.frames(), 1
     times = output_times(run)
-    found = Run(task_of(scenario), times, account, run.sample or SAMPLE, run.step)
+    sample = run.sample or max(SAMPLE, run.step or 0.0)
+    found = Run(task_of(scenario), times, account, sample, run.step)
     return found.layout, found.frames(), times.size
 
 

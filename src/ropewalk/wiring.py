@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ from ropewalk.wires.plan import Array, Plan
 from ropewalk.wires.rest import rest_of
 from ropewalk.wires.task import Shown, Task
 
+_HEAVY = 500.0  # N: droppers bear about 100 N
 _MASSES = {2: ("frame", "head"), 3: ("lower", "upper", "head")}
 
 
@@ -65,7 +66,20 @@ def task_of(scenario: Scenario) -> Task:
             "geometry": run.geometry, "inertia": run.axial_inertia,
             "window": run.window if run.window is not None else np.inf,
         }  # fmt: skip
-    return Task(plan, tuple(journeys), tuple(contacts), tuple(shown), elements, **more)
+    remarks = tuple(remark for section in sections.values() for remark in _remarks(section))
+    return Task(plan, tuple(journeys), tuple(contacts), tuple(shown), elements, remarks=remarks, **more)
+
+
+def _remarks(section: Section) -> Iterator[str]:
+    """What is odd about an overhead line at rest."""
+    if section.slack:
+        count = len(section.slack)
+        names = ", ".join(section.slack[:5]) + (", ..." if count > 5 else "")
+        yield f"{count} of {section.lengths.size} droppers of {section.name} are slack at rest ({names}): check lengths"
+    heaviest = float(section.pull.max(initial=0.0))
+    if heaviest > _HEAVY:
+        name = list(section.droppers)[int(section.pull.argmax())]
+        yield f"dropper {name} bears {heaviest:.0f} N at rest, several times what is usual: check lengths and pre_sag"
 
 
 def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until: float) -> Journey:

@@ -15,6 +15,7 @@ from ropewalk.model.load import MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.places import meetings, reach, travels
 from ropewalk.model.run import Dynamic, Linear, Quasistatic
@@ -71,7 +72,7 @@ def _known_to_the_run(parts: Parts) -> Iterator[Finding]:
         yield from _bodies_in_linear_theory(parts, parts.run)
     elif parts.run is not None and not isinstance(parts.run, Dynamic):
         for name, load in parts.loads.items():
-            if load is not None and not isinstance(load, MovingForce):
+            if load is not None and not isinstance(load, MovingForce | Pantograph):
                 remedy = "ask for kind: dynamic, or write kind: force with its weight as force"
                 wrong = f"kind: {parts.run.kind} knows forces only"
                 yield Finding(("loads", name, "kind"), wrong, load.kind, remedy)

@@ -31,6 +31,9 @@ def check_stiff(parts: Parts) -> Iterator[Finding]:
         if isinstance(load, Pantograph) and not on_overhead and load.on in parts.lines:
             remedy = f"name one of overhead_lines: {', '.join(parts.overhead) or 'there are none'}"
             yield Finding(("loads", name, "on"), "a pantograph runs under an overhead line", repr(load.on), remedy)
+        if isinstance(load, Pantograph) and parts.run is not None and not isinstance(parts.run, Dynamic):
+            wrong = f"kind: {parts.run.kind} does not know pantographs"
+            yield Finding(("loads", name, "kind"), wrong, "pantograph", "ask for kind: dynamic")
         if load is not None and on_overhead and not isinstance(load, Pantograph):
             remedy = "write kind: pantograph"
             yield Finding(("loads", name, "kind"), "only pantographs run under overhead lines", load.kind, remedy)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -51,8 +52,9 @@ class Potential:
         self.force[2] += self._hold.T @ mesh.holds.force
         for i, wire in enumerate(plan.wires):
             if wire.end_force is not None:
-                self.force[0, s.first[i]] -= wire.end_force[0]
-                self.force[0, s.first[i] + s.links[i]] += wire.end_force[1]
+                pulled = np.nan_to_num(wire.end_force)
+                self.force[0, s.first[i]] -= pulled[0]
+                self.force[0, s.first[i] + s.links[i]] += pulled[1]
 
     def tension(self, r: Array) -> Array:
         """Tension of all links, N."""
@@ -153,7 +155,7 @@ def movable(mesh: Mesh, *, space: bool) -> NDArray[np.bool_]:
         for side, node in enumerate((mesh.strands.first[i], last[i])):
             if mesh.strands.end[i, side] != FREE:
                 free[:, node] = False
-                free[0, node] = wire.end_force is not None
+                free[0, node] = wire.end_force is not None and np.isfinite(wire.end_force[side])
     if not space:
         free[1] = False
     return free
@@ -207,10 +209,7 @@ def _newton(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Arra
     r, size, before = start.copy(), _size(potential), np.inf
     for _ in range(_FULL_STEPS):
         found = np.zeros(free.size)
-        with np.errstate(all="ignore"):
-            found[free] = scipy.sparse.linalg.spsolve(
-                potential.stiffness(r)[free][:, free], potential.pull(r).ravel()[free]
-            )
+        found[free] = _solved(potential.stiffness(r)[free][:, free], potential.pull(r).ravel()[free])
         largest = float(np.abs(found).max())
         if not np.isfinite(largest):
             return None
@@ -219,6 +218,14 @@ def _newton(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Arra
             return r
         before = largest
     return None
+
+
+def _solved(K: Any, out: Array) -> Array:
+    """Solution of K x = out, not finite where K is singular: the caller sees to it."""
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore", scipy.sparse.linalg.MatrixRankWarning)
+        solution: Array = scipy.sparse.linalg.spsolve(K.tocsc(), out)
+    return solution
 
 
 def _downhill(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Array:
@@ -230,8 +237,7 @@ def _downhill(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Ar
         scale = float(np.abs(K.diagonal()).mean())
         while True:
             found = np.zeros(free.size)
-            with np.errstate(all="ignore"):
-                found[free] = scipy.sparse.linalg.spsolve(K + shift * scale * sparse.identity(out.size), out)
+            found[free] = _solved(K + shift * scale * sparse.identity(out.size), out)
             step, largest, gain = found.reshape(3, -1), np.abs(found).max(), float(found[free] @ out)
             tried = potential.energy(r + step) if np.isfinite(largest) else np.inf
             if gain > 0.0 and (tried < energy or largest < _ALMOST * size):

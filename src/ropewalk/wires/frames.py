@@ -42,6 +42,7 @@ class Run:
         self, task: Task, times: Array, account: Account, sample: float = SAMPLE, step: float | None = None
     ) -> None:
         self.task, start = ready(task)
+        account.warnings += task.remarks
         self.mesh, self._at_rest = start.mesh, start.position
         self.account = account
         self.riders = riders_of([journey.rider for journey in self.task.journeys])

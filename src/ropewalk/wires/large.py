@@ -63,8 +63,13 @@ def threads_of(mesh: Mesh, position: Array, rest: Array, step: float, inner: int
     for i, wire in enumerate(plan.wires):
         if wire.end_force is not None:
             weight[2 * i : 2 * i + 2, 0] = -wire.end_force[0], wire.end_force[1]
+    along = gain / inertia
+    for side, end in enumerate((s.first, s.first + s.links)):
+        held = s.end[:, side] != FREE
+        gain[end[held]] = 0.0
+        along[end[held & ~np.isfinite(weight[side::2, 0])]] = 0.0
     return Threads(
-        bending, gain, gain / inertia, inner * gain, inner / inertia * gain, (2.0 - slow) / slow, fall,
+        bending, gain, along, inner * gain, inner * along, (2.0 - slow) / slow, fall,
         EA / rest, 1.0 / rest**2, weight[:, 0],
     )  # fmt: skip
 

@@ -46,7 +46,7 @@ def _pulled(line: Line) -> tuple[float, float] | None:
     if not any(isinstance(support, Guided) for support in supports):
         return None
     out = [
-        sign * support.force * float(np.sign(support.along[0])) if isinstance(support, Guided) else 0.0
+        sign * support.force * float(np.sign(support.along[0])) if isinstance(support, Guided) else np.nan
         for sign, support in zip((-1.0, 1.0), supports, strict=True)
     ]
     return out[0], out[1]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -104,7 +105,9 @@ def _solve(K: Any, C: Any, local: Array, free: NDArray[np.bool_], load: Array, g
     z, k = np.zeros(free.size), C.shape[0]
     A, B = K[free][:, free], C[:, free]
     system = sparse.bmat([[A, -B.T], [B, sparse.diags(local)]], format="csc") if k else sparse.csc_matrix(A)
-    found = scipy.sparse.linalg.spsolve(system, np.concatenate([load[free], gap]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", scipy.sparse.linalg.MatrixRankWarning)  # told below
+        found = scipy.sparse.linalg.spsolve(system, np.concatenate([load[free], gap]))
     if not np.isfinite(found).all():
         raise EquilibriumError("the wires have no rest shape: something is not held; check supports and droppers")
     z[free] = found[: found.size - k]

@@ -42,6 +42,7 @@ class Task:
     window: float = np.inf  # m on both sides of the contacts, beyond which nothing moves; linearised only
     inertia: float = 1.0  # factor on the mass along x; nonlinear only
     space: bool = False  # whether anything moves sideways
+    remarks: tuple[str, ...] = ()  # what one should know of it
 
 
 @dataclass(frozen=True)
