@@ -277,7 +277,7 @@ def _join(strands, threads, riders, pace, other, drive, record, row, step, steps
         return
     s, base, height, _ = _seat(strands, riders, pace, other[0], other[up], drive, row, part, k, w)
     if where == ON_WIRE:
-        soft = local_at(strands, riders.wire[k], s)
+        soft = max(local_at(strands, riders.wire[k], s), 0.0)
         for j in range(WIDTH):
             soft += w[0, j] * w[0, j] * threads.gain[base + j]
     force = join(riders, pace, k, height + between(drive.rough, row, part, k), soft)

@@ -40,7 +40,6 @@ class Strands(NamedTuple):
     bed: Array  # N/m^2
     end: Integers  # (wire, 2) HELD, CLAMPED or FREE
     across: Array  # (wire, 2) x of the start in m, and x per station along the chord
-    nodal: Array  # (wire,) m/N, compliance that a node has beside that of the mesh
     local: Array  # (wire, 3) m/N, of the compliance that a point has beside the spline's: see `local_compliance`
 
 
@@ -132,7 +131,6 @@ def mesh_of(plan: Plan, element: float | list[int]) -> Mesh:
         column["drag"], column["retardation"], column["bed"],
         np.array([[_END[end] for end in wire.ends] for wire in wires], dtype=np.int64),
         np.array([(wire.start[0], (wire.end[0] - wire.start[0]) / wire.length) for wire in wires]),
-        np.array([nodal_compliance(wire, wire.length / n) for wire, n in zip(wires, links, strict=True)]),
         np.array([local_compliance(wire, wire.length / n) for wire, n in zip(wires, links, strict=True)]),
     )  # fmt: skip
     mass = np.concatenate([np.full(n + 1, rho * h) for n, rho, h in zip(count, strands.rho, strands.h, strict=True)])
@@ -165,24 +163,19 @@ def places_of(strands: Strands, spots: Sequence[Spot]) -> Places:
 
 
 def clamped_at(strands: Strands, spots: Sequence[Spot]) -> Places:
-    """The same for what stays where it is: at a node it takes hold of the node itself, and not of the spline."""
+    """The same for what stays where it is: at a node of a string it takes hold of the node itself, which is exact."""
     places = places_of(strands, spots)
-    place = places.station / strands.h[places.wire] if len(spots) else places.station
+    wire = places.wire
+    place = places.station / strands.h[wire] if len(spots) else places.station
     for k, s in enumerate(place):
-        if abs(s - round(s)) < _AT_NODE:
-            node = round(s) + int(strands.first[places.wire[k]]) - int(places.base[k])
-            places.weight[k], places.local[k] = np.eye(WIDTH)[node], strands.nodal[places.wire[k]]
+        if strands.stiffness[wire[k]] == 0.0 and abs(s - round(s)) < _AT_NODE:
+            node = round(s) + int(strands.first[wire[k]]) - int(places.base[k])
+            places.weight[k], places.local[k] = np.eye(WIDTH)[node], 0.0
+    # Where links are shorter than the reach of stiffness, a wire yields less than its spline, by next to nothing; but a
+    # spring of negative stiffness would be unstable there.
+    fine = strands.stiffness[wire] > np.maximum(strands.tension[wire], 0.0) * strands.h[wire] ** 2
+    np.maximum(places.local, 0.0, out=places.local, where=fine)
     return places
-
-
-def nodal_compliance(wire: Wire, h: float) -> float:
-    """By how much a wire yields more to a force than a node of its mesh does, m/N: nothing for a string."""
-    T, EI = wire.tension, wire.bending_stiffness
-    if T <= 0.0 or EI == 0.0 or (_STIFF * h) ** 2 * T < EI:
-        return 0.0
-    reach, middle = float(np.sqrt(EI / T) / h), _CELL // 2
-    exact = _exact_compliance(0.5 * _CELL, reach)
-    return float(exact - np.linalg.inv(_lattice(reach))[middle - 1, middle - 1]) * h / T
 
 
 def local_compliance(wire: Wire, h: float) -> tuple[float, float, float]:

@@ -330,7 +330,7 @@ def _join(strands, riders, pace, level, other, gain, drive, record, row, step, s
     if where == ON_GROUND:
         height = level[strands.first[a]] if s <= 0.0 else level[strands.first[a] + n]
     else:
-        base, soft = strands.first[a] + weights(s, n, w), local_at(strands, a, s)
+        base, soft = strands.first[a] + weights(s, n, w), max(local_at(strands, a, s), 0.0)
         for j in range(WIDTH):
             height += w[0, j] * (level[base + j] + other[base + j])
             soft += w[0, j] * w[0, j] * gain[base + j]
