@@ -17,7 +17,7 @@ from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Riders, places_of
 from ropewalk.wires.plan import Array
 from ropewalk.wires.riders import begin, between, join, local_at, pace_of, press, ride, settle_accounts, sweeps_of
 from ropewalk.wires.spline import WIDTH, weights
-from ropewalk.wires.strings import grip, grips_of, hold, pull_ties, strings_of
+from ropewalk.wires.strings import grip, grips_of, hold, pull_ties, steady_of, strings_of
 
 # Strain up to which tension over length follows from a series: its error is 1e-11 of the tension there.
 SMALL_STRAIN = 5e-3
@@ -354,10 +354,10 @@ class LargeMotion:
     ) -> None:  # fmt: skip
         self.mesh, self.riders, self.rest, axes = mesh, riders, rest, [0, 1, 2] if space else [0, 2]
         self.inertia, self.inner = inertia, inner
-        self.threads, self.strings = (
-            threads_of(mesh, position[axes], rest, step / inner, inner, inertia),
-            strings_of(mesh, position),
-        )
+        self.threads = threads_of(mesh, position[axes], rest, step / inner, inner, inertia)
+        self.strings = strings_of(mesh, position)
+        steady = steady_of(self.strings, mesh.nodes) * self.threads.gain
+        self.threads.fall[1:] += steady if space else steady[1:]
         self.grips = grips_of(mesh, self.threads.gain, self.threads.along, axes)
         self.pace = pace_of(riders, step, q, np.full(riders.owner.size, np.nan))
         self.watched = places_of(mesh.strands, list(mesh.plan.watched.values()))

@@ -32,6 +32,7 @@ class Strings(NamedTuple):
     stiff: Array  # (spring, 3) N/m of holds
     loss: Array  # (spring, 3) N s/m of holds
     lift: Array  # (spring,) N upwards, of holds
+    steady: Array  # (spring, 2) N on the one end at rest, sideways and upwards: put on all the time, and not as pushes
 
 
 def strings_of(mesh: Mesh, position: Array) -> Strings:
@@ -46,6 +47,10 @@ def strings_of(mesh: Mesh, position: Array) -> Strings:
     away += np.where(np.isfinite(ties.ground), ties.ground, 0.0)
     last[: ties.length.size, 0] = np.sqrt((away**2).sum(axis=1))
     last[ties.length.size :] = rows(holds.at, mesh.nodes) @ position.T
+    longer = last[: ties.length.size, 0] - ties.length
+    pulls = np.where(longer > 0.0, pull, push) * longer / last[: ties.length.size, 0]
+    held = stiff * (holds.place - last[ties.length.size :])
+    held[:, 2] += holds.force
     return Strings(
         ties.length.size, np.concatenate([ties.one.base, holds.at.base]),
         np.concatenate([ties.other.base, holds.at.base]),
@@ -58,7 +63,17 @@ def strings_of(mesh: Mesh, position: Array) -> Strings:
         np.concatenate([push, blank]), np.concatenate([ties.damping, blank]), last,
         np.concatenate([no_ties, stiff]), np.concatenate([no_ties, holds.damping]),
         np.concatenate([np.zeros(ties.length.size), holds.force]),
+        np.concatenate([pulls[:, None] * away[:, 1:], held[:, 1:]]),
     )  # fmt: skip
+
+
+def steady_of(strings: Strings, nodes: int) -> Array:
+    """What all ties and holds put on nodes at rest, sideways and upwards, (2, node) N."""
+    out = np.zeros((2, nodes))
+    for e, (i, j) in enumerate(zip(strings.one, strings.other, strict=True)):
+        out[:, i : i + WIDTH] += np.outer(strings.steady[e], strings.weight[e, 0])
+        out[:, j : j + WIDTH] -= np.outer(strings.steady[e], strings.weight[e, 1])
+    return out
 
 
 class Grips(NamedTuple):
@@ -104,6 +119,7 @@ def _give(x, gain, i, weight, e, side, F):
 def pull_ties(strings, now, other, gain, along, dt, found, row, step):
     """What ties do during a step."""
     axes, weight, length, last = now.shape[0], strings.weight, strings.length, strings.last
+    steady = strings.steady
     x, z, out_x, out_z = now[0], now[axes - 1], other[0], other[axes - 1]
     for e in range(strings.ties):
         i, j = np.uint64(strings.one[e]), np.uint64(strings.other[e])  # unsigned: no look at what is before an array
@@ -123,12 +139,12 @@ def pull_ties(strings, now, other, gain, along, dt, found, row, step):
             found[row, e] = N
         N /= size
         _give(out_x, along, i, weight, e, 0, N * dx)
-        _give(out_z, gain, i, weight, e, 0, N * dz)
+        _give(out_z, gain, i, weight, e, 0, N * dz - steady[e, 1])
         _give(out_x, along, j, weight, e, 1, -N * dx)
-        _give(out_z, gain, j, weight, e, 1, -N * dz)
+        _give(out_z, gain, j, weight, e, 1, steady[e, 1] - N * dz)
         if axes == 3:
-            _give(other[1], gain, i, weight, e, 0, N * dy)
-            _give(other[1], gain, j, weight, e, 1, -N * dy)
+            _give(other[1], gain, i, weight, e, 0, N * dy - steady[e, 0])
+            _give(other[1], gain, j, weight, e, 1, steady[e, 0] - N * dy)
 
 
 @inlined
@@ -146,6 +162,8 @@ def hold(strings, now, other, gain, along, dt, found, row, step):
                 strings.last[e, at] = here
             if step == 0:
                 found[row, e - strings.ties, at] = F
+            if c > 0:
+                F -= strings.steady[e, at - 1]
             if F != 0.0:
                 _give(other[c], along if c == 0 else gain, i, weight, e, 0, F)
 
