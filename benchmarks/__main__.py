@@ -13,7 +13,8 @@ def main() -> None:
     """Print what was asked for."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument(
-        "what", nargs="?", default="all", choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies", "overhead"],
+        "what", nargs="?", default="all",
+        choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies", "overhead"],
         help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling; "
         "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields; "
         "bodies: masses, walkers, models of one's own, and Exudyn's sliding joint; overhead: against real time",
