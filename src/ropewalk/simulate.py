@@ -5,7 +5,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -85,20 +85,29 @@ def must_compile(scenario: Scenario) -> str:
     The kernel of a motion is compiled once more for bodies; its two kinds of machine code are told apart by their size,
     about 1 and 4 MB.
     """
-    from ropewalk.solve.splitting import advance
-
-    folder = getattr(getattr(advance, "stats", None), "cache_path", None)
-    if folder is None or not isinstance(scenario.run, Dynamic):
+    if not isinstance(scenario.run, Dynamic):
         return ""
     if scenario.is_stiff:
-        module = "large" if scenario.run.geometry == "nonlinear" else "small"
-        known = any(Path(folder).parent.glob(f"**/{module}.advance-*.nbc"))
-        return "" if known else "about a quarter of a minute"
+        from ropewalk.wires import large, small
+
+        kernel = large.advance if scenario.run.geometry == "nonlinear" else small.advance
+        return "about a quarter of a minute" if _sizes(kernel) == [] else ""
+    from ropewalk.solve.splitting import advance
+
     bodied = any(not isinstance(load, MovingForce) for load in scenario.loads.values())
-    sizes = [code.stat().st_size for code in Path(folder).glob("splitting.advance-*.nbc")]
-    if any((size > BODIED_KERNEL) == bodied for size in sizes):
+    sizes = _sizes(advance)
+    if sizes is None or any((size > BODIED_KERNEL) == bodied for size in sizes):
         return ""
     return "about a minute" if bodied else "about half a minute"
+
+
+def _sizes(kernel: Any) -> list[int] | None:
+    """Sizes in bytes of the machine code of a kernel in its cache, None where nothing is known of that."""
+    folder = getattr(getattr(kernel, "stats", None), "cache_path", None)
+    if folder is None:
+        return None
+    module = kernel.py_func.__module__.rsplit(".", 1)[1]
+    return [code.stat().st_size for code in Path(folder).glob(f"{module}.advance-*.nbc")]
 
 
 def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:

@@ -38,8 +38,12 @@ class Record(NamedTuple):
 
     @staticmethod
     def of(rows: int, riders: Riders, ties: int, holds: int, watched: Places) -> Record:
-        """Room for a number of rows."""
+        """Room for a number of rows, which come last where there is an entry for each tie, hold or watched point."""
         contacts, bodies = riders.owner.size, riders.mass.shape[:2]
         unknown = (np.full((rows, *shape), np.nan) for shape in ((contacts,), (contacts,), bodies))
-        # Zeros cost nothing until they are touched: what lies beyond a window is not.
-        return Record(*unknown, *(np.zeros((rows, *shape)) for shape in ((ties,), (holds, 3), (watched.base.size,))))
+        # Zeros cost nothing until they are touched: in this order, what lies beyond a window is not.
+        return Record(*unknown, *(np.zeros((*shape, rows)) for shape in ((ties,), (holds, 3), (watched.base.size,))))
+
+    def turned(self) -> Record:
+        """The same with rows first everywhere."""
+        return self._replace(tie=self.tie.T, hold=np.moveaxis(self.hold, -1, 0), watched=self.watched.T)

@@ -112,7 +112,7 @@ class Run:
         """The frames; a run that blows up ends with the last one before, and the account says so."""
         contacts = len(self.task.contacts)
         plan = self.task.plan
-        nothing = Record.of(self.rows, self.riders, len(plan.ties), len(plan.holds), self.motion.watched)
+        nothing = Record.of(self.rows, self.riders, len(plan.ties), len(plan.holds), self.motion.watched).turned()
         before = np.full((self.rows, contacts), np.nan), Record(*(np.full_like(array, np.nan) for array in nothing))
         for i, t in enumerate(self.times):
             count = max(1, round((self.times[i + 1] - t) / self.sample)) if i + 1 < self.times.size else 1

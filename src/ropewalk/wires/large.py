@@ -308,7 +308,7 @@ def advance(strands, threads, strings, grips, watched, riders, pace, level, slop
     for row in range(record.force.shape[0]):
         for p in range(watched.base.size):
             for k in range(WIDTH):
-                record.watched[row, p] += watched.weight[p, k] * now[axes - 1, watched.base[p] + k]
+                record.watched[p, row] += watched.weight[p, k] * now[axes - 1, watched.base[p] + k]
         for i in range(riders.size.size):
             for c in range(riders.size[i]):
                 record.body[row, i, c] = pace.q[i, c]
@@ -410,7 +410,7 @@ class LargeMotion:
         )  # fmt: skip
         if record.force.shape[0] * steps * self.inner % 2:
             self._r.reverse()
-        return record
+        return record.turned()
 
 
 def hung(mesh: Mesh, position: Array) -> Array:

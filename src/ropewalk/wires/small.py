@@ -20,6 +20,7 @@ from ropewalk.wires.spline import WIDTH, weights
 
 _NOTHING = 1e-150  # m
 _LATE = 0.5  # share of the next and of the last instant in what rigid holds keep
+_SHIFT = 136  # numbers, 1088 bytes: neither a page nor a line of it
 _FEW = 0.1  # part of the nodes of a wire that may carry more than it and be seen to afterwards
 _WIDTH = np.uint64(WIDTH)
 _SHARES = tuple(np.uint64(k) for k in range(WIDTH))
@@ -235,7 +236,7 @@ def advance(strands, stencil, springs, grips, window, watched, riders, pace, lev
 def _look(watched, window, now, found, row):
     for e in range(window.watched[0], window.watched[1]):
         for k in range(WIDTH):
-            found[row, watched.number[e]] += watched.weight[e, k] * now[watched.base[e] + k]
+            found[watched.number[e], row] += watched.weight[e, k] * now[watched.base[e] + k]
 
 
 @inlined
@@ -313,7 +314,7 @@ def _grip(grips, window, now, other, gain, record, row, step, begins):
         F = -(mean + grips.local[e] * grips.force[e]) / (grips.local[e] + _LATE * grips.soft[e])
         grips.force[e] += F
         if step == 0:
-            record.hold[row, grips.hold[e], 2] = grips.force[e]
+            record.hold[grips.hold[e], 2, row] = grips.force[e]
         for k in range(WIDTH):
             other[i + k] += gain[i + k] * grips.weight[e, k] * F
 
@@ -368,11 +369,11 @@ def _pull(springs, window, now, other, gain, dt, record, row, step):
             before = rest[e] if rest[e] > 0.0 else rest[e] * push[e] / pull[e]
             F += way[e] * (N - before)
             if step == 0:
-                record.tie[row, springs.number[e]] = N - max(rest[e], 0.0)
+                record.tie[springs.number[e], row] = N - max(rest[e], 0.0)
         else:
             F += loss
             if step == 0:
-                record.hold[row, springs.number[e], 2] = -F
+                record.hold[springs.number[e], 2, row] = -F
         if m >= 0:
             other[m] += gain[m] * F
             if n != m:
@@ -411,7 +412,8 @@ class SmallMotion:
         self.hold_at_rest = np.zeros((rest.hold_force.size, 3))
         self.hold_at_rest[:, 2] = rest.hold_force
         # Not quite zero: what arrives early of a wave is below the smallest normal number, and slow to compute with.
-        self._u = [np.where(self.stencil.gain > 0.0, _NOTHING, 0.0) for _ in range(2)]  # now, a step before
+        nothing = np.where(self.stencil.gain > 0.0, _NOTHING, 0.0)
+        self._u = [_shifted(nothing, k) for k in range(2)]  # now, a step before
         self._room, self._w = np.zeros(mesh.nodes), np.zeros((3, WIDTH))
 
     @property
@@ -440,7 +442,7 @@ class SmallMotion:
         )  # fmt: skip
         if (rows * steps) % 2:
             self._u.reverse()
-        return record
+        return record.turned()
 
     def _window(self, drive: Drive) -> Window:
         strands, on = self.mesh.strands, drive.where == ON_WIRE
@@ -467,6 +469,13 @@ class SmallMotion:
             own = laden[first[a] : first[a + 1]]
             found.append(first[a] + np.searchsorted(own, [i + max(low[a], 2), i + high[a]]))
         return np.array(found, dtype=np.int64)
+
+
+def _shifted(values: Array, k: int) -> Array:
+    """A copy that begins elsewhere in its page: arrays at equal places of their pages hinder each other in a cache."""
+    room = np.empty(values.size + k * _SHIFT)
+    room[k * _SHIFT :] = values
+    return room[k * _SHIFT :]
 
 
 def _looked_at(mesh: Mesh, watched: Places) -> Watched:

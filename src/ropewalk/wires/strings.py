@@ -136,7 +136,7 @@ def pull_ties(strings, now, other, gain, along, dt, found, row, step):
             N = strings.push[e] * (size - length[e])
         last[e, 0] = size
         if step == 0:
-            found[row, e] = N
+            found[e, row] = N
         N /= size
         _give(out_x, along, i, weight, e, 0, N * dx)
         _give(out_z, gain, i, weight, e, 0, N * dz - steady[e, 1])
@@ -161,7 +161,7 @@ def hold(strings, now, other, gain, along, dt, found, row, step):
                 F += stiff[e, at] * (strings.place[e, at] - here) - loss[e, at] * (here - strings.last[e, at]) / dt
                 strings.last[e, at] = here
             if step == 0:
-                found[row, e - strings.ties, at] = F
+                found[e - strings.ties, at, row] = F
             if c > 0:
                 F -= strings.steady[e, at - 1]
             if F != 0.0:
@@ -178,6 +178,6 @@ def grip(grips, axes, other, gain, along, record, row, step):
             here += grips.weight[e, k] * other[c, i + k]
         F = (grips.place[e] - here) / grips.soft[e]
         if step == 0:
-            record.hold[row, grips.hold[e], at] += F
+            record.hold[grips.hold[e], at, row] += F
         for k in range(WIDTH):
             other[c, i + k] += give[i + k] * grips.weight[e, k] * F
