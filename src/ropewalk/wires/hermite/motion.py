@@ -3,7 +3,7 @@
 Unknowns are the rise and the slope of every node, and a node stands wherever something is attached. Time goes in steps
 of Newmark's rule with constant average acceleration. The step matrix of the wires alone is factorised once; ties,
 elastic holds and contacts are scalar problems, each with its own law and the compliance that the wires have within a
-step, and all of them are solved together in every step (see hermite_kernel.py).
+step, and all of them are solved together in every step (see kernel.py).
 """
 
 from __future__ import annotations
@@ -16,14 +16,10 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from ropewalk.errors import RopewalkError
-from ropewalk.wires import hermite_kernel as compiled
-from ropewalk.wires import hermite_sweeps as sweeps
-from ropewalk.wires.hermite_rest import HermiteModel, Rest, assembled, elasticity, height, lumps, rest_of, tie_forces
+from ropewalk.wires.hermite import kernel as compiled
+from ropewalk.wires.hermite import sweeps
+from ropewalk.wires.hermite.rest import HermiteModel, assembled, height, lumps
 from ropewalk.wires.plan import Array, Rider, Spot
-
-__all__ = [
-    "Drive", "HermiteModel", "Record", "Rest", "State", "elasticity", "height", "rest_of", "run", "tie_forces",
-]  # fmt: skip
 
 _ROUND_OFF = 1e-14  # a repeated node feels this part of what stands `reach` nodes away
 
