@@ -12,13 +12,15 @@ what is there   `Scenario` of `Line`s and of loads; `ForceTable`, `SpeedTable`, 
 loads           `MovingForce`, `MovingMass`, `Oscillator`, `Trolley` with its `Payload`; `Vehicle` of
                 `RigidBody`, `Wheel` and `Spring`, or of `Matrices` with `MatrixWheel`; `Footsteps` with
                 `Harmonic`s, `Walker`; `Stepper` for a model of one's own
+overhead lines  `OverheadLine` of `ContactWire`, `MessengerWire`, `StitchWire`, `Droppers`, `SteadyArms`,
+                `MessengerSupports` and `Spans`; `Pantograph` with its `PantographTravel`
 travel          `Travel` as prescribed, `FreeTravel` with `Driver` and `Brake`
 axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `Tabulated`, `Inextensible`
 supports        `Fixed`, `Elastic`, `Guided`, `Moving`
 what is asked   `Dynamic` (from a `Start`), `Quasistatic`, `Equilibrium`, `Linear`
 files           `load` and `save` a scenario, `open_result`
 answers         `simulate`, `spectrum`; `feedback` gives a `Comparison` with a run `without_feedback`; `summary`,
-                `figure` and `film` of a result
+                `figure` and `film` of a result; `contact_statistics` and `html_report` of overhead lines
 closed forms    `theory`: what the simulation is checked against
 errors          `RopewalkError`, and of its kind `ScenarioError`, `EquilibriumError`, `ResultError`
 ==============  ======================================================================================
@@ -41,9 +43,11 @@ if TYPE_CHECKING:
     from ropewalk.errors import EquilibriumError, RopewalkError, ScenarioError
     from ropewalk.model import (
         Brake,
+        ContactWire,
         DisplacementTable,
         Driver,
         DriveTable,
+        Droppers,
         Dynamic,
         Elastic,
         Equilibrium,
@@ -59,20 +63,28 @@ if TYPE_CHECKING:
         Linear,
         Matrices,
         MatrixWheel,
+        MessengerSupports,
+        MessengerWire,
         Moving,
         MovingForce,
         MovingMass,
         Oscillator,
+        OverheadLine,
+        Pantograph,
+        PantographTravel,
         Payload,
         Polynomial,
         Quasistatic,
         RigidBody,
         Scenario,
         SecondPiolaKirchhoff,
+        Spans,
         SpeedTable,
         Spring,
         Start,
+        SteadyArms,
         Stepper,
+        StitchWire,
         Tabulated,
         TensionOnly,
         Travel,
@@ -81,7 +93,8 @@ if TYPE_CHECKING:
         Walker,
         Wheel,
     )
-    from ropewalk.results import ResultError, figure, film, open_result, summary
+    from ropewalk.results import ResultError, figure, film, html_report, open_result, summary
+    from ropewalk.results.contact_statistics import contact_statistics
     from ropewalk.scenario import load, save
     from ropewalk.simulate import simulate
     from ropewalk.simulate import spectrum_of as spectrum
@@ -91,9 +104,11 @@ __version__ = "0.1.0"
 __all__ = [
     "Brake",
     "Comparison",
+    "ContactWire",
     "DisplacementTable",
     "DriveTable",
     "Driver",
+    "Droppers",
     "Dynamic",
     "Elastic",
     "Equilibrium",
@@ -110,10 +125,15 @@ __all__ = [
     "Linear",
     "Matrices",
     "MatrixWheel",
+    "MessengerSupports",
+    "MessengerWire",
     "Moving",
     "MovingForce",
     "MovingMass",
     "Oscillator",
+    "OverheadLine",
+    "Pantograph",
+    "PantographTravel",
     "Payload",
     "Polynomial",
     "Quasistatic",
@@ -123,10 +143,13 @@ __all__ = [
     "Scenario",
     "ScenarioError",
     "SecondPiolaKirchhoff",
+    "Spans",
     "SpeedTable",
     "Spring",
     "Start",
+    "SteadyArms",
     "Stepper",
+    "StitchWire",
     "Tabulated",
     "TensionOnly",
     "Travel",
@@ -134,9 +157,11 @@ __all__ = [
     "Vehicle",
     "Walker",
     "Wheel",
+    "contact_statistics",
     "feedback",
     "figure",
     "film",
+    "html_report",
     "load",
     "open_result",
     "save",
@@ -150,9 +175,11 @@ __all__ = [
 _HOME = {
     "Brake": "model",
     "Comparison": "coupling",
+    "ContactWire": "model",
     "DisplacementTable": "model",
     "DriveTable": "model",
     "Driver": "model",
+    "Droppers": "model",
     "Dynamic": "model",
     "Elastic": "model",
     "Equilibrium": "model",
@@ -169,10 +196,15 @@ _HOME = {
     "Linear": "model",
     "Matrices": "model",
     "MatrixWheel": "model",
+    "MessengerSupports": "model",
+    "MessengerWire": "model",
     "Moving": "model",
     "MovingForce": "model",
     "MovingMass": "model",
     "Oscillator": "model",
+    "OverheadLine": "model",
+    "Pantograph": "model",
+    "PantographTravel": "model",
     "Payload": "model",
     "Polynomial": "model",
     "Quasistatic": "model",
@@ -182,10 +214,13 @@ _HOME = {
     "Scenario": "model",
     "ScenarioError": "errors",
     "SecondPiolaKirchhoff": "model",
+    "Spans": "model",
     "SpeedTable": "model",
     "Spring": "model",
     "Start": "model",
+    "SteadyArms": "model",
     "Stepper": "model",
+    "StitchWire": "model",
     "Tabulated": "model",
     "TensionOnly": "model",
     "Travel": "model",
@@ -193,9 +228,11 @@ _HOME = {
     "Vehicle": "model",
     "Walker": "model",
     "Wheel": "model",
+    "contact_statistics": "results.contact_statistics",
     "feedback": "coupling",
     "figure": "results",
     "film": "results",
+    "html_report": "results",
     "load": "scenario",
     "open_result": "results",
     "save": "scenario",

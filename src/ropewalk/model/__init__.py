@@ -8,6 +8,17 @@ from ropewalk.model.load import AnyLoad, Load, MovingForce, Travelling
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices, MatrixWheel
 from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.overhead import (
+    ContactWire,
+    Droppers,
+    MessengerSupports,
+    MessengerWire,
+    OverheadLine,
+    Spans,
+    SteadyArms,
+    StitchWire,
+)
+from ropewalk.model.pantograph import Pantograph, PantographTravel
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, Run, Start
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
@@ -21,9 +32,11 @@ __all__ = [
     "AnyLoad",
     "AnyTravel",
     "Brake",
+    "ContactWire",
     "DisplacementTable",
     "DriveTable",
     "Driver",
+    "Droppers",
     "Dynamic",
     "Elastic",
     "Equilibrium",
@@ -41,10 +54,15 @@ __all__ = [
     "Load",
     "Matrices",
     "MatrixWheel",
+    "MessengerSupports",
+    "MessengerWire",
     "Moving",
     "MovingForce",
     "MovingMass",
     "Oscillator",
+    "OverheadLine",
+    "Pantograph",
+    "PantographTravel",
     "Payload",
     "Polynomial",
     "Quasistatic",
@@ -52,10 +70,13 @@ __all__ = [
     "Run",
     "Scenario",
     "SecondPiolaKirchhoff",
+    "Spans",
     "SpeedTable",
     "Spring",
     "Start",
+    "SteadyArms",
     "Stepper",
+    "StitchWire",
     "Support",
     "Tabulated",
     "TensionOnly",
