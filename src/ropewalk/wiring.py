@@ -16,7 +16,7 @@ from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.overhead.irregularity import read_irregularity
 from ropewalk.overhead.riding import expected_lift, push_of, rider_of, start_of
-from ropewalk.overhead.section import CONTACT, Section, joined, section_of
+from ropewalk.overhead.section import CONTACT, Section, in_space, joined, section_of
 from ropewalk.wires.journey import Journey, travelled
 from ropewalk.wires.lines import journey_of, settled, shown_of, wire_of
 from ropewalk.wires.mesh import links_of
@@ -37,7 +37,11 @@ def task_of(scenario: Scenario) -> Task:
     run = scenario.run
     until = run.until if isinstance(run, Dynamic) else 0.0
     sections = {name: section_of(name, line, scenario.gravity) for name, line in scenario.overhead_lines.items()}
-    plan, offsets = joined(list(sections.values())) if sections else (Plan((), gravity=scenario.gravity), [])
+    nonlinear = isinstance(run, Dynamic) and run.geometry == "nonlinear"
+    space = nonlinear and not scenario.lines and any(section.stagger.any() for section in sections.values())
+    near = tuple(_near(section) for section in sections.values()) if space else ()
+    laid = [in_space(s, scenario.overhead_lines[name]) if space else s for name, s in sections.items()]
+    plan, offsets = joined(laid) if sections else (Plan((), gravity=scenario.gravity), [])
     elements = [links_of(wire, section.element) for section in sections.values() for wire in section.plan.wires]
     first = len(plan.wires)
     plan = replace(plan, wires=(*plan.wires, *(wire_of(name, line) for name, line in scenario.lines.items())))
@@ -66,8 +70,20 @@ def task_of(scenario: Scenario) -> Task:
             "geometry": run.geometry, "inertia": run.axial_inertia,
             "window": run.window if run.window is not None else np.inf,
         }  # fmt: skip
+    if space:
+        more |= {"space": True, "near": near}
     remarks = tuple(remark for section in sections.values() for remark in _remarks(section))
     return Task(plan, tuple(journeys), tuple(contacts), tuple(shown), elements, remarks=remarks, **more)
+
+
+def _near(section: Section) -> Array:
+    """Where the wires of a staggered section rest but for little: its rest without going aside, put aside."""
+    mesh = section.mesh()
+    position = rest_of(mesh).position.copy()
+    for i in range(len(section.plan.wires)):
+        part = mesh.of(i)
+        position[1, part] = section.aside(position[0, part] - position[0, part][0], i)
+    return position
 
 
 def _remarks(section: Section) -> Iterator[str]:

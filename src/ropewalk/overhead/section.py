@@ -94,6 +94,38 @@ def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
     return _finished(name, line, task, form, supports, stagger)
 
 
+def in_space(section: Section, line: OverheadLine) -> Section:
+    """The same line where its wires run in plan view, for motion that goes sideways, too.
+
+    Steady arms have their own stiffness then, and droppers that lean their own length.
+    """
+    plan, arms = section.plan, line.steady_arms
+    give = arms.length / arms.axial_stiffness
+
+    def y(spot: Spot) -> float:
+        return float(section.aside(np.array([spot.station]), min(spot.wire, MESSENGER))[0])
+
+    ties = list(plan.ties)
+    for number, length in zip(section.droppers.values(), section.lengths, strict=True):
+        ties[number] = replace(ties[number], length=float(length))
+    for number in section.arms.values():
+        arm = ties[number]
+        assert not isinstance(arm.other, Spot)
+        x, aside, z = arm.other
+        ties[number] = replace(
+            arm, other=(x, aside + y(arm.spot), z), length=arms.length, stiffness=1.0 / give, pushes=1.0 / give
+        )
+    holds = (replace(hold, place=(hold.place[0], y(hold.spot), hold.place[2])) for hold in plan.holds)
+    wires = (
+        replace(
+            wire, start=(wire.start[0], y(Spot(i, 0.0)), wire.start[2]),
+            end=(wire.end[0], y(Spot(i, wire.length)), wire.end[2]),
+        )
+        for i, wire in enumerate(plan.wires)
+    )  # fmt: skip
+    return replace(section, plan=replace(plan, wires=tuple(wires), ties=tuple(ties), holds=tuple(holds)))
+
+
 def joined(sections: Sequence[Section]) -> tuple[Plan, list[int]]:
     """Put sections into one plan; list the number of the first wire of each, which its own wires are counted from."""
     wires: tuple[Wire, ...] = ()

@@ -171,6 +171,11 @@ class Run:
             a = int(self.riders.wire[k])
             wire, links = self.task.plan.wires[a], int(self.mesh.strands.links[a])
             place[k, 0] = wire.start[0] + station[k] / wire.length * (wire.end[0] - wire.start[0])
+            if len(self._axes) == 3:
+                part = self.mesh.of(a)
+                place[k, 1] = np.interp(
+                    station[k], self.mesh.strands.h[a] * np.arange(links + 1), frame.position[part, 1]
+                )
             both[k] = frame.tension[first[a] + min(int(station[k] / self.mesh.strands.h[a]), links - 1)]
         in_air = self.riders.lifts & (now.force[0] == 0.0)
         self._in_air += self.sample * ((before.force == 0.0) & self.riders.lifts).sum(axis=0)

@@ -171,10 +171,9 @@ def clamped_at(strands: Strands, spots: Sequence[Spot]) -> Places:
         if strands.stiffness[wire[k]] == 0.0 and abs(s - round(s)) < _AT_NODE:
             node = round(s) + int(strands.first[wire[k]]) - int(places.base[k])
             places.weight[k], places.local[k] = np.eye(WIDTH)[node], 0.0
-    # Where links are shorter than the reach of stiffness, a wire yields less than its spline, by next to nothing; but a
-    # spring of negative stiffness would be unstable there.
-    fine = strands.stiffness[wire] > np.maximum(strands.tension[wire], 0.0) * strands.h[wire] ** 2
-    np.maximum(places.local, 0.0, out=places.local, where=fine)
+    # On fine meshes a stiff wire yields less than its spline, by 1e-7 m/N; but a spring of negative stiffness there, in
+    # series with what is stiff itself, would be unstable.
+    np.maximum(places.local, 0.0, out=places.local)
     return places
 
 

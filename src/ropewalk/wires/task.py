@@ -42,6 +42,7 @@ class Task:
     window: float = np.inf  # m on both sides of the contacts, beyond which nothing moves; linearised only
     inertia: float = 1.0  # factor on the mass along x; nonlinear only
     space: bool = False  # whether anything moves sideways
+    near: tuple[Array, ...] | None = None  # near rest, of each wire: (3, node) m; needed where wires run aside
     remarks: tuple[str, ...] = ()  # what one should know of it
 
 
@@ -89,7 +90,11 @@ def _linearised(task: Task) -> Start:
 def _nonlinear(task: Task) -> Start:
     plan = task.plan
     mesh = mesh_of(plan, task.element)
-    position, unstrained = _guess(mesh)
+    if task.near is not None:
+        position = np.concatenate(task.near, axis=1)
+        unstrained = hung(mesh, position)
+    else:
+        position, unstrained = _guess(mesh)
     for _ in range(2):
         found = settle(Potential(mesh, unstrained), position, space=task.space)
         position = found.position
