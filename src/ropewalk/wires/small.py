@@ -20,7 +20,7 @@ from ropewalk.wires.spline import WIDTH, weights
 
 _NOTHING = 1e-150  # m
 _LATE = 0.5  # share of the next and of the last instant in what rigid holds keep
-_SHIFT = 136  # numbers, 1088 bytes: neither a page nor a line of it
+_HALF_PAGE = 256  # numbers of 8 bytes
 _FEW = 0.1  # part of the nodes of a wire that may carry more than it and be seen to afterwards
 _WIDTH = np.uint64(WIDTH)
 _SHARES = tuple(np.uint64(k) for k in range(WIDTH))
@@ -413,7 +413,7 @@ class SmallMotion:
         self.hold_at_rest[:, 2] = rest.hold_force
         # Not quite zero: what arrives early of a wave is below the smallest normal number, and slow to compute with.
         nothing = np.where(self.stencil.gain > 0.0, _NOTHING, 0.0)
-        self._u = [_shifted(nothing, k) for k in range(2)]  # now, a step before
+        self._u = _apart(nothing)  # now, a step before
         self._room, self._w = np.zeros(mesh.nodes), np.zeros((3, WIDTH))
 
     @property
@@ -471,11 +471,14 @@ class SmallMotion:
         return np.array(found, dtype=np.int64)
 
 
-def _shifted(values: Array, k: int) -> Array:
-    """A copy that begins elsewhere in its page: arrays at equal places of their pages hinder each other in a cache."""
-    room = np.empty(values.size + k * _SHIFT)
-    room[k * _SHIFT :] = values
-    return room[k * _SHIFT :]
+def _apart(values: Array) -> list[Array]:
+    """Two copies that begin half a page apart: arrays at equal places of their pages hinder each other in a cache."""
+    second = values.size + (_HALF_PAGE - values.size) % (2 * _HALF_PAGE)
+    room = np.empty(second + values.size)
+    copies = [room[: values.size], room[second:]]
+    for copy in copies:
+        copy[:] = values
+    return copies
 
 
 def _looked_at(mesh: Mesh, watched: Places) -> Watched:
