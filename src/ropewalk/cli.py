@@ -94,7 +94,7 @@ def check(file: ScenarioFile, settings: Settings = None) -> None:
     """Find every mistake in a scenario; compute nothing."""
     with _reported():
         scenario = _load(file, settings)
-        names = ", ".join((*scenario.lines, *scenario.loads))
+        names = ", ".join((*scenario.lines, *scenario.overhead_lines, *scenario.loads))
         typer.echo(f"{file}: fine ({scenario.title}: {names}; {scenario.run.kind})")
 
 
