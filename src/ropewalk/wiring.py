@@ -17,11 +17,10 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.overhead.irregularity import read_irregularity
 from ropewalk.overhead.riding import expected_lift, push_of, rider_of, start_of
 from ropewalk.overhead.section import CONTACT, Section, in_space, joined, section_of
-from ropewalk.wires.journey import Journey, travelled
+from ropewalk.wires.journey import Journey, smooth, travelled
 from ropewalk.wires.lines import journey_of, settled, shown_of, wire_of
 from ropewalk.wires.mesh import links_of
 from ropewalk.wires.plan import Array, Plan
-from ropewalk.wires.rest import rest_of
 from ropewalk.wires.task import Shown, Task
 
 _HEAVY = 500.0  # N: droppers bear about 100 N
@@ -78,8 +77,7 @@ def task_of(scenario: Scenario) -> Task:
 
 def _near(section: Section) -> Array:
     """Where the wires of a staggered section rest but for little: its rest without going aside, put aside."""
-    mesh = section.mesh()
-    position = rest_of(mesh).position.copy()
+    mesh, position = section.mesh(), section.rest.position.copy()
     for i in range(len(section.plan.wires)):
         part = mesh.of(i)
         position[1, part] = section.aside(position[0, part] - position[0, part][0], i)
@@ -107,8 +105,7 @@ def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until:
         lift = expected_lift(section, float(mean[0]))
     push = push_of(load, section.level, lift)
     rough = _rough(name, load)
-    mesh = section.mesh()
-    first = start_of(load, mesh, rest_of(mesh), CONTACT, float(rough(np.array([start]))[0]))
+    first = start_of(load, section.mesh(), section.rest, CONTACT, float(rough(np.array([start]))[0]))
     rider = rider_of(name, load, wire)
 
     def pushed(times: Array) -> Array:
@@ -119,7 +116,7 @@ def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until:
 
 def _rough(name: str, load: Pantograph) -> Callable[[Array], Array]:
     if load.irregularity is None:
-        return lambda stations: np.zeros_like(stations)
+        return smooth
     return read_irregularity(Path(load.irregularity), f"loads.{name}.irregularity").at
 
 

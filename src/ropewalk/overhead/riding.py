@@ -12,7 +12,7 @@ from ropewalk.model.pantographs import mean_force
 from ropewalk.overhead.section import CONTACT, Section, elasticity
 from ropewalk.wires.mesh import Mesh, places_of
 from ropewalk.wires.plan import Array, Contact, Rider, Spot
-from ropewalk.wires.rest import Rest, rest_of, rows
+from ropewalk.wires.rest import Rest, rows
 
 
 @dataclass(frozen=True)
@@ -129,4 +129,4 @@ def expected_lift(section: Section, force: float, points: int = 9) -> float:
     mesh = section.mesh()
     along = np.arange(first, last, section.element)
     heights = rows(places_of(mesh.strands, [Spot(CONTACT, float(x)) for x in along]), mesh.nodes)
-    return float((heights @ rest_of(mesh).position[2]).mean()) - section.level + force * float(rise.mean())
+    return float((heights @ section.rest.position[2]).mean()) - section.level + force * float(rise.mean())

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -26,7 +27,7 @@ from ropewalk.overhead.forming import (
 )
 from ropewalk.wires.mesh import Mesh, clamped_at, mesh_of
 from ropewalk.wires.plan import Array, EndKind, Hold, Plan, PointMass, Spot, Tie, Wire
-from ropewalk.wires.rest import rest_of, rows
+from ropewalk.wires.rest import Rest, rest_of, rows
 
 _Pair = tuple[float, float]
 
@@ -66,6 +67,11 @@ class Section:
     def mesh(self, element: float | None = None) -> Mesh:
         """Divide it, at the length of links that it was formed with."""
         return mesh_of(self.plan, self.element if element is None else element)
+
+    @cached_property
+    def rest(self) -> Rest:
+        """Its rest on that mesh."""
+        return rest_of(self.mesh())
 
     def aside(self, station: Array, wire: int = CONTACT) -> Array:
         """Where a wire runs in plan view, y in m at stations in m."""

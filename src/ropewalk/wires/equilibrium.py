@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ropewalk.errors import EquilibriumError
 from ropewalk.wires.mesh import CLAMPED, FREE, Mesh
 from ropewalk.wires.plan import Array
-from ropewalk.wires.rest import differences, rows, spring, ties_springs
+from ropewalk.wires.rest import beds, bending_stiffness, rows, spring, ties_springs
 
 _FULL_STEPS, _MOST_STEPS = 40, 400
 _PARTS = (1, 8)  # in which constant forces are put on
@@ -40,8 +40,8 @@ class Potential:
         self._link = np.flatnonzero(behind)
         self._rest = rest[self._link]
         self._EA = np.repeat([wire.axial_stiffness for wire in plan.wires], s.links)
-        self._bend, self._turn = _bending(mesh)
-        self._bed, self._level = _beds(mesh), mesh.straight()[2]
+        self._bend, self._turn = bending_stiffness(mesh), _turned(mesh)
+        self._bed, self._level = beds(mesh), mesh.straight()[2]
         self._tie = rows(mesh.ties.other, mesh.nodes) - rows(mesh.ties.one, mesh.nodes)
         self._ground = np.where(np.isfinite(mesh.ties.ground), mesh.ties.ground, 0.0)
         self._pull, self._push = ties_springs(mesh)
@@ -119,32 +119,16 @@ class Potential:
         return sparse.bmat(blocks, format="csc")
 
 
-def _bending(mesh: Mesh) -> tuple[Any, Array]:
-    """Stiffness of bending for one component, and the forces of clamped ends that belong to straight wires."""
-    blocks, straight = [], mesh.straight()
-    turned = np.zeros((3, mesh.nodes))
-    for w, n in enumerate(mesh.strands.links):
-        h, EI, first = mesh.strands.h[w], mesh.strands.stiffness[w], mesh.strands.first[w]
-        _, bent = differences(int(n))
-        block = EI / h**3 * (bent.T @ bent)
-        for side, (i, j) in enumerate(((0, 1), (n, n - 1))):
-            if mesh.strands.end[w, side] == CLAMPED:
-                turn = sparse.csr_matrix(([-1.0, 1.0], ([0, 0], [i, j])), shape=(1, n + 1))
-                block = block + 2.0 * EI / h**3 * (turn.T @ turn)
-                slope = straight[:, first + j] - straight[:, first + i]
-                slope *= h / np.linalg.norm(slope)
-                turned[:, first + j] += 2.0 * EI / h**3 * slope
-                turned[:, first + i] -= 2.0 * EI / h**3 * slope
-        blocks.append(block)
-    return sparse.block_diag(blocks, format="csr"), turned
-
-
-def _beds(mesh: Mesh) -> Array:
-    s = mesh.strands
-    bed: Array = np.repeat(s.bed * s.h, s.links + 1)
-    bed[s.first] *= 0.5
-    bed[s.first + s.links] *= 0.5
-    return bed
+def _turned(mesh: Mesh) -> Array:
+    """Forces that make clamped ends ask for the direction of their straight wires, (3, node) N."""
+    s, straight, turned = mesh.strands, mesh.straight(), np.zeros((3, mesh.nodes))
+    for w, side in np.argwhere(s.end == CLAMPED):
+        end, d = (s.first[w], 1) if side == 0 else (s.first[w] + s.links[w], -1)
+        slope = straight[:, end + d] - straight[:, end]
+        slope *= 2.0 * s.stiffness[w] / s.h[w] ** 2 / np.linalg.norm(slope)
+        turned[:, end + d] += slope
+        turned[:, end] -= slope
+    return turned
 
 
 def movable(mesh: Mesh, *, space: bool) -> NDArray[np.bool_]:

@@ -120,7 +120,7 @@ class Run:
             frame = self._picture(float(t), drive)
             record = self.motion.go(drive, self.steps)
             yield self._with_forces(frame, drive, record, *before)
-            if not self._is_sane(record):
+            if not self._is_sane():
                 self.account.outcome, self.account.advice = "diverged", self._advice(float(t))
                 return
             self.account.steps += count * self.steps if i + 1 < self.times.size else 0
@@ -130,7 +130,7 @@ class Run:
     def _drive(self, t: float, count: int) -> Drive:
         return drive_of(self.task.plan, self.task.journeys, t + self.sample * np.arange(count + 1.0))
 
-    def _is_sane(self, record: Record) -> bool:
+    def _is_sane(self) -> bool:
         moved = self.motion.position - self._at_rest
         longest = max(wire.length for wire in self.task.plan.wires)
         return bool(np.isfinite(moved).all() and np.abs(moved).max() < _ESCAPED * longest)

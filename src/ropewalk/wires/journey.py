@@ -29,7 +29,7 @@ def _nothing(times: Array) -> Array:
     return np.zeros((times.size, 1))
 
 
-def _smooth(stations: Array) -> Array:
+def smooth(stations: Array) -> Array:
     return np.zeros_like(stations)
 
 
@@ -41,7 +41,7 @@ class Journey:
     place: Callable[[Array], Array]  # times to the station of the rider, m
     push: Callable[[Array], Array] = _nothing  # times to forces on the coordinates, (time, coordinate or 1) N
     given: Callable[[Array], Array] = _nothing  # times to forces upwards on the wire, (time, contact or 1) N
-    rough: Callable[[Array], Array] = _smooth  # stations to heights that are added to the wire, m
+    rough: Callable[[Array], Array] = smooth  # stations to heights that are added to the wire, m
     first: Array = field(default_factory=lambda: np.zeros(0))  # (coordinate,) m at the beginning
     beside: int = ABSENT  # before the start of the wire and beyond its end: ABSENT, or ON_GROUND
 

@@ -15,7 +15,7 @@ from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive, Record
 from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Riders, places_of
 from ropewalk.wires.plan import Array
-from ropewalk.wires.riders import begin, between, join, local_at, pace_of, press, ride, settle_accounts, sweeps_of
+from ropewalk.wires.riders import begin, between, join, local_at, note, pace_of, press, ride, settle_accounts, sweeps_of
 from ropewalk.wires.spline import WIDTH, weights
 from ropewalk.wires.strings import grip, grips_of, hold, pull_ties, steady_of, strings_of
 
@@ -259,11 +259,7 @@ def _touch(strands, threads, riders, pace, now, other, drive, record, row, step,
         local = local_at(strands, riders.wire[k], s)
     given = between(drive.given, row, part, k)
     force = given + press(riders, pace, k, height + between(drive.rough, row, part, k), local)
-    if where == ON_WIRE:
-        here = pace.here[k]
-        here[0], here[1], here[2], here[3], here[4] = height, s, slope, given, force
-    if step == 0:
-        record.force[row, k], record.height[row, k] = force, height + local * force
+    note(pace, record, row, step, k, where == ON_WIRE, height, s, slope, given, force, local)
     if where == ON_WIRE:
         for j in range(WIDTH):
             other[up, base + j] += threads.kick[base + j] * w[0, j] * force

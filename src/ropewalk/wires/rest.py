@@ -35,13 +35,21 @@ class Rest:
 
 def vertical_stiffness(mesh: Mesh) -> sparse.csr_matrix:
     """Stiffness of all wires against vertical displacements, (node, node) N/m, without what is attached."""
+    s, taut = mesh.strands, []
+    for n, h, T in zip(s.links, s.h, s.tension, strict=True):
+        one = np.ones(n + 1)
+        slope = sparse.diags([-one, one], [0, 1], shape=(n, n + 1))
+        taut.append(T / h * (slope.T @ slope))
+    return sparse.csr_matrix(sparse.block_diag(taut) + bending_stiffness(mesh) + sparse.diags(beds(mesh)))
+
+
+def bending_stiffness(mesh: Mesh) -> sparse.csr_matrix:
+    """The part of bending, of any one component, clamped ends included."""
     blocks = []
     for w, n in enumerate(mesh.strands.links):
-        h, T, EI = mesh.strands.h[w], mesh.strands.tension[w], mesh.strands.stiffness[w]
-        slope, bent = differences(int(n))
-        bed = np.full(n + 1, mesh.strands.bed[w] * h)
-        bed[[0, -1]] *= 0.5
-        block = T / h * (slope.T @ slope) + EI / h**3 * (bent.T @ bent) + sparse.diags(bed)
+        h, EI, one = mesh.strands.h[w], mesh.strands.stiffness[w], np.ones(n + 1)
+        bent = sparse.diags([one, -2.0 * one, one], [0, 1, 2], shape=(n - 1, n + 1))
+        block = EI / h**3 * (bent.T @ bent)
         for side, (i, j) in enumerate(((0, 1), (n, n - 1))):
             if mesh.strands.end[w, side] == CLAMPED:
                 turn = sparse.csr_matrix(([-1.0, 1.0], ([0, 0], [i, j])), shape=(1, n + 1))
@@ -50,13 +58,13 @@ def vertical_stiffness(mesh: Mesh) -> sparse.csr_matrix:
     return sparse.block_diag(blocks, format="csr")
 
 
-def differences(n: int) -> tuple[Any, Any]:
-    """First and second differences of n + 1 control points."""
-    one = np.ones(n + 1)
-    return (
-        sparse.diags([-one, one], [0, 1], shape=(n, n + 1)),
-        sparse.diags([one, -2.0 * one, one], [0, 1, 2], shape=(n - 1, n + 1)),
-    )
+def beds(mesh: Mesh) -> Array:
+    """Stiffness of the beds under all nodes, (node,) N/m."""
+    s = mesh.strands
+    bed: Array = np.repeat(s.bed * s.h, s.links + 1)
+    bed[s.first] *= 0.5
+    bed[s.first + s.links] *= 0.5
+    return bed
 
 
 def rows(places: Places, nodes: int) -> sparse.csr_matrix:
@@ -85,19 +93,8 @@ def held_shape(mesh: Mesh, places: Places, heights: Array, load: Array) -> tuple
     """
     K, C = vertical_stiffness(mesh), rows(places, mesh.nodes)
     free, chord = moving(mesh), mesh.straight()[2]
-    z, force = _solve(K, C, places.local, free, load - K @ chord + _bed(mesh, chord), heights - C @ chord)
+    z, force = _solve(K, C, places.local, free, load - K @ chord + beds(mesh) * chord, heights - C @ chord)
     return chord + z, force
-
-
-def _bed(mesh: Mesh, chord: Array) -> Array:
-    """What a bed that lies along the chord adds, so that it does not push there, N."""
-    bed = np.concatenate(
-        [np.full(n + 1, k * h) for n, k, h in zip(mesh.strands.links, mesh.strands.bed, mesh.strands.h, strict=True)]
-    )
-    last = mesh.strands.first + mesh.strands.links
-    bed[mesh.strands.first] *= 0.5
-    bed[last] *= 0.5
-    return bed * chord
 
 
 def _solve(K: Any, C: Any, local: Array, free: NDArray[np.bool_], load: Array, gap: Array) -> tuple[Array, Array]:
@@ -130,7 +127,7 @@ def rest_of(mesh: Mesh) -> Rest:
     ground = np.where(grounded[:, 2], ties.ground[:, 2], 0.0)
     H, fast = rows(holds.at, mesh.nodes), np.isinf(holds.stiffness[:, 2])
     stiff = np.where(fast, 0.0, spring(holds.stiffness[:, 2], holds.at.local))
-    load = -mesh.plan.gravity * mesh.mass + _bed(mesh, chord) + H.T @ (holds.force + stiff * holds.place[:, 2])
+    load = -mesh.plan.gravity * mesh.mass + beds(mesh) * chord + H.T @ (holds.force + stiff * holds.place[:, 2])
     K = K + H.T @ sparse.diags(stiff) @ H
     size = float(mesh.strands.h @ mesh.strands.links)
     grip, local, level = H[fast], holds.at.local[fast], holds.place[fast, 2]

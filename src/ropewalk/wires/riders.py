@@ -104,6 +104,16 @@ def press(riders, pace, k, height, local):
 
 
 @inlined
+def note(pace, record, row, step, k, on_wire, height, s, slope, given, force, local):
+    """Keep what is known of contact k in this step: for the accounts, and in the first step of a row for the record."""
+    if on_wire:
+        here = pace.here[k]
+        here[0], here[1], here[2], here[3], here[4] = height, s, slope, given, force
+    if step == 0:
+        record.force[row, k], record.height[row, k] = force, height + local * force
+
+
+@inlined
 def join(riders, pace, k, height, soft):
     """Force upwards on the wire that brings a rigid contact together at the end of a step; its rider gives way.
 

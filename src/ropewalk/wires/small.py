@@ -15,7 +15,7 @@ from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive, Record
 from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Places, Riders, places_of
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.rest import Rest, spring, ties_springs
-from ropewalk.wires.riders import begin, between, join, local_at, pace_of, press, ride, settle_accounts, sweeps_of
+from ropewalk.wires.riders import begin, between, join, local_at, note, pace_of, press, ride, settle_accounts, sweeps_of
 from ropewalk.wires.spline import WIDTH, weights
 
 _NOTHING = 1e-150  # m
@@ -289,11 +289,7 @@ def _touch(strands, riders, pace, level, now, other, gain, drive, record, row, s
             height += w[0, j] * z
             slope += w[1, j] * z
     force = given + press(riders, pace, k, height + between(drive.rough, row, part, k), local)
-    if where == ON_WIRE:
-        here = pace.here[k]
-        here[0], here[1], here[2], here[3], here[4] = height, s, slope, given, force
-    if step == 0:
-        record.force[row, k], record.height[row, k] = force, height + local * force
+    note(pace, record, row, step, k, where == ON_WIRE, height, s, slope, given, force, local)
     if where == ON_WIRE:
         for j in range(WIDTH):
             other[base + j] += gain[base + j] * w[0, j] * force
