@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from . import bodies, continuum, cost, overhead, statics, theory
+from . import bodies, continuum, cost, nets, overhead, statics, theory
 from .peers import __main__ as peers
 
 
@@ -14,10 +14,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument(
         "what", nargs="?", default="all",
-        choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies", "overhead"],
+        choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies", "overhead", "nets"],
         help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling; "
         "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields; "
-        "bodies: masses, walkers, models of one's own, and Exudyn's sliding joint; overhead: against real time",
+        "bodies: masses, walkers, models of one's own, and Exudyn's sliding joint; overhead: against real time; "
+        "nets: a mass on nets of more and more nodes",
     )  # fmt: skip
     what = parser.parse_args().what
     if what in ("all", "continuum"):
@@ -32,6 +33,8 @@ def main() -> None:
         bodies.main()
     if what in ("all", "overhead"):
         overhead.main()
+    if what in ("all", "nets"):
+        nets.main()
     if what in ("all", "peers"):
         sys.argv = ["benchmarks.peers", "--case", "all"]
         peers.main()

@@ -30,6 +30,7 @@ SECTIONS = {
         "Footsteps",
         "Harmonic",
         "Walker",
+        "Balance",
         "Stepper",
     ),
     "Overhead lines": (
@@ -47,6 +48,8 @@ SECTIONS = {
     "Travel": ("Travel", "FreeTravel", "Driver", "Brake"),
     "Axial laws": ("Hooke", "TensionOnly", "SecondPiolaKirchhoff", "Polynomial", "Tabulated", "Inextensible"),
     "Supports": ("Fixed", "Elastic", "Guided", "Moving"),
+    "Joints and sheaves": ("Joined", "Joint", "Sheave"),
+    "Nets, membranes and wind": ("Net", "Membrane", "ClampedEdge", "SoftEdge", "CableEdge", "Wind"),
     "What is asked": ("Dynamic", "Start", "Quasistatic", "Equilibrium", "Linear"),
     "Files": ("load", "save", "open_result"),
     "Answers": (

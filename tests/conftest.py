@@ -14,6 +14,7 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 # Numba's cache looks at the file of a kernel only, not at the kernels that it calls. A cache of its own for every
 # state of the sources keeps a changed kernel from being tested in its old form.
 _SOURCES = sorted(Path(__file__).parent.parent.glob("src/ropewalk/**/*.py"))
-_KERNELS = hashlib.sha256(b"".join(p.read_bytes() for p in _SOURCES if {"mechanics", "solve", "wires"} & set(p.parts)))
+_STOREYS = {"mechanics", "solve", "wires", "webs"}
+_KERNELS = hashlib.sha256(b"".join(p.read_bytes() for p in _SOURCES if _STOREYS & set(p.parts)))
 if "NUMBA_CACHE_DIR" not in os.environ:
     os.environ["NUMBA_CACHE_DIR"] = str(Path(tempfile.gettempdir()) / f"ropewalk-kernels-{_KERNELS.hexdigest()[:16]}")

@@ -11,12 +11,13 @@ what is there   `Scenario` of `Line`s and of loads; `ForceTable`, `SpeedTable`, 
                 `DisplacementTable` for what changes in time
 loads           `MovingForce`, `MovingMass`, `Oscillator`, `Trolley` with its `Payload`; `Vehicle` of
                 `RigidBody`, `Wheel` and `Spring`, or of `Matrices` with `MatrixWheel`; `Footsteps` with
-                `Harmonic`s, `Walker`; `Stepper` for a model of one's own
+                `Harmonic`s, `Walker` with her `Balance`; `Stepper` for a model of one's own
 overhead lines  `OverheadLine` of `ContactWire`, `MessengerWire`, `StitchWire`, `Droppers`, `SteadyArms`,
                 `MessengerSupports` and `Spans`; `Pantograph` with its `PantographTravel`
 travel          `Travel` as prescribed, `FreeTravel` with `Driver` and `Brake`
 axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `Tabulated`, `Inextensible`
-supports        `Fixed`, `Elastic`, `Guided`, `Moving`
+supports        `Fixed`, `Elastic`, `Guided`, `Moving`; `Joined` to a `Joint`, a line or a net; `Sheave`s on the way
+nets            `Net` and `Membrane` with a `ClampedEdge`, a `SoftEdge` or a `CableEdge`; `Wind`
 what is asked   `Dynamic` (from a `Start`), `Quasistatic`, `Equilibrium`, `Linear`
 files           `load` and `save` a scenario, `open_result`
 answers         `simulate`, `spectrum`; `feedback` gives a `Comparison` with a run `without_feedback`; `summary`,
@@ -42,7 +43,10 @@ if TYPE_CHECKING:
     from ropewalk.decouple import without_feedback
     from ropewalk.errors import EquilibriumError, RopewalkError, ScenarioError
     from ropewalk.model import (
+        Balance,
         Brake,
+        CableEdge,
+        ClampedEdge,
         ContactWire,
         DisplacementTable,
         Driver,
@@ -59,15 +63,19 @@ if TYPE_CHECKING:
         Harmonic,
         Hooke,
         Inextensible,
+        Joined,
+        Joint,
         Line,
         Linear,
         Matrices,
         MatrixWheel,
+        Membrane,
         MessengerSupports,
         MessengerWire,
         Moving,
         MovingForce,
         MovingMass,
+        Net,
         Oscillator,
         OverheadLine,
         Pantograph,
@@ -78,6 +86,8 @@ if TYPE_CHECKING:
         RigidBody,
         Scenario,
         SecondPiolaKirchhoff,
+        Sheave,
+        SoftEdge,
         Spans,
         SpeedTable,
         Spring,
@@ -92,6 +102,7 @@ if TYPE_CHECKING:
         Vehicle,
         Walker,
         Wheel,
+        Wind,
     )
     from ropewalk.results import ResultError, figure, film, html_report, open_result, summary
     from ropewalk.results.contact_statistics import contact_statistics
@@ -102,7 +113,10 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "Balance",
     "Brake",
+    "CableEdge",
+    "ClampedEdge",
     "Comparison",
     "ContactWire",
     "DisplacementTable",
@@ -121,15 +135,19 @@ __all__ = [
     "Harmonic",
     "Hooke",
     "Inextensible",
+    "Joined",
+    "Joint",
     "Line",
     "Linear",
     "Matrices",
     "MatrixWheel",
+    "Membrane",
     "MessengerSupports",
     "MessengerWire",
     "Moving",
     "MovingForce",
     "MovingMass",
+    "Net",
     "Oscillator",
     "OverheadLine",
     "Pantograph",
@@ -143,6 +161,8 @@ __all__ = [
     "Scenario",
     "ScenarioError",
     "SecondPiolaKirchhoff",
+    "Sheave",
+    "SoftEdge",
     "Spans",
     "SpeedTable",
     "Spring",
@@ -157,6 +177,7 @@ __all__ = [
     "Vehicle",
     "Walker",
     "Wheel",
+    "Wind",
     "contact_statistics",
     "feedback",
     "figure",
@@ -173,7 +194,10 @@ __all__ = [
 ]
 
 _HOME = {
+    "Balance": "model",
     "Brake": "model",
+    "CableEdge": "model",
+    "ClampedEdge": "model",
     "Comparison": "coupling",
     "ContactWire": "model",
     "DisplacementTable": "model",
@@ -192,15 +216,19 @@ _HOME = {
     "Harmonic": "model",
     "Hooke": "model",
     "Inextensible": "model",
+    "Joined": "model",
+    "Joint": "model",
     "Line": "model",
     "Linear": "model",
     "Matrices": "model",
     "MatrixWheel": "model",
+    "Membrane": "model",
     "MessengerSupports": "model",
     "MessengerWire": "model",
     "Moving": "model",
     "MovingForce": "model",
     "MovingMass": "model",
+    "Net": "model",
     "Oscillator": "model",
     "OverheadLine": "model",
     "Pantograph": "model",
@@ -214,6 +242,8 @@ _HOME = {
     "Scenario": "model",
     "ScenarioError": "errors",
     "SecondPiolaKirchhoff": "model",
+    "Sheave": "model",
+    "SoftEdge": "model",
     "Spans": "model",
     "SpeedTable": "model",
     "Spring": "model",
@@ -228,6 +258,7 @@ _HOME = {
     "Vehicle": "model",
     "Walker": "model",
     "Wheel": "model",
+    "Wind": "model",
     "contact_statistics": "results.contact_statistics",
     "feedback": "coupling",
     "figure": "results",

@@ -27,6 +27,7 @@ FAULT, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 FILM_SUFFIXES = (".gif", ".mp4")
 REPORT_SUFFIX = ".html"
+EXPORT_SUFFIX = ".pvd"
 
 Progress = Callable[[float], None]
 
@@ -136,13 +137,16 @@ def show(
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", metavar="FIG|FILM|REPORT", help="Write a .png, .svg, .pdf, .gif, .mp4 or .html."
+            "-o",
+            "--output",
+            metavar="FIG|FILM|REPORT|PVD",
+            help="Write a .png, .svg, .pdf, .gif, .mp4, .html, or a .pvd for ParaView.",
         ),
     ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Print the summary of a result, or make a figure, a film or a report of it."""
+    """Print the summary of a result, or make a figure, a film, a report or an export for ParaView of it."""
     with _reported():
         if output is not None:
             _check_picture(output)
@@ -158,6 +162,11 @@ def show(
 
                 with _progress("filming", quiet) as progress:
                     film(dataset, output, progress=progress)
+            elif output.suffix.lower() == EXPORT_SUFFIX:
+                from ropewalk.results import export
+
+                with _progress("exporting", quiet) as progress:
+                    export(dataset, output, progress=progress)
             elif output.suffix.lower() == REPORT_SUFFIX:
                 from ropewalk.results import html_report
 
@@ -272,7 +281,7 @@ def _print_json(value: Any) -> None:
 
 
 def _check_picture(output: Path) -> None:
-    known = (*FIGURE_SUFFIXES, *FILM_SUFFIXES, REPORT_SUFFIX)
+    known = (*FIGURE_SUFFIXES, *FILM_SUFFIXES, REPORT_SUFFIX, EXPORT_SUFFIX)
     if output.suffix.lower() not in known:
         _fail(f"{output}: unknown kind of picture or report; the name must end in {', '.join(known)}")
     if not output.parent.is_dir():

@@ -22,6 +22,7 @@ from ropewalk.solve.choice import Choice, choose
 from ropewalk.solve.ends import ends_of, seat_ends
 from ropewalk.solve.guides import guides_of
 from ropewalk.solve.measure import shapes
+from ropewalk.solve.modes_at_start import deflect
 from ropewalk.solve.motion import STOPPED, Progress, move
 from ropewalk.solve.quasistatic import Place, walk
 from ropewalk.solve.remarks import Remarks, on_parting, who_met
@@ -112,6 +113,8 @@ def _sizes(kernel: Any) -> list[int] | None:
 
 def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:
     """The frames of a run, one after the other, with their layout and their number; `account` is filled in."""
+    if scenario.is_web:
+        return _webbed(scenario, account)
     if scenario.is_stiff and not isinstance(scenario.run, Linear):
         return _wired(scenario, account)
     if isinstance(scenario.run, Dynamic):
@@ -134,6 +137,23 @@ def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
         return layout, _slow(setting, scenario, account), scenario.run.positions
     assert isinstance(scenario.run, Equilibrium)
     return layout, _rest(setting, scenario, account), 1
+
+
+def _webbed(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:
+    """The frames of joined lines, nets and membranes."""
+    from ropewalk.webs.frames import Run  # lazy: most runs do not need their kernels
+
+    run = scenario.run
+    if isinstance(run, Dynamic):
+        times = output_times(run)
+        found = Run(scenario, account, run.until)
+        return found.layout, found.moving(times), times.size
+    assert isinstance(run, Quasistatic | Equilibrium)
+    slow = isinstance(run, Quasistatic)
+    found = Run(scenario, account, horizon(scenario) if slow and not scenario.nets else 0.0, "load_path")
+    if isinstance(run, Quasistatic):
+        return found.layout, found.slowly(run.positions), run.positions
+    return found.layout, found.standing(), 1
 
 
 def _wired(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:
@@ -174,6 +194,8 @@ def _initial(setting: Setting, scenario: Scenario) -> tuple[State, Bodies | None
         take_up(setting, state, run.start)
         _check_ends(setting, state)
         seat_ends(setting.strands, setting.supports, state)
+    elif run.start.kind == "mode":
+        deflect(setting, state, run.start)
     return state, board(setting, state)
 
 

@@ -142,7 +142,7 @@ def speed_table(speed: Any, until: float) -> tuple[Array, Array]:
     return np.zeros(1), np.array([float(speed)])
 
 
-def _vector_table(history: Any, until: float, axes: tuple[str, ...]) -> tuple[Array, NDArray[np.float64]]:
+def vector_table(history: Any, until: float, axes: tuple[str, ...]) -> tuple[Array, NDArray[np.float64]]:
     """Times (n,) and values (axis, n) of forces or displacements."""
     if isinstance(history, ForceTable | DisplacementTable):
         times, rows = np.array(history.time), history.value
@@ -182,7 +182,7 @@ def loads_of(scenario: Scenario, wheels: list[Wheel], until: float) -> Loads:
     """All wheels of a scenario, with their histories tabulated up to the time `until`."""
     names, axes = list(scenario.lines), axes_of(scenario)
     speeds = [speed_table(wheel.speed, until) for wheel in wheels]
-    forces = [_vector_table(wheel.force, until, axes) for wheel in wheels]
+    forces = [vector_table(wheel.force, until, axes) for wheel in wheels]
 
     def codes(values: list[int]) -> NDArray[np.int64]:
         return np.array(values, dtype=np.int64)
@@ -216,8 +216,8 @@ def supports_of(scenario: Scenario, until: float) -> Supports:
         for line in scenario.lines.values()
         for point, support in ((line.start, line.start_support), (line.end, line.end_support))
     ]
-    held = [_held(support, axes) for _, support in ends]
-    motions = [_vector_table(getattr(support, "displacement", (0.0, 0.0)), until, axes) for _, support in ends]
+    held = [held_by(support, axes) for _, support in ends]
+    motions = [vector_table(getattr(support, "displacement", (0.0, 0.0)), until, axes) for _, support in ends]
     return Supports(
         place=np.array([components(point, axes) for point, _ in ends]),
         free=np.array([free for free, *_ in held]).reshape(-1, dim, dim),
@@ -232,7 +232,7 @@ def supports_of(scenario: Scenario, until: float) -> Supports:
     )
 
 
-def _held(support: Support, axes: tuple[str, ...]) -> tuple[Array, Array, Array, Array]:
+def held_by(support: Support, axes: tuple[str, ...]) -> tuple[Array, Array, Array, Array]:
     """Free directions, stiffness and damping (axis, axis) and constant force (axis,) of a support."""
     dim = len(axes)
     if isinstance(support, Elastic):

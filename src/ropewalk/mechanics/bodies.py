@@ -109,6 +109,7 @@ TETHER = np.dtype(
         ("way", _CODE),
         ("on", _CODE),  # 1: it holds
         ("watch", _CODE),  # of a leg: what is waited for
+        ("across", *_VECTOR),  # unit vector in whose direction it does not act; zero: it acts in all
         ("reach", *_VECTOR),  # m, of a leg that swings: its foot, seen from the particle
         ("near", _CODE),  # link of the line below that foot
     ],

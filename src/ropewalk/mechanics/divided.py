@@ -9,7 +9,7 @@ from ropewalk.mechanics.bodies import INSIDE, SEATED
 from ropewalk.mechanics.carrying import beside, coordinate, place, travel_speed, velocity
 from ropewalk.mechanics.chain import BLOCK, STAY
 from ropewalk.mechanics.compiled import lean_inner
-from ropewalk.mechanics.link import stretch_rate
+from ropewalk.mechanics.link import stretch_rate, upward
 from ropewalk.mechanics.rider import look_up
 
 # Steps of Newton's method for the place of a sliding wheel, and the change of it, as a part of the piece, that ends it.
@@ -366,16 +366,9 @@ def even_sides(state, bodies, p):
 def lifting(state, bodies, k):
     """Force with which the line pulls wheel k towards itself, N: if positive, a contact that only pushes lets go."""
     z = state.r.shape[0] - 1
-    dx, dz = (
-        bodies.wheels[k].behind[0] + bodies.wheels[k].forth[0],
-        bodies.wheels[k].behind[z] + bodies.wheels[k].forth[z],
-    )
-    fx, fz = (
-        bodies.wheels[k].forth[0] - bodies.wheels[k].behind[0],
-        bodies.wheels[k].forth[z] - bodies.wheels[k].behind[z],
-    )
-    size = np.sqrt(dx * dx + dz * dz)
-    if not size > 0.0:
+    side, behind, forth = (1.0 if z == 2 else 0.0), bodies.wheels[k].behind, bodies.wheels[k].forth
+    dx, dy, dz = behind[0] + forth[0], side * (behind[1] + forth[1]), behind[z] + forth[z]
+    if not dx * dx + dy * dy + dz * dz > 0.0:
         return 0.0
-    up = (dx * fz - dz * fx) / size
-    return -bodies.wheels[k].lift * (up if dx >= 0.0 else -up)
+    up = upward(dx, dy, dz, forth[0] - behind[0], side * (forth[1] - behind[1]), forth[z] - behind[z])
+    return -bodies.wheels[k].lift * up

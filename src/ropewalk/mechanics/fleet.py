@@ -25,6 +25,7 @@ from ropewalk.mechanics.bodies import (
 )
 from ropewalk.mechanics.chain import Array, Strands
 from ropewalk.mechanics.crowds import crowded
+from ropewalk.mechanics.footfall import outwards
 from ropewalk.mechanics.wheels import Wheel
 from ropewalk.model.load import AnyLoad, MovingForce
 from ropewalk.model.matrices import Matrices
@@ -43,6 +44,8 @@ MARGIN = 0.25
 # Light wheels that come closer than this many links would share a node, which carries the mass of one only: they get
 # places of their own, and one of next to no mass borrows this part of that of a link, without weight.
 CROWDED, BORROWED = 2.0, 0.2
+# Mass of what only its owner moves, such as who is on firm ground, kg.
+FIRM = 1e30
 # Stretch of the rope of a payload under its weight where its stiffness is not given, m.
 STRETCH = 1e-3
 
@@ -115,6 +118,8 @@ def fleet_of(scenario: Scenario, wheels: list[Wheel], strands: Strands, axes: tu
         on = [k for k, wheel in enumerate(wheels) if wheel.load == name]
         first = sum(v.coordinates for v in vehicles)
         vehicle, own = _vehicle(name, load, on, dim, first, scenario.gravity, axes)
+        if isinstance(load, Walker) and load.balance is not None and vehicle is not None:
+            vehicle = _balancing(vehicle, on, outwards(scenario.lines[load.on], load.towards, "left"))
         shown += own
         if vehicle is not None:
             vehicles.append(vehicle)
@@ -279,6 +284,20 @@ def _particle(mass: float, dim: int, gravity: float, drag: float) -> _Vehicle:
     vehicle.load[-1] = -mass * gravity
     if drag:
         vehicle.drag[0] = drag
+    return vehicle
+
+
+def _balancing(walker: _Vehicle, on: list[int], left: Array) -> _Vehicle:
+    """A walker in space whose legs do not act to the side, where solve/balance.py keeps her upright.
+
+    One more coordinate is the offset of the foot that bears from the line. Nothing moves it but a step.
+    """
+    dim = walker.coordinates
+    vehicle = _Vehicle.of(dim + 1, [(k, a) for k in on for a in range(dim - 1) if left[a]])
+    vehicle.M[:dim, :dim], vehicle.M[dim, dim] = walker.M, FIRM
+    vehicle.load[:dim] = walker.load
+    across = np.append(left, 0.0)
+    vehicle.tethers += [{**tether, "across": across} for tether in walker.tethers]
     return vehicle
 
 

@@ -7,28 +7,47 @@ from dataclasses import dataclass
 import numpy as np
 
 from ropewalk.mechanics.chain import Array
-from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.footsteps import FirstFoot, Footsteps
+from ropewalk.model.line import Line, spatial
 
 # Samples of the force in each step: linear in between, the fourth harmonic is right to 1e-3 of its amplitude.
 SAMPLES = 200
+
+
+def outwards(line: Line, towards: str, foot: FirstFoot) -> Array:
+    """Level unit vector (x, y) across the chord of a line, to the side of a foot of who walks towards one of its ends.
+
+    On a line without a chord that is level, such as a vertical one, she looks along x.
+    """
+    run = np.array(spatial(line.end)[:2]) - np.array(spatial(line.start)[:2])
+    if not np.any(run):
+        run = np.array([1.0, 0.0])
+    run = run / np.linalg.norm(run) * (1.0 if towards == "end" else -1.0)
+    left = np.array([-run[1], run[0]])
+    return left if foot == "left" else -left
 
 
 @dataclass(frozen=True)
 class Footfall:
     """The force of one foot of a person, every second step of hers.
 
-    Both feet together press with G (1 + sum a_i sin(2 pi i f t - phi_i)). While both stand, the share of the one that
-    has landed grows from 0 to 1 as (1 - cos(pi s)) / 2.
+    Both feet together press with G (1 + sum a_i sin(2 pi i f t - phi_i)), and to the side of the first foot with
+    G sum b_j sin(pi (2 j - 1) f t - psi_j). While both stand, the share of the one that has landed grows from 0 to 1 as
+    (1 - cos(pi s)) / 2.
     """
 
     gait: Footsteps
     foot: int  # 0: that of steps 0, 2, 4, ...; 1: that of steps 1, 3, 5, ...
     gravity: float  # m/s^2
+    side: Array | None = None  # (2,) x and y of the level direction to the side of the first foot, if it pushes there
 
     def __call__(self, t: float | Array) -> Array:
-        """Force (..., 2) in N on the line at the times t in s: [Fx, Fz]."""
+        """Force (..., axis) in N on the line at the times t in s: [Fx, Fz], [Fx, Fy, Fz] if it pushes to the side."""
         t = np.asarray(t, dtype=float)
         vertical = -self._total(t) * self._share(t)
+        if self.side is not None:
+            push = self._push(t) * self._share(t)
+            return np.stack((self.side[0] * push, self.side[1] * push, vertical), axis=-1)
         return np.stack((np.zeros_like(vertical), vertical), axis=-1)
 
     def instants(self, until: float) -> Array:
@@ -46,6 +65,15 @@ class Footfall:
             for i, term in enumerate(self.gait.harmonics(), start=1)
         )
         return np.asarray(self.gait.mass * self.gravity * (1.0 + np.sum([*terms, np.zeros_like(t)], axis=0)))
+
+    def _push(self, t: Array) -> Array:
+        """Force of both feet to the side of the first one."""
+        f = self.gait.frequency
+        terms = (
+            term.amplitude * np.sin(np.pi * (2 * j - 1) * f * t - term.phase)
+            for j, term in enumerate(self.gait.lateral_harmonics(), start=1)
+        )
+        return np.asarray(self.gait.mass * self.gravity * np.sum([*terms, np.zeros_like(t)], axis=0))
 
     def _share(self, t: Array) -> Array:
         """Part of the force that this foot bears."""

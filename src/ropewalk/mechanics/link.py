@@ -36,6 +36,15 @@ def stretch_rate(r, w, i):
 
 
 @lean
+def upward(dx, dy, dz, x, y, z):
+    """Component of a vector (x, y, z) along that normal of a link (dx, dy, dz) that points up, in its upright plane."""
+    flat, ex, ey = np.sqrt(dx * dx + dy * dy), 1.0, 0.0
+    if flat > 0.0:
+        ex, ey = dx / flat, dy / flat
+    return (flat * z - dz * (ex * x + ey * y)) / np.sqrt(dx * dx + dy * dy + dz * dz)
+
+
+@lean
 def pull_one(p, c, rest, rate, r, i):
     """Tension over length of the single link i of unstrained length `rest`, whose strain changes at `rate`."""
     length = stretch(r, i)

@@ -43,6 +43,17 @@ def wheel_place(strands, loads, state, bodies, k, a):
 
 
 @lean_inner
+def tether_square(strands, loads, state, bodies, e):
+    """Square of the length of tether e, m^2, seen along the direction in which it does not act."""
+    k, d, square, aside = bodies.tethers[e].wheel, bodies.tethers[e].first, 0.0, 0.0
+    for a in range(state.r.shape[0]):
+        way = bodies.coordinates[d + a].q - wheel_place(strands, loads, state, bodies, k, a)
+        aside += way * bodies.tethers[e].across[a]
+        square += way * way
+    return square - aside * aside
+
+
+@lean_inner
 def _look_at_wheels(strands, loads, state, buffers, bodies, kick):
     """Note of each wheel how it moves in a kick without its vehicle.
 
@@ -101,9 +112,11 @@ def _tethers(state, bodies, kick):
         if bodies.tethers[e].on == 0:
             continue
         k, d = bodies.tethers[e].wheel, bodies.tethers[e].first
-        square, along = 0.0, 0.0
+        square, along, aside = 0.0, 0.0, 0.0
         for a in range(dim):
-            way = bodies.coordinates[d + a].q - bodies.wheels[k].place[a]
+            aside += bodies.tethers[e].across[a] * (bodies.coordinates[d + a].q - bodies.wheels[k].place[a])
+        for a in range(dim):
+            way = bodies.coordinates[d + a].q - bodies.wheels[k].place[a] - aside * bodies.tethers[e].across[a]
             square += way * way
             if bodies.tethers[e].damping > 0.0:
                 v = bodies.wheels[k].leading[a]
@@ -123,7 +136,8 @@ def _tethers(state, bodies, kick):
             state.work[LOAD_DAMPING] += kick * damping * along / length
         if T != 0.0:
             for a in range(dim):
-                pull = T / length * (bodies.coordinates[d + a].q - bodies.wheels[k].place[a])
+                way = bodies.coordinates[d + a].q - bodies.wheels[k].place[a] - aside * bodies.tethers[e].across[a]
+                pull = T / length * way
                 bodies.coordinates[d + a].pushed -= pull
                 bodies.wheels[k].push[a] += kick * pull
     z = dim - 1

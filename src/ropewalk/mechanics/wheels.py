@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from ropewalk.errors import RopewalkError
-from ropewalk.mechanics.footfall import Footfall
+from ropewalk.mechanics.footfall import Footfall, outwards
 from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
@@ -23,7 +24,8 @@ from ropewalk.model.trolley import Trolley
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 
-FEET = ("left", "right")
+FEET = {"left": ("left", "right"), "right": ("right", "left")}
+"""Names of the feet of a person, the first one first."""
 
 
 @dataclass(frozen=True)
@@ -57,10 +59,14 @@ class Wheel:
 
 def wheels_of(scenario: Scenario) -> list[Wheel]:
     """All wheels of all loads, in order."""
-    return [wheel for name, load in scenario.loads.items() for wheel in _wheels(name, load, scenario.gravity)]
+    return [
+        wheel
+        for name, load in scenario.loads.items()
+        for wheel in _wheels(name, load, scenario.gravity, scenario.lines.get(load.on))
+    ]
 
 
-def _wheels(name: str, load: AnyLoad, gravity: float) -> Iterator[Wheel]:
+def _wheels(name: str, load: AnyLoad, gravity: float, line: Line | None) -> Iterator[Wheel]:
     places = load.starts()
     if isinstance(load, MovingForce):
         yield Wheel(
@@ -101,11 +107,12 @@ def _wheels(name: str, load: AnyLoad, gravity: float) -> Iterator[Wheel]:
                 **_prescribed(load.travel), mass=load.mass[own][own], lift=_lift(load),
             )  # fmt: skip
     elif isinstance(load, Footsteps):
-        for number, foot in enumerate(FEET):
-            force = Footfall(load, number, gravity)
+        side = outwards(line, load.towards, load.first_foot) if load.lateral and line is not None else None
+        for number, foot in enumerate(FEET[load.first_foot]):
+            force = Footfall(load, number, gravity, side)
             yield Wheel(name, foot, load.on, "material", places[0].start, force=force, given=False)
     elif isinstance(load, Walker):
-        for foot in FEET:
+        for foot in FEET[load.first_foot]:
             yield Wheel(name, foot, load.on, "material", places[0].start, mass=load.foot_mass, given=False)
     else:
         assert isinstance(load, Stepper)

@@ -2,11 +2,13 @@
 
 from ropewalk.model.footsteps import Footsteps, Harmonic
 from ropewalk.model.history import DisplacementTable, DriveTable, ForceTable, SpeedTable
+from ropewalk.model.joint import Joined, Joint, Sheave
 from ropewalk.model.law import Hooke, Inextensible, Law, Polynomial, SecondPiolaKirchhoff, Tabulated, TensionOnly
 from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, Load, MovingForce, Travelling
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices, MatrixWheel
+from ropewalk.model.net import AnyNet, CableEdge, ClampedEdge, Membrane, Net, SoftEdge
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.overhead import (
     ContactWire,
@@ -26,12 +28,17 @@ from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
 from ropewalk.model.travel import AnyTravel, Brake, Driver, FreeTravel, Travel
 from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.model.vehicle import RigidBody, Spring, Vehicle, Wheel
-from ropewalk.model.walker import Walker
+from ropewalk.model.walker import Balance, Walker
+from ropewalk.model.wind import Wind
 
 __all__ = [
     "AnyLoad",
+    "AnyNet",
     "AnyTravel",
+    "Balance",
     "Brake",
+    "CableEdge",
+    "ClampedEdge",
     "ContactWire",
     "DisplacementTable",
     "DriveTable",
@@ -48,17 +55,21 @@ __all__ = [
     "Harmonic",
     "Hooke",
     "Inextensible",
+    "Joined",
+    "Joint",
     "Law",
     "Line",
     "Linear",
     "Load",
     "Matrices",
     "MatrixWheel",
+    "Membrane",
     "MessengerSupports",
     "MessengerWire",
     "Moving",
     "MovingForce",
     "MovingMass",
+    "Net",
     "Oscillator",
     "OverheadLine",
     "Pantograph",
@@ -70,6 +81,8 @@ __all__ = [
     "Run",
     "Scenario",
     "SecondPiolaKirchhoff",
+    "Sheave",
+    "SoftEdge",
     "Spans",
     "SpeedTable",
     "Spring",
@@ -86,4 +99,5 @@ __all__ = [
     "Vehicle",
     "Walker",
     "Wheel",
+    "Wind",
 ]

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Finding
+from ropewalk.model.beginning import check_beginning
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable, rows
 from ropewalk.model.law import Inextensible
@@ -19,11 +20,13 @@ from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.places import meetings, reach, travels
 from ropewalk.model.run import Dynamic, Linear, Quasistatic
+from ropewalk.model.space import check_space
 from ropewalk.model.stiff import check_stiff
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.trolley import Trolley
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
+from ropewalk.model.webs import check_webs
 
 LARGEST_RESULT = 5e7
 """Nodes times output frames: about 10 GB of result, beyond what is wanted on purpose."""
@@ -37,6 +40,9 @@ def check(parts: Parts) -> list[Finding]:
             _something,
             _unknown_lines,
             check_stiff,
+            check_webs,
+            check_space,
+            check_beginning,
             _travels,
             meetings,
             _known_to_the_run,
@@ -50,8 +56,9 @@ def check(parts: Parts) -> list[Finding]:
 
 
 def _something(parts: Parts) -> Iterator[Finding]:
-    if parts.is_complete and not parts.lines and not parts.overhead:
-        yield Finding(("lines",), "is missing or empty: there is no line", remedy="add lines, or overhead_lines")
+    if parts.is_complete and not parts.lines and not parts.overhead and not parts.nets:
+        remedy = "add lines, overhead_lines or nets"
+        yield Finding(("lines",), "is missing or empty: there is no line", remedy=remedy)
     for name in parts.overhead:
         if name in parts.lines:
             remedy = "give every line its own name"
@@ -60,7 +67,7 @@ def _something(parts: Parts) -> Iterator[Finding]:
 
 def _unknown_lines(parts: Parts) -> Iterator[Finding]:
     for load, line in parts.on.items():
-        known = [*parts.lines, *parts.overhead]
+        known = [*parts.lines, *parts.overhead, *parts.nets]
         if line not in known:
             remedy = did_you_mean(line, known, otherwise=f"lines here: {', '.join(known)}")
             yield Finding(("loads", load, "on"), "no such line", repr(line), remedy)
@@ -245,7 +252,7 @@ def _rest(parts: Parts) -> Iterator[Finding]:
     if parts.gravity != 0.0 or parts.run is None:
         return
     if isinstance(parts.run, Dynamic):
-        if parts.run.start.kind != "rest":
+        if parts.run.start.kind == "result":
             return
         with_loads = parts.run.start.with_loads
     else:

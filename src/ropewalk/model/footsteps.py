@@ -11,10 +11,14 @@ from pydantic_core import core_schema
 
 from ropewalk.errors import Refused, did_you_mean
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.quantity import Angle, Frequency, Offset, PositiveLength, PositiveMass, Share
+from ropewalk.model.quantity import Angle, Frequency, Offset, PositiveLength, PositiveMass, Share, Way
 from ropewalk.model.travel import AtEnd, Place
 
 MOST_OVERLAP = 0.5
+FirstFoot = Literal["left", "right"]
+SIDEWAYS = (0.0, 1.0, 0.0)
+LATERAL = {"bachmann": (0.1, 0.1), "setra": (0.05,)}
+"""Part of the weight with which people push to the side at f/2, 3f/2, ..., by author."""
 YOUNG = (1.0, 2.8)
 """Steps per second for which Young's amplitudes were fitted."""
 
@@ -31,12 +35,15 @@ class _Walk:
     """Annotation: the name of a published model, or a list of harmonics."""
 
     names: tuple[str, ...]
+    optional: bool = False
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         harmonics: TypeAdapter[tuple[Harmonic, ...]] = TypeAdapter(tuple[Harmonic, ...])
         listed = "or a list of {amplitude, phase}"
 
         def read(value: Any, _: Any) -> Any:
+            if value is None and self.optional:
+                return None
             if isinstance(value, list | tuple):
                 return harmonics.validate_python(value)
             if not isinstance(value, str):
@@ -47,7 +54,9 @@ class _Walk:
             return value
 
         words = core_schema.literal_schema(list(self.names))
-        inner = core_schema.union_schema([words, handler.generate_schema(tuple[Harmonic, ...])])
+        inner: core_schema.CoreSchema = core_schema.union_schema([words, handler.generate_schema(tuple[Harmonic, ...])])
+        if self.optional:
+            inner = core_schema.nullable_schema(inner)
         return core_schema.no_info_wrap_validator_function(read, inner)
 
 
@@ -56,7 +65,9 @@ class Footsteps(Declaration):
 
     Foot n = 0, 1, 2, ... lands `step_length` beyond the one before at the time n / frequency and stays for
     (1 + overlap) / frequency; while two feet stand, the force goes over from one to the other. Together they press
-    with mg (1 + sum of a_i sin(2 pi i f t - phase_i)), whatever the line does: `kind: walker` is who responds.
+    with mg (1 + sum of a_i sin(2 pi i f t - phase_i)), whatever the line does: `kind: walker` is who responds. With
+    `lateral` they push to the side of the first foot with mg (sum of b_j sin(2 pi (2j - 1) f/2 t - phase_j)), level and
+    across the chord of the line, each foot with its share: the left one to the left, the right one to the right.
     """
 
     kind: Literal["footsteps"] = "footsteps"
@@ -67,6 +78,14 @@ class Footsteps(Declaration):
     model: Annotated[Literal["bachmann", "young"] | tuple[Harmonic, ...], _Walk(("bachmann", "young"))] = Field(
         default="young", description="amplitudes of the force: bachmann, young, or a list of {amplitude, phase}"
     )
+    lateral: Annotated[
+        Literal["bachmann", "setra"] | tuple[Harmonic, ...] | None, _Walk(("bachmann", "setra"), optional=True)
+    ] = Field(
+        default=None,
+        description="amplitudes of the force to the side, at half the frequency of the steps and its odd multiples: "
+        "bachmann, setra, or a list of {amplitude, phase}",
+    )
+    first_foot: FirstFoot = Field(default="left", description="the foot that stands at the beginning: left or right")
     overlap: Share = Field(
         default=0.2,
         description="part of a step during which both feet stand, up to 0.5; 0.2 is ordinary walking, in which a foot "
@@ -77,6 +96,10 @@ class Footsteps(Declaration):
     at_end: AtEnd = Field(
         default="refuse",
         description="a person who would step off an end of the line is refused, leaves the line, or stays there",
+    )
+
+    path: Way | None = Field(
+        default=None, description="on nets: places [u, v] that the straight way leads through, from the first"
     )
 
     @model_validator(mode="after")
@@ -97,8 +120,20 @@ class Footsteps(Declaration):
         return [Place("", "material", self.start)]
 
     def vectors(self) -> Iterator[tuple[float, ...]]:
-        """List all vectors that it is given by: none."""
-        yield from ()
+        """List all vectors that it is given by: a direction out of the plane where it pushes to the side."""
+        if self.lateral:
+            yield SIDEWAYS
+
+    def lateral_harmonics(self) -> tuple[Harmonic, ...]:
+        """List the terms of the force to the side: at half the frequency of the steps, 3/2 of it, and so on.
+
+        Bachmann: 0.1 at f/2 and at 3f/2, without a lag (Bachmann, Ammann et al., Vibration Problems in Structures,
+        Birkhaeuser 1995, after measurements that Bachmann and Ammann report, Vibrations in Structures, IABSE 1987).
+        SETRA: 0.05 at f/2 (Footbridges, technical guide, 2006).
+        """
+        if self.lateral is None or not isinstance(self.lateral, str):
+            return self.lateral or ()
+        return tuple(Harmonic(amplitude=amplitude) for amplitude in LATERAL[self.lateral])
 
     def harmonics(self) -> tuple[Harmonic, ...]:
         """List the terms of the force, the first at the frequency of the steps.

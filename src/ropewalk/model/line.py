@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator
+from itertools import pairwise
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.history import rows
+from ropewalk.model.joint import Joined, Sheave
 from ropewalk.model.law import LAWS_WITH_OWN_STIFFNESS, Hooke, Inextensible, Law
 from ropewalk.model.quantity import (
     AxialDamping,
@@ -17,10 +19,12 @@ from ropewalk.model.quantity import (
     BendingStiffness,
     Count,
     MassPerLength,
+    Name,
     Point,
     PositiveForce,
     PositiveLength,
     Rate,
+    Width,
 )
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
 
@@ -54,6 +58,10 @@ class Line(Declaration):
     start_support: Support = Field(default=Fixed(), description="what holds the start")
     end_support: Support = Field(default=Fixed(), description="what holds the end")
     elements: Annotated[int, Count(1, 10_000_000)] = Field(default=100, description="number of links")
+    sheaves: dict[Name, Sheave] = Field(
+        default_factory=dict, description="over which it runs on its way from start to end, in order, by name"
+    )
+    wind_drag: Width = Field(default=0.0, description="drag coefficient times width, for wind across the line")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -85,6 +93,11 @@ class Line(Declaration):
         return findings
 
     @property
+    def is_joined(self) -> bool:
+        """Whether it is joined to something, or runs over sheaves."""
+        return bool(self.sheaves) or any(isinstance(s, Joined) for s in (self.start_support, self.end_support))
+
+    @property
     def is_stiff(self) -> bool:
         """Whether it has bending stiffness or lies on a bed."""
         return bool(self.bending_stiffness or self.foundation)
@@ -95,8 +108,10 @@ class Line(Declaration):
         return all(isinstance(support, Fixed | Moving) for support in (self.start_support, self.end_support))
 
     def vectors(self) -> Iterator[tuple[float, ...]]:
-        """List all places and directions of the line and its supports."""
+        """List all places and directions of the line, its supports and its sheaves."""
         yield from (self.start, self.end)
+        for sheave in self.sheaves.values():
+            yield from sheave.vectors()
         for support in (self.start_support, self.end_support):
             if isinstance(support, Elastic | Moving):
                 yield from rows(support.displacement)
@@ -105,8 +120,9 @@ class Line(Declaration):
 
     @property
     def distance(self) -> float:
-        """Distance between the ends in m."""
-        return math.dist(spatial(self.start), spatial(self.end))
+        """Distance between the ends in m, by way of the sheaves."""
+        places = [self.start, *(sheave.at for sheave in self.sheaves.values()), self.end]
+        return sum(math.dist(spatial(a), spatial(b)) for a, b in pairwise(places))
 
 
 def contradictions(given: Collection[str], law: str | None) -> list[Finding]:

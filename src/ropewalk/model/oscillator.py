@@ -19,8 +19,12 @@ class Oscillator(Declaration):
     kind: Literal["oscillator"] = "oscillator"
     on: str = Field(description="name of the line")
     mass: PositiveMass = Field(description="on the springs")
-    stiffness: Stiffnesses = Field(description="of the springs, one value for all directions or [kx, kz]")
-    damping: Viscosities = Field(default=0.0, description="of the dampers, one value or [cx, cz]")
+    stiffness: Stiffnesses = Field(
+        description="of the springs, one value for all directions or [kx, kz], in space [kx, ky, kz]"
+    )
+    damping: Viscosities = Field(
+        default=0.0, description="of the dampers, one value or [cx, cz], in space [cx, cy, cz]"
+    )
     wheel_mass: Mass = Field(default=0.0, description="of the wheel; a free travel needs it")
     travel: AnyTravel = Field(description="how its wheel advances along the line, prescribed or free")
     lift_off: bool = Field(default=False, description=LIFT_OFF)

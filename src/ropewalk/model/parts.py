@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+from ropewalk.model.joint import Joint
 from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad
+from ropewalk.model.net import AnyNet
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
+from ropewalk.model.wind import Wind
 
 
 @dataclass(frozen=True)
@@ -21,11 +24,19 @@ class Parts:
     gravity: float | None
     on: Mapping[str, str] = field(default_factory=dict)  # line named by each load, also by those that are None
     overhead: Mapping[str, OverheadLine | None] = field(default_factory=dict)
+    nets: Mapping[str, AnyNet | None] = field(default_factory=dict)
+    joints: Mapping[str, Joint | None] = field(default_factory=dict)
+    wind: Wind | None = None
     is_complete: bool = True  # whether no block of lines hides behind a misspelt key
 
     def loads_on(self, line: str) -> list[str]:
         """Names of the loads on a line."""
         return [load for load, name in self.on.items() if name == line]
+
+    @property
+    def is_web(self) -> bool:
+        """Whether lines are joined or run over sheaves, there are nets, or wind blows."""
+        return bool(self.nets or self.wind) or any(line is not None and line.is_joined for line in self.lines.values())
 
     def complete(self) -> Iterator[tuple[str, AnyLoad, str, Line]]:
         """List the loads that are themselves right and stand on a line that is, too: name, load, line's name, line."""

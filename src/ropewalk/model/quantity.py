@@ -284,9 +284,12 @@ Direction = Annotated[tuple[float, float] | tuple[float, float, float], Componen
 Stiffnesses = Annotated[float | tuple[float, float] | tuple[float, float, float], OneOrEach("N/m", "positive")]
 Viscosities = Annotated[float | tuple[float, float] | tuple[float, float, float], OneOrEach("N*s/m", "not negative")]
 
+Spot = Annotated[float | tuple[float, float] | tuple[float, float, float], OneOrEach("m")]
+Way = Annotated[tuple[tuple[float, ...], ...], Listed("m", nested=True)]
 Matrix = Annotated[tuple[tuple[float, ...], ...], Rows()]
 
 Offset = Annotated[float, Quantity("m", "not negative")]
+Width = Annotated[float, Quantity("m", "not negative")]
 PositiveLength = Annotated[float, Quantity("m", "positive")]
 PositiveTime = Annotated[float, Quantity("s", "positive")]
 PositiveForce = Annotated[float, Quantity("N", "positive")]

@@ -2,45 +2,77 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, Variants, report
-from ropewalk.model.quantity import Count, Factor, PositiveLength, PositiveTime, TableTime, TurnAngle
+from ropewalk.model.quantity import Count, Direction, Factor, PositiveLength, PositiveTime, TableTime, TurnAngle
 
 Geometry = Literal["nonlinear", "linearised"]
 Method = Literal["auto", "explicit", "verlet", "rkn6", "implicit"]
 
 
 class Start(Declaration):
-    """What a motion begins with: rest under gravity, with or without the loads, or a stored result."""
+    """What a motion begins with: rest under gravity with or without the loads, a stored result, or a mode of strings.
 
-    kind: Literal["rest", "result"] = Field(default="rest", description="what the motion begins with")
+    A mode is the state of rest and, on top of it, `amplitude * sin(number pi xi / L)` across the line: released from
+    there, or whirling about the straight line through the supports, in a circle if it is taut. Along that line the
+    particles stand so that all links are longer by the same part than at rest.
+    """
+
+    kind: Literal["rest", "result", "mode"] = Field(default="rest", description="what the motion begins with")
     with_loads: bool = Field(default=False, description="rest: let the loads rest on the line at their start, too")
     file: str | None = Field(default=None, description="result: a NetCDF file written by an earlier run")
     time: TableTime | None = Field(default=None, description="result: the instant to start from (default: the last)")
+    number: Annotated[int, Count(1, 1_000_000)] | None = Field(
+        default=None, description="mode: number of half waves (default: 1)"
+    )
+    amplitude: PositiveLength | None = Field(default=None, description="mode: the largest deflection")
+    direction: Direction | None = Field(
+        default=None,
+        description="mode: [x, z] or [x, y, z], of any length; its part across the line counts (default: [0, 1], up)",
+    )
+    whirl: bool = Field(
+        default=False,
+        description="mode: instead of at rest, turn about the line through the supports (in three dimensions), from "
+        "start to end right-handed, as fast as the tension holds a circle",
+    )
+    line: str | None = Field(default=None, description="mode: name of the only line that has it (default: all have)")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         findings = []
-        if self.kind == "result":
-            if not self.file:
-                remedy = "add file: the NetCDF file of an earlier run"
-                findings.append(Finding(("file",), "is missing, a start from a result needs it", remedy=remedy))
-            if self.with_loads:
-                wrong, remedy = (
-                    "goes with kind: rest only",
-                    "leave it out: the result says where the loads are",
-                )
-                findings.append(Finding(("with_loads",), wrong, remedy=remedy))
-        else:
-            remedy = "write kind: result to start from a stored result, or leave it out"
-            for key in ("file", "time"):
-                if getattr(self, key) is not None:
-                    findings.append(Finding((key,), "goes with kind: result only", remedy=remedy))
+        own = {"rest": ("with_loads",), "result": ("file", "time")}
+        own["mode"] = ("number", "amplitude", "direction", "whirl", "line")
+        for kind, keys in own.items():
+            for key in keys:
+                value = getattr(self, key)
+                if kind != self.kind and value is not None and value is not False:
+                    remedy = f"leave it out{_INSTEAD[self.kind]}, or write kind: {kind}"
+                    findings.append(Finding((key,), f"goes with kind: {kind} only", remedy=remedy))
+        if self.kind == "result" and not self.file:
+            remedy = "add file: the NetCDF file of an earlier run"
+            findings.append(Finding(("file",), "is missing, a start from a result needs it", remedy=remedy))
+        if self.kind == "mode" and self.amplitude is None:
+            remedy = "add amplitude: the largest deflection, for example 10 mm"
+            findings.append(Finding(("amplitude",), "is missing, a start from a mode needs it", remedy=remedy))
+        if self.direction is not None and not any(self.direction):
+            remedy = "write for example [0, 1]"
+            findings.append(Finding(("direction",), "has no direction", str(list(self.direction)), remedy))
         report("start", findings)
         return self
+
+    def vectors(self) -> Iterator[tuple[float, ...]]:
+        """List the directions in which lines are deflected; a whirl leaves the x-z plane."""
+        if self.direction is not None:
+            yield self.direction
+        if self.whirl:
+            yield (0.0, 1.0, 0.0)
+
+
+_INSTEAD = {"rest": "", "result": ": the result says where everything is", "mode": ""}
 
 
 class Dynamic(Declaration):

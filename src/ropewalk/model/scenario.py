@@ -8,12 +8,16 @@ from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, report
 from ropewalk.model.consistency import check
-from ropewalk.model.line import Line, spatial
+from ropewalk.model.joint import Joint
+from ropewalk.model.line import Line
 from ropewalk.model.load import Load
+from ropewalk.model.net import AnyNet
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import Acceleration, Name
 from ropewalk.model.run import Dynamic, Run
+from ropewalk.model.space import leaving
+from ropewalk.model.wind import Wind
 
 
 class Scenario(Declaration):
@@ -25,14 +29,28 @@ class Scenario(Declaration):
     overhead_lines: dict[Name, OverheadLine] = Field(
         default_factory=dict, description="sections of overhead line, by name; instead of lines or beside them"
     )
+    joints: dict[Name, Joint] = Field(default_factory=dict, description="where lines meet, by name")
+    nets: dict[Name, AnyNet] = Field(default_factory=dict, description="nets and membranes, by name")
+    wind: Wind | None = Field(default=None, description="moving air")
     loads: dict[Name, Load] = Field(default_factory=dict, description="what travels on them, by name")
     run: Run = Field(default=Dynamic(until=1.0), description="what is asked")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        on = {name: load.on for name, load in self.loads.items()}
-        report("scenario", check(Parts(self.lines, self.loads, self.run, self.gravity, on, self.overhead_lines)))
+        report("scenario", check(self._parts))
         return self
+
+    @property
+    def _parts(self) -> Parts:
+        on = {name: load.on for name, load in self.loads.items()}
+        return Parts(
+            self.lines, self.loads, self.run, self.gravity, on, self.overhead_lines, self.nets, self.joints, self.wind
+        )
+
+    @property
+    def is_web(self) -> bool:
+        """Whether lines are joined or run over sheaves, there are nets, or wind blows: they move as webs do."""
+        return bool(self.nets or self.wind) or any(line.is_joined for line in self.lines.values())
 
     @property
     def is_stiff(self) -> bool:
@@ -42,7 +60,4 @@ class Scenario(Declaration):
     @property
     def is_plane(self) -> bool:
         """Whether nothing leaves the x-z plane."""
-        vectors = [vector for line in self.lines.values() for vector in line.vectors()]
-        vectors += [vector for line in self.overhead_lines.values() for vector in line.vectors()]
-        vectors += [vector for load in self.loads.values() for vector in load.vectors()]
-        return all(spatial(vector)[1] == 0.0 for vector in vectors)
+        return not leaving(self._parts)

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, Variants, report
 from ropewalk.model.history import DisplacementHistory
+from ropewalk.model.joint import Joined
 from ropewalk.model.quantity import Direction, Force, Mass, Stiffness, Stiffnesses, Viscosities, Viscosity
 
 
@@ -19,11 +20,16 @@ class Fixed(Declaration):
 
 
 class Elastic(Declaration):
-    """A soft support: springs and dampers between the end of the line and its place, without force at that place."""
+    """A soft support: springs and dampers between the end of the line and its place, without force at that place.
+
+    In a scenario that leaves the x-z plane two values are refused: what springs do sideways is for the user to say.
+    """
 
     kind: Literal["elastic"] = "elastic"
-    stiffness: Stiffnesses = Field(description="of the spring, one value for all directions or [kx, kz]")
-    damping: Viscosities = Field(default=0.0, description="of the damper, one value or [cx, cz]")
+    stiffness: Stiffnesses = Field(
+        description="of the spring, one value for all directions or [kx, kz], in space [kx, ky, kz]"
+    )
+    damping: Viscosities = Field(default=0.0, description="of the damper, one value or [cx, cz], in space [cx, cy, cz]")
     mass: Mass = Field(default=0.0, description="that moves with the end of the line; its weight counts")
     displacement: DisplacementHistory = Field(
         default=(0.0, 0.0), description="of the far end of springs and dampers: constant, or a table {time, value}"
@@ -59,5 +65,5 @@ class Moving(Declaration):
     displacement: DisplacementHistory = Field(description="from its place: a constant, or a table {time, value}")
 
 
-Support = Annotated[Fixed | Elastic | Guided | Moving, Variants("support")]
+Support = Annotated[Fixed | Elastic | Guided | Moving | Joined, Variants("support")]
 """Any support."""

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field
 from ropewalk.model._base import Declaration, Finding, Variants, report
 from ropewalk.model.contact import FrictionModel
 from ropewalk.model.history import DriveHistory, SpeedHistory
-from ropewalk.model.quantity import FrictionCoefficient, Offset, PositiveForce, PositiveLength, Speed, Viscosity
+from ropewalk.model.quantity import FrictionCoefficient, Offset, PositiveForce, PositiveLength, Speed, Viscosity, Way
 
 Measure = Literal["material", "slip", "arc", "horizontal"]
 """What the speed counts: dxi/dt, (1 + mean eps) dxi/dt, arc length from the start, or x."""
@@ -47,6 +47,9 @@ class Travel(Declaration):
         description="a load that would pass an end of the line is refused, leaves the line, or stays there",
     )
     margin: PositiveLength | None = Field(default=None, description=_MARGIN)
+    path: Way | None = Field(
+        default=None, description="on nets: places [u, v] that its straight way leads through, from the first"
+    )
 
 
 class Driver(Declaration):

@@ -9,6 +9,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.footsteps import SIDEWAYS, FirstFoot
 from ropewalk.model.quantity import (
     Angle,
     Mass,
@@ -23,12 +24,33 @@ from ropewalk.model.quantity import (
 from ropewalk.model.travel import AtEnd, Place
 
 
+class Balance(Declaration):
+    """Balance to the side: a body above feet that are put beside where it is falling to.
+
+    Seen from the line, the body y over a foot at u obeys y'' = g/height (y - u), and with it the line feels
+    m g/height (u - y). A foot that lands stands at u = y + y'/sqrt(g/height), further out by `width`; it bears alone
+    until the next one lands (Hof, Hum. Mov. Sci. 27, 112, 2008; Macdonald, Proc. R. Soc. A 465, 1055, 2009).
+
+    The line is narrow, and feet that stand beside it need a deck that is carried by it: the force acts on the line
+    itself, and what would turn it about its axis is left to the deck. On a light rope that gives way to the side more
+    easily than m g/height nobody keeps upright in this way.
+    """
+
+    height: PositiveLength = Field(
+        default=1.17, description="of the pendulum with the same frequency as the body over its feet"
+    )
+    width: PositiveLength = Field(
+        default=0.0157, description="by which a foot lands further out than what would bring the body to rest above it"
+    )
+
+
 class Walker(Declaration):
     """A person on two springs: the body bounces on its legs, a foot that stands is clamped to the line.
 
     A leg lands where it touches the line at the angle of attack and leaves when it no longer pushes, so the gait
     follows the motion of the line, and the line feels the body's inertia (Geyer, Seyfarth and Blickhan, Proc. R. Soc.
-    B 273, 2861, 2006).
+    B 273, 2861, 2006). With `balance` the feet stand apart, and the line feels
+    how the body keeps upright between them.
     """
 
     kind: Literal["walker"] = "walker"
@@ -43,6 +65,10 @@ class Walker(Declaration):
     speed: PositiveSpeed = Field(default=1.1, description="of the body at the start, forwards")
     foot_mass: Mass = Field(default=0.0, description="of a foot that stands, carried by the line")
     push_off: Share = Field(default=1.0, description="how strongly lost energy is replaced: 0 not at all, 1 in full")
+    balance: Balance | None = Field(
+        default=None, description="how the feet are placed to the side (default: all of them on the line itself)"
+    )
+    first_foot: FirstFoot = Field(default="left", description="the foot that stands at the beginning: left or right")
     start: Offset = Field(default=0.0, alias="from", description="unstrained length from the start to the first foot")
     towards: Literal["end", "start"] = Field(default="end", description="end of the line towards which it walks")
     at_end: AtEnd = Field(
@@ -63,5 +89,6 @@ class Walker(Declaration):
         return [Place("", "material", self.start)]
 
     def vectors(self) -> Iterator[tuple[float, ...]]:
-        """List all vectors that it is given by: none."""
-        yield from ()
+        """List all vectors that it is given by: a direction out of the plane where it balances."""
+        if self.balance is not None:
+            yield SIDEWAYS

@@ -1,4 +1,4 @@
-"""Results: what a solver hands over, the labelled dataset on file or in memory, its statistics, figures and films.
+"""Results: what a solver hands over, the labelled dataset on file or in memory, and what is made of it.
 
 Everything is imported when it is first used: recording needs no Matplotlib, and a figure no NetCDF.
 """
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ropewalk.results.report import html_report
     from ropewalk.results.statistics import summary
     from ropewalk.results.table import text
+    from ropewalk.results.vtk_export import export
 
 _HOME = {
     "Account": "frame",
@@ -28,6 +29,7 @@ _HOME = {
     "ResultError": "files",
     "WriteError": "files",
     "check_target": "files",
+    "export": "vtk_export",
     "figure": "figures",
     "film": "animation",
     "html_report": "report",
@@ -47,6 +49,7 @@ __all__ = [
     "ResultError",
     "WriteError",
     "check_target",
+    "export",
     "figure",
     "film",
     "html_report",

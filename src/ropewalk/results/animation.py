@@ -20,11 +20,13 @@ from numpy.typing import NDArray
 from ropewalk.results import style
 from ropewalk.results.contact_film import ContactStage, is_filmed_here
 from ropewalk.results.contract import path_name
-from ropewalk.results.figures import set_scale
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
+from ropewalk.results.nets import is_spatial
+from ropewalk.results.space_film import SpaceStage
 from ropewalk.results.statistics import lines
 from ropewalk.results.ties import tied, ties
+from ropewalk.results.views import set_scale
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,7 +53,9 @@ class Tempo:
 
 
 def film(dataset: xr.Dataset, path: str | Path, *, frames: int | None = None, progress: Progress | None = None) -> None:
-    """Write a film: GIF by Pillow, MP4 if imageio-ffmpeg is installed; pantographs are followed along their line.
+    """Write a film: GIF by Pillow, MP4 if imageio-ffmpeg is installed.
+
+    Pantographs are followed along their line; what leaves the x-z plane, and nets, are filmed in three dimensions.
 
     Args:
         dataset: a result with at least two frames.
@@ -72,7 +76,11 @@ def film(dataset: xr.Dataset, path: str | Path, *, frames: int | None = None, pr
         pace = tempo(dataset, frames or FRAMES_FOLLOWING)
     else:
         pace = tempo(dataset, frames or FRAMES)
-    stage = ContactStage(dataset, pace.frames, pace.label) if follows else Stage(dataset, pace)
+    stage: Stage | ContactStage | SpaceStage
+    if follows:
+        stage = ContactStage(dataset, pace.frames, pace.label)
+    else:
+        stage = SpaceStage(dataset, pace.frames, pace.label) if is_spatial(dataset) else Stage(dataset, pace)
     try:
         write(path, stage, pace.delay, progress or (lambda done: None))
     except BaseException as problem:
@@ -147,7 +155,7 @@ class Stage:
         self._axes = self._figure.add_subplot()
         size = np.linalg.norm(self._forces, axis=2)
         self._unit = float(np.nanmax(size, initial=0.0)) or 1.0
-        self._clock_text = f"{name.replace('_', ' ')} {{:.{_digits(self._path)}f}} {dataset[name].attrs['units']}"
+        self._clock_text = f"{name.replace('_', ' ')} {{:.{style.digits(self._path)}f}} {dataset[name].attrs['units']}"
         self._set_up(shown, pace)
         self._canvas.draw()  # the layout is settled here, and the ground that all pictures share
         self._figure.set_layout_engine("none")
@@ -164,7 +172,7 @@ class Stage:
 
     def _set_up(self, shown: xr.Dataset, pace: Tempo) -> None:
         ax = self._axes
-        low, high, beyond = _colour_range(np.concatenate([c.tension.ravel() for c in self._lines]))
+        low, high, beyond = style.colour_range(np.concatenate([c.tension.ravel() for c in self._lines]))
         options: dict[str, Any] = {
             "cmap": style.colours(style.TENSION),
             "norm": Normalize(low, high),
@@ -270,26 +278,6 @@ def _canvas(figure: Figure) -> Any:
     return FigureCanvasAgg(figure)  # its methods carry no types
 
 
-def _colour_range(tension: Array) -> tuple[float, float, str]:
-    """Range of the colours without rare spikes, and the side(s) where the bar says that there is more."""
-    kept = tension[np.isfinite(tension)]
-    if not kept.size:
-        return 0.0, 1.0, "neither"
-    lowest, highest = float(kept.min()), float(kept.max())
-    low, high = (float(v) for v in np.percentile(kept, (0.2, 99.8)))
-    spread = high - low
-    low = lowest if low - lowest < 0.25 * spread else low
-    high = highest if highest - high < 0.25 * spread else high
-    beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
-    side = beyond[low > lowest, high < highest]
-    return (low, high, side) if high > low else (low - 0.5, high + 0.5, side)
-
-
-def _digits(path: Array) -> int:
-    step = float(np.median(np.diff(path)))
-    return int(np.clip(np.ceil(-np.log10(step)), 0, 6)) if step > 0.0 else 0
-
-
 def _height(points: Array) -> int:
     """Height of the picture in pixels for shapes (frame, node, 2) at a true scale, within limits."""
     flat = points.reshape(-1, 2)
@@ -298,7 +286,7 @@ def _height(points: Array) -> int:
     return int(np.clip(wanted, *HEIGHTS)) // 2 * 2  # video wants even numbers
 
 
-def _write_gif(path: Path, stage: Stage | ContactStage, delay: int, progress: Progress) -> None:
+def _write_gif(path: Path, stage: Stage | ContactStage | SpaceStage, delay: int, progress: Progress) -> None:
     """Write a GIF with one palette for all pictures, taken from a few of them."""
     from PIL import Image as pillow
 
@@ -322,7 +310,7 @@ def _write_gif(path: Path, stage: Stage | ContactStage, delay: int, progress: Pr
     next(rest).save(path, "GIF", save_all=True, append_images=rest, duration=delay, loop=0, optimize=False)
 
 
-def _mp4_writer() -> Callable[[Path, Stage | ContactStage, int, Progress], None]:
+def _mp4_writer() -> Callable[[Path, Stage | ContactStage | SpaceStage, int, Progress], None]:
     try:
         import imageio_ffmpeg
     except ImportError:
@@ -330,7 +318,7 @@ def _mp4_writer() -> Callable[[Path, Stage | ContactStage, int, Progress], None]
             "MP4 needs the package imageio-ffmpeg (pip install 'ropewalk[film]'); or write a .gif instead"
         ) from None
 
-    def write(path: Path, stage: Stage | ContactStage, delay: int, progress: Progress) -> None:
+    def write(path: Path, stage: Stage | ContactStage | SpaceStage, delay: int, progress: Progress) -> None:
         options: dict[str, Any] = {"fps": 1000 / delay, "macro_block_size": 2, "quality": 8}
         stream = imageio_ffmpeg.write_frames(str(path), stage.size, **options)
         stream.send(None)

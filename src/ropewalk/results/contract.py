@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 CONVENTIONS = "ropewalk-result-1"
 SIDES = ("behind", "ahead")
+CORNERS = ("first", "second", "third")
+DIRECTIONS = ("first", "second")
 PATH = "path"  # stands for the leading dimension, `time` or `load_path`
 
 Attribute = str | int | float
@@ -71,6 +73,11 @@ VARIABLES: Mapping[str, Quantity] = {
     "sampled_height": Quantity(("sample", "contact"), "m", "height of the contact, between outputs"),
     "sampled_tie_force": Quantity(("sample", "tie"), "N", "tension in the tie, between outputs"),
     "sampled_uplift": Quantity(("sample", "watched"), "m", "height over rest of the watched point, between outputs"),
+    "cell_tension": Quantity(
+        ("cell", "direction"),
+        "N/m",
+        "tension per width: of a membrane the larger and the smaller one, of a net along u, v",
+    ),
 }
 
 PATHS: Mapping[str, Quantity] = {
@@ -94,10 +101,16 @@ COORDINATES: Mapping[str, Quantity] = {
     "watched": Quantity(("watched",), "1", "point of a line whose height is sampled"),
     "watched_station": Quantity(("watched",), "m", "place of the watched point along its line"),
     "sample": Quantity(("sample",), "s", "time of the sample after the output instant (negative: before it)"),
+    "corner": Quantity(("corner",), "1", "corner of a cell"),
+    "direction": Quantity(("direction",), "1", "direction of a tension in a cell"),
+    "cell_net": Quantity(("cell",), "1", "net or membrane of the cell"),
+    "cell_node": Quantity(("cell", "corner"), "1", "number of the node at the corner of the cell"),
 }
 
+NUMBERS = ("cell_node",)
+"""Coordinates without a unit that are numbers, where all others are names."""
 
-OPTIONAL = ("tie", "watched", "sample")
+OPTIONAL = ("tie", "watched", "sample", "cell", "corner", "direction")
 """Dimensions that only some results have: what needs them is left out of the others."""
 
 
@@ -119,12 +132,16 @@ def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
         "form": ENERGY_FORMS,
         "tie": layout.tie,
         "watched": layout.watched,
+        "corner": CORNERS if layout.cell else (),
+        "direction": DIRECTIONS if layout.cell else (),
+        "cell_net": layout.cell_net,
     }
     values: dict[str, NDArray[Any]] = {name: np.array(text, dtype=np.str_) for name, text in names.items()}
     values["xi"] = np.array(layout.node_xi, dtype=np.float64)
     values["link_xi"] = np.array(layout.link_xi, dtype=np.float64)
     for name in ("tie_station", "watched_station", "sample"):
         values[name] = np.array(getattr(layout, name), dtype=np.float64)
+    values["cell_node"] = np.array(layout.cell, dtype=np.float64).reshape(-1, len(CORNERS))
     return {name: values[name] for name in COORDINATES}
 
 
@@ -142,6 +159,9 @@ def sizes(layout: Layout) -> dict[str, int]:
         "tie": len(layout.tie),
         "watched": len(layout.watched),
         "sample": len(layout.sample),
+        "cell": len(layout.cell),
+        "corner": len(CORNERS) if layout.cell else 0,
+        "direction": len(DIRECTIONS) if layout.cell else 0,
     }
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.results.contract import CONVENTIONS, COORDINATES, VARIABLES, is_present, path_name
+from ropewalk.results.contract import CONVENTIONS, COORDINATES, NUMBERS, VARIABLES, is_present, path_name
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -103,7 +103,7 @@ def _tidy(dataset: xr.Dataset) -> xr.Dataset:
         if not is_present(quantity, size):
             continue
         values = dataset[name].values if name in dataset.variables else np.empty(size[quantity.dims[0]])
-        if quantity.unit == "1":
+        if quantity.unit == "1" and name not in NUMBERS:
             values = np.array(values.tolist(), dtype=np.str_)
         coordinates[name] = (quantity.dims, values, quantity.attributes)
     path = path_name(dataset)

@@ -47,6 +47,8 @@ class Layout:
     watched: tuple[str, ...] = ()  # points of lines whose height is sampled
     watched_station: tuple[float, ...] = ()  # m
     sample: tuple[float, ...] = ()  # s, offsets of samples from the output instant: before it, or zero
+    cell: tuple[tuple[int, int, int], ...] = ()  # nodes of each triangle of nets and membranes
+    cell_net: tuple[str, ...] = ()  # net of each triangle
     path: str = "time"  # leading dimension: "time" (s) or "load_path" (m)
 
 
@@ -80,6 +82,7 @@ class Frame:
     sampled_height: Array | None = None  # (sample, contact) m
     sampled_tie_force: Array | None = None  # (sample, tie) N
     sampled_uplift: Array | None = None  # (sample, watched) m
+    cell_tension: Array | None = None  # (cell, direction) N/m
 
 
 @dataclass

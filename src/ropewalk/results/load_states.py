@@ -10,7 +10,7 @@ from ropewalk.mechanics.bodies import AWAY, FLYING, INSIDE, PULLS, PUSHES, RIDIN
 from ropewalk.mechanics.chain import Array, State
 from ropewalk.mechanics.rider import link_of
 from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, STICKS
-from ropewalk.solve.start import Setting
+from ropewalk.solve.start import Setting, onward
 
 
 @dataclass(frozen=True)
@@ -90,9 +90,10 @@ def shown_bodies(setting: Setting, state: State, bodies: Bodies) -> tuple[Array,
     dim = state.r.shape[0]
     place, speed = np.empty((len(setting.fleet.shown), dim)), np.empty((len(setting.fleet.shown), dim))
     for i, body in enumerate(setting.fleet.shown):
+        ahead = body.ahead * onward(setting, state, int(setting.loads.strand[body.wheel]))
         for a, d in enumerate(body.coordinates):
             record = bodies.wheels[body.wheel]
-            place[i, a] = bodies.coordinates["q"][d] if d >= 0 else record["r"][a] + (body.ahead if a == 0 else 0.0)
+            place[i, a] = bodies.coordinates["q"][d] if d >= 0 else record["r"][a] + ahead[a]
             speed[i, a] = bodies.coordinates["v"][d] if d >= 0 else record["v"][a]
     return place, speed
 
@@ -117,7 +118,8 @@ def load_energies(setting: Setting, state: State, bodies: Bodies) -> Array:
         if tether["on"]:
             own = slice(int(tether["first"]), int(tether["first"]) + dim)
             way = bodies.coordinates["q"][own] - r[tether["wheel"]]
-            longer = float(np.linalg.norm(way)) - float(tether["length"])
+            across = tether["across"][:dim]
+            longer = float(np.linalg.norm(way - (across @ way) * across)) - float(tether["length"])
             if (tether["way"] == PULLS and longer < 0.0) or (tether["way"] == PUSHES and longer > 0.0):
                 continue
             potential += 0.5 * float(tether["stiffness"]) * longer * longer

@@ -49,7 +49,7 @@ from ropewalk.results.load_states import (
 from ropewalk.solve.ends import drives_at, ends_of
 from ropewalk.solve.holding import coefficient_used
 from ropewalk.solve.standing import Standing, View
-from ropewalk.solve.start import Setting
+from ropewalk.solve.start import Setting, onward
 
 
 def layout_of(setting: Setting, path: str = "time") -> Layout:
@@ -289,7 +289,7 @@ class Camera:
         if phase == WAITING:
             return place, force, hold, both, np.nan, speed
         if phase == FLYING:
-            return place, force, hold, both, xi, float(record["v"][0])
+            return place, force, hold, both, xi, float(record["v"][:dim] @ onward(self.setting, state, s))
         if phase == PARKED:
             force = record["on_line"][:dim].copy()
             i = int(record["at"])

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from ropewalk.results.contact_summary import contact_summary
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
+from ropewalk.results.net_statistics import net_summary
+from ropewalk.results.nets import net_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,7 +47,9 @@ def summary(dataset: xr.Dataset) -> Summary:
         "smallest_tension": _extreme(dataset, "tension", np.nanmin),
         "largest_strain": _extreme(dataset, "strain", np.nanmax),
         "smallest_strain": _extreme(dataset, "strain", np.nanmin),
-        "largest_sag": _largest_sag(dataset),
+        "largest_sag": _furthest(dataset, sag),
+        "largest_sideways": _furthest(dataset, _aside) if "y" in dataset["axis"].values else None,
+        "nets": net_summary(dataset, blocks(dataset)),
         "supports": {label: _vector(dataset, dataset["reaction"][:, k]) for k, label in supports},
         "contacts": {label: _contact(dataset, k) for k, label in loads},
         **contact_summary(dataset),
@@ -75,14 +79,48 @@ def sag(dataset: xr.Dataset, line: str) -> Array:
     Returns:
         Array (frame, node of the line), positive below the chord; NaN where the chord is vertical.
     """
-    here = np.flatnonzero(dataset["line"].values == line)
-    x = dataset["position"].sel(axis="x").isel(node=here).values
-    z = dataset["position"].sel(axis="z").isel(node=here).values
-    run, rise = x[:, -1:] - x[:, :1], z[:, -1:] - z[:, :1]
+    place = dataset["position"].isel(node=np.flatnonzero(dataset["line"].values == line)).values
+    away = place - place[:, :1]
+    run, along = _onward(away)
+    rise, z = away[:, -1:, -1], place[..., -1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        slope = np.where(np.abs(run) > 1e-9 * np.hypot(run, rise), rise / run, np.nan)
-    depth: Array = z[:, :1] + slope * (x - x[:, :1]) - z
+        slope = np.where(run > 1e-9 * np.hypot(run, rise), rise / run, np.nan)
+    depth: Array = z[:, :1] + slope * along - z
     return depth
+
+
+def sideways(dataset: xr.Dataset, line: str) -> Array:
+    """Level distance of a line from the upright plane through its ends, in m.
+
+    Args:
+        dataset: a result with an axis y.
+        line: name of the line.
+
+    Returns:
+        Array (frame, node of the line), positive to the left of the way from start to end; where the chord is
+        vertical, the level distance from it.
+    """
+    place = dataset["position"].isel(node=np.flatnonzero(dataset["line"].values == line)).values
+    away = place - place[:, :1]
+    run, _ = _onward(away)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        left = (away[:, -1:, 0] * away[..., 1] - away[:, -1:, 1] * away[..., 0]) / run
+    upright = run <= 1e-9 * np.abs(away[:, -1:]).max(axis=2)
+    aside: Array = np.where(upright, np.hypot(away[..., 0], away[..., 1]), left)
+    return aside
+
+
+def _aside(dataset: xr.Dataset, line: str) -> Array:
+    return np.abs(sideways(dataset, line))
+
+
+def _onward(away: Array) -> tuple[Array, Array]:
+    """Level length of a chord (frame, 1) and the way of every node along it (frame, node), m."""
+    chord = away[:, -1:, :-1]
+    run = np.linalg.norm(chord, axis=2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        along = (away[..., :-1] * (chord / run[..., None])).sum(axis=2)
+    return run, along
 
 
 def turnover(energy: Array) -> Array:
@@ -100,8 +138,9 @@ def turnover(energy: Array) -> Array:
 
 
 def lines(dataset: xr.Dataset) -> list[str]:
-    """Names of the lines, in the order of the result."""
-    return list(dict.fromkeys(dataset["line"].values.tolist()))
+    """Names of the lines, in the order of the result; the nodes of nets make no line."""
+    nets = net_names(dataset)
+    return [name for name in dict.fromkeys(dataset["line"].values.tolist()) if name not in nets]
 
 
 def _simulated(dataset: xr.Dataset) -> Summary:
@@ -131,22 +170,24 @@ def _extreme(dataset: xr.Dataset, name: str, pick: Pick) -> Summary | None:
     return {"value": value, "unit": dataset[name].attrs["units"], **where, path_name(dataset): when}
 
 
-def _largest_sag(dataset: xr.Dataset) -> Summary | None:
+def _furthest(dataset: xr.Dataset, away: Callable[[xr.Dataset, str], Array]) -> Summary | None:
+    """Where and when a line is furthest away from its chord, as measured by `away`."""
     best: Summary | None = None
     for block in blocks(dataset):
         for line in lines(dataset):
-            depth = sag(block, line)
-            if not np.isfinite(depth).any():
+            distance = away(block, line)
+            if not np.isfinite(distance).any():
                 continue
-            frame, place = np.unravel_index(int(np.nanargmax(depth)), depth.shape)
-            if best is None or depth[frame, place] > best["value"]:
+            frame, place = np.unravel_index(int(np.nanargmax(distance)), distance.shape)
+            if best is None or distance[frame, place] > best["value"]:
                 node = np.flatnonzero(dataset["line"].values == line)[place]
+                level = dataset["axis"].values.tolist()[:-1]
                 best = {
-                    "value": depth[frame, place],
+                    "value": distance[frame, place],
                     "unit": "m",
                     "line": line,
                     "xi": dataset["xi"].values[node],
-                    "x": block["position"].sel(axis="x").values[frame, node],
+                    **{axis: block["position"].sel(axis=axis).values[frame, node] for axis in level},
                     path_name(dataset): block[path_name(block)].values[frame],
                 }
     return best

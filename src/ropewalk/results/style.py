@@ -60,6 +60,11 @@ def dress(ax: Axes, title: str = "", x: str = "", y: str = "") -> None:
         ax.spines[side].set(color=FAINT, linewidth=0.6)
 
 
+def remark(ax: Axes, text: str) -> None:
+    """A small remark at the right end of the title."""
+    ax.set_title(text, loc="right", fontsize=NOTE, color=FAINT)
+
+
 def legend(ax: Axes) -> None:
     """A legend between title and axes, where it hides nothing, if anything carries a label."""
     handles, labels = ax.get_legend_handles_labels()
@@ -91,3 +96,24 @@ def thinned(count: int, most: int) -> NDArray[np.intp]:
     if count <= most:
         return np.arange(count)
     return np.unique(np.linspace(0, count - 1, most).round().astype(np.intp))
+
+
+def colour_range(tension: NDArray[np.float64]) -> tuple[float, float, str]:
+    """Range of the colours without rare spikes, and the side(s) where the bar says that there is more."""
+    kept = tension[np.isfinite(tension)]
+    if not kept.size:
+        return 0.0, 1.0, "neither"
+    lowest, highest = float(kept.min()), float(kept.max())
+    low, high = (float(v) for v in np.percentile(kept, (0.2, 99.8)))
+    spread = high - low
+    low = lowest if low - lowest < 0.25 * spread else low
+    high = highest if highest - high < 0.25 * spread else high
+    beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
+    side = beyond[low > lowest, high < highest]
+    return (low, high, side) if high > low else (low - 0.5, high + 0.5, side)
+
+
+def digits(path: NDArray[np.float64]) -> int:
+    """Decimals that tell neighbouring values of the path apart."""
+    step = float(np.median(np.diff(path)))
+    return int(np.clip(np.ceil(-np.log10(step)), 0, 6)) if step > 0.0 else 0

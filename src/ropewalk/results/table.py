@@ -12,6 +12,7 @@ Row = tuple[str, str, str]
 """What, how much, where and when."""
 
 SUPPORTS, LARGEST = 8, 3  # with more supports than this only so many of them get a row
+ROUND_OFF = 1e-9  # m: what is no further aside has not left its plane
 _ENERGY = {
     "kinetic": "kinetic",
     "elastic": "elastic",
@@ -66,14 +67,21 @@ def _headline(found: Summary) -> str:
 
 def rows(found: Summary) -> Iterator[Row]:
     """Rows of the table; a row without a value is a heading."""
-    yield "Line", "", ""
-    yield _quantity("largest tension", found["largest_tension"])
-    yield _quantity("smallest tension", found["smallest_tension"])
-    yield _quantity("largest strain", found["largest_strain"])
-    yield _quantity("smallest strain", found["smallest_strain"])
-    yield _quantity("largest sag", found["largest_sag"])
-    yield "Supports", "", ""
-    yield from _support_rows(found["supports"])
+    if found["largest_tension"] is not None or not found["nets"]:
+        yield "Line", "", ""
+        yield _quantity("largest tension", found["largest_tension"])
+        yield _quantity("smallest tension", found["smallest_tension"])
+        yield _quantity("largest strain", found["largest_strain"])
+        yield _quantity("smallest strain", found["smallest_strain"])
+        yield _quantity("largest sag", found["largest_sag"])
+        aside = found["largest_sideways"]
+        if aside is not None and aside["value"] > ROUND_OFF:
+            yield _quantity("largest way sideways", aside)
+    for name, net in found["nets"].items():
+        yield from _net_rows(name, net)
+    if found["supports"]:
+        yield "Supports", "", ""
+        yield from _support_rows(found["supports"])
     for name, contact in found["contacts"].items():
         if name in found["pantographs"]:
             yield from _pantograph_rows(name, found["pantographs"][name])
@@ -91,6 +99,24 @@ def _quantity(what: str, found: Summary | None) -> Row:
     unit = "" if found["unit"] == "1" else f" {found['unit']}"
     where = f"{found['line']} at xi = {number(found['xi'])} m"
     return what, f"{number(found['value'])}{unit}", "  ".join((where, *_when(found)))
+
+
+def _net_rows(name: str, net: Summary) -> Iterator[Row]:
+    yield f"Net {name}", "", ""
+    for key, what in (("largest_tension", "largest"), ("smallest_tension", "smallest")):
+        if net[key] is not None:
+            yield f"{what} tension per width", f"{number(net[key]['value'])} N/m", _place(net[key])
+    if net["slack"] is not None and net["slack"]["value"]:
+        told = "of the triangles pull in one direction at most"
+        yield "slack, at most", f"{number(100 * net['slack']['value'], 2)} %", "  ".join((told, *_when(net["slack"])))
+    if net["largest_sag"] is not None:
+        yield "largest sag", f"{number(net['largest_sag']['value'])} m", _place(net["largest_sag"])
+    yield "nodes", f"{net['nodes']}", f"{net['cells']} triangles"
+
+
+def _place(found: Summary) -> str:
+    where = ", ".join(f"{axis} = {number(found[axis])}" for axis in "xyz")
+    return "  ".join((f"at {where} m", *_when(found)))
 
 
 def _when(found: Summary) -> Iterator[str]:
@@ -199,7 +225,8 @@ def _contact_rows(name: str, contact: Summary) -> Iterator[Row]:
     spread = f"std {number(size['std'])} N  {number(size['min'])} to {number(size['max'])} N"
     yield "contact force, mean", f"{number(size['mean'])} N", spread
     jump = contact["tension_jump"]
-    yield "largest tension jump", f"{number(jump['value'])} N", "  ".join(_when(jump))
+    if jump["value"] is not None:  # loads on nets have no two sides
+        yield "largest tension jump", f"{number(jump['value'])} N", "  ".join(_when(jump))
     hold = contact["hold_force"]
     if hold["value"]:
         yield "largest hold force", f"{number(hold['value'])} N", "  ".join((*_when(hold), *_components(hold)))

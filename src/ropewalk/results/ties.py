@@ -27,12 +27,12 @@ def tied(bodies: Array, contacts: Array, pairs: list[tuple[int, int]]) -> Array:
     """Straight pieces from contacts to bodies, those in view alone.
 
     Args:
-        bodies: (body, 2) m.
-        contacts: (contact, 2) m, NaN off the line.
+        bodies: (body, axis) m.
+        contacts: (contact, axis) m, NaN off the line.
         pairs: what belongs together.
 
     Returns:
-        Array (piece, 2, 2): ends of each piece.
+        Array (piece, 2, axis): ends of each piece.
     """
-    pieces = np.array([(contacts[k], bodies[i]) for i, k in pairs]).reshape(-1, 2, 2)
+    pieces = np.array([(contacts[k], bodies[i]) for i, k in pairs]).reshape(-1, 2, bodies.shape[-1])
     return np.asarray(pieces[np.isfinite(pieces).all(axis=(1, 2))])

@@ -13,15 +13,21 @@ from ropewalk.errors import Problem, Refused, ScenarioError, did_you_mean, neare
 from ropewalk.model import Dynamic, Line, Load, Run, Scenario
 from ropewalk.model._base import Finding
 from ropewalk.model.consistency import check
+from ropewalk.model.joint import Joint
 from ropewalk.model.line import contradictions
+from ropewalk.model.net import AnyNet
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import Acceleration
+from ropewalk.model.wind import Wind
 from ropewalk.scenario.fields import block_at, choices_of, known_keys, unit_of
 from ropewalk.scenario.source import Key, Source, is_within, shown
 
 _LINE: TypeAdapter[Any] = TypeAdapter(Line)
 _OVERHEAD: TypeAdapter[Any] = TypeAdapter(OverheadLine)
+_NET: TypeAdapter[Any] = TypeAdapter(AnyNet)
+_JOINT: TypeAdapter[Any] = TypeAdapter(Joint)
+_WIND: TypeAdapter[Any] = TypeAdapter(Wind)
 _LOAD: TypeAdapter[Any] = TypeAdapter(Load)
 _RUN: TypeAdapter[Any] = TypeAdapter(Run)
 _GRAVITY: TypeAdapter[Any] = TypeAdapter(Acceleration)
@@ -206,8 +212,12 @@ def _parts(tree: Any, uncertain: set[str]) -> Parts:
     if "gravity" in uncertain:
         gravity = None
     overhead = {name: _valid(_OVERHEAD, line) for name, line in _members(tree, "overhead_lines").items()}
-    complete = not {"lines", "overhead_lines"} & uncertain and isinstance(tree.get("lines", {}), dict)
-    return Parts(lines, loads, run, gravity, on if lines or overhead else {}, overhead, complete)
+    nets = {name: _valid(_NET, net) for name, net in _members(tree, "nets").items()}
+    joints = {name: _valid(_JOINT, joint) for name, joint in _members(tree, "joints").items()}
+    wind = _valid(_WIND, tree["wind"]) if "wind" in tree else None
+    complete = not {"lines", "overhead_lines", "nets"} & uncertain and isinstance(tree.get("lines", {}), dict)
+    on = on if lines or overhead or nets else {}
+    return Parts(lines, loads, run, gravity, on, overhead, nets, joints, wind, complete)
 
 
 def _members(tree: Any, name: str) -> dict[str, Any]:

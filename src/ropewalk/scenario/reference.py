@@ -14,6 +14,9 @@ MARK = "<!-- Generated from the schema by ropewalk.scenario.reference: do not ed
 _SECTIONS = [
     ("The file", ["Scenario"]),
     ("A line", ["Line"]),
+    ("What lines are joined by", ["Joined", "Joint", "Sheave"]),
+    ("Nets and membranes", ["Net", "Membrane", "ClampedEdge", "SoftEdge", "CableEdge"]),
+    ("Wind", ["Wind"]),
     ("Laws", ["Hooke", "TensionOnly", "SecondPiolaKirchhoff", "Polynomial", "Tabulated", "Inextensible"]),
     ("Supports", ["Fixed", "Elastic", "Guided", "Moving"]),
     (
@@ -21,7 +24,7 @@ _SECTIONS = [
         ["MovingForce", "MovingMass", "Oscillator", "Trolley", "Payload", "Vehicle", "RigidBody", "Wheel", "Spring"],
     ),
     ("Loads given by matrices", ["Matrices", "MatrixWheel"]),
-    ("Loads that walk", ["Footsteps", "Harmonic", "Walker"]),
+    ("Loads that walk", ["Footsteps", "Harmonic", "Walker", "Balance"]),
     ("Loads of your own", ["Stepper"]),
     ("Travel", ["Travel", "FreeTravel", "Driver", "Brake"]),
     ("Tables", ["SpeedTable", "ForceTable", "DriveTable", "DisplacementTable"]),
@@ -86,6 +89,8 @@ def _value(schema: dict[str, Any]) -> str:
         bound = ", > 0" if "exclusiveMinimum" in schema else ", >= 0" if "minimum" in schema else ""
         return ("number" if schema["unit"] == "dimensionless" else schema["unit"]) + bound
     kind = schema.get("type")
+    if kind == "array" and "prefixItems" in schema:
+        return f"{len(schema['prefixItems'])} of: {_value(schema['prefixItems'][0])}"
     if kind == "array":
         return f"list of {_value(schema['items'])}"
     if kind == "object":

@@ -12,7 +12,7 @@ from ropewalk.mechanics.fleet import MOST_ROOM
 from ropewalk.mechanics.law import tangents
 from ropewalk.mechanics.rider import contact_point, force_at, seat_of, speed_at
 from ropewalk.model.trolley import Payload
-from ropewalk.solve.start import Setting
+from ropewalk.solve.start import Setting, onward
 
 # A wheel leaves a support when it is as far away as it goes in this part of the time that waves take for a link. With
 # half of it, a heavy mass near the speed of transverse waves gains energy (docs/notes/moving-mass.md).
@@ -55,11 +55,11 @@ def board(setting: Setting, state: State) -> Bodies | None:
         if state.xi[k] < 0.0:
             record["phase"], state.rider[k], state.speed[k] = WAITING, CARRIED, V
             record["r"][:dim] = state.r[:, first]
-            onward = np.sign(state.r[0, first + n] - state.r[0, first])
+            ahead = onward(setting, state, s)
             if loads.measure[k] == MATERIAL:  # the ground counts as stretched as the line that follows
-                onward *= float(np.linalg.norm(state.r[:, first + 1] - state.r[:, first])) / h
-            record["r"][0] += state.xi[k] * onward
-            record["v"][0] = V * onward
+                ahead *= float(np.linalg.norm(state.r[:, first + 1] - state.r[:, first])) / h
+            record["r"][:dim] += state.xi[k] * ahead
+            record["v"][:dim] = V * ahead
             continue
         place = np.zeros(dim)
         contact_point(strands, loads, state, k, place)

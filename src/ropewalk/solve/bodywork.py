@@ -38,9 +38,10 @@ from ropewalk.mechanics.chain import (
 )
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.divided import even_sides, hold, lifting, mean_stretch_at, pull_divided, slide, sliding_speed
+from ropewalk.mechanics.landing import bring_above, project
 from ropewalk.mechanics.link import stretch, stretch_rate
 from ropewalk.mechanics.rider import ARRIVED, force_at, look_up_integral, speed_at
-from ropewalk.mechanics.vehicles import is_fast, kick_vehicles, wheel_place
+from ropewalk.mechanics.vehicles import is_fast, kick_vehicles, tether_square, wheel_place
 
 
 @inlined
@@ -203,41 +204,6 @@ def _hold(state, bodies, k, speed):
 
 
 @lean_inner
-def _project(strands, loads, state, bodies, k):
-    """Look up the place on the line below a wheel in the air.
-
-    Returns:
-        Height above the line towards the wheel's own side, m; infinite beyond its ends.
-    """
-    s, i, r = loads.strand[k], bodies.wheels[k].at, state.r
-    first, last = strands.first[s], strands.first[s] + strands.links[s] - 1
-    z, part = r.shape[0] - 1, 0.0
-    for _ in range(last - first + 1):
-        dx, dz = r[0, i + 1] - r[0, i], r[z, i + 1] - r[z, i]
-        part = ((bodies.wheels[k].r[0] - r[0, i]) * dx + (bodies.wheels[k].r[z] - r[z, i]) * dz) / (dx * dx + dz * dz)
-        if part > 1.0 and i < last:
-            i += 1
-        elif part < 0.0 and i > first:
-            i -= 1
-            if part > -0.5:  # the corner between two links: either will do
-                break
-        else:
-            break
-    if part < 0.0 or part > 1.0:
-        outside = (part < 0.0 and i == first) or (part > 1.0 and i == last)
-        if outside:
-            return np.inf
-        part = min(max(part, 0.0), 1.0)
-    dx, dz = r[0, i + 1] - r[0, i], r[z, i + 1] - r[z, i]
-    bodies.wheels[k].at = i
-    state.xi[k] = state.X[i] + part * (state.X[i + 1] - state.X[i])
-    height = (dx * (bodies.wheels[k].r[z] - r[z, i]) - dz * (bodies.wheels[k].r[0] - r[0, i])) / np.sqrt(
-        dx * dx + dz * dz
-    )
-    return bodies.wheels[k].lift * (height if dx >= 0.0 else -height)
-
-
-@lean_inner
 def _drift_one(strands, loads, state, bodies, k, drift):
     """Move wheel k in space."""
     phase = bodies.wheels[k].phase
@@ -339,10 +305,7 @@ def drift_vehicles(strands, loads, state, bodies, drift):
     for e in range(bodies.tethers.size):
         leg = bodies.tethers[e]
         if leg.growth > 0.0 and leg.on == 1 and leg.length < leg.full:
-            square = 0.0
-            for a in range(state.r.shape[0]):
-                way = bodies.coordinates[leg.first + a].q - wheel_place(strands, loads, state, bodies, leg.wheel, a)
-                square += way * way
+            square = tether_square(strands, loads, state, bodies, e)
             before = max(leg.length - np.sqrt(square), 0.0)
             new = min(leg.length + leg.growth * drift, leg.full)
             after = max(new - np.sqrt(square), 0.0)
@@ -353,35 +316,39 @@ def drift_vehicles(strands, loads, state, bodies, drift):
 
 
 @lean_inner
-def _height_above_line(strands, state, s, tether, x, z):
-    """Height of a point above strand s, whose x does not turn back; the link below it is noted."""
+def _height_above_line(strands, state, bodies, s, tether):
+    """Height of the foot of a leg that swings above strand s, which does not turn back; the link below it is noted."""
     first, last = strands.first[s], strands.first[s] + strands.links[s] - 1
     i, r, top = min(max(tether.near, first), last), state.r, state.r.shape[0] - 1
-    forward = 1 if r[0, last + 1] > r[0, first] else -1
-    while i < last and (x - r[0, i + 1]) * forward > 0.0:
+    # Level and in the plane of the legs; where they act in space, the axis along which the line runs further.
+    ex, ey = 1.0, 0.0
+    if top == 2 and (tether.across[0] != 0.0 or tether.across[1] != 0.0):
+        ex, ey = tether.across[1], -tether.across[0]
+    elif top == 2 and abs(r[1, last + 1] - r[1, first]) > abs(r[0, last + 1] - r[0, first]):
+        ex, ey = 0.0, 1.0
+    forward = 1 if ex * (r[0, last + 1] - r[0, first]) + ey * (r[1, last + 1] - r[1, first]) > 0.0 else -1
+    x = bodies.coordinates[tether.first].q + tether.reach[0]
+    y = bodies.coordinates[tether.first + 1].q + tether.reach[1]
+    z = bodies.coordinates[tether.first + top].q + tether.reach[top]
+    while i < last and (ex * (x - r[0, i + 1]) + ey * (y - r[1, i + 1])) * forward > 0.0:
         i += 1
-    while i > first and (x - r[0, i]) * forward < 0.0:
+    while i > first and (ex * (x - r[0, i]) + ey * (y - r[1, i])) * forward < 0.0:
         i -= 1
     tether.near = i
-    return z - r[top, i] - (x - r[0, i]) / (r[0, i + 1] - r[0, i]) * (r[top, i + 1] - r[top, i])
+    part = (ex * (x - r[0, i]) + ey * (y - r[1, i])) / (ex * (r[0, i + 1] - r[0, i]) + ey * (r[1, i + 1] - r[1, i]))
+    return z - r[top, i] - part * (r[top, i + 1] - r[top, i])
 
 
 @lean_inner
 def is_leg_due(strands, loads, state, bodies):
     """Whether the foot of a leg that swings has come down to the line, or a leg that stands no longer pushes."""
-    top = state.r.shape[0] - 1
     for e in range(bodies.tethers.size):
         leg = bodies.tethers[e]
-        d = leg.first
         if leg.watch == SWINGS:
-            s = loads.strand[leg.wheel]
-            x, z = bodies.coordinates[d].q + leg.reach[0], bodies.coordinates[d + top].q + leg.reach[top]
-            if _height_above_line(strands, state, s, leg, x, z) <= 0.0:
+            if _height_above_line(strands, state, bodies, loads.strand[leg.wheel], leg) <= 0.0:
                 return True
         elif leg.watch == STANDS:
-            square = 0.0
-            for a in range(state.r.shape[0]):
-                square += (bodies.coordinates[d + a].q - wheel_place(strands, loads, state, bodies, leg.wheel, a)) ** 2
+            square = tether_square(strands, loads, state, bodies, e)
             if square >= leg.length * leg.length:
                 return True
     return False
@@ -398,7 +365,7 @@ def is_body_due(strands, loads, state, bodies):
         if bodies.wheels[k].lift == 0:
             continue
         if bodies.wheels[k].phase == FLYING:
-            if _project(strands, loads, state, bodies, k) <= 0.0:
+            if project(strands, loads, state, bodies, k) <= 0.0:
                 return True
         elif _is_on(bodies, k) and lifting(state, bodies, k) > 0.0:
             return True
@@ -419,9 +386,9 @@ def _enter(strands, loads, state, bodies, k):
 @lean_inner
 def _stop_falling(strands, loads, state, bodies, k):
     """Let a wheel that has left its line run on over level ground."""
-    for a in range(1, state.r.shape[0]):
-        state.work[CONTACT] += 0.5 * bodies.wheels[k].mass[a] * bodies.wheels[k].v[a] ** 2
-        bodies.wheels[k].v[a] = bodies.wheels[k].ahead[a] = 0.0
+    z = state.r.shape[0] - 1
+    state.work[CONTACT] += 0.5 * bodies.wheels[k].mass[z] * bodies.wheels[k].v[z] ** 2
+    bodies.wheels[k].v[z] = bodies.wheels[k].ahead[z] = 0.0
 
 
 @lean_inner
@@ -441,7 +408,8 @@ def settle_bodies(strands, loads, state, buffers, bodies):
             state.xi[k] = max(state.xi[k], 0.0)
             _enter(strands, loads, state, bodies, k)
         elif phase == FLYING:
-            if _project(strands, loads, state, bodies, k) <= 0.0:
+            if project(strands, loads, state, bodies, k) <= 0.0:
+                bring_above(state, bodies, k)
                 land(strands, loads, state, bodies, k)
         elif bodies.wheels[k].lift != 0 and _is_on(bodies, k) and lifting(state, bodies, k) > 0.0:
             let_go(strands, state, bodies, k, s)

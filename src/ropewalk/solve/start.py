@@ -173,6 +173,14 @@ def _place(strands: Strands, bare: list[Standing | None], loads: Loads, k: int, 
     return float(min(np.interp(start, along, rest.X), length))
 
 
+def onward(setting: Setting, state: State, s: int) -> Array:
+    """Level direction (axis,) from the start of strand s to its end, a unit vector; zero if it only rises."""
+    first = int(setting.strands.first[s])
+    way: Array = state.r[:, first + int(setting.strands.links[s])] - state.r[:, first]
+    way[-1] = 0.0
+    return way / (float(np.linalg.norm(way)) or 1.0)
+
+
 def start_state(setting: Setting, with_loads: bool, resting: Array | None = None) -> State:
     """The state of rest under gravity (and the loads at their start, if wanted), every load in the seat of a force.
 

@@ -19,8 +19,10 @@
 ``varying_tension`` string or beam whose tension varies, such as a hanging line: frequencies, deflection
 ``selfsimilar``     nonlinear string without ends: transverse impact, force that starts to move
 ``chain``           natural frequencies of the straight chain of links
+``membrane``        rectangular and circular membranes, the net of taut strings, force crossing a rectangle
 ``gait``            walking: forces by harmonics, two spring legs, balance to the side
 ``highline``        person on an elastic webbing: sag, tension, frequencies
+``lateral_balance`` people on a deck that sways: gait in closed form, negative damping
 ==================  =====================================================================================
 
 The wing depends on NumPy and SciPy only and knows nothing of the rest of the package. SI units; arrays
@@ -43,7 +45,9 @@ if TYPE_CHECKING:
         friction,
         gait,
         highline,
+        lateral_balance,
         locus,
+        membrane,
         periodic,
         pulley,
         rope,
@@ -66,7 +70,9 @@ __all__ = [
     "friction",
     "gait",
     "highline",
+    "lateral_balance",
     "locus",
+    "membrane",
     "periodic",
     "pulley",
     "rope",

@@ -1,0 +1,187 @@
+"""What webs (joined lines, sheaves, nets, membranes, wind) need, and what they do not know of, yet."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+
+from ropewalk.errors import did_you_mean
+from ropewalk.model._base import Finding
+from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.history import SpeedTable
+from ropewalk.model.joint import Joined
+from ropewalk.model.law import Inextensible
+from ropewalk.model.line import Line
+from ropewalk.model.load import AnyLoad, MovingForce
+from ropewalk.model.mass import MovingMass
+from ropewalk.model.parts import Parts
+from ropewalk.model.run import Dynamic, Linear, Quasistatic
+from ropewalk.model.support import Moving
+from ropewalk.model.travel import FreeTravel
+
+_Known = MovingForce | MovingMass | Footsteps
+_Lack = tuple[tuple[str, ...], str, str, str]
+
+
+def check_webs(parts: Parts) -> Iterator[Finding]:
+    """Find what does not fit together in webs, and keys that only webs have."""
+    yield from _names(parts)
+    yield from _joints(parts)
+    for name, load in parts.loads.items():
+        way = _way(load)
+        if load is not None and way is not None and load.on in parts.lines:
+            remedy = "leave it out, or name a net"
+            yield Finding(("loads", name, *_way_key(load)), "a path is for nets", repr(load.on), remedy)
+    if not parts.is_web:
+        return
+    if parts.overhead or any(line is not None and line.is_stiff for line in parts.lines.values()):
+        wrong = "lines with bending stiffness, beds and overhead lines are not known beside joints, nets and wind"
+        yield Finding((), wrong, remedy="compute them in a scenario of their own")
+    if isinstance(parts.run, Linear):
+        wrong, remedy = "the linear theory does not know joints, sheaves, nets and wind", "ask for kind: dynamic"
+        yield Finding(("run", "kind"), wrong, "linear", remedy)
+    if isinstance(parts.run, Quasistatic) and parts.run.turn is not None:
+        wrong, remedy = "webs keep the positions asked for, no others", "leave turn out, or ask for more positions"
+        yield Finding(("run", "turn"), wrong, f"{parts.run.turn:g} rad", remedy)
+    if isinstance(parts.run, Dynamic):
+        for key, wrong, given, remedy in _run(parts.run):
+            yield Finding(("run", *key), wrong, given, remedy)
+    for name, line in parts.lines.items():
+        if line is not None:
+            for key, wrong, given, remedy in _line(line):
+                yield Finding(("lines", name, *key), f"in webs {wrong}", given, remedy)
+    for name, load in parts.loads.items():
+        if load is None:
+            continue
+        if not isinstance(load, _Known):
+            wrong = "joined lines and nets know forces, masses and footsteps only"
+            yield Finding(("loads", name, "kind"), wrong, load.kind, "write one of these")
+            continue
+        for key, wrong, given, remedy in _load(load):
+            yield Finding(("loads", name, *key), f"in webs {wrong}", given, remedy)
+        if load.on in parts.nets:
+            yield from _on_net(name, load, parts)
+
+
+def _names(parts: Parts) -> Iterator[Finding]:
+    """Names that stand for two things."""
+    taken = dict.fromkeys([*parts.lines, *parts.overhead], "line")
+    for block, names in (("nets", parts.nets), ("joints", parts.joints)):
+        for name in names:
+            if name in taken:
+                yield Finding((block, name), f"a {taken[name]} has the same name", remedy="give each its own name")
+            taken[name] = block[:-1]
+
+
+def _joints(parts: Parts) -> Iterator[Finding]:
+    """What ends of lines and sheaves are joined to."""
+    used: set[str] = set()
+    for name, line in parts.lines.items():
+        if line is None:
+            continue
+        for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
+            if isinstance(support, Joined):
+                used.add(support.to)
+                for inner, wrong, given, remedy in _joined(name, support, parts):
+                    yield Finding(("lines", name, key, *inner), wrong, given, remedy)
+        for sheave, wheel in line.sheaves.items():
+            if wheel.to is not None:
+                used.add(wheel.to)
+                if wheel.to not in parts.joints:
+                    remedy = did_you_mean(wheel.to, [*parts.joints], otherwise="leave it out, or add joints")
+                    yield Finding(("lines", name, "sheaves", sheave, "to"), "no such joint", repr(wheel.to), remedy)
+    for name in parts.joints:
+        if name not in used and all(line is not None for line in parts.lines.values()):
+            remedy = f"write start_support: {{kind: joined, to: {name}}} in a line, or leave it out"
+            yield Finding(("joints", name), "nothing is joined to it", remedy=remedy)
+
+
+def _joined(name: str, support: Joined, parts: Parts) -> Iterator[_Lack]:
+    known = [*parts.joints, *(line for line in parts.lines if line != name), *parts.nets]
+    if support.to not in known:
+        if support.to == name:
+            yield ("to",), "a line cannot be joined to itself", repr(name), "name a joint, another line or a net"
+            return
+        remedy = did_you_mean(support.to, known, otherwise=f"joints, lines and nets here: {', '.join(known)}")
+        yield ("to",), "no such joint, line or net", repr(support.to), remedy
+    elif support.to in parts.joints:
+        if support.at is not None:
+            yield ("at",), "a joint is one place", str(support.at), "leave at out"
+    elif support.to in parts.nets:
+        if not isinstance(support.at, tuple) or len(support.at) != 2:
+            yield ("at",), "is missing: where on the net", str(support.at), "write at: [u, v] in m"
+    elif not isinstance(support.at, float):
+        yield ("at",), "is missing: where along that line", str(support.at), "write at: its distance from the start"
+    else:
+        line = parts.lines[support.to]
+        if support.at < 0.0 or (line is not None and line.length is not None and support.at > line.length):
+            end = f" ({line.length:g} m long)" if line is not None and line.length is not None else ""
+            yield ("at",), f"is off the line {support.to}{end}", f"{support.at:g} m", "stay within its length"
+
+
+def _run(run: Dynamic) -> Iterator[_Lack]:
+    if run.method in ("implicit", "rkn6"):
+        yield ("method",), "webs move explicitly, by Verlet's method", run.method, "write auto, or leave it out"
+    if run.start.kind != "rest":
+        yield ("start", "kind"), "webs start at rest", run.start.kind, "write kind: rest, or leave start out"
+
+
+def _line(line: Line) -> Iterator[_Lack]:
+    if isinstance(line.law, Inextensible):
+        yield ("law",), "lines stretch", "inextensible", "give an axial_stiffness with law hooke"
+    for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
+        if isinstance(support, Moving):
+            yield (key, "kind"), "supports do not move as prescribed", "moving", "write fixed, elastic or guided"
+
+
+def _load(load: _Known) -> Iterator[_Lack]:
+    if isinstance(load, Footsteps):
+        if load.lateral and load.path is not None:
+            yield ("lateral",), "on nets feet press downwards only", str(load.lateral), "leave lateral out"
+        return
+    if isinstance(load.travel, FreeTravel):
+        yield ("travel", "kind"), "loads travel as prescribed", "free", "give a speed"
+        return
+    if load.contact != "clamped":
+        yield ("contact",), "loads are clamped to their place along the line", load.contact, "leave contact out"
+    if load.travel.measured != "material":
+        yield ("travel", "measured"), "travel is measured as material", load.travel.measured, "write material"
+    if isinstance(load, MovingMass):
+        if load.lift_off:
+            yield ("lift_off",), "masses stay in contact", "true", "leave it out"
+        if load.air_drag:
+            yield ("air_drag",), "drag of the air on loads is not known", f"{load.air_drag:g} kg/m", "leave it out"
+
+
+def _way_key(load: AnyLoad) -> tuple[str, ...]:
+    return ("path",) if isinstance(load, Footsteps) else ("travel", "path")
+
+
+def _way(load: AnyLoad | None) -> tuple[tuple[float, ...], ...] | None:
+    travel = getattr(load, "travel", load)
+    way: tuple[tuple[float, ...], ...] | None = getattr(travel, "path", None)
+    return way
+
+
+def _on_net(name: str, load: _Known, parts: Parts) -> Iterator[Finding]:
+    key, way = ("loads", name, *_way_key(load)), _way(load)
+    if way is None:
+        remedy = "add the places that it goes through, for example path: [[0, 1.5], [4, 1.5]] in m"
+        yield Finding(key, "is missing, a load on a net needs it", remedy=remedy)
+        return
+    if any(not isinstance(place, tuple) or len(place) != 2 for place in way):
+        yield Finding(key, "a place on a net has two coordinates", remedy="write [u, v] for each place")
+        return
+    length = sum(math.dist(a, b) for a, b in pairwise(way))
+    if length == 0.0 and not (isinstance(load, MovingForce | MovingMass) and load.travel.speed == 0.0):
+        yield Finding(key, "the path has no length", remedy="give two or more different places")
+    elif isinstance(load, MovingForce | MovingMass) and isinstance(parts.run, Dynamic):
+        speed, start = load.travel.speed, load.travel.start
+        if load.travel.at_end != "refuse" or callable(speed) or isinstance(speed, SpeedTable):
+            return
+        last = start + speed * parts.run.until
+        if not -1e-9 * length <= min(start, last) or max(start, last) > length * (1.0 + 1e-9):
+            wrong = f"the load would be {last:.4g} m along its path of {length:.4g} m when the run ends"
+            remedy = "change speed, from or run.until, or write at_end: leave"
+            yield Finding(("loads", name, "travel", "speed"), wrong, f"{speed:g} m/s", remedy)

@@ -1,0 +1,437 @@
+"""Views: single panels of a result on given axes, drawn without pyplot's global state."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.markers import CARETUP
+from numpy.typing import NDArray
+
+from ropewalk.results import style
+from ropewalk.results.contract import path_name
+from ropewalk.results.frame import ENERGY_FORMS, Array
+from ropewalk.results.nets import line_ends, net_names
+from ropewalk.results.statistics import AUDIT, blocks, lines, turnover
+from ropewalk.results.table import LARGEST, number
+from ropewalk.results.ties import tied, ties
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SHAPES = 9  # instants drawn
+CURVES = 11  # more than these make a view unreadable
+POINTS = 2000  # most points drawn of one curve
+FLATTEST = 0.14  # flatter shapes than this (height to width) are drawn with exaggerated heights
+FORM_LABELS = {
+    "kinetic": "kinetic",
+    "elastic": "elastic",
+    "gravitational": "gravitational",
+    "line_damping": "damped in lines and supports",
+    "load_work": "work of the loads",
+    "hold_work": "work of the hold forces",
+    "contact_dissipation": "lost at the contacts",
+    "support_work": "work of moving supports",
+    "load_kinetic": "kinetic, of the loads",
+    "load_potential": "potential, of the loads",
+    "load_damping": "damped in loads and air",
+    "friction": "lost to friction",
+    "drive_work": "work of drives",
+    "imbalance": "imbalance",
+}
+
+
+def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
+    """Draw side views of the lines at several instants (early to late) with the paths of the loads and their bodies.
+
+    Lengths and heights have one scale, unless the shape is so flat that nothing could be seen: then the heights
+    are exaggerated by a round number, which the label states.
+    """
+    name = path_name(dataset)
+    frames = style.thinned(dataset.sizes[name], instants)
+    chosen = dataset[["position", "line"]].isel({name: frames})
+    colours = style.colours(style.INSTANTS)(np.linspace(0.0, 1.0, max(len(frames), 2)))
+    for line in lines(dataset):
+        here = np.flatnonzero(dataset["line"].values == line)
+        here = here[style.thinned(len(here), POINTS)]
+        x, z = (chosen["position"].sel(axis=axis).values[:, here] for axis in ("x", "z"))
+        for k in range(len(frames)):
+            ax.plot(x[k], z[k], color=colours[k], linewidth=style.LINE)
+        ends: dict[str, Any] = {
+            "marker": CARETUP,
+            "color": style.INK,
+            "markersize": 8,
+            "linestyle": "none",
+            "zorder": 4,
+        }
+        held = dataset["position"][frames[0]].isel(node=line_ends(dataset, line)).values
+        if len(held):
+            ax.plot(held[:, 0], held[:, -1], **ends, clip_on=False)
+    paths = contact_curves(dataset)
+    for k, (load, path) in enumerate(paths):
+        label = f"path of {load}"
+        ax.plot(
+            path[:, 0],
+            path[:, -1],
+            color=load_colour(dataset, k),
+            linewidth=style.LINE,
+            linestyle=(0, (1, 1.2)),
+            label=label,
+        )
+        there = dataset["contact_position"][:, k].isel({name: frames}).values
+        ax.scatter(
+            there[:, 0],
+            there[:, -1],
+            c=colours[: len(frames)],
+            s=26,
+            zorder=5,
+            edgecolors="white",
+            linewidths=0.7,
+        )
+    bodies = _draw_bodies(dataset, ax, frames, colours)
+    values, unit = dataset[name].values[frames], dataset[name].attrs["units"]
+    factor = set_scale(ax, chosen["position"], [*(path for _, path in paths), *bodies])
+    height = "z (m)" if factor == 1.0 else f"z (m), drawn {factor:g} times as high"
+    style.dress(ax, "Shapes", "x (m)", height)
+    if len(frames) > 1:
+        instants_bar(ax, values, f"{word(dataset)} ({unit})")
+    style.legend(ax)
+
+
+def _draw_bodies(dataset: xr.Dataset, ax: Axes, frames: NDArray[np.intp], colours: Any) -> list[Array]:
+    """Draw payloads, sprung masses and people at some instants, tied to their contacts; gives their paths."""
+    if not dataset.sizes["body"]:
+        return []
+    every = dataset["body_position"].values[..., [0, -1]]
+    spots = dataset["contact_position"].values[..., [0, -1]]
+    pairs = ties(dataset)
+    for frame, colour in zip(frames, colours, strict=False):
+        pieces = tied(every[frame], spots[frame], pairs)
+        ax.add_collection(LineCollection(list(pieces), colors=[colour], linewidths=style.THIN), autolim=False)
+    for i, body in enumerate(dataset["body"].values.tolist()):
+        ax.plot(
+            every[:, i, 0], every[:, i, 1], color=style.FAINT, linewidth=style.THIN, linestyle=(0, (4, 1.5)),
+            label=f"path of {body}", zorder=1,
+        )  # fmt: skip
+        ax.scatter(every[frames, i, 0], every[frames, i, 1], c=colours[: len(frames)], s=30, marker="s", zorder=5)
+    return [every[:, i] for i in range(dataset.sizes["body"])]
+
+
+def tension(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the largest tension, the tensions at the ends of the lines, and behind and ahead of the loads."""
+    path = dataset[path_name(dataset)].values
+    if dataset.sizes["link"]:
+        largest = np.concatenate([_row_max(block["tension"].values) for block in blocks(dataset)])
+        ax.plot(path, largest, color=style.INK, linewidth=style.LINE, label="largest")
+    names = lines(dataset)
+    several = len(names) > 1
+    ends = ((0, "start", style.BLUE), (-1, "end", style.SKY))
+    if len(names) > LARGEST:  # more lines than these make the view unreadable
+        _most_pulled(dataset, ax, names)
+    for line in names if len(names) <= LARGEST else ():
+        here = np.flatnonzero(dataset["link_line"].values == line)
+        for index, end, colour in ends:
+            values = dataset["tension"].isel(link=here[index]).values
+            label = f"{end} of {line}" if several else f"at the {end}"
+            ax.plot(path, values, color=colour, linewidth=style.THIN, label=label)
+    sides = ((0, "behind", style.RED, "-"), (1, "ahead of", style.ORANGE, "--"))
+    alone = dataset.sizes["contact"] == 1
+    for k, load in enumerate(dataset["load"].values.tolist()):
+        for index, side, own, dashes in sides:
+            colour = own if alone else colour_of(k)  # several loads have a colour each, and each side its dashes
+            values = dataset["contact_tension"][:, k, index].values
+            if np.isfinite(values).any():  # loads on nets have no two sides
+                ax.plot(path, values, color=colour, linestyle=dashes, linewidth=style.LINE, label=f"{side} {load}")
+    style.dress(ax, "Tension", path_label(dataset), "tension (N)")
+    style.legend(ax)
+
+
+def _most_pulled(dataset: xr.Dataset, ax: Axes, names: list[str]) -> None:
+    """Draw the largest tension in each of the lines that are pulled most."""
+    owner = np.array([names.index(line) for line in dataset["link_line"].values.tolist()])
+    largest = np.full((dataset.sizes[path_name(dataset)], len(names)), -np.inf)
+    for k in range(len(names)):
+        largest[:, k] = _row_max(dataset["tension"].isel(link=np.flatnonzero(owner == k)).values)
+    most = np.argsort(-np.nan_to_num(largest).max(axis=0), kind="stable")[:LARGEST]
+    for colour, k in zip((style.BLUE, style.SKY, style.GREEN), most, strict=False):
+        path = dataset[path_name(dataset)].values
+        ax.plot(path, largest[:, k], color=colour, linewidth=style.THIN, label=f"largest in {names[k]}")
+
+
+def net_tension(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the largest and the smallest tension per width of every net."""
+    path = dataset[path_name(dataset)].values
+    for k, net in enumerate(net_names(dataset)):
+        here = np.flatnonzero(dataset["cell_net"].values == net)
+        pieces = [block["cell_tension"].isel(cell=here).values.reshape(-1, 2 * len(here)) for block in blocks(dataset)]
+        extremes = [("largest", np.fmax, "-"), ("smallest", np.fmin, (0, (4, 1.5)))]
+        for name, pick, dashes in extremes:
+            values = np.concatenate([pick.reduce(piece, axis=1) for piece in pieces])
+            ax.plot(path, values, color=colour_of(k), linestyle=dashes, linewidth=style.LINE, label=f"{name}, {net}")
+    style.dress(ax, "Tension of the net", path_label(dataset), "per width (N/m)")
+    style.legend(ax)
+
+
+def contact_sideways(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the place of every load and of its bodies sideways over time."""
+    _places(dataset, ax, "y")
+    style.dress(ax, "Place of the load sideways", path_label(dataset), "y (m)")
+    finish_loads(dataset, ax)
+
+
+def contact_height(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the height of every load and of its bodies over time."""
+    _places(dataset, ax, "z")
+    style.dress(ax, "Height of the load", path_label(dataset), "z (m)")
+    finish_loads(dataset, ax)
+
+
+def _places(dataset: xr.Dataset, ax: Axes, axis: str) -> None:
+    """Draw a coordinate of contacts and bodies, if there is such an axis."""
+    if axis not in dataset["axis"].values:
+        return
+    path = dataset[path_name(dataset)].values
+    for k, load in enumerate(dataset["load"].values.tolist()):
+        place = dataset["contact_position"][:, k].sel(axis=axis).values
+        ax.plot(path, place, color=colour_of(k), linewidth=style.LINE, label=load)
+    for i, body in enumerate(dataset["body"].values.tolist()):
+        place = dataset["body_position"][:, i].sel(axis=axis).values
+        colour = colour_of(dataset.sizes["contact"] + i)
+        ax.plot(path, place, color=colour, linewidth=style.LINE, linestyle=(0, (4, 1.5)), label=body)
+
+
+def hold_force(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the hold force of every load by component."""
+    _components(dataset, ax, dataset["hold_force"], dataset["load"].values.tolist())
+    style.dress(ax, "Hold force on the line", path_label(dataset), "force (N)")
+    finish_loads(dataset, ax)
+
+
+def contact_force(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the contact force of every load by component."""
+    _components(dataset, ax, dataset["contact_force"], dataset["load"].values.tolist())
+    style.dress(ax, "Contact force on the line", path_label(dataset), "force (N)")
+    finish_loads(dataset, ax)
+
+
+def contact_speed(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the speed of every load along its line, as measured."""
+    _of_contacts(dataset, ax, "contact_speed")
+    style.dress(ax, "Speed of the load", path_label(dataset), "speed (m/s)")
+    finish_loads(dataset, ax)
+
+
+def friction_power(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the power that every load loses to friction and brakes along its line."""
+    _of_contacts(dataset, ax, "friction_power")
+    style.dress(ax, "Power lost to friction", path_label(dataset), "power (W)")
+    finish_loads(dataset, ax)
+
+
+def contact_friction(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the friction coefficient that every contact needs at least, to stand as it does."""
+    _of_contacts(dataset, ax, "contact_friction")
+    style.dress(ax, "Friction needed", path_label(dataset), "coefficient (1)")
+    if ax.lines:
+        ax.set_ylim(bottom=0.0, top=1.1 * max(float(np.nanmax(line.get_ydata())) for line in ax.lines))
+    finish_loads(dataset, ax)
+
+
+def reactions(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the forces of the supports on the lines by component."""
+    force, names = dataset["reaction"], dataset["support"].values.tolist()
+    title = "Support forces on the line"
+    if force[0].size > CURVES:
+        size = np.nan_to_num(np.linalg.norm(force.values, axis=2)).max(axis=0, initial=0.0)
+        largest = np.argsort(-size, kind="stable")[:LARGEST]
+        force, names = force.isel(support=largest), [names[k] for k in largest]
+        title = f"The {LARGEST} largest support forces of {dataset.sizes['support']}"
+    _components(dataset, ax, force, names)
+    style.dress(ax, title, path_label(dataset), "force (N)")
+    style.legend(ax)
+
+
+def energy(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the change of every form of energy since the start; forms that stay zero are left out."""
+    path, values = dataset[path_name(dataset)].values, dataset["energy"].values
+    change = values - values[:1]
+    scale = np.nanmax(np.abs(change), initial=0.0)
+    stored = ("kinetic", "elastic", "gravitational")
+    for k, form in enumerate(ENERGY_FORMS):
+        if form == AUDIT or not np.nanmax(np.abs(change[:, k]), initial=0.0) > 1e-6 * scale:
+            continue
+        dashes: Any = "-" if form in stored else (0, (4, 1.5))
+        ax.plot(
+            path,
+            change[:, k],
+            color=style.CYCLE[k % len(style.CYCLE)],
+            linestyle=dashes,
+            label=FORM_LABELS[form],
+        )
+    style.dress(ax, "Energy since the start", path_label(dataset), "energy (J)")
+    style.legend(ax)
+
+
+def imbalance(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw what the energy audit misses, and say how large that is against the energy turned over."""
+    path, values = dataset[path_name(dataset)].values, dataset["energy"].values
+    missed = values[:, ENERGY_FORMS.index(AUDIT)]
+    ax.plot(path, missed, color=style.INK, linewidth=style.THIN)
+    moved, worst = float(np.max(turnover(values))), float(np.nanmax(np.abs(missed), initial=0.0))
+    style.dress(ax, "Imbalance", path_label(dataset), "energy (J)")
+    if moved > 0.0:
+        share = number(100 * worst / moved, 2)
+        note = f"at most {share} % of the {number(moved, 3)} J turned over"
+        ax.set_title(note, loc="right", fontsize=style.NOTE, color=style.FAINT)
+
+
+def tension_along(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
+    """Draw the tension along the material coordinate at several instants, early to late."""
+    name = path_name(dataset)
+    frames = style.thinned(dataset.sizes[name], instants)
+    colours = style.colours(style.INSTANTS)(np.linspace(0.0, 1.0, max(len(frames), 2)))
+    for line in lines(dataset):
+        here = np.flatnonzero(dataset["link_line"].values == line)
+        here = here[style.thinned(len(here), POINTS)]
+        values = dataset["tension"].isel({name: frames, "link": here}).values
+        for k in range(len(frames)):
+            ax.plot(dataset["link_xi"].values[here], values[k], color=colours[k], linewidth=style.LINE)
+    style.dress(ax, "Tension along the line", "material coordinate xi (m)", "tension (N)")
+    if len(frames) > 1:
+        label = f"{word(dataset)} ({dataset[name].attrs['units']})"
+        instants_bar(ax, dataset[name].values[frames], label)
+
+
+VIEWS = {
+    "shapes": shapes,
+    "tension": tension,
+    "tension_along": tension_along,
+    "net_tension": net_tension,
+    "contact_height": contact_height,
+    "contact_sideways": contact_sideways,
+    "contact_force": contact_force,
+    "hold_force": hold_force,
+    "contact_speed": contact_speed,
+    "friction_power": friction_power,
+    "contact_friction": contact_friction,
+    "reactions": reactions,
+    "energy": energy,
+    "imbalance": imbalance,
+}
+
+
+def set_scale(
+    ax: Axes, position: xr.DataArray | Array, paths: list[Array], room: float = 0.08, flattest: float = FLATTEST
+) -> float:
+    """Give x and z one scale, or exaggerate z by a round number if all is too flat.
+
+    Args:
+        ax: axes to set.
+        position: positions (frame, node, axis) in m that must be in view.
+        paths: further curves (frame, axis) in m.
+        room: free height above and below, in heights of the picture.
+        flattest: least height to width that is left as it is.
+
+    Returns:
+        The exaggeration, 1 for a true picture.
+    """
+    last = position.shape[-1] - 1
+    points = np.concatenate([np.asarray(position).reshape(-1, last + 1)[:, [0, last]], *(p[:, [0, -1]] for p in paths)])
+    points = points[np.isfinite(points).all(axis=1)]
+    width, height = np.ptp(points[:, 0]), np.ptp(points[:, 1])
+    flat = height < flattest * width
+    factor = style.nice(2 * flattest * width / height) if flat and height > 1e-9 * width else 1.0
+    ax.update_datalim(points)
+    ax.margins(0.03, room)
+    ax.autoscale_view()
+    ax.set_aspect(max(factor, 1.0), adjustable="datalim")
+    return max(factor, 1.0)
+
+
+def headline(fig: Figure, dataset: xr.Dataset) -> None:
+    """Write the title of a result above a figure, and how it ended if it did not complete."""
+    outcome = dataset.attrs.get("outcome", "")
+    note = "" if outcome == "completed" else f"  ({outcome})"
+    title = f"{dataset.attrs.get('title', '')}{note}"
+    fig.suptitle(title, fontsize=style.TITLE + 2, color=style.INK, fontweight="bold", x=0.01, ha="left")
+
+
+def word(dataset: xr.Dataset) -> str:
+    """What the leading dimension is called."""
+    return path_name(dataset).replace("_", " ")
+
+
+def path_label(dataset: xr.Dataset) -> str:
+    """The label of axes of the leading dimension."""
+    return f"{word(dataset)} ({dataset[path_name(dataset)].attrs['units']})"
+
+
+def colour_of(k: int) -> str:
+    """Colour of the k-th of several things."""
+    return style.CYCLE[(k + 1) % len(style.CYCLE)]
+
+
+def load_colour(dataset: xr.Dataset, k: int) -> str:
+    """Colour of the path of a load: that of loads where it is alone."""
+    return style.LOAD if dataset.sizes["contact"] == 1 else colour_of(k)
+
+
+def any_of(dataset: xr.Dataset, name: str) -> bool:
+    """Whether a quantity is anything but zero anywhere."""
+    return bool((np.nan_to_num(dataset[name].values) != 0.0).any())
+
+
+def _of_contacts(dataset: xr.Dataset, ax: Axes, name: str) -> None:
+    """Draw a quantity of every contact, if it is anything but zero."""
+    path, values = dataset[path_name(dataset)].values, dataset[name].values
+    for k, load in enumerate(dataset["load"].values.tolist()):
+        if np.nan_to_num(values[:, k]).any():
+            ax.plot(path, np.where(np.isfinite(values[:, k]), values[:, k], np.nan), color=colour_of(k), label=load,
+                    linewidth=style.LINE)  # fmt: skip
+
+
+def _row_max(values: Array) -> Array:
+    out: Array = np.fmax.reduce(values, axis=1)
+    return out
+
+
+def contact_curves(dataset: xr.Dataset) -> list[tuple[str, Array]]:
+    """Loads with their paths (frame, axis), m."""
+    loads = dataset["load"].values.tolist()
+    return [(load, dataset["contact_position"][:, k].values) for k, load in enumerate(loads)]
+
+
+def _components(dataset: xr.Dataset, ax: Axes, force: xr.DataArray, names: list[str]) -> None:
+    """Draw the components of forces (frame, name, axis), those that matter; a colour for each name."""
+    path, values = dataset[path_name(dataset)].values, force.values
+    scale = np.nanmax(np.abs(values), initial=0.0)
+    dashes: dict[str, Any] = {"x": "-", "y": (0, (1, 1)), "z": (0, (5, 1.5))}
+    for k, name in enumerate(names):
+        for i, axis in enumerate(dataset["axis"].values.tolist()):
+            if np.nanmax(np.abs(values[:, k, i]), initial=0.0) > 1e-9 * scale:
+                options = {"color": colour_of(k), "linestyle": dashes[axis], "linewidth": style.LINE}
+                ax.plot(path, values[:, k, i], **options, label=f"{name}, {axis}")
+
+
+def finish_loads(dataset: xr.Dataset, ax: Axes) -> None:
+    """Say why a panel of loads is empty, if it is, and give it a legend."""
+    note = "" if ax.lines else "zero throughout" if dataset.sizes["contact"] else "no loads"
+    if note:
+        place: dict[str, Any] = {"ha": "center", "va": "center", "transform": ax.transAxes}
+        ax.text(0.5, 0.5, note, **place, fontsize=style.LABEL, color=style.FAINT)
+        ax.set_yticks([])
+    style.legend(ax)
+
+
+def instants_bar(ax: Axes, values: Array, label: str) -> None:
+    """A bar that tells the colours of the instants."""
+    mappable = ScalarMappable(Normalize(float(values[0]), float(values[-1])), style.colours(style.INSTANTS))
+    bar = ax.figure.colorbar(mappable, ax=ax, fraction=0.03, pad=0.01, aspect=25)
+    bar.set_label(label, fontsize=style.LABEL, color=style.INK)
+    bar.ax.tick_params(labelsize=style.TICK, colors=style.INK, width=0.6, length=3)
+    bar.outline.set_visible(False)

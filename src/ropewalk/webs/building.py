@@ -1,0 +1,216 @@
+"""The arrays of a web under construction: what each line, joint, net and sheave adds to them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.assembly import held_by, pack, speed_table
+from ropewalk.model.joint import Joined
+from ropewalk.model.law import Hooke
+from ropewalk.model.line import Line, spatial
+from ropewalk.model.net import CableEdge
+from ropewalk.model.scenario import Scenario
+from ropewalk.webs.sheets import Sheet, held_at_edge
+from ropewalk.webs.travellers import Strand
+from ropewalk.webs.web import (
+    CELL_SLOTS,
+    LINK_SLOTS,
+    Array,
+    Body,
+    Cells,
+    Course,
+    Held,
+    Integers,
+    Links,
+    Seats,
+    Sheaves,
+    Web,
+    Wind,
+    whole,
+)
+
+_XYZ = ("x", "y", "z")
+
+
+class Triangles(NamedTuple):
+    """The cells of one net."""
+
+    node: Integers  # (cell, 3)
+    inverse: Array  # (cell, 4) 1/m
+    area: Array  # (cell,) m^2
+
+
+class Builder:
+    """Arrays of a web under construction."""
+
+    def __init__(self, scenario: Scenario, place: Array, number: Integers, until: float) -> None:
+        self.scenario, self.place, self.number, self.until = scenario, place, number, until
+        n = place.shape[0]
+        self.mass, self.force, self.lag = np.zeros(n), np.zeros((n, 3)), np.zeros(n)
+        self.links: list[tuple[int, int, float, int, float, float]] = []
+        self.laws: list[Array] = []
+        self.cells: list[Triangles] = []
+        self.fabrics: list[Array] = []
+        self.fixed: set[int] = set()
+        self.rails: list[tuple[int, Array]] = []
+        self.springs: list[tuple[int, Array, Array, Array]] = []
+        self.sheaves: list[tuple[int, int, int, int, float, float]] = []
+        self.ends: list[tuple[str, int]] = []
+
+    def line(self, name: str, line: Line, mine: Integers, xi: Array) -> Strand:
+        """Add the links and masses of a line."""
+        node, first = self.number[mine], len(self.links)
+        self._chain(node, np.diff(xi), pack(line.law, line.axial_stiffness), line.axial_damping, line.wind_drag)
+        self._masses(node, np.diff(xi), line.mass, line.drag)
+        return Strand(name, node, xi, first)
+
+    def _chain(self, node: Integers, rest: Array, law: Array, damping: float, width: float) -> None:
+        self.laws.append(law)
+        for i, j, length in zip(node[:-1], node[1:], rest, strict=True):
+            self.links.append((int(i), int(j), float(length), len(self.laws) - 1, damping, width))
+
+    def _masses(self, node: Integers, rest: Array, density: float, drag: float) -> None:
+        half = 0.5 * density * rest
+        for at in (node[:-1], node[1:]):
+            np.add.at(self.mass, at, half)
+            np.add.at(self.lag, at, drag * half)
+
+    def supports(self, name: str, line: Line, node: Integers) -> None:
+        """Add what holds the ends of a line."""
+        for side, n, support in (("start", node[0], line.start_support), ("end", node[-1], line.end_support)):
+            if isinstance(support, Joined):
+                continue
+            n = int(n)
+            self.ends.append((f"{name}.{side}", n))
+            free, stiffness, damping, force = held_by(support, _XYZ)
+            self.mass[n] += getattr(support, "mass", 0.0)
+            self.force[n] += force
+            rank = round(float(np.trace(free)))
+            if rank == 0:
+                self.fixed.add(n)
+                continue
+            if rank == 1:
+                self.rails.append((n, np.linalg.eigh(free)[1][:, -1]))
+            shift = np.array(spatial(getattr(support, "displacement", (0.0, 0.0))))
+            place = np.array(spatial(line.start if side == "start" else line.end)) + shift
+            self.springs.append((n, place, stiffness, damping))
+
+    def joint(self, name: str, n: int) -> None:
+        """Add the mass of a joint, and the force on it."""
+        declared = self.scenario.joints[name]
+        self.mass[n] += declared.mass
+        self.force[n] += spatial(declared.force)
+
+    def sheet(self, sheet: Sheet, node: Integers) -> int:
+        """Add the cells and masses of a net or membrane; returns its first cell."""
+        first = self.cell_count
+        corners = (sheet.surface.plan * sheet.scale)[sheet.surface.triangle]
+        p, q = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        twice = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
+        inverse = np.stack([q[:, 1], -q[:, 0], -p[:, 1], p[:, 0]], axis=1) / twice[:, None]
+        self.cells.append(Triangles(node[sheet.surface.triangle], inverse, 0.5 * twice))
+        self.fabrics.append(sheet.fabric)
+        self.mass[node] += sheet.weight
+        self.lag[node] += sheet.net.drag * sheet.weight
+        fixed, soft, k, c = held_at_edge(sheet)
+        self.fixed |= {int(i) for i in node[fixed]}
+        for i, stiff, viscous in zip(soft, k, c, strict=True):
+            self.springs.append((int(node[i]), sheet.place[i], stiff * np.eye(3), viscous * np.eye(3)))
+        return first
+
+    def edge(self, sheet: Sheet, node: Integers) -> Iterator[Strand]:
+        """Add the edge cable of a net."""
+        edge = sheet.net.edge
+        if not isinstance(edge, CableEdge):
+            return
+        rim = sheet.surface.rim
+        start = int(np.flatnonzero(rim == sheet.corners[0])[0])
+        loop = np.append(np.roll(rim, -start), rim[start])
+        laid = np.linalg.norm(np.diff(sheet.place[loop], axis=0), axis=1)
+        rest = laid / (1.0 + (edge.tension or 0.0) / edge.axial_stiffness)
+        first = len(self.links)
+        self._chain(node[loop], rest, pack(Hooke(), edge.axial_stiffness), 0.0, 0.0)
+        self._masses(node[loop], rest, edge.mass, sheet.net.drag)
+        yield Strand(f"{sheet.name}.edge", node[loop], np.concatenate(([0.0], np.cumsum(rest))), first)
+
+    def sheave(self, name: str, sheave: str, n: int, strand: Strand, xi: float) -> None:
+        """Stand a sheave over the link of its line that holds the material coordinate xi in m."""
+        declared = self.scenario.lines[name].sheaves[sheave]
+        if declared.to is None:
+            self.fixed.add(n)
+            self.ends.append((f"{name}.{sheave}", n))
+        p = int(np.clip(np.searchsorted(strand.station, xi) - 1, 1, strand.node.size - 3))
+        if any(link == strand.first + p for _, link, *_ in self.sheaves):
+            raise RopewalkError(f"lines: {name}: elements: two sheaves stand over one link; write more elements")
+        whole = strand.station[p + 1] - strand.station[p]
+        ahead = float(np.clip(xi - strand.station[p], 0.05 * whole, 0.95 * whole))
+        last = strand.first + strand.node.size - 2
+        self.sheaves.append((n, strand.first + p, strand.first, last, ahead, declared.friction))
+
+    @property
+    def cell_count(self) -> int:
+        """Number of cells so far."""
+        return sum(part.area.size for part in self.cells)
+
+    def web(self, seats: Seats, course: Course) -> Web:
+        """Everything together."""
+        contacts, n = seats.kind.size, self.mass.size
+        held = Held(
+            np.array(sorted(self.fixed), dtype=np.int64),
+            np.array([i for i, _ in self.rails], dtype=np.int64),
+            np.array([along for _, along in self.rails]).reshape(-1, 3),
+            np.array([i for i, *_ in self.springs], dtype=np.int64),
+            np.array([place for _, place, *_ in self.springs]).reshape(-1, 3),
+            np.array([k for *_, k, _ in self.springs]).reshape(-1, 3, 3),
+            np.array([c for *_, c in self.springs]).reshape(-1, 3, 3),
+        )
+        gravity = np.array([0.0, 0.0, -self.scenario.gravity])
+        mass = np.concatenate([self.mass, np.zeros(contacts)])
+        force = np.concatenate([self.force, np.zeros((contacts, 3))]) + mass[:, None] * gravity
+        drag = np.divide(self.lag, self.mass, out=np.zeros(n), where=self.mass > 0.0)
+        body = Body(mass, force, np.concatenate([drag, np.zeros(contacts)]))
+        return Web(
+            self._links(contacts), self._cells(contacts), held, self._sheaves(), seats, course, self._wind(), body,
+            gravity, len(self.links), self.cell_count, n,
+        )  # fmt: skip
+
+    def _links(self, contacts: int) -> Links:
+        slots = np.zeros(LINK_SLOTS * contacts)
+        table = np.array(self.links, dtype=float).reshape(-1, 6)
+        one, other, rest, law, damping, width = (np.concatenate([column, slots]) for column in table.T)
+        on = np.concatenate([np.ones(len(self.links), dtype=np.int64), slots.astype(np.int64)])
+        on[[link for _, link, *_ in self.sheaves]] = 0
+        rest[len(self.links) :] = 1.0
+        wide = max((p.size for p in self.laws), default=5)
+        laws = np.array([np.pad(p, (0, wide - p.size)) for p in self.laws]).reshape(-1, wide)
+        return Links(whole(one), whole(other), rest, whole(law), damping, width, on, laws)
+
+    def _cells(self, contacts: int) -> Cells:
+        slots = CELL_SLOTS * contacts
+        node, inverse, area, fabric = np.zeros((0, 3)), np.zeros((0, 4)), np.zeros(0), np.zeros(0)
+        for row, part in enumerate(self.cells):
+            node, inverse = np.concatenate([node, part.node]), np.concatenate([inverse, part.inverse])
+            area, fabric = np.concatenate([area, part.area]), np.concatenate([fabric, np.full(part.area.size, row)])
+        return Cells(
+            whole(np.concatenate([node, np.zeros((slots, 3))])), np.concatenate([inverse, np.zeros((slots, 4))]),
+            np.concatenate([area, np.ones(slots)]), whole(np.concatenate([fabric, np.zeros(slots)])),
+            whole(np.concatenate([np.ones(area.size), np.zeros(slots)])),
+            np.array(self.fabrics).reshape(-1, 7) if self.fabrics else np.zeros((1, 7)),
+        )  # fmt: skip
+
+    def _sheaves(self) -> Sheaves:
+        node, link, first, last, ahead, friction = np.array(self.sheaves, dtype=float).reshape(-1, 6).T
+        tension = np.zeros((len(self.sheaves), 2))
+        return Sheaves(whole(node), whole(link), whole(first), whole(last), ahead.copy(), friction.copy(), tension)
+
+    def _wind(self) -> Wind:
+        wind = self.scenario.wind
+        if wind is None:
+            return Wind(np.zeros(3), np.zeros(1), np.zeros(1), 1.0)
+        direction = np.array(spatial(wind.direction))
+        times, values = speed_table(wind.speed, self.until)
+        return Wind(direction / np.linalg.norm(direction), times, values, wind.air_density)

@@ -1,0 +1,321 @@
+"""Frames of a run on a web: motion, slow motion and rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from ropewalk.errors import RopewalkError
+from ropewalk.mechanics import law
+from ropewalk.model.run import Dynamic
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Account, Frame, Layout
+from ropewalk.webs import motion
+from ropewalk.webs.fabric import tensions_of
+from ropewalk.webs.lengths import laid_at_rest
+from ropewalk.webs.motion import Room, advance, look_at_contacts
+from ropewalk.webs.potential import Potential
+from ropewalk.webs.rest import leave, settle, slots_of, stand
+from ropewalk.webs.seats import held_place, hold_on, place_at
+from ropewalk.webs.stability import SAFETY, SAFETY_OF_NETS, largest_step
+from ropewalk.webs.web import (
+    CONTACTS,
+    DAMPED,
+    LOADS,
+    MASS,
+    OFF,
+    ON_LINE,
+    RUBBED,
+    WORKS,
+    Array,
+    State,
+)
+
+_ENDS = {
+    motion.DIVERGED: ("diverged", "positions stopped being numbers; take a smaller run.step"),
+    motion.NOT_FOUND: (
+        "diverged",
+        "no place was found where the forces on a contact balance; take a smaller run.step, more elements or cells, or "
+        "a little damping",
+    ),
+    motion.AT_SHEAVE: ("travel ended", "a load has come to a sheave, which it cannot pass; let it turn back before"),
+    motion.LINE_OUT: ("line ran out", "a line has run over a sheave up to its end, or to another sheave or a load"),
+}
+
+
+class Run:
+    """A run under way: its layout, and its frames one after the other.
+
+    Args:
+        scenario: what is computed.
+        account: filled in.
+        until: how long the histories of the loads are needed, s.
+        path: leading dimension of the result.
+
+    Raises:
+        RopewalkError: the web cannot be laid out, or has no rest.
+    """
+
+    def __init__(self, scenario: Scenario, account: Account, until: float, path: str = "time") -> None:
+        self.scenario, self.account = scenario, account
+        self.laid, self.rest = laid_at_rest(scenario, until)
+        account.warnings += self.laid.remarks
+        self.web = self.laid.web
+        self._axes = [0, 2] if self.laid.plane else [0, 1, 2]
+        strands, names = self.laid.strands, [sheet.name for sheet in self.laid.sheets]
+        vertices = self.laid.vertex
+        self._shown = np.concatenate([np.zeros(0, dtype=np.int64), *(s.node for s in strands), *vertices])
+        place = np.cumsum([0, *(s.node.size for s in strands), *(v.size for v in vertices)])[len(strands) :]
+        nan = [np.full(v.size, np.nan) for v in vertices]
+        middles = [0.5 * (s.station[1:] + s.station[:-1]) for s in strands]
+        cells = [
+            tuple(int(i) for i in row)
+            for sheet, first in zip(self.laid.sheets, place, strict=False)
+            for row in sheet.surface.triangle + first
+        ]
+        self._links = np.concatenate(
+            [np.zeros(0, dtype=np.int64), *(s.first + np.arange(s.node.size - 1) for s in strands)]
+        )
+        self.layout = Layout(
+            axes=("x", "z") if self.laid.plane else ("x", "y", "z"),
+            node_line=(
+                *(s.name for s in strands for _ in s.node),
+                *(name for name, v in zip(names, vertices, strict=True) for _ in v),
+            ),
+            node_xi=np.concatenate([np.zeros(0), *(s.station for s in strands), *nan]),
+            link_line=tuple(s.name for s in strands for _ in s.node[1:]),
+            link_xi=np.concatenate([np.zeros(0), *middles]),
+            contact_load=tuple(t.name for t in self.laid.travellers),
+            support=(*(name for name, _ in self.laid.ends), *(f"{name}.edge" for name in names)),
+            cell=tuple(cells),  # type: ignore[arg-type]
+            cell_net=tuple(sheet.name for sheet in self.laid.sheets for _ in sheet.surface.triangle),
+            path=path,
+        )
+        self._start_energy = np.nan
+
+    def moving(self, times: Array) -> Iterator[Frame]:
+        """Frames of a motion at the output instants, s."""
+        run, web, account = self.scenario.run, self.web, self.account
+        assert isinstance(run, Dynamic)
+        state = self._first(with_loads=run.start.with_loads)
+        room, stable = Room.of(web), largest_step(web)
+        step = stable if run.step is None else run.step
+        limit = stable / (SAFETY_OF_NETS if web.own_cells else SAFETY)
+        if step > limit:
+            account.warnings.append(
+                f"the step of {step:.3g} s is larger than {limit:.3g} s, up to which the motion is stable for certain; "
+                "write a smaller run.step, or leave it out"
+            )
+        account.method, account.step = "explicit", step
+        account.reason = (
+            "Verlet's method for all nodes; the pieces of links and cells beside contacts by the implicit midpoint rule"
+        )
+        look_at_contacts(web, state, room)
+        state.work[:] = 0.0
+        yield self._frame(state, 0.0)
+        for before, t in pairwise(times):
+            state.pushed[:] = 0.0
+            status = advance(web, state, room, float(t), float(step))
+            if status == motion.RUNNING and not np.isfinite(state.r[self._shown]).all():
+                status = motion.DIVERGED
+            account.steps += int(np.ceil((t - before) / step))
+            if status != motion.RUNNING:
+                account.outcome, advice = _ENDS[status]
+                account.advice = f"stopped at t = {state.t[0]:.6g} s: {advice}"
+                return
+            look_at_contacts(web, state, room)
+            yield self._frame(state, float(t - before))
+
+    def _first(self, *, with_loads: bool) -> State:
+        web, r = self.web, self.rest.copy()
+        contacts = web.seats.kind.size
+        q, u = np.full((contacts, 3), np.nan), np.full((contacts, 3), np.nan)
+        if with_loads:
+            stand(web, r, 0.0)
+            r = settle(web, r)
+            on = web.seats.kind == MASS
+            weight = web.seats.mass[on, None] * web.gravity + web.seats.load[on]
+            for k in np.flatnonzero(on):
+                hold_on(web, k)
+                q[k] = [held_place(web, r, k, a) for a in range(3)]
+            q[on] += weight / web.seats.grip[on, None]
+            web.seats.last[:] = -1
+        return State(np.zeros(1), r, np.zeros_like(r), q, u, np.zeros(WORKS), np.zeros((contacts, 3)))
+
+    def standing(self) -> Iterator[Frame]:
+        """The only frame of an equilibrium: at rest with the loads at their start."""
+        self.account.method, self.account.reason = "rest", "least potential energy"
+        r = self.rest.copy()
+        stand(self.web, r, 0.0)
+        yield self._still(settle(self.web, r, rubs=True), 0.0)
+
+    def slowly(self, positions: int) -> Iterator[Frame]:
+        """Frames of slow motion, at equal steps of time of the first load until it comes to the end of its way."""
+        self.account.method, self.account.reason = "rest", "least potential energy"
+        web, r = self.web, self.rest.copy()
+        times, ways = self._timetable(positions)
+        for t, way in zip(times, ways, strict=True):
+            stand(web, r, float(t))
+            try:
+                r = settle(web, r, rubs=True)
+            except RopewalkError as error:
+                if self.account.steps == 0:
+                    raise
+                self.account.outcome = "no rest shape"
+                self.account.advice = f"at load path {way:.6g} m: {error}"
+                return
+            self.account.steps += 1
+            yield self._still(r, float(way))
+
+    def _timetable(self, positions: int) -> tuple[Array, Array]:
+        """Times at which the first load has gone equal parts of its way, and how far that is, m."""
+        course = self.web.course
+        last = float(course.time[course.first[0] + course.knots[0] - 1])
+        fine = np.linspace(0.0, max(last, 1e-300), 4097)
+        place = np.array([place_at(course, 0, t)[0] for t in fine])
+        _, speed = place_at(course, 0, last)
+        start, end = float(place[0]), float(course.length[0])
+        inside = (place >= -1e-12 * end) & (place <= end * (1.0 + 1e-12))
+        if not inside.all():
+            stop = int(np.argmin(inside))
+            fine, place = fine[: stop + 1], np.clip(place[: stop + 1], 0.0, end)
+        elif speed != 0.0:  # it goes on at its last speed
+            goal = end if speed > 0.0 else 0.0
+            fine, place = np.append(fine, last + (goal - place[-1]) / speed), np.append(place, goal)
+        way = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(place)))))
+        if way[-1] == 0.0:
+            raise RopewalkError(f"load {self.laid.travellers[0].name} stands still: it has no path from {start:g} m")
+        grown = np.concatenate(([True], np.diff(way) > 0.0))
+        wanted = np.linspace(0.0, way[-1], positions)
+        return np.interp(wanted, way[grown], fine[grown]), wanted
+
+    def _still(self, r: Array, path: float) -> Frame:
+        nothing = np.zeros((self.web.seats.kind.size, 3))
+        q = r[self.web.nodes :].copy()
+        state = State(np.array([path]), r, np.zeros_like(r), q, nothing, np.zeros(WORKS), nothing.copy())
+        return self._frame(state, 0.0, still=True)
+
+    def _frame(self, state: State, interval: float, *, still: bool = False) -> Frame:
+        web, seats, axes = self.web, self.web.seats, self._axes
+        n, r = web.nodes, state.r
+        contacts = seats.kind.size
+        on = seats.kind != OFF
+        weight = seats.load + np.where((seats.kind == MASS)[:, None], seats.mass[:, None] * web.gravity, 0.0)
+        if still:
+            force = weight
+        elif interval > 0.0:
+            force = np.where((seats.kind == MASS)[:, None], state.pushed / interval, seats.load)
+        else:
+            gap = np.nan_to_num(state.q) - self._held(r)
+            force = np.where((seats.kind == MASS)[:, None], seats.grip[:, None] * gap, seats.load)
+        strain, tension = self._strain(r)
+        both = np.full((contacts, 2), np.nan)
+        for k in np.flatnonzero(on & (seats.on == ON_LINE)):
+            for side, p in enumerate(slots_of(web, int(k))):
+                both[k, side] = self._tension(p, r)
+        nan = np.full(contacts, np.nan)
+        xi = np.where(on, seats.xi, np.nan)
+        return Frame(
+            path=float(state.t[0]), position=r[self._shown][:, axes], velocity=state.v[self._shown][:, axes],
+            tension=tension, strain=strain,
+            contact_position=np.where(on[:, None], r[n:], np.nan)[:, axes],
+            contact_force=np.where(on[:, None], force, np.nan)[:, axes],
+            hold_force=np.where(on[:, None], 0.0, np.full((contacts, 3), np.nan))[:, axes], contact_xi=xi,
+            contact_speed=np.where(on, seats.speed, np.nan), contact_tension=both, contact_friction=nan,
+            contact_state=np.where(on, MOVES, OFF_LINE), contact_in_air=np.zeros(contacts),
+            friction_power=np.zeros(contacts), body_position=np.zeros((0, len(axes))),
+            body_velocity=np.zeros((0, len(axes))), reaction=self._reactions(state)[:, axes],
+            energy=self._energy(state, still=still),
+            cell_tension=tensions_of(web.cells, web.own_cells, r) if self.layout.cell else None,
+        )  # fmt: skip
+
+    def _held(self, r: Array) -> Array:
+        """Places that masses hold on to, (contact, 3) m; of other contacts zero."""
+        seats = self.web.seats
+        masses = np.flatnonzero((seats.kind == MASS) & (seats.divided >= 0))
+        out = np.zeros((seats.kind.size, 3))
+        out[masses] = [[held_place(self.web, r, k, a) for a in range(3)] for k in masses] or np.zeros((0, 3))
+        return out
+
+    def _tension(self, p: int, r: Array) -> float:
+        links = self.web.links
+        length = float(np.linalg.norm(r[links.other[p]] - r[links.one[p]]))
+        return float(law.tension(links.laws[links.law[p]], length / links.rest[p] - 1.0))
+
+    def _strain(self, r: Array) -> tuple[Array, Array]:
+        """Strain and tension of all links shown; where a contact or a sheave divides one, in the mean of both parts."""
+        web, links = self.web, self.web.links
+        p = self._links
+        length = np.linalg.norm(r[links.other[p]] - r[links.one[p]], axis=1)
+        extra = np.zeros(web.own_links)
+        for e, b in zip(web.sheaves.link.tolist(), web.sheaves.node.tolist(), strict=True):
+            both = np.linalg.norm(r[b] - r[links.one[e]]) + np.linalg.norm(r[links.other[e]] - r[b])
+            extra[e] = both - np.linalg.norm(r[links.other[e]] - r[links.one[e]])
+        for e in set(web.seats.divided[(web.seats.kind != OFF) & (web.seats.on == ON_LINE)].tolist()):
+            pieces = 0.0
+            for k in np.flatnonzero((web.seats.divided == e) & (web.seats.on == ON_LINE)):
+                behind, ahead = slots_of(web, int(k))
+                pieces += float(np.linalg.norm(r[links.other[behind]] - r[links.one[behind]]))
+                if links.other[ahead] < web.nodes:
+                    pieces += float(np.linalg.norm(r[links.other[ahead]] - r[links.one[ahead]]))
+            extra[e] = pieces - np.linalg.norm(r[links.other[e]] - r[links.one[e]])
+        strain = (length + extra[p]) / links.rest[p] - 1.0
+        tension = np.zeros_like(strain)
+        for row, packed in enumerate(links.laws):
+            own = links.law[p] == row
+            tension[own] = law.tensions(packed, strain[own])
+        return strain, tension
+
+    def _reactions(self, state: State) -> Array:
+        """Forces of supports on lines and of edges on nets, (support, 3) N."""
+        web, held = self.web, self.web.held
+        ahead = web.sheaves.ahead.copy()
+        pull = Potential(web, rubs=True).pull(state.r)
+        web.sheaves.ahead[:] = ahead  # looking at a sheave must not make its line slip
+        force = np.zeros_like(pull)
+        force[held.fixed] = -pull[held.fixed]
+        for n, along in zip(held.rail, held.along, strict=True):
+            force[n] = (pull[n] @ along) * along - pull[n]
+        for n, place, K, C in zip(held.spring, held.place, held.stiffness, held.damping, strict=True):
+            force[n] += K @ (place - state.r[n]) - C @ state.v[n]
+        ends = [force[n] for _, n in self.laid.ends]
+        edges = [force[vertex].sum(axis=0) for vertex in self.laid.vertex]
+        return np.array([*ends, *edges]).reshape(-1, 3)
+
+    def _energy(self, state: State, *, still: bool) -> Array:
+        web, seats, n = self.web, self.web.seats, self.web.nodes
+        masses = np.flatnonzero(seats.kind == MASS)
+        m, q = seats.mass[masses], state.q[masses]
+        forms = dict.fromkeys(ENERGY_FORMS, 0.0)
+        forms["kinetic"] = 0.5 * float((web.body.mass[:n, None] * state.v[:n] ** 2).sum())
+        forms["elastic"] = Potential(web).stored(state.r)
+        forms["gravitational"] = -float((web.body.force[:n] * state.r[:n]).sum())
+        forms["load_potential"] = -float((m[:, None] * web.gravity * q).sum())
+        if still:
+            return np.array([forms[form] for form in ENERGY_FORMS])
+        gap = q - self._held(state.r)[masses]
+        forms["load_potential"] += 0.5 * float((seats.grip[masses, None] * gap**2).sum())
+        forms["load_kinetic"] = 0.5 * float((m[:, None] * state.u[masses] ** 2).sum())
+        stored = sum(forms.values())
+        forms["line_damping"], forms["load_work"] = float(state.work[DAMPED]), float(state.work[LOADS])
+        forms["contact_dissipation"], forms["friction"] = float(state.work[CONTACTS]), float(state.work[RUBBED])
+        total = stored - forms["load_work"] + forms["line_damping"] + forms["contact_dissipation"] + forms["friction"]
+        if np.isnan(self._start_energy):
+            self._start_energy = total
+        forms["imbalance"] = total - self._start_energy
+        return np.array([forms[form] for form in ENERGY_FORMS])
+
+
+def spectrum(scenario: Scenario, how_many: int | None) -> tuple[Array, int]:
+    """Lowest natural angular frequencies of a web at rest without loads, rad/s, and the number of unknowns."""
+    from ropewalk.webs.solver import modes  # lazy: runs do not need eigenvalues
+
+    laid, rest = laid_at_rest(scenario, 0.0)
+    leave(laid.web)
+    potential = Potential(laid.web)
+    K = potential.stiffness(rest)
+    mass = np.asarray((potential.free.multiply(potential.free)).T @ np.repeat(laid.web.body.mass, 3))
+    frequencies, _ = modes(K, mass, min(how_many or 20, K.shape[0]))
+    return frequencies, K.shape[0]

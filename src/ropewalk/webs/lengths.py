@@ -1,0 +1,64 @@
+"""Unstrained lengths of lines that are given by their tension at rest."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropewalk.errors import EquilibriumError
+from ropewalk.mechanics import law
+from ropewalk.mechanics.assembly import pack
+from ropewalk.model.scenario import Scenario
+from ropewalk.webs.laying import Laid, lay
+from ropewalk.webs.rest import leave, settle
+from ropewalk.webs.web import Array
+
+_ROUNDS, _NEAR = 60, 1e-9
+
+
+def laid_at_rest(scenario: Scenario, until: float) -> tuple[Laid, Array]:
+    """A web laid out and at rest without its loads: lines of given tension are cut so that they have it in the mean.
+
+    Args:
+        scenario: what is there.
+        until: how long the histories of the loads are needed, s.
+
+    Returns:
+        The web, and the places of its nodes and contacts (node, 3) in m.
+
+    Raises:
+        EquilibriumError: there is no rest, or not with these tensions.
+    """
+    lengths, given = {}, {}
+    for name, line in scenario.lines.items():
+        if line.length is not None:
+            lengths[name] = line.length
+            continue
+        assert line.tension is not None
+        packed = pack(line.law, line.axial_stiffness)
+        given[name] = packed, line.tension, law.strain(packed, line.tension)
+        lengths[name] = line.distance / (1.0 + given[name][2])
+    start: Array | None = None
+    for _ in range(_ROUNDS):
+        laid = lay(scenario, lengths, until)
+        leave(laid.web)
+        contacts = laid.web.seats.kind.size
+        first = np.concatenate([laid.place, np.zeros((contacts, 3))]) if start is None else start
+        start = settle(laid.web, first)
+        if not given:
+            return laid, start
+        worst = 0.0
+        for strand in laid.strands:
+            if strand.name not in given:
+                continue
+            packed, wanted, strain = given[strand.name]
+            pieces = np.linalg.norm(np.diff(start[strand.node], axis=0), axis=1)
+            rest = np.diff(strand.station)
+            tension = law.tensions(packed, pieces / rest - 1.0)
+            worst = max(worst, abs(float((tension * rest).sum() / rest.sum()) / wanted - 1.0))
+            # As long as its ends hardly move, this is what leaves it the wanted strain.
+            lengths[strand.name] = float(pieces.sum()) / (1.0 + strain)
+        if worst < _NEAR:
+            return laid, start
+    raise EquilibriumError(
+        f"lines with a given tension do not come to rest with it (one is off by {worst:.2g} of it); give length instead"
+    )

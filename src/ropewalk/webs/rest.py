@@ -1,0 +1,228 @@
+"""Rest of a web: the least potential energy, by Newton's method."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import scipy.sparse as sparse
+import scipy.sparse.linalg
+
+from ropewalk.errors import EquilibriumError
+from ropewalk.mechanics import law
+from ropewalk.webs.potential import Potential
+from ropewalk.webs.relax import relaxed
+from ropewalk.webs.seats import divide, join, seat
+from ropewalk.webs.sheaves import hop
+from ropewalk.webs.solver import IndefiniteError, Solver, Way
+from ropewalk.webs.web import LINK_SLOTS, OFF, ON_LINE, WORKS, Array, Web
+
+# A node is at a sheave if it is closer than this part of a link.
+_AT = 1e-4
+_FULL_STEPS, _MOST_STEPS = 40, 2000
+_LONGEST = 0.2  # of the size of the web: longer steps are cut
+_ALMOST = 1e-8  # of its size: steps this small are taken although rounding may hide that the energy falls
+_CLOSE = 1e-12  # of its size: a step this small is the last one, as is the first that is no smaller than before
+
+
+def stand(web: Web, r: Array, t: float) -> None:
+    """Let all contacts stand where they are at time t; those that were not there before start on the straight line.
+
+    Args:
+        web: whose slots change.
+        r: (node, 3) m; places of contacts change.
+    """
+    seats = web.seats
+    join(web)
+    seat(web, t)
+    for k in range(seats.kind.size):
+        if seats.kind[k] == OFF or seats.last[k] == seats.cell[k]:
+            continue
+        e, w = seats.cell[k], seats.weight[k]
+        corner = [web.links.one[e], web.links.other[e]] if seats.on[k] == ON_LINE else list(web.cells.node[e])
+        r[web.nodes + k] = w[: len(corner)] @ r[corner]
+        seats.last[k] = seats.cell[k]
+    seats.before[:] = seats.weight
+    divide(web)
+
+
+def leave(web: Web) -> None:
+    """Take all contacts off."""
+    join(web)
+    web.seats.kind[:] = OFF
+    web.seats.last[:] = -1
+
+
+def size_of(r: Array) -> float:
+    """Extent of a web, m."""
+    return float(np.ptp(r, axis=0).max())
+
+
+def settle(web: Web, start: Array, *, rubs: bool = False, way: Way = "auto") -> Array:
+    """Find the rest next to a shape, contacts as they stand.
+
+    Newton's method in full steps, which may climb the walls of the narrow valley that lines which hardly stretch make
+    of the energy. If that does not converge, the web relaxes first; and at last it goes downhill only.
+
+    Args:
+        web: lines slip at its sheaves.
+        start: (node, 3) m.
+        rubs: whether they rub there.
+        way: of solving, see `solver.py`.
+
+    Returns:
+        Places (node, 3), m.
+
+    Raises:
+        EquilibriumError: no rest was found.
+    """
+    potential = Potential(web, rubs=rubs)
+    if potential.unknowns() == 0:
+        return start.copy()
+    ahead, links = web.sheaves.ahead.copy(), web.sheaves.link.copy()
+    found = _newton(potential, start, way)
+    if found is None:
+        if web.sheaves.node.size:  # begin again where it was
+            web.links.on[web.sheaves.link] = 1
+            web.sheaves.link[:], web.sheaves.ahead[:] = links, ahead
+            web.links.on[web.sheaves.link] = 0
+        potential = Potential(web, rubs=rubs)
+        near = relaxed(potential, start)
+        found = _newton(potential, near, way) if near is not None else None
+        if found is None:
+            found = _downhill(potential, near if near is not None else start, way)
+    potential.pull(found)
+    return found
+
+
+def _hop(potential: Potential, r: Array) -> tuple[Array, bool]:
+    """Let nodes pass sheaves to which Newton's method has brought them; also says whether one did.
+
+    Raises:
+        EquilibriumError: a line runs out.
+    """
+    web = potential.web
+    if not web.sheaves.node.size:
+        return r, False
+    out = r.copy()
+    _push_over(web, out)
+    before = web.sheaves.link.copy()
+    if not hop(web.links, web.sheaves, out, np.zeros_like(out), web.body.mass, np.zeros(WORKS)):
+        raise EquilibriumError("a line runs over a sheave up to its end, or to the next sheave; make it longer")
+    passed = bool((before != web.sheaves.link).any())
+    if passed:
+        potential.settle_slip()
+    return out, passed
+
+
+def _push_over(web: Web, r: Array) -> None:
+    """Push nodes that have come close to a sheave beyond it, where the line pulls harder from there; r is changed.
+
+    In the energy as a function of its place, a node that is about to pass sits on the tip of a cone.
+    """
+    links, sheaves = web.links, web.sheaves
+    for k in range(sheaves.node.size):
+        e, b = int(sheaves.link[k]), int(sheaves.node[k])
+        whole = links.rest[e]
+        for near, onto, own in ((links.one[e], e - 1, 0), (links.other[e], e + 1, 1)):
+            if not sheaves.first[k] <= onto <= sheaves.last[k] or np.linalg.norm(r[near] - r[b]) > _AT * whole:
+                continue
+            far = links.one[onto] if own == 0 else links.other[onto]
+            way = r[near] - r[far]
+            length = float(np.linalg.norm(way))
+            packed = links.laws[links.law[onto]]
+            if sheaves.tension[k, 1 - own] > law.tension(packed, length / links.rest[onto] - 1.0):
+                r[near] = r[b] + 1e-9 * whole * way / length
+
+
+def _newton(potential: Potential, start: Array, way: Way) -> Array | None:
+    """Newton's method in full steps, cut where they are long; None if it does not converge."""
+    r, size, before = start.copy(), size_of(start), np.inf
+    solver: Solver | None = None
+    for _ in range(_FULL_STEPS):
+        K, out = potential.stiffness(r), potential.out_of_balance(r)
+        definite = not potential.rubs
+        if definite:
+            solver = solver or Solver(potential.pattern(r), way)
+            try:
+                solver.factorise(K)
+                step = solver.solve(out)
+            except IndefiniteError:
+                definite = False
+        if not definite:  # a saddle on the way, or friction, which makes the stiffness unsymmetric
+            step = _solved(K, out)
+        largest = float(np.abs(step).max())
+        if not np.isfinite(largest):
+            return None
+        move = potential.free @ (step * min(1.0, _LONGEST * size / max(largest, 1e-300)))
+        try:
+            r, passed = _hop(potential, r + move.reshape(-1, 3))
+        except EquilibriumError:  # a step too far
+            return None
+        if passed:
+            solver, before = None, np.inf
+            continue
+        if largest <= _CLOSE * size or before <= largest <= _ALMOST * size:
+            return r if definite or potential.rubs else None
+        before = largest
+    return None
+
+
+def _solved(K: sparse.csc_matrix, out: Array) -> Array:
+    """Solution of K x = out, not finite where K is singular: the caller sees to it."""
+    if not np.isfinite(K.data).all():
+        return np.full_like(out, np.nan)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            return np.asarray(scipy.sparse.linalg.splu(K).solve(out))
+        except RuntimeError:
+            return np.full_like(out, np.nan)
+
+
+def _downhill(potential: Potential, start: Array, way: Way) -> Array:
+    """Newton's method with a shift that grows until the stiffness is definite and the energy falls."""
+    r, size, shift, before = start.copy(), size_of(start), 0.0, np.inf
+    energy = potential.energy(r)
+    solver: Solver | None = None
+    for _ in range(_MOST_STEPS):
+        K, out = potential.stiffness(r), potential.out_of_balance(r)
+        scale = float(np.abs(K.diagonal()).max())
+        unit = sparse.identity(out.size, format="csc")
+        solver = solver or Solver(potential.pattern(r) + unit, way)
+        while True:
+            try:
+                solver.factorise(K + shift * scale * unit)
+                step = solver.solve(out)
+                largest = float(np.abs(step).max())
+            except IndefiniteError:
+                largest = np.inf
+            if np.isfinite(largest):
+                cut = min(1.0, _LONGEST * size / max(largest, 1e-300))
+                tried = r + (potential.free @ (cut * step)).reshape(-1, 3)
+                lower = potential.energy(tried)
+                if float(step @ out) >= 0.0 and (lower <= energy or largest < _ALMOST * size):
+                    break
+            if shift > 1e6:
+                raise EquilibriumError("the web finds no rest; check what holds it, and whether it is compressed")
+            shift = max(1e-12, 10.0 * shift)
+        r, passed = _hop(potential, np.asarray(tried))
+        energy = lower
+        if passed:
+            solver, energy = None, potential.energy(r)
+        shift = 0.1 * shift if shift > 1e-12 else 0.0
+        if largest <= _CLOSE * size or (before <= largest <= _ALMOST * size and shift <= 1e-9):
+            return r
+        before = largest
+    raise EquilibriumError(f"the web found no rest in {_MOST_STEPS} steps; check what holds it")
+
+
+def slots_of(web: Web, k: int) -> tuple[int, int]:
+    """Slots of links behind and ahead of contact k on a line; -1: it does not stand."""
+    links, n = web.links, web.nodes + k
+    behind = ahead = -1
+    for p in range(web.own_links, web.own_links + LINK_SLOTS * web.seats.kind.size):
+        if links.on[p] == 1:
+            behind = p if links.other[p] == n else behind
+            ahead = p if links.one[p] == n else ahead
+    return behind, ahead

@@ -1,0 +1,183 @@
+"""What travels on a web: where its contacts are at which time, and with which force."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ropewalk.mechanics.assembly import pack, speed_table, vector_table
+from ropewalk.mechanics.law import tangent
+from ropewalk.mechanics.wheels import Wheel, wheels_of
+from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.load import MovingForce
+from ropewalk.model.mass import MovingMass
+from ropewalk.model.scenario import Scenario
+from ropewalk.model.travel import Travel
+from ropewalk.webs.sheets import Sheet
+from ropewalk.webs.web import FORCE, MASS, OFF, ON_LINE, ON_NET, Array, Course, Integers, Seats
+
+_AXES = ("x", "y", "z")
+# The spring between a mass and its contact, over the stiffness of a link or the fabric where it stands.
+STIFF = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Traveller:
+    """A contact: its line or net, its mass, and how it advances."""
+
+    name: str
+    on: str
+    mass: float  # kg
+    knots: Array  # (4, knot): time in s, place in m, speed in m/s and slope of the speed in m/s^2 after it
+    stays: bool
+    force_time: Array
+    force: Array  # (3, entry) N
+    way: Array  # (corner, 2) m, in the plan of its net; no corners on lines
+    mark: Array  # (corner,) m, along its way
+
+    @property
+    def kind(self) -> int:
+        """FORCE or MASS."""
+        return MASS if self.mass else FORCE
+
+
+@dataclass(frozen=True, eq=False)
+class Strand:
+    """A line of a web: its nodes in order and where they are along it."""
+
+    name: str
+    node: Integers
+    station: Array  # m, unstrained
+    first: int  # its first link
+
+
+def travellers_of(scenario: Scenario, sheets: Mapping[str, Sheet], until: float) -> list[Traveller]:
+    """All contacts of all loads.
+
+    Raises:
+        RopewalkError: a way leads beyond the edge of its net.
+    """
+    return [
+        _traveller(wheel, scenario.loads[wheel.load], i, sheets.get(wheel.on), until)
+        for name in scenario.loads
+        for i, wheel in enumerate(w for w in wheels_of(scenario) if w.load == name)
+    ]
+
+
+def _traveller(wheel: Wheel, load: Any, foot: int, sheet: Sheet | None, until: float) -> Traveller:
+    times, force = vector_table(wheel.force, until, _AXES)
+    if isinstance(load, Footsteps):
+        knots, way, stays = _steps(load, foot, until), load.path, load.at_end == "stay"
+        mass = 0.0
+    else:
+        assert isinstance(load, MovingForce | MovingMass)
+        assert isinstance(load.travel, Travel)
+        knots, way, stays = _course(wheel.start, wheel.speed, until), load.travel.path, load.travel.at_end == "stay"
+        mass = wheel.mass
+    corners, mark = np.zeros((0, 2)), np.zeros(0)
+    if sheet is not None and way is not None:
+        corners = sheet.in_plan(np.array(way, dtype=float))
+        mark = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(np.array(way, dtype=float), axis=0).T))))
+        keep = np.concatenate(([True], np.diff(mark) > 0.0))
+        corners, mark = corners[keep], mark[keep]
+        for corner in corners:
+            sheet.cell_at(corner, f"loads: {wheel.name}: its path")
+    return Traveller(wheel.name, wheel.on, mass, knots, stays, times, force, corners, mark)
+
+
+def _course(start: float, speed: Any, until: float) -> Array:
+    """Knots of a travel whose speed is linear between the entries of a table."""
+    times, values = speed_table(speed, until)
+    inside = (times > 0.0) & (times < until)
+    t = np.concatenate(([0.0], times[inside], [max(until, 1e-300)]))
+    v = np.concatenate(([np.interp(0.0, times, values)], values[inside], [np.interp(until, times, values)]))
+    if times[0] > 0.0:
+        v[0] = values[0]
+    gap = np.diff(t)
+    slope = np.concatenate((np.divide(np.diff(v), gap, out=np.zeros_like(gap), where=gap > 0.0), [0.0]))
+    place = start + np.concatenate(([0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * gap)))
+    return np.array([t, place, v, slope])
+
+
+def _steps(load: Footsteps, foot: int, until: float) -> Array:
+    """Knots of a foot: it jumps to its next place where it lands."""
+    period, ahead = 1.0 / load.frequency, 1.0 if load.towards == "end" else -1.0
+    count = int(np.ceil(until / period)) + 2
+    numbers = np.arange(foot, count, 2)
+    times = numbers * period
+    places = load.start + ahead * load.step_length * numbers
+    times[0] = 0.0
+    return np.array([times, places, np.zeros_like(times), np.zeros_like(times)])
+
+
+def course_of(travellers: list[Traveller], lengths: Mapping[str, float]) -> Course:
+    """All contacts as tables; `lengths` of lines in m."""
+
+    def first(counts: list[int]) -> Any:
+        return np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.int64) if counts else np.zeros(0, np.int64)
+
+    knots, forces, ways = ([a.shape[-1] for a in arrays] for arrays in (
+        [c.knots for c in travellers], [c.force for c in travellers], [c.mark for c in travellers]))  # fmt: skip
+    time, place, speed, slope = np.concatenate([np.zeros((4, 0)), *(c.knots for c in travellers)], axis=1).copy()
+    return Course(
+        first(knots), np.array(knots, dtype=np.int64), time, place, speed, slope,
+        np.array([c.mark[-1] if c.mark.size else lengths[c.on] for c in travellers], dtype=float),
+        np.array([c.stays for c in travellers], dtype=np.int64),
+        first(forces), np.array(forces, dtype=np.int64),
+        np.concatenate([np.zeros(0), *(c.force_time for c in travellers)]),
+        np.concatenate([np.zeros((3, 0)), *(c.force for c in travellers)], axis=1),
+        first(ways), np.array(ways, dtype=np.int64),
+        np.concatenate([np.zeros(0), *(c.mark for c in travellers)]),
+        np.concatenate([np.zeros((0, 2)), *(c.way for c in travellers)]),
+    )  # fmt: skip
+
+
+def seats_of(
+    scenario: Scenario,
+    travellers: list[Traveller],
+    strands: Sequence[Strand],
+    sheets: Sequence[Sheet],
+    vertices: Sequence[Integers],
+    nodes: int,
+) -> Seats:
+    """All contacts, nowhere yet."""
+    contacts = len(travellers)
+    plan, across = np.zeros((nodes + contacts, 2)), [np.zeros((0, 3), dtype=np.int64)]
+    net, strand, begin, cells = {}, {}, 0, 0
+    for sheet, mine in zip(sheets, vertices, strict=True):
+        plan[mine] = sheet.surface.plan
+        across.append(np.where(sheet.surface.across >= 0, sheet.surface.across + cells, -1))
+        net[sheet.name] = sheet, cells
+        cells += sheet.surface.triangle.shape[0]
+    for one in strands:
+        strand[one.name] = one, begin
+        begin += one.station.size
+    on, first, pieces, base, cell = np.zeros((5, contacts), dtype=np.int64)
+    density, grip = np.zeros((2, contacts))
+    for k, t in enumerate(travellers):
+        if t.on in net:
+            sheet, start = net[t.on]
+            on[k], first[k], pieces[k] = ON_NET, start, sheet.surface.triangle.shape[0]
+            cell[k] = start + sheet.cell_at(t.way[0], t.name)
+            stiffness = float(sheet.fabric[1])
+        else:
+            one, base[k] = strand[t.on]
+            line = scenario.lines[t.on]
+            on[k], first[k], pieces[k], cell[k] = ON_LINE, one.first, one.node.size - 1, one.first
+            density[k] = line.mass
+            stiffness = float(tangent(pack(line.law, line.axial_stiffness), 0.0) * pieces[k] / one.station[-1])
+        grip[k] = STIFF * stiffness if t.mass else 0.0
+    off, weight = np.full(contacts, -1, dtype=np.int64), np.zeros((contacts, 3))
+    wanted = np.array([t.kind for t in travellers], dtype=np.int64)
+    return Seats(
+        on=on, kind=np.full(contacts, OFF, dtype=np.int64), wanted=wanted,
+        first=first.copy(), pieces=pieces.copy(), xi=np.zeros(contacts), load=weight.copy(), speed=np.zeros(contacts),
+        cell=cell.copy(), divided=off, last=off.copy(), before=weight.copy(), weight=weight,
+        beyond=weight.copy(), hold=np.zeros((contacts, 4)),
+        station=np.concatenate([np.zeros(0), *(one.station for one in strands)]), first_station=base.copy(),
+        mass=np.array([t.mass for t in travellers], dtype=float), grip=grip.copy(), across=np.concatenate(across),
+        plan=plan, density=density.copy(),
+    )  # fmt: skip

@@ -1,0 +1,171 @@
+"""A web as plain arrays: nodes in space, links and triangles between them, what holds them, and what travels on them.
+
+Nodes come first, one node for each contact after them. Links and cells come first, too, each followed by slots: a link
+or cell on which a contact stands is switched off, and slots take its place, which meet at the contact (`seats.py`).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+THREADS, SHEET = 0, 1  # kinds of fabric
+ON_LINE, ON_NET = 0, 1  # what a contact stands on
+OFF, FORCE, MASS = 0, 1, 2  # what a contact is at present
+LINK_SLOTS, CELL_SLOTS = 2, 3  # for each contact
+
+
+class Links(NamedTuple):
+    """Straight pieces of lines, slots at the end."""
+
+    one: Integers  # (link,) nodes
+    other: Integers
+    rest: Array  # (link,) m, unstrained length
+    law: Integers  # (link,) row of `laws`
+    damping: Array  # (link,) N s, Kelvin-Voigt
+    width: Array  # (link,) m, drag coefficient times width
+    on: Integers  # (link,) 1: it pulls; 0: slots or a sheave stand for it
+    laws: Array  # (law, parameter), see mechanics/law.py
+
+
+class Cells(NamedTuple):
+    """Triangles of nets and membranes, slots at the end."""
+
+    node: Integers  # (cell, 3)
+    inverse: Array  # (cell, 4) 1/m, of [X2 - X1, X3 - X1] in material coordinates: a b / c d row by row
+    area: Array  # (cell,) m^2, unstrained
+    fabric: Integers  # (cell,) row of `fabrics`
+    on: Integers  # (cell,)
+    fabrics: Array  # (fabric, 7): kind, four constants, see fabric.py, and unstrained over laid-out length along u, v
+
+
+class Held(NamedTuple):
+    """What holds nodes beside links and cells."""
+
+    fixed: Integers  # nodes that do not move
+    rail: Integers  # nodes that move along a straight line only
+    along: Array  # (rail, 3) its direction, a unit vector
+    spring: Integers  # nodes on springs and dampers
+    place: Array  # (spring, 3) m, without force there
+    stiffness: Array  # (spring, 3, 3) N/m
+    damping: Array  # (spring, 3, 3) N s/m
+
+
+class Sheaves(NamedTuple):
+    """Points over which lines run: each stands over one link of its line, which it divides."""
+
+    node: Integers  # of the sheave itself, fixed or a joint
+    link: Integers  # over which it stands
+    first: Integers  # first and last link of its line
+    last: Integers
+    ahead: Array  # (sheave,) m, unstrained length between the start of its link and the sheave
+    friction: Array  # (sheave,) coefficient
+    tension: Array  # (sheave, 2) N, behind and ahead
+
+
+class Seats(NamedTuple):
+    """Where contacts stand and what they are; one entry for each contact."""
+
+    on: Integers  # ON_LINE or ON_NET
+    kind: Integers  # OFF, FORCE, MASS
+    wanted: Integers  # what it is while it is on its line
+    first: Integers  # of its line: first link, first entry of `station`; of its net: first cell
+    pieces: Integers  # links, or cells
+    xi: Array  # (contact,) m along its line or its path
+    load: Array  # (contact, 3) N, the given force
+    speed: Array  # (contact,) m/s
+    cell: Integers  # (contact,) link or cell on which it stands
+    divided: Integers  # (contact,) link or cell that is switched off for it, -1: none
+    last: Integers  # (contact,) link or cell on which it stood when the slots were made, -1: none
+    before: Array  # (contact, 3) its barycentric coordinates then
+    weight: Array  # (contact, 3) barycentric coordinates within its cell; on links of the start and the end
+    beyond: Array  # (contact, 3) what they leave out where it is close to a node or an edge, see seats.py
+    hold: Array  # (contact, 4) shares of contact and corners in the place that a mass holds, as the slots are
+    station: Array  # m along each line, of its nodes, one line after the other
+    first_station: Integers  # (contact,) where those of its line begin
+    mass: Array  # (contact,) kg
+    grip: Array  # (contact,) N/m, spring between a mass and its contact; 0: a force acts on the contact itself
+    across: Integers  # (cell, 3) cell beyond the edge opposite to each corner, -1 at the rim
+    plan: Array  # (node, 2) m, place in the plan of a net, contacts at the end
+    density: Array  # (contact,) kg/m of its line; 0 on nets
+
+
+class Course(NamedTuple):
+    """When contacts are where, and the forces on them: tables of all contacts, one after the other."""
+
+    first: Integers  # (contact,) of knots
+    knots: Integers
+    time: Array  # (knot,) s; two equal ones make a jump
+    place: Array  # (knot,) m
+    speed: Array  # (knot,) m/s, after the knot
+    slope: Array  # (knot,) m/s^2, after the knot
+    length: Array  # (contact,) m, of the line or the path
+    stays: Integers  # (contact,) 1: stays at the end, 0: leaves
+    force_first: Integers
+    force_count: Integers
+    force_time: Array
+    force_value: Array  # (3, entry) N
+    way_first: Integers  # (contact,) of the corners of its path on a net
+    way_count: Integers
+    way_mark: Array  # (corner,) m, along the path
+    way_place: Array  # (corner, 2) m, in the plan
+
+
+class Wind(NamedTuple):
+    """Air that moves."""
+
+    direction: Array  # (3,) unit vector, zeros: no wind
+    time: Array  # s
+    speed: Array  # m/s
+    density: float  # kg/m^3
+
+
+class Body(NamedTuple):
+    """What nodes weigh."""
+
+    mass: Array  # (node,) kg, contacts at the end
+    force: Array  # (node, 3) N, weight and constant forces
+    drag: Array  # (node,) 1/s, mass-proportional damping
+
+
+class Web(NamedTuple):
+    """Everything that stays the same, with the arrays in which slots change."""
+
+    links: Links
+    cells: Cells
+    held: Held
+    sheaves: Sheaves
+    seats: Seats
+    course: Course
+    wind: Wind
+    body: Body
+    gravity: Array  # (3,) m/s^2
+    own_links: int  # without slots
+    own_cells: int
+    nodes: int  # without contacts
+
+
+class State(NamedTuple):
+    """What changes in time."""
+
+    t: Array  # (1,) s
+    r: Array  # (node, 3) m
+    v: Array  # (node, 3) m/s
+    q: Array  # (contact, 3) m, places of masses
+    u: Array  # (contact, 3) m/s
+    work: Array  # (WORKS,) J, done or lost since the start
+    pushed: Array  # (contact, 3) N s, impulse of the contact on its line since the last look
+
+
+DAMPED, LOADS, CONTACTS, RUBBED, BLOWN = 0, 1, 2, 3, 4  # entries of `work`
+WORKS = 5
+
+
+def whole(values: Array) -> Integers:
+    """Numbers of nodes and the like, as integers."""
+    return np.ascontiguousarray(values, dtype=np.int64)

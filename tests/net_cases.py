@@ -1,0 +1,80 @@
+"""Small nets and membranes for tests: laid out, at rest, and their small motion."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import linalg
+
+from ropewalk.model import Scenario
+from ropewalk.simulate import simulate
+from ropewalk.webs.laying import Laid
+from ropewalk.webs.lengths import laid_at_rest
+from ropewalk.webs.potential import Potential
+from ropewalk.webs.rest import settle, stand
+from ropewalk.webs.web import Array
+
+FLAT = {"corner": [0.0, 0.0, 0.0], "sides": [[4.0, 0.0, 0.0], [0.0, 3.0, 0.0]]}
+
+
+def net(cells=None, **more):
+    """A taut net of 4 m x 3 m."""
+    return {"kind": "net", **FLAT, "cells": cells, "axial_stiffness": 1e4, "mass": 0.05, "tension": 100.0, **more}
+
+
+def membrane(cells=None, **more):
+    """A taut membrane of 4 m x 3 m."""
+    return {"kind": "membrane", **FLAT, "cells": cells, "stiffness": 1e5, "mass": 0.3, "tension": 500.0, **more}
+
+
+def load(path, kind="force", **more):
+    """A load that stands at the beginning of its path on the net, or travels."""
+    own = {"force": [0.0, 0.0, -1.0]} if kind == "force" else {}
+    travel = {"speed": more.pop("speed", 0.0), "path": path, "at_end": "stay"}
+    return {"kind": kind, "on": "net", **own, "travel": travel, **more}
+
+
+def scenario(sheet, loads=None, run=None, gravity=0.0):
+    """A net alone, without weight unless said."""
+    run = run or {"kind": "dynamic", "until": 1.0}
+    return Scenario.model_validate({"nets": {"net": sheet}, "loads": loads or {}, "run": run, "gravity": gravity})
+
+
+def moved(sheet, loads, until, *, every=None, gravity=0.0, **run):
+    """The result of a motion that has come to its end."""
+    asked = {"kind": "dynamic", "until": until, "every": every or until / 20, **run}
+    result = simulate(scenario(sheet, loads, asked, gravity))
+    assert result.attrs["outcome"] == "completed", result.attrs["advice"]
+    return result
+
+
+def rested(sheet, loads=None, gravity=0.0, kind="equilibrium", **run):
+    """The result of slow motion, or rest."""
+    result = simulate(scenario(sheet, loads, {"kind": kind, **run}, gravity))
+    assert result.attrs["outcome"] == "completed", result.attrs["advice"]
+    return result
+
+
+def standing(sheet, loads=None, gravity=0.0) -> tuple[Laid, Array]:
+    """A net at rest without loads, its contacts standing on it without force yet."""
+    laid, r = laid_at_rest(scenario(sheet, loads, gravity=gravity), 0.0)
+    stand(laid.web, r, 0.0)
+    if laid.travellers:
+        forces = laid.web.seats.load.copy()
+        laid.web.seats.load[:] = 0.0
+        r = settle(laid.web, r)
+        laid.web.seats.load[:] = forces
+    return laid, r
+
+
+def small_deflection(laid: Laid, r: Array, force: Array) -> Array:
+    """Deflection of all nodes (node, 3) by small forces (node, 3)."""
+    potential = Potential(laid.web)
+    K = potential.stiffness(r)
+    return np.asarray(potential.free @ linalg.spsolve(K, potential.free.T @ force.ravel())).reshape(-1, 3)
+
+
+def order(errors) -> Array:
+    """Observed orders of errors at sizes that are halved."""
+    found = np.log2(np.asarray(errors[:-1]) / np.asarray(errors[1:]))
+    print("errors", errors, "orders", found)
+    return found
