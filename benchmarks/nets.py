@@ -51,9 +51,9 @@ def alone(nodes: int, until: float) -> None:
     setup, motion, steps, outcome = go(nodes, until)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     each, whole = 1e9 * motion / steps / nodes**2, motion * UNTIL / until
-    size = f"{nodes} x {nodes}"
+    size, note = f"{nodes} x {nodes}", "" if outcome == "running" else outcome  # nobody but a failure ends it here
     print(f"{size:10s} {steps:8d} {until:6.2f} s {setup:8.2f} s {motion:8.2f} s {whole:9.1f} s {each:8.1f} ns "
-          f"{before:6.0f} -> {peak:5.0f} MB  {outcome}", flush=True)  # fmt: skip
+          f"{before:6.0f} -> {peak:5.0f} MB  {note}", flush=True)  # fmt: skip
 
 
 def main() -> None:

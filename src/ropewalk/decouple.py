@@ -75,6 +75,9 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
     run = scenario.run
     if not isinstance(run, Dynamic | Linear):
         return scenario, {}
+    if scenario.is_web:
+        wrong, remedy = "joined lines, sheaves, nets and wind are not known here", "compare a line of its own"
+        raise ScenarioError([Problem("lines" if scenario.lines else "nets", wrong, remedy=remedy)])
     if isinstance(run, Dynamic) and scenario.is_stiff:
         wrong = "stiff lines and overhead lines in motion are not known here"
         raise ScenarioError([Problem("run.kind", wrong, "dynamic", "ask for kind: linear, which knows beams")])

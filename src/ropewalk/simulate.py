@@ -88,6 +88,10 @@ def must_compile(scenario: Scenario) -> str:
     """
     if not isinstance(scenario.run, Dynamic):
         return ""
+    if scenario.is_web:
+        from ropewalk.webs import motion
+
+        return "about a minute" if _sizes(motion.advance) == [] else ""
     if scenario.is_stiff:
         from ropewalk.wires import large, small
 
@@ -362,6 +366,12 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     from ropewalk.solve.spectrum import spectrum  # lazy: a run does not need the eigenvalue solvers
 
     run = scenario.run
+    if scenario.is_web:
+        if at is not None:
+            raise RopewalkError("the spectrum of joined lines and nets is known at rest only; leave the time out")
+        from ropewalk.webs.spectrum import spectrum as spectrum_of_web  # lazy: as above
+
+        return spectrum_of_web(scenario, how_many)
     if scenario.is_stiff:
         raise RopewalkError("the spectrum knows lines without bending stiffness and bed only, and no overhead lines")
     if at is not None or (isinstance(run, Dynamic) and run.start.with_loads):

@@ -180,6 +180,7 @@ def net_tension(dataset: xr.Dataset, ax: Axes) -> None:
 def contact_sideways(dataset: xr.Dataset, ax: Axes) -> None:
     """Draw the place of every load and of its bodies sideways over time."""
     _places(dataset, ax, "y")
+    ax.ticklabel_format(axis="y", useOffset=False)
     style.dress(ax, "Place of the load sideways", path_label(dataset), "y (m)")
     finish_loads(dataset, ax)
 

@@ -378,8 +378,9 @@ def pass_node(web, state, room, k):
     m, M = web.body.mass[j] if j < web.nodes else 0.0, seats.mass[k]
     lost = 0.0
     if j < web.nodes and room.movable[j] > 0:
-        rail = room.movable[j] - 2
+        rail, along = room.movable[j] - 2, 0.0
         for a in range(3):
+            lost += 0.5 * m * state.v[j, a] ** 2
             gain = room.owed[k, a] / m
             if seats.kind[k] == MASS:
                 u, slope = state.u[k, a], room.slope[k, a]
@@ -389,8 +390,13 @@ def pass_node(web, state, room, k):
                 lost -= M * push * (u + 0.5 * push)
                 state.u[k, a] += push
                 state.pushed[k, a] -= M * push
-            lost -= m * gain * (state.v[j, a] + 0.5 * gain)
             state.v[j, a] += gain
+        for a in range(3):
+            along += web.held.along[rail, a] * state.v[j, a] if rail >= 0 else 0.0
+        for a in range(3):
+            if rail >= 0:
+                state.v[j, a] = along * web.held.along[rail, a]
+            lost -= 0.5 * m * state.v[j, a] ** 2
     for a in range(3):
         room.owed[k, a] = 0.0
     return lost

@@ -13,6 +13,7 @@ from ropewalk.webs.rest import leave, settle
 from ropewalk.webs.web import Array
 
 _ROUNDS, _NEAR = 60, 1e-9
+_FAR = 0.02  # of its length, by which a line is cut shorter or longer at once
 
 
 def laid_at_rest(scenario: Scenario, until: float) -> tuple[Laid, Array]:
@@ -38,6 +39,7 @@ def laid_at_rest(scenario: Scenario, until: float) -> tuple[Laid, Array]:
         given[name] = packed, line.tension, law.strain(packed, line.tension)
         lengths[name] = line.distance / (1.0 + given[name][2])
     start: Array | None = None
+    last: dict[str, tuple[float, float]] = {}
     for _ in range(_ROUNDS):
         laid = lay(scenario, lengths, until)
         leave(laid.web)
@@ -54,9 +56,17 @@ def laid_at_rest(scenario: Scenario, until: float) -> tuple[Laid, Array]:
             pieces = np.linalg.norm(np.diff(start[strand.node], axis=0), axis=1)
             rest = np.diff(strand.station)
             tension = law.tensions(packed, pieces / rest - 1.0)
-            worst = max(worst, abs(float((tension * rest).sum() / rest.sum()) / wanted - 1.0))
-            # As long as its ends hardly move, this is what leaves it the wanted strain.
-            lengths[strand.name] = float(pieces.sum()) / (1.0 + strain)
+            mean, length = float((tension * rest).sum() / rest.sum()), lengths[strand.name]
+            worst = max(worst, abs(mean / wanted - 1.0))
+            # As long as its shape hardly changes, this is what leaves it the wanted strain.
+            better = float(pieces.sum()) / (1.0 + strain)
+            if strand.name in last:  # where sag decides, not stretch, the secant knows better
+                before, then = last[strand.name]
+                slope = (mean - then) / (length - before) if length != before else 0.0
+                if slope < 0.0:
+                    better = length + float(np.clip((wanted - mean) / slope, -_FAR * length, _FAR * length))
+            last[strand.name] = length, mean
+            lengths[strand.name] = better
         if worst < _NEAR:
             return laid, start
     raise EquilibriumError(

@@ -10,7 +10,7 @@ from ropewalk.mechanics.compiled import lean, lean_inner
 from ropewalk.mechanics.rider import look_up
 from ropewalk.webs.contacts import neighbours, pass_node, pressed, solve
 from ropewalk.webs.pull import blow, pull_softly, resist
-from ropewalk.webs.seats import divide, extra_energy, join, hold_on, place_at, seat, weights_in
+from ropewalk.webs.seats import divide, extra_energy, hold_on, join, place_at, seat, weights_in
 from ropewalk.webs.sheaves import hop
 from ropewalk.webs.web import CONTACTS, DAMPED, FORCE, LOADS, MASS, OFF, ON_LINE, Array, Integers, Web
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics import law
-from ropewalk.mechanics.compiled import lean_inner
+from ropewalk.mechanics.compiled import lean, lean_inner
 from ropewalk.mechanics.rider import look_up
 from ropewalk.webs.fabric import damp_cells, pull_cells
 from ropewalk.webs.geometry import attract, distance
 from ropewalk.webs.sheaves import pull_sheaves
+from ropewalk.webs.web import Array, Web
 
 
 @lean_inner
@@ -108,6 +109,19 @@ def resist(web, r, v, d, F, P, V):
     damp_links(web.links, web.own_links, r, v, d)
     damp_cells(web.cells, web.own_cells, r, v, d, F, P, V)
     damp_springs(web.held, v, d)
+
+
+@lean
+def _note_resistance(web, t, r, v, d, F, P, V):
+    resist(web, r, v, d, F, P, V)
+    blow(web.links, web.own_links, web.wind, t, r, v, d)
+
+
+def resistance(web: Web, t: float, r: Array, v: Array) -> Array:
+    """Forces (node, 3) of everything that damps and of the wind at time t, places r and velocities v (node, 3), N."""
+    out, square = np.zeros_like(r), np.zeros((3, 2))
+    _note_resistance(web, t, r, v, out, square, square.copy(), square.copy())
+    return out
 
 
 @lean_inner

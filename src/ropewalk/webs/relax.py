@@ -24,7 +24,7 @@ NEAR = 1e-4  # of the largest given force on a node and the mean tension: what i
 def _relax(web, r, v, mass, given, along, movable, steps, enough, f, F, P, work):
     """Go on for at most `steps` steps; returns the largest force out of balance, negative: a line has run out."""
     before, largest = 0.0, np.inf
-    for step in range(steps):
+    for _ in range(steps):
         pull_softly(web, r, f, work, F, P)
         pull_links(web.links, web.own_links, web.links.on.size, r, f)
         pull_cells(web.cells, web.own_cells, web.cells.on.size, r, f, F, P)

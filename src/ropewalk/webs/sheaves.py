@@ -66,7 +66,7 @@ def sheave_energy(p, l1, l2, whole, s):
 
 @lean_inner
 def drive(p, l1, l2, whole, s):
-    """Force that drives unstrained length from ahead of a sheave to behind it: minus the slope of the energy by s, N."""
+    """What drives unstrained length from ahead of a sheave to behind it: minus the slope of the energy by s, N."""
     e1, e2 = l1 / s - 1.0, l2 / (whole - s) - 1.0
     behind = law.stored(p, e1) - law.tension(p, e1) * (1.0 + e1)
     return law.stored(p, e2) - law.tension(p, e2) * (1.0 + e2) - behind

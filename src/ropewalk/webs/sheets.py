@@ -33,7 +33,7 @@ class Sheet:
 
     @property
     def place(self) -> Array:
-        """About where all vertices are, (vertex, 3) m: as laid out, but that what has no tension sags within its rim."""
+        """About where all vertices are, (vertex, 3) m: as laid out, but what has no tension sags within its rim."""
         flat = self.origin + self.surface.plan @ self.axes
         spare = float(self.scale.max()) - 1.0
         if spare < 0.0:

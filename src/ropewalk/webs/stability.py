@@ -7,7 +7,7 @@ import numpy as np
 from ropewalk.mechanics import law
 from ropewalk.webs.web import THREADS, Array, Web
 
-# Part of the stable step that is used, of lines and of nets: lines get stiffer as they are stretched; and the audit of an
+# Part of the stable step that is used, of lines and of nets. Lines get stiffer as they are stretched; the audit of an
 # undamped net on which a person walks missed 2 % at 0.7, 5 % at 0.4 (it grew late) and less than 0.1 % at 0.25.
 SAFETY, SAFETY_OF_NETS = 0.5, 0.25
 _STRAINS = np.linspace(1e-6, 0.05, 26)  # at which the slope of a law is looked at

@@ -1,0 +1,183 @@
+"""Lines over sheaves: tensions on both sides, capstans, weights on a rope, blocks, and ropes that run out.
+
+Friction: Euler and Eytelwein, T2/T1 = exp(mu theta).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from ropewalk.errors import EquilibriumError
+from ropewalk.model import Scenario
+from ropewalk.simulate import simulate
+
+
+def run_of(lines: dict[str, Any], run: dict[str, Any] | None = None, **more: Any) -> xr.Dataset:
+    return simulate(Scenario.model_validate({"lines": lines, "run": run or {"kind": "equilibrium"}, **more}))
+
+
+def form(result: xr.Dataset, name: str) -> np.ndarray:
+    return np.asarray(result.energy.sel(form=name).values)
+
+
+def over(friction: float = 0.0, **changes: Any) -> dict[str, Any]:
+    """A rope from (0, 0) over a sheave at (5, 3) to (12, 1)."""
+    return {
+        "start": [0, 0], "end": [12, 1], "length": 14.0, "mass": 1.0, "axial_stiffness": 1e5, "elements": 100,
+        "sheaves": {"wheel": {"at": [5, 3], "friction": friction}}, **changes,
+    }  # fmt: skip
+
+
+def test_without_friction_a_heavy_rope_has_one_tension_at_its_sheave() -> None:
+    """Along an elastic catenary T + T^2 / (2 EA) - w z is the same: from both ends up to the sheave at z = 3."""
+    missed = []
+    for n in (50, 100, 200):
+        result = run_of({"rope": over(elements=n)})
+        one, two = (
+            _top(float(np.linalg.norm(result.reaction.sel(support=f"rope.{end}").values[0])), 3.0 - z)
+            for end, z in (("start", 0.0), ("end", 1.0))
+        )
+        missed.append(abs(one - two))
+    print(missed)
+    # Wherever the sheave stands on its link, half of the link's weight is on either side: off by up to that half.
+    assert np.all(np.array(missed) < 0.5 * 9.81 * 14.0 / np.array([50, 100, 200]))
+
+
+def _top(end: float, rise: float) -> float:
+    """Tension `rise` above an end with a given one."""
+    stored = end + end**2 / 2e5 + 9.81 * rise
+    return 1e5 * (np.sqrt(1.0 + 2.0 * stored / 1e5) - 1.0)
+
+
+def test_the_support_of_a_sheave_bears_both_tensions() -> None:
+    result = run_of({"rope": over(mass=1e-6, length=13.0, elements=20)})
+    T, r = result.tension.values[0], result.position.values[0]
+    assert np.ptp(T) < 1e-6 * T[0]  # of one tension all along, but for a weight of 1e-4 N
+    ways = np.array([[-5.0, -3.0], [7.0, -2.0]])
+    units = ways / np.linalg.norm(ways, axis=1)[:, None]
+    assert result.reaction.sel(support="rope.wheel").values[0] == pytest.approx(-T[0] * units.sum(axis=0), rel=1e-5)
+    assert np.linalg.norm(ways, axis=1).sum() == pytest.approx(13.0 * (1.0 + T[0] / 1e5), rel=1e-9)
+    assert r[0] == pytest.approx([0.0, 0.0])
+
+
+def test_a_rope_slips_at_the_ratio_of_the_capstan_and_sticks_below_it() -> None:
+    friction = 0.2
+    load = {"kind": "force", "on": "rope", "force": [0, -500.0], "travel": {"speed": 1, "from": 0.3}}
+    rope = over(friction, mass=1e-6, length=13.05, elements=60)
+    result = run_of({"rope": rope}, {"kind": "quasistatic", "positions": 60}, loads={"p": load}, gravity=0.0)
+    # The load walks over the first span only, up to the sheave.
+    ratios, states = [], []
+    for i in range(result.sizes["load_path"]):
+        xi = float(result.contact_xi.values[i, 0])
+        if xi > 5.3:
+            break
+        behind, ahead = result.contact_tension.values[i, 0]
+        far = result.tension.values[i, -2]
+        place, wheel = result.contact_position.values[i, 0], np.array([5.0, 3.0])
+        one, two = wheel - place, np.array([12.0, 1.0]) - wheel
+        angle = np.arccos(one @ two / np.linalg.norm(one) / np.linalg.norm(two))
+        assert behind > 0.0
+        ratios.append(np.log(ahead / far) / (friction * angle))
+    states = np.array(ratios)
+    print(states)
+    assert np.abs(states).max() <= 1.0 + 1e-6
+    assert states.max() == pytest.approx(1.0, abs=1e-6)  # it slips towards the load as that gets heavier for it
+    assert states.min() < 0.9  # and sticks on the way back
+
+
+def weights(
+    n: int, friction: float, push: float = -10.0, k: float = 400.0, stiffness: float = 1e6, **run: Any
+) -> xr.Dataset:
+    """3 kg and 2 kg on a rope over a sheave, each on a spring; a push down near the first, or up near the second."""
+    rope = {
+        "start": [-0.05, -5], "end": [0.05, -5], "length": 10.0, "mass": 0.05, "axial_stiffness": stiffness,
+        "axial_damping": 5.0, "elements": n,
+        "start_support": {"kind": "guided", "along": [0, 1], "stiffness": k, "mass": 3.0},
+        "end_support": {"kind": "guided", "along": [0, 1], "stiffness": k, "mass": 2.0},
+        "sheaves": {"wheel": {"at": [0, 0], "friction": friction}},
+    }  # fmt: skip
+    force = {"time": [0, 1e-6], "value": [[0, 0], [0, push]]}
+    load = {"kind": "force", "on": "rope", "force": force, "travel": {"speed": 0, "from": 0.3 if push < 0.0 else 9.7}}
+    return run_of({"rope": rope}, {"kind": "dynamic", "until": 0.5, "every": 0.01, **run}, loads={"p": load})
+
+
+def test_weights_on_a_rope_move_together() -> None:
+    """Atwood's machine with springs: x = F/(2 k) (1 - cos omega t), omega^2 = 2 k / (m1 + m2 + rope)."""
+    result = weights(20, 0.0)
+    z, t = result.position.values[:, [0, -1], 1], result.time.values
+    omega = np.sqrt(2.0 * 400.0 / 5.5)
+    exact = 10.0 / 800.0 * (1.0 - np.cos(omega * t))
+    # The rope stretches, 1e6 N / 10 m: 8e-3 of the springs; and swings of the rope of 0.1 of the masses.
+    assert z[0, 0] - z[:, 0] == pytest.approx(exact, abs=6e-4)
+    assert z[:, 1] - z[0, 1] == pytest.approx(exact, abs=6e-4)
+    first = t < 0.06
+    a = np.polyfit(0.5 * t[first] ** 2, (z[0, 0] - z[:, 0])[first], 1)[0]
+    assert a == pytest.approx(
+        10.0 / 5.5, rel=0.1
+    )  # (m1 - m2) g / (m1 + m2 + rope) of Atwood, with 10 N for (m1 - m2) g
+
+
+def test_many_nodes_pass_a_sheave_and_the_audit_closes() -> None:
+    """They come to rest of themselves: nodes that pass shake a rope, here of 10 kN and 5 N s."""
+    links, audit = [40, 80], []
+    for n in links:
+        result = weights(n, 0.0, 15.0, 8.0, 1e4, until=1.8)
+        assert result.attrs["outcome"] == "completed", result.attrs["advice"]
+        z = result.position.values[:, [0, -1], 1]
+        audit.append(float(np.abs(form(result, "imbalance")).max() / form(result, "load_work").max()))
+        assert z[0, 0] - z[-1, 0] > 1.9  # m: 7 links of 40, and 15 of 80
+        assert z[0, 0] - z[-1, 0] == pytest.approx(z[-1, 1] - z[0, 1], abs=0.02)  # it stretches by 2 mm for 2 N
+        assert np.abs(form(result, "friction")).max() < 1e-3  # J of 30: nodes take the new direction at their speed
+    print(audit)
+    assert max(audit) < 2e-4
+
+
+def test_friction_at_a_sheave_takes_energy_and_the_audit_knows() -> None:
+    free, rubbed = weights(40, 0.0), weights(40, 0.05)
+    lost = form(rubbed, "friction")
+    assert np.abs(form(free, "friction")).max() < 1e-3 * lost[-1]
+    assert lost[-1] > 0.05  # J of 0.3 given
+    assert np.diff(lost).min() > -1e-9
+    assert np.abs(form(rubbed, "imbalance")).max() < 0.02 * lost[-1]
+
+
+def test_a_rope_that_runs_out_says_so() -> None:
+    result = weights(40, 0.0, -400.0, 20.0)
+    assert result.attrs["outcome"] == "line ran out"
+    assert "a line has run over a sheave up to its end" in result.attrs["advice"]
+    assert 0.0 < result.time.values[-1] < 0.5
+
+
+def test_a_rope_that_cannot_rest_before_it_runs_out_says_so() -> None:
+    joined = {"kind": "joined", "to": "bob"}
+    rope = {**over(), "start": [0.0, -1.0], "end": [1e-3, -9.0], "length": 10.0, "end_support": joined,
+            "start_support": {"kind": "guided", "along": [0, 1]}, "sheaves": {"wheel": {"at": [0, 0]}}}  # fmt: skip
+    with pytest.raises(EquilibriumError, match="runs over a sheave up to its end"):
+        run_of({"rope": rope}, joints={"bob": {"mass": 5.0}})
+
+
+def test_a_block_in_a_loop_hangs_on_twice_the_tension() -> None:
+    rope = {
+        "start": [0, 0], "end": [1, 0.3], "length": 4.5, "mass": 1e-6, "axial_stiffness": 1e5, "elements": 30,
+        "sheaves": {"block": {"at": [0.5, -2.0], "to": "hook"}},
+    }  # fmt: skip
+    result = run_of({"rope": rope}, joints={"hook": {"mass": 10.0}})
+    tension = result.tension.values[0]
+    assert tension == pytest.approx(tension[0], rel=1e-5)
+    # An ellipse with the supports as foci: both parts have the same slope, cos = d / length across.
+    across = 1.0 / (4.5 * (1.0 + tension[0] / 1e5))
+    assert 2.0 * tension[0] * np.sqrt(1.0 - across**2) == pytest.approx(98.1, rel=1e-6)
+    assert result.reaction.values[0].sum(axis=0) == pytest.approx([0.0, 98.1], abs=1e-3)
+
+
+def test_a_load_that_comes_to_a_sheave_stops_the_run() -> None:
+    load = {"kind": "force", "on": "rope", "force": [0, -50.0], "travel": {"speed": 10, "from": 4.5}}
+    result = run_of({"rope": over(length=13.2)}, {"kind": "dynamic", "until": 0.6, "every": 0.02}, loads={"p": load})
+    assert result.attrs["outcome"] == "travel ended"
+    assert "a load has come to a sheave" in result.attrs["advice"]
+    # The sheave is 5.83 m from the start of 13.11 m, over one link of 0.13 m.
+    assert result.contact_xi.values[-1, 0] == pytest.approx(5.8, abs=0.4)
