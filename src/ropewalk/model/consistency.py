@@ -249,7 +249,7 @@ def _path(parts: Parts) -> Iterator[Finding]:
 
 
 def _rest(parts: Parts) -> Iterator[Finding]:
-    if parts.gravity != 0.0 or parts.run is None:
+    if parts.gravity != 0.0 or parts.run is None or parts.is_web:  # joints, nets and wind give lines a shape, too
         return
     if isinstance(parts.run, Dynamic):
         if parts.run.start.kind == "result":

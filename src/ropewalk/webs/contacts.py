@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.compiled import inlined, lean_inner
+from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.webs.fabric import cell_stiffness, pull_cells
 from ropewalk.webs.fabric import stored as stored_in_cell
 from ropewalk.webs.geometry import distance
@@ -147,7 +147,7 @@ def _forces(web, room, count, z):
                                 room.J[3 * i + a, 3 * j + b] += room.K[3 * c + a, 3 * d + b]
 
 
-@lean_inner
+@lean
 def neighbours(web, k):
     """Slots of links behind and ahead of contact k on a line."""
     links, n = web.links, web.nodes + k

@@ -13,12 +13,13 @@ from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Account, Frame, Layout
 from ropewalk.webs import motion
+from ropewalk.webs.contacts import neighbours
 from ropewalk.webs.fabric import tensions_of
 from ropewalk.webs.lengths import laid_at_rest
 from ropewalk.webs.motion import Room, advance, look_at_contacts
 from ropewalk.webs.potential import Potential
 from ropewalk.webs.pull import resistance
-from ropewalk.webs.rest import settle, slots_of, stand
+from ropewalk.webs.rest import settle, stand
 from ropewalk.webs.seats import held_place, hold_on, place_at
 from ropewalk.webs.stability import SAFETY, SAFETY_OF_NETS, largest_step
 from ropewalk.webs.web import (
@@ -241,7 +242,7 @@ class Run:
         strain, tension = self._strain(r)
         both = np.full((contacts, 2), np.nan)
         for k in np.flatnonzero(on & (seats.on == ON_LINE)):
-            for side, p in enumerate(slots_of(web, int(k))):
+            for side, p in enumerate(neighbours(web, int(k))):
                 both[k, side] = self._tension(p, r)
         nan = np.full(contacts, np.nan)
         xi = np.where(on, seats.xi, np.nan)
@@ -284,7 +285,7 @@ class Run:
         for e in set(web.seats.divided[(web.seats.kind != OFF) & (web.seats.on == ON_LINE)].tolist()):
             pieces = 0.0
             for k in np.flatnonzero((web.seats.divided == e) & (web.seats.on == ON_LINE)):
-                behind, ahead = slots_of(web, int(k))
+                behind, ahead = neighbours(web, int(k))
                 pieces += float(np.linalg.norm(r[links.other[behind]] - r[links.one[behind]]))
                 if links.other[ahead] < web.nodes:
                     pieces += float(np.linalg.norm(r[links.other[ahead]] - r[links.one[ahead]]))

@@ -15,7 +15,7 @@ from ropewalk.webs.relax import relaxed
 from ropewalk.webs.seats import divide, join, seat
 from ropewalk.webs.sheaves import hop
 from ropewalk.webs.solver import IndefiniteError, Solver, Way
-from ropewalk.webs.web import LINK_SLOTS, OFF, ON_LINE, WORKS, Array, Web
+from ropewalk.webs.web import OFF, ON_LINE, WORKS, Array, Web
 
 # A node is at a sheave if it is closer than this part of a link.
 _AT = 1e-4
@@ -215,14 +215,3 @@ def _downhill(potential: Potential, start: Array, way: Way) -> Array:
             return r
         before = largest
     raise EquilibriumError(f"the web found no rest in {_MOST_STEPS} steps; check what holds it")
-
-
-def slots_of(web: Web, k: int) -> tuple[int, int]:
-    """Slots of links behind and ahead of contact k on a line; -1: it does not stand."""
-    links, n = web.links, web.nodes + k
-    behind = ahead = -1
-    for p in range(web.own_links, web.own_links + LINK_SLOTS * web.seats.kind.size):
-        if links.on[p] == 1:
-            behind = p if links.other[p] == n else behind
-            ahead = p if links.one[p] == n else ahead
-    return behind, ahead
