@@ -13,7 +13,7 @@ Row = tuple[str, str, str]
 
 SUPPORTS, LARGEST = 8, 3  # with more supports than this only so many of them get a row
 ROUND_OFF = 1e-9  # m: what is no further aside has not left its plane
-_ENERGY = {
+ENERGY_LABELS = {
     "kinetic": "kinetic",
     "elastic": "elastic",
     "gravitational": "gravitational",
@@ -250,7 +250,7 @@ def _energy_rows(energy: Summary) -> Iterator[Row]:
     if told and all("kinetic" in form for form in told):  # a balance is not kept
         return
     yield "Energy at the end", "", ""
-    for form, label in _ENERGY.items():
+    for form, label in ENERGY_LABELS.items():
         if form not in energy["always_zero"]:
             yield label, f"{number(energy['final'].get(form))} J", ""
     worst: dict[str, Any] | None = energy["largest_imbalance"]

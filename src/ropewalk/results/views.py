@@ -16,7 +16,7 @@ from ropewalk.results.contract import path_name
 from ropewalk.results.frame import ENERGY_FORMS, Array
 from ropewalk.results.nets import line_ends, net_names
 from ropewalk.results.statistics import AUDIT, blocks, lines, turnover
-from ropewalk.results.table import LARGEST, number
+from ropewalk.results.table import ENERGY_LABELS, LARGEST, number
 from ropewalk.results.ties import tied, ties
 
 if TYPE_CHECKING:
@@ -28,22 +28,7 @@ SHAPES = 9  # instants drawn
 CURVES = 11  # more than these make a view unreadable
 POINTS = 2000  # most points drawn of one curve
 FLATTEST = 0.14  # flatter shapes than this (height to width) are drawn with exaggerated heights
-FORM_LABELS = {
-    "kinetic": "kinetic",
-    "elastic": "elastic",
-    "gravitational": "gravitational",
-    "line_damping": "damped in lines and supports",
-    "load_work": "work of the loads",
-    "hold_work": "work of the hold forces",
-    "contact_dissipation": "lost at the contacts",
-    "support_work": "work of moving supports",
-    "load_kinetic": "kinetic, of the loads",
-    "load_potential": "potential, of the loads",
-    "load_damping": "damped in loads and air",
-    "friction": "lost to friction",
-    "drive_work": "work of drives",
-    "imbalance": "imbalance",
-}
+FORM_LABELS = {**ENERGY_LABELS, "imbalance": "imbalance"}
 
 
 def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -133,21 +134,26 @@ class Potential:
         n = web.body.mass.size
         self._work, self._F, self._P = np.zeros(WORKS), np.zeros((3, 2)), np.zeros((3, 2))
         self._K, self._D, self._f = np.zeros((9, 9)), np.zeros((4, 4)), np.zeros((n, 3))
-        most = 36 * web.links.on.size + 81 * web.cells.on.size + 9 * web.held.spring.size + 81 * web.sheaves.node.size
-        self._rows, self._columns = np.zeros(most, dtype=np.int64), np.zeros(most, dtype=np.int64)
-        self._values, self._count = np.zeros(most), 0
+        self._count = 0
         self.given = web.body.force.copy()
-        standing = np.zeros(n, dtype=np.bool_)
-        standing[: web.nodes] = True
+        standing = np.ones(n, dtype=np.bool_)
         standing[web.nodes :] = web.seats.kind != OFF
         self.given[web.nodes :] += web.seats.load + web.seats.mass[:, None] * web.gravity
         self.given[~standing] = 0.0
-        self.free = self._freedom(standing)
+        self._standing = standing
 
-    def _freedom(self, standing: Any) -> sparse.csc_matrix:
+    @cached_property
+    def _entries(self) -> tuple[Any, Any, Array]:
+        """Room for rows, columns and values of the stiffness: only who asks for it needs them."""
+        web = self.web
+        most = 36 * web.links.on.size + 81 * (web.cells.on.size + web.sheaves.node.size) + 9 * web.held.spring.size
+        return np.zeros(most, dtype=np.int64), np.zeros(most, dtype=np.int64), np.zeros(most)
+
+    @cached_property
+    def free(self) -> sparse.csc_matrix:
         """Matrix from the unknowns to the components of all places."""
-        held, n = self.web.held, standing.size
-        moves = standing.copy()
+        held, n = self.web.held, self._standing.size
+        moves = self._standing.copy()
         moves[held.fixed] = False
         moves[held.rail] = False
         whole = np.flatnonzero(np.repeat(moves, 3))
@@ -201,16 +207,16 @@ class Potential:
         ahead = self._ahead.copy()
         self._rub()
         self._count = _assemble(
-            self.web, r.copy(), ahead, self._work, self._rows, self._columns, self._values, self._f, self._K, self._F,
-            self._D,
+            self.web, r.copy(), ahead, self._work, *self._entries, self._f, self._K, self._F, self._D,
         )  # fmt: skip
         self._done()
         self.pull(r)
-        return self._gathered(self._values[: self._count], self.free)
+        return self._gathered(self._entries[2][: self._count], self.free)
 
     def _gathered(self, values: Array, free: sparse.csc_matrix) -> sparse.csc_matrix:
         n = free.shape[0]
-        entries = (values, (self._rows[: self._count], self._columns[: self._count]))
+        rows, columns, _ = self._entries
+        entries = (values, (rows[: self._count], columns[: self._count]))
         return (free.T @ sparse.coo_matrix(entries, shape=(n, n)).tocsc() @ free).tocsc()
 
     def unknowns(self) -> int:
