@@ -18,10 +18,9 @@ import numpy as np
 
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.webs.fabric import cell_stiffness, pull_cells
-from ropewalk.webs.fabric import stored as stored_in_cell
 from ropewalk.webs.geometry import distance
 from ropewalk.webs.pull import link_stiffness, pull_links
-from ropewalk.webs.seats import corner, energy_of_link, held_place
+from ropewalk.webs.seats import corner, energy_of_pieces, held_place
 from ropewalk.webs.web import FORCE, MASS, OFF, ON_LINE
 
 MOST_ITERATIONS = 100
@@ -325,14 +324,8 @@ def solve(web, state, room, h, still):
 @lean_inner
 def _merit(web, room, z):
     """Potential energy of the slots, the loads on their contacts, and what passing lines take from these, J."""
-    links, cells, seats = web.links, web.cells, web.seats
-    total = 0.0
-    for p in range(web.own_links, links.on.size):
-        if links.on[p] == 1:
-            total += energy_of_link(links, p, z)
-    for e in range(web.own_cells, cells.on.size):
-        if cells.on[e] == 1:
-            total += stored_in_cell(cells, e, z, room.F)
+    links, seats = web.links, web.seats
+    total = energy_of_pieces(web, web.own_links, web.own_cells, z, room.F)
     for k in range(seats.kind.size):
         if seats.kind[k] == OFF:
             continue

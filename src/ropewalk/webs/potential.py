@@ -10,10 +10,9 @@ import scipy.sparse as sparse
 
 from ropewalk.mechanics.compiled import lean, lean_inner
 from ropewalk.webs.fabric import cell_stiffness, pull_cells
-from ropewalk.webs.fabric import stored as stored_in_cell
 from ropewalk.webs.geometry import distance
 from ropewalk.webs.pull import link_stiffness, pull_links, pull_softly
-from ropewalk.webs.seats import energy_of_link
+from ropewalk.webs.seats import energy_of_pieces
 from ropewalk.webs.sheaves import pull_sheaves, sheave_energy
 from ropewalk.webs.web import OFF, WORKS, Array, Web
 
@@ -24,14 +23,8 @@ _NUDGE = 1e-5
 @lean
 def _stored(web, r, F):
     """Energy stored in links, cells, springs and at sheaves, J."""
-    links, cells, held, sheaves = web.links, web.cells, web.held, web.sheaves
-    total = 0.0
-    for p in range(links.on.size):
-        if links.on[p] == 1:
-            total += energy_of_link(links, p, r)
-    for e in range(cells.on.size):
-        if cells.on[e] == 1:
-            total += stored_in_cell(cells, e, r, F)
+    links, held, sheaves = web.links, web.held, web.sheaves
+    total = energy_of_pieces(web, 0, 0, r, F)
     for k in range(held.spring.size):
         n = held.spring[k]
         for a in range(3):
@@ -45,7 +38,8 @@ def _stored(web, r, F):
 
 
 @lean
-def _pulled(web, r, f, work, F, P):
+def pull_all(web, r, f, work, F, P):
+    """Conservative forces f (node, 3) of everything, slots included, N."""
     pull_softly(web, r, f, work, F, P)
     pull_links(web.links, web.own_links, web.links.on.size, r, f)
     pull_cells(web.cells, web.own_cells, web.cells.on.size, r, f, F, P)
@@ -188,7 +182,7 @@ class Potential:
         """Forces on all nodes (node, 3), N, without those of what holds them; lines slip at sheaves."""
         self._rub()
         out = np.zeros_like(r)
-        _pulled(self.web, r, out, self._work, self._F, self._P)
+        pull_all(self.web, r, out, self._work, self._F, self._P)
         self._done()
         return out - self.web.body.force + self.given
 

@@ -9,9 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics.compiled import lean
-from ropewalk.webs.fabric import pull_cells
-from ropewalk.webs.potential import Potential
-from ropewalk.webs.pull import pull_links, pull_softly
+from ropewalk.webs.potential import Potential, pull_all
 from ropewalk.webs.sheaves import hop
 from ropewalk.webs.stability import sums
 from ropewalk.webs.web import WORKS, Array
@@ -25,9 +23,7 @@ def _relax(web, r, v, mass, given, along, movable, steps, enough, f, F, P, work)
     """Go on for at most `steps` steps; returns the largest force out of balance, negative: a line has run out."""
     before, largest = 0.0, np.inf
     for _ in range(steps):
-        pull_softly(web, r, f, work, F, P)
-        pull_links(web.links, web.own_links, web.links.on.size, r, f)
-        pull_cells(web.cells, web.own_cells, web.cells.on.size, r, f, F, P)
+        pull_all(web, r, f, work, F, P)
         energy, largest = 0.0, 0.0
         for n in range(mass.size):
             if movable[n] == 0:

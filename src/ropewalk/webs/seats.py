@@ -289,16 +289,24 @@ def energy_of_link(links, p, r):
 
 
 @lean_inner
+def energy_of_pieces(web, first_link, first_cell, r, F):
+    """Energy stored in the links and cells that are on, from a first one of each, J."""
+    links, cells = web.links, web.cells
+    total = 0.0
+    for p in range(first_link, links.on.size):
+        if links.on[p] == 1:
+            total += energy_of_link(links, p, r)
+    for e in range(first_cell, cells.on.size):
+        if cells.on[e] == 1:
+            total += stored_in_cell(cells, e, r, F)
+    return total
+
+
+@lean_inner
 def extra_energy(web, r, q, F):
     """Energy of the slots beyond that of what they stand for, and of the springs to masses at q, J."""
     links, cells, seats = web.links, web.cells, web.seats
-    total = 0.0
-    for p in range(web.own_links, links.on.size):
-        if links.on[p] == 1:
-            total += energy_of_link(links, p, r)
-    for e in range(web.own_cells, cells.on.size):
-        if cells.on[e] == 1:
-            total += stored_in_cell(cells, e, r, F)
+    total = energy_of_pieces(web, web.own_links, web.own_cells, r, F)
     for k in range(seats.kind.size):
         e = seats.divided[k]
         if e < 0:
