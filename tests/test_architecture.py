@@ -15,8 +15,8 @@ import ropewalk
 
 HOUSE = Path(ropewalk.__file__).parent
 # From the ground up; a module imports from its own storey and from those before it.
-STOREYS = (("errors", "units"), ("model",), ("theory",), ("mechanics",), ("solve",), ("results",), ("linear",),
-           ("wires",), ("overhead",), ("webs",), ("wiring",), ("simulate",), ("decouple",), ("coupling",),
+STOREYS = (("errors", "units"), ("model",), ("theory",), ("mechanics",), ("foreign",), ("solve",), ("results",),
+           ("linear",), ("wires",), ("overhead",), ("webs",), ("wiring",), ("simulate",), ("decouple",), ("coupling",),
            ("scenario",), ("cli", "__main__"))  # fmt: skip
 # Wings above the house may look at everything; a wing not named here must be given its place first.
 ABOVE = ("compare", "paper", "sweep", "cosim", "studio")

@@ -51,9 +51,9 @@ class Comparison:
         worst = max(changes)
         may = "may" if worst <= SMALL else "must not"
         return (
-            f"the force that {name} exerts differs by up to {_percent(most)} from that on rigid ground (rms "
-            f"{_percent(typical)}); without feedback the largest deflections and tensions are wrong by up to "
-            f"{_percent(worst)}: for these, loads {may} be replaced by their forces where {_percent(SMALL)} are allowed"
+            f"the force that {name} exerts differs by up to {percent(most)} from that on rigid ground (rms "
+            f"{percent(typical)}); without feedback the largest deflections and tensions are wrong by up to "
+            f"{percent(worst)}: for these, loads {may} be replaced by their forces where {percent(SMALL)} are allowed"
         )
 
     def as_dict(self) -> Summary:
@@ -80,7 +80,7 @@ class Comparison:
             for what, label in (("rms_difference", "rms"), ("largest_difference", "at most")):
                 off = force[what]
                 when = f"t = {number(off['time'])} s" if "time" in off else ""
-                change = f"{_percent(off['relative'])}  {when}".rstrip()
+                change = f"{percent(off['relative'])}  {when}".rstrip()
                 rows.append((f"its difference, {label}", f"{number(off['value'])} N", "", change))
             if found["last_speed"]["with"] is not None:
                 rows.append(_row(f"last speed of {wheel}", found["last_speed"], "m/s"))
@@ -125,8 +125,8 @@ def _lines(scenario: Scenario, coupled: xr.Dataset, without: xr.Dataset) -> dict
         xi, middle = coupled["xi"].values[here], coupled["link_xi"].values[links]
         pairs = [
             (
-                _largest(level - result["position"].values[:, here, -1], xi, result["time"].values),
-                _largest(result["tension"].values[:, links], middle, result["time"].values),
+                largest(level - result["position"].values[:, here, -1], xi, result["time"].values),
+                largest(result["tension"].values[:, links], middle, result["time"].values),
             )
             for result in (coupled, without)
         ]
@@ -135,7 +135,7 @@ def _lines(scenario: Scenario, coupled: xr.Dataset, without: xr.Dataset) -> dict
     return found
 
 
-def _largest(values: Array, xi: Array, time: Array) -> Summary:
+def largest(values: Array, xi: Array, time: Array) -> Summary:
     """The largest of values (time, place) with its place and instant."""
     frame, place = np.unravel_index(int(np.nanargmax(values)), values.shape)
     return {"value": float(values[frame, place]), "xi": float(xi[place]), "time": float(time[frame])}
@@ -184,7 +184,8 @@ def _wheel(
     }
 
 
-def _percent(part: float | None) -> str:
+def percent(part: float | None) -> str:
+    """A part in per cent, with two digits; a dash for none."""
     return "–" if part is None else f"{number(100.0 * part, 2)} %"
 
 
@@ -196,7 +197,7 @@ def _row(what: str, pair: Summary, unit: str) -> tuple[str, str, str, str]:
     sign = "+" if change is not None and change > 0.0 else ""
     first: dict[str, Any] = pair["with"] or {}
     where = "  ".join(_where(first))
-    return what, told(pair["with"]), told(pair["without"]), f"{sign}{_percent(change)}  {where}".rstrip()
+    return what, told(pair["with"]), told(pair["without"]), f"{sign}{percent(change)}  {where}".rstrip()
 
 
 def _where(found: Summary) -> Iterator[str]:

@@ -19,10 +19,11 @@ import numpy as np
 from ropewalk.errors import Problem, RopewalkError, ScenarioError
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.wheels import Wheel, wheels_of
+from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import ForceTable, SpeedTable
 from ropewalk.model.line import Line, spatial
-from ropewalk.model.load import AnyLoad, MovingForce, Travelling
+from ropewalk.model.load import AnyLoad, Foreign, MovingForce, Travelling
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
@@ -89,15 +90,15 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
     if not heavy:
         return scenario, {}
     taken, names = set(scenario.loads), {}
-    static = _static_forces(scenario, [name for name, load in heavy.items() if _rests_within_itself(load)])
-    moving = [name for name in heavy if not _rests_within_itself(heavy[name])]
+    static = _static_forces(scenario, [name for name, load in heavy.items() if rests_within_itself(load)])
+    moving = [name for name in heavy if not rests_within_itself(heavy[name])]
     grounds = {name: _Ground.run(scenario, name) for name in moving}
     for wheel in wheels_of(scenario):
         if wheel.load in loads and _is_force(loads[wheel.load]):
             continue
         load = heavy[wheel.load]
         if wheel.load not in moving:
-            forces = [_standing_force(load, wheel, static[wheel.name])]
+            forces = [standing_force(load, wheel, static[wheel.name])]
         else:
             forces = grounds[wheel.load].forces(load, wheel)
         own = _names(wheel, len(forces), taken)
@@ -113,7 +114,7 @@ def _is_force(load: AnyLoad) -> bool:
     return isinstance(load, MovingForce | Footsteps)
 
 
-def _rests_within_itself(load: AnyLoad) -> bool:
+def rests_within_itself(load: AnyLoad) -> bool:
     """Whether a load on ground moves along evenly, and nothing in it moves against the rest."""
     if not isinstance(load, MovingMass | Oscillator | Vehicle | Matrices):
         return False
@@ -147,14 +148,15 @@ def _static_forces(scenario: Scenario, names: list[str]) -> dict[str, tuple[floa
     return {wheel.name: tuple(forces[:, k].tolist()) for k, wheel in enumerate(setting.wheels) if wheel.load in names}
 
 
-def _standing_force(load: AnyLoad, wheel: Wheel, force: tuple[float, ...]) -> MovingForce:
+def standing_force(load: AnyLoad, wheel: Wheel, force: tuple[float, ...]) -> MovingForce:
     """The force of a wheel that presses evenly, with what else is given; before the line, it waits for its turn."""
     assert isinstance(load, Travelling)
     assert isinstance(load.travel, Travel)
     total: Any = _sum(load.force, force) if isinstance(load, MovingMass) else force
-    travel, start, speed = load.travel, wheel.start, float(load.travel.speed)  # type: ignore[arg-type]
-    history: Any = speed
+    travel, start = load.travel, wheel.start
+    history: Any = travel.speed
     if start < 0.0:
+        speed = float(history)
         arrival = -start / speed if speed > 0.0 else math.inf
         none = tuple(0.0 for _ in force)
         if math.isinf(arrival):
@@ -205,7 +207,7 @@ class _Ground:
         ground, load = _on_ground(name, load, scenario.lines[load.on], length, run.until, scenario.gravity)
         every = min(run.every or run.until / 100.0, run.until / SAMPLES)
         falls = isinstance(load, Trolley) and load.payload.at is not None
-        start = Start(with_loads=not (falls or isinstance(load, Stepper)))
+        start = Start(with_loads=not (falls or isinstance(load, Foreign)))
         dynamic = Dynamic(until=run.until, every=every, accuracy=run.accuracy, start=start)
         alone = Scenario(gravity=scenario.gravity, lines={name: ground}, loads={name: load}, run=dynamic)
         result = simulate(alone)
@@ -275,7 +277,11 @@ def _on_ground(
     else:
         assert not isinstance(load, Pantograph)
         links = max(LINKS, line.elements)
-        own["start"] = load.start / (1.0 + STRETCH)
+        if isinstance(load, Fmu):  # along x, ground may be stretched as it likes
+            start = load.travel.start * (1.0 if load.travel.measured == "horizontal" else abs(float(along[0])))
+            own["travel"] = load.travel.model_copy(update={"start": start, "measured": "horizontal"})
+        else:
+            own["start"] = load.start / (1.0 + STRETCH)
         if isinstance(load, Stepper):
             own["model"] = copy.deepcopy(load.model)  # what it remembers of one run is not for the other
     whole, wheel = _masses(load)
@@ -327,12 +333,13 @@ def _put_down(load: AnyLoad, time: Array, place: Array, force: Array) -> list[Mo
     """One force for each stretch of time in which a contact stays on the line and is not put elsewhere.
 
     Args:
-        load: a walker or a stepper.
+        load: a walker or a foreign model.
         time: (time,) s.
         place: (time,) m, NaN while it is off the line.
         force: (time, axis) N.
     """
-    assert isinstance(load, Walker | Stepper)
+    assert isinstance(load, Walker | Foreign)
+    at_end = load.travel.at_end if isinstance(load, Fmu) else load.at_end
     on = np.isfinite(place)
     breaks = np.flatnonzero(np.abs(np.diff(np.where(on, place, 0.0))) > HOP * np.diff(time)) + 1
     breaks = np.union1d(breaks, np.flatnonzero(np.diff(on)) + 1)
@@ -344,12 +351,12 @@ def _put_down(load: AnyLoad, time: Array, place: Array, force: Array) -> list[Mo
         own[first:last] = force[first:last]
         near = slice(max(first - 1, 0), min(last + 1, time.size))
         speeds = np.diff(place[first:last]) / np.diff(t)
-        travel = Travel(speed=_steps(t, speeds), start=max(float(place[first]), 0.0), at_end=load.at_end)
+        travel = Travel(speed=steps(t, speeds), start=max(float(place[first]), 0.0), at_end=at_end)
         found.append(MovingForce(on=load.on, force=_force_table(time[near], own[near]), travel=travel))
     return found
 
 
-def _steps(time: Array, speeds: Array) -> Any:
+def steps(time: Array, speeds: Array) -> Any:
     """A speed that is constant between instants (one more than speeds), and zero before and after."""
     if not speeds.any():
         return 0.0

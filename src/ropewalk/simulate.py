@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ropewalk.errors import EquilibriumError, Problem, RopewalkError, ScenarioError
+from ropewalk.foreign.turns import Turns, closing
 from ropewalk.mechanics.bodies import Bodies, are_weightless
 from ropewalk.mechanics.chain import Array, State
 from ropewalk.model.load import MovingForce
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
 from ropewalk.model.scenario import Scenario
+from ropewalk.results.exchanges import exchanged, foreign_in
 from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
 from ropewalk.results.snapshot import Camera, layout_of, standing_frame
 from ropewalk.solve.boarding import board, resting_forces
 from ropewalk.solve.choice import Choice, choose
 from ropewalk.solve.ends import ends_of, seat_ends
-from ropewalk.solve.guides import guides_of
+from ropewalk.solve.guides import Partner, guides_of
 from ropewalk.solve.measure import shapes
 from ropewalk.solve.modes_at_start import deflect
 from ropewalk.solve.motion import STOPPED, Progress, move
@@ -124,7 +127,8 @@ def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
     if isinstance(scenario.run, Dynamic):
         setting = setting_of(scenario, scenario.run.until)
         times = output_times(scenario.run)
-        return layout_of(setting), _motion(setting, scenario, times, account), times.size
+        layout = replace(layout_of(setting), foreign=foreign_in(scenario))
+        return layout, _motion(setting, scenario, times, account), times.size
     if isinstance(scenario.run, Linear):
         from ropewalk import linear  # lazy: the closed forms take a while to import
 
@@ -220,8 +224,8 @@ def _check_ends(setting: Setting, state: State) -> None:
 
 def _course(
     setting: Setting, scenario: Scenario, state: State, bodies: Bodies | None
-) -> tuple[Choice, Callable[[Array, Progress], Iterator[State]]]:
-    """How a motion goes on from its first state: the method, and what gives the states at later instants."""
+) -> tuple[Choice, list[Turns], Callable[[Array, Progress], Iterator[State]]]:
+    """How a motion goes on from its first state: the method, what takes turns, and what gives the states later on."""
     run = scenario.run
     assert isinstance(run, Dynamic)
     strands, loads, supports = setting.strands, setting.loads, setting.supports
@@ -237,35 +241,36 @@ def _course(
     def states(times: Array, progress: Progress) -> Iterator[State]:
         return move(strands, loads, state, choice, run.accuracy, times, progress, supports, moving, guides)
 
-    return choice, states
+    return choice, [guide.turns for guide in guides if isinstance(guide, Partner)], states
 
 
 def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account) -> Iterator[Frame]:
     state, bodies = _initial(setting, scenario)
-    choice, states = _course(setting, scenario, state, bodies)
+    choice, turns, states = _course(setting, scenario, state, bodies)
     account.method, account.reason, account.step = choice.method, choice.reason, choice.step
     camera, progress = Camera(setting, bodies), Progress()
-    yield camera.take(state)
-    warned, parted = False, set[int]()
-    for current in states(times[1:], progress):
-        account.steps = progress.steps
-        if progress.status != RUNNING:
-            if progress.status == MET:
-                progress.message = who_met(setting, current)
-            account.outcome, advice = progress.told()
-            account.advice = f"stopped at t = {current.t[0]:.6g} s: {advice}"
-            if current.t[0] > 0.0 and progress.status in (END_OF_LINE, MET, STOPPED):
-                yield camera.take(current)
-            return
-        frame = camera.take(current)
-        if not warned:
-            warned = _warn_of_compression(setting, frame, account)
-        if bodies is not None:
-            moving = sum(
-                float(frame.energy[ENERGY_FORMS.index(form)]) for form in ("kinetic", "elastic", "load_kinetic")
-            )
-            account.warnings += on_parting(setting, bodies, moving, parted)
-        yield frame
+    with closing(turns):
+        yield exchanged(camera.take(state), turns, account)
+        warned, parted = False, set[int]()
+        for current in states(times[1:], progress):
+            account.steps = progress.steps
+            if progress.status != RUNNING:
+                if progress.status == MET:
+                    progress.message = who_met(setting, current)
+                account.outcome, advice = progress.told()
+                account.advice = f"stopped at t = {current.t[0]:.6g} s: {advice}"
+                if current.t[0] > 0.0 and progress.status in (END_OF_LINE, MET, STOPPED):
+                    yield exchanged(camera.take(current), turns, account)
+                return
+            frame = exchanged(camera.take(current), turns, account)
+            if not warned:
+                warned = _warn_of_compression(setting, frame, account)
+            if bodies is not None:
+                moving = sum(
+                    float(frame.energy[ENERGY_FORMS.index(form)]) for form in ("kinetic", "elastic", "load_kinetic")
+                )
+                account.warnings += on_parting(setting, bodies, moving, parted)
+            yield frame
 
 
 def _warn_of_compression(setting: Setting, frame: Frame, account: Account) -> bool:
@@ -311,9 +316,10 @@ def state_at(scenario: Scenario, t: float | None) -> tuple[Setting, State]:
     state, bodies = _initial(setting, scenario)
     if t > 0.0:
         progress = Progress()
-        _, states = _course(setting, scenario, state, bodies)
-        for _ in states(np.array([t]), progress):
-            pass
+        _, turns, states = _course(setting, scenario, state, bodies)
+        with closing(turns):
+            for _ in states(np.array([t]), progress):
+                pass
         if progress.status != RUNNING:
             outcome, advice = progress.told()
             raise RopewalkError(f"the run did not come to t = {t:g} s ({outcome}): {advice}")

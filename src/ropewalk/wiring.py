@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ropewalk.foreign.models import turns_of
 from ropewalk.mechanics.assembly import speed_table
-from ropewalk.model.load import AnyLoad
+from ropewalk.mechanics.wheels import wheels_of
+from ropewalk.model.load import AnyLoad, Foreign
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
@@ -20,6 +23,8 @@ from ropewalk.overhead.section import CONTACT, Section, in_space, joined, sectio
 from ropewalk.wires.journey import Journey, smooth, travelled
 from ropewalk.wires.lines import journey_of, settled, shown_of, wire_of
 from ropewalk.wires.mesh import links_of
+from ropewalk.wires.partners import Foreigner
+from ropewalk.wires.partners import rider_of as foreign_rider
 from ropewalk.wires.plan import Array, Plan
 from ropewalk.wires.task import Shown, Task
 
@@ -49,6 +54,7 @@ def task_of(scenario: Scenario) -> Task:
     journeys: list[Journey] = []
     contacts: list[str] = []
     shown: list[Shown] = []
+    foreigners: list[Foreigner] = []
     for name, load in scenario.loads.items():
         number = len(journeys)
         if isinstance(load, Pantograph):
@@ -56,6 +62,15 @@ def task_of(scenario: Scenario) -> Task:
             journeys.append(_pantograph(name, load, sections[load.on], offsets[at] + CONTACT, until))
             contacts.append(name)
             shown += _masses(name, load, number)
+            continue
+        if isinstance(load, Foreign):
+            wires = [wire.name for wire in plan.wires]
+            on = offsets[list(sections).index(load.on)] + CONTACT if load.on in sections else wires.index(load.on)
+            own = [wheel.name for wheel in wheels_of(scenario) if wheel.load == name]
+            rider = foreign_rider(name, on, len(own), load.exchange.stiffness, load.exchange.damping)
+            journeys.append(Journey(rider, np.zeros_like))
+            foreigners.append(Foreigner(number, partial(turns_of, name, load, until)))
+            contacts += own
             continue
         assert setting is not None
         line = scenario.lines[load.on]
@@ -72,7 +87,10 @@ def task_of(scenario: Scenario) -> Task:
     if space:
         more |= {"space": True, "near": near}
     remarks = tuple(remark for section in sections.values() for remark in _remarks(section))
-    return Task(plan, tuple(journeys), tuple(contacts), tuple(shown), elements, remarks=remarks, **more)
+    return Task(
+        plan, tuple(journeys), tuple(contacts), tuple(shown), elements, foreigners=tuple(foreigners), remarks=remarks,
+        **more,
+    )  # fmt: skip
 
 
 def _near(section: Section) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -27,7 +28,7 @@ from ropewalk.mechanics.chain import Array, Strands
 from ropewalk.mechanics.crowds import crowded
 from ropewalk.mechanics.footfall import outwards
 from ropewalk.mechanics.wheels import Wheel
-from ropewalk.model.load import AnyLoad, MovingForce
+from ropewalk.model.load import AnyLoad, Foreign, MovingForce
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.scenario import Scenario
@@ -67,6 +68,7 @@ class Fleet:
 
     bodies: Bodies
     shown: tuple[Body, ...]
+    ghosts: Mapping[str, tuple[int, ...]]  # of foreign loads: coordinates that stand for their contacts, in order
 
 
 @dataclass
@@ -112,6 +114,7 @@ def fleet_of(scenario: Scenario, wheels: list[Wheel], strands: Strands, axes: tu
     bodies = without_vehicles(len(wheels))
     vehicles: list[_Vehicle] = []
     shown: list[Body] = []
+    ghosts: dict[str, tuple[int, ...]] = {}
     for name, load in scenario.loads.items():
         if isinstance(load, MovingForce):
             continue
@@ -123,11 +126,13 @@ def fleet_of(scenario: Scenario, wheels: list[Wheel], strands: Strands, axes: tu
         shown += own
         if vehicle is not None:
             vehicles.append(vehicle)
+            if isinstance(load, Foreign):
+                ghosts[name] = tuple(range(first, first + vehicle.coordinates))
     _fill_wheels(bodies, wheels, dim)
     close = _crowd(scenario, wheels, strands, until)
     _fit_to_mesh(bodies, wheels, strands, list(scenario.lines), vehicles, close)
     bodies = _with_drives(bodies, wheels, until)
-    return Fleet(_with_vehicles(bodies, vehicles), tuple(shown))
+    return Fleet(_with_vehicles(bodies, vehicles), tuple(shown), ghosts)
 
 
 def _fill_wheels(bodies: Bodies, wheels: list[Wheel], dim: int) -> None:
@@ -275,7 +280,22 @@ def _vehicle(
         return _sprung(name, load, on, dim, first, gravity)
     if isinstance(load, Matrices):
         return _given(name, load, on, dim, first, gravity)
+    if isinstance(load, Foreign):
+        return _interface(load, on, dim), []
     return None, []
+
+
+def _interface(load: Foreign, on: list[int], dim: int) -> _Vehicle | None:
+    """Springs and dampers between the contacts of a foreign load and heights that its owner alone moves."""
+    if not (load.exchange.stiffness or load.exchange.damping):
+        return None
+    vehicle = _Vehicle.of(len(on), [(k, dim - 1) for k in on])
+    for i in range(len(on)):
+        vehicle.M[i, i] = FIRM
+        row = np.zeros(2 * len(on))
+        row[i], row[len(on) + i] = 1.0, -1.0
+        vehicle.join(row, load.exchange.stiffness, load.exchange.damping)
+    return vehicle
 
 
 def _particle(mass: float, dim: int, gravity: float, drag: float) -> _Vehicle:

@@ -11,9 +11,11 @@ from typing import Any
 
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.footfall import Footfall, outwards
+from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.history import ForceTable
 from ropewalk.model.line import Line
-from ropewalk.model.load import AnyLoad, MovingForce
+from ropewalk.model.load import AnyLoad, Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
@@ -115,19 +117,25 @@ def _wheels(name: str, load: AnyLoad, gravity: float, line: Line | None) -> Iter
         for foot in FEET[load.first_foot]:
             yield Wheel(name, foot, load.on, "material", places[0].start, mass=load.foot_mass, given=False)
     else:
-        assert isinstance(load, Stepper)
+        assert isinstance(load, Stepper | Fmu)
         count = contacts_of(name, load)
-        for number in range(count):
-            part = str(number + 1) if count > 1 else ""
-            yield Wheel(name, part, load.on, "material", places[0].start, given=False)
+        parts = list(load.contacts) if isinstance(load, Fmu) else [str(number + 1) for number in range(count)]
+        for number, part in enumerate(parts):
+            start = places[number if isinstance(load, Fmu) else 0].start
+            yield Wheel(
+                name, part if count > 1 else "", load.on, "material", start, given=False,
+                force=ForceTable(time=(0.0, load.every), value=((0.0, 0.0), (0.0, 0.0))),  # filled as it goes
+            )  # fmt: skip
 
 
-def contacts_of(name: str, load: Stepper) -> int:
-    """How many contacts the model of a stepper may have: its attribute `contacts`, an option of that name, or 1.
+def contacts_of(name: str, load: Foreign) -> int:
+    """How many contacts a foreign load may have: of a stepper its attribute `contacts`, an option of that name, or 1.
 
     Raises:
         RopewalkError: there is no such model.
     """
+    if isinstance(load, Fmu):
+        return len(load.contacts)
     model = named(name, load.model) if isinstance(load.model, str) else load.model
     return int(getattr(model, "contacts", load.options.get("contacts", 1)))
 

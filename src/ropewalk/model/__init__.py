@@ -1,5 +1,7 @@
 """What is there: frozen declarations without numerics, in SI units (text with units is read at the edge)."""
 
+from ropewalk.model.exchange import Exchange
+from ropewalk.model.fmu import Fmu, FmuContact, FmuTravel
 from ropewalk.model.footsteps import Footsteps, Harmonic
 from ropewalk.model.history import DisplacementTable, DriveTable, ForceTable, SpeedTable
 from ropewalk.model.joint import Joined, Joint, Sheave
@@ -47,7 +49,11 @@ __all__ = [
     "Dynamic",
     "Elastic",
     "Equilibrium",
+    "Exchange",
     "Fixed",
+    "Fmu",
+    "FmuContact",
+    "FmuTravel",
     "Footsteps",
     "ForceTable",
     "FreeTravel",

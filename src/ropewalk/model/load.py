@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, Variants, report
 from ropewalk.model.contact import FrictionModel
+from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import ForceHistory, rows
 from ropewalk.model.mass import MovingMass
@@ -77,9 +78,21 @@ class MovingForce(Declaration):
 
 Travelling = MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices
 """The loads that have a travel; the others have a gait or a will of their own."""
-AnyLoad = Travelling | Footsteps | Walker | Stepper | Pantograph
+Foreign = Stepper | Fmu
+"""The loads that are models of somebody else's."""
+AnyLoad = Travelling | Footsteps | Walker | Foreign | Pantograph
 Load = Annotated[
-    MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices | Footsteps | Walker | Stepper | Pantograph,
+    MovingForce
+    | MovingMass
+    | Oscillator
+    | Trolley
+    | Vehicle
+    | Matrices
+    | Footsteps
+    | Walker
+    | Stepper
+    | Fmu
+    | Pantograph,
     Variants("load"),
 ]
 """Any load."""

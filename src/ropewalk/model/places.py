@@ -8,6 +8,7 @@ from itertools import combinations, product
 
 from ropewalk.model._base import Finding
 from ropewalk.model.course import Piece, between, course, first_at_most, place_at
+from ropewalk.model.fmu import Fmu, FmuTravel
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
 from ropewalk.model.line import Line
@@ -18,7 +19,7 @@ from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Linear
 from ropewalk.model.travel import FreeTravel, Measure, Place, Travel
 
-_Prescribed = Travel | PantographTravel
+_Prescribed = Travel | PantographTravel | FmuTravel
 
 
 def reach(line: Line | OverheadLine, measured: Measure) -> float | None:
@@ -45,8 +46,8 @@ def margin(load: AnyLoad, line: Line | OverheadLine) -> float:
 def travels(parts: Parts) -> Iterator[Finding]:
     """Find loads that start off their line, or that would pass an end of it and are to be refused there."""
     for name, load in parts.loads.items():
-        overhead = parts.overhead.get(load.on) if isinstance(load, Pantograph) else None
-        if isinstance(load, Pantograph) and overhead is not None:
+        overhead = parts.overhead.get(load.on) if isinstance(load, Pantograph | Fmu) else None
+        if isinstance(load, Pantograph | Fmu) and overhead is not None:
             start, length = load.travel.start, overhead.length
             if start > length * (1.0 + 1e-9):
                 remedy = f"start at most {length:g} m from the start of the line"
@@ -102,11 +103,11 @@ def meetings(parts: Parts) -> Iterator[Finding]:
 
 
 def _start_key(load: AnyLoad) -> tuple[str, ...]:
-    return ("travel", "from") if isinstance(load, Travelling) else ("from",)
+    return ("travel", "from") if isinstance(load, Travelling | Fmu) else ("from",)
 
 
-def _prescribed(load: AnyLoad) -> Travel | PantographTravel | None:
-    travel = load.travel if isinstance(load, Travelling | Pantograph) else None
+def _prescribed(load: AnyLoad) -> _Prescribed | None:
+    travel = load.travel if isinstance(load, Travelling | Pantograph | Fmu) else None
     return None if isinstance(travel, FreeTravel) else travel
 
 
@@ -118,7 +119,7 @@ def _coincide(a: Place, b: Place) -> bool:
 
 def _off_the_line(load: AnyLoad, on: str, line: Line, gravity: float | None) -> tuple[str, str, str] | None:
     """Say which place is off the line at the start, what was given and what to do."""
-    start = load.travel.start if isinstance(load, Travelling | Pantograph) else load.start
+    start = load.travel.start if isinstance(load, Travelling | Pantograph | Fmu) else load.start
     for place in load.starts():
         what = f"wheel {place.label}" if place.label else "the load"
         ahead = place.start - start

@@ -320,6 +320,7 @@ TableTime = Annotated[float, Quantity("s", tiny=True)]
 TableForce = Annotated[float, Quantity("N", tiny=True)]
 TableSpeed = Annotated[float, Quantity("m/s", tiny=True)]
 TableStrain = Annotated[float, Quantity("dimensionless", tiny=True)]
+Number = Annotated[float, Quantity("dimensionless")]
 Factor = Annotated[float, Quantity("dimensionless", "positive")]
 Retardation = Annotated[float, Quantity("s", "not negative")]
 """Time by which a damping force that grows with the stiffness lags: beta of Rayleigh damping."""

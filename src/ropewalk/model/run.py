@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -153,3 +154,19 @@ class Linear(Declaration):
 
 Run = Annotated[Dynamic | Quasistatic | Equilibrium | Linear, Variants("run")]
 """Any run."""
+
+
+_TICK = 1e-9  # s
+_SMALLEST_PART = 1000  # of the shortest interval
+
+
+def every_of(run: Dynamic) -> float:
+    """Interval of output, s."""
+    return run.every if run.every is not None else run.until / 100.0
+
+
+def common_interval(intervals: Sequence[float]) -> float | None:
+    """The longest interval in s of which all are whole multiples, None if that is next to nothing."""
+    ticks = [round(interval / _TICK) for interval in intervals]
+    shared = math.gcd(*ticks)
+    return shared * _TICK if shared and shared * _SMALLEST_PART >= min(ticks) else None

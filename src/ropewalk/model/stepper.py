@@ -11,6 +11,7 @@ from pydantic_core import core_schema
 
 from ropewalk.errors import Refused
 from ropewalk.model._base import Declaration, Finding, Path, report
+from ropewalk.model.exchange import Exchange
 from ropewalk.model.quantity import Offset, PositiveTime
 from ropewalk.model.travel import AtEnd, Place
 from ropewalk.units import LARGEST
@@ -85,6 +86,7 @@ class Stepper(Declaration):
         default_factory=dict, description="arguments for making it: numbers, text, truth values, lists and blocks"
     )
     every: PositiveTime = Field(default=1e-3, description="interval at which it is asked")
+    exchange: Exchange = Field(default=Exchange(), description="how it and the line take turns")
     start: Offset = Field(default=0.0, alias="from", description="unstrained length from the start of the line")
     at_end: AtEnd = Field(
         default="leave",

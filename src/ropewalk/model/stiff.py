@@ -8,13 +8,13 @@ from ropewalk.model._base import Finding
 from ropewalk.model.history import rows
 from ropewalk.model.law import Hooke
 from ropewalk.model.line import Line
-from ropewalk.model.load import MovingForce
+from ropewalk.model.load import Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
-from ropewalk.model.run import Dynamic, Equilibrium, Linear
+from ropewalk.model.run import Dynamic, Equilibrium, Linear, common_interval, every_of
 from ropewalk.model.support import Fixed, Guided, Support
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.vehicle import Vehicle
@@ -34,9 +34,12 @@ def check_stiff(parts: Parts) -> Iterator[Finding]:
         if isinstance(load, Pantograph) and parts.run is not None and not isinstance(parts.run, Dynamic):
             wrong = f"kind: {parts.run.kind} does not know pantographs"
             yield Finding(("loads", name, "kind"), wrong, "pantograph", "ask for kind: dynamic")
-        if load is not None and on_overhead and not isinstance(load, Pantograph):
-            remedy = "write kind: pantograph"
-            yield Finding(("loads", name, "kind"), "only pantographs run under overhead lines", load.kind, remedy)
+        if load is not None and on_overhead and not isinstance(load, Pantograph | Foreign):
+            wrong, remedy = (
+                "only pantographs run under overhead lines, and models of your own",
+                "write kind: pantograph",
+            )
+            yield Finding(("loads", name, "kind"), wrong, load.kind, remedy)
     if isinstance(parts.run, Linear) and parts.overhead:
         remedy = "ask for kind: dynamic with geometry: linearised"
         yield Finding(("run", "kind"), "kind: linear does not know overhead lines", "linear", remedy)
@@ -51,6 +54,7 @@ def check_stiff(parts: Parts) -> Iterator[Finding]:
         yield Finding(("run", "kind"), "the rest of stiff lines is known without loads only", "equilibrium", remedy)
     if isinstance(parts.run, Dynamic):
         yield from _run(parts.run)
+        yield from _intervals(parts, parts.run)
         for name, overhead in parts.overhead.items():
             if overhead is not None and overhead.stitch_wire is not None and parts.run.geometry == "nonlinear":
                 wrong, remedy = "the nonlinear motion does not know stitch wires", "write run.geometry: linearised"
@@ -62,14 +66,23 @@ def check_stiff(parts: Parts) -> Iterator[Finding]:
             for key, wrong, given, remedy in _line(line):
                 yield Finding(("lines", name, *key), f"beside stiff lines {wrong}", given, remedy)
     for name, load in parts.loads.items():
-        if load is None or isinstance(load, Pantograph):
+        if load is None or isinstance(load, Pantograph | Foreign):
             continue
         if not isinstance(load, _Known):
-            wrong = "stiff lines know forces, masses, oscillators and vehicles only"
+            wrong = "stiff lines know forces, masses, oscillators, vehicles and models of your own only"
             yield Finding(("loads", name, "kind"), wrong, load.kind, "write one of these")
             continue
         for key, wrong, given, remedy in _load(load):
             yield Finding(("loads", name, *key), f"on stiff lines {wrong}", given, remedy)
+
+
+def _intervals(parts: Parts, run: Dynamic) -> Iterator[Finding]:
+    """Foreign models that are asked at instants which do not go together."""
+    if common_interval([every_of(run), *(f.every for f in parts.loads.values() if isinstance(f, Foreign))]) is None:
+        name, load = next((n, f) for n, f in parts.loads.items() if isinstance(f, Foreign))
+        wrong = f"stiff lines need intervals with a common part, and run.every is {every_of(run):g} s"
+        remedy = "let run.every be a whole multiple of it"
+        yield Finding(("loads", name, "every"), wrong, f"{load.every:g} s", remedy)
 
 
 def _run(run: Dynamic) -> Iterator[Finding]:

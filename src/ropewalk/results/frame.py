@@ -47,6 +47,7 @@ class Layout:
     watched: tuple[str, ...] = ()  # points of lines whose height is sampled
     watched_station: tuple[float, ...] = ()  # m
     sample: tuple[float, ...] = ()  # s, offsets of samples from the output instant: before it, or zero
+    foreign: tuple[str, ...] = ()  # loads that are models of somebody else's
     cell: tuple[tuple[int, int, int], ...] = ()  # nodes of each triangle of nets and membranes
     cell_net: tuple[str, ...] = ()  # net of each triangle
     path: str = "time"  # leading dimension: "time" (s) or "load_path" (m)
@@ -83,6 +84,9 @@ class Frame:
     sampled_tie_force: Array | None = None  # (sample, tie) N
     sampled_uplift: Array | None = None  # (sample, watched) m
     cell_tension: Array | None = None  # (cell, direction) N/m
+    exchange_work: Array | None = None  # (foreign,) J, that has gone through the interface
+    exchange_residual: Array | None = None  # (foreign,) J, that the exchange has made
+    exchange_peak: Array | None = None  # (foreign,) J, the most of it in one interval since the last frame
 
 
 @dataclass

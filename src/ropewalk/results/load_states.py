@@ -8,6 +8,7 @@ import numpy as np
 
 from ropewalk.mechanics.bodies import AWAY, FLYING, INSIDE, PULLS, PUSHES, RIDING, SEATED, WAITING, Bodies
 from ropewalk.mechanics.chain import Array, State
+from ropewalk.mechanics.fleet import FIRM
 from ropewalk.mechanics.rider import link_of
 from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, STICKS
 from ropewalk.solve.start import Setting, onward
@@ -112,6 +113,7 @@ def load_energies(setting: Setting, state: State, bodies: Bodies) -> Array:
         seats = (bodies.wheel[i, :count], bodies.axis[i, :count])
         u = np.concatenate((bodies.coordinates["q"][own], r[seats]))
         rate = np.concatenate((bodies.coordinates["v"][own], v[seats]))
+        rate[np.diag(bodies.M[i])[:size] == FIRM] = 0.0  # what only its owner moves
         kinetic += 0.5 * float(rate @ bodies.M[i, :size, :size] @ rate)
         potential += 0.5 * float(u @ bodies.K[i, :size, :size] @ u) - float(bodies.load[i, :size] @ u)
     for tether in bodies.tethers:

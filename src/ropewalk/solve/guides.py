@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from ropewalk.errors import RopewalkError
+from ropewalk.foreign.models import turns_of
+from ropewalk.foreign.turns import Bearer, Push, Pushes, TravelEndedError, Turns
 from ropewalk.mechanics.bodies import Bodies
-from ropewalk.mechanics.chain import OFF, State
+from ropewalk.mechanics.chain import DRIVE, OFF, Loads, State
 from ropewalk.mechanics.footfall import outwards
-from ropewalk.mechanics.wheels import named
+from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
 from ropewalk.model.walker import Walker
 from ropewalk.solve.balance import Upright
 from ropewalk.solve.feet import Line, set_down, take_up
-from ropewalk.solve.motion import TravelEndedError
+from ropewalk.solve.motion import Look
 from ropewalk.solve.person import Person
 from ropewalk.solve.start import Setting
 
@@ -83,86 +84,112 @@ class Steps:
 
 
 @dataclass
-class Model:
-    """A load that is a Python object of the user's own, asked at equal intervals."""
+class Partner(Bearer):
+    """A load that is a model of somebody else's, asked at equal intervals."""
 
     setting: Setting
     bodies: Bodies
-    name: str
-    stepper: Stepper
+    turns: Turns
     contacts: tuple[int, ...]
-    model: Any
-    asked: int = 0
+    ghosts: tuple[int, ...]  # coordinates that are the far ends of the interface's springs, one for each contact
+    look: Look | None = None  # sends a copy of the state ahead; given when the motion begins
+    _pressed: list[tuple[float, float]] = field(default_factory=list)  # m and s, where contacts were, for how long
 
     def begin(self, state: State) -> None:
         """Reset the model, and ask it for the first time."""
-        self.line = Line(self.setting, state, int(self.setting.loads.strand[self.contacts[0]]))
-        if hasattr(self.model, "reset"):
-            self.model.reset(self.line)
+        self._line = Line(self.setting, state, int(self.setting.loads.strand[self.contacts[0]]))
+        self.turns.begin(self._line)
         self.act(state)
 
     def next(self, t: float) -> float:
         """Its next step."""
-        return self.asked * self.stepper.every
+        return self.turns.next
 
     def act(self, state: State) -> None:
         """Ask the model, if it is time: where its contacts are, and with what they press."""
-        t, h = float(state.t[0]), self.stepper.every
-        if t < self.asked * h * (1.0 - 1e-12):
+        t = float(state.t[0])
+        if t < self.turns.next * (1.0 - 1e-12):
             return
-        self.asked += 1
-        try:
-            answer = list(self.model.step(t, h, self.line))
-        except RopewalkError:
-            raise
-        except Exception as error:
-            raise RopewalkError(
-                f"load {self.name}: its model failed at t = {t:g} s ({type(error).__name__}: {error})"
-            ) from error
-        if len(answer) > len(self.contacts):
-            raise RopewalkError(
-                f"load {self.name}: its model has {len(answer)} contacts at t = {t:g} s, but said contacts = "
-                f"{len(self.contacts)}; give the class an attribute contacts with the most it may have"
-            )
-        for number, k in enumerate(self.contacts):
-            if number < len(answer):
-                self._press(state, k, answer[number], t)
-            elif state.rider[k] != OFF:
-                take_up(self.setting, state, self.bodies, k)
+        before = [self._height(k) for k in self.contacts] if self.ghosts else []
+        pushes = self.turns.ask(t, self)
+        for number, place in enumerate(before):
+            state.work[DRIVE] += self._led(number, place, pushes[number])
+        self._press(pushes, self.setting.loads, state, self.bodies)
+        self._pressed = [(self._height(k), self.turns.every) for k in self.contacts] if self.ghosts else []
 
-    def _press(self, state: State, k: int, answer: Any, t: float) -> None:
-        try:
-            xi, force = float(answer[0]), answer[1]
-            speed = float(answer[2]) if len(answer) > 2 else 0.0
-            values = [float(component) for component in force]
-        except (TypeError, ValueError, IndexError) as error:
-            raise RopewalkError(
-                f"load {self.name}: at t = {t:g} s its model gave {answer!r}; each contact is (xi, [Fx, Fz]) or "
-                "(xi, [Fx, Fz], speed)"
-            ) from error
-        if len(values) != state.r.shape[0] or not all(map(math.isfinite, (xi, speed, *values))):
-            raise RopewalkError(
-                f"load {self.name}: at t = {t:g} s its model gave {answer!r}; wanted are finite numbers and "
-                f"{state.r.shape[0]} components of the force"
-            )
-        if not 0.0 <= xi <= self.line.length:
-            if self.stepper.at_end == "refuse":
-                raise TravelEndedError(f"load {self.name} comes to the end of its line")
-            if self.stepper.at_end == "leave":
+    def _height(self, k: int) -> float:
+        """Height of contact k, or where it was last, m."""
+        if self.line.state.rider[k] == OFF:
+            return float(self.bodies.wheels[k]["r"][len(self.setting.axes) - 1])
+        return float(self.line.at(float(self.line.state.xi[k]))[0][-1])
+
+    def _led(self, number: int, place: float, push: Push | None) -> float:
+        """Work in J that has been done at the far end of an interface's spring since the last exchange, and now.
+
+        It moved evenly; and now it is put where the model's contact has got to.
+        """
+        k, c, q = self.turns.exchange.stiffness, self.turns.exchange.damping, self.bodies.coordinates
+        end, done = float(q["q"][self.ghosts[number]]), 0.0
+        if number < len(self._pressed):
+            begin, every = self._pressed[number]
+            way = float(q["v"][self.ghosts[number]]) * every
+            apart = end - way - begin, end - place
+            done = (0.5 * k * (apart[0] + apart[1]) + c * (apart[1] - apart[0]) / every) * way
+        to = place if push is None else push.height
+        return done + 0.5 * k * ((to - place) ** 2 - (end - place) ** 2)
+
+    @property
+    def line(self) -> Line:
+        """Its line."""
+        return self._line
+
+    def frozen(self) -> Line:
+        """The line as it is now, to be looked at later."""
+        return Line(self.setting, self.line.state.copy(), self.line.strand)
+
+    def ahead(self, pushes: Pushes, h: float) -> Line:
+        """The line as it would be after h seconds with these forces; it stays where it is."""
+        if self.look is None:  # before the motion has begun
+            return self.line
+        loads, state, bodies = _own(self.setting.loads), self.line.state.copy(), self.bodies.copy()
+        self._press(pushes, loads, state, bodies)
+        self.look(loads, state, bodies, h)
+        return Line(self.setting, state, self.line.strand)
+
+    def _press(self, pushes: Pushes, loads: Loads, state: State, bodies: Bodies) -> None:
+        t, every = float(state.t[0]), self.turns.every
+        for number, (k, push) in enumerate(zip(self.contacts, pushes, strict=True)):
+            if push is None:
                 if state.rider[k] != OFF:
-                    take_up(self.setting, state, self.bodies, k)
-                return
-            xi = min(max(xi, 0.0), self.line.length)
-        loads = self.setting.loads
-        away = xi - float(state.xi[k])
-        if state.rider[k] == OFF or abs(away) > SLIDES * float(self.setting.strands.h[loads.strand[k]]):
-            set_down(self.setting, state, self.bodies, k, xi)
-            away = 0.0
-        loads.force_value[:, loads.force_first[k]] = values
-        loads.speed_value[loads.speed_first[k]] = speed + away / self.stepper.every  # catches up until the next step
+                    take_up(self.setting, state, bodies, k)
+                if self.ghosts:
+                    _lead(bodies, self.ghosts[number], float(bodies.wheels[k]["r"][state.r.shape[0] - 1]), 0.0)
+                continue
+            away = push.xi - float(state.xi[k])
+            if state.rider[k] == OFF or abs(away) > self.turns.reach:
+                set_down(self.setting, state, bodies, k, push.xi)
+                away = 0.0
+            first = int(loads.force_first[k])
+            loads.force_time[first : first + 2] = t, t + every
+            loads.force_value[:, first], loads.force_value[:, first + 1] = push.first, push.last
+            loads.speed_value[loads.speed_first[k]] = push.speed + away / every  # catches up until the next step
+            if self.ghosts:
+                _lead(bodies, self.ghosts[number], push.height, push.rise)
 
 
-def guides_of(setting: Setting, scenario: Scenario, bodies: Bodies | None) -> list[Steps | Person | Model]:
+def _own(loads: Loads) -> Loads:
+    """Loads whose forces and speeds may be changed without changing those of the others."""
+    tables = ("speed_value", "force_time", "force_value")
+    return loads._replace(**{name: getattr(loads, name).copy() for name in tables})
+
+
+def _lead(bodies: Bodies, ghost: int, height: float, rise: float) -> None:
+    """Put the far end of an interface's spring somewhere, and let it go on from there."""
+    record = bodies.coordinates[ghost]
+    record["q"], record["v"], record["ahead"] = height, rise, rise
+
+
+def guides_of(setting: Setting, scenario: Scenario, bodies: Bodies | None) -> list[Steps | Person | Partner]:
     """The guides of all loads that need one.
 
     Raises:
@@ -170,7 +197,7 @@ def guides_of(setting: Setting, scenario: Scenario, bodies: Bodies | None) -> li
     """
     if bodies is None:
         return []
-    guides: list[Steps | Person | Model] = []
+    guides: list[Steps | Person | Partner] = []
     for name, load in scenario.loads.items():
         on = tuple(k for k, wheel in enumerate(setting.wheels) if wheel.load == name)
         if isinstance(load, Footsteps):
@@ -183,24 +210,10 @@ def guides_of(setting: Setting, scenario: Scenario, bodies: Bodies | None) -> li
                 vehicle = int(np.flatnonzero(bodies.vehicles["first"] == bodies.tethers[legs[0]]["first"])[0])
                 person.upright = Upright(setting, bodies, load, load.balance, (on[0], on[1]), vehicle, left)
             guides.append(person)
-        elif isinstance(load, Stepper):
-            guides.append(Model(setting, bodies, name, load, on, model_of(name, load)))
+        elif isinstance(load, Stepper | Fmu):
+            reach = SLIDES * float(setting.strands.h[setting.loads.strand[on[0]]])
+            assert isinstance(scenario.run, Dynamic)
+            turns = turns_of(name, load, scenario.run.until, len(setting.axes), reach)
+            assert setting.fleet is not None
+            guides.append(Partner(setting, bodies, turns, on, setting.fleet.ghosts.get(name, ())))
     return guides
-
-
-def model_of(name: str, stepper: Stepper) -> Any:
-    """The model of a stepper: the object itself, or made from what its text names.
-
-    Raises:
-        RopewalkError: there is no such thing, or it cannot be made.
-    """
-    if not isinstance(stepper.model, str):
-        return stepper.model
-    made = named(name, stepper.model)
-    try:
-        made = made(**stepper.options) if callable(made) else made
-    except Exception as error:
-        raise RopewalkError(f"load {name}: its model {stepper.model} cannot be made ({error})") from error
-    if not callable(getattr(made, "step", None)):
-        raise RopewalkError(f"load {name}: {stepper.model} has no method step(t, h, line)")
-    return made

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 from numba import typeof, types
 
 from ropewalk.errors import RopewalkError
+from ropewalk.foreign.turns import TravelEndedError
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array, Buffers, Integers, Loads, State, Strands, Supports
 from ropewalk.solve.choice import RKN6_LIMIT, SAFETY_WITH_MASSES, Choice, bounds, is_compressed, verlet_step
@@ -41,8 +43,8 @@ MOST_QUESTIONS = 100
 STOPPED = 7
 
 
-class TravelEndedError(RopewalkError):
-    """A load has come to an end of its line where it may go neither on nor off."""
+Look = Callable[[Loads, State, Bodies, float], None]
+"""Moves a copy of a state ahead by some seconds, with loads of its own."""
 
 
 class Guide(Protocol):
@@ -56,6 +58,13 @@ class Guide(Protocol):
 
     def act(self, state: State) -> None:
         """Decide, if it is time or something has happened."""
+
+
+@runtime_checkable
+class Foresighted(Guide, Protocol):
+    """A guide who sends copies of the state ahead before deciding."""
+
+    look: Look | None
 
 
 @dataclass
@@ -135,6 +144,19 @@ def move(
     step, idle = choice.step, 0
     entries: list[Callable[..., tuple[int, int]]] = []
     limits = bounds(strands, state.r, state.X, bool(loads.strand.size), supports, loads, bodies)
+
+    def look(own: Loads, twin: State, moving: Bodies, h: float) -> None:
+        """Go on with a copy."""
+        until, rest = float(twin.t[0]) + h, _copied(room)
+        carried = None if bodies is None else moving
+        while twin.t[0] < until:
+            status, taken = _advance(strands, own, twin, rest, choice, accuracy, until, step, ends, carried, entries)
+            if status not in (RUNNING, ASKED) or (status == ASKED and taken == 0):
+                return  # what is in the way there will be said when it is reached
+
+    for guide in guides:
+        if isinstance(guide, Foresighted):
+            guide.look = look
     for time in times:
         stops = [*corners[(corners > state.t[0]) & (corners < time)], time]
         for stop in stops:
@@ -188,6 +210,11 @@ def _is_torn(strands: Strands, state: State) -> bool:
         if not np.sqrt((d * d).sum(axis=0)).max() < LONGEST_STRETCH * np.diff(state.X[i : i + n + 1]).max():
             return True
     return False
+
+
+def _copied(room: Any) -> Any:
+    """The same room once more."""
+    return type(room)(*(array.copy() for array in room)) if isinstance(room, tuple) else copy.deepcopy(room)
 
 
 def _room_for(choice: Choice, loads: Loads, state: State) -> Buffers | Workspace:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ropewalk.errors import RopewalkError
+from ropewalk.foreign.turns import TravelEndedError
 from ropewalk.mechanics.bodies import STANDS, SWINGS, Bodies
 from ropewalk.mechanics.chain import DRIVE, LOAD_DAMPING, Array, State
 from ropewalk.mechanics.fleet import FIRM
@@ -15,7 +16,6 @@ from ropewalk.mechanics.rider import contact_point
 from ropewalk.model.walker import Walker
 from ropewalk.solve.balance import Upright
 from ropewalk.solve.feet import Line, set_down, take_up
-from ropewalk.solve.motion import TravelEndedError
 from ropewalk.solve.start import Setting
 
 # A leg begins upright and compressed by this part of the weight, as in the gaits of theory/gait.py.

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from ropewalk.errors import RopewalkError
+from ropewalk.foreign.turns import TravelEndedError, Turns, closing
+from ropewalk.model.run import common_interval
+from ropewalk.results.exchanges import exchanged
 from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
 from ropewalk.wires.drive import ON_WIRE, Drive, Record
 from ropewalk.wires.energy import Audit
@@ -14,6 +19,7 @@ from ropewalk.wires.equilibrium import Potential
 from ropewalk.wires.journey import drive_of
 from ropewalk.wires.large import LargeMotion
 from ropewalk.wires.mesh import riders_of
+from ropewalk.wires.partners import SLIDES, Foreigner, Partner
 from ropewalk.wires.plan import Array
 from ropewalk.wires.rest import rows, vertical_stiffness
 from ropewalk.wires.small import SmallMotion
@@ -47,8 +53,14 @@ class Run:
         self.account = account
         self.riders = riders_of([journey.rider for journey in self.task.journeys])
         interval = float(np.diff(times).max()) if times.size > 1 else sample
-        self.rows = max(1, int(np.ceil(interval / sample * (1.0 - 1e-9))))
-        self.sample = interval / self.rows
+        self._axes = [0, 1, 2] if task.space else [0, 2]
+        self.turns = [
+            foreigner.turns(len(self._axes), SLIDES * start.mesh.strands.h.max()) for foreigner in task.foreigners
+        ]
+        shared = common_interval([interval, *(partner.every for partner in self.turns)]) if self.turns else interval
+        assert shared is not None
+        self.sample = shared / max(1, int(np.ceil(shared / sample * (1.0 - 1e-9))))
+        self.rows = round(interval / self.sample)
         self.times = _snapped(times, self.sample)
         along = largest_step_along(self.mesh, task.inertia) if start.rest is None else np.inf
         self._stable = largest_step(self.mesh, self.riders)
@@ -78,9 +90,16 @@ class Run:
             self.motion = SmallMotion(self.mesh, start.rest, self.riders, account.step, self._first(), task.window)
         self._audit = Audit(self.mesh, self.riders, self.motion, start.position, start.unstrained)
         self._in_air = np.zeros(self.riders.owner.size)
-        self._axes = [0, 1, 2] if task.space else [0, 2]
+        self._partners = [self._partner(*pair) for pair in zip(task.foreigners, self.turns, strict=True)]
         watched = rows(self.motion.watched, self.mesh.nodes) @ self._at_rest[2]
         self._watched_at_rest = watched if start.rest is None else np.zeros_like(watched)
+
+    def _partner(self, foreigner: Foreigner, turns: Turns) -> Partner:
+        columns = np.flatnonzero(self.riders.owner == foreigner.journey)
+        return Partner(
+            turns, range(int(columns[0]), int(columns[-1]) + 1), int(self.riders.wire[columns[0]]), self.mesh,
+            self.motion, self._axes, lambda drive: self.motion.go(drive, self.steps), self.sample,
+        )  # fmt: skip
 
     def _first(self) -> Array:
         first = np.zeros(self.riders.mass.shape[:2])
@@ -104,12 +123,18 @@ class Run:
             link_line=tuple(link_line), link_xi=np.concatenate(link_xi), contact_load=self.task.contacts,
             support=(*ends, *(hold.name for hold in plan.holds)), body=tuple(body.name for body in self.task.shown),
             tie=tuple(tie.name for tie in plan.ties), tie_station=tuple(tie.spot.station for tie in plan.ties),
+            foreign=tuple(partner.name for partner in self.turns),
             watched=tuple(plan.watched), watched_station=tuple(spot.station for spot in plan.watched.values()),
             sample=tuple(self.sample * (np.arange(self.rows) - self.rows)),
         )  # fmt: skip
 
     def frames(self) -> Iterator[Frame]:
         """The frames; a run that blows up ends with the last one before, and the account says so."""
+        with closing(self.turns):
+            for frame in self._frames():
+                yield exchanged(frame, self.turns, self.account)
+
+    def _frames(self) -> Iterator[Frame]:
         contacts = len(self.task.contacts)
         plan = self.task.plan
         nothing = Record.of(self.rows, self.riders, len(plan.ties), len(plan.holds), self.motion.watched).turned()
@@ -118,7 +143,15 @@ class Run:
             count = max(1, round((self.times[i + 1] - t) / self.sample)) if i + 1 < self.times.size else 1
             drive = self._drive(float(t), count)
             frame = self._picture(float(t), drive)
-            record = self.motion.go(drive, self.steps)
+            try:
+                record = self._go(float(t), drive)
+            except RopewalkError as error:
+                self.account.outcome = "travel ended" if isinstance(error, TravelEndedError) else "load failed"
+                self.account.advice = f"stopped after t = {t:.6g} s: {error}"
+                if i:
+                    yield self._with_forces(frame, drive, nothing, *before)
+                    return
+                raise
             yield self._with_forces(frame, drive, record, *before)
             if not self._is_sane():
                 self.account.outcome, self.account.advice = "diverged", self._advice(float(t))
@@ -126,6 +159,25 @@ class Run:
             self.account.steps += count * self.steps if i + 1 < self.times.size else 0
             on = np.where(drive.where[:-1] == ON_WIRE, drive.station[:-1], np.nan)
             before = _padded(on, self.rows), Record(*(_padded(array, self.rows) for array in record))
+
+    def _go(self, t: float, drive: Drive) -> Record:
+        """Go on by the rows of a drive from t in s; foreign models are asked when it is time, and fill in theirs."""
+        if not self._partners:
+            return self.motion.go(drive, self.steps)
+        parts, row, rows = [], 0, drive.station.shape[0] - 1
+        first = round(t / self.sample)
+        while row < rows:
+            now = t + row * self.sample
+            for partner in self._partners:
+                if partner.rows_left(first + row) == partner.rows:
+                    partner.exchange(now, partial(self._drive, now, partner.rows))
+            end = min(rows, row + min(partner.rows_left(first + row) for partner in self._partners))
+            piece = drive.rows(row, end)
+            for partner in self._partners:
+                partner.fill(piece, (first + row) % partner.rows)
+            parts.append(self.motion.go(piece, self.steps))
+            row = end
+        return Record(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
     def _drive(self, t: float, count: int) -> Drive:
         return drive_of(self.task.plan, self.task.journeys, t + self.sample * np.arange(count + 1.0))

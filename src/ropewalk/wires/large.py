@@ -378,6 +378,13 @@ class LargeMotion:
         """Velocities of all nodes half an inner step ago, (3, node) m/s."""
         return self._spread((self._r[0] - self._r[1]) * (self.inner / self.pace.step), np.zeros_like(self._side))
 
+    def piece(self, part: slice) -> tuple[Array, Array]:
+        """Positions in m and velocities in m/s of some nodes, (3, node)."""
+        now, last = self._r[0][:, part], self._r[1][:, part]
+        rate = (now - last) * (self.inner / self.pace.step)
+        side = self._side[part]
+        return self._spread(now, side), self._spread(rate, np.zeros_like(side))
+
     @property
     def both(self) -> list[Array]:
         """Positions of all nodes now and an inner step ago, (3, node) m."""

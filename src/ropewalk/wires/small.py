@@ -423,6 +423,13 @@ class SmallMotion:
         still = np.zeros((2, self.mesh.nodes))
         return np.vstack([still, (self._u[0] - self._u[1]) / self.pace.step])
 
+    def piece(self, part: slice) -> tuple[Array, Array]:
+        """Positions in m and velocities in m/s of some nodes, (3, node)."""
+        now, last = self._u[0][part], self._u[1][part]
+        x, y = self.rest.position[:2, part]
+        still = np.zeros_like(x)
+        return np.array([x, y, self.level[part] + now]), np.array([still, still, (now - last) / self.pace.step])
+
     @property
     def both(self) -> list[Array]:
         """Displacements of all nodes now and a step ago, (node,) m."""

@@ -12,6 +12,7 @@ from ropewalk.wires.equilibrium import Potential, settle
 from ropewalk.wires.journey import Journey
 from ropewalk.wires.large import hung
 from ropewalk.wires.mesh import Mesh, mesh_of, places_of
+from ropewalk.wires.partners import Foreigner
 from ropewalk.wires.plan import Array, Plan, Spot
 from ropewalk.wires.rest import Rest, rest_of
 
@@ -42,6 +43,7 @@ class Task:
     window: float = np.inf  # m on both sides of the contacts, beyond which nothing moves; linearised only
     inertia: float = 1.0  # factor on the mass along x; nonlinear only
     space: bool = False  # whether anything moves sideways
+    foreigners: tuple[Foreigner, ...] = ()  # who of the journeys are models of somebody else's
     near: tuple[Array, ...] | None = None  # near rest, of each wire: (3, node) m; needed where wires run aside
     remarks: tuple[str, ...] = ()  # what one should know of it
 

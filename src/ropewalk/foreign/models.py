@@ -1,0 +1,53 @@
+"""The models of foreign loads, found or made."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ropewalk.errors import RopewalkError
+from ropewalk.foreign.turns import Turns
+from ropewalk.mechanics.wheels import contacts_of, named
+from ropewalk.model.load import Foreign
+from ropewalk.model.stepper import Stepper
+
+
+def turns_of(name: str, load: Foreign, until: float, dim: int, reach: float) -> Turns:
+    """A foreign load and its line, ready to take turns.
+
+    Args:
+        name: of the load.
+        load: as declared.
+        until: end of the run, s.
+        dim: number of axes.
+        reach: m, a contact that is said to be further from where it has slid to is put down anew.
+
+    Raises:
+        RopewalkError: there is no such model, or it cannot be made.
+    """
+    model = model_of(name, load, until, dim)
+    at_end = load.at_end if isinstance(load, Stepper) else load.travel.at_end
+    return Turns(name, model, load.every, load.exchange, at_end, contacts_of(name, load), dim, reach)
+
+
+def model_of(name: str, load: Foreign, until: float, dim: int) -> Any:
+    """The model of a foreign load: the object itself, or made from what its text names, or from its FMU.
+
+    Raises:
+        RopewalkError: there is no such thing, or it cannot be made.
+    """
+    if not isinstance(load, Stepper):
+        from ropewalk.foreign.fmu import FmuModel  # lazy: few runs need FMPy
+
+        return FmuModel(name, load, until, dim)
+    if not isinstance(load.model, str):
+        return load.model
+    made = named(name, load.model)
+    try:
+        made = made(**load.options) if callable(made) else made
+    except RopewalkError:
+        raise
+    except Exception as error:
+        raise RopewalkError(f"load {name}: its model {load.model} cannot be made ({error})") from error
+    if not callable(getattr(made, "step", None)):
+        raise RopewalkError(f"load {name}: {load.model} has no method step(t, h, line)")
+    return made

@@ -1,0 +1,29 @@
+"""What is told of the exchange with foreign models, in frames and as warnings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ropewalk.foreign.turns import Turns
+from ropewalk.model.load import Foreign
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import Account, Frame
+
+
+def foreign_in(scenario: Scenario) -> tuple[str, ...]:
+    """Names of the loads that are models of somebody else's."""
+    return tuple(name for name, load in scenario.loads.items() if isinstance(load, Foreign))
+
+
+def exchanged(frame: Frame, turns: Sequence[Turns], account: Account) -> Frame:
+    """The frame with what has gone through all interfaces; what is to be remarked goes to the account."""
+    if not turns:
+        return frame
+    for partner in turns:
+        account.warnings += partner.remarks
+        partner.remarks.clear()
+    work, residual, peak = np.array([partner.told() for partner in turns]).T
+    return replace(frame, exchange_work=work, exchange_residual=residual, exchange_peak=peak)

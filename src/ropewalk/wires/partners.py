@@ -1,0 +1,215 @@
+"""Partners: foreign models on wires, which are asked between the rows of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ropewalk.errors import RopewalkError
+from ropewalk.foreign.turns import Bearer, Push, Pushes, Turns
+from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive
+from ropewalk.wires.large import LargeMotion
+from ropewalk.wires.mesh import Mesh
+from ropewalk.wires.plan import Array, Contact, Rider
+from ropewalk.wires.small import SmallMotion
+from ropewalk.wires.spline import WIDTH, points
+
+# A damper needs a spring beside it: one that nobody feels, N/m.
+_NEXT_TO_NOTHING = 1e-6
+SLIDES = 0.5  # part of a link: a contact said to be further from where it has slid to has been put elsewhere
+Motion = LargeMotion | SmallMotion
+
+
+@dataclass(frozen=True)
+class Foreigner:
+    """A foreign load of a task."""
+
+    journey: int
+    turns: Callable[[int, float], Turns]  # from the number of axes and the reach of a contact in m
+
+
+def rider_of(name: str, wire: int, contacts: int, stiffness: float, damping: float) -> Rider:
+    """What a foreign load is to the wires: contacts without coordinates, whose springs end where they are told to."""
+    none = np.zeros((0, 0))
+    spring = max(stiffness, _NEXT_TO_NOTHING) if damping else stiffness
+    contact = Contact(wire, stiffness=spring, damping=damping)
+    return Rider(name, none, none, none, (contact,) * contacts)
+
+
+@dataclass
+class WireLine:
+    """A wire as a foreign model sees it; unstrained lengths are stations along it."""
+
+    mesh: Mesh
+    wire: int
+    axes: list[int]
+    piece: Callable[[slice], tuple[Array, Array]]  # positions and velocities of some nodes, (3, node) m and m/s
+    soft: list[tuple[float, float]] = field(default_factory=list)  # of own contacts: station, force upwards
+
+    @property
+    def length(self) -> float:
+        """Length of the wire, m."""
+        return float(self.mesh.plan.wires[self.wire].length)
+
+    def at(self, xi: float) -> tuple[Array, Array]:
+        """Position in m and velocity in m/s of the wire at a station, (axis,)."""
+        strands, a = self.mesh.strands, self.wire
+        base, w = points(np.array([xi / strands.h[a]]), strands.links[a : a + 1])
+        first = int(base[0]) + int(strands.first[a])
+        r, v = self.piece(slice(first, first + WIDTH))
+        place, velocity = (r @ w[0, 0])[self.axes], (v @ w[0, 0])[self.axes]
+        for station, force in self.soft:
+            if abs(station - xi) < strands.h[a]:  # beside its spline the wire gives way to what stands on it
+                place[-1] += self._local(xi) * force
+        return place, velocity
+
+    def below(self, x: float) -> float:
+        """The station in m above or below a horizontal place x in m."""
+        wire = self.mesh.plan.wires[self.wire]
+        return float((x - wire.start[0]) / (wire.end[0] - wire.start[0]) * wire.length)
+
+    def _local(self, xi: float) -> float:
+        s = xi / self.mesh.strands.h[self.wire]
+        part = s - np.floor(s)
+        g, c = part * (1.0 - part), self.mesh.strands.local[self.wire]
+        return float(c[0] + g * g * (c[1] + g * c[2]))
+
+
+@dataclass
+class Partner(Bearer):
+    """A foreign model on a wire while it moves.
+
+    Args:
+        turns: with the model.
+        columns: of the drive, of its contacts.
+        wire: on which it is.
+        mesh, motion: of the run.
+        axes: that the run has.
+        send: moves the wires on by the rows of a drive.
+        sample: s, between two rows.
+    """
+
+    turns: Turns
+    columns: range
+    wire: int
+    mesh: Mesh
+    motion: Motion
+    axes: list[int]
+    send: Callable[[Drive], Any]
+    sample: float
+    pushes: Pushes = field(default_factory=list)
+    drive: Callable[[], Drive] | None = None
+    _jumped: list[float] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.turns.begin(self.line)
+
+    @property
+    def rows(self) -> int:
+        """Rows of the run in an interval of the exchange."""
+        return round(self.turns.every / self.sample)
+
+    def rows_left(self, row: int) -> int:
+        """How many rows are left of the interval, at a row counted from the beginning of the run."""
+        return self.rows - row % self.rows
+
+    @property
+    def line(self) -> WireLine:
+        """The wire as it is now."""
+        return self._seen(self.motion.piece)
+
+    def frozen(self) -> WireLine:
+        """The same, to be looked at later."""
+        r, v = self.motion.position, self.motion.velocity
+        return self._seen(lambda part: (r[:, part], v[:, part]))
+
+    def ahead(self, pushes: Pushes, h: float) -> WireLine:
+        """The wire as it would be after an interval with these forces; it stays where it is."""
+        assert self.drive is not None
+        saved, drive = kept(self.motion), self.drive()
+        before, self.pushes = self.pushes, pushes
+        self.fill(drive, 0, self._jumps(before, pushes))
+        self.send(drive)
+        seen = self.frozen()
+        self.pushes = before
+        restore(self.motion, saved)
+        return seen
+
+    def exchange(self, t: float, drive: Callable[[], Drive]) -> None:
+        """Ask the model at time t; the drive has the rows of the interval that begins, for looking ahead."""
+        self.drive = drive
+        pushes = self.turns.ask(t, self)
+        for push in pushes:
+            if push is not None and (push.first[:-1].any() or push.last[:-1].any()):
+                raise RopewalkError(
+                    f"load {self.turns.name}: at t = {t:g} s its model gave a force of {push.first.tolist()} N; on "
+                    "stiff lines and overhead lines contacts press vertically, no more: give [0, Fz]"
+                )
+        before, self.pushes = self.pushes, pushes
+        self._jumped = self._jumps(before, pushes)
+
+    def fill(self, drive: Drive, row: int, jumps: list[float] | None = None) -> None:
+        """Write into the rows of a drive what the contacts do; `row` rows of the interval are over."""
+        every, count = self.turns.every, drive.station.shape[0]
+        late, length = self.sample * (row + np.arange(count)), float(self.mesh.plan.wires[self.wire].length)
+        part = late / every
+        gap = self.motion.pace.gap
+        for number, (k, push) in enumerate(zip(self.columns, self.pushes, strict=True)):
+            drive.where[:, k] = ABSENT if push is None else ON_WIRE
+            drive.rough[:, k], drive.given[:, k] = 0.0, 0.0
+            if push is None:
+                gap[k] = np.nan
+                continue
+            station = push.xi + push.speed * late
+            drive.where[:, k] = np.where((station >= 0.0) & (station <= length), ON_WIRE, ABSENT)
+            drive.station[:, k] = np.clip(station, 0.0, length)
+            drive.given[:, k] = push.first[-1] + part * (push.last[-1] - push.first[-1])
+            if self.turns.exchange.stiffness or self.turns.exchange.damping:
+                drive.rough[:, k] = -(push.height + push.rise * late)
+                if row == 0:
+                    gap[k] += (self._jumped if jumps is None else jumps)[number]
+
+    def _jumps(self, before: Pushes, now: Pushes) -> list[float]:
+        """By how much the far ends of the interface are put elsewhere, m; dampers are not to notice that."""
+        every, jumps = self.turns.every, []
+        for number, push in enumerate(now):
+            old = before[number] if number < len(before) else None
+            jumps.append(np.nan if push is None or old is None else push.height - old.height - old.rise * every)
+        return jumps
+
+    def _seen(self, piece: Callable[[slice], tuple[Array, Array]]) -> WireLine:
+        first = self.columns.start
+        soft = [
+            (push.xi + push.speed * self.turns.every, self._pressing(first + number, push))
+            for number, push in enumerate(self.pushes)
+            if push is not None
+        ]
+        return WireLine(self.mesh, self.wire, self.axes, piece, soft)
+
+    def _pressing(self, k: int, push: Push) -> float:
+        """Force upwards on the wire at the end of an interval, N."""
+        if not (self.turns.exchange.stiffness or self.turns.exchange.damping):
+            return float(push.last[-1])
+        force = float(self.motion.pace.here[k, 4])
+        return force if np.isfinite(force) else 0.0
+
+
+def kept(motion: Motion) -> list[Array]:
+    """Copies of all that changes while wires move."""
+    return [array.copy() for array in _changing(motion)]
+
+
+def restore(motion: Motion, saved: list[Array]) -> None:
+    """Put back what `kept` has copied."""
+    for array, old in zip(_changing(motion), saved, strict=True):
+        array[...] = old
+
+
+def _changing(motion: Motion) -> list[Array]:
+    """Arrays that change; the present and the last instant in this order, whichever array holds them."""
+    groups: list[tuple[Any, ...]] = [motion.pace, motion.grips, motion.strings if isinstance(motion, LargeMotion) else motion.springs]
+    arrays: list[Array] = [array for group in groups for array in group if isinstance(array, np.ndarray)]
+    return arrays + (motion._r if isinstance(motion, LargeMotion) else motion._u)

@@ -1,0 +1,157 @@
+"""The crane FMU of py-crane on a rope: what it exerts is its masses times what they and gravity accelerate with."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ropewalk.errors import RopewalkError
+from ropewalk.foreign.crane import ALONG_WIRE, GRAVITY, HangingCrane
+from ropewalk.model import Dynamic, Line, Scenario, Stepper
+from ropewalk.simulate import simulate
+
+STEP = 0.01  # s
+LOAD = {"wire.mass": 1000.0, "wire.boom[0]": 10.0}  # kg, m
+LUFFING = {"der(boom.boom[1])": [[0.0, 0.1, 1.0], [0.0, -12.0, -12.0]]}  # s, degrees/s
+
+
+@pytest.fixture(scope="module")
+def crane() -> Any:
+    pytest.importorskip("fmpy", reason='FMPy is not installed: pip install "ropewalk[foreign]"')
+    return pytest.importorskip("py_crane", reason='py-crane is not installed: pip install "ropewalk[foreign]"')
+
+
+class Watched(HangingCrane):
+    """A crane that keeps where it was and what it was borne with."""
+
+    def reset(self, line: Any) -> None:
+        super().reset(line)
+        self.seen: list[tuple[float, ...]] = []
+        self.own: list[float] = []
+        self.across: list[float] = []
+
+    def step(self, t: float, h: float, line: Any) -> Any:
+        borne = -float(line.force(0)[-1])
+        touches = super().step(t, h, line)
+        _, boom, wire = self.places
+        load = boom + ALONG_WIRE * (wire - boom)
+        self.seen.append((borne, self.height, load[2], load[0]))
+        self.own.append(self.own_force[2])
+        self.across.append(touches[0].force[0])
+        return touches
+
+
+def hung(every: float = STEP, until: float = 1.0, **options: Any) -> tuple[Watched, Any]:
+    """A heavy carrying rope of 40 m, on which it bounces at 1 Hz."""
+    model = Watched(20.0, parameters=LOAD, **options)
+    rope = Line.model_validate({
+        "start": (0, 0), "end": (40, 0), "tension": 5e6, "mass": 50.0, "axial_stiffness": 1e9, "axial_damping": 1e6,
+        "drag": 3.0, "elements": 40,
+    })  # fmt: skip
+    load = Stepper.model_validate(
+        {"on": "rope", "model": model, "every": every, "exchange": {"stiffness": 1e6, "damping": 1e5}}
+    )
+    result = simulate(Scenario(lines={"rope": rope}, loads={"crane": load}, run=Dynamic(until=until, every=STEP)))
+    assert result.attrs["outcome"] == "completed", result.attrs["advice"]
+    assert result.attrs["warnings"] == ""
+    return model, result
+
+
+@pytest.fixture(scope="module")
+def still(crane: Any) -> tuple[Watched, Any]:
+    return hung()
+
+
+@pytest.fixture(scope="module")
+def luffed(crane: Any) -> dict[float, Watched]:
+    return {every: hung(every, until=0.6, drives=LUFFING)[0] for every in (0.01, 0.005)}
+
+
+def momentum_rate(model: Watched, every: float) -> tuple[np.ndarray, np.ndarray]:
+    """What it is borne with, and masses times accelerations and gravity, by differences of what the FMU shows; N."""
+    crane, load = model.masses
+    borne, fixation, height, _ = np.array(model.seen).T
+    rate = crane * (GRAVITY + np.diff(fixation, 2) / every**2) + load * (GRAVITY + np.diff(height, 2) / every**2)
+    return borne[2:], rate  # the velocity changes between intervals: the force of the later one does it
+
+
+def test_what_bears_the_crane_is_mass_times_acceleration(still: Any) -> None:
+    model, _ = still
+    borne, rate = momentum_rate(model, STEP)
+    weight = GRAVITY * sum(model.masses)
+    print(f"borne {borne.min():.6g} to {borne.max():.6g} N of a weight of {weight:.6g} N")
+    assert np.ptp(borne) > weight  # it bounces
+    assert borne == pytest.approx(rate, abs=1e-6 * weight)  # rounding of differences of places: 1e-15/1e-4 m/s^2
+
+
+def test_the_rope_feels_that_force(still: Any) -> None:
+    model, result = still
+    borne = np.array(model.seen)[:, 0]
+    on_rope = -result.contact_force.sel(axis="z", contact=0).to_numpy()
+    mean = 0.5 * (on_rope[1:] + on_rope[:-1])  # of an interval, by its ends
+    off = np.abs(mean - borne[1:])[1:].max() / borne.max()
+    print(f"off by {off:.2e}")
+    assert off < 0.01  # the damper jumps at an exchange by what was foreseen wrongly: c * jerk * step^2 = 600 N, 0.3 %
+
+
+def test_it_says_itself_what_its_frame_exerts_but_twice(still: Any) -> None:
+    """`force` of py-crane 0.3.1 counts pedestal and boom twice and the load not at all."""
+    model, _ = still
+    crane, _ = model.masses
+    fixation = np.array(model.seen)[:, 1]
+    expected = -2.0 * crane * (GRAVITY + np.diff(fixation, 2) / STEP**2)
+    assert np.array(model.own)[2:] == pytest.approx(expected, abs=1e-6 * crane * GRAVITY)
+
+
+def test_a_load_that_swings_pulls_a_little_late(luffed: Any) -> None:
+    """The load's acceleration as seen from the fixation is that of the interval before: of the first order."""
+    off = {}
+    for every, model in luffed.items():
+        borne, rate = momentum_rate(model, every)
+        off[every] = float(np.abs(borne - rate)[5:].mean() / borne.max())
+        _, fixation, height, _ = np.array(model.seen).T
+        assert np.ptp(height - fixation) > 0.5  # m, that the boom has lifted it
+    print(off)
+    assert off[0.01] < 2e-3
+    assert off[0.005] < off[0.01]
+
+
+def test_a_load_that_swings_pulls_the_rope_along(luffed: Any) -> None:
+    model = luffed[0.01]
+    x = np.array(model.seen)[:, 3]
+    pulled = np.array(model.across)[3:]
+    assert np.abs(pulled).max() > 50.0  # N
+    assert pulled == pytest.approx(-model.masses[1] * np.diff(x, 2)[:-1] / 0.01**2, abs=1e-6 * np.abs(pulled).max())
+
+
+def test_without_a_spring_it_is_refused(crane: Any) -> None:
+    rope = Line.model_validate({"start": (0, 0), "end": (40, 0), "tension": 5e6, "mass": 50.0, "axial_stiffness": 1e9})
+    load = Stepper.model_validate({"on": "rope", "model": HangingCrane(20.0), "every": STEP})
+    result = simulate(Scenario(lines={"rope": rope}, loads={"crane": load}, run=Dynamic(until=0.2, every=0.1)))
+    assert result.attrs["outcome"] == "load failed"
+    assert "nothing bears the crane; give exchange.stiffness" in result.attrs["advice"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"file": "MobilCrane.fmu"}, "there is no FMU MobilCrane.fmu; did you mean MobileCrane.fmu"),
+        ({"parameters": {"wire.mas": 1.0}}, "has no variable wire.mas; did you mean wire.mass"),
+        ({"drives": {"boom.angle": 1.0}}, "has no variable boom.angle"),
+        ({"file": "HarmonicOscillator6D.fmu"}, r"has no variable d_velocity\[0\]"),
+    ],
+)
+def test_what_is_not_there_is_named(crane: Any, options: dict[str, Any], message: str) -> None:
+    with pytest.raises(RopewalkError, match=message):
+        HangingCrane(20.0, **options)
+
+
+def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    def absent(name: str) -> Any:
+        raise __import__("importlib.metadata").metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr("ropewalk.foreign.crane.distribution", absent)
+    with pytest.raises(RopewalkError, match=r'not installed; pip install py-crane, or pip.*"ropewalk\[foreign\]"'):
+        HangingCrane(20.0)
