@@ -32,6 +32,10 @@ SECTIONS = {
         "Walker",
         "Balance",
         "Stepper",
+        "Fmu",
+        "FmuContact",
+        "FmuTravel",
+        "Exchange",
     ),
     "Overhead lines": (
         "OverheadLine",

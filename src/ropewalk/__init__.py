@@ -11,7 +11,8 @@ what is there   `Scenario` of `Line`s and of loads; `ForceTable`, `SpeedTable`, 
                 `DisplacementTable` for what changes in time
 loads           `MovingForce`, `MovingMass`, `Oscillator`, `Trolley` with its `Payload`; `Vehicle` of
                 `RigidBody`, `Wheel` and `Spring`, or of `Matrices` with `MatrixWheel`; `Footsteps` with
-                `Harmonic`s, `Walker` with her `Balance`; `Stepper` for a model of one's own
+                `Harmonic`s, `Walker` with her `Balance`; `Stepper` for a model of one's own, `Fmu` with
+                `FmuContact`s and `FmuTravel` for one of another program; their `Exchange` with the line
 overhead lines  `OverheadLine` of `ContactWire`, `MessengerWire`, `StitchWire`, `Droppers`, `SteadyArms`,
                 `MessengerSupports` and `Spans`; `Pantograph` with its `PantographTravel`
 travel          `Travel` as prescribed, `FreeTravel` with `Driver` and `Brake`
@@ -55,7 +56,11 @@ if TYPE_CHECKING:
         Dynamic,
         Elastic,
         Equilibrium,
+        Exchange,
         Fixed,
+        Fmu,
+        FmuContact,
+        FmuTravel,
         Footsteps,
         ForceTable,
         FreeTravel,
@@ -127,7 +132,11 @@ __all__ = [
     "Elastic",
     "Equilibrium",
     "EquilibriumError",
+    "Exchange",
     "Fixed",
+    "Fmu",
+    "FmuContact",
+    "FmuTravel",
     "Footsteps",
     "ForceTable",
     "FreeTravel",
@@ -208,7 +217,11 @@ _HOME = {
     "Elastic": "model",
     "Equilibrium": "model",
     "EquilibriumError": "errors",
+    "Exchange": "model",
     "Fixed": "model",
+    "Fmu": "model",
+    "FmuContact": "model",
+    "FmuTravel": "model",
     "Footsteps": "model",
     "ForceTable": "model",
     "FreeTravel": "model",

@@ -95,6 +95,8 @@ def check(file: ScenarioFile, settings: Settings = None) -> None:
     """Find every mistake in a scenario; compute nothing."""
     with _reported():
         scenario = _load(file, settings)
+        if scenario.loads:
+            import_module("ropewalk.foreign.models").check_foreign(scenario.loads)
         names = ", ".join((*scenario.lines, *scenario.overhead_lines, *scenario.loads))
         typer.echo(f"{file}: fine ({scenario.title}: {names}; {scenario.run.kind})")
 
@@ -242,6 +244,84 @@ def feedback(file: ScenarioFile, settings: Settings = None, as_json: Json = Fals
 
 
 @app.command()
+def compare(
+    file: ScenarioFile,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FIG", help="Write a figure: .png, .svg or .pdf.")
+    ] = None,
+    tolerance: Annotated[
+        float, typer.Option("--tolerance", metavar="PART", help="Allowed relative distance, as 0.02 for 2 %.")
+    ] = 0.05,
+    settings: Settings = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Climb the ladder from the linear theory to full feedback: is a simpler model good enough?"""
+    with _reported():
+        if output is not None:
+            _check_picture(output, FIGURE_SUFFIXES)
+        scenario = _load(file, settings)
+        wing = import_module("ropewalk.compare")
+        with _progress_of_many(quiet) as progress:
+            found = wing.ladder(scenario, tolerance=tolerance, progress=progress)
+        if as_json:
+            _print_json(found.as_dict())
+        elif not quiet:
+            _print_columns(found.table())
+            _print_columns([("", ""), *found.assumptions.table(), ("", "")])
+            typer.echo(found.verdict)
+        if output is not None:
+            _save(found.figure(), output)
+            if not quiet:
+                _say(f"{output} written")
+
+
+@app.command()
+def export(
+    file: ScenarioFile,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="OUT.fmu", help="FMU to write.")],
+    line: Annotated[str | None, typer.Option("--line", metavar="NAME", help="A line with its supports.")] = None,
+    load: Annotated[str | None, typer.Option("--load", metavar="NAME", help="A vehicle without its line.")] = None,
+    give: Annotated[
+        str | None,
+        typer.Option(
+            "--give", metavar="force|motion", help="What it answers with [default: of a line motion, of a load force]."
+        ),
+    ] = None,
+    contacts: Annotated[int, typer.Option("--contacts", metavar="N", help="How many a line has.")] = 1,
+    contact_stiffness: Annotated[
+        float | None, typer.Option("--contact-stiffness", metavar="N/m", help="Of a spring at each contact.")
+    ] = None,
+    contact_damping: Annotated[
+        float, typer.Option("--contact-damping", metavar="N*s/m", help="Of a damper beside it, of a line.")
+    ] = 0.0,
+    step: Annotated[
+        float, typer.Option("--step", metavar="TIME", help="Step in s that a master is expected to take.")
+    ] = 1e-3,
+    settings: Settings = None,
+    quiet: Quiet = False,
+) -> None:
+    """Write a line with its supports, or a vehicle, as an FMU for co-simulation (FMI 2.0)."""
+    with _reported():
+        what = [name for name in (line, load) if name is not None]
+        if len(what) != 1:
+            _fail("say what to export: --line NAME or --load NAME")
+        if give not in (None, "force", "motion"):
+            _fail(f"--give {give}: write force or motion")
+        scenario = _load(file, settings)
+        names = [*scenario.lines, *scenario.overhead_lines] if line is not None else [*scenario.loads]
+        if what[0] not in names:
+            kind, known = "line" if line is not None else "load", ", ".join(names) or "none"
+            _fail(f"{file} has no {kind} {what[0]}; there are: {known}")
+        import_module("ropewalk.cosim").export(
+            scenario, what[0], output, causality=give, contacts=contacts, contact_stiffness=contact_stiffness,
+            contact_damping=contact_damping, every=step,
+        )  # fmt: skip
+        if not quiet:
+            _say(f"{output} written")
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON schema of scenario files, for editors."""
     with _reported():
@@ -280,8 +360,17 @@ def _print_json(value: Any) -> None:
     typer.echo(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def _check_picture(output: Path) -> None:
-    known = (*FIGURE_SUFFIXES, *FILM_SUFFIXES, REPORT_SUFFIX, EXPORT_SUFFIX)
+def _print_columns(rows: list[tuple[str, ...]]) -> None:
+    """A table: what on the left, and columns of values, which stand to the right where there are several."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    for what, *values in rows:
+        cells = [f"{value:>{width}}" for value, width in zip(values, widths[1:], strict=True)]
+        typer.echo("  ".join([f"{what:{widths[0]}}", *(cells if len(cells) > 1 else values)]).rstrip())
+
+
+def _check_picture(
+    output: Path, known: tuple[str, ...] = (*FIGURE_SUFFIXES, *FILM_SUFFIXES, REPORT_SUFFIX, EXPORT_SUFFIX)
+) -> None:
     if output.suffix.lower() not in known:
         _fail(f"{output}: unknown kind of picture or report; the name must end in {', '.join(known)}")
     if not output.parent.is_dir():
@@ -323,6 +412,26 @@ def _progress(label: str, quiet: bool) -> Iterator[Progress | None]:
     with Bar(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(label, total=1.0)
         yield lambda done: bar.update(task, completed=done)
+
+
+@contextmanager
+def _progress_of_many(quiet: bool) -> Iterator[Callable[[str, float], None] | None]:
+    """A bar for each of several tasks, as they come, on stderr if that is a terminal."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress as Bar
+
+    with Bar(console=Console(stderr=True), transient=True) as bar:
+        tasks: dict[str, Any] = {}
+
+        def told(label: str, done: float) -> None:
+            if label not in tasks:
+                tasks[label] = bar.add_task(label, total=1.0)
+            bar.update(tasks[label], completed=done)
+
+        yield told
 
 
 @contextmanager

@@ -235,13 +235,15 @@ def _course(
         duration=run.until, supports=supports, bodies=moving, guided=bodies is not None,
     )  # fmt: skip
     guides = guides_of(setting, scenario, bodies)
-    for guide in guides:
-        guide.begin(state)
+    turns = [guide.turns for guide in guides if isinstance(guide, Partner)]
+    with closing(turns, if_failed=True):
+        for guide in guides:
+            guide.begin(state)
 
     def states(times: Array, progress: Progress) -> Iterator[State]:
         return move(strands, loads, state, choice, run.accuracy, times, progress, supports, moving, guides)
 
-    return choice, [guide.turns for guide in guides if isinstance(guide, Partner)], states
+    return choice, turns, states
 
 
 def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account) -> Iterator[Frame]:

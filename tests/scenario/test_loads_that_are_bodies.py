@@ -63,6 +63,14 @@ RIGHT = {
     "a walker who tires": "kind: walker, on: rope, from: 3, push_off: 0.5, angle_of_attack: 68 deg, at_end: stay",
     "a stepper": 'kind: stepper, on: rope, model: "my/cat.py:Cat", options: {legs: 4, on: [1.5, {tail: 1e-7, x: {}}], '
     "tame: true, name: Tom}, every: 2 ms, from: 3",
+    "a stepper that takes turns": 'kind: stepper, on: rope, model: "a:b", exchange: {scheme: iterated, order: 1, '
+    "stiffness: 1 kN/m, damping: 3, tolerance: 1e-6, iterations: 9, warn: 0.1}",
+    "an FMU": "kind: fmu, on: rope, file: cart.fmu, contacts: {w: {force: F, height: z}}, travel: {speed: 3}",
+    "an FMU with all keys": "kind: fmu, on: rope, file: cart.fmu, contacts: {f: {at: 1, force: F.1, force_along: X, "
+    "height: z, velocity: v, place: s, height_from: zero, force_factor: 1, motion_factor: -1}, r: {at: -1, gives: "
+    "motion, force: G, height: y}}, travel: {speed: 3, measured: horizontal, from: 2, at_end: stay}, parameters: {m: 3, "
+    "k.a: 1.5, on: true, name: x}, start_values: {z: 0}, every: 2 ms, exchange: {stiffness: 1 MN/m}, isolated: true, "
+    "patience: 5 s",
 }
 
 
@@ -248,7 +256,12 @@ def test_every_load_says_where_it_stands() -> None:
     assert [tuple(place) for place in places["a vehicle"]] == [("front", "material", 6.0), ("rear", "material", 4.0)]
     assert [tuple(place) for place in places["matrices"]] == [("w", "material", 5.0)]
     assert [tuple(place) for place in places["a walker who tires"]] == [("", "material", 3.0)]
-    assert all(len(found) == 1 for name, found in places.items() if name != "a vehicle")
+    assert [tuple(place) for place in places["an FMU with all keys"]] == [
+        ("f", "horizontal", 3.0),
+        ("r", "horizontal", 1.0),
+    ]
+    several = ("a vehicle", "an FMU with all keys")
+    assert all(len(found) == 1 for name, found in places.items() if name not in several)
 
 
 def test_the_line_ends_for_a_mass_a_quarter_of_a_link_before_its_support() -> None:

@@ -46,6 +46,9 @@ loads:
   e: {kind: footsteps, on: rope, mass: 70, from: 11, model: [{amplitude: 0.4}, {amplitude: 0.1, phase: 90 deg}]}
   f: {kind: walker, on: rope, from: 20}
   g: {kind: stepper, on: rope, model: "a.b:c", options: {n: 1, more: {x: [1, true, text]}}, from: 30}
+  i:
+    {kind: fmu, on: rope, file: a.fmu, contacts: {w: {force: F, gives: motion, height: z, at: 1}}, travel: {speed: 3,
+    from: 24}, parameters: {m: 3, b: true}, exchange: {stiffness: 5, scheme: parallel, order: 2}, isolated: false}
   h:
     {kind: oscillator, on: rope, mass: 8, stiffness: [1, 2], lift_off: true, contact_stiffness: 9,
     travel: {speed: 0, from: 35}}

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
-from ropewalk.errors import RopewalkError
+from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.foreign.turns import Turns
 from ropewalk.mechanics.wheels import contacts_of, named
-from ropewalk.model.load import Foreign
+from ropewalk.model.fmu import Fmu
+from ropewalk.model.load import AnyLoad, Foreign
 from ropewalk.model.stepper import Stepper
 
 
@@ -51,3 +53,19 @@ def model_of(name: str, load: Foreign, until: float, dim: int) -> Any:
     if not callable(getattr(made, "step", None)):
         raise RopewalkError(f"load {name}: {load.model} has no method step(t, h, line)")
     return made
+
+
+def check_foreign(loads: Mapping[str, AnyLoad]) -> None:
+    """Find what is wrong with the files of foreign loads, without running them.
+
+    Raises:
+        ScenarioError: with all mistakes.
+        RopewalkError: what reads them is not installed.
+    """
+    fmus = {name: load for name, load in loads.items() if isinstance(load, Fmu)}
+    if not fmus:
+        return
+    from ropewalk.foreign.description import check_fmu  # lazy: few runs need FMPy
+
+    if problems := [problem for name, load in fmus.items() for problem in check_fmu(name, load)]:
+        raise ScenarioError(problems)

@@ -66,23 +66,27 @@ class Bearer:
 
 @dataclass(frozen=True)
 class _Seen:
-    """A line, and the forces that the contacts of one model have exerted on it."""
+    """A line at an instant, and the forces that the contacts of one model have exerted on it."""
 
     line: Line
-    forces: list[Array]
+    forces: Callable[[Line, int], Array]
+    looked: dict[float, tuple[Array, Array]] = field(default_factory=dict)  # a place is often looked at twice
 
     @property
     def length(self) -> float:
         return self.line.length
 
     def at(self, xi: float) -> tuple[Array, Array]:
-        return self.line.at(xi)
+        found = self.looked.get(xi)
+        if found is None:
+            found = self.looked[xi] = self.line.at(xi)
+        return found
 
     def below(self, x: float) -> float:
         return self.line.below(x)
 
     def force(self, number: int = 0) -> Array:
-        return self.forces[number]
+        return self.forces(self, number)
 
 
 class _Course(NamedTuple):
@@ -130,13 +134,21 @@ class _Contact:
 
 
 @contextmanager
-def closing(turns: Sequence[Turns]) -> Iterator[None]:
-    """Let all models go at the end, however it comes."""
+def closing(turns: Sequence[Turns], *, if_failed: bool = False) -> Iterator[None]:
+    """Let all models go at the end, however it comes; or only if it comes early."""
     try:
         yield
-    finally:
-        for partner in turns:
-            partner.close()
+    except BaseException:
+        _close(turns)
+        raise
+    else:
+        if not if_failed:
+            _close(turns)
+
+
+def _close(turns: Sequence[Turns]) -> None:
+    for partner in turns:
+        partner.close()
 
 
 @dataclass
@@ -208,15 +220,11 @@ class Turns:
             TravelEndedError: a contact has come to an end of the line where it is refused.
         """
         self.asked += 1
-        if self._agreed is not None:
-            answer, self._agreed = self._agreed, None
-            seen = bearer.line
-        else:
-            seen = bearer.line
-            if self.exchange.scheme == "parallel" and self._frozen is not None:
-                seen = self._foreseen(self._frozen)
-            answer = self._step(t, seen)
-        self._settle(t, bearer.line, seen, answer)
+        line = seen = self._seen(bearer.line)
+        if self.exchange.scheme == "parallel" and self._frozen is not None:
+            seen = self._seen(self._foreseen(self._frozen))
+        answer, self._agreed = self._agreed or self._step(t, seen), None
+        self._settle(t, line, seen, answer)
         if self.exchange.scheme == "parallel":
             self._frozen = bearer.frozen()
         if self.exchange.scheme == "iterated":
@@ -232,21 +240,22 @@ class Turns:
 
     # -- Asking --------------------------------------------------------------------------------------------------
 
-    def _step(self, t: float, line: Line) -> list[Touch]:
+    def _step(self, t: float, line: _Seen) -> list[Touch]:
         def step() -> Any:
-            return self.model.step(t, self.every, self._seen(line))
+            return self.model.step(t, self.every, line)
 
         return touches(self.name, self._guarded("its model failed", t, step), t, self.most, self.dim)
 
     def _seen(self, line: Line) -> _Seen:
-        nothing = np.zeros(self.dim)
-        return _Seen(line, [nothing if c is None else self._mean_force(c, line) for c in self._contacts])
+        return _Seen(line, self._mean_force)
 
     def _guarded(self, wrong: str, t: float, act: Callable[[], Any]) -> Any:
         try:
             return act()
         except RopewalkError as error:
-            raise type(error)(f"load {self.name}: {error}") if not str(error).startswith("load ") else error from error
+            if type(error) is RopewalkError and not str(error).startswith("load "):
+                raise RopewalkError(f"load {self.name}: {error}") from error
+            raise
         except Exception as error:
             raise RopewalkError(
                 f"load {self.name}: {wrong} at t = {t:g} s ({type(error).__name__}: {error})"
@@ -262,7 +271,7 @@ class Turns:
 
     # -- Accounts ------------------------------------------------------------------------------------------------
 
-    def _settle(self, t: float, line: Line, seen: Line, answer: Sequence[Touch]) -> None:
+    def _settle(self, t: float, line: _Seen, seen: _Seen, answer: Sequence[Touch]) -> None:
         """Close the accounts of the interval that ends now, and note where all contacts are."""
         made = 0.0
         for number in range(self.most):
@@ -287,8 +296,11 @@ class Turns:
         self.peak = made if abs(made) > abs(self.peak) else self.peak
         self._warn(t)
 
-    def _mean_force(self, contact: _Contact, line: Line) -> Array:
+    def _mean_force(self, line: Line, number: int) -> Array:
         """Mean force of a contact on the line since the last exchange, N."""
+        contact = self._contacts[number]
+        if contact is None:
+            return np.zeros(self.dim)
         xi = min(max(contact.push.xi + contact.push.speed * self.every, 0.0), line.length)
         return self._pressed(contact, line.at(xi)[0])
 
@@ -374,7 +386,7 @@ class Turns:
         relax, before, change = 1.0, None, np.inf
         for _ in range(self.exchange.iterations):
             self._remember(pushes)
-            line = bearer.ahead(pushes, h)
+            line = self._seen(bearer.ahead(pushes, h))
             self.model.set_state(state)
             ahead = self._step(t + h, line)
             wanted = self._towards(pushes, ahead, line)

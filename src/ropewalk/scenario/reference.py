@@ -25,7 +25,7 @@ _SECTIONS = [
     ),
     ("Loads given by matrices", ["Matrices", "MatrixWheel"]),
     ("Loads that walk", ["Footsteps", "Harmonic", "Walker", "Balance"]),
-    ("Loads of your own", ["Stepper"]),
+    ("Loads of your own", ["Stepper", "Fmu", "FmuContact", "FmuTravel", "Exchange"]),
     ("Travel", ["Travel", "FreeTravel", "Driver", "Brake"]),
     ("Tables", ["SpeedTable", "ForceTable", "DriveTable", "DisplacementTable"]),
     ("Runs", ["Dynamic", "Quasistatic", "Equilibrium", "Linear"]),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -20,7 +21,7 @@ class Line:
     state: State
     strand: int
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Unstrained length, m."""
         return float(self.setting.strands.links[self.strand] * self.setting.strands.h[self.strand])
@@ -28,8 +29,8 @@ class Line:
     def at(self, xi: float) -> tuple[Array, Array]:
         """Position in m and velocity in m/s of the line at the unstrained length xi in m from its start, (axis,)."""
         i, part = self._place(xi)
-        r, w = self.state.r, self.state.w
-        return r[:, i] + part * (r[:, i + 1] - r[:, i]), w[:, i] + part * (w[:, i + 1] - w[:, i])
+        shares = np.array([1.0 - part, part])
+        return self.state.r[:, i : i + 2] @ shares, self.state.w[:, i : i + 2] @ shares
 
     def below(self, x: float, way: Array | None = None) -> float:
         """The xi in m of the line above or below a horizontal place x in m, along x or a level unit vector (x, y)."""
@@ -45,7 +46,7 @@ class Line:
         i = min(max(int(np.searchsorted(onward * row, onward * x)) - 1, 0), row.size - 2)
         return float(z[i] + (x - row[i]) / (row[i + 1] - row[i]) * (z[i + 1] - z[i]))
 
-    @property
+    @cached_property
     def ends(self) -> tuple[int, int]:
         """Numbers of its first and last node."""
         first = int(self.setting.strands.first[self.strand])
@@ -59,8 +60,13 @@ class Line:
     def _place(self, xi: float) -> tuple[int, float]:
         first, last = self.ends
         X = self.state.X
-        i = int(seat_of(X, xi, self.setting.strands.h[self.strand], first, last))
-        return i, (xi - X[i]) / (X[i + 1] - X[i])
+        i = int(seat_of(X, xi, self._link, first, last))
+        begin = float(X[i])
+        return i, (xi - begin) / (float(X[i + 1]) - begin)
+
+    @cached_property
+    def _link(self) -> float:
+        return float(self.setting.strands.h[self.strand])
 
 
 def set_down(setting: Setting, state: State, bodies: Bodies, k: int, xi: float) -> None:
