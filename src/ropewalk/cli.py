@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -48,6 +49,7 @@ Settings = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Change a value, as run.until=2s; may be repeated."),
 ]
+Picture = Annotated[Path | None, typer.Option("-o", "--output", metavar="FIG", help="Figure: .png, .svg or .pdf.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table, errors only.")]
 
@@ -183,9 +185,7 @@ def show(
 
 @app.command()
 def figures(
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to write to.")] = Path(
-        "figures"
-    ),
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder.")] = Path("figures"),
     only: Annotated[
         list[str] | None,
         typer.Option("--only", metavar="N", help="Draw this figure only, by number or name; may be repeated."),
@@ -246,12 +246,8 @@ def feedback(file: ScenarioFile, settings: Settings = None, as_json: Json = Fals
 @app.command()
 def compare(
     file: ScenarioFile,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FIG", help="Write a figure: .png, .svg or .pdf.")
-    ] = None,
-    tolerance: Annotated[
-        float, typer.Option("--tolerance", metavar="PART", help="Allowed relative distance, as 0.02 for 2 %.")
-    ] = 0.05,
+    output: Picture = None,
+    tolerance: Annotated[float, typer.Option("--tolerance", metavar="PART", help="Allowed distance, as 0.02.")] = 0.05,
     settings: Settings = None,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -274,6 +270,38 @@ def compare(
             _save(found.figure(), output)
             if not quiet:
                 _say(f"{output} written")
+
+
+@app.command()
+def adequacy(
+    file: ScenarioFile,
+    x: Annotated[str, typer.Option("--x", metavar="KEY=FROM:TO:COUNT[:log]", help="First parameter, key or ratio.")],
+    y: Annotated[str, typer.Option("--y", metavar="KEY=FROM:TO:COUNT[:log]", help='Second, as "load ratio=0.01:1:9".')],
+    rung: Annotated[list[str], typer.Option("--rung", help="Simpler model; may be repeated.")] = ["linear"],  # noqa: B006
+    quantity: Annotated[str, typer.Option("--quantity", help="In which it is compared.")] = "deflection",
+    tolerance: Annotated[str, typer.Option("--tolerance", help="Allowed relative distance, 0.02 or 2 %.")] = "5 %",
+    store: Annotated[Path | None, typer.Option("--store", help="Points [default: FILE.adequacy.jsonl].")] = None,
+    workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
+    retry: Annotated[bool, typer.Option("--retry", help="Compute points that have failed once more.")] = False,
+    output: Picture = None,
+    settings: Settings = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Map where in a plane of two parameters a simpler model is good enough; go on where a map was stopped."""
+    with _reported(), _progress_of_many(quiet) as progress:
+        if output is not None:
+            _check_picture(output, FIGURE_SUFFIXES)
+        found = import_module("ropewalk.compare.command").adequacy_from_text(
+            _load(file, settings), (x, y), rung, quantity, tolerance, store or Path(f"{file.stem}.adequacy.jsonl"),
+            workers, retry, progress,
+        )  # fmt: skip
+        if output is not None:
+            _save(found.figure(rung), output)
+    if as_json:
+        _print_json(found.as_dict())
+    elif not quiet:
+        typer.echo("\n".join(str(found.coverage(name)) for name in rung))
 
 
 @app.command()
@@ -403,15 +431,8 @@ def _fail(message: str, code: int = BAD_INPUT) -> None:
 @contextmanager
 def _progress(label: str, quiet: bool) -> Iterator[Progress | None]:
     """A bar on stderr if that is a terminal; gives the function that moves it."""
-    if quiet or not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import Progress as Bar
-
-    with Bar(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(label, total=1.0)
-        yield lambda done: bar.update(task, completed=done)
+    with _progress_of_many(quiet) as told:
+        yield told and partial(told, label)
 
 
 @contextmanager
@@ -442,9 +463,9 @@ def _reported(target: Path | None = None) -> Iterator[None]:
         yield
     except typer.Exit:
         raise
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
         kept = f"; what was computed is kept in {target}" if _stamp(target) != before else ""
-        _fail(f"interrupted{kept}", INTERRUPTED)
+        _fail(str(stop) or f"interrupted{kept}", INTERRUPTED)
     except BrokenPipeError:  # the reader of stdout has gone, as in `ropewalk schema | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise typer.Exit(FAULT) from None

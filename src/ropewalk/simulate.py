@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.errors import EquilibriumError, Problem, RopewalkError, ScenarioError
-from ropewalk.foreign.turns import Turns, closing
+from ropewalk.foreign.turns import Turns, begun, closing
 from ropewalk.mechanics.bodies import Bodies, are_weightless
 from ropewalk.mechanics.chain import Array, State
 from ropewalk.model.load import MovingForce
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.exchanges import exchanged, foreign_in
+from ropewalk.results.exchanges import exchanged, exchanging, foreign_in
 from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
 from ropewalk.results.snapshot import Camera, layout_of, standing_frame
 from ropewalk.solve.boarding import board, resting_forces
@@ -236,7 +236,7 @@ def _course(
     )  # fmt: skip
     guides = guides_of(setting, scenario, bodies)
     turns = [guide.turns for guide in guides if isinstance(guide, Partner)]
-    with closing(turns, if_failed=True):
+    with begun(turns):
         for guide in guides:
             guide.begin(state)
 
@@ -251,7 +251,7 @@ def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account
     choice, turns, states = _course(setting, scenario, state, bodies)
     account.method, account.reason, account.step = choice.method, choice.reason, choice.step
     camera, progress = Camera(setting, bodies), Progress()
-    with closing(turns):
+    with exchanging(turns, account):
         yield exchanged(camera.take(state), turns, account)
         warned, parted = False, set[int]()
         for current in states(times[1:], progress):

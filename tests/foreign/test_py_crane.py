@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.metadata import distribution
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.crane import ALONG_WIRE, GRAVITY, HangingCrane
-from ropewalk.model import Dynamic, Line, Scenario, Stepper
+from ropewalk.model import Dynamic, Fmu, Line, MovingForce, Oscillator, Scenario, Stepper
 from ropewalk.simulate import simulate
 
 STEP = 0.01  # s
@@ -20,7 +21,8 @@ LUFFING = {"der(boom.boom[1])": [[0.0, 0.1, 1.0], [0.0, -12.0, -12.0]]}  # s, de
 @pytest.fixture(scope="module")
 def crane() -> Any:
     pytest.importorskip("fmpy", reason='FMPy is not installed: pip install "ropewalk[foreign]"')
-    return pytest.importorskip("py_crane", reason='py-crane is not installed: pip install "ropewalk[foreign]"')
+    pytest.importorskip("py_crane", reason='py-crane is not installed: pip install "ropewalk[foreign]"')
+    return HangingCrane(0.0)  # so that all FMUs of this file take the modules that are installed
 
 
 class Watched(HangingCrane):
@@ -31,6 +33,7 @@ class Watched(HangingCrane):
         self.seen: list[tuple[float, ...]] = []
         self.own: list[float] = []
         self.across: list[float] = []
+        self.foreseen: list[float] = []
 
     def step(self, t: float, h: float, line: Any) -> Any:
         borne = -float(line.force(0)[-1])
@@ -40,6 +43,7 @@ class Watched(HangingCrane):
         self.seen.append((borne, self.height, load[2], load[0]))
         self.own.append(self.own_force[2])
         self.across.append(touches[0].force[0])
+        self.foreseen.append(self.height + h * touches[0].motion[1])
         return touches
 
 
@@ -96,6 +100,14 @@ def test_the_rope_feels_that_force(still: Any) -> None:
     assert off < 0.01  # the damper jumps at an exchange by what was foreseen wrongly: c * jerk * step^2 = 600 N, 0.3 %
 
 
+def test_it_foresees_where_it_will_be(still: Any) -> None:
+    model, _ = still
+    height = np.array(model.seen)[:, 1]
+    wrong = np.abs(height[1:] - model.foreseen[:-1])[1:].max()
+    print(f"wrong by {wrong:.2e} m")
+    assert wrong < 2e-4  # m, change of acceleration * step^2; without the acceleration it is g * step^2 = 1e-3
+
+
 def test_it_says_itself_what_its_frame_exerts_but_twice(still: Any) -> None:
     """`force` of py-crane 0.3.1 counts pedestal and boom twice and the load not at all."""
     model, _ = still
@@ -124,6 +136,42 @@ def test_a_load_that_swings_pulls_the_rope_along(luffed: Any) -> None:
     pulled = np.array(model.across)[3:]
     assert np.abs(pulled).max() > 50.0  # N
     assert pulled == pytest.approx(-model.masses[1] * np.diff(x, 2)[:-1] / 0.01**2, abs=1e-6 * np.abs(pulled).max())
+
+
+def test_a_mass_of_its_other_fmu_on_a_rope_is_our_own_oscillator(crane: Any) -> None:
+    """HarmonicOscillator6D by kind: fmu, with no spring of its own, on the spring of the interface.
+
+    The FMU of 0.3.1 takes its force for an acceleration (x'' = -k/m x - c/m v + f), hence the factor.
+    """
+    mass, stiffness, damping = 50.0, 2e4, 100.0
+    file = next(str(each.locate()) for each in distribution("py-crane").files or [] if "Oscillator6D.fmu" in each.name)
+    hook = {"gives": "motion", "force": "f[2]", "height": "x[2]", "velocity": "v[2]", "force_factor": -mass}
+    free = {f"{name}[{i}]": 0.0 for name in "kc" for i in range(6)}
+    travel = {"speed": 0.0, "from": 12.0}
+    foreign = Fmu.model_validate({
+        "on": "rope", "file": file, "contacts": {"hook": hook}, "travel": travel, "parameters": free, "every": 2e-3,
+        "exchange": {"stiffness": stiffness, "damping": damping},
+    })  # fmt: skip
+    own = Oscillator.model_validate(
+        {"on": "rope", "mass": mass, "stiffness": stiffness, "damping": damping, "travel": travel}
+    )
+    rope = Line.model_validate({
+        "start": (0, 0), "end": (20, 0), "tension": 2e4, "mass": 1.0, "axial_stiffness": 5e6, "axial_damping": 50.0,
+        "elements": 80,
+    })  # fmt: skip
+    walker = MovingForce.model_validate({"on": "rope", "force": [0, -800], "travel": {"speed": 5.0, "from": 1.0}})
+    run = Dynamic(until=1.0, every=0.01)
+    results = [
+        simulate(Scenario(lines={"rope": rope}, loads={"walker": walker, "mass": load}, run=run, gravity=0.0))
+        for load in (foreign, own)
+    ]
+    found, known = (r.position.sel(axis="z").to_numpy() for r in results)
+    shape = np.abs(found - known).max() / np.abs(known).max()
+    found, known = (r.contact_force.sel(axis="z", contact=1).to_numpy() for r in results)
+    force = np.abs(found - known).max() / np.abs(known).max()
+    print(f"rope {shape:.2e}, force {force:.2e}")
+    assert shape < 2e-3
+    assert force < 0.02  # our own mass has springs along the rope, too
 
 
 def test_without_a_spring_it_is_refused(crane: Any) -> None:

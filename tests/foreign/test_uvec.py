@@ -201,6 +201,13 @@ def test_it_begins_in_equilibrium_and_stays_there(uvec: Any, power: float) -> No
     assert np.abs(model.motion[1]).max() < 1e-9  # m/s
 
 
+def test_its_contacts_travel_as_fast_as_they_say(uvec: Any) -> None:
+    model, ground = coach(1.0, start=10.0, speed=20.0), Rigid()
+    one, two = (model.step(n * 1e-3, 1e-3, ground) for n in (0, 1))
+    for before, after in zip(one, two, strict=True):
+        assert after.xi - before.xi == pytest.approx(1e-3 * before.speed, rel=1e-9)
+
+
 def test_it_goes_back_to_a_state(uvec: Any) -> None:
     model, ground = coach(1.5, start=15.0, speed=0.0), Rigid()
     model.reset(ground)
@@ -208,8 +215,9 @@ def test_it_goes_back_to_a_state(uvec: Any) -> None:
         ground.height = 1e-4 * n
         model.step(n * 1e-3, 1e-3, ground)
     state, found = model.get_state(), []
-    for _ in range(2):
-        model.set_state(state)
+    for is_back in (False, True):
+        if is_back:
+            model.set_state(state)
         ground.height = 4e-4
         found.append([model.step(n * 1e-3, 1e-3, ground)[0].force[-1] for n in range(5, 9)])
     assert found[0] == found[1]

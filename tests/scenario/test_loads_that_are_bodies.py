@@ -68,9 +68,9 @@ RIGHT = {
     "an FMU": "kind: fmu, on: rope, file: cart.fmu, contacts: {w: {force: F, height: z}}, travel: {speed: 3}",
     "an FMU with all keys": "kind: fmu, on: rope, file: cart.fmu, contacts: {f: {at: 1, force: F.1, force_along: X, "
     "height: z, velocity: v, place: s, height_from: zero, force_factor: 1, motion_factor: -1}, r: {at: -1, gives: "
-    "motion, force: G, height: y}}, travel: {speed: 3, measured: horizontal, from: 2, at_end: stay}, parameters: {m: 3, "
-    "k.a: 1.5, on: true, name: x}, start_values: {z: 0}, every: 2 ms, exchange: {stiffness: 1 MN/m}, isolated: true, "
-    "patience: 5 s",
+    "motion, force: G, height: y}}, travel: {speed: 3, measured: horizontal, from: 2, at_end: stay}, parameters: "
+    "{m: 3, k.a: 1.5, on: true, name: x}, start_values: {z: 0}, every: 2 ms, exchange: {stiffness: 1 MN/m}, isolated: "
+    "true, patience: 5 s",
 }
 
 

@@ -160,8 +160,8 @@ def _found(file: str) -> Path:
     fmus = {each.name: Path(str(each.locate())) for each in files if each.suffix == ".fmu"}
     if file not in fmus:
         raise RopewalkError(f"there is no FMU {file}; {did_you_mean(file, fmus)}")
-    # It brings modules of its own, which stay when its folder has gone, and half of which the next FMU of its kind would
-    # find: let all take those that are installed.
+    # It brings modules of its own, which stay when its folder has gone, and half of which the next FMU of its kind
+    # would find: let all take those that are installed.
     for module in ("component_model.model", "component_model.utils.transform", "py_crane.crane_fmu"):
         imported(module, "py-crane")
     return fmus[file]

@@ -19,7 +19,6 @@ from ropewalk.foreign.packages import imported
 from ropewalk.foreign.protocol import SeenLine, Touch
 from ropewalk.mechanics.chain import Array
 
-
 _MOMENT = 1e-4  # s, in which the slope of the line at the beginning is looked at
 
 _RESIDUAL = 1e-10  # of Newton's iterations, of the weight of the body
@@ -28,8 +27,8 @@ _RESIDUAL = 1e-10  # of Newton's iterations, of the weight of the body
 class ExudynVehicle:
     """A body with two wheelsets, in the vertical plane, that travels along the line at a constant speed.
 
-    It begins in its equilibrium on the line as it finds it, and rolling along it. Its contacts are springs that hold on to the line:
-    nothing lifts off. Before and behind the line the ground is as high as the line's ends.
+    It begins in its equilibrium on the line as it finds it, and rolling along it. Its contacts are springs that hold on
+    to the line: nothing lifts off. Before and behind the line the ground is as high as the line's ends.
 
     Args:
         start: place of the body's centre at the beginning, m from the start of the line; may be negative.
@@ -158,8 +157,8 @@ class ExudynVehicle:
         times = self._settings.timeIntegration
         times.numberOfSteps, times.endTime, times.generalizedAlpha.useNewmark = 1, 0.0, True
         times.verboseMode, self._settings.solution.file.write = 0, False
-        # In steady motion nothing is left to reduce: a residual counts by the weight. And steps cut short in secret would
-        # not know where the line is then.
+        # In steady motion nothing is left to reduce: a residual counts by the weight. And steps cut short in secret
+        # would not know where the line is then.
         times.newton.absoluteTolerance, times.adaptiveStep = _RESIDUAL * self.body_mass * 9.81, False
         self._solver = self._exudyn.MainSolverImplicitSecondOrder()
         self._solver.InitializeSolver(mbs, self._settings)

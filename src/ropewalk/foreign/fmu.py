@@ -15,6 +15,9 @@ from ropewalk.foreign.protocol import SeenLine, Touch
 from ropewalk.foreign.slave import Slave, Worker
 from ropewalk.model.fmu import Fmu, FmuContact
 
+# Part of a line, on both sides of a contact, over which its slope is taken at the beginning: about half a link.
+_SLOPE = 0.005
+
 
 class _Past(NamedTuple):
     """What is remembered of a contact, the newest first."""
@@ -82,7 +85,7 @@ class FmuModel:
         self._t = 0.0
         self._pasts: list[_Past] = []
         self._grounds: list[float] = []
-        self._way = 1.0
+        self._ends, self._way = (0.0, 0.0), 1.0  # m, places of the ends along x, and which way it goes
         if self._wiring.can_go_back:
             self.get_state: Callable[[], State] | None = self._save
             self.set_state: Callable[[State], None] | None = self._restore
@@ -99,7 +102,7 @@ class FmuModel:
             RopewalkError: it cannot be loaded or initialised.
         """
         self.close()
-        first, last = float(line.at(0.0)[0][0]), float(line.at(line.length)[0][0])
+        first, last = self._ends = float(line.at(0.0)[0][0]), float(line.at(line.length)[0][0])
         self._way = 1.0 if last >= first else -1.0
         self._t, self._pasts, self._grounds = 0.0, [_Past()] * self.contacts, []
         for contact in self._contacts:
@@ -151,10 +154,10 @@ class FmuModel:
         along = contact.start + way
         if self._load.travel.measured == "material":
             return along, speed
-        first, last = float(line.at(0.0)[0][0]), float(line.at(line.length)[0][0])
-        x, span = first + self._way * along, abs(last - first)
         if along < 0.0:
             return along, speed
+        first, last = self._ends
+        x, span = first + self._way * along, abs(last - first)
         return (line.below(x) if along <= span else line.length + along - span), speed
 
     def _look(self, k: int, t: float, h: float, line: SeenLine) -> tuple[float, float, float, float]:
@@ -174,8 +177,7 @@ class FmuModel:
             if past.heights:
                 velocity = _rate(height, past.heights, h)
             else:
-                onward = min(max(here + speed * h, 0.0), length)
-                velocity = float(moving[-1]) + (float(line.at(onward)[0][-1]) - height) / h
+                velocity = float(moving[-1]) + _slope(line, here, max(abs(speed) * h, _SLOPE * length)) * speed
         self._pasts[k] = _Past((height, *past.heights[:1]), (xi, *past.places[:1]), past.answers)
         return xi, speed, height, velocity
 
@@ -209,6 +211,14 @@ class FmuModel:
             rise = _rate(height, past.answers, h) if past.answers else 0.0
             self._pasts[k] = past._replace(answers=(height, *past.answers[:1]))
         return Touch(xi, force, speed, (height, rise))
+
+
+def _slope(line: SeenLine, xi: float, reach: float) -> float:
+    """Slope of a line from as far behind a place as ahead of it: where it has a corner, the mean of both sides."""
+    behind, ahead = max(xi - reach, 0.0), min(xi + reach, line.length)
+    if ahead <= behind:
+        return 0.0
+    return float(line.at(ahead)[0][-1] - line.at(behind)[0][-1]) / (ahead - behind)
 
 
 def _rate(now: float, before: tuple[float, ...], h: float) -> float:

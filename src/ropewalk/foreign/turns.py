@@ -134,21 +134,24 @@ class _Contact:
 
 
 @contextmanager
-def closing(turns: Sequence[Turns], *, if_failed: bool = False) -> Iterator[None]:
-    """Let all models go at the end, however it comes; or only if it comes early."""
+def closing(turns: Sequence[Turns]) -> Iterator[None]:
+    """Let all models go at the end, however it comes."""
+    try:
+        yield
+    finally:
+        for partner in turns:
+            partner.close()
+
+
+@contextmanager
+def begun(turns: Sequence[Turns]) -> Iterator[None]:
+    """Let all models go if they do not even begin."""
     try:
         yield
     except BaseException:
-        _close(turns)
+        for partner in turns:
+            partner.close()
         raise
-    else:
-        if not if_failed:
-            _close(turns)
-
-
-def _close(turns: Sequence[Turns]) -> None:
-    for partner in turns:
-        partner.close()
 
 
 @dataclass
@@ -182,7 +185,6 @@ class Turns:
     _contacts: list[_Contact | None] = field(default_factory=list)
     _frozen: Line | None = None
     _agreed: list[Touch] | None = None
-    _warned: bool = False
     _disagreed: bool = False
 
     def begin(self, line: Line) -> None:
@@ -224,7 +226,7 @@ class Turns:
         if self.exchange.scheme == "parallel" and self._frozen is not None:
             seen = self._seen(self._foreseen(self._frozen))
         answer, self._agreed = self._agreed or self._step(t, seen), None
-        self._settle(t, line, seen, answer)
+        self._settle(line, seen, answer)
         if self.exchange.scheme == "parallel":
             self._frozen = bearer.frozen()
         if self.exchange.scheme == "iterated":
@@ -232,6 +234,16 @@ class Turns:
         pushes = [self._foresee(contact) for contact in self._contacts]
         self._remember(pushes)
         return pushes
+
+    def verdict(self) -> list[str]:
+        """What is to be said of the energy that the exchange has made up to now."""
+        if self.asked <= SETTLED or self.residual <= self.exchange.warn * self.work:
+            return []
+        return [
+            f"load {self.name}: the exchange with its model has made {self.residual:.3g} J of energy, with "
+            f"{self.work:.3g} J of work that went through it; shorten `every`, give exchange.damping, or write "
+            "exchange.scheme: iterated"
+        ]
 
     def close(self) -> None:
         """Let the model go."""
@@ -271,7 +283,7 @@ class Turns:
 
     # -- Accounts ------------------------------------------------------------------------------------------------
 
-    def _settle(self, t: float, line: _Seen, seen: _Seen, answer: Sequence[Touch]) -> None:
+    def _settle(self, line: _Seen, seen: _Seen, answer: Sequence[Touch]) -> None:
         """Close the accounts of the interval that ends now, and note where all contacts are."""
         made = 0.0
         for number in range(self.most):
@@ -294,7 +306,6 @@ class Turns:
             self._contacts[number] = now
         self.residual += made
         self.peak = made if abs(made) > abs(self.peak) else self.peak
-        self._warn(t)
 
     def _mean_force(self, line: Line, number: int) -> Array:
         """Mean force of a contact on the line since the last exchange, N."""
@@ -326,16 +337,6 @@ class Turns:
         stored = 0.5 * self.exchange.stiffness * (apart[1] ** 2 - apart[0] ** 2)
         lost = self.exchange.damping * (apart[1] - apart[0]) ** 2 / self.every
         return float(gain + stored + lost - on_line[-1] * (now.motion[0] - before.motion[0]))
-
-    def _warn(self, t: float) -> None:
-        if self._warned or self.asked <= SETTLED or self.residual <= self.exchange.warn * self.work:
-            return
-        self._warned = True
-        self.remarks.append(
-            f"load {self.name}: by t = {t:.4g} s the exchange with its model has made {self.residual:.3g} J of energy, "
-            f"with {self.work:.3g} J of work that went through it; shorten `every`, give exchange.damping, or write "
-            "exchange.scheme: iterated"
-        )
 
     # -- Looking ahead -------------------------------------------------------------------------------------------
 

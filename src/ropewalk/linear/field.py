@@ -64,15 +64,24 @@ class Field:
                     f"load {self.names[k]}: modes are for a constant force that enters at an end with constant speed; "
                     "leave run.modes out"
                 )
-            path = (np.array([0.0, self.until]), self.place(k, np.array([0.0, self.until])))
-            way = path if loads.speed_count[k] == 1 else (lambda tau: self.place(k, tau))
-            return travelling_force(x if V > 0.0 else chord.length - x, t, path=way, force=size, **line)
+            return travelling_force(x if V > 0.0 else chord.length - x, t, path=self._way(k), force=size, **line)
         if not from_end:
             raise RopewalkError(
                 f"load {self.names[k]}: on a beam the linear theory here knows a constant force that enters at an end "
                 "with constant speed"
             )
         return beam.moving_force(x, t, force=float(size), speed=abs(V), modes=self.modes, **chord.beam)
+
+    def _way(self, k: int) -> Any:
+        """Path of load k as times in s and places in m, if its speed is constant between jumps; else a function."""
+        loads = self.setting.loads
+        part = slice(loads.speed_first[k], loads.speed_first[k] + loads.speed_count[k])
+        time, speed = loads.speed_time[part], loads.speed_value[part]
+        if np.any((np.diff(time) > 0.0) & (np.diff(speed) != 0.0)):
+            return lambda tau: self.place(k, tau)
+        inside = time[(time > 0.0) & (time < self.until)]
+        times = np.unique(np.concatenate([[0.0], inside, [self.until]]))
+        return times, self.place(k, times)
 
     def _force(self, k: int, a: int) -> Any:
         """Component of the force of load k across the chord: a number, or a table (times, values)."""

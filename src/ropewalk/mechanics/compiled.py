@@ -6,6 +6,7 @@ is not finite is found by the callers.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numba
@@ -27,3 +28,15 @@ lean_inner: Any = njit(**_common, _nrt=False, fastmath=_fused, no_cpython_wrappe
 inlined: Any = njit(**_common, _nrt=False, fastmath=_fused, no_cpython_wrapper=True, forceinline=True)
 # Sums may be re-ordered so that loops with a sum vectorise; nothing may rely on the order.
 summing: Any = njit(**_common, _nrt=False, fastmath={"reassoc", *_fused})
+
+
+def entry_of(dispatcher: Any, arguments: Sequence[Any]) -> Callable[..., Any]:
+    """The compiled code for arguments of these types, to be called again with others of the same types and layouts.
+
+    Finding out the types of sixty arrays costs as much as thousands of nodes: once is enough. What is None counts as
+    left out, so that everybody without it shares one kernel in the cache.
+    """
+    if not hasattr(dispatcher, "compile"):  # plain Python
+        return dispatcher  # type: ignore[no-any-return]
+    kinds = [numba.types.Omitted(None) if argument is None else numba.typeof(argument) for argument in arguments]
+    return dispatcher.compile(tuple(kinds))  # type: ignore[no-any-return]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 
-from ropewalk.foreign.turns import Turns
+from ropewalk.foreign.turns import Turns, closing
 from ropewalk.model.load import Foreign
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account, Frame
@@ -16,6 +17,16 @@ from ropewalk.results.frame import Account, Frame
 def foreign_in(scenario: Scenario) -> tuple[str, ...]:
     """Names of the loads that are models of somebody else's."""
     return tuple(name for name, load in scenario.loads.items() if isinstance(load, Foreign))
+
+
+@contextmanager
+def exchanging(turns: Sequence[Turns], account: Account) -> Iterator[None]:
+    """Let all models go at the end, however it comes, and say how much energy they have made."""
+    with closing(turns):
+        try:
+            yield
+        finally:
+            account.warnings += [remark for partner in turns for remark in partner.verdict()]
 
 
 def exchanged(frame: Frame, turns: Sequence[Turns], account: Account) -> Frame:

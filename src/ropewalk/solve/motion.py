@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
-from numba import typeof, types
 
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import TravelEndedError
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array, Buffers, Integers, Loads, State, Strands, Supports
+from ropewalk.mechanics.compiled import entry_of
 from ropewalk.solve.choice import RKN6_LIMIT, SAFETY_WITH_MASSES, Choice, bounds, is_compressed, verlet_step
 from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.solve.ends import ends_of
@@ -233,12 +233,8 @@ def _advance(strands, loads, state, room, choice, accuracy, stop, step, ends, bo
         return advance_implicit(strands, loads, state, room, stop, accuracy, step, MOST_STEPS)
     kicks, drifts = RKN6 if choice.method == "rkn6" else VERLET
     arguments = strands, loads, state, room, kicks, drifts, float(stop), float(step), MOST_STEPS, ends, bodies
-    if not hasattr(advance, "compile"):  # plain Python
-        return advance(*arguments)
-    if not entries:  # finding out the types of sixty arrays costs as much as thousands of nodes: once is enough
-        # What is not there counts as left out, so that everybody without it shares one kernel in the cache.
-        kinds = [types.Omitted(None) if argument is None else typeof(argument) for argument in arguments]
-        entries.append(advance.compile(tuple(kinds)))
+    if not entries:
+        entries.append(entry_of(advance, arguments))
     return entries[0](*arguments)
 
 

@@ -9,9 +9,9 @@ from functools import partial
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.turns import TravelEndedError, Turns, closing
+from ropewalk.foreign.turns import TravelEndedError, Turns
 from ropewalk.model.run import common_interval
-from ropewalk.results.exchanges import exchanged
+from ropewalk.results.exchanges import exchanged, exchanging
 from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
 from ropewalk.wires.drive import ON_WIRE, Drive, Record
 from ropewalk.wires.energy import Audit
@@ -130,7 +130,7 @@ class Run:
 
     def frames(self) -> Iterator[Frame]:
         """The frames; a run that blows up ends with the last one before, and the account says so."""
-        with closing(self.turns):
+        with exchanging(self.turns, self.account):
             for frame in self._frames():
                 yield exchanged(frame, self.turns, self.account)
 

@@ -7,11 +7,12 @@ and riders push once in each step (docs/notes/wires.md).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from ropewalk.mechanics.compiled import inlined, lean, lean_inner
+from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
 from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive, Record
 from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Riders, places_of
 from ropewalk.wires.plan import Array
@@ -367,6 +368,7 @@ class LargeMotion:
         self._room = np.zeros(mesh.nodes), np.zeros(mesh.nodes)
         self.tie_at_rest, self.hold_at_rest = np.zeros(len(mesh.plan.ties)), np.zeros((len(mesh.plan.holds), 3))
         self._w = np.zeros((3, WIDTH))
+        self._advance: Callable[..., object] | None = None
 
     @property
     def position(self) -> Array:
@@ -406,11 +408,14 @@ class LargeMotion:
         strain = self.strain()
         strain[self.mesh.strands.first + self.mesh.strands.links] = 0.0
         small = bool(np.abs(strain).max() < 0.5 * SMALL_STRAIN)
-        advance(
+        arguments = (
             self.mesh.strands, self.threads, self.strings, self.grips, self.watched, self.riders, self.pace,
             self._level, self._slope, *self._r, *self._room, small, self.inner, drive, record, steps,
             sweeps_of(self.riders, self.grips.base.size), self._w,
         )  # fmt: skip
+        if self._advance is None:
+            self._advance = entry_of(advance, arguments)
+        self._advance(*arguments)
         if record.force.shape[0] * steps * self.inner % 2:
             self._r.reverse()
         return record.turned()

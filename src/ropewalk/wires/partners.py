@@ -47,12 +47,8 @@ class WireLine:
     wire: int
     axes: list[int]
     piece: Callable[[slice], tuple[Array, Array]]  # positions and velocities of some nodes, (3, node) m and m/s
+    length: float  # m
     soft: list[tuple[float, float]] = field(default_factory=list)  # of own contacts: station, force upwards
-
-    @property
-    def length(self) -> float:
-        """Length of the wire, m."""
-        return float(self.mesh.plan.wires[self.wire].length)
 
     def at(self, xi: float) -> tuple[Array, Array]:
         """Position in m and velocity in m/s of the wire at a station, (axis,)."""
@@ -105,6 +101,7 @@ class Partner(Bearer):
     _jumped: list[float] = field(default_factory=list)
 
     def __post_init__(self) -> None:
+        self._length = self.mesh.plan.wires[self.wire].length
         self.turns.begin(self.line)
 
     @property
@@ -154,7 +151,7 @@ class Partner(Bearer):
     def fill(self, drive: Drive, row: int, jumps: list[float] | None = None) -> None:
         """Write into the rows of a drive what the contacts do; `row` rows of the interval are over."""
         every, count = self.turns.every, drive.station.shape[0]
-        late, length = self.sample * (row + np.arange(count)), float(self.mesh.plan.wires[self.wire].length)
+        late, length = self.sample * (row + np.arange(count)), self._length
         part = late / every
         gap = self.motion.pace.gap
         for number, (k, push) in enumerate(zip(self.columns, self.pushes, strict=True)):
@@ -187,7 +184,7 @@ class Partner(Bearer):
             for number, push in enumerate(self.pushes)
             if push is not None
         ]
-        return WireLine(self.mesh, self.wire, self.axes, piece, soft)
+        return WireLine(self.mesh, self.wire, self.axes, piece, self._length, soft)
 
     def _pressing(self, k: int, push: Push) -> float:
         """Force upwards on the wire at the end of an interval, N."""
@@ -210,6 +207,7 @@ def restore(motion: Motion, saved: list[Array]) -> None:
 
 def _changing(motion: Motion) -> list[Array]:
     """Arrays that change; the present and the last instant in this order, whichever array holds them."""
-    groups: list[tuple[Any, ...]] = [motion.pace, motion.grips, motion.strings if isinstance(motion, LargeMotion) else motion.springs]
+    springs = motion.strings if isinstance(motion, LargeMotion) else motion.springs
+    groups: list[tuple[Any, ...]] = [motion.pace, motion.grips, springs]
     arrays: list[Array] = [array for group in groups for array in group if isinstance(array, np.ndarray)]
     return arrays + (motion._r if isinstance(motion, LargeMotion) else motion._u)

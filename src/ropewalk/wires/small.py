@@ -6,11 +6,12 @@ speed to the fourth order in mesh and step (docs/notes/wires.md).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from ropewalk.mechanics.compiled import inlined, lean, lean_inner
+from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
 from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive, Record
 from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Places, Riders, places_of
 from ropewalk.wires.plan import Array, Integers
@@ -411,6 +412,10 @@ class SmallMotion:
         nothing = np.where(self.stencil.gain > 0.0, _NOTHING, 0.0)
         self._u = _apart(nothing)  # now, a step before
         self._room, self._w = np.zeros(mesh.nodes), np.zeros((3, WIDTH))
+        whole = ((0, self.springs.x.size), (0, self.grips.x.size), (0, self._watched.x.size))
+        laden = np.stack([self.stencil.first[:-1], self.stencil.first[1:]], axis=1)
+        self._whole = Window(np.zeros_like(mesh.strands.links), mesh.strands.links + 1, laden, *whole)
+        self._advance: Callable[..., object] | None = None
 
     @property
     def position(self) -> Array:
@@ -439,21 +444,24 @@ class SmallMotion:
         """Go on by the rows of the drive but the last, `steps` steps each."""
         rows, plan = drive.station.shape[0] - 1, self.mesh.plan
         record = Record.of(rows, self.riders, len(plan.ties), len(plan.holds), self.watched)
-        advance(
+        arguments = (
             self.mesh.strands, self.stencil, self.springs, self.grips, self._window(drive), self._watched, self.riders,
             self.pace, self.level, *self._u, self._room, drive, record, steps, self._sweeps, self._w,
         )  # fmt: skip
+        if self._advance is None:
+            self._advance = entry_of(advance, arguments)
+        self._advance(*arguments)
         if (rows * steps) % 2:
             self._u.reverse()
         return record.turned()
 
     def _window(self, drive: Drive) -> Window:
+        if not np.isfinite(self.window):
+            return self._whole
         strands, on = self.mesh.strands, drive.where == ON_WIRE
         station = x_of(self.mesh, np.broadcast_to(self.riders.wire, on.shape)[on], drive.station[on])
-        if station.size == 0 or not np.isfinite(self.window):
-            whole = ((0, self.springs.x.size), (0, self.grips.x.size), (0, self._watched.x.size))
-            laden = np.stack([self.stencil.first[:-1], self.stencil.first[1:]], axis=1)
-            return Window(np.zeros_like(strands.links), strands.links + 1, laden, *whole)
+        if station.size == 0:
+            return self._whole
         begin, end, edge = station.min() - self.window, station.max() + self.window, WIDTH * strands.h.max()
         each = strands.across[:, 1] * strands.h  # x of a link
         low = np.clip(np.floor((begin - strands.across[:, 0]) / each), 0, strands.links).astype(np.int64)

@@ -1,0 +1,292 @@
+"""The adequacy map: where in a plane of two parameters a simpler model is good enough."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import ropewalk
+from ropewalk.compare.axes import Axis, overlap
+from ropewalk.compare.coverage import Coverage, coverage_of
+from ropewalk.compare.points import Distances, Outcome, Place, Points
+from ropewalk.compare.pool import cores, each
+from ropewalk.errors import Problem, RopewalkError, ScenarioError, did_you_mean
+from ropewalk.mechanics.chain import Array
+from ropewalk.model import Scenario
+from ropewalk.scenario import dump, loads
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Measure = Callable[[Scenario], Distances]
+Progress = Callable[[int, int], None]
+
+TOLERANCE = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class AdequacyMap:
+    """How far each simpler model is from the full one, at each point of a plane."""
+
+    title: str
+    x: Axis
+    y: Axis
+    rungs: tuple[str, ...]
+    quantities: tuple[str, ...]
+    distances: Array  # (rung, quantity, y, x): relative distance from the top rung; NaN: none is known
+    reasons: tuple[tuple[str, ...], ...]  # (y, x): why a point has failed; empty: it has not
+    rung: str  # what was asked
+    quantity: str
+    tolerance: float
+
+    def of(self, rung: str | None = None, quantity: str | None = None) -> Array:
+        """Distances (y, x) of one rung in one quantity.
+
+        Raises:
+            ScenarioError: there is no such rung or quantity.
+        """
+        r = _index("rung", rung or self.rung, self.rungs)
+        return np.asarray(self.distances[r, _index("quantity", quantity or self.quantity, self.quantities)])
+
+    def coverage(
+        self, rung: str | None = None, quantity: str | None = None, tolerance: float | None = None
+    ) -> Coverage:
+        """On how much of the plane a rung is good enough, and where."""
+        rung, quantity = rung or self.rung, quantity or self.quantity
+        return coverage_of(self.of(rung, quantity), self.x, self.y, rung, quantity, tolerance or self.tolerance)
+
+    def figure(
+        self, rungs: str | Sequence[str] | None = None, quantity: str | None = None, tolerance: float | None = None
+    ) -> Figure:
+        """Draw the map of one rung, or of several side by side."""
+        from ropewalk.compare.map_figure import map_figure
+
+        chosen = (self.rung,) if rungs is None else (rungs,) if isinstance(rungs, str) else tuple(rungs)
+        return map_figure(self, chosen, quantity or self.quantity, tolerance or self.tolerance)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The map as plain values that fit into JSON; None where no distance is known."""
+        found = self.coverage()
+        return {
+            "title": self.title,
+            "x": self.x.as_dict(),
+            "y": self.y.as_dict(),
+            "rung": self.rung,
+            "quantity": self.quantity,
+            "tolerance": self.tolerance,
+            "adequate": found.adequate,
+            "points": found.points,
+            "verdict": str(found),
+            "distances": {
+                rung: {
+                    quantity: [[_plain(d) for d in row] for row in self.distances[r, q].tolist()]
+                    for q, quantity in enumerate(self.quantities)
+                }
+                for r, rung in enumerate(self.rungs)
+            },
+            "failed": [
+                {"point": [i, j], "x": self.x.values[i], "y": self.y.values[j], "reason": reason}
+                for j, row in enumerate(self.reasons)
+                for i, reason in enumerate(row)
+                if reason
+            ],
+        }
+
+
+def adequacy(
+    scenario: Scenario,
+    x: Axis,
+    y: Axis,
+    *,
+    rung: str = "linear",
+    quantity: str = "deflection",
+    tolerance: float = TOLERANCE,
+    store: str | os.PathLike[str] | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    retry: bool = False,
+    measure: Measure | None = None,
+) -> AdequacyMap:
+    """Compute how far simpler models are from the full one over a plane of two parameters.
+
+    All rungs and quantities are computed in one go and kept, so another one is a matter of drawing. A point that
+    fails is kept with its reason and does not end the map. With several workers a script must call this under
+    `if __name__ == "__main__":`, as for all processes in Python.
+
+    Args:
+        scenario: what the points are changes of.
+        x: first parameter.
+        y: second parameter.
+        rung: the simpler model that is asked about.
+        quantity: in which it is compared with the full one.
+        tolerance: relative distance up to which it is good enough.
+        store: file of JSON lines for the finished points; a call with the same store goes on where the last one was
+            stopped.
+        workers: processes, of one thread each (default: one for each core that may be used; 1: none but this).
+        progress: called with the number of finished points and that of all.
+        retry: compute points that have failed once more.
+        measure: a scenario in, distances by rung and quantity out (default: `ropewalk.compare.distances`).
+
+    Raises:
+        ScenarioError: an axis does not go with the scenario, both change the same thing, or there is no such rung or
+            quantity.
+        ResultError: the store is something else, or belongs to another scenario or other axes.
+        RopewalkError: no point could be computed.
+        KeyboardInterrupt: its message says how many points are done and how to go on.
+    """
+    if not (math.isfinite(tolerance) and tolerance > 0.0):
+        _refuse("tolerance", "must be positive", f"{tolerance:g}", "write for example 0.05")
+    workers = cores() if workers is None else workers
+    if workers < 1:
+        _refuse("workers", "must be at least 1", str(workers), "leave it out to use all cores")
+    if measure is None:
+        from ropewalk.compare import QUANTITIES, RUNGS
+
+        _index("rung", rung, RUNGS)
+        _index("quantity", quantity, (*QUANTITIES, "share beyond"))
+    text = dump(scenario)
+    x, y = x.resolved(scenario), y.resolved(scenario)
+    _check_plane(text, x, y)
+    compute = partial(_point, text, x, y, measure)
+    head = {"ropewalk": ropewalk.__version__, "scenario": _hash(scenario), "title": scenario.title,
+            "x": x.as_dict(), "y": y.as_dict()}  # fmt: skip
+    total = len(x.values) * len(y.values)
+    with Points(None if store is None else Path(store), head, retry) as points:
+        missing = [(i, j) for j in range(len(y.values)) for i in range(len(x.values)) if (i, j) not in points.done]
+        if progress is not None:
+            progress(total - len(missing), total)
+        finished = each(missing, compute, min(workers, max(len(missing), 1)))
+        try:
+            for place, outcome in finished:
+                points.add(place, outcome)
+                if progress is not None:
+                    progress(len(points.done), total)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(_how_to_go_on(len(points.done), total, store)) from None
+        finally:
+            finished.close()
+        return _map(scenario.title, x, y, points.done, rung, quantity, tolerance)
+
+
+def scenario_at(scenario: Scenario, x: Axis, y: Axis, at: tuple[float, float]) -> Scenario:
+    """The scenario of one point of a plane.
+
+    Args:
+        scenario: what it is a change of.
+        x: first parameter.
+        y: second parameter.
+        at: values of both.
+
+    Raises:
+        ScenarioError: the scenario cannot have these values.
+        EquilibriumError: a line has no rest to find its tension from.
+    """
+    text = dump(scenario)
+    return loads(text, "scenario", _settings(text, x, y, at))
+
+
+def _settings(text: str, x: Axis, y: Axis, at: tuple[float, float]) -> list[str]:
+    """Overrides of a point; keys come first, so that ratios are those of the changed scenario."""
+    settings: list[str] = []
+    for axis, value in sorted(zip((x, y), at, strict=True), key=lambda pair: pair[0].is_ratio):
+        settings += axis.overrides(loads(text, "scenario", settings), value)
+    return settings
+
+
+def _point(text: str, x: Axis, y: Axis, measure: Measure | None, place: Place) -> Outcome:
+    """Compute one point; whatever goes wrong is its outcome."""
+    began = time.perf_counter()
+    settings: list[str] = []
+    try:
+        settings = _settings(text, x, y, (x.values[place[0]], y.values[place[1]]))
+        if measure is None:
+            from ropewalk.compare import distances as climbed
+
+            measure = climbed
+        found = measure(loads(text, "scenario", settings))
+        plain = {rung: {name: _plain(value) for name, value in row.items()} for rung, row in found.items()}
+        return Outcome(plain, settings=tuple(settings), seconds=time.perf_counter() - began)
+    except RopewalkError as error:
+        reason = "; ".join(str(error).splitlines())
+    except Exception as error:  # a fault at one point does not take the others with it
+        reason = f"a fault of ropewalk: {type(error).__name__}: {error}"
+    return Outcome(None, reason, tuple(settings), time.perf_counter() - began)
+
+
+def _check_plane(text: str, x: Axis, y: Axis) -> None:
+    """Refuse axes that change the same thing, or that no value of which goes with the scenario."""
+    base = loads(text, "scenario")
+    keys = [[override.partition("=")[0] for override in _first_possible(text, base, axis)] for axis in (x, y)]
+    both = overlap(*keys)
+    if both:
+        remedy = "take axes that change different things, such as a key of the line for one of them"
+        _refuse("axes", f"{x.name} and {y.name} both change {', '.join(both)}", "", remedy)
+
+
+def _first_possible(text: str, base: Scenario, axis: Axis) -> list[str]:
+    """Overrides of the first value that the scenario can have."""
+    first: RopewalkError | None = None
+    for value in axis.values:
+        try:
+            overrides = axis.overrides(base, value)
+            loads(text, "scenario", overrides)
+        except RopewalkError as error:
+            first = first or error
+        else:
+            return overrides
+    assert first is not None
+    raise first
+
+
+def _hash(scenario: Scenario) -> str:
+    untitled = scenario.model_copy(update={"title": ""})
+    return hashlib.sha256(dump(untitled).encode()).hexdigest()
+
+
+def _how_to_go_on(done: int, total: int, store: str | os.PathLike[str] | None) -> str:
+    if store is None:
+        return f"interrupted; {done} of {total} points were done and are lost: with a store they would be kept"
+    return f"interrupted; {done} of {total} points are done and kept in {os.fspath(store)}: the same call goes on there"
+
+
+def _map(
+    title: str, x: Axis, y: Axis, done: dict[Place, Outcome], rung: str, quantity: str, tolerance: float
+) -> AdequacyMap:
+    answers = [outcome.distances for _, outcome in sorted(done.items()) if outcome.distances is not None]
+    if not answers:
+        first = done[0, 0].reason
+        raise RopewalkError(f"no point of the plane could be computed; the first one because: {first}")
+    rungs = tuple(dict.fromkeys(r for found in answers for r in found))
+    quantities = tuple(dict.fromkeys(q for found in answers for row in found.values() for q in row))
+    _index("rung", rung, rungs)
+    _index("quantity", quantity, quantities)
+    distances = np.full((len(rungs), len(quantities), len(y.values), len(x.values)), np.nan)
+    for (i, j), outcome in done.items():
+        for r, q in np.ndindex(distances.shape[:2]):
+            value = (outcome.distances or {}).get(rungs[r], {}).get(quantities[q])
+            distances[r, q, j, i] = np.nan if value is None else abs(value)
+    reasons = tuple(tuple(done[i, j].reason for i in range(len(x.values))) for j in range(len(y.values)))
+    return AdequacyMap(title, x, y, rungs, quantities, distances, reasons, rung, quantity, tolerance)
+
+
+def _index(what: str, name: str, known: Sequence[str]) -> int:
+    if name not in known:
+        _refuse(what, f"there is no such {what}", repr(name), did_you_mean(name, known))
+    return known.index(name)
+
+
+def _plain(value: float | None) -> float | None:
+    return float(value) if value is not None and math.isfinite(value) else None
+
+
+def _refuse(key: str, wrong: str, given: str, remedy: str) -> None:
+    raise ScenarioError([Problem(key, wrong, given, remedy)])

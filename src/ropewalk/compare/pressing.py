@@ -1,0 +1,51 @@
+"""Pantographs as the constant force with which they press in the mean: a task that no scenario can say."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ropewalk.compare.trace import Trace, load_of
+from ropewalk.errors import RopewalkError
+from ropewalk.model.pantograph import Pantograph
+from ropewalk.model.scenario import Scenario
+from ropewalk.wires.journey import Journey
+from ropewalk.wires.plan import Array, Contact, Rider
+from ropewalk.wires.task import Task
+from ropewalk.wiring import task_of
+
+
+def pressing_task(scenario: Scenario, found: Mapping[str, Trace]) -> Task:
+    """The task of a scenario with pantographs, each of which presses with its mean force and nothing else.
+
+    Args:
+        scenario: with overhead lines, in motion.
+        found: what its contacts do in full, in the spans where statistics are made.
+
+    Raises:
+        RopewalkError: other loads travel as well.
+    """
+    task = task_of(scenario)
+    journeys = []
+    for journey, name in zip(task.journeys, task.contacts, strict=True):
+        load = load_of(scenario, name)
+        if not isinstance(load, Pantograph):
+            raise RopewalkError(f"load {name} beside pantographs: compare knows them alone; leave it out")
+        mean = float(np.nanmean(found[name].force[:, -1]))
+        journeys.append(_pressed(journey, mean, load.ramp))
+    return replace(task, journeys=tuple(journeys), shown=())
+
+
+def _pressed(journey: Journey, force: float, ramp: float) -> Journey:
+    """A constant force in N on the way of a pantograph, which grows as the forces on the pantograph do."""
+    none = np.zeros((0, 0))
+    contact = Contact(journey.rider.contacts[0].wire, stiffness=0.0)
+    rider = Rider(journey.rider.name, none, none, none, (contact,))
+
+    def given(times: Array) -> Array:
+        grown = np.clip(times / ramp, 0.0, 1.0) if ramp > 0.0 else np.ones_like(times)
+        return (force * grown)[:, None]
+
+    return Journey(rider, journey.place, given=given)

@@ -1,0 +1,267 @@
+"""Rungs: the same scenario with less and less in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from ropewalk.compare.constant import ConstantForces, contacts_in, is_force, without_refusal
+from ropewalk.compare.pressing import pressing_task
+from ropewalk.decouple import cut, rests_within_itself
+from ropewalk.errors import Problem, Refused, RopewalkError, ScenarioError
+from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.history import SpeedTable
+from ropewalk.model.load import MovingForce
+from ropewalk.model.mass import MovingMass
+from ropewalk.model.pantograph import Pantograph
+from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
+from ropewalk.model.scenario import Scenario
+from ropewalk.model.travel import Travel
+from ropewalk.solve.quasistatic import walk
+from ropewalk.solve.start import setting_of
+from ropewalk.solve.timetable import horizon
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ropewalk.compare.trace import Trace
+    from ropewalk.wires.task import Task
+
+LINEAR, SLOW, FORCE, MASS, FULL, CUT = (
+    "linear", "quasi-static", "moving force", "moving mass", "full", "feedback cut",
+)  # fmt: skip
+RUNGS = (LINEAR, SLOW, FORCE, MASS, FULL, CUT)
+"""From the bottom to the top, and the top with its feedback cut."""
+SIMPLEST_FIRST = (LINEAR, SLOW, FORCE, CUT, MASS, FULL)
+FRAMES = 200  # of a run, at least: what is between two of them is compared by straight lines
+POSITIONS = 201  # of a slow motion
+FEW_PIECES = 24  # of constant speed, of a free travel in the linear theory: it looks for waves from every one of them
+
+
+@dataclass(frozen=True)
+class Rung:
+    """What is run for a rung, or why nothing is."""
+
+    name: str
+    scenario: Scenario | None = None
+    task: Task | None = None  # on wires, where no scenario can say it; with the run of the scenario
+    wheels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # contacts that stand for each wheel
+    same_as: str = ""  # the rung that it coincides with
+    remark: str = ""
+    reason: str = ""  # why it cannot be had
+
+
+def top_of(scenario: Scenario) -> Rung:
+    """The full rung: the scenario itself, in time and with all geometry where the package can do that.
+
+    Raises:
+        ScenarioError: there is nothing to compare.
+    """
+    if scenario.nets:
+        wrong, remedy = "compare knows lines, no nets and membranes", "leave nets out"
+        raise ScenarioError([Problem("nets", wrong, ", ".join(scenario.nets), remedy)])
+    if not scenario.loads:
+        raise ScenarioError([Problem("loads", "nothing travels: there is nothing to compare", remedy="add a load")])
+    run = scenario.run
+    if isinstance(run, Equilibrium):
+        wrong, remedy = "a rest has no ladder", "ask for kind: dynamic, linear or quasistatic"
+        raise ScenarioError([Problem("run.kind", wrong, run.kind, remedy)])
+    if isinstance(run, Dynamic):
+        return _complete(scenario.model_copy(update={"run": _finely(run)}))
+    try:
+        with declared():
+            until = run.until if isinstance(run, Linear) else _duration(scenario)
+            every = (run.every if isinstance(run, Linear) else None) or until / 100.0
+            moving = Dynamic(until=until, every=every)
+            loads = {name: without_refusal(load) for name, load in scenario.loads.items()}
+            return _complete(
+                remade(scenario, loads=loads, run=_finely(moving)),
+                f"the scenario asks for kind: {run.kind}; in full it moves in time, with all geometry",
+            )
+    except RopewalkError as error:
+        told = f"kind: {run.kind} is the most that can be had here: {error}"
+        return _complete(scenario, told)
+
+
+def _complete(scenario: Scenario, remark: str = "") -> Rung:
+    return Rung(FULL, scenario, remark=remark)
+
+
+def _finely(run: Dynamic) -> Dynamic:
+    """A run with enough frames."""
+    every = run.every if run.every is not None else run.until / 100.0
+    return run.model_copy(update={"every": min(every, run.until / FRAMES)})
+
+
+def _duration(scenario: Scenario) -> float:
+    """Time in s that a slow motion stands for: until the first load has come to the end of its line."""
+    *_, last = walk(setting_of(scenario, horizon(scenario)), 2)
+    return float(last.t)
+
+
+def remade(scenario: Scenario, **changes: Any) -> Scenario:
+    """A scenario with changes, checked anew."""
+    own = {name: getattr(scenario, name) for name in type(scenario).model_fields}
+    return Scenario(**(own | changes))
+
+
+@contextmanager
+def declared() -> Iterator[None]:
+    """Turn what a declaration refuses into an error that says so.
+
+    Raises:
+        RopewalkError: what is built within is refused.
+    """
+    try:
+        yield
+    except ValidationError as error:
+        told = []
+        for detail in error.errors():
+            refused = detail.get("ctx", {}).get("error")
+            key = ".".join(str(part) for part in detail["loc"])
+            if isinstance(refused, Refused):
+                told.append(str(Problem(key, refused.wrong, refused.given or "", refused.remedy)))
+            else:
+                told.append(f"{key}: {detail['msg']}")
+        raise RopewalkError("; ".join(dict.fromkeys(told))) from error
+
+
+@dataclass(frozen=True)
+class Climb:
+    """The full rung with its result, from which the others are made.
+
+    Args:
+        asked: the scenario as given.
+        full: the rung at the top.
+        result: of it.
+        found: what its wheels do.
+    """
+
+    asked: Scenario
+    full: Rung
+    result: xr.Dataset
+    found: Mapping[str, Trace]
+
+    @property
+    def top(self) -> Scenario:
+        """The full scenario."""
+        assert self.full.scenario is not None
+        return self.full.scenario
+
+    def rung(self, name: str) -> Rung:
+        """Make a rung, or say why it cannot be had."""
+        makers: dict[str, Callable[[], Rung]] = {
+            LINEAR: self._linear, SLOW: self._slow, FORCE: self._force, MASS: self._mass, CUT: self._cut,
+        }  # fmt: skip
+        if name == FULL:
+            return self.full
+        try:
+            with declared():
+                return makers[name]()
+        except RopewalkError as error:
+            return Rung(name, reason=" ".join(str(error).split()))
+
+    @property
+    def _constant(self) -> ConstantForces:
+        return ConstantForces(self.top, self.found)
+
+    @property
+    def _is_pantograph(self) -> bool:
+        return any(isinstance(load, Pantograph) for load in self.top.loads.values())
+
+    def _all(self, *kinds: type) -> bool:
+        return all(isinstance(load, kinds) for load in self.top.loads.values())
+
+    def _linear(self) -> Rung:
+        top = self.top
+        if self._is_pantograph:
+            run = top.run
+            assert isinstance(run, Dynamic)
+            if run.geometry == "linearised":
+                return Rung(LINEAR, same_as=FORCE, remark="the scenario asks for linearised geometry throughout")
+            small = remade(top, run=Dynamic(until=run.until, every=run.every, geometry="linearised"))
+            return Rung(LINEAR, small, pressing_task(small, self.found), contacts_in(self.found))
+        loads, wheels = ConstantForces(top, self.found, FEW_PIECES).forces()
+        until, every = self._clock()
+        modes = self.asked.run.modes if isinstance(self.asked.run, Linear) else None
+        run_linear = Linear(until=until, every=every, modes=modes)
+        return Rung(LINEAR, remade(top, title=self._title(LINEAR), loads=loads, run=run_linear), wheels=wheels)
+
+    def _slow(self) -> Rung:
+        if isinstance(self.top.run, Quasistatic):
+            return Rung(SLOW, same_as=FULL)
+        if self._is_pantograph:
+            raise RopewalkError("stiff lines and overhead lines do not know slow motion")
+        loads, wheels = self._constant.forces()
+        until, _ = self._clock()
+        ended = {name: load.model_copy(update={"travel": _ended(load.travel, until)}) for name, load in loads.items()}
+        run = Quasistatic(positions=POSITIONS)
+        return Rung(SLOW, remade(self.top, title=self._title(SLOW), loads=ended, run=run), wheels=wheels)
+
+    def _force(self) -> Rung:
+        if self._all(MovingForce):
+            return Rung(FORCE, same_as=FULL)
+        if self._is_pantograph:
+            return Rung(FORCE, self.top, pressing_task(self.top, self.found), contacts_in(self.found))
+        loads, wheels = self._constant.forces()
+        return Rung(FORCE, remade(self.top, title=self._title(FORCE), loads=loads), wheels=wheels)
+
+    def _mass(self) -> Rung:
+        if self._all(MovingForce, MovingMass):
+            return Rung(MASS, same_as=FULL)
+        loads, wheels = self._constant.masses()
+        return Rung(MASS, remade(self.top, title=self._title(MASS), loads=loads), wheels=wheels)
+
+    def _cut(self) -> Rung:
+        if self._all(MovingForce, Footsteps):
+            return Rung(CUT, same_as=FULL)
+        if all(isinstance(load, MovingForce) or rests_within_itself(load) for load in self.top.loads.values()):
+            return Rung(CUT, same_as=FORCE)
+        if self._all(Pantograph):
+            return Rung(CUT, same_as=FORCE, remark="under a level, rigid wire a pantograph presses evenly")
+        scenario, names = cut(self.top)
+        loads = {name: without_refusal(load) for name, load in scenario.loads.items()}
+        wheels: dict[str, tuple[str, ...]] = {}
+        for wheel in self.found:
+            parts = [part for part in names if part == wheel or part.startswith(f"{wheel}.")]
+            wheels[wheel] = tuple(name for part in parts for name in names[part]) or (wheel,)
+        return Rung(CUT, remade(scenario, loads=loads), wheels=wheels)
+
+    def _title(self, name: str) -> str:
+        return f"{self.top.title}, {name}"
+
+    def _clock(self) -> tuple[float, float]:
+        """End of the runs in time and interval of their output, s."""
+        run = self.top.run
+        if isinstance(run, Dynamic | Linear):
+            return run.until, min(run.every or run.until / 100.0, run.until / FRAMES)
+        until = _duration(self.top)
+        return until, until / FRAMES
+
+    def finds_speed(self, rung: Rung) -> bool:
+        """Whether loads of a rung find their speeds by themselves, as some do in full."""
+        free = [name for name, load in self.top.loads.items() if not isinstance(getattr(load, "travel", None), Travel)]
+        speeding = [n for n in free if not (is_force(self.top.loads[n]) or isinstance(self.top.loads[n], Pantograph))]
+        return bool(speeding) and rung.name in (MASS, FULL, CUT)
+
+
+def _ended(travel: Travel, until: float) -> Travel:
+    """A travel that ends where it is at a time in s, however far its line goes on."""
+    speed = travel.speed
+    if callable(speed):
+        return travel
+    if isinstance(speed, SpeedTable):
+        at = np.searchsorted(speed.time, until, side="left")
+        time, value = list(speed.time[:at]), list(speed.value[:at])
+        last = float(np.interp(until, speed.time, speed.value))
+        table = SpeedTable(time=(*time, until, until), value=(*value, last, 0.0))
+    elif speed == 0.0:
+        return travel
+    else:
+        table = SpeedTable(time=(0.0, until, until), value=(speed, speed, 0.0))
+    return travel.model_copy(update={"speed": table})

@@ -1,0 +1,20 @@
+"""Co-simulation from outside: lines and vehicles of ropewalk moved step by step, and packed as FMUs for other tools."""
+
+from ropewalk.cosim.export import export
+from ropewalk.cosim.master import FmuPart, Link, Master, RidePart
+from ropewalk.cosim.stepwise import Outside, Sight, Stepwise, stepwise
+from ropewalk.cosim.vehicle import Ride, alone
+
+__all__ = [
+    "FmuPart",
+    "Link",
+    "Master",
+    "Outside",
+    "Ride",
+    "RidePart",
+    "Sight",
+    "Stepwise",
+    "alone",
+    "export",
+    "stepwise",
+]

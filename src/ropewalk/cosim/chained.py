@@ -1,0 +1,224 @@
+"""Chains moved from outside."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ropewalk.cosim.stepwise import Hand, Outside, Sight, Stepwise
+from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.bodies import are_weightless
+from ropewalk.mechanics.chain import OFF, Array
+from ropewalk.mechanics.fleet import Fleet
+from ropewalk.mechanics.rider import link_of
+from ropewalk.model.exchange import Exchange
+from ropewalk.model.run import Dynamic
+from ropewalk.model.scenario import Scenario
+from ropewalk.model.stepper import Stepper
+from ropewalk.results.snapshot import Camera
+from ropewalk.simulate import _initial
+from ropewalk.solve.choice import choose
+from ropewalk.solve.feet import Line, set_down, take_up
+from ropewalk.solve.guides import SLIDES, guides_of
+from ropewalk.solve.motion import Progress, move
+from ropewalk.solve.splitting import RUNNING
+from ropewalk.solve.start import setting_of
+
+
+class _Silent:
+    """Stands for a model that is asked by nobody: its contacts are moved from outside."""
+
+    def step(self, t: float, h: float, line: Any) -> list[Any]:
+        """Press nowhere."""
+        return []
+
+
+class Chained(Stepwise):
+    """Plain lines moved from outside; see `Stepwise`."""
+
+    def __init__(self, scenario: Scenario, outside: Mapping[str, Outside]) -> None:
+        super().__init__(scenario, outside)
+        run = scenario.run
+        assert isinstance(run, Dynamic)
+        steppers = {
+            name: Stepper(on=c.on, model=_Silent(), exchange=Exchange(stiffness=c.stiffness, damping=c.damping))
+            for name, c in outside.items()
+        }
+        whole = scenario.model_copy(update={"loads": {**scenario.loads, **steppers}})
+        setting = setting_of(whole, run.until)
+        if setting.fleet is not None:
+            setting = replace(setting, fleet=_one_sided(setting.fleet, outside))
+        self._state, self._bodies = _initial(setting, whole)
+        self.setting = setting
+        names = [wheel.name for wheel in setting.wheels]
+        self._contact = {name: names.index(name) for name in outside}
+        self._ghost = {name: setting.fleet.ghosts.get(name, ()) for name in outside} if setting.fleet else {}
+        self._moving = None if self._bodies is None or are_weightless(self._bodies) else self._bodies
+        self.choice = choose(
+            setting.strands, setting.loads, self._state, method=run.method, step=run.step, accuracy=run.accuracy,
+            duration=run.until, supports=setting.supports, bodies=self._moving, guided=self._bodies is not None,
+        )  # fmt: skip
+        self._guides = guides_of(setting, scenario, self._bodies)
+        for guide in self._guides:
+            guide.begin(self._state)
+        self._progress, self._until = Progress(), 0.0
+        self._states = move(
+            setting.strands, setting.loads, self._state, self.choice, run.accuracy,
+            self._times(), self._progress, setting.supports, self._moving, self._guides,  # type: ignore[arg-type]
+        )  # fmt: skip
+
+    def _times(self) -> Iterator[float]:
+        """The instants to be moved to, as they are asked for."""
+        while True:
+            yield self._until
+
+    @property
+    def t(self) -> float:  # type: ignore[override]
+        """The time it has come to, s."""
+        return float(self._state.t[0])
+
+    @property
+    def dim(self) -> int:
+        """Number of axes."""
+        return len(self.setting.axes)
+
+    def step(self, h: float) -> None:
+        """Go on by h seconds.
+
+        Raises:
+            RopewalkError: the motion does not get there.
+        """
+        for name, hand in self.hands.items():
+            self._hold(name, hand, h)
+        self._until = self.t + h
+        if next(self._states, None) is None or self._progress.status != RUNNING:
+            outcome, advice = self._progress.told()
+            raise RopewalkError(f"the motion stopped at t = {self.t:.6g} s ({outcome}): {advice}")
+        for hand in self.hands.values():
+            hand.xi += hand.speed * h
+            hand.first = hand.last
+            hand.height += hand.rise * h
+
+    def _hold(self, name: str, hand: Hand, h: float) -> None:
+        """Let a contact do what it is told, from now on."""
+        k, state, bodies, loads, t = self._contact[name], self._state, self._bodies, self.setting.loads, self.t
+        assert bodies is not None
+        if not 0.0 <= hand.xi <= self.length(self.outside[name].on):  # NaN is not, either
+            if state.rider[k] != OFF:
+                take_up(self.setting, state, bodies, k)
+            return
+        away = hand.xi - float(state.xi[k])
+        if state.rider[k] == OFF or abs(away) > SLIDES * float(self.setting.strands.h[loads.strand[k]]):
+            set_down(self.setting, state, bodies, k, hand.xi)
+            away = 0.0
+        first = int(loads.force_first[k])
+        loads.force_time[first : first + 2] = t, t + h
+        if not self.outside[name].is_sprung:
+            loads.force_value[:, first], loads.force_value[:, first + 1] = hand.first, hand.last
+        # The contact stops at an end of the line: what goes on beyond it is lifted with the next step.
+        end = min(max(hand.xi + hand.speed * h, 0.0), self.length(self.outside[name].on))
+        loads.speed_value[loads.speed_first[k]] = (end - hand.xi + away) / h
+        for ghost in self._ghost.get(name, ()):
+            record = bodies.coordinates[ghost]
+            record["q"], record["v"], record["ahead"] = hand.height, hand.rise, hand.rise
+
+    def length(self, line: str) -> float:
+        """Unstrained length of a line, m."""
+        return self._line(line).length
+
+    def at(self, line: str, xi: float) -> tuple[Array, Array]:
+        """Position in m and velocity of the material in m/s of a line, (axis,)."""
+        return self._line(line).at(xi)
+
+    def below(self, line: str, x: float) -> float:
+        """The xi in m of a line above or below a horizontal place x in m."""
+        return self._line(line).below(x)
+
+    def sight(self, name: str) -> Sight:
+        """What is seen of a contact now."""
+        hand, outside, state, k = self._hand(name), self.outside[name], self._state, self._contact[name]
+        line = self._line(outside.on)
+        xi = min(max(hand.xi, 0.0), line.length) if np.isfinite(hand.xi) else 0.0
+        place, velocity = line.at(xi)
+        b = int(state.rider[k])
+        i, j = (b - 1, b + 1) if b >= 0 else self._link(k, outside.on, xi)
+        tangent = (state.r[:, j] - state.r[:, i]) / (state.X[j] - state.X[i])
+        velocity = velocity + hand.speed * tangent
+        force = np.zeros(self.dim)
+        if 0.0 <= hand.xi <= line.length:  # at the beginning it is not on the line yet
+            force = np.array(hand.first, dtype=np.float64) if len(hand.first) == self.dim else force
+            if outside.is_sprung:
+                apart, faster = hand.height - place[-1], hand.rise - velocity[-1]
+                force[-1] = _within(outside, outside.stiffness * apart + outside.damping * faster)
+        slope = float(tangent[-1] / tangent[0]) if tangent[0] else np.inf
+        return Sight(place, velocity, slope, force)
+
+    def support_forces(self) -> dict[str, Array]:
+        """Forces of all supports on their lines, by name, (axis,) N."""
+        frame = Camera(self.setting, self._bodies).take(self._state)
+        names = [f"{name}.{end}" for name in self.setting.lines for end in ("start", "end")]
+        return dict(zip(names, frame.reaction, strict=True))
+
+    def get_state(self) -> Any:
+        """All that changes, copied.
+
+        Raises:
+            RopewalkError: a load walks or is a model of somebody else's.
+        """
+        if self._guides:
+            raise RopewalkError("loads with a gait or a will of their own cannot go back in time; leave them out")
+        loads = self.setting.loads
+        tables = [table.copy() for table in (loads.force_time, loads.force_value, loads.speed_value)]
+        hands = {name: replace(hand) for name, hand in self.hands.items()}
+        return self._state.copy(), self._bodies.copy() if self._bodies is not None else None, tables, hands
+
+    def set_state(self, state: Any) -> None:
+        """Go back to what `get_state` gave."""
+        then, bodies, tables, hands = state
+        loads = self.setting.loads
+        pairs = [*zip(self._state, then, strict=True)]
+        pairs += zip((loads.force_time, loads.force_value, loads.speed_value), tables, strict=True)
+        if self._bodies is not None:
+            pairs += zip(self._bodies, bodies, strict=True)
+        for array, value in pairs:  # in place: the compiled motion keeps the arrays it was given
+            array[...] = value
+        self.hands.update({name: replace(hand) for name, hand in hands.items()})
+
+    def _line(self, name: str) -> Line:
+        return Line(self.setting, self._state, self.setting.lines.index(name))
+
+    def _link(self, k: int, on: str, xi: float) -> tuple[int, int]:
+        if self._state.rider[k] == OFF:
+            i, _ = self._line(on)._place(xi)
+        else:
+            i = int(link_of(self.setting.strands, self.setting.loads, self._state, k))
+        return i, i + 1
+
+
+def _within(outside: Outside, force: float) -> float:
+    """A force on the line that a body on one side can exert."""
+    if outside.side is None:
+        return force
+    return min(force, 0.0) if outside.side == "above" else max(force, 0.0)
+
+
+def _one_sided(fleet: Fleet, outside: Mapping[str, Outside]) -> Fleet:
+    """Contacts whose body may leave the line: their springs become buffers, which only push."""
+    bodies = fleet.bodies
+    sided = [name for name, contact in outside.items() if contact.side is not None and contact.is_sprung]
+    if not sided:
+        return fleet
+    K, buffers = bodies.K.copy(), []
+    for name in sided:
+        (ghost,) = fleet.ghosts[name]
+        v = int(np.flatnonzero((bodies.vehicles["first"] == ghost) & (bodies.vehicles["coordinates"] == 1))[0])
+        K[v] = 0.0
+        buffer = np.zeros(1, bodies.buffers.dtype)
+        buffer["wheel"], buffer["coordinate"] = bodies.wheel[v, 0], ghost
+        buffer["stiffness"] = outside[name].stiffness
+        buffer["side"] = 1 if outside[name].side == "above" else -1
+        buffers.append(buffer)
+    return replace(fleet, bodies=bodies._replace(K=K, buffers=np.concatenate([bodies.buffers, *buffers])))

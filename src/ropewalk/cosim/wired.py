@@ -1,0 +1,231 @@
+"""Wires moved from outside: stiff lines and overhead lines."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ropewalk.cosim.stepwise import Hand, Outside, Sight, Stepwise
+from ropewalk.errors import RopewalkError
+from ropewalk.model.load import Foreign
+from ropewalk.model.run import Dynamic
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import Account
+from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive
+from ropewalk.wires.frames import SAMPLE, Run
+from ropewalk.wires.journey import Journey, drive_of
+from ropewalk.wires.mesh import places_of
+from ropewalk.wires.plan import Array, Contact, Rider, Spot
+from ropewalk.wiring import task_of
+
+_WHOLE = 1e-6  # of an inner step, up to which a step is a whole number of them
+_CONTACT_WIRE = ".contact"
+
+
+class Wired(Stepwise):
+    """Stiff lines and overhead lines moved from outside; see `Stepwise`.
+
+    Inner steps are of one length: a step must be a whole number of them.
+
+    Args:
+        scenario: of kind dynamic.
+        outside: its contacts from outside, by name.
+        step: that it will be moved by, or a part of it, s; None: 1 ms.
+    """
+
+    def __init__(self, scenario: Scenario, outside: Mapping[str, Outside], step: float | None = None) -> None:
+        super().__init__(scenario, outside)
+        run = scenario.run
+        assert isinstance(run, Dynamic)
+        foreign = [name for name, load in scenario.loads.items() if isinstance(load, Foreign)]
+        if foreign:
+            raise RopewalkError(
+                f"load {foreign[0]} is a model of somebody else's, and wires that are moved from outside know none "
+                "beside those; leave it out"
+            )
+        task = task_of(scenario)
+        names = [wire.name for wire in task.plan.wires]
+        self._wire = {name: names.index(_wire_of(name, scenario, names)) for name in _lines(scenario)}
+        self._own = len(task.contacts)  # contacts of the scenario's own loads come first
+        journeys = tuple(self._journey(name, contact) for name, contact in self.outside.items())
+        task = replace(task, journeys=(*task.journeys, *journeys), contacts=(*task.contacts, *self.outside))
+        whole = step if step is not None else SAMPLE
+        self._run = Run(task, np.array([0.0, whole]), Account(), whole, run.step)
+        self.inner = whole / self._run.steps
+        self.motion = self._run.motion
+        self._steps = 0
+        self._record: Any = None
+
+    def _journey(self, name: str, contact: Outside) -> Journey:
+        none, k = np.zeros((0, 0)), contact.stiffness
+        touch = Contact(
+            self._wire[contact.on], stiffness=k, damping=contact.damping, below=contact.side == "below",
+            lifts_off=contact.side is not None,
+        )  # fmt: skip
+        return Journey(Rider(name, none, none, none, (touch,)), np.zeros_like)
+
+    @property
+    def t(self) -> float:  # type: ignore[override]
+        """The time it has come to, s."""
+        return self._steps * self.inner
+
+    @property
+    def dim(self) -> int:
+        """Number of axes."""
+        return len(self._run._axes)
+
+    def step(self, h: float) -> None:
+        """Go on by h seconds.
+
+        Raises:
+            RopewalkError: that is no whole number of inner steps, or the motion does not get there.
+        """
+        count = round(h / self.inner)
+        if count < 1 or abs(h / self.inner - count) > _WHOLE * count:
+            raise RopewalkError(
+                f"a step of {h:g} s was asked for, and wires go on by whole inner steps of {self.inner:.6g} s; "
+                "say beforehand by which step it will be moved"
+            )
+        record = self.motion.go(self._drive(count * self.inner), count)
+        self._steps += count
+        if not self._run._is_sane():
+            raise RopewalkError(f"the motion grew beyond all bounds at t = {self.t:.6g} s; write a smaller step")
+        self._record = record
+        for hand in self.hands.values():
+            hand.xi += hand.speed * h
+            hand.first = hand.last
+            hand.height += hand.rise * h
+
+    def _drive(self, h: float) -> Drive:
+        """What the loads do during a step, and all contacts from outside."""
+        task = self._run.task
+        drive = drive_of(task.plan, task.journeys, self.t + np.array([0.0, h]))
+        for j, (name, hand) in enumerate(self.hands.items()):
+            k, length = self._own + j, self.length(self.outside[name].on)
+            on = 0.0 <= hand.xi <= length
+            drive.where[:, k] = ON_WIRE if on else ABSENT
+            if not on:
+                continue
+            drive.station[:, k] = hand.xi, min(max(hand.xi + hand.speed * h, 0.0), length)
+            if self.outside[name].is_sprung:  # the spring feels by how much the wire is above the body
+                drive.rough[:, k] = -hand.height, -hand.height - hand.rise * h
+            else:
+                drive.given[:, k] = hand.first[-1], hand.last[-1]
+        return drive
+
+    def press(
+        self,
+        name: str,
+        xi: float,
+        force: float | tuple[float, ...],
+        speed: float = 0.0,
+        *,
+        last: float | tuple[float, ...] | None = None,
+    ) -> None:
+        """Press on the line during the next step: upwards or downwards only.
+
+        Raises:
+            RopewalkError: there is no such contact, it has a spring, or a force along the wire is given.
+        """
+        super().press(name, xi, force, speed, last=last)
+        hand = self.hands[name]
+        if any(hand.first[:-1]) or any(hand.last[:-1]):
+            raise RopewalkError(f"contact {name}: wires know forces up and down only, given {hand.first} N")
+
+    def length(self, line: str) -> float:
+        """What stations of a line count up to, m."""
+        return self._run.task.plan.wires[self._wire[line]].length
+
+    def at(self, line: str, xi: float) -> tuple[Array, Array]:
+        """Position in m and velocity in m/s of a line, (axis,)."""
+        place, velocity, _ = self._look(line, xi)
+        return place, velocity
+
+    def _look(self, line: str, xi: float) -> tuple[Array, Array, Array]:
+        """Position, velocity, and change of position per station."""
+        mesh, a = self._run.mesh, self._wire[line]
+        h, axes = float(mesh.strands.h[a]), self._run._axes
+        inside = min(max(xi, 0.0), self.length(line))
+        ahead, behind = min(inside + 0.5 * h, self.length(line)), max(inside - 0.5 * h, 0.0)
+        at = places_of(mesh.strands, [Spot(a, inside), Spot(a, behind), Spot(a, ahead)])
+        width = np.arange(at.weight.shape[1])
+        r, v = self.motion.position[axes], self.motion.velocity[axes]
+        spots = [r[:, base + width] @ weight for base, weight in zip(at.base, at.weight, strict=True)]
+        velocity = v[:, int(at.base[0]) + width] @ at.weight[0]
+        return spots[0], velocity, (spots[2] - spots[1]) / (ahead - behind)
+
+    def below(self, line: str, x: float) -> float:
+        """The xi in m of a line above or below a horizontal place x in m."""
+        mesh, a = self._run.mesh, self._wire[line]
+        row = self.motion.position[0, mesh.of(a)]
+        stations = float(mesh.strands.h[a]) * np.arange(row.size)
+        return float(np.interp(x, row, stations) if row[-1] > row[0] else np.interp(-x, -row, stations))
+
+    def sight(self, name: str) -> Sight:
+        """What is seen of a contact now."""
+        hand, outside = self._hand(name), self.outside[name]
+        on = bool(0.0 <= hand.xi <= self.length(outside.on))
+        place, velocity, tangent = self._look(outside.on, hand.xi if np.isfinite(hand.xi) else 0.0)
+        velocity, force = velocity + hand.speed * tangent, np.zeros(self.dim)
+        k = self._own + list(self.outside).index(name)
+        if on:
+            force[-1] = self._spring(outside, k, hand, place, velocity) if outside.is_sprung else hand.first[-1]
+            place = place.copy()
+            place[-1] += self._local(outside.on, hand.xi) * force[-1]  # beside the spline the wire gives way
+        return Sight(place, velocity, float(tangent[-1] / tangent[0]) if tangent[0] else np.inf, force)
+
+    def _spring(self, outside: Outside, k: int, hand: Hand, place: Array, velocity: Array) -> float:
+        """Force on the wire of a contact's spring and damper, N; the wire gives way beside its spline."""
+        gap = hand.height - place[-1]
+        last = self.motion.pace.gap[k]
+        faster = (gap - last) / self.inner if np.isfinite(last) else hand.rise - velocity[-1]
+        force = gap / (self._local(outside.on, hand.xi) + 1.0 / outside.stiffness) + outside.damping * faster
+        if outside.side is None:
+            return float(force)
+        return float(min(force, 0.0) if outside.side == "above" else max(force, 0.0))
+
+    def _local(self, line: str, xi: float) -> float:
+        return float(places_of(self._run.mesh.strands, [Spot(self._wire[line], xi)]).local[0])
+
+    def support_forces(self) -> dict[str, Array]:
+        """Forces of the ends of all wires on them, by name, (axis,) N; of holds as at the last step's beginning."""
+        plan, axes = self._run.task.plan, self._run._axes
+        ends = [f"{wire.name}.{end}" for wire in plan.wires for end in ("start", "end")]
+        found = dict(zip(ends, self._run._reactions(self.motion.position), strict=True))
+        hold = self.motion.hold_at_rest + (self._record.hold[0] if self._record is not None else 0.0)
+        return found | {h.name: force[axes] for h, force in zip(plan.holds, hold, strict=True)}
+
+    def get_state(self) -> Any:
+        """All that changes, copied."""
+        hands = {name: replace(hand) for name, hand in self.hands.items()}
+        return self._twin(self.motion), self._steps, self._record, hands
+
+    def set_state(self, state: Any) -> None:
+        """Go back to what `get_state` gave."""
+        motion, self._steps, self._record, hands = state
+        self.motion = self._run.motion = self._twin(motion)
+        self.hands.update({name: replace(hand) for name, hand in hands.items()})
+
+    def _twin(self, motion: Any) -> Any:
+        """A copy of a motion that shares with it what does not change."""
+        kept = {id(each): each for each in (motion.mesh, motion.riders, getattr(motion, "rest", None))}
+        return copy.deepcopy(motion, kept)
+
+
+def _lines(scenario: Scenario) -> list[str]:
+    return [*scenario.lines, *scenario.overhead_lines]
+
+
+def _wire_of(name: str, scenario: Scenario, wires: list[str]) -> str:
+    """The wire that a line is, or an overhead line's contact wire."""
+    if name in scenario.lines:
+        return name
+    found = [wire for wire in wires if wire.startswith(f"{name}.")]
+    return next((wire for wire in found if wire.endswith(_CONTACT_WIRE)), found[0])
+
+
+__all__ = ["Wired"]
