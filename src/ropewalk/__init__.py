@@ -20,8 +20,9 @@ axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `T
 supports        `Fixed`, `Elastic`, `Guided`, `Moving`; `Joined` to a `Joint`, a line or a net; `Sheave`s on the way
 nets            `Net` and `Membrane` with a `ClampedEdge`, a `SoftEdge` or a `CableEdge`; `Wind`
 what is asked   `Dynamic` (from a `Start`), `Quasistatic`, `Equilibrium`, `Linear`
-files           `load` and `save` a scenario, `open_result`
-answers         `simulate`, `spectrum`; `feedback` gives a `Comparison` with a run `without_feedback`; `summary`,
+files           `load` and `save` a scenario, `open_result`; `export_fmu` writes a line or a vehicle as an FMU
+answers         `simulate`, `spectrum`; `feedback` gives a `Comparison` with a run `without_feedback`, `ladder` a
+                `Ladder` of simpler models, `adequacy` an `AdequacyMap` over two `Axis`es; `summary`,
                 `figure` and `film` of a result; `contact_statistics` and `html_report` of overhead lines
 closed forms    `theory`: what the simulation is checked against
 errors          `RopewalkError`, and of its kind `ScenarioError`, `EquilibriumError`, `ResultError`
@@ -40,6 +41,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ropewalk import theory
+    from ropewalk.compare import Ladder, ladder
+    from ropewalk.compare.adequacy import AdequacyMap, adequacy
+    from ropewalk.compare.axes import Axis
+    from ropewalk.cosim import export as export_fmu
     from ropewalk.coupling import Comparison, feedback
     from ropewalk.decouple import without_feedback
     from ropewalk.errors import EquilibriumError, RopewalkError, ScenarioError
@@ -118,6 +123,8 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "AdequacyMap",
+    "Axis",
     "Balance",
     "Brake",
     "CableEdge",
@@ -146,6 +153,7 @@ __all__ = [
     "Inextensible",
     "Joined",
     "Joint",
+    "Ladder",
     "Line",
     "Linear",
     "Matrices",
@@ -187,11 +195,14 @@ __all__ = [
     "Walker",
     "Wheel",
     "Wind",
+    "adequacy",
     "contact_statistics",
+    "export_fmu",
     "feedback",
     "figure",
     "film",
     "html_report",
+    "ladder",
     "load",
     "open_result",
     "save",
@@ -203,6 +214,8 @@ __all__ = [
 ]
 
 _HOME = {
+    "AdequacyMap": "compare.adequacy",
+    "Axis": "compare.axes",
     "Balance": "model",
     "Brake": "model",
     "CableEdge": "model",
@@ -231,6 +244,7 @@ _HOME = {
     "Inextensible": "model",
     "Joined": "model",
     "Joint": "model",
+    "Ladder": "compare",
     "Line": "model",
     "Linear": "model",
     "Matrices": "model",
@@ -272,11 +286,14 @@ _HOME = {
     "Walker": "model",
     "Wheel": "model",
     "Wind": "model",
+    "adequacy": "compare.adequacy",
     "contact_statistics": "results.contact_statistics",
+    "export_fmu": "cosim",
     "feedback": "coupling",
     "figure": "results",
     "film": "results",
     "html_report": "results",
+    "ladder": "compare",
     "load": "scenario",
     "open_result": "results",
     "save": "scenario",
@@ -284,7 +301,7 @@ _HOME = {
     "summary": "results",
     "without_feedback": "decouple",
 }
-_NAME_AT_HOME = {"spectrum": "spectrum_of"}
+_NAME_AT_HOME = {"export_fmu": "export", "spectrum": "spectrum_of"}
 
 
 def __getattr__(name: str) -> Any:

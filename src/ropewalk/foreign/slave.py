@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import chdir, contextmanager
 from math import isfinite
 from pathlib import Path
+from types import ModuleType
 from typing import Any, Protocol
 
 from ropewalk.errors import RopewalkError
@@ -215,13 +216,16 @@ def _own_modules(resources: Path) -> Iterator[None]:
     run the code of the first.
     """
     told = resources / "slavemodule.txt"
-    names = {path.stem for path in resources.glob("*.py")} if told.is_file() else set()
-    kept = {name: sys.modules.pop(name) for name in names if name in sys.modules}
+    names = set()
+    if told.is_file():
+        names = {path.stem for path in resources.glob("*.py")} | {path.parent.name for path in resources.glob("*/*.py")}
+
+    def taken() -> dict[str, ModuleType]:
+        return {name: sys.modules.pop(name) for name in list(sys.modules) if name.partition(".")[0] in names}
+
+    kept = taken()
     try:
         yield
     finally:
-        for name in names:
-            if name in kept:
-                sys.modules[name] = kept[name]
-            else:
-                sys.modules.pop(name, None)
+        taken()
+        sys.modules.update(kept)
