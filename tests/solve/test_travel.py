@@ -205,3 +205,14 @@ def test_loads_at_rest_do_not_move_when_the_run_begins_with_them() -> None:
     standing = {"a": load(0.0, **{"from": 7.0})}
     result = simulate(taut(standing, start=Start(with_loads=True), until=0.5))
     np.testing.assert_allclose(result.position.values[-1], result.position.values[0], atol=1e-8)
+
+
+def test_instants_that_differ_by_a_rounding_error_are_one() -> None:
+    corner = 0.15
+    forces = [
+        ForceTable(time=(0.0, time, 0.8), value=((0.0, -300.0), (0.0, -100.0), (0.0, -300.0)))
+        for time in (corner, np.nextafter(corner, 1.0))
+    ]
+    loads = {f"{i}": load(10.0, force, **{"from": 3.0 + 5.0 * i}) for i, force in enumerate(forces)}
+    result = simulate(taut(loads, method="implicit"))  # which went on asking for a step of nothing
+    assert result.outcome == "completed"
