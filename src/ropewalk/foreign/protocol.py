@@ -37,7 +37,7 @@ class Touch(NamedTuple):
     """A contact as a model answers it; it may as well answer (xi, force) or (xi, force, speed)."""
 
     xi: float  # m, unstrained, from the start of the line
-    force: Sequence[float]  # (axis,) N, on the line
+    force: Any  # (axis,) N, on the line
     speed: float = 0.0  # m/s, along the line, until it is asked again
     motion: tuple[float, float] | None = None  # m and m/s, height of the contact itself where the model gives that
 
@@ -101,4 +101,4 @@ def _touch(name: str, answer: Any, t: float, dim: int) -> Touch:
             f"load {name}: at t = {t:g} s its model gave {answer!r}; wanted are finite numbers and "
             f"{dim} components of the force"
         )
-    return Touch(xi, np.array(force), speed, motion)  # type: ignore[arg-type]
+    return Touch(xi, np.array(force), speed, motion)

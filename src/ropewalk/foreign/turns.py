@@ -64,7 +64,7 @@ class Bearer:
         raise NotImplementedError
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class _Seen:
     """A line at an instant, and the forces that the contacts of one model have exerted on it."""
 
@@ -121,7 +121,7 @@ class _Foreseen:
         return self.line.below(x)
 
 
-@dataclass
+@dataclass(slots=True)
 class _Contact:
     """What is remembered of a contact that stays where it is or slides along."""
 
@@ -186,6 +186,10 @@ class Turns:
     _frozen: Line | None = None
     _agreed: list[Touch] | None = None
     _disagreed: bool = False
+
+    def __post_init__(self) -> None:
+        self._degree = self.exchange.degree
+        self._foresees = bool(self.exchange.scheme != "sequential" or self.exchange.stiffness or self.exchange.damping)
 
     def begin(self, line: Line) -> None:
         """Reset the model.
@@ -293,16 +297,16 @@ class Turns:
                 self._contacts[number] = None
                 continue
             touch = answer[number]
-            place, force = line.at(xi)[0], np.asarray(touch.force, dtype=np.float64)
+            place, force = line.at(xi)[0], touch.force
             sight = place if seen is line else seen.at(xi)[0]
-            push = Push(xi, touch.speed, force, force)
-            now = _Contact(place, sight, [force], [], push, touch.motion)
+            now = _Contact(place, sight, [force], [], Push(xi, touch.speed, force, force), touch.motion)
             if before is not None:
                 slid = before.push.xi + before.push.speed * self.every
                 if abs(xi - slid) <= self.reach:
                     made += self._made(before, now)
-                    now.forces += before.forces[:2]
-                    now.rates = [(place - before.place) / self.every, *before.rates[:1]]
+                    now.forces += before.forces[: self._degree]
+                    if self._foresees:
+                        now.rates = [(place - before.place) / self.every, *before.rates[:1]]
             self._contacts[number] = now
         self.residual += made
         self.peak = made if abs(made) > abs(self.peak) else self.peak
@@ -318,7 +322,7 @@ class Turns:
     def _pressed(self, before: _Contact, place: Array) -> Array:
         """The same, of a contact that is at a place now."""
         k, c, push = self.exchange.stiffness, self.exchange.damping, before.push
-        mean: Array = 0.5 * (push.first + push.last)
+        mean: Array = push.first if push.last is push.first else 0.5 * (push.first + push.last)
         if k or c:
             apart = push.height - before.place[-1], push.height + push.rise * self.every - place[-1]
             mean = mean.copy()
@@ -327,11 +331,12 @@ class Turns:
 
     def _made(self, before: _Contact, now: _Contact) -> float:
         """Energy in J that the exchange has made in the last interval: the line's gain less the model's loss."""
-        on_line = self._pressed(before, now.place)
-        gain = float(on_line @ (now.place - before.place))
+        on_line, way = self._pressed(before, now.place), now.place - before.place
+        gain = float(on_line @ way)
         self.work += abs(gain)
         if before.motion is None or now.motion is None:
-            return gain - 0.5 * float((before.forces[0] + now.forces[0]) @ (now.seen - before.seen))
+            seen = way if now.seen is now.place and before.seen is before.place else now.seen - before.seen
+            return gain - 0.5 * float((before.forces[0] + now.forces[0]) @ seen)
         # A contact that gives its motion: the spring of the interface stores, its damper loses.
         apart = before.motion[0] - before.place[-1], now.motion[0] - now.place[-1]
         stored = 0.5 * self.exchange.stiffness * (apart[1] ** 2 - apart[0] ** 2)
@@ -344,7 +349,9 @@ class Turns:
         """What a contact does until the next exchange, extrapolated."""
         if contact is None:
             return None
-        F, order = contact.forces, min(self.exchange.degree, len(contact.forces) - 1)
+        F, order = contact.forces, min(self._degree, len(contact.forces) - 1)
+        if order == 0 and not self._foresees and contact.motion is None:
+            return contact.push
         first = last = F[0]
         if order == 1:
             last = 2.0 * F[0] - F[1]
@@ -353,12 +360,12 @@ class Turns:
             first, last = F[0] - bend / 12.0, F[0] + (F[0] - F[1]) + bend - bend / 12.0
         if contact.motion is not None:
             return contact.push._replace(first=first, last=last, height=contact.motion[0], rise=contact.motion[1])
-        rise = self._rate(contact, self.exchange.degree + 1)[-1] if contact.rates else 0.0
+        rise = self._rate(contact, self._degree + 1)[-1] if contact.rates else 0.0
         return contact.push._replace(first=first, last=last, height=float(contact.place[-1]), rise=float(rise))
 
     def _foreseen(self, frozen: Line) -> _Foreseen:
         """The line at the end of the interval that is now over, as it could be foreseen at its beginning."""
-        h, order = self.every, self.exchange.degree
+        h, order = self.every, self._degree
         if self.exchange.stiffness or self.exchange.damping:  # a line that holds still would pull at its dampers
             order = max(order, 1)
         courses = [
@@ -427,8 +434,8 @@ class Turns:
             else:
                 xi = min(max(push.xi + push.speed * self.every, 0.0), line.length)
                 rise = (float(line.at(xi)[0][-1]) - push.height) / self.every
-            last = np.asarray(touch.force, dtype=np.float64)
-            first = contact.forces[0] if self.exchange.degree else last
+            last = touch.force
+            first = contact.forces[0] if self._degree else last
             found.append(push._replace(first=first, last=last, rise=rise))
         return found
 

@@ -170,7 +170,7 @@ class Partner(Bearer):
                 set_down(self.setting, state, bodies, k, push.xi)
                 away = 0.0
             first = int(loads.force_first[k])
-            loads.force_time[first : first + 2] = t, t + every
+            loads.force_time[first], loads.force_time[first + 1] = t, t + every
             loads.force_value[:, first], loads.force_value[:, first + 1] = push.first, push.last
             loads.speed_value[loads.speed_first[k]] = push.speed + away / every  # catches up until the next step
             if self.ghosts:
