@@ -6,33 +6,33 @@ input, 3 a run that stopped early, 130 interrupted.
 
 from __future__ import annotations
 
-import json
-import os
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from contextvars import ContextVar
-from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
 import ropewalk
-
-if TYPE_CHECKING:
-    from ropewalk.model import Scenario
-
-FAULT, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
-FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
-FILM_SUFFIXES = (".gif", ".mp4")
-REPORT_SUFFIX = ".html"
-EXPORT_SUFFIX = ".pvd"
-
-Progress = Callable[[float], None]
-
-_TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
+from ropewalk.console import (
+    EXPORT_SUFFIX,
+    FIGURE_SUFFIXES,
+    FILM_SUFFIXES,
+    REPORT_SUFFIX,
+    TRACEBACK,
+    check_picture,
+    fail,
+    finish,
+    load_scenario,
+    print_columns,
+    print_json,
+    print_summary,
+    progress_bar,
+    progress_of_many,
+    reported,
+    save_figure,
+    say,
+    write_text,
+)
 
 app = typer.Typer(
     name="ropewalk",
@@ -72,13 +72,13 @@ def _common(
     ] = False,
     traceback: Annotated[bool, typer.Option("--traceback", help="Show where an error comes from.")] = False,
 ) -> None:
-    _TRACEBACK.set(traceback)
+    TRACEBACK.set(traceback)
 
 
 @app.command()
 def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the scenario and its file.")]) -> None:
     """Write a first scenario, with comments, as NAME.yaml."""
-    with _reported():
+    with reported():
         from ropewalk.scenario import template
 
         file = Path(name if name.endswith((".yaml", ".yml")) else f"{name}.yaml")
@@ -86,17 +86,17 @@ def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the sc
             with file.open("x", encoding="utf-8") as stream:
                 stream.write(template(file.stem))
         except FileExistsError:
-            _fail(f"{file}: exists already; choose another name")
+            fail(f"{file}: exists already; choose another name")
         except OSError as problem:
-            _fail(f"{file}: cannot be written ({problem.strerror})")
-        _say(f"{file} written; next:  ropewalk run {file}")
+            fail(f"{file}: cannot be written ({problem.strerror})")
+        say(f"{file} written; next:  ropewalk run {file}")
 
 
 @app.command()
 def check(file: ScenarioFile, settings: Settings = None) -> None:
     """Find every mistake in a scenario; compute nothing."""
-    with _reported():
-        scenario = _load(file, settings)
+    with reported():
+        scenario = load_scenario(file, settings)
         if scenario.loads:
             import_module("ropewalk.foreign.models").check_foreign(scenario.loads)
         names = ", ".join((*scenario.lines, *scenario.overhead_lines, *scenario.loads))
@@ -115,24 +115,24 @@ def run(
 ) -> None:
     """Compute a scenario, write the result, and print what an engineer asks first."""
     target = output if output is not None else Path(f"{file.stem}.nc")
-    with _reported(target):
+    with reported(target):
         from ropewalk.results import check_target, summary
 
-        scenario = _load(file, settings)
+        scenario = load_scenario(file, settings)
         check_target(target)
         replaced = " (replaced)" if target.exists() else ""
         from ropewalk.simulate import must_compile, simulate
 
         if not quiet and (how_long := must_compile(scenario)):
-            _say(f"compiling (first run only, {how_long})")
-        with _progress("running", quiet) as progress:
+            say(f"compiling (first run only, {how_long})")
+        with progress_bar("running", quiet) as progress:
             dataset = simulate(scenario, file=target, progress=progress)
         with dataset:
             found = summary(dataset)
-        _print_summary({"file": str(target), **found}, as_json, quiet)
+        print_summary({"file": str(target), **found}, as_json, quiet)
         if not quiet:
-            _say(f"result in {target}{replaced}")
-        _finish(found, target)
+            say(f"result in {target}{replaced}")
+        finish(found, target)
 
 
 @app.command()
@@ -151,36 +151,36 @@ def show(
     quiet: Quiet = False,
 ) -> None:
     """Print the summary of a result, or make a figure, a film, a report or an export for ParaView of it."""
-    with _reported():
+    with reported():
         if output is not None:
-            _check_picture(output)
+            check_picture(output)
         from ropewalk.results import open_result, summary
 
         with open_result(result) as dataset:
             if output is None or as_json:
-                _print_summary({"file": str(result), **summary(dataset)}, as_json, quiet)
+                print_summary({"file": str(result), **summary(dataset)}, as_json, quiet)
             if output is None:
                 return
             if output.suffix.lower() in FILM_SUFFIXES:
                 from ropewalk.results import film
 
-                with _progress("filming", quiet) as progress:
+                with progress_bar("filming", quiet) as progress:
                     film(dataset, output, progress=progress)
             elif output.suffix.lower() == EXPORT_SUFFIX:
                 from ropewalk.results import export
 
-                with _progress("exporting", quiet) as progress:
+                with progress_bar("exporting", quiet) as progress:
                     export(dataset, output, progress=progress)
             elif output.suffix.lower() == REPORT_SUFFIX:
                 from ropewalk.results import html_report
 
-                _write(html_report(dataset), output)
+                write_text(html_report(dataset), output)
             else:
                 from ropewalk.results import figure
 
-                _save(figure(dataset), output)
+                save_figure(figure(dataset), output)
         if not quiet:
-            _say(f"{output} written")
+            say(f"{output} written")
 
 
 @app.command()
@@ -193,16 +193,16 @@ def figures(
     quiet: Quiet = False,
 ) -> None:
     """Compute and draw the figures of the paper."""
-    with _reported():
+    with reported():
         paper = import_module("ropewalk.paper")
         known = {str(entry): entry for entry in paper.AVAILABLE}
         for name in only or ():
             if name not in known:
-                _fail(f"--only {name}: there is no such figure; there are {', '.join(known)}")
-        with _progress("drawing", quiet) as progress:
+                fail(f"--only {name}: there is no such figure; there are {', '.join(known)}")
+        with progress_bar("drawing", quiet) as progress:
             paper.figures(output, only=[known[name] for name in only] if only else None, progress=progress)
         if not quiet:
-            _say(f"figures in {output}")
+            say(f"figures in {output}")
 
 
 @app.command()
@@ -215,11 +215,11 @@ def spectrum(
     as_json: Json = False,
 ) -> None:
     """Compute the frequencies and damping of the small motions, which decide the method."""
-    with _reported():
-        scenario = _load(file, settings)
+    with reported():
+        scenario = load_scenario(file, settings)
         found = import_module("ropewalk.simulate").spectrum_of(scenario, at=at)
         if as_json:
-            _print_json(found.as_dict())
+            print_json(found.as_dict())
         else:
             rows = found.table()
             width = max(len(name) for name, _ in rows)
@@ -229,11 +229,11 @@ def spectrum(
 @app.command()
 def feedback(file: ScenarioFile, settings: Settings = None, as_json: Json = False) -> None:
     """Compare a run with that of the forces its loads exert on rigid ground: does the coupling matter?"""
-    with _reported():
-        scenario = _load(file, settings)
+    with reported():
+        scenario = load_scenario(file, settings)
         found = import_module("ropewalk.coupling").feedback(scenario)
         if as_json:
-            _print_json(found.as_dict())
+            print_json(found.as_dict())
         else:
             rows = found.table()
             widths = [max(len(row[k]) for row in rows) for k in range(3)]
@@ -253,23 +253,23 @@ def compare(
     quiet: Quiet = False,
 ) -> None:
     """Climb the ladder from the linear theory to full feedback: is a simpler model good enough?"""
-    with _reported():
+    with reported():
         if output is not None:
-            _check_picture(output, FIGURE_SUFFIXES)
-        scenario = _load(file, settings)
+            check_picture(output, FIGURE_SUFFIXES)
+        scenario = load_scenario(file, settings)
         wing = import_module("ropewalk.compare")
-        with _progress_of_many(quiet) as progress:
+        with progress_of_many(quiet) as progress:
             found = wing.ladder(scenario, tolerance=tolerance, progress=progress)
         if as_json:
-            _print_json(found.as_dict())
+            print_json(found.as_dict())
         elif not quiet:
-            _print_columns(found.table())
-            _print_columns([("", ""), *found.assumptions.table(), ("", "")])
+            print_columns(found.table())
+            print_columns([("", ""), *found.assumptions.table(), ("", "")])
             typer.echo(found.verdict)
         if output is not None:
-            _save(found.figure(), output)
+            save_figure(found.figure(), output)
             if not quiet:
-                _say(f"{output} written")
+                say(f"{output} written")
 
 
 @app.command()
@@ -289,17 +289,17 @@ def adequacy(
     quiet: Quiet = False,
 ) -> None:
     """Map where in a plane of two parameters a simpler model is good enough; go on where a map was stopped."""
-    with _reported(), _progress_of_many(quiet) as progress:
+    with reported(), progress_of_many(quiet) as progress:
         if output is not None:
-            _check_picture(output, FIGURE_SUFFIXES)
+            check_picture(output, FIGURE_SUFFIXES)
         found = import_module("ropewalk.compare.command").adequacy_from_text(
-            _load(file, settings), (x, y), rung, quantity, tolerance, store or Path(f"{file.stem}.adequacy.jsonl"),
-            workers, retry, progress,
+            load_scenario(file, settings), (x, y), rung, quantity, tolerance,
+            store or Path(f"{file.stem}.adequacy.jsonl"), workers, retry, progress,
         )  # fmt: skip
         if output is not None:
-            _save(found.figure(rung), output)
+            save_figure(found.figure(rung), output)
     if as_json:
-        _print_json(found.as_dict())
+        print_json(found.as_dict())
     elif not quiet:
         typer.echo("\n".join(str(found.coverage(name)) for name in rung))
 
@@ -330,170 +330,29 @@ def export(
     quiet: Quiet = False,
 ) -> None:
     """Write a line with its supports, or a vehicle, as an FMU for co-simulation (FMI 2.0)."""
-    with _reported():
+    with reported():
         what = [name for name in (line, load) if name is not None]
         if len(what) != 1:
-            _fail("say what to export: --line NAME or --load NAME")
+            fail("say what to export: --line NAME or --load NAME")
         if give not in (None, "force", "motion"):
-            _fail(f"--give {give}: write force or motion")
-        scenario = _load(file, settings)
+            fail(f"--give {give}: write force or motion")
+        scenario = load_scenario(file, settings)
         names = [*scenario.lines, *scenario.overhead_lines] if line is not None else [*scenario.loads]
         if what[0] not in names:
             kind, known = "line" if line is not None else "load", ", ".join(names) or "none"
-            _fail(f"{file} has no {kind} {what[0]}; there are: {known}")
+            fail(f"{file} has no {kind} {what[0]}; there are: {known}")
         import_module("ropewalk.cosim").export(
             scenario, what[0], output, causality=give, contacts=contacts, contact_stiffness=contact_stiffness,
             contact_damping=contact_damping, every=step,
         )  # fmt: skip
         if not quiet:
-            _say(f"{output} written")
+            say(f"{output} written")
 
 
 @app.command()
 def schema() -> None:
     """Print the JSON schema of scenario files, for editors."""
-    with _reported():
+    with reported():
         from ropewalk.scenario import json_schema
 
-        _print_json(json_schema())
-
-
-def _load(file: Path, settings: list[str] | None) -> Scenario:
-    from ropewalk.scenario import load
-
-    return load(file, settings or ())
-
-
-def _finish(found: dict[str, Any], target: Path) -> None:
-    """Leave with the exit code of the outcome, and say what there is and what can be done."""
-    outcome = found["outcome"]
-    if outcome == "completed":
-        return
-    advice = f"\n{found['advice']}" if found["advice"] else ""
-    if outcome == "interrupted":
-        _fail(f"interrupted; what was computed is kept in {target}{advice}", INTERRUPTED)
-    _fail(f"the run stopped early: {outcome}; what was computed is kept in {target}{advice}", STOPPED_EARLY)
-
-
-def _print_summary(found: dict[str, Any], as_json: bool, quiet: bool) -> None:
-    if as_json:
-        _print_json(found)
-    elif not quiet:
-        from ropewalk.results import text
-
-        typer.echo(text(found))
-
-
-def _print_json(value: Any) -> None:
-    typer.echo(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
-
-
-def _print_columns(rows: list[tuple[str, ...]]) -> None:
-    """A table: what on the left, and columns of values, which stand to the right where there are several."""
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    for what, *values in rows:
-        cells = [f"{value:>{width}}" for value, width in zip(values, widths[1:], strict=True)]
-        typer.echo("  ".join([f"{what:{widths[0]}}", *(cells if len(cells) > 1 else values)]).rstrip())
-
-
-def _check_picture(
-    output: Path, known: tuple[str, ...] = (*FIGURE_SUFFIXES, *FILM_SUFFIXES, REPORT_SUFFIX, EXPORT_SUFFIX)
-) -> None:
-    if output.suffix.lower() not in known:
-        _fail(f"{output}: unknown kind of picture or report; the name must end in {', '.join(known)}")
-    if not output.parent.is_dir():
-        _fail(f"{output}: the folder {output.parent} does not exist; create it or choose another place")
-
-
-def _write(text: str, output: Path) -> None:
-    try:
-        output.write_text(text, encoding="utf-8")
-    except OSError as problem:
-        _fail(f"{output}: cannot be written ({problem.strerror or problem})")
-
-
-def _save(drawn: Any, output: Path) -> None:
-    try:
-        drawn.savefig(output)
-    except OSError as problem:
-        _fail(f"{output}: cannot be written ({problem.strerror or problem})")
-
-
-def _say(message: str) -> None:
-    typer.echo(message, err=True)
-
-
-def _fail(message: str, code: int = BAD_INPUT) -> None:
-    _say(message)
-    raise typer.Exit(code)
-
-
-@contextmanager
-def _progress(label: str, quiet: bool) -> Iterator[Progress | None]:
-    """A bar on stderr if that is a terminal; gives the function that moves it."""
-    with _progress_of_many(quiet) as told:
-        yield told and partial(told, label)
-
-
-@contextmanager
-def _progress_of_many(quiet: bool) -> Iterator[Callable[[str, float], None] | None]:
-    """A bar for each of several tasks, as they come, on stderr if that is a terminal."""
-    if quiet or not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import Progress as Bar
-
-    with Bar(console=Console(stderr=True), transient=True) as bar:
-        tasks: dict[str, Any] = {}
-
-        def told(label: str, done: float) -> None:
-            if label not in tasks:
-                tasks[label] = bar.add_task(label, total=1.0)
-            bar.update(tasks[label], completed=done)
-
-        yield told
-
-
-@contextmanager
-def _reported(target: Path | None = None) -> Iterator[None]:
-    """Turn exceptions into messages and exit codes; `target` is the file that a run may have begun."""
-    before = _stamp(target)
-    try:
-        yield
-    except typer.Exit:
-        raise
-    except KeyboardInterrupt as stop:
-        kept = f"; what was computed is kept in {target}" if _stamp(target) != before else ""
-        _fail(str(stop) or f"interrupted{kept}", INTERRUPTED)
-    except BrokenPipeError:  # the reader of stdout has gone, as in `ropewalk schema | head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise typer.Exit(FAULT) from None
-    except Exception as problem:
-        if _TRACEBACK.get():
-            raise
-        _explain(problem, target if _stamp(target) != before else None)
-
-
-def _stamp(target: Path | None) -> tuple[int, int] | None:
-    """What changes when a file is written."""
-    if target is None or not target.exists():
-        return None
-    status = target.stat()
-    return status.st_ino, status.st_mtime_ns
-
-
-def _explain(problem: Exception, partial: Path | None) -> None:
-    from ropewalk.errors import RopewalkError, ScenarioError
-    from ropewalk.results import ResultError, WriteError
-
-    if not isinstance(problem, RopewalkError):
-        kind = type(problem).__name__
-        _say(f"ropewalk failed ({kind}: {problem}); this is a fault of ropewalk, not of your input")
-        _fail("please report it with what `ropewalk --traceback ...` says on the same command", FAULT)
-    _say(str(problem))
-    if isinstance(problem, ScenarioError) or (isinstance(problem, ResultError) and not isinstance(problem, WriteError)):
-        raise typer.Exit(BAD_INPUT)
-    if partial is not None:
-        _say(f"what was computed is kept in {partial}")
-    raise typer.Exit(STOPPED_EARLY)
+        print_json(json_schema())

@@ -192,7 +192,7 @@ def output_times(run: Dynamic | Linear) -> Array:
     return times
 
 
-def _initial(setting: Setting, scenario: Scenario) -> tuple[State, Bodies | None]:
+def initial_state(setting: Setting, scenario: Scenario) -> tuple[State, Bodies | None]:
     run = scenario.run
     assert isinstance(run, Dynamic)
     state = start_state(setting, run.start.with_loads, resting_forces(setting))
@@ -247,7 +247,7 @@ def _course(
 
 
 def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account) -> Iterator[Frame]:
-    state, bodies = _initial(setting, scenario)
+    state, bodies = initial_state(setting, scenario)
     choice, turns, states = _course(setting, scenario, state, bodies)
     account.method, account.reason, account.step = choice.method, choice.reason, choice.step
     camera, progress = Camera(setting, bodies), Progress()
@@ -315,7 +315,7 @@ def state_at(scenario: Scenario, t: float | None) -> tuple[Setting, State]:
     setting = setting_of(scenario, until)
     if t is None or not isinstance(run, Dynamic):
         return setting, start_state(setting, with_loads=t is not None)
-    state, bodies = _initial(setting, scenario)
+    state, bodies = initial_state(setting, scenario)
     if t > 0.0:
         progress = Progress()
         _, turns, states = _course(setting, scenario, state, bodies)

@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import ropewalk
+from ropewalk.cosim import Outside, stepwise
 from ropewalk.cosim.export import export
 from ropewalk.cosim.master import FmuPart
-from ropewalk.cosim.stepwise import Outside, stepwise
 from ropewalk.cosim.vehicle import Ride, alone
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model import MovingMass, Oscillator

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import ropewalk
+from ropewalk.cosim import Outside, stepwise
 from ropewalk.cosim.export import export
 from ropewalk.cosim.master import FmuPart, Link, Master, RidePart
-from ropewalk.cosim.stepwise import Outside, stepwise
 from ropewalk.cosim.vehicle import Ride, alone
 from ropewalk.model import MovingMass, Oscillator
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import ropewalk
-from ropewalk.cosim.stepwise import Outside, stepwise
+from ropewalk.cosim import Outside, stepwise
 from ropewalk.errors import RopewalkError, ScenarioError
 
 T, RHO, L = 2000.0, 0.5, 40.0

@@ -11,7 +11,8 @@ import xarray as xr
 
 from foreign_cases import Dashpot, Mass, Sprung
 from motion_cases import order
-from ropewalk import Scenario, simulate
+from ropewalk import Scenario, simulate, summary
+from ropewalk.results.table import rows
 
 STRING = {"start": [0, 0], "end": [40, 0], "tension": 2e4, "mass": 2.0, "axial_stiffness": 1e6, "elements": 80}
 SCHEMES = [
@@ -141,6 +142,8 @@ def test_energy_that_the_exchange_makes_is_warned_of() -> None:
     assert "the exchange with its model has made" in found.warnings
     assert "exchange.damping" in found.warnings
     assert found.exchange_residual.values[-1, 0] > 0.01 * found.exchange_work.values[-1, 0]
+    told = next(row for row in rows(summary(found)) if row[0] == "energy that it made")
+    assert "% of it  at most" in told[2]
     assert "the exchange" not in settled(1.25 * Z, every=0.005, scheme="iterated")[1].warnings
 
 

@@ -2,7 +2,8 @@
 
 from ropewalk.cosim.export import export
 from ropewalk.cosim.master import FmuPart, Link, Master, RidePart
-from ropewalk.cosim.stepwise import Outside, Sight, Stepwise, stepwise
+from ropewalk.cosim.outside import Outside, Sight, Stepwise
+from ropewalk.cosim.stepwise import stepwise
 from ropewalk.cosim.vehicle import Ride, alone
 
 __all__ = [

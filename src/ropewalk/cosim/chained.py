@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ropewalk.cosim.stepwise import Hand, Outside, Sight, Stepwise
+from ropewalk.cosim.outside import Hand, Outside, Sight, Stepwise
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.bodies import are_weightless
 from ropewalk.mechanics.chain import OFF, Array
@@ -19,7 +19,7 @@ from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
 from ropewalk.results.snapshot import Camera
-from ropewalk.simulate import _initial
+from ropewalk.simulate import initial_state
 from ropewalk.solve.choice import choose
 from ropewalk.solve.feet import Line, set_down, take_up
 from ropewalk.solve.guides import SLIDES, guides_of
@@ -51,7 +51,7 @@ class Chained(Stepwise):
         setting = setting_of(whole, run.until)
         if setting.fleet is not None:
             setting = replace(setting, fleet=_one_sided(setting.fleet, outside))
-        self._state, self._bodies = _initial(setting, whole)
+        self._state, self._bodies = initial_state(setting, whole)
         self.setting = setting
         names = [wheel.name for wheel in setting.wheels]
         self._contact = {name: names.index(name) for name in outside}

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from ropewalk.cosim.stepwise import Outside, Side, Stepwise, stepwise
+from ropewalk.cosim.outside import Outside, Side, Stepwise
+from ropewalk.cosim.stepwise import stepwise
 from ropewalk.cosim.vehicle import alone
 from ropewalk.errors import Problem, RopewalkError, ScenarioError, did_you_mean
 from ropewalk.model.run import Dynamic

@@ -14,7 +14,8 @@ from pythonfmu import Boolean as Truth
 from pythonfmu import DefaultExperiment, Fmi2Causality, Fmi2Initial, Fmi2Slave, Fmi2Variability, Real
 from pythonfmu.enums import Fmi2Status
 
-from ropewalk.cosim.stepwise import Outside, Stepwise, stepwise
+from ropewalk.cosim.outside import Outside, Stepwise
+from ropewalk.cosim.stepwise import stepwise
 from ropewalk.cosim.vehicle import Alone, Ride
 from ropewalk.errors import RopewalkError
 from ropewalk.scenario import load

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ropewalk.cosim.stepwise import Hand, Outside, Sight, Stepwise
+from ropewalk.cosim.outside import Hand, Outside, Sight, Stepwise
 from ropewalk.errors import RopewalkError
 from ropewalk.model.load import Foreign
 from ropewalk.model.run import Dynamic

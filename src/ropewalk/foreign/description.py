@@ -275,4 +275,10 @@ def _expected(variable: Any) -> str:
 def _converted(variable: Any, value: Value) -> Value:
     if isinstance(value, str):
         return _items(variable)[value] if variable.type == "Enumeration" else value
-    return value if variable.type == "Boolean" else int(value) if variable.type in WHOLE else float(value)
+    return (
+        value
+        if variable.type == "Boolean"
+        else int(value)
+        if variable.type in (*WHOLE, "Enumeration")
+        else float(value)
+    )

@@ -1,10 +1,11 @@
-"""What is told of the exchange with foreign models, in frames and as warnings."""
+"""What is told of the exchange with foreign models: in frames, as warnings, in the summary."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from ropewalk.foreign.turns import Turns, closing
 from ropewalk.model.load import Foreign
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account, Frame
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def foreign_in(scenario: Scenario) -> tuple[str, ...]:
@@ -38,3 +42,21 @@ def exchanged(frame: Frame, turns: Sequence[Turns], account: Account) -> Frame:
         partner.remarks.clear()
     work, residual, peak = np.array([partner.told() for partner in turns]).T
     return replace(frame, exchange_work=work, exchange_residual=residual, exchange_peak=peak)
+
+
+def exchange_summary(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """What each exchange came to: work and energy made at the end, and the most that one interval made, in J."""
+    if not dataset.sizes.get("foreign"):
+        return {}
+    found = {}
+    for k, name in enumerate(dataset["foreign"].values.tolist()):
+        work, made, peaks = (dataset[f"exchange_{what}"].values[:, k] for what in ("work", "residual", "peak"))
+        at = int(np.abs(peaks).argmax())
+        found[name] = {
+            "unit": "J",
+            "work": float(work[-1]),
+            "made": float(made[-1]),
+            "relative": float(made[-1] / work[-1]) if work[-1] else None,
+            "peak": {"value": float(peaks[at]), "time": float(dataset["time"].values[at])},
+        }
+    return found

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ropewalk.results.contact_summary import contact_summary
 from ropewalk.results.contract import path_name
+from ropewalk.results.exchanges import exchange_summary
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
 from ropewalk.results.net_statistics import net_summary
 from ropewalk.results.nets import net_names
@@ -53,6 +54,7 @@ def summary(dataset: xr.Dataset) -> Summary:
         "supports": {label: _vector(dataset, dataset["reaction"][:, k]) for k, label in supports},
         "contacts": {label: _contact(dataset, k) for k, label in loads},
         **contact_summary(dataset),
+        "exchanges": exchange_summary(dataset),
         "energy": _energy(dataset),
         "method": _method(dataset),
     }

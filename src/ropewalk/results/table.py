@@ -89,6 +89,8 @@ def rows(found: Summary) -> Iterator[Row]:
             yield from _contact_rows(name, contact)
     for name, line in found["overhead_lines"].items():
         yield from _overhead_rows(name, line)
+    for name, exchange in found["exchanges"].items():
+        yield from _exchange_rows(name, exchange)
     yield from _energy_rows(found["energy"])
     yield from _method_rows(found["method"])
 
@@ -243,6 +245,15 @@ def _contact_rows(name: str, contact: Summary) -> Iterator[Row]:
         yield "last speed", f"{number(speed['value'])} m/s", "  ".join((*_when(speed), "before it leaves or stops"))
     if share < 1.0:
         yield "on the line", f"{100 * share:.0f} %", "of the output instants"
+
+
+def _exchange_rows(name: str, exchange: Summary) -> Iterator[Row]:
+    yield f"Exchange with {name}", "", ""
+    yield "work to and fro", f"{number(exchange['work'])} J", ""
+    share = "" if exchange["relative"] is None else f"{number(100 * exchange['relative'], 2)} % of it"
+    peak = exchange["peak"]
+    most = "  ".join((f"at most {number(peak['value'], 2)} J in one interval", *_when(peak)))
+    yield "energy that it made", f"{number(exchange['made'], 3)} J", "  ".join(filter(None, (share, most)))
 
 
 def _energy_rows(energy: Summary) -> Iterator[Row]:

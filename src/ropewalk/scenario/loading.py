@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 from ropewalk.errors import ScenarioError
@@ -51,6 +52,26 @@ def loads(text: str, name: str = "scenario", overrides: Iterable[str] = ()) -> S
     for override in overrides:
         _overrides.apply(source, override)
     return validate(source)
+
+
+def placed(error: ScenarioError, path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> ScenarioError:
+    """The same mistakes, found after a scenario was read, with file and line where they are known by their keys.
+
+    Args:
+        error: with the mistakes.
+        path: the file that was read.
+        overrides: as they were given to `load`.
+    """
+    source = _read(read_text(path), os.fspath(path))
+    for override in overrides:
+        _overrides.apply(source, override)
+    problems = []
+    for problem in error.problems:
+        if not problem.file and problem.key:
+            file, line = source.place(tuple(problem.key.split(".")))
+            problem = replace(problem, file=file, line=line)
+        problems.append(problem)
+    return ScenarioError(problems)
 
 
 def _read(text: str, name: str) -> Source:

@@ -1,0 +1,178 @@
+"""What commands share: reading, printing, pictures, progress, and errors as messages and exit codes.
+
+Results go to stdout, messages and progress to stderr. Exit codes: 0 fine, 1 a fault of ropewalk itself, 2 bad
+input, 3 a run that stopped early, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from ropewalk.model import Scenario
+
+FAULT, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
+FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
+FILM_SUFFIXES = (".gif", ".mp4")
+REPORT_SUFFIX = ".html"
+EXPORT_SUFFIX = ".pvd"
+Progress = Callable[[float], None]
+_READ: ContextVar[tuple[Path, tuple[str, ...]] | None] = ContextVar("read", default=None)  # file and settings
+TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
+
+
+def load_scenario(file: Path, settings: list[str] | None) -> Scenario:
+    from ropewalk.scenario import load
+
+    scenario = load(file, settings or ())
+    _READ.set((file, tuple(settings or ())))  # read well: what is found later can be shown its place
+    return scenario
+
+
+def finish(found: dict[str, Any], target: Path) -> None:
+    """Leave with the exit code of the outcome, and say what there is and what can be done."""
+    outcome = found["outcome"]
+    if outcome == "completed":
+        return
+    advice = f"\n{found['advice']}" if found["advice"] else ""
+    if outcome == "interrupted":
+        fail(f"interrupted; what was computed is kept in {target}{advice}", INTERRUPTED)
+    fail(f"the run stopped early: {outcome}; what was computed is kept in {target}{advice}", STOPPED_EARLY)
+
+
+def print_summary(found: dict[str, Any], as_json: bool, quiet: bool) -> None:
+    if as_json:
+        print_json(found)
+    elif not quiet:
+        from ropewalk.results import text
+
+        typer.echo(text(found))
+
+
+def print_json(value: Any) -> None:
+    typer.echo(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def print_columns(rows: list[tuple[str, ...]]) -> None:
+    """A table: what on the left, and columns of values, which stand to the right where there are several."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    for what, *values in rows:
+        cells = [f"{value:>{width}}" for value, width in zip(values, widths[1:], strict=True)]
+        typer.echo("  ".join([f"{what:{widths[0]}}", *(cells if len(cells) > 1 else values)]).rstrip())
+
+
+def check_picture(
+    output: Path, known: tuple[str, ...] = (*FIGURE_SUFFIXES, *FILM_SUFFIXES, REPORT_SUFFIX, EXPORT_SUFFIX)
+) -> None:
+    if output.suffix.lower() not in known:
+        fail(f"{output}: unknown kind of picture or report; the name must end in {', '.join(known)}")
+    if not output.parent.is_dir():
+        fail(f"{output}: the folder {output.parent} does not exist; create it or choose another place")
+
+
+def write_text(text: str, output: Path) -> None:
+    try:
+        output.write_text(text, encoding="utf-8")
+    except OSError as problem:
+        fail(f"{output}: cannot be written ({problem.strerror or problem})")
+
+
+def save_figure(drawn: Any, output: Path) -> None:
+    try:
+        drawn.savefig(output)
+    except OSError as problem:
+        fail(f"{output}: cannot be written ({problem.strerror or problem})")
+
+
+def say(message: str) -> None:
+    typer.echo(message, err=True)
+
+
+def fail(message: str, code: int = BAD_INPUT) -> None:
+    say(message)
+    raise typer.Exit(code)
+
+
+@contextmanager
+def progress_bar(label: str, quiet: bool) -> Iterator[Progress | None]:
+    """A bar on stderr if that is a terminal; gives the function that moves it."""
+    with progress_of_many(quiet) as told:
+        yield told and partial(told, label)
+
+
+@contextmanager
+def progress_of_many(quiet: bool) -> Iterator[Callable[[str, float], None] | None]:
+    """A bar for each of several tasks, as they come, on stderr if that is a terminal."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress as Bar
+
+    with Bar(console=Console(stderr=True), transient=True) as bar:
+        tasks: dict[str, Any] = {}
+
+        def told(label: str, done: float) -> None:
+            if label not in tasks:
+                tasks[label] = bar.add_task(label, total=1.0)
+            bar.update(tasks[label], completed=done)
+
+        yield told
+
+
+@contextmanager
+def reported(target: Path | None = None) -> Iterator[None]:
+    """Turn exceptions into messages and exit codes; `target` is the file that a run may have begun."""
+    before = _stamp(target)
+    try:
+        yield
+    except typer.Exit:
+        raise
+    except KeyboardInterrupt as stop:
+        kept = f"; what was computed is kept in {target}" if _stamp(target) != before else ""
+        fail(str(stop) or f"interrupted{kept}", INTERRUPTED)
+    except BrokenPipeError:  # the reader of stdout has gone, as in `ropewalk schema | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise typer.Exit(FAULT) from None
+    except Exception as problem:
+        if TRACEBACK.get():
+            raise
+        _explain(problem, target if _stamp(target) != before else None)
+
+
+def _stamp(target: Path | None) -> tuple[int, int] | None:
+    """What changes when a file is written."""
+    if target is None or not target.exists():
+        return None
+    status = target.stat()
+    return status.st_ino, status.st_mtime_ns
+
+
+def _explain(problem: Exception, partial: Path | None) -> None:
+    from ropewalk.errors import RopewalkError, ScenarioError
+    from ropewalk.results import ResultError, WriteError
+
+    if isinstance(problem, ScenarioError) and (read := _READ.get()) is not None:
+        from ropewalk.scenario.loading import placed
+
+        problem = placed(problem, *read)
+    if not isinstance(problem, RopewalkError):
+        kind = type(problem).__name__
+        say(f"ropewalk failed ({kind}: {problem}); this is a fault of ropewalk, not of your input")
+        fail("please report it with what `ropewalk --traceback ...` says on the same command", FAULT)
+    say(str(problem))
+    if isinstance(problem, ScenarioError) or (isinstance(problem, ResultError) and not isinstance(problem, WriteError)):
+        raise typer.Exit(BAD_INPUT)
+    if partial is not None:
+        say(f"what was computed is kept in {partial}")
+    raise typer.Exit(STOPPED_EARLY)
