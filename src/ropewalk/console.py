@@ -34,6 +34,7 @@ TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
 def load_scenario(file: Path, settings: list[str] | None) -> Scenario:
     from ropewalk.scenario import load
 
+    _READ.set(None)
     scenario = load(file, settings or ())
     _READ.set((file, tuple(settings or ())))  # read well: what is found later can be shown its place
     return scenario
