@@ -59,8 +59,8 @@ class Bearer:
         """The line as it is now, to be looked at later."""
         raise NotImplementedError
 
-    def ahead(self, pushes: Pushes, h: float) -> Line:
-        """The line as it would be after h seconds with these forces; it stays where it is."""
+    def ahead(self, pushes: Pushes, h: float) -> Line | None:
+        """The line as it would be after h seconds with these forces; it stays where it is. None: not to be had yet."""
         raise NotImplementedError
 
 
@@ -229,12 +229,12 @@ class Turns:
         line = seen = self._seen(bearer.line)
         if self.exchange.scheme == "parallel" and self._frozen is not None:
             seen = self._seen(self._foreseen(self._frozen))
-        answer, self._agreed = self._agreed or self._step(t, seen), None
+        answer, self._agreed = self._step(t, seen) if self._agreed is None else self._agreed, None
         self._settle(line, seen, answer)
         if self.exchange.scheme == "parallel":
             self._frozen = bearer.frozen()
         if self.exchange.scheme == "iterated":
-            return self._iterate(t, bearer, answer)
+            return self.agree(t, bearer)
         pushes = [self._foresee(contact) for contact in self._contacts]
         self._remember(pushes)
         return pushes
@@ -387,14 +387,20 @@ class Turns:
             if contact is not None and push is not None:
                 contact.push = push
 
-    def _iterate(self, t: float, bearer: Bearer, answer: list[Touch]) -> Pushes:
-        """Repeat the interval ahead until line and model agree on what happens at its end."""
+    def agree(self, t: float, bearer: Bearer) -> Pushes:
+        """Repeat the interval ahead until line and model agree on what happens at its end.
+
+        If the line cannot be sent ahead yet, nothing is agreed on, and this may be asked once more.
+        """
         h, state = self.every, self.model.get_state()
         pushes = [self._foresee(contact) for contact in self._contacts]
         relax, before, change = 1.0, None, np.inf
         for _ in range(self.exchange.iterations):
             self._remember(pushes)
-            line = self._seen(bearer.ahead(pushes, h))
+            there = bearer.ahead(pushes, h)
+            if there is None:
+                return pushes
+            line = self._seen(there)
             self.model.set_state(state)
             ahead = self._step(t + h, line)
             wanted = self._towards(pushes, ahead, line)

@@ -93,6 +93,7 @@ class Partner(Bearer):
     contacts: tuple[int, ...]
     ghosts: tuple[int, ...]  # coordinates that are the far ends of the interface's springs, one for each contact
     look: Look | None = None  # sends a copy of the state ahead; given when the motion begins
+    _looked: bool = False
     _pressed: list[tuple[float, float]] = field(default_factory=list)  # m and s, where contacts were, for how long
 
     def begin(self, state: State) -> None:
@@ -103,11 +104,19 @@ class Partner(Bearer):
 
     def next(self, t: float) -> float:
         """Its next step."""
-        return self.turns.next
+        return t if self._has_not_looked else self.turns.next
+
+    @property
+    def _has_not_looked(self) -> bool:
+        """Whether the first interval is to be agreed on, into which nobody could look before the motion began."""
+        return self.look is not None and self.turns.exchange.scheme == "iterated" and not self._looked
 
     def act(self, state: State) -> None:
         """Ask the model, if it is time: where its contacts are, and with what they press."""
         t = float(state.t[0])
+        if self._has_not_looked:
+            self._looked = True
+            self._press(self.turns.agree(t, self), self.setting.loads, state, self.bodies)
         if t < self.turns.next * (1.0 - 1e-12):
             return
         before = [self._height(k) for k in self.contacts] if self.ghosts else []
@@ -147,10 +156,10 @@ class Partner(Bearer):
         """The line as it is now, to be looked at later."""
         return Line(self.setting, self.line.state.copy(), self.line.strand)
 
-    def ahead(self, pushes: Pushes, h: float) -> Line:
+    def ahead(self, pushes: Pushes, h: float) -> Line | None:
         """The line as it would be after h seconds with these forces; it stays where it is."""
         if self.look is None:  # before the motion has begun
-            return self.line
+            return None
         loads, state, bodies = _own(self.setting.loads), self.line.state.copy(), self.bodies.copy()
         self._press(pushes, loads, state, bodies)
         self.look(loads, state, bodies, h)
