@@ -14,7 +14,7 @@ import xarray as xr
 from ropewalk.mechanics.bodies import FLYING, SEATED, Bodies
 from ropewalk.mechanics.chain import State
 from ropewalk.model import Dynamic, ForceTable, FreeTravel, Guided, Line, MovingMass, Scenario, Start, Travel
-from ropewalk.simulate import _initial, simulate
+from ropewalk.simulate import initial_state, simulate
 from ropewalk.solve.choice import choose
 from ropewalk.solve.motion import Progress, move
 from ropewalk.solve.start import setting_of
@@ -162,7 +162,7 @@ def test_momentum_is_kept_when_it_lands_on_a_line_that_nothing_holds(axis: int, 
     # Hardly any gravity: only so that above and below exist.
     scenario = Scenario(gravity=1e-12, lines={"line": line}, loads={"mass": load}, run=Dynamic(until=0.5, every=0.01))
     setting = setting_of(scenario, 0.5)
-    state, bodies = _initial(setting, scenario)
+    state, bodies = initial_state(setting, scenario)
     assert bodies is not None
     choice = choose(
         setting.strands, setting.loads, state, method="auto", step=None, accuracy=1e-3, duration=0.5,

@@ -17,7 +17,7 @@ from motion_cases import order
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics import wheels
 from ropewalk.model import Dynamic, Line, Scenario
-from ropewalk.simulate import _initial, simulate
+from ropewalk.simulate import initial_state, simulate
 from ropewalk.solve.choice import choose
 from ropewalk.solve.motion import Progress, move
 from ropewalk.solve.start import setting_of
@@ -177,7 +177,7 @@ def released(load: dict[str, Any], moved: list[float], until: float) -> tuple[np
     run = Dynamic(until=until, every=until / 20, start={"with_loads": True})
     scenario = Scenario(lines=lines, loads={"load": {"on": "rope", **load}}, run=run)
     setting = setting_of(scenario, until)
-    state, bodies = _initial(setting, scenario)
+    state, bodies = initial_state(setting, scenario)
     assert bodies is not None
     rest = bodies.coordinates["q"].copy()
     bodies.coordinates["q"] += moved
