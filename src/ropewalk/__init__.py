@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from ropewalk.compare import Ladder, ladder
     from ropewalk.compare.adequacy import AdequacyMap, adequacy
     from ropewalk.compare.axes import Axis
-    from ropewalk.cosim import export as export_fmu
+    from ropewalk.cosim.export import export as export_fmu
     from ropewalk.coupling import Comparison, feedback
     from ropewalk.decouple import without_feedback
     from ropewalk.errors import EquilibriumError, RopewalkError, ScenarioError
@@ -288,7 +288,7 @@ _HOME = {
     "Wind": "model",
     "adequacy": "compare.adequacy",
     "contact_statistics": "results.contact_statistics",
-    "export_fmu": "cosim",
+    "export_fmu": "cosim.export",
     "feedback": "coupling",
     "figure": "results",
     "film": "results",
