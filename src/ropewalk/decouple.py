@@ -28,7 +28,7 @@ from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.pantograph import Pantograph
-from ropewalk.model.run import Dynamic, Linear, Start
+from ropewalk.model.run import Dynamic, Linear, Start, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
 from ropewalk.model.travel import FreeTravel, Travel
@@ -205,7 +205,7 @@ class _Ground:
         s = setting.lines.index(load.on)
         length = float(setting.strands.h[s] * setting.strands.links[s])
         ground, load = _on_ground(name, load, scenario.lines[load.on], length, run.until, scenario.gravity)
-        every = min(run.every or run.until / 100.0, run.until / SAMPLES)
+        every = min(every_of(run), run.until / SAMPLES)
         falls = isinstance(load, Trolley) and load.payload.at is not None
         start = Start(with_loads=not (falls or isinstance(load, Foreign)))
         dynamic = Dynamic(until=run.until, every=every, accuracy=run.accuracy, start=start)

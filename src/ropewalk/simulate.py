@@ -15,7 +15,7 @@ from ropewalk.foreign.turns import Turns, begun, closing
 from ropewalk.mechanics.bodies import Bodies, are_weightless
 from ropewalk.mechanics.chain import Array, State
 from ropewalk.model.load import MovingForce
-from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
+from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.exchanges import exchanged, exchanging, foreign_in
 from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
@@ -182,7 +182,7 @@ def _wired(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame
 
 def output_times(run: Dynamic | Linear) -> Array:
     """Instants of output: every `every` from 0, and `until`."""
-    every = run.every if run.every is not None else run.until / 100.0
+    every = every_of(run)
     count = int(np.floor(run.until / every * (1.0 + 1e-12)))
     times: Array = every * np.arange(count + 1.0)
     if run.until - times[-1] > 1e-9 * every:

@@ -19,7 +19,7 @@ from ropewalk.model.history import SpeedTable
 from ropewalk.model.load import MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.pantograph import Pantograph
-from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
+from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import Travel
 from ropewalk.solve.quasistatic import walk
@@ -94,8 +94,7 @@ def _complete(scenario: Scenario, remark: str = "") -> Rung:
 
 def _finely(run: Dynamic) -> Dynamic:
     """A run with enough frames."""
-    every = run.every if run.every is not None else run.until / 100.0
-    return run.model_copy(update={"every": min(every, run.until / FRAMES)})
+    return run.model_copy(update={"every": min(every_of(run), run.until / FRAMES)})
 
 
 def _duration(scenario: Scenario) -> float:
@@ -239,7 +238,7 @@ class Climb:
         """End of the runs in time and interval of their output, s."""
         run = self.top.run
         if isinstance(run, Dynamic | Linear):
-            return run.until, min(run.every or run.until / 100.0, run.until / FRAMES)
+            return run.until, min(every_of(run), run.until / FRAMES)
         until = _duration(self.top)
         return until, until / FRAMES
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ropewalk.cosim.outside import Hand, Outside, Sight, Stepwise
 from ropewalk.errors import RopewalkError
+from ropewalk.foreign.turns import Push
 from ropewalk.mechanics.bodies import are_weightless
 from ropewalk.mechanics.chain import OFF, Array
 from ropewalk.mechanics.fleet import Fleet
@@ -21,8 +22,8 @@ from ropewalk.model.stepper import Stepper
 from ropewalk.results.snapshot import Camera
 from ropewalk.simulate import initial_state
 from ropewalk.solve.choice import choose
-from ropewalk.solve.feet import Line, set_down, take_up
-from ropewalk.solve.guides import SLIDES, guides_of
+from ropewalk.solve.feet import Line, take_up
+from ropewalk.solve.guides import guides_of, lead, press
 from ropewalk.solve.motion import Progress, move
 from ropewalk.solve.splitting import RUNNING
 from ropewalk.solve.start import setting_of
@@ -104,26 +105,19 @@ class Chained(Stepwise):
 
     def _hold(self, name: str, hand: Hand, h: float) -> None:
         """Let a contact do what it is told, from now on."""
-        k, state, bodies, loads, t = self._contact[name], self._state, self._bodies, self.setting.loads, self.t
+        k, state, bodies = self._contact[name], self._state, self._bodies
         assert bodies is not None
-        if not 0.0 <= hand.xi <= self.length(self.outside[name].on):  # NaN is not, either
+        length = self.length(self.outside[name].on)
+        if not 0.0 <= hand.xi <= length:  # NaN is not, either
             if state.rider[k] != OFF:
                 take_up(self.setting, state, bodies, k)
             return
-        away = hand.xi - float(state.xi[k])
-        if state.rider[k] == OFF or abs(away) > SLIDES * float(self.setting.strands.h[loads.strand[k]]):
-            set_down(self.setting, state, bodies, k, hand.xi)
-            away = 0.0
-        first = int(loads.force_first[k])
-        loads.force_time[first : first + 2] = t, t + h
-        if not self.outside[name].is_sprung:
-            loads.force_value[:, first], loads.force_value[:, first + 1] = hand.first, hand.last
         # The contact stops at an end of the line: what goes on beyond it is lifted with the next step.
-        end = min(max(hand.xi + hand.speed * h, 0.0), self.length(self.outside[name].on))
-        loads.speed_value[loads.speed_first[k]] = (end - hand.xi + away) / h
+        end = min(max(hand.xi + hand.speed * h, 0.0), length)
+        push = Push(hand.xi, (end - hand.xi) / h, np.array(hand.first), np.array(hand.last))
+        press(self.setting, self.setting.loads, state, bodies, k, push, h)
         for ghost in self._ghost.get(name, ()):
-            record = bodies.coordinates[ghost]
-            record["q"], record["v"], record["ahead"] = hand.height, hand.rise, hand.rise
+            lead(bodies, ghost, hand.height, hand.rise)
 
     def length(self, line: str) -> float:
         """Unstrained length of a line, m."""

@@ -91,12 +91,12 @@ class Stepwise:
             last: force at the end of the step, linear in between; None: as at its beginning.
 
         Raises:
-            RopewalkError: there is no such contact, or it has a spring.
+            RopewalkError: there is no such contact, it has a spring, or a force along a wire is given.
         """
         hand = self._hand(name, sprung=False)
         hand.xi, hand.speed = xi, speed
-        hand.first = self._vector(force)
-        hand.last = hand.first if last is None else self._vector(last)
+        hand.first = self._vector(name, force)
+        hand.last = hand.first if last is None else self._vector(name, last)
 
     def lead(self, name: str, xi: float, height: float, rise: float = 0.0, speed: float = 0.0) -> None:
         """Give the height of a body on the spring of a contact during the next step.
@@ -171,7 +171,8 @@ class Stepwise:
             raise RopewalkError(f"contact {name} has {has} spring: use {remedy}")
         return self.hands[name]
 
-    def _vector(self, force: float | tuple[float, ...]) -> tuple[float, ...]:
+    def _vector(self, name: str, force: float | tuple[float, ...]) -> tuple[float, ...]:
+        """A force on the line at a contact, (axis,) N."""
         if isinstance(force, int | float):
             return (0.0,) * (self.dim - 1) + (float(force),)
         if len(force) != self.dim:

@@ -117,24 +117,11 @@ class Wired(Stepwise):
                 drive.given[:, k] = hand.first[-1], hand.last[-1]
         return drive
 
-    def press(
-        self,
-        name: str,
-        xi: float,
-        force: float | tuple[float, ...],
-        speed: float = 0.0,
-        *,
-        last: float | tuple[float, ...] | None = None,
-    ) -> None:
-        """Press on the line during the next step: upwards or downwards only.
-
-        Raises:
-            RopewalkError: there is no such contact, it has a spring, or a force along the wire is given.
-        """
-        super().press(name, xi, force, speed, last=last)
-        hand = self.hands[name]
-        if any(hand.first[:-1]) or any(hand.last[:-1]):
-            raise RopewalkError(f"contact {name}: wires know forces up and down only, given {hand.first} N")
+    def _vector(self, name: str, force: float | tuple[float, ...]) -> tuple[float, ...]:
+        vector = super()._vector(name, force)
+        if any(vector[:-1]):
+            raise RopewalkError(f"contact {name}: wires know forces up and down only, given {vector} N")
+        return vector
 
     def length(self, line: str) -> float:
         """What stations of a line count up to, m."""

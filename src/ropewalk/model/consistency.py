@@ -19,7 +19,7 @@ from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.places import meetings, reach, travels
-from ropewalk.model.run import Dynamic, Linear, Quasistatic
+from ropewalk.model.run import Dynamic, Linear, Quasistatic, every_of
 from ropewalk.model.space import check_space
 from ropewalk.model.stiff import check_stiff
 from ropewalk.model.travel import FreeTravel
@@ -276,7 +276,7 @@ def _size(parts: Parts) -> Iterator[Finding]:
             remedy = f"write at most {run.until:g} s (run.until)"
             yield Finding(("run", "every"), "longer than the run", f"{run.every:g} s", remedy)
             return
-        frames = 1.0 + run.until / (run.every or run.until / 100.0)
+        frames = 1.0 + run.until / every_of(run)
         key = ("run", "every" if run.every is not None else "until")
     elif isinstance(run, Quasistatic):
         frames, key = float(run.positions), ("run", "positions")

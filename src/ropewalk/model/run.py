@@ -160,7 +160,7 @@ _TICK = 1e-9  # s
 _SMALLEST_PART = 1000  # of the shortest interval
 
 
-def every_of(run: Dynamic) -> float:
+def every_of(run: Dynamic | Linear) -> float:
     """Interval of output, s."""
     return run.every if run.every is not None else run.until / 100.0
 

@@ -94,7 +94,7 @@ class Partner(Bearer):
     ghosts: tuple[int, ...]  # coordinates that are the far ends of the interface's springs, one for each contact
     look: Look | None = None  # sends a copy of the state ahead; given when the motion begins
     _looked: bool = False
-    _pressed: list[tuple[float, float]] = field(default_factory=list)  # m and s, where contacts were, for how long
+    _heights: list[float] = field(default_factory=list)  # m, where contacts were at the last exchange
 
     def begin(self, state: State) -> None:
         """Reset the model, and ask it for the first time."""
@@ -124,7 +124,7 @@ class Partner(Bearer):
         for number, place in enumerate(before):
             state.work[DRIVE] += self._led(number, place, pushes[number])
         self._press(pushes, self.setting.loads, state, self.bodies)
-        self._pressed = [(self._height(k), self.turns.every) for k in self.contacts] if self.ghosts else []
+        self._heights = [self._height(k) for k in self.contacts] if self.ghosts else []
 
     def _height(self, k: int) -> float:
         """Height of contact k, or where it was last, m."""
@@ -139,11 +139,10 @@ class Partner(Bearer):
         """
         k, c, q = self.turns.exchange.stiffness, self.turns.exchange.damping, self.bodies.coordinates
         end, done = float(q["q"][self.ghosts[number]]), 0.0
-        if number < len(self._pressed):
-            begin, every = self._pressed[number]
-            way = float(q["v"][self.ghosts[number]]) * every
-            apart = end - way - begin, end - place
-            done = (0.5 * k * (apart[0] + apart[1]) + c * (apart[1] - apart[0]) / every) * way
+        if self._heights:
+            way = float(q["v"][self.ghosts[number]]) * self.turns.every
+            apart = end - way - self._heights[number], end - place
+            done = (0.5 * k * (apart[0] + apart[1]) + c * (apart[1] - apart[0]) / self.turns.every) * way
         to = place if push is None else push.height
         return done + 0.5 * k * ((to - place) ** 2 - (end - place) ** 2)
 
@@ -166,24 +165,32 @@ class Partner(Bearer):
         return Line(self.setting, state, self.line.strand)
 
     def _press(self, pushes: Pushes, loads: Loads, state: State, bodies: Bodies) -> None:
-        t, every = float(state.t[0]), self.turns.every
         for number, (k, push) in enumerate(zip(self.contacts, pushes, strict=True)):
-            if push is None:
-                if state.rider[k] != OFF:
-                    take_up(self.setting, state, bodies, k)
-                if self.ghosts:
-                    _lead(bodies, self.ghosts[number], float(bodies.wheels[k]["r"][state.r.shape[0] - 1]), 0.0)
-                continue
-            away = push.xi - float(state.xi[k])
-            if state.rider[k] == OFF or abs(away) > self.turns.reach:
-                set_down(self.setting, state, bodies, k, push.xi)
-                away = 0.0
-            first = int(loads.force_first[k])
-            loads.force_time[first], loads.force_time[first + 1] = t, t + every
-            loads.force_value[:, first], loads.force_value[:, first + 1] = push.first, push.last
-            loads.speed_value[loads.speed_first[k]] = push.speed + away / every  # catches up until the next step
-            if self.ghosts:
-                _lead(bodies, self.ghosts[number], push.height, push.rise)
+            if push is not None:
+                press(self.setting, loads, state, bodies, k, push, self.turns.every)
+            elif state.rider[k] != OFF:
+                take_up(self.setting, state, bodies, k)
+            if self.ghosts and push is not None:
+                lead(bodies, self.ghosts[number], push.height, push.rise)
+            elif self.ghosts:
+                lead(bodies, self.ghosts[number], float(bodies.wheels[k]["r"][state.r.shape[0] - 1]), 0.0)
+
+
+def press(setting: Setting, loads: Loads, state: State, bodies: Bodies, k: int, push: Push, every: float) -> None:
+    """Let contact k do what a push says for some seconds: it slides on to there, or is put down anew."""
+    t, away = float(state.t[0]), push.xi - float(state.xi[k])
+    if state.rider[k] == OFF or abs(away) > reach_on(setting, k):
+        set_down(setting, state, bodies, k, push.xi)
+        away = 0.0
+    first = int(loads.force_first[k])
+    loads.force_time[first], loads.force_time[first + 1] = t, t + every
+    loads.force_value[:, first], loads.force_value[:, first + 1] = push.first, push.last
+    loads.speed_value[loads.speed_first[k]] = push.speed + away / every  # catches up until then
+
+
+def reach_on(setting: Setting, k: int) -> float:
+    """How far from where it has slid to contact k may be said to be without being put down anew, m."""
+    return SLIDES * float(setting.strands.h[setting.loads.strand[k]])
 
 
 def _own(loads: Loads) -> Loads:
@@ -192,7 +199,7 @@ def _own(loads: Loads) -> Loads:
     return loads._replace(**{name: getattr(loads, name).copy() for name in tables})
 
 
-def _lead(bodies: Bodies, ghost: int, height: float, rise: float) -> None:
+def lead(bodies: Bodies, ghost: int, height: float, rise: float) -> None:
     """Put the far end of an interface's spring somewhere, and let it go on from there."""
     record = bodies.coordinates[ghost]
     record["q"], record["v"], record["ahead"] = height, rise, rise
@@ -220,9 +227,8 @@ def guides_of(setting: Setting, scenario: Scenario, bodies: Bodies | None) -> li
                 person.upright = Upright(setting, bodies, load, load.balance, (on[0], on[1]), vehicle, left)
             guides.append(person)
         elif isinstance(load, Stepper | Fmu):
-            reach = SLIDES * float(setting.strands.h[setting.loads.strand[on[0]]])
             assert isinstance(scenario.run, Dynamic)
-            turns = turns_of(name, load, scenario.run.until, len(setting.axes), reach)
+            turns = turns_of(name, load, scenario.run.until, len(setting.axes), reach_on(setting, on[0]))
             assert setting.fleet is not None
             guides.append(Partner(setting, bodies, turns, on, setting.fleet.ghosts.get(name, ())))
     return guides

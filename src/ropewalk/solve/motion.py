@@ -164,9 +164,7 @@ def move(
         stops = [*corners[(corners > state.t[0]) & (corners < time)], time]
         for stop in stops:
             while state.t[0] < stop:
-                if (
-                    stop - state.t[0] < NEXT_TO_NOTHING * stop
-                ):  # tables that meet to a rounding error: no step is so short
+                if stop - state.t[0] < NEXT_TO_NOTHING * stop:  # corners of two tables: no step is so short
                     state.t[0] = stop
                     break
                 until = min([stop, *(guide.next(float(state.t[0])) for guide in guides)])

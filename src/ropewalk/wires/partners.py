@@ -12,10 +12,10 @@ from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import Bearer, Push, Pushes, Turns
 from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive
 from ropewalk.wires.large import LargeMotion
-from ropewalk.wires.mesh import Mesh
-from ropewalk.wires.plan import Array, Contact, Rider
+from ropewalk.wires.mesh import Mesh, places_of
+from ropewalk.wires.plan import Array, Contact, Rider, Spot
 from ropewalk.wires.small import SmallMotion
-from ropewalk.wires.spline import WIDTH, points
+from ropewalk.wires.spline import WIDTH
 
 # A damper needs a spring beside it: one that nobody feels, N/m.
 _NEXT_TO_NOTHING = 1e-6
@@ -52,26 +52,20 @@ class WireLine:
 
     def at(self, xi: float) -> tuple[Array, Array]:
         """Position in m and velocity in m/s of the wire at a station, (axis,)."""
-        strands, a = self.mesh.strands, self.wire
-        base, w = points(np.array([xi / strands.h[a]]), strands.links[a : a + 1])
-        first = int(base[0]) + int(strands.first[a])
+        strands = self.mesh.strands
+        spot = places_of(strands, [Spot(self.wire, xi)])
+        first, weight = int(spot.base[0]), spot.weight[0]
         r, v = self.piece(slice(first, first + WIDTH))
-        place, velocity = (r @ w[0, 0])[self.axes], (v @ w[0, 0])[self.axes]
+        place, velocity = (r @ weight)[self.axes], (v @ weight)[self.axes]
         for station, force in self.soft:
-            if abs(station - xi) < strands.h[a]:  # beside its spline the wire gives way to what stands on it
-                place[-1] += self._local(xi) * force
+            if abs(station - xi) < strands.h[self.wire]:  # beside its spline the wire gives way to what stands on it
+                place[-1] += spot.local[0] * force
         return place, velocity
 
     def below(self, x: float) -> float:
         """The station in m above or below a horizontal place x in m."""
         wire = self.mesh.plan.wires[self.wire]
         return float((x - wire.start[0]) / (wire.end[0] - wire.start[0]) * wire.length)
-
-    def _local(self, xi: float) -> float:
-        s = xi / self.mesh.strands.h[self.wire]
-        part = s - np.floor(s)
-        g, c = part * (1.0 - part), self.mesh.strands.local[self.wire]
-        return float(c[0] + g * g * (c[1] + g * c[2]))
 
 
 @dataclass
