@@ -75,8 +75,7 @@ def simulate(
                 recorder.append(frame)
                 if progress is not None:
                     progress(min(count / total, 1.0))
-            if account.outcome == "running":
-                account.outcome = "completed"
+            account.conclude()
         except KeyboardInterrupt:
             account.outcome, account.advice = "interrupted", "the result holds everything up to the interruption"
         account.wall_seconds, account.cpu_seconds = clock.perf_counter() - wall, clock.process_time() - cpu

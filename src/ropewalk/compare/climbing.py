@@ -188,8 +188,7 @@ def _on_wires(rung: Rung, progress: Callable[[float], None]) -> xr.Dataset:
         for count, frame in enumerate(found.frames(), start=1):
             recorder.append(frame)
             progress(min(count / times.size, 1.0))
-        if account.outcome == "running":
-            account.outcome = "completed"
+        account.conclude()
         return recorder.close()
 
 

@@ -201,7 +201,7 @@ def scenario_attributes(scenario: Scenario) -> dict[str, Attribute]:
 
 
 def account_attributes(account: Account) -> dict[str, Attribute]:
-    """Attributes that tell how the run went; the warnings are lines of one text."""
+    """Attributes that tell how the run went; doubts and warnings are lines of one text each."""
     return {
         "outcome": account.outcome,
         "advice": account.advice,
@@ -211,6 +211,7 @@ def account_attributes(account: Account) -> dict[str, Attribute]:
         "steps": int(account.steps),
         "cpu_seconds": float(account.cpu_seconds),
         "wall_seconds": float(account.wall_seconds),
+        "doubts": "\n".join(" ".join(str(doubt).split()) for doubt in account.doubts),
         "warnings": "\n".join(" ".join(warning.split()) for warning in account.warnings),
     }
 

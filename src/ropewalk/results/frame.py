@@ -89,11 +89,25 @@ class Frame:
     exchange_peak: Array | None = None  # (foreign,) J, the most of it in one interval since the last frame
 
 
+@dataclass(frozen=True)
+class Doubt:
+    """A reason not to trust a run that went through."""
+
+    what: str  # what is wrong, with its numbers
+    cause: str  # what most likely made it so
+    key: str  # of the scenario that is to blame, as "lines.rope.elements"; empty where there is none
+    remedy: str  # what to do, beginning with a verb
+
+    def __str__(self) -> str:
+        key = f" ({self.key})" if self.key else ""
+        return f"{self.what}; likely cause: {self.cause}{key}; {self.remedy}"
+
+
 @dataclass
 class Account:
     """How a run went: filled in while it runs, written as attributes at the end."""
 
-    outcome: str = "running"  # "completed", "interrupted", "diverged", "travel ended", ...
+    outcome: str = "running"  # "completed", "doubtful", "interrupted", "diverged", "travel ended", ...
     advice: str = ""
     method: str = ""
     reason: str = ""  # why that method
@@ -101,4 +115,15 @@ class Account:
     steps: int = 0
     cpu_seconds: float = float("nan")
     wall_seconds: float = float("nan")
-    warnings: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)  # legitimate, but one should know
+    doubts: list[Doubt] = field(default_factory=list)  # reasons not to trust the run
+
+    def doubt(self, what: str, cause: str, key: str, remedy: str) -> None:
+        """Note a reason not to trust the run, once."""
+        if (found := Doubt(what, cause, key, remedy)) not in self.doubts:
+            self.doubts.append(found)
+
+    def conclude(self) -> None:
+        """Name the outcome of a run that nothing has stopped."""
+        if self.outcome == "running":
+            self.outcome = "doubtful" if self.doubts else "completed"

@@ -92,8 +92,7 @@ class Recorder:
     ) -> None:
         account = self._account
         if problem is None:
-            if account.outcome == "running":
-                account.outcome = "completed"
+            account.conclude()
             self.close()
             return
         if account.outcome == "running":
@@ -198,7 +197,7 @@ class _File:
         full = row + 1 == len(self._arrays[contract.PATH])
         self._last_append = now
         if full or slow or now - self._last_sync >= SYNC_SECONDS:
-            self._flush(account, ("method", "reason", "step", "warnings"))
+            self._flush(account, ("method", "reason", "step", "doubts", "warnings"))
 
     def _flush(self, account: Account, keys: Iterable[str]) -> None:
         """Write what is new and synchronise; harmless to repeat after an interrupt."""
