@@ -115,10 +115,9 @@ def travels() -> Iterator[Case]:
             for kind in kinds:
                 if way.startswith("free") and kind in ("force", "vehicle", "matrices", "pantograph"):
                     continue  # no such key in the schema
-                if kind == "pantograph" and tree.get("measured") not in (None, "horizontal"):
+                if kind == "pantograph" and ("measured" in tree or tree.get("at_end") == "stay"):
                     continue
-                moved = {k: v for k, v in tree.items() if kind != "pantograph" or k != "measured"}
-                yield Case("travel", way, s.name, kind, scenario(s, _one(load(s, kind, moved))))
+                yield Case("travel", way, s.name, kind, scenario(s, _one(load(s, kind, tree))))
 
 
 # -- Supports ----------------------------------------------------------------------------------------------------

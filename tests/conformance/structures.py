@@ -51,9 +51,9 @@ TAUT: Tree = {
 
 SLACK: Tree = {
     "start": [0.0, 0.0], "end": [19.0, 0.0], "length": 20.0, "mass": 1.0, "axial_stiffness": "1 MN",
-    "axial_damping": "200 N*s", "elements": 40,
+    "axial_damping": "200 N*s", "elements": 100,
 }  # fmt: skip
-"""Hangs through by 2.7 m; waves run at 13 m/s."""
+"""Hangs through by 2.7 m; waves run at 13 m/s; with 40 links the audit of a force misses 8 %, with 80 four."""
 
 BEAM: Tree = {
     "start": [0.0, 0.0], "end": [20.0, 0.0], "length": 20.0, "mass": 2000.0, "bending_stiffness": "2 GN*m^2",

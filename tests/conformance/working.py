@@ -29,7 +29,7 @@ def answer(case: Tree) -> Tree:
             warnings.simplefilter("ignore")
             found = _TOOLS[case["tool"]](case["scenario"], case["options"])
     except ScenarioError as error:
-        found = Verdict(REFUSED, "\n".join(problem.wrong for problem in error.problems))
+        found = Verdict(REFUSED, "\n".join(f"{problem.key}: {problem.wrong}" for problem in error.problems))
     except RopewalkError as error:
         found = Verdict(REFUSED, str(error))
     except Exception as error:
