@@ -89,7 +89,7 @@ def ways(s: Structure) -> Iterator[tuple[str, Tree]]:
     for measured in ("material", "horizontal"):
         yield f"backwards, {measured}", travel(s, speed=-s.speed, measured=measured, **{"from": middle})
     yield "standing", travel(s, speed=0.0)
-    table = {"time": [0.0, 0.5 * s.until, s.until], "value": [0.0, s.speed, -0.5 * s.speed]}
+    table = {"time": [0.0, 0.5 * s.until, s.until], "value": [s.speed, 1.1 * s.speed, 0.9 * s.speed]}
     yield "speed in a table", travel(s, speed=table)
     yield "from the start", travel(s, **{"from": 0.0})
     late = s.length - 0.4 * s.speed * s.until
