@@ -159,6 +159,24 @@ def supported() -> Iterator[Case]:
                     yield Case("supports", row, s.name, kind, scenario(s, found, lines=parts["lines"]))
                 rest = {"kind": "equilibrium"}
                 yield Case("supports", row, s.name, "at rest", scenario(s, None, rest, lines=parts["lines"]))
+    yield from edged()
+
+
+def edged() -> Iterator[Case]:
+    """Every edge of every net and membrane."""
+    edges = {
+        "clamped edge": {"kind": "clamped"},
+        "soft edge": {"kind": "soft", "stiffness": "50 kN/m^2"},
+        "soft edge, damped": {"kind": "soft", "stiffness": "50 kN/m^2", "damping": "50 N*s/m^2"},
+        "edge cable": {"kind": "cable", "axial_stiffness": "2 MN", "mass": 0.5, "tension": "3 kN"},
+    }
+    for s in STRUCTURES:
+        for row, edge in edges.items() if s.is_surface else ():
+            nets = {s.on: {**s.parts["nets"][s.on], "edge": edge}}
+            for kind in ("none", "force", "mass"):
+                found = _one(load(s, kind)) if kind != "none" else {}
+                yield Case("supports", row, s.name, kind, scenario(s, found, nets=nets))
+            yield Case("supports", row, s.name, "at rest", scenario(s, None, {"kind": "equilibrium"}, nets=nets))
 
 
 def _supported(s: Structure, name: str, tree: Tree) -> Iterator[tuple[str, Tree]]:

@@ -16,6 +16,8 @@ from ropewalk.results.statistics import turnover
 from .structures import DOWN, Tree
 
 WORKS, DOUBTFUL, STOPPED, REFUSED, WRONG, CRASH = "works", "doubtful", "stopped", "refused", "WRONG", "CRASH"
+DIFFERS = "DIFFERS"
+"""Works by itself, and is not what another engine says to the same thing."""
 
 AUDIT = 0.05  # imbalance over the energy turned over; a coarse mesh of a right engine stays below
 ABSURD = 50.0  # times the static scale: sudden loads double it, and blows on slack ropes make it tenfold

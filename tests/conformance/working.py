@@ -14,11 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from .judging import CRASH, REFUSED, WORKS, WRONG, Verdict, judge
+from .judging import CRASH, REFUSED, STOPPED, WORKS, WRONG, Verdict, judge
 from .loads import fmu_file, matrices, travel
 from .structures import BY_NAME, STRUCTURES, Tree
 
 
+BROKEN_OFF = "breaks off at once"  # what `compare` says of a motion that diverges in its first step
 ASIDE = 1e-3  # m: nodes that carry a load are stored where they rest along the line, by interpolation
 
 
@@ -34,7 +35,7 @@ def answer(case: Tree) -> Tree:
     except ScenarioError as error:
         found = Verdict(REFUSED, "\n".join(f"{problem.key}: {problem.wrong}" for problem in error.problems))
     except RopewalkError as error:
-        found = Verdict(REFUSED, str(error))
+        found = Verdict(STOPPED if BROKEN_OFF in str(error) else REFUSED, str(error))
     except Exception as error:
         where = traceback.extract_tb(error.__traceback__)[-1]
         place = f"{Path(where.filename).name}:{where.lineno} {where.name}"
@@ -42,7 +43,7 @@ def answer(case: Tree) -> Tree:
     return {**found.as_dict(), "cpu": round(time.process_time() - begin, 3)}
 
 
-def read(tree: Tree) -> Any:
+def read_scenario(tree: Tree) -> Any:
     """The scenario, as from a file."""
     from ropewalk.scenario.loading import loads
 
@@ -52,13 +53,13 @@ def read(tree: Tree) -> Any:
 def _run(tree: Tree, options: Tree) -> Verdict:
     from ropewalk.simulate import simulate
 
-    return judge(simulate(read(tree)), tree)
+    return judge(simulate(read_scenario(tree)), tree)
 
 
 def _feedback(tree: Tree, options: Tree) -> Verdict:
     from ropewalk.coupling import feedback
 
-    found = feedback(read(tree))
+    found = feedback(read_scenario(tree))
     json.dumps(found.as_dict(), allow_nan=False)
     return _worst(judge(found.coupled, tree), judge(found.without, _asked(found.without)))
 
@@ -66,7 +67,7 @@ def _feedback(tree: Tree, options: Tree) -> Verdict:
 def _compare(tree: Tree, options: Tree) -> Verdict:
     from ropewalk.compare import ladder
 
-    found = ladder(read(tree))
+    found = ladder(read_scenario(tree))
     json.dumps(found.as_dict(), allow_nan=False)
     assert found.verdict
     return _worst(Verdict(WORKS), *(
@@ -83,7 +84,7 @@ def _adequacy(tree: Tree, options: Tree) -> Verdict:
     size = "loads.load.mass" if load["kind"] == "mass" else "run.until"
     base = load["mass"] if load["kind"] == "mass" else tree["run"]["until"]
     found = adequacy(
-        read(tree), Axis("loads.load.travel.speed", (0.5 * speed, speed)), Axis(size, (0.5 * base, base)), workers=1
+        read_scenario(tree), Axis("loads.load.travel.speed", (0.5 * speed, speed)), Axis(size, (0.5 * base, base)), workers=1
     )
     if not np.isfinite(found.of()).any():
         return Verdict(REFUSED, "; ".join(reason for row in found.reasons for reason in row if reason) or "no distances")
@@ -103,7 +104,7 @@ def _export(tree: Tree, what: str, **more: Any) -> Verdict:
 
     file = Path(f"export-{os.getpid()}.fmu")
     try:
-        export(read(tree), what, file, **more)
+        export(read_scenario(tree), what, file, **more)
         return Verdict(WORKS) if file.stat().st_size > 0 else Verdict(WRONG, "the FMU is empty")
     finally:
         file.unlink(missing_ok=True)
@@ -114,11 +115,11 @@ def _go_on(tree: Tree, options: Tree) -> Verdict:
 
     file = Path(f"before-{os.getpid()}.nc")
     try:
-        with simulate(read(tree), file=file) as before:
+        with simulate(read_scenario(tree), file=file) as before:
             first = judge(before, tree)
             last = before["position"].values[-1].copy()
         again = {**tree, "run": {**tree["run"], "start": {"kind": "result", "file": str(file)}}}
-        result = simulate(read(again))
+        result = simulate(read_scenario(again))
         away = float(np.abs(result["position"].values[0] - last).max())
         if away > ASIDE:
             return Verdict(WRONG, f"goes on {away:.3g} m away from where the line was")
@@ -131,7 +132,7 @@ def _show(tree: Tree, options: Tree) -> Verdict:
     from ropewalk.results import export, figure, summary, text
     from ropewalk.simulate import simulate
 
-    result = simulate(read(tree))
+    result = simulate(read_scenario(tree))
     found = summary(result)
     json.dumps(found, allow_nan=False)
     assert text(found)
@@ -149,7 +150,7 @@ def _show(tree: Tree, options: Tree) -> Verdict:
 def _spectrum(tree: Tree, options: Tree) -> Verdict:
     from ropewalk.simulate import spectrum_of
 
-    found = spectrum_of(read(tree), **options)
+    found = spectrum_of(read_scenario(tree), **options)
     values = found.as_dict()
     json.dumps(values, allow_nan=False)
     return Verdict(WORKS)
@@ -184,7 +185,7 @@ def furnish(folder: Path) -> None:
         tree = {**base.parts, "loads": {"load": {**matrices(s), "on": "rope", "travel": travel(base)}}}
         tree["run"] = {"kind": "dynamic", "until": 1.0}
         with contextlib.suppress(ImportError):
-            export(read(tree), "load", folder / fmu_file(kg), contact_stiffness=2.0 * kg * (2.0 * np.pi * 3.0) ** 2)
+            export(read_scenario(tree), "load", folder / fmu_file(kg), contact_stiffness=2.0 * kg * (2.0 * np.pi * 3.0) ** 2)
 
 
 def main() -> None:
