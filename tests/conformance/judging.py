@@ -24,6 +24,7 @@ ABSURD = 50.0  # times the static scale: sudden loads double it, and blows on sl
 FOLDED = 0.02  # compression at rest over the largest tension there: a cable hangs, it does not push
 ROUND_OFF = 1e-7  # of all energy there is: what a line at rest may move by
 BALANCE = 0.01  # support forces at rest against the weights
+LOADED = "rope"  # the line with the loads
 _PLACES = 9  # of a trace
 
 
@@ -57,16 +58,20 @@ def judge(result: xr.Dataset, tree: Tree) -> Verdict:
 
 def measured(result: xr.Dataset, tree: Tree) -> dict[str, float]:
     """Audit, largest forces and tensions, and their static scales."""
-    found: dict[str, float] = {"frames": float(next(iter(result.sizes.values())) if not result.sizes else len(_path(result)))}
+    found: dict[str, float] = {"frames": float(len(_path(result)))}
     energy = result["energy"].values
     if energy.size and "time" in result.dims:
         moved, audit = float(turnover(energy).max()), energy[:, ENERGY_FORMS.index("imbalance")]
-        found |= {"turnover": moved, "imbalance": float(np.abs(audit).max()),
-                  "energy": float(np.nanmax(np.abs(energy)))}  # NaN stays NaN
-    tension = result["tension"].values
+        found |= {
+            "turnover": moved,
+            "imbalance": float(np.abs(audit).max()),
+            "energy": float(np.nanmax(np.abs(energy))),
+        }  # NaN stays NaN
+    tension = np.abs(result["tension"].values)
     if tension.size:
-        found |= {"tension": float(np.nanmax(np.abs(tension))) if np.isfinite(tension).any() else np.nan,
-                  "tension at first": float(np.nanmax(np.abs(tension[0]))) if np.isfinite(tension[0]).any() else np.nan}  # fmt: skip
+        inner = _inner(result, np.broadcast_to(result["link_xi"].values, tension.shape))
+        found |= {"tension": _largest(tension[inner]), "tension at an end": _largest(tension[~inner]),
+                  "tension at first": _largest(tension[0])}  # fmt: skip
     found |= {name: size for name, size in _pressed(result) if np.isfinite(size)}
     found["weight"] = sum(_weight(load) for load in tree["loads"].values())
     return found
@@ -75,8 +80,8 @@ def measured(result: xr.Dataset, tree: Tree) -> dict[str, float]:
 def _pressed(result: xr.Dataset) -> Iterator[tuple[str, float]]:
     """The largest contact forces, N; those beside an end of a line stand apart.
 
-    A mass at prescribed speed comes to a support with a force that grows without bound on the way, and is stopped or
-    put on the line by a blow.
+    A mass at prescribed speed comes to a support with a force that grows without bound on the way, and with it the
+    tension of the piece that is left; it is stopped, or put on the line, by a blow.
     """
     force = np.linalg.norm(result["contact_force"].values, axis=2)
     inner = _inner(result, result["contact_xi"].values)
@@ -89,15 +94,12 @@ def _pressed(result: xr.Dataset) -> Iterator[tuple[str, float]]:
 
 
 def _inner(result: xr.Dataset, xi: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether places are further from both ends of their line than three links."""
-    found = np.ones(xi.shape, dtype=bool)
-    line = result["line"].values
-    for name in ("rope",):
-        nodes = result["xi"].values[line == name]
-        if nodes.size > 1:
-            margin = 3.0 * float(nodes[1] - nodes[0])
-            found = (xi > nodes.min() + margin) & (xi < nodes.max() - margin)
-    return found | ~np.isfinite(xi)
+    """Whether places on the line with the loads are further from both its ends than three links."""
+    nodes = result["xi"].values[result["line"].values == LOADED]
+    if nodes.size < 2:
+        return np.ones(xi.shape, dtype=bool)
+    margin = 3.0 * float(nodes[1] - nodes[0])
+    return ~np.isfinite(xi) | (xi > nodes.min() + margin) & (xi < nodes.max() - margin)
 
 
 def _largest(values: NDArray[np.float64]) -> float:
@@ -190,8 +192,12 @@ def _at_rest(result: xr.Dataset, tree: Tree, numbers: dict[str, float]) -> str:
     straight = all("tension" in line or line.get("length", 0.0) <= np.linalg.norm(
         np.subtract(line["end"], line["start"])) for line in lines.values())  # fmt: skip
     start = tree["run"].get("start", {})
-    if not straight and not start and first.size and first.min() < -FOLDED * np.abs(first).max() and not any(
-        line.get("bending_stiffness", 0.0) > 1e3 for line in lines.values()
+    if (
+        not straight
+        and not start
+        and first.size
+        and first.min() < -FOLDED * np.abs(first).max()
+        and not any(line.get("bending_stiffness", 0.0) > 1e3 for line in lines.values())
     ):
         return f"folded at rest: {first.min():.3g} N beside {first.max():.3g} N"
     if tree["run"]["kind"] != "equilibrium" or tree["loads"] or tree.get("joints"):
@@ -212,12 +218,12 @@ def trace_of(result: xr.Dataset) -> dict[str, list[float]]:
     """A few numbers of a result: rest, first state, path and force of the first contact, tensions, audit."""
     found: dict[str, list[float]] = {}
     frames = np.unique(np.linspace(0, len(_path(result)) - 1, _PLACES).round().astype(int))
-    here = np.flatnonzero(result["line"].values == "rope")
+    here = np.flatnonzero(result["line"].values == LOADED)
     if here.size:
         nodes = here[np.linspace(0, here.size - 1, _PLACES).round().astype(int)]
         found["rest"] = result["position"].values[0, nodes, -1].tolist()
         found["last"] = result["position"].values[-1, nodes, -1].tolist()
-        links = np.flatnonzero(result["link_line"].values == "rope")
+        links = np.flatnonzero(result["link_line"].values == LOADED)
         found["tension"] = result["tension"].values[frames][:, links].max(axis=1).tolist()
     if result.sizes.get("contact"):
         found["first"] = result["contact_position"].values[0, 0].tolist()

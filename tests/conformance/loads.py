@@ -89,7 +89,7 @@ def stepper(s: Structure, **more: Any) -> Tree:
 def fmu(s: Structure, **more: Any) -> Tree:
     contacts = {"front": {"force": "contact1.force", "height": "contact1.height", "velocity": "contact1.velocity",
                           "force_factor": 1.0, "height_from": "zero"}}  # fmt: skip
-    return {"kind": "fmu", "file": fmu_file(s.mass), "contacts": contacts, "every": 1e-3, **more}
+    return {"kind": "fmu", "file": fmu_file(s.mass), "contacts": contacts, "every": 5e-4, **more}
 
 
 def pantograph(s: Structure, **more: Any) -> Tree:

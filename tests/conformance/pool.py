@@ -77,9 +77,7 @@ class Worker:
         )  # fmt: skip
 
 
-def answers(
-    cases: Iterable[Case], folder: Path, workers: int, told: Callable[[Case, Tree], None]
-) -> None:
+def answers(cases: Iterable[Case], folder: Path, workers: int, told: Callable[[Case, Tree], None]) -> None:
     """Answer all cases; `told` is called with each as it is done, by one thread at a time."""
     queue: Queue[Case] = Queue()
     for case in cases:

@@ -19,7 +19,11 @@ def pairs(case: Case) -> set[tuple[str, ...]]:
     row, family = f"{case.table} / {case.row}", BY_NAME[case.structure].family
     if case.tool in SLOW:
         return {("tool", case.tool)}
-    return {("load", case.load, "structure", case.structure), ("row", row, "family", family), ("row", row, "load", case.load)}
+    return {
+        ("load", case.load, "structure", case.structure),
+        ("row", row, "family", family),
+        ("row", row, "load", case.load),
+    }
 
 
 def sample(every: Iterable[Case], verdicts: Verdicts) -> list[Case]:

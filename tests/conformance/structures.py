@@ -191,6 +191,8 @@ STRUCTURES: tuple[Structure, ...] = (
               family="joined"),
     Structure("string+beside", "taut string, a stiff line elsewhere", {"lines": {"rope": TAUT, "beside": _BESIDE}},
               twin="string", **_CABLE),
+    Structure("damped+beside", "damped string, a stiff line elsewhere",
+              {"lines": {"rope": taut(axial_damping="500 N*s", drag=0.5), "beside": _BESIDE}}, twin="damped", **_CABLE),
     Structure("slack+ei", "slack rope, EI = 1e-9", rope(slack(axial_damping=None, bending_stiffness=1e-9)),
               twin="undamped", **_SLOW, **_CABLE),
     Structure("slack+wind", "slack rope, wind of 0 m/s", rope(slack(axial_damping=None, wind_drag=0.01), wind=_STILL),

@@ -54,7 +54,9 @@ def read(file: Path = FILE) -> Verdicts:
     """The verdicts as they were written last."""
     stored = json.loads(file.read_text(encoding="utf-8"))
     return {
-        f"{row} / {load}": stored["words"][word] for row, entries in stored["rows"].items() for load, word in entries.items()
+        f"{row} / {load}": stored["words"][word]
+        for row, entries in stored["rows"].items()
+        for load, word in entries.items()
     }
 
 

@@ -80,14 +80,19 @@ def _adequacy(tree: Tree, options: Tree) -> Verdict:
     from ropewalk.compare.axes import Axis
 
     load = tree["loads"]["load"]
-    speed, = (load["travel"]["speed"],)
+    (speed,) = (load["travel"]["speed"],)
     size = "loads.load.mass" if load["kind"] == "mass" else "run.until"
     base = load["mass"] if load["kind"] == "mass" else tree["run"]["until"]
     found = adequacy(
-        read_scenario(tree), Axis("loads.load.travel.speed", (0.5 * speed, speed)), Axis(size, (0.5 * base, base)), workers=1
+        read_scenario(tree),
+        Axis("loads.load.travel.speed", (0.5 * speed, speed)),
+        Axis(size, (0.5 * base, base)),
+        workers=1,
     )
     if not np.isfinite(found.of()).any():
-        return Verdict(REFUSED, "; ".join(reason for row in found.reasons for reason in row if reason) or "no distances")
+        return Verdict(
+            REFUSED, "; ".join(reason for row in found.reasons for reason in row if reason) or "no distances"
+        )
     return Verdict(WORKS)
 
 
@@ -96,7 +101,9 @@ def _export_load(tree: Tree, options: Tree) -> Verdict:
 
 
 def _export_line(tree: Tree, options: Tree) -> Verdict:
-    return _export(tree, next(iter({**tree.get("lines", {}), **tree.get("overhead_lines", {}), **tree.get("nets", {})})))
+    return _export(
+        tree, next(iter({**tree.get("lines", {}), **tree.get("overhead_lines", {}), **tree.get("nets", {})}))
+    )
 
 
 def _export(tree: Tree, what: str, **more: Any) -> Verdict:
@@ -185,7 +192,12 @@ def furnish(folder: Path) -> None:
         tree = {**base.parts, "loads": {"load": {**matrices(s), "on": "rope", "travel": travel(base)}}}
         tree["run"] = {"kind": "dynamic", "until": 1.0}
         with contextlib.suppress(ImportError):
-            export(read_scenario(tree), "load", folder / fmu_file(kg), contact_stiffness=2.0 * kg * (2.0 * np.pi * 3.0) ** 2)
+            export(
+                read_scenario(tree),
+                "load",
+                folder / fmu_file(kg),
+                contact_stiffness=2.0 * kg * (2.0 * np.pi * 3.0) ** 2,
+            )
 
 
 def main() -> None:
