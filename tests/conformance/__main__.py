@@ -16,8 +16,7 @@ from pathlib import Path
 
 from tests.sources import digest, keep_kernels_apart, program
 
-from . import capabilities, verdicts
-from .agreement import compared
+from . import agreement, capabilities, verdicts
 from .cases import Case, cases
 from .judging import CRASH, DIFFERS, WRONG
 from .pool import answers
@@ -36,16 +35,17 @@ def main() -> None:
     wanted = [case for case in every if asked.only in case.name]
     done = stored(asked.store, state := digest([*program(), *sorted(Path(__file__).parent.glob("*.py"))]))
     missing = [case for case in wanted if case.name not in done]
+    keep_kernels_apart()
     if missing:
-        keep_kernels_apart()
         folder = asked.store.parent.resolve() / "matrix"
         furnish(folder)
         compute(missing, folder, asked.workers, asked.store, state, done)
-    found = compared({case.name: done[case.name] for case in wanted})
+    found = agreement.compared({case.name: done[case.name] for case in wanted})
     report(wanted, found)
     if len(wanted) == len(every):
         capabilities.FILE.write_text(capabilities.page(every, verdicts.write(every, found)), encoding="utf-8")
-        print(f"\n{verdicts.FILE} and {capabilities.FILE} are written")
+        agreement.write()
+        print(f"\n{verdicts.FILE}, {agreement.FILE} and {capabilities.FILE} are written")
 
 
 def _arguments() -> argparse.Namespace:

@@ -10,7 +10,7 @@ from .cases import TABLES, Case
 from .judging import CRASH, DIFFERS, DOUBTFUL, REFUSED, STOPPED, WORKS, WRONG
 from .refusals import MISSING, NO_SENSE, REFUSALS
 from .structures import BY_NAME
-from .verdicts import Verdicts, counts, reason_of
+from .verdicts import UNKNOWN, Verdicts, counts, reason_of
 
 FILE = Path(__file__).parents[2] / "docs" / "capabilities.md"
 
@@ -28,9 +28,10 @@ can be said in other words, another engine agrees.
 | ? | doubtful: the result says that it is not to be trusted, and why |
 | stops | ends early, and says why |
 | **wrong** | completes, and is wrong without a word: a fault |
+| **untrue** | refused for a reason that is none: a fault |
 | **differs** | looks right, and is not what another engine says to the same thing: a fault |
-| ¹ | refused: {missing} (numbers) |
-| ᵃ | refused: {no_sense} (letters) |
+| <sup>1</sup> | refused: {missing}; the notes below say what |
+| <sup>a</sup> | refused: {no_sense} |
 """
 
 
@@ -66,11 +67,11 @@ class _Notes:
     def sign(self, verdict: str) -> str:
         refusal = reason_of(verdict)
         if refusal is None:
-            return "**unknown**"
+            return "?!"
         if refusal.reason not in self._signs:
             number = self._given[refusal.kind] = self._given[refusal.kind] + 1
             self._signs[refusal.reason] = str(number) if refusal.kind == MISSING else _letters(number)
-        return f"<sup>{self._signs[refusal.reason]}</sup>"
+        return self._signs[refusal.reason]
 
     def told(self) -> Iterator[str]:
         yield "## Why not\n"
@@ -87,10 +88,17 @@ def _letters(number: int) -> str:
     return (_letters((number - 1) // 26) if number > 26 else "") + chr(ord("a") + (number - 1) % 26)
 
 
+def _in_order(sign: str) -> tuple[bool, int, str]:
+    """Numbers before letters."""
+    return not sign.isdigit(), int(sign) if sign.isdigit() else len(sign), sign
+
+
 def _cell(found: list[str], notes: _Notes) -> str:
     """Verdicts of the loads of one field."""
     if not found:
         return ""
+    if any(verdict.endswith(UNKNOWN) for verdict in found):
+        return "**untrue**"
     if any(verdict in (WRONG, CRASH) for verdict in found):
         return "**wrong**" if CRASH not in found else "**crash**"
     if DIFFERS in found:
@@ -101,7 +109,7 @@ def _cell(found: list[str], notes: _Notes) -> str:
     signs = [notes.sign(verdict) for verdict in dict.fromkeys(found) if verdict.startswith(REFUSED)]
     told = [*(["?"] if DOUBTFUL in found else []), *(["stops"] if STOPPED in found else [])]
     share = [f"{working}/{len(found)}"] if working else []
-    return " ".join([*share, *told, *([",".join(signs)] if signs else [])])
+    return " ".join([*share, *told, *([f"<sup>{', '.join(sorted(signs, key=_in_order))}</sup>"] if signs else [])])
 
 
 def _table(
@@ -133,6 +141,7 @@ _TABLES: dict[str, Callable[..., Iterator[str]]] = {
     "Loads": lambda *given: _table(*given, "loads", _by_load),
     "Travel": lambda *given: _table(*given, "travel", _by_row),
     "Supports": lambda *given: _table(*given, "supports", _by_row),
+    "Edges of nets and membranes": lambda *given: _table(*given, "edges", _by_row),
     "Runs": lambda *given: _table(*given, "runs", _by_row),
     "Contacts": lambda *given: _table(*given, "contacts", _by_row),
     "Tools": lambda *given: _table(*given, "tools", _by_row),

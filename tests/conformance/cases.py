@@ -151,7 +151,6 @@ def supported() -> Iterator[Case]:
                     yield Case("supports", row, s.name, kind, scenario(s, found, lines=parts["lines"]))
                 rest = {"kind": "equilibrium"}
                 yield Case("supports", row, s.name, "at rest", scenario(s, None, rest, lines=parts["lines"]))
-    yield from edged()
 
 
 def edged() -> Iterator[Case]:
@@ -167,8 +166,8 @@ def edged() -> Iterator[Case]:
             nets = {s.on: {**s.parts["nets"][s.on], "edge": edge}}
             for kind in ("none", "force", "mass"):
                 found = _one(load(s, kind)) if kind != "none" else {}
-                yield Case("supports", row, s.name, kind, scenario(s, found, nets=nets))
-            yield Case("supports", row, s.name, "at rest", scenario(s, None, {"kind": "equilibrium"}, nets=nets))
+                yield Case("edges", row, s.name, kind, scenario(s, found, nets=nets))
+            yield Case("edges", row, s.name, "at rest", scenario(s, None, {"kind": "equilibrium"}, nets=nets))
 
 
 def _supported(s: Structure, name: str, tree: Tree) -> Iterator[tuple[str, Tree]]:
@@ -215,6 +214,8 @@ def asked() -> Iterator[Case]:
         kinds = ("none", "pantograph") if s.family == "overhead" else RUNNING
         for row, run in runs(s):
             for kind in kinds:
+                if kind == "none" and run["kind"] == "quasistatic":
+                    continue  # slow motion is that of loads
                 found = _one(load(s, kind)) if kind != "none" else {}
                 yield Case("runs", row, s.name, kind, scenario(s, found, run))
         for kind in kinds:
@@ -283,5 +284,6 @@ def cases() -> list[Case]:
 
 
 TABLES = {
-    "loads": loads, "travel": travels, "supports": supported, "runs": asked, "contacts": touching, "tools": tools,
+    "loads": loads, "travel": travels, "supports": supported, "edges": edged, "runs": asked, "contacts": touching,
+    "tools": tools,
 }  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import json
 import os
 import sys
@@ -200,6 +201,9 @@ def main() -> None:
     import faulthandler
 
     faulthandler.enable()
+    with contextlib.suppress(ImportError):
+        # Before any FMU that ropewalk wrote: it brings a pythonfmu of its own, and `export` would not know its classes.
+        importlib.import_module("pythonfmu")
     for text in sys.stdin:
         answers.write(json.dumps(answer(json.loads(text))) + "\n")
         answers.flush()
