@@ -98,8 +98,16 @@ class Run:
             cell=tuple(cells),  # type: ignore[arg-type]
             cell_net=tuple(sheet.name for sheet in self.laid.sheets for _ in sheet.surface.triangle),
             path=path,
+            weight=self._weight(),
         )
         self._start_energy = np.nan
+
+    def _weight(self) -> float:
+        """What the supports carry at rest, N; unknown where sheaves or the wind bear some of it."""
+        web = self.web
+        if web.sheaves.link.size or self.scenario.wind is not None:
+            return float("nan")
+        return -float(web.body.force[: web.nodes, 2].sum())
 
     def moving(self, times: Array) -> Iterator[Frame]:
         """Frames of a motion at the output instants, s."""
