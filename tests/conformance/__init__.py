@@ -1,0 +1,1 @@
+"""The matrix of what works: scenarios made of the vocabulary, each with a verdict; `python -m tests.conformance`."""

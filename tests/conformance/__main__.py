@@ -1,0 +1,111 @@
+"""The whole matrix by one command: `make matrix`, or `python -m tests.conformance`.
+
+It goes on where it was stopped, on all cores; at the end it prints the counts, and writes the verdicts beside this file
+and docs/capabilities.md. A case is computed anew when its scenario has changed; after a change to the program take
+another store, or `--again`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import time
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from . import capabilities, verdicts
+from .agreement import compared
+from .cases import Case, cases
+from .judging import CRASH, DIFFERS, WRONG
+from .pool import answers
+from .structures import Tree
+from .working import furnish
+
+PACE = 1.0  # s between two lines of progress on a terminal
+SELDOM = 250  # cases between two lines elsewhere
+
+
+def main() -> None:
+    """Compute what is missing, print the counts, write verdicts and page."""
+    asked = _arguments()
+    asked.store.parent.mkdir(parents=True, exist_ok=True)
+    every = cases()
+    wanted = [case for case in every if asked.only in case.name]
+    done = {} if asked.again else stored(asked.store)
+    missing = [case for case in wanted if done.get(case.name, {}).get("digest") != case.digest]
+    if missing:
+        folder = asked.store.parent.resolve() / "matrix"
+        furnish(folder)
+        compute(missing, folder, asked.workers, asked.store, done)
+    found = compared({case.name: done[case.name] for case in wanted})
+    report(wanted, found)
+    if len(wanted) == len(every):
+        capabilities.FILE.write_text(capabilities.page(every, verdicts.write(every, found)), encoding="utf-8")
+        print(f"\n{verdicts.FILE} and {capabilities.FILE} are written")
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m tests.conformance", description=__doc__)
+    parser.add_argument("--store", type=Path, default=Path("out/matrix.jsonl"), help="finished cases, one a line")
+    parser.add_argument("--workers", type=int, default=len(os.sched_getaffinity(0)), help="processes")
+    parser.add_argument("--only", default="", help="cases whose names contain this; writes no page")
+    parser.add_argument("--again", action="store_true", help="compute all anew")
+    return parser.parse_args()
+
+
+def compute(missing: list[Case], folder: Path, workers: int, file: Path, done: dict[str, Tree]) -> None:
+    """Answer cases, and put each into the store as it is done."""
+    begin = last = time.monotonic()
+    count = 0
+    with file.open("a", encoding="utf-8") as store:
+
+        def told(case: Case, found: Tree) -> None:
+            nonlocal last, count
+            count += 1
+            done[case.name] = {"name": case.name, "digest": case.digest, **found}
+            store.write(json.dumps(done[case.name]) + "\n")
+            store.flush()
+            now = time.monotonic()
+            if count % SELDOM == 0 or count == len(missing) or (sys.stderr.isatty() and now - last > PACE):
+                last = now
+                ending = "\r" if sys.stderr.isatty() and count < len(missing) else "\n"
+                print(f"{count} of {len(missing)} cases, {now - begin:.0f} s", end=ending, file=sys.stderr, flush=True)
+
+        answers(missing, folder, workers, told)
+
+
+def stored(file: Path) -> dict[str, Tree]:
+    """Cases that are done, by name; a last line cut short by a kill is none."""
+    found: dict[str, Tree] = {}
+    if file.exists():
+        for text in file.read_text(encoding="utf-8").splitlines():
+            try:
+                line = json.loads(text)
+            except json.JSONDecodeError:
+                continue
+            found[line["name"]] = line
+    return found
+
+
+def report(wanted: Iterable[Case], found: Mapping[str, Tree]) -> None:
+    """Print what is at fault, and the counts by verdict and reason."""
+    words = {case.name: verdicts.verdict_of(found[case.name]) for case in wanted}
+    for name, word in words.items():
+        if word in (WRONG, CRASH, DIFFERS) or word.endswith(verdicts.UNKNOWN):
+            print(f"{word}: {name}: {found[name]['note'].splitlines()[0][:160]}")
+    print(f"\n{len(words)} cases")
+    for word, count in verdicts.counts(words).most_common():
+        print(f"{count:6} {word}")
+    print("\nrefused because")
+    reasons = {}
+    for word in words.values():
+        if (refusal := verdicts.reason_of(word)) is not None:
+            reasons[refusal] = reasons.get(refusal, 0) + 1
+    for refusal, count in sorted(reasons.items(), key=lambda entry: (entry[0].kind, -entry[1])):
+        print(f"{count:6} {refusal.kind}: {refusal.reason}")
+
+
+if __name__ == "__main__":
+    main()

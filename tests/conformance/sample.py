@@ -1,0 +1,45 @@
+"""A sample of the matrix for every day: each load on each structure and each row with each family, once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+
+from .cases import Case, cases
+from .judging import REFUSED
+from .structures import BY_NAME
+from .verdicts import Verdicts, read
+
+SLOW = ("adequacy", "compare", "show")
+"""Tools that take seconds: once each."""
+
+
+def pairs(case: Case) -> set[tuple[str, ...]]:
+    """What a case is a sample of."""
+    row, family = f"{case.table} / {case.row}", BY_NAME[case.structure].family
+    if case.tool in SLOW:
+        return {("tool", case.tool)}
+    return {
+        ("load", case.load, "structure", case.structure),
+        ("row", row, "family", family),
+        ("row", row, "load", case.load),
+    }
+
+
+def sample(every: Iterable[Case], verdicts: Verdicts) -> list[Case]:
+    """Cases that run and between them show all pairs: greedily, those first that show most."""
+    candidates = [case for case in every if not verdicts[case.name].startswith(REFUSED)]
+    missing = set[tuple[str, ...]]().union(*map(pairs, candidates))
+    chosen = []
+    while missing:
+        best = max(candidates, key=lambda case: len(pairs(case) & missing))
+        chosen.append(best)
+        missing -= pairs(best)
+    return chosen
+
+
+@cache
+def chosen() -> tuple[tuple[Case, str], ...]:
+    """The sample with its verdicts."""
+    verdicts = read()
+    return tuple((case, verdicts[case.name]) for case in sample(cases(), verdicts))
