@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 from scipy.optimize import brentq
 
+from ropewalk.errors import EquilibriumError
 from motion_cases import long_string, order, taut_string
 from ropewalk.model import Dynamic, Line, MovingMass, Scenario, Travel
 from ropewalk.model.wind import Wind
@@ -223,6 +224,48 @@ def test_forces_at_a_knot_close_their_polygon(space: bool) -> None:
     assert total == pytest.approx(0.0, abs=1e-6)
     start = result.reaction.values[0]
     assert start.sum(axis=0) == pytest.approx(-np.array(push), abs=1e-6)
+
+
+def hung(at: list[float], tension: float = 500.0, **support: Any) -> dict[str, Any]:
+    """A line of given tension, one end of it guided, from which others hang."""
+    guided = {"kind": "guided", "along": [1, 0], **support}
+    line = {"start": [0, 0], "end": [10, 0], "tension": tension, "mass": 1.0, "axial_stiffness": 1e4, "elements": 20}
+    hangers = {
+        f"h{i}": {
+            "start": [x, 0], "end": [x, -3], "length": 3.0, "mass": 1.0, "axial_stiffness": 1e5, "elements": 20,
+            "start_support": {"kind": "joined", "to": "rope", "at": x},
+        }
+        for i, x in enumerate(at)
+    }  # fmt: skip
+    return {"rope": {**line, "start_support": guided}, **hangers}
+
+
+def test_a_line_keeps_its_nodes_while_the_length_for_its_tension_is_searched_for() -> None:
+    """Its parts between what hangs from it have 21 links at the first length and 20 at the last one, if counted anew.
+
+    Shapes of the one were handed to kernels for the other, which wrote beyond their arrays.
+    """
+    result = run_of(hung([3.1, 6.2], stiffness=1e3))
+    on = result["link_line"].values == "rope"
+    assert on.sum() == 20
+    rest = np.diff(result.xi.values[result["line"].values == "rope"])
+    tension = result.tension.values[0, on]
+    assert (tension * rest).sum() / rest.sum() == pytest.approx(500.0, rel=1e-9)
+
+
+def test_what_hangs_beyond_a_line_of_given_tension_is_told_at_its_key() -> None:
+    """9.07 m at 500 N."""
+    with pytest.raises(EquilibriumError, match=r"lines\.h1\.start_support\.at: 9\.3 m is off the line rope"):
+        run_of(hung([3.1, 9.3], stiffness=1e3))
+
+
+def test_a_guided_end_that_sets_the_tension_itself_is_told_with_both_keys() -> None:
+    lines = halves(10)
+    for line in lines.values():
+        line.update(length=None, tension=500.0)
+    lines["one"]["start_support"] = {"kind": "guided", "along": [1, 0], "force": -500.0}
+    with pytest.raises(EquilibriumError, match=r"lines\.(one|two)\.tension: .* lines\.one\.start_support"):
+        run_of(lines, joints={"knot": {"mass": 1.0}})
 
 
 def bridge(n: int) -> dict[str, Any]:
