@@ -63,6 +63,10 @@ MISTAKES = {
         "kind: force, on: a, force: [0, -9]", "kind: mass, on: a, mass: 1, air_drag: 1",
         8, "loads.p.air_drag", "drag of the air",
     ),
+    "wind that nothing feels": (
+        "run: {kind: dynamic", "wind: {direction: [1, 0], speed: 5}\nrun: {kind: dynamic",
+        9, "wind", "no line has wind_drag",
+    ),
     "an idle joint": ("\nloads", "\n  idle: {mass: 1}\nloads", 7, "joints.idle", "nothing is joined to it"),
     "no such joint": ("to: a, at: 2", "to: kot", 4, "lines.c.end_support.to", "did you mean knot"),
     "itself": ("to: a, at: 2", "to: c, at: 2", 4, "lines.c.end_support.to", "cannot be joined to itself"),
