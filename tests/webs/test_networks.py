@@ -79,6 +79,29 @@ def test_the_weight_of_a_divided_link_is_a_difference_of_second_order() -> None:
     assert order([1.0 / n for n in links], missed) > 0.9
 
 
+GUIDED = {"kind": "guided", "along": [2, 1], "force": 600.0, "stiffness": 200.0, "damping": 30.0, "mass": 4.0}
+ELASTIC = {"kind": "elastic", "stiffness": [3e3, 1e3], "damping": 30.0, "mass": 4.0}
+
+
+@pytest.mark.parametrize("support", [GUIDED, ELASTIC])
+def test_a_support_that_yields_bears_what_the_line_weighs_without_the_supports_own_mass(support: dict[str, Any]) -> None:
+    chain, web = both({"kind": "equilibrium"}, {"end_support": support})
+    assert web.reaction.values == pytest.approx(chain.reaction.values, abs=1e-6)
+    assert web.reaction.values[0].sum(axis=0) == pytest.approx([0.0, 20.3 * 9.81], abs=1e-6)
+
+
+@pytest.mark.parametrize("support", [GUIDED, ELASTIC])
+def test_a_support_that_moves_bears_what_that_of_the_chain_does(support: dict[str, Any]) -> None:
+    gust = {"time": [0, 0.1], "value": [[0, 0], [0, -300]]}
+    load = {**FORCE, "force": gust, "travel": {"speed": 0, "from": 12.1}}
+    run = {"kind": "dynamic", "until": 0.6, "every": 0.01, "method": "verlet"}
+    chain, web = both(run, {"end_support": support, "axial_damping": 20.0}, loads={"p": load})
+    end = [result.reaction.sel(support="rope.end").values for result in (chain, web)]
+    assert np.ptp(end[0], axis=0).max() > 100.0
+    # Both have errors of the order of a link's weight, 5 N of 300 N.
+    assert np.sqrt(np.mean((end[1] - end[0]) ** 2)) < 5.0
+
+
 def error_on_taut_string(elements: int, alpha: float, passages: float) -> float:
     scenario = taut_string(elements, alpha, passages)
     line, load = scenario.lines["string"], scenario.loads["force"]

@@ -99,7 +99,7 @@ class Run:
             link_line=tuple(s.name for s in strands for _ in s.node[1:]),
             link_xi=np.concatenate([np.zeros(0), *middles]),
             contact_load=tuple(t.name for t in self.laid.travellers),
-            support=(*(name for name, _ in self.laid.ends), *(f"{name}.edge" for name in names)),
+            support=(*(end.name for end in self.laid.ends), *(f"{name}.edge" for name in names)),
             cell=tuple(cells),  # type: ignore[arg-type]
             cell_net=tuple(sheet.name for sheet in self.laid.sheets for _ in sheet.surface.triangle),
             path=path,
@@ -321,7 +321,7 @@ class Run:
         return strain, tension
 
     def _reactions(self, state: State) -> Array:
-        """Forces of supports on lines and of edges on nets, (support, 3) N."""
+        """Forces of supports on lines and of edges on nets, (support, 3) N: of spring, damper, rail and mass together."""
         web, held = self.web, self.web.held
         ahead = web.sheaves.ahead.copy()
         pull = Potential(web, rubs=True).pull(state.r)
@@ -331,9 +331,16 @@ class Run:
         force[held.fixed] = -pull[held.fixed]
         for n, along in zip(held.rail, held.along, strict=True):
             force[n] = (pull[n] @ along) * along - pull[n]
+        sprung = np.zeros_like(pull)
         for n, place, K, C in zip(held.spring, held.place, held.stiffness, held.damping, strict=True):
-            force[n] += K @ (place - state.r[n]) - C @ state.v[n]
-        ends = [force[n] for _, n in self.laid.ends]
+            sprung[n] += K @ (place - state.r[n]) - C @ state.v[n]
+        force += sprung
+        ends = []
+        for end in self.laid.ends:  # what is left of the support's own forces once its mass has had its share
+            n, mass = end.node, web.body.mass[end.node]
+            own = end.mass * web.gravity + end.force
+            gained = (pull[n] + force[n] - sprung[n]) * (end.mass / mass if end.mass else 0.0)
+            ends.append(force[n] + own - gained)
         edges = [force[vertex].sum(axis=0) for vertex in self.laid.vertex]
         return np.array([*ends, *edges]).reshape(-1, 3)
 

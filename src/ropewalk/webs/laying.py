@@ -11,7 +11,7 @@ import numpy as np
 from ropewalk.model.joint import Joined
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.scenario import Scenario
-from ropewalk.webs.building import Builder
+from ropewalk.webs.building import Builder, End
 from ropewalk.webs.sheets import Sheet, sheet_of
 from ropewalk.webs.travellers import Strand, Traveller, course_of, seats_of, travellers_of
 from ropewalk.webs.web import Array, Integers, Web
@@ -29,7 +29,7 @@ class Laid:
     sheets: tuple[Sheet, ...]
     vertex: tuple[Integers, ...]  # nodes of the vertices of each sheet
     cell: tuple[int, ...]  # first cell of each sheet
-    ends: tuple[tuple[str, int], ...]  # supports and their nodes
+    ends: tuple[End, ...]  # supports
     travellers: tuple[Traveller, ...]
     remarks: tuple[str, ...]
     plane: bool

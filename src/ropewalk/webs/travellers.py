@@ -25,6 +25,7 @@ _AXES = ("x", "y", "z")
 _AT_END = {"leave": LEAVES, "stay": STAYS, "refuse": REFUSED}
 # The spring between a mass and its contact, over the stiffness of a link or the fabric where it stands.
 STIFF = 10.0
+_TAUT = 1e-9  # strain
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +181,8 @@ def seats_of(
             line = scenario.lines[t.on]
             on[k], first[k], pieces[k], cell[k] = ON_LINE, one.first, one.node.size - 1, one.first
             density[k] = line.mass
-            stiffness = float(tangent(pack(line.law, line.axial_stiffness), 0.0) * pieces[k] / one.station[-1])
+            # Just taut: a line that cannot be compressed has no stiffness at length.
+            stiffness = float(tangent(pack(line.law, line.axial_stiffness), _TAUT) * pieces[k] / one.station[-1])
         grip[k] = STIFF * stiffness if t.mass else 0.0
     off, weight = np.full(contacts, -1, dtype=np.int64), np.zeros((contacts, 3))
     wanted = np.array([t.kind for t in travellers], dtype=np.int64)
