@@ -20,13 +20,14 @@ TESTFLAGS ?= -n 2 --dist loadfile
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test lint types figures bench peers clean clean-cache
+.PHONY: help demo test lint types figures bench peers matrix clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
 	@echo "make test         set up and run the tests"
 	@echo "make lint         ruff: rules and format"
 	@echo "make types        mypy, strict"
+	@echo "make matrix       what works on what: thousands of short runs, into docs/capabilities.md"
 	@echo "make figures      the figures of the paper, in out/figures"
 	@echo "make bench        riding against sharing, cost per node, moving bodies, and error against time beside peers (make peers installs them)"
 	@echo "make clean-cache  forget compiled kernels (after a change to a kernel that others call)"
@@ -82,6 +83,9 @@ peers: $(VENV)/.peers
 test: $(VENV)/.dev
 	@echo "Running the tests (the first time, some minutes of it go into compiling)"
 	@$(BIN)/python -m pytest $(TESTFLAGS)
+
+matrix: $(VENV)/.dev
+	@$(BIN)/python -m tests.conformance
 
 lint: $(VENV)/.dev
 	@$(BIN)/ruff check .

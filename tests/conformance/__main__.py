@@ -1,8 +1,7 @@
 """The whole matrix by one command: `make matrix`, or `python -m tests.conformance`.
 
 It goes on where it was stopped, on all cores; at the end it prints the counts, and writes the verdicts beside this file
-and docs/capabilities.md. A case is computed anew when its scenario has changed; after a change to the program take
-another store, or `--again`.
+and docs/capabilities.md. What was computed by another state of the program, or of this folder, is computed anew.
 """
 
 from __future__ import annotations
@@ -14,6 +13,8 @@ import sys
 import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+
+from tests.sources import digest, keep_kernels_apart, program
 
 from . import capabilities, verdicts
 from .agreement import compared
@@ -33,12 +34,13 @@ def main() -> None:
     asked.store.parent.mkdir(parents=True, exist_ok=True)
     every = cases()
     wanted = [case for case in every if asked.only in case.name]
-    done = {} if asked.again else stored(asked.store)
-    missing = [case for case in wanted if done.get(case.name, {}).get("digest") != case.digest]
+    done = stored(asked.store, state := digest([*program(), *sorted(Path(__file__).parent.glob("*.py"))]))
+    missing = [case for case in wanted if case.name not in done]
     if missing:
+        keep_kernels_apart()
         folder = asked.store.parent.resolve() / "matrix"
         furnish(folder)
-        compute(missing, folder, asked.workers, asked.store, done)
+        compute(missing, folder, asked.workers, asked.store, state, done)
     found = compared({case.name: done[case.name] for case in wanted})
     report(wanted, found)
     if len(wanted) == len(every):
@@ -51,11 +53,10 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--store", type=Path, default=Path("out/matrix.jsonl"), help="finished cases, one a line")
     parser.add_argument("--workers", type=int, default=len(os.sched_getaffinity(0)), help="processes")
     parser.add_argument("--only", default="", help="cases whose names contain this; writes no page")
-    parser.add_argument("--again", action="store_true", help="compute all anew")
     return parser.parse_args()
 
 
-def compute(missing: list[Case], folder: Path, workers: int, file: Path, done: dict[str, Tree]) -> None:
+def compute(missing: list[Case], folder: Path, workers: int, file: Path, state: str, done: dict[str, Tree]) -> None:
     """Answer cases, and put each into the store as it is done."""
     begin = last = time.monotonic()
     count = 0
@@ -64,7 +65,7 @@ def compute(missing: list[Case], folder: Path, workers: int, file: Path, done: d
         def told(case: Case, found: Tree) -> None:
             nonlocal last, count
             count += 1
-            done[case.name] = {"name": case.name, "digest": case.digest, **found}
+            done[case.name] = {"name": case.name, "state": state, **found}
             store.write(json.dumps(done[case.name]) + "\n")
             store.flush()
             now = time.monotonic()
@@ -76,8 +77,8 @@ def compute(missing: list[Case], folder: Path, workers: int, file: Path, done: d
         answers(missing, folder, workers, told)
 
 
-def stored(file: Path) -> dict[str, Tree]:
-    """Cases that are done, by name; a last line cut short by a kill is none."""
+def stored(file: Path, state: str) -> dict[str, Tree]:
+    """Cases that are done by this state of the sources, by name; a last line cut short by a kill is none."""
     found: dict[str, Tree] = {}
     if file.exists():
         for text in file.read_text(encoding="utf-8").splitlines():
@@ -85,7 +86,8 @@ def stored(file: Path) -> dict[str, Tree]:
                 line = json.loads(text)
             except json.JSONDecodeError:
                 continue
-            found[line["name"]] = line
+            if line["state"] == state:
+                found[line["name"]] = line
     return found
 
 

@@ -11,8 +11,8 @@ from .judging import DIFFERS, WORKS
 from .structures import BY_NAME, Tree
 
 ALLOWED = {"rest": 0.01, "first": 0.01, "path": 0.02, "force": 0.1, "tension": 0.1}
-"""Shape at rest, place of the first contact at the beginning, its path, the force there, largest tension: what a mesh may
-leave between two right engines. Forces and tensions ring with the links, and by how much depends on the step."""
+"""Shape at rest, place of the first contact at the beginning, its path, the force there, largest tension: what a
+mesh may leave between two right engines. Forces and tensions ring with the links, and how much depends on the step."""
 
 LOADS = ("none", "force", "mass", "oscillator", "vehicle", "footsteps")
 

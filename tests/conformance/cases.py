@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -28,12 +26,6 @@ class Case:
     def name(self) -> str:
         """Unique, and readable."""
         return " / ".join(part for part in (self.table, self.row, self.structure, self.load) if part)
-
-    @property
-    def digest(self) -> str:
-        """Of everything that decides the answer but the program."""
-        text = json.dumps([self.scenario, self.tool, self.options], sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def dynamic(s: Structure, **more: Any) -> Tree:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -25,6 +25,7 @@ FOLDED = 0.02  # compression at rest over the largest tension there: a cable han
 ROUND_OFF = 1e-7  # of all energy there is: what a line at rest may move by
 BALANCE = 0.01  # support forces at rest against the weights
 LOADED = "rope"  # the line with the loads
+SOFT = 1e3  # N m^2
 _PLACES = 9  # of a trace
 
 
@@ -42,18 +43,17 @@ class Verdict:
         return {"verdict": self.verdict, "note": self.note, "numbers": self.numbers, "trace": self.trace}
 
 
-def judge(result: xr.Dataset, tree: Tree) -> Verdict:
+def judge(result: xr.Dataset) -> Verdict:
     """The verdict on a result, with numbers that prove it."""
+    tree: Tree = json.loads(result.attrs["scenario"])
     numbers = measured(result, tree)
     outcome = result.attrs["outcome"]
     if outcome not in ("completed", "doubtful"):
         return Verdict(STOPPED, f"{outcome}: {result.attrs['advice']}", numbers)
-    wrong = list(mistakes(result, tree, numbers))
     if outcome == "doubtful":
-        return Verdict(DOUBTFUL, result.attrs["doubts"] or "; ".join(wrong), numbers, trace_of(result))
-    if wrong:
-        return Verdict(WRONG, "; ".join(wrong), numbers, trace_of(result))
-    return Verdict(WORKS, "", numbers, trace_of(result))
+        return Verdict(DOUBTFUL, result.attrs["doubts"], numbers, trace_of(result))
+    wrong = "; ".join(mistakes(result, tree, numbers))
+    return Verdict(WRONG if wrong else WORKS, wrong, numbers, trace_of(result))
 
 
 def measured(result: xr.Dataset, tree: Tree) -> dict[str, float]:
@@ -108,9 +108,11 @@ def _largest(values: NDArray[np.float64]) -> float:
 
 def mistakes(result: xr.Dataset, tree: Tree, numbers: dict[str, float]) -> list[str]:
     """What is wrong with a result that says that it has been completed."""
-    return [text for text in (
-        _not_finite(result), _audit(numbers, tree["run"]["kind"] == "linear"), _absurd(numbers), _unloaded(result, tree), _at_rest(result, tree, numbers)
-    ) if text]  # fmt: skip
+    linear = tree["run"]["kind"] == "linear"
+    found = (
+        _not_finite(result), _audit(numbers, linear), _absurd(numbers), _unloaded(result, tree), _at_rest(result, tree)
+    )  # fmt: skip
+    return [text for text in found if text]
 
 
 def _path(result: xr.Dataset) -> NDArray[np.float64]:
@@ -178,40 +180,34 @@ def _unloaded(result: xr.Dataset, tree: Tree) -> str:
         if (result["contact_state"][:, own].values == OFF_LINE).all():
             return f"{load} is never on its line"
     force = result["contact_force"].values
-    if tree.get("gravity", DOWN) and not (np.abs(np.nan_to_num(force)) > 0.0).any():
+    if tree["gravity"] and not (np.abs(np.nan_to_num(force)) > 0.0).any():
         return "nothing presses on the line"
     return ""
 
 
-def _at_rest(result: xr.Dataset, tree: Tree, numbers: dict[str, float]) -> str:
-    """Of rest without loads: no compression in what hangs, supports carry the weight."""
-    lines = tree.get("lines", {})
-    if not lines or tree.get("nets") or tree.get("wind") or tree.get("overhead_lines"):
+def _at_rest(result: xr.Dataset, tree: Tree) -> str:
+    """Of lines at rest: no compression in what hangs, supports bear the weight."""
+    lines = tree["lines"]
+    if not lines or tree["nets"] or tree["overhead_lines"] or "wind" in tree:
         return ""
     first = result["tension"].values[0]
-    straight = all("tension" in line or line.get("length", 0.0) <= np.linalg.norm(
-        np.subtract(line["end"], line["start"])) for line in lines.values())  # fmt: skip
-    start = tree["run"].get("start", {})
-    if (
-        not straight
-        and not start
-        and first.size
-        and first.min() < -FOLDED * np.abs(first).max()
-        and not any(line.get("bending_stiffness", 0.0) > 1e3 for line in lines.values())
-    ):
+    from_rest = tree["run"].get("start", {"kind": "rest"})["kind"] == "rest"
+    if from_rest and all(map(_hangs, lines.values())) and first.min() < -FOLDED * np.abs(first).max():
         return f"folded at rest: {first.min():.3g} N beside {first.max():.3g} N"
-    if tree["run"]["kind"] != "equilibrium" or tree["loads"] or tree.get("joints"):
+    if tree["run"]["kind"] != "equilibrium" or tree["loads"] or tree["joints"] or not tree["gravity"]:
         return ""
-    if any("foundation" in line for line in lines.values()):
+    if any(line["foundation"] for line in lines.values()):
         return ""
-    weight = 0.0
-    for name, line in lines.items():
-        xi = result["xi"].values[result["line"].values == name]
-        weight += DOWN * line["mass"] * float(xi.max())
+    xi, owner = result["xi"].values, result["line"].values
+    weight = sum(tree["gravity"] * line["mass"] * float(xi[owner == name].max()) for name, line in lines.items())
     borne = float(np.nansum(result["reaction"].values[0, :, -1]))
-    if tree.get("gravity", DOWN) and abs(borne - weight) > BALANCE * weight:
-        return f"supports bear {borne:.5g} N of {weight:.5g} N"
-    return ""
+    return f"supports bear {borne:.5g} N of {weight:.5g} N" if abs(borne - weight) > BALANCE * weight else ""
+
+
+def _hangs(line: Tree) -> bool:
+    """Whether a line is longer than its chord, and too soft to stand by its bending stiffness."""
+    chord = float(np.linalg.norm(np.subtract(line["end"], line["start"])))
+    return line.get("length", 0.0) > chord and line["bending_stiffness"] < SOFT
 
 
 def trace_of(result: xr.Dataset) -> dict[str, list[float]]:

@@ -61,8 +61,8 @@ BEAM: Tree = {
 }  # fmt: skip
 """A bridge of 3.9 Hz."""
 
-BED: Tree = {**BEAM, "mass": 600.0, "bending_stiffness": "10 MN*m^2", "axial_stiffness": "1 GN", "foundation": "5 MN/m^2",
-             "elements": 40}  # fmt: skip
+BED: Tree = {**BEAM, "mass": 600.0, "bending_stiffness": "10 MN*m^2", "axial_stiffness": "1 GN", "elements": 40,
+             "foundation": "5 MN/m^2"}  # fmt: skip
 """A track on soft ground: the slowest free wave runs at 153 m/s."""
 
 OVERHEAD: Tree = {
@@ -155,8 +155,9 @@ STRUCTURES: tuple[Structure, ...] = (
         "joined", "rope hung from another",
         {"lines": {
             "rope": TAUT,
-            "hanger": {"start": [10.0, 4.0], "end": [10.0, 0.0], "end_support": {"kind": "joined", "to": "rope", "at": 9.9},
-                       "length": 4.05, "mass": 0.5, "axial_stiffness": "500 kN", "elements": 8},
+            "hanger": {"start": [10.0, 4.0], "end": [10.0, 0.0], "length": 4.05,
+                       "end_support": {"kind": "joined", "to": "rope", "at": 9.9},
+                       "mass": 0.5, "axial_stiffness": "500 kN", "elements": 8},
         }}, family="joined",
     ),
     Structure(

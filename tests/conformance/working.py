@@ -18,7 +18,6 @@ from .judging import CRASH, REFUSED, STOPPED, WORKS, WRONG, Verdict, judge
 from .loads import fmu_file, matrices, travel
 from .structures import BY_NAME, STRUCTURES, Tree
 
-
 BROKEN_OFF = "breaks off at once"  # what `compare` says of a motion that diverges in its first step
 ASIDE = 1e-3  # m: nodes that carry a load are stored where they rest along the line, by interpolation
 
@@ -53,7 +52,7 @@ def read_scenario(tree: Tree) -> Any:
 def _run(tree: Tree, options: Tree) -> Verdict:
     from ropewalk.simulate import simulate
 
-    return judge(simulate(read_scenario(tree)), tree)
+    return judge(simulate(read_scenario(tree)))
 
 
 def _feedback(tree: Tree, options: Tree) -> Verdict:
@@ -61,7 +60,7 @@ def _feedback(tree: Tree, options: Tree) -> Verdict:
 
     found = feedback(read_scenario(tree))
     json.dumps(found.as_dict(), allow_nan=False)
-    return _worst(judge(found.coupled, tree), judge(found.without, _asked(found.without)))
+    return _worst(judge(found.coupled), judge(found.without))
 
 
 def _compare(tree: Tree, options: Tree) -> Verdict:
@@ -70,9 +69,8 @@ def _compare(tree: Tree, options: Tree) -> Verdict:
     found = ladder(read_scenario(tree))
     json.dumps(found.as_dict(), allow_nan=False)
     assert found.verdict
-    return _worst(Verdict(WORKS), *(
-        judge(step.result, _asked(step.result)) for step in found.rungs.values() if step.result is not None and not step.reason
-    ))  # fmt: skip
+    good = [step.result for step in found.rungs.values() if step.result is not None and not step.reason]
+    return _worst(Verdict(WORKS), *map(judge, good))
 
 
 def _adequacy(tree: Tree, options: Tree) -> Verdict:
@@ -123,14 +121,14 @@ def _go_on(tree: Tree, options: Tree) -> Verdict:
     file = Path(f"before-{os.getpid()}.nc")
     try:
         with simulate(read_scenario(tree), file=file) as before:
-            first = judge(before, tree)
+            first = judge(before)
             last = before["position"].values[-1].copy()
         again = {**tree, "run": {**tree["run"], "start": {"kind": "result", "file": str(file)}}}
         result = simulate(read_scenario(again))
         away = float(np.abs(result["position"].values[0] - last).max())
         if away > ASIDE:
             return Verdict(WRONG, f"goes on {away:.3g} m away from where the line was")
-        return _worst(first, judge(result, again))
+        return _worst(first, judge(result))
     finally:
         file.unlink(missing_ok=True)
 
@@ -151,7 +149,7 @@ def _show(tree: Tree, options: Tree) -> Verdict:
         for file in Path().glob(f"shown-{os.getpid()}*"):
             if file.is_file():
                 file.unlink()
-    return judge(result, tree)
+    return judge(result)
 
 
 def _spectrum(tree: Tree, options: Tree) -> Verdict:
@@ -161,12 +159,6 @@ def _spectrum(tree: Tree, options: Tree) -> Verdict:
     values = found.as_dict()
     json.dumps(values, allow_nan=False)
     return Verdict(WORKS)
-
-
-def _asked(result: Any) -> Tree:
-    """The scenario that a result is of: tools change it."""
-    found: Tree = json.loads(result.attrs["scenario"])
-    return found
 
 
 def _worst(*verdicts: Verdict) -> Verdict:
