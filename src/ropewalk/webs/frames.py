@@ -132,7 +132,8 @@ class Run:
             "Verlet's method for all nodes; the pieces of links and cells beside contacts by the implicit midpoint rule"
         )
         account.warnings += self._doubts()
-        look_at_contacts(web, state, room)
+        if not look_at_contacts(web, state, room):
+            raise RopewalkError(f"the run cannot begin: {_ENDS[motion.NOT_FOUND][1]}")
         state.work[:] = 0.0
         yield self._frame(state, 0.0)
         for before, t in pairwise(times):
