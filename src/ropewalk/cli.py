@@ -1,7 +1,7 @@
 """The command line: thin, with imports where they are needed, so that `--help` answers at once.
 
 Results go to stdout, messages and progress to stderr. Exit codes: 0 fine, 1 a fault of ropewalk itself, 2 bad
-input, 3 a run that stopped early, 130 interrupted.
+input, 3 a run that stopped early, 4 a run that must not be trusted, 130 interrupted.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """What commands share: reading, printing, pictures, progress, and errors as messages and exit codes.
 
 Results go to stdout, messages and progress to stderr. Exit codes: 0 fine, 1 a fault of ropewalk itself, 2 bad
-input, 3 a run that stopped early, 130 interrupted.
+input, 3 a run that stopped early, 4 a run that must not be trusted, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import typer
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
 
-FAULT, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
+FAULT, BAD_INPUT, STOPPED_EARLY, DOUBTFUL, INTERRUPTED = 1, 2, 3, 4, 130
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 FILM_SUFFIXES = (".gif", ".mp4")
 REPORT_SUFFIX = ".html"
@@ -48,6 +48,9 @@ def finish(found: dict[str, Any], target: Path) -> None:
     advice = f"\n{found['advice']}" if found["advice"] else ""
     if outcome == "interrupted":
         fail(f"interrupted; what was computed is kept in {target}{advice}", INTERRUPTED)
+    if outcome == "doubtful":
+        told = "\n".join(found["doubts"])
+        fail(f"the run went through, but must not be trusted; it is kept in {target}\n{told}", DOUBTFUL)
     fail(f"the run stopped early: {outcome}; what was computed is kept in {target}{advice}", STOPPED_EARLY)
 
 

@@ -13,6 +13,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
+from ropewalk.results.contract import doubts_of
 from ropewalk.results.statistics import Summary, lines, summary
 from ropewalk.results.table import number
 from ropewalk.simulate import simulate
@@ -37,7 +38,16 @@ class Comparison:
 
     @property
     def verdict(self) -> str:
-        """Whether the loads may be replaced by their forces, in one sentence."""
+        """Whether the loads may be replaced by their forces, in one sentence; first what must not be trusted."""
+        doubts = [
+            f"the run {which} feedback is doubtful: {doubt}\n"
+            for result, which in ((self.coupled, "with"), (self.without, "without"))
+            for doubt in doubts_of(result)
+        ]
+        return f"{''.join(doubts)}{'but for that, ' if doubts else ''}{self._judgement}"
+
+    @property
+    def _judgement(self) -> str:
         if not self.wheels:
             return "nothing here has a mass: the loads are forces already"
         name = max(self.wheels, key=lambda wheel: self.wheels[wheel]["contact_force"]["largest_difference"]["relative"])
@@ -102,7 +112,7 @@ def feedback(scenario: Scenario) -> Comparison:
     alone, names = cut(scenario)
     coupled, without = simulate(scenario), simulate(alone)
     for result, which in ((coupled, "with"), (without, "without")):
-        if result.attrs["outcome"] != "completed":
+        if result.attrs["outcome"] not in ("completed", "doubtful"):
             told = f"{result.attrs['outcome']}: {result.attrs['advice']}"
             raise RopewalkError(f"the run {which} feedback did not come to its end ({told})")
     both = (summary(coupled), summary(without))

@@ -35,6 +35,7 @@ from ropewalk.model.travel import FreeTravel, Travel
 from ropewalk.model.trolley import Trolley
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
+from ropewalk.results.contract import doubts_of
 from ropewalk.simulate import simulate
 from ropewalk.solve.boarding import resting_forces
 from ropewalk.solve.start import setting_of
@@ -212,7 +213,7 @@ class _Ground:
         alone = Scenario(gravity=scenario.gravity, lines={name: ground}, loads={name: load}, run=dynamic)
         result = simulate(alone)
         if result.attrs["outcome"] != "completed":
-            told = f"{result.attrs['outcome']}: {result.attrs['advice']}"
+            told = f"{result.attrs['outcome']}: {'; '.join(doubts_of(result)) or result.attrs['advice']}"
             raise RopewalkError(f"the run of {name} on rigid ground did not come to its end ({told})")
         scale = ground.distance / float(result["xi"].values.max())
         return cls(result, tuple(wheel.name for wheel in wheels_of(alone)), scale)

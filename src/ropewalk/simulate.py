@@ -62,10 +62,13 @@ def simulate(
         down or is interrupted returns what it has.
 
     Raises:
+        ScenarioError: the run would replace the result that it starts from.
         RopewalkError: the scenario has no rest shape to start from, or the file cannot be written.
     """
     from ropewalk.results.recorder import Recorder
 
+    if file is not None:
+        _keep_apart(scenario, file)
     account = Account()
     wall, cpu = clock.perf_counter(), clock.process_time()
     layout, frames, total = iterate(scenario, account)
@@ -75,11 +78,20 @@ def simulate(
                 recorder.append(frame)
                 if progress is not None:
                     progress(min(count / total, 1.0))
-            account.conclude()
         except KeyboardInterrupt:
+            if not recorder.frames:
+                raise
             account.outcome, account.advice = "interrupted", "the result holds everything up to the interruption"
         account.wall_seconds, account.cpu_seconds = clock.perf_counter() - wall, clock.process_time() - cpu
         return recorder.close()
+
+
+def _keep_apart(scenario: Scenario, file: Path) -> None:
+    """Refuse to write into the result that a motion starts from."""
+    run = scenario.run
+    if isinstance(run, Dynamic) and run.start.file and Path(run.start.file).resolve() == file.resolve():
+        remedy = "write the new result elsewhere (-o), or start from a copy"
+        raise ScenarioError([Problem("run.start.file", "is the file that the result goes to", str(file), remedy)])
 
 
 def must_compile(scenario: Scenario) -> str:
@@ -135,6 +147,7 @@ def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
         _refuse_to_yield(setting, "run.kind: linear knows", "ask for kind: dynamic", moving=True)
         times = output_times(scenario.run)
         account.method, account.reason = "linear theory", "as asked: superposition of small deflections about the chord"
+        account.audit = "the linear theory superposes deflections and keeps no energies"
         return layout_of(setting), linear.frames(setting, scenario, times, account), times.size
     setting = setting_of(scenario, horizon(scenario) if isinstance(scenario.run, Quasistatic) else 0.0)
     layout = layout_of(setting, "load_path")

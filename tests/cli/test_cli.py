@@ -103,6 +103,23 @@ def test_a_breakdown_keeps_the_partial_result_and_gives_the_advice(call, scenari
     assert open_result(folder / "rope.nc").sizes["time"] == 21
 
 
+def test_a_doubtful_run_is_kept_and_has_an_exit_code_of_its_own(call, scenario, folder):
+    out = call("run", scenario("no force"))
+    assert out.exit_code == 4
+    assert "doubtful" in out.stdout.splitlines()[0]
+    for word in ("must not be trusted", "rope.nc", "never presses", "loads.walker.force"):
+        assert word in out.stderr
+    assert open_result(folder / "rope.nc").attrs["outcome"] == "doubtful"
+    assert "doubt: load walker never presses" in call("show", "rope.nc").stdout
+
+
+def test_a_run_without_a_beginning_leaves_the_earlier_result_alone(call, scenario, folder):
+    assert call("run", scenario(), "-q").exit_code == 0
+    before = (folder / "rope.nc").read_bytes()
+    assert call("run", scenario("no equilibrium")).exit_code == 3
+    assert (folder / "rope.nc").read_bytes() == before
+
+
 def test_a_run_without_a_beginning_writes_nothing(call, scenario, folder):
     out = call("run", scenario("no equilibrium"))
     assert out.exit_code == 3

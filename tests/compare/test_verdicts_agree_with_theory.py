@@ -36,8 +36,10 @@ def test_figure_5_near_the_far_support_the_linear_theory_is_not_adequate(climbed
     half = 80.0 * 10.0 / (2.0 * 4e3)
     assert under(ladder, "linear", 9.99 / 1.02) == pytest.approx(half, rel=5e-3)
     assert abs(under(ladder, "full", 9.75)) < 0.5 * half
-    assert ladder.adequate("moving force")  # which is the scenario
-    assert "Nothing simpler is adequate" in ladder.verdict
+    assert ladder.of("moving force") is ladder.of("full")  # which is the scenario
+    # So close to the wave speed the answer depends on the mesh: a third of the energy is missing.
+    assert "doubtful" in ladder.verdict
+    assert "No model can be recommended" in ladder.verdict
 
 
 def test_a_light_slow_force_on_a_taut_string_is_a_case_for_the_linear_theory(climbed):

@@ -182,6 +182,24 @@ def test_a_wheel_that_lifts_off_lands_again():
     assert ride.v[0] == pytest.approx(0.0, abs=1e-5)
 
 
+@pytest.mark.parametrize("height", [0.0, 3.0])
+def test_a_mass_on_a_net_is_that_on_a_level_line(height):
+    """Without its net it knows of this only how high it is and how far it goes."""
+    sheet = {"kind": "net", "corner": [1, 2, height], "sides": [[4, 0, 0], [0, 3, 0]], "tension": 50}
+    travel = {"speed": 2.0, "path": [[0.5, 1.0], [3.5, 1.0]], "at_end": "stay"}
+    net = ropewalk.Scenario.model_validate({
+        "nets": {"n": {**sheet, "axial_stiffness": 1e4, "mass": 0.1}},
+        "loads": {"m": {"kind": "mass", "on": "n", "mass": 5.0, "travel": travel}},
+        "run": {"kind": "dynamic", "until": 0.3},
+    })  # fmt: skip
+    line = string({"m": MovingMass(on="rope", mass=5.0, travel={"speed": 2.0})}, start=(0, height), end=(20, height))
+    one, two = alone(net, "m"), alone(line, "m")
+    assert one.touches[0].base == height
+    assert one.touches == two.touches
+    for name in ("mass", "damping", "stiffness", "spread", "push", "place"):
+        assert getattr(one, name) == pytest.approx(getattr(two, name)), name
+
+
 def test_what_cannot_be_exported_is_refused(tmp_path):
     force = ropewalk.MovingForce(on="rope", force=(0, -1), travel={"speed": 1.0, "from": 3.0})
     scenario = string({"f": force, "m": MovingMass(on="rope", mass=5.0, travel=TRAVEL)})

@@ -136,7 +136,7 @@ def test_an_fmu_that_hangs_is_given_up(
         RopewalkError, match=r"has not answered for 0\.5 s on the clock .*was given up, in the step from t"
     ):
         ride(models[0], 1)
-    assert time.monotonic() - begin < 20.0  # start, patience, a fifth of a second between looks, and a slow machine
+    assert time.monotonic() - begin < 200.0  # the FMU would sleep for 1000 s; a start may take long
 
 
 def test_a_refusal_is_the_same_error_as_without(folder: Path, models: list[FmuModel]) -> None:
@@ -196,7 +196,7 @@ def test_the_fmu_ends_with_its_parent_even_while_it_hangs(folder: Path) -> None:
         assert is_alive(child)
         parent.kill()
         parent.wait()
-    patience = time.monotonic() + 20.0  # it looks five times a second
+    patience = time.monotonic() + 200.0  # it looks five times a second; the FMU would sleep for 1000 s
     while is_alive(child) and time.monotonic() < patience:
         time.sleep(0.05)
     assert not is_alive(child)

@@ -284,7 +284,9 @@ def test_the_table_tells_of_pantographs_and_leaves_out_what_is_unknown(small):
     found = summary(without)
     table = text(found)
     headings = re.findall(r"\n\n(.+)\n", table)
-    assert headings == ["Line", "Supports", "Pantograph first", "Pantograph second", "Overhead line line", "Method"]
+    pantographs = ["Pantograph first", "Pantograph second"]
+    assert headings == ["Line", "Supports", *pantographs, "Overhead line line", "Energy at the end", "Method"]
+    assert "no audit was kept" in table
     assert "all 10 " in table
     assert len(re.findall(r"\nline\.(?:contact|messenger|support|arm)\S* ", table)) == 3
     assert "uplift at line.support.2" in table

@@ -77,6 +77,15 @@ def test_the_values_are_those_of_the_frames(result):
     assert result["time"].values[77] == frame.path
 
 
+def test_a_record_that_never_begins_leaves_the_earlier_one(make, tmp_path):
+    file = tmp_path / "out.nc"
+    make(file=file)
+    before = file.read_bytes()
+    with pytest.raises(RuntimeError), Recorder(wave.layout(), wave.scenario(), wave.account(), file):
+        raise RuntimeError("no first frame")
+    assert file.read_bytes() == before
+
+
 def test_a_quasistatic_result_leads_with_the_load_path(make):
     result = make(wave.layout(path="load_path"))
     assert result["position"].dims == ("load_path", "node", "axis")

@@ -156,6 +156,17 @@ def test_the_way_back_is_the_mirror_image(crossing: xr.Dataset) -> None:
     assert back[:, 1] == pytest.approx(there[:, 1], abs=1e-9)
 
 
+def test_the_last_bits_of_her_start_decide_nothing() -> None:
+    """A foot lands at 0.13 s with its leg exactly as long as its length: it damps from there on, not a step later."""
+    places = []
+    for bits in range(8):
+        start = 8.0 * (1.0 + bits * np.finfo(float).eps)
+        crossing = goes(WEBBING, {**HER, "from": start}, 0.2, 0.1, start={"with_loads": True})
+        assert np.isfinite(crossing.contact_xi.values[-1]).all()  # both feet stand
+        places.append(crossing.body_position.values[-1, 0])
+    assert np.ptp(places, axis=0) == pytest.approx([0.0, 0.0], abs=1e-10)  # 7e-8 with a step's damping more or less
+
+
 def test_who_does_not_push_off_loses_energy_to_the_line() -> None:
     left = []
     for push_off in (0.0, 1.0):

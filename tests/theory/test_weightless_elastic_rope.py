@@ -128,6 +128,25 @@ def test_load_near_a_support_leaves_the_long_piece_slack() -> None:
     assert mirrored.load_tensions[0] == pytest.approx([700.0, 0.0])
 
 
+@pytest.mark.parametrize("stiffness", [1e5, 1e8, 1e11, math.inf])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_load_next_to_where_a_piece_becomes_slack_finds_its_place(stiffness: float, mirrored: bool) -> None:
+    """Where the tension of the long piece is as small as one likes, the energy is all but a cone about it."""
+    for length in np.linspace(20.5, 29.5, 10):
+        slack_from = length - (length**2 - 400.0) / (2.0 * length)
+        for before in np.logspace(-12, 0, 13):
+            xi = slack_from - before
+            xi = length - xi if mirrored else xi
+            state = rope.resting(span=20.0, length=length, axial_stiffness=stiffness, loads=[(xi, WEIGHT)])
+            tension = np.hypot(*state.force.T)
+            pieces = np.diff(state.breaks) * (1.0 + tension / stiffness)
+            taut = tension > 0.0  # stiff ropes, as long as they are strained, may leave the long piece slack
+            apart = np.array([20.0, 0.0]) - (pieces[taut] / tension[taut]) @ state.force[taut]
+            slack = float(pieces[~taut].sum())
+            assert np.hypot(*apart) <= slack + 1e-14 * length  # roundings of 50 m
+            assert state.start_reaction + state.end_reaction == pytest.approx([0.0, 700.0], abs=1e-12)
+
+
 @pytest.mark.parametrize("law", ["hooke", "second_piola_kirchhoff"])
 def test_load_on_a_support_leaves_a_prestressed_rope_straight(law: rope.AxialLaw) -> None:
     case = {"span": 20.0, "length": 16.0, "axial_stiffness": 1e4, "law": law}

@@ -38,6 +38,12 @@ MISTAKES = {
         "end_support: {kind: joined, to: a",
         4, "lines.c.start_support.kind", "supports do not move as prescribed",
     ),
+    "moving elastic support": (
+        "length: 5, mass: 1, axial_stiffness: 1e5, end_support: {kind: joined, to: a",
+        "length: 5, mass: 1, axial_stiffness: 1e5, start_support: {kind: elastic, stiffness: 1e4, displacement: "
+        "{time: [0, 1], value: [[0, 0], [0, 1]]}}, end_support: {kind: joined, to: a",
+        4, "lines.c.start_support.displacement", "the far ends of supports do not move",
+    ),
     "load": (
         "kind: force, on: a, force: [0, -9], travel: {speed: 1}",
         "kind: oscillator, on: a, mass: 8, stiffness: 10, travel: {speed: 1}",
@@ -56,6 +62,10 @@ MISTAKES = {
     "air": (
         "kind: force, on: a, force: [0, -9]", "kind: mass, on: a, mass: 1, air_drag: 1",
         8, "loads.p.air_drag", "drag of the air",
+    ),
+    "wind that nothing feels": (
+        "run: {kind: dynamic", "wind: {direction: [1, 0], speed: 5}\nrun: {kind: dynamic",
+        9, "wind", "no line has wind_drag",
     ),
     "an idle joint": ("\nloads", "\n  idle: {mass: 1}\nloads", 7, "joints.idle", "nothing is joined to it"),
     "no such joint": ("to: a, at: 2", "to: kot", 4, "lines.c.end_support.to", "did you mean knot"),

@@ -19,7 +19,7 @@ from ropewalk.errors import Problem, RopewalkError, ScenarioError, did_you_mean
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.contact_statistics import analysed_stations
-from ropewalk.results.contract import path_name
+from ropewalk.results.contract import doubts_of, path_name
 from ropewalk.results.frame import Account
 from ropewalk.simulate import output_times, simulate
 
@@ -72,11 +72,11 @@ def distances(
     Returns:
         For each rung and each of QUANTITIES the distance, None where there is nothing to compare; and as `share beyond`
         the part of the way of the load on which the rung is further off than the tolerance. All are None of a rung that
-        cannot be run, or not to its end.
+        cannot be run, or not to its end, or is doubtful.
 
     Raises:
         ScenarioError: there is nothing to compare, a rung is not known, or the tolerance is none.
-        RopewalkError: the full scenario cannot be run.
+        RopewalkError: the full scenario cannot be run, or is doubtful.
     """
     allowed = thresholds(tolerance)
     wanted = list(RUNGS if rungs is None else rungs)
@@ -84,6 +84,8 @@ def distances(
         if name not in RUNGS:
             raise ScenarioError([Problem("rungs", "no such rung", repr(name), did_you_mean(str(name), RUNGS))])
     climb, full, level = _full(scenario, None)
+    if full.doubts:
+        raise RopewalkError(f"the full scenario is doubtful: {'; '.join(full.doubts)}")
     steps = {FULL: full}
 
     def step(name: str) -> Step:
@@ -96,7 +98,7 @@ def distances(
         here = step(name)
         share = max((reach.share for reach in here.reach.values()), default=0.0 if here is full else None)
         errors = {**dict.fromkeys(QUANTITIES), **here.errors, "share beyond": share}
-        broken = bool(here.reason) and here is not full
+        broken = bool(here.reason or here.doubts) and here is not full
         found[name] = dict.fromkeys(errors) if broken else errors
     return found
 
@@ -122,10 +124,11 @@ def _full(scenario: Scenario, progress: Progress | None) -> tuple[Climb, Step, L
     quantities = quantities_of(result, level, found, _limits(top), speeds=speeds)
     nothing = errors_of(quantities, quantities, ways_of(found, found, timed=True), weight_of(found))
     reason = ""
-    if result.attrs["outcome"] != "completed":
+    if result.attrs["outcome"] not in ("completed", "doubtful"):
         reason = f"stopped early, and compared up to there ({result.attrs['outcome']}: {result.attrs['advice']})"
     step = Step(
-        FULL, quantities, nothing, 0.0, result=result, traces=found, remark=rung.remark, reason=reason
+        FULL, quantities, nothing, 0.0, result=result, traces=found, remark=rung.remark, reason=reason,
+        doubts=doubts_of(result),
     )  # fmt: skip
     return climb, step, level
 
@@ -154,10 +157,11 @@ def _step(climb: Climb, full: Step, level: Level, name: str, tolerance: float, p
     errors = errors_of(full.quantities, quantities, ways, weight_of(full.traces))
     rms = max((way.rms for way in ways.values() if way.scale > 0.0), default=None)
     outcome, reason = result.attrs["outcome"], ""
-    if outcome != "completed":
+    if outcome not in ("completed", "doubtful"):
         reason = f"{outcome}: {result.attrs['advice']}"
     return Step(
-        name, quantities, errors, rms, reach, result, found, ways, remark=rung.remark, reason=reason
+        name, quantities, errors, rms, reach, result, found, ways, remark=rung.remark, reason=reason,
+        doubts=doubts_of(result),
     )  # fmt: skip
 
 
@@ -188,7 +192,6 @@ def _on_wires(rung: Rung, progress: Callable[[float], None]) -> xr.Dataset:
         for count, frame in enumerate(found.frames(), start=1):
             recorder.append(frame)
             progress(min(count / times.size, 1.0))
-        account.conclude()
         return recorder.close()
 
 

@@ -36,6 +36,7 @@ class Step:
     same_as: str = ""
     remark: str = ""
     reason: str = ""  # why there is nothing, or why it broke off
+    doubts: tuple[str, ...] = ()  # why what there is must not be trusted
 
     def as_dict(self) -> Summary:
         """Plain values that fit into JSON."""
@@ -44,6 +45,7 @@ class Step:
             "errors": self.errors, "path_rms": self.rms,
             "reach": {wheel: reach.as_dict() for wheel, reach in self.reach.items()},
             "same_as": self.same_as or None, "remark": self.remark or None, "reason": self.reason or None,
+            "doubts": list(self.doubts),
         }  # fmt: skip
 
 
@@ -71,18 +73,21 @@ class Ladder:
         return self.of(step.same_as) if step.same_as else step
 
     def adequate(self, rung: str) -> bool:
-        """Whether all that is judged of a rung is within what is allowed; not, if it could not be run to its end."""
+        """Whether all that is judged of a rung is within what is allowed, it came to its end, and is not doubtful."""
         step = self.of(rung)
         if step.name == FULL:
             return True
-        return not step.reason and is_adequate(step.errors, self.allowed)
+        return not step.reason and not step.doubts and is_adequate(step.errors, self.allowed)
 
     @property
     def verdict(self) -> str:
         """What the rungs are good for, in words: one line for each, and which to take."""
         told = []
         for name, step in self.rungs.items():
-            if name == FULL and step.reason:
+            if step.doubts and not step.same_as:
+                other = "its numbers and every distance from them mean nothing" if name == FULL else "not adequate"
+                told.append(f"{name}: doubtful: {'; '.join(step.doubts)}: {other}")
+            elif name == FULL and step.reason:
                 told.append(f"{name}: {step.reason}")
             elif name == FULL:
                 told += [f"{name}: {step.remark}"] if step.remark else []
@@ -93,6 +98,8 @@ class Ladder:
                 told.append(f"{name}: not to be had: {step.reason}{kept}")
             else:
                 told.append(sentence(name, step.errors, self.allowed))
+        if self.rungs[FULL].doubts:
+            return "\n".join([*told, "No model can be recommended as long as the full scenario is doubtful."])
         told += places(self.assumptions.linear)
         adequate = {name: self.adequate(name) for name in self.rungs}
         same = {name: self.of(name).name for name in self.rungs}

@@ -10,7 +10,9 @@ contact that may lift off is open while its force would pull; the instants at wh
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -18,9 +20,11 @@ from scipy.linalg import expm
 
 from ropewalk.errors import RopewalkError, did_you_mean
 from ropewalk.mechanics.chain import Array
+from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
+from ropewalk.model.net import AnyNet
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic
@@ -116,7 +120,8 @@ def alone(scenario: Scenario, name: str, *, contact_stiffness: float | None = No
     if isinstance(load, Pantograph):
         (journey,) = task_of(lone).journeys
     else:
-        line = scenario.lines[load.on]
+        line = scenario.lines.get(load.on) or _level(scenario.nets[load.on], load)
+        lone = lone.model_copy(update={"lines": {load.on: line}, "nets": {}})
         journey, _ = journey_of(settled(lone, until), name, load, 0, line)
     if journey.rider.size and not np.all(np.linalg.eigvalsh(journey.rider.mass) > 0.0):
         raise RopewalkError(f"load {name}: a coordinate has no mass; give it one")
@@ -126,6 +131,14 @@ def alone(scenario: Scenario, name: str, *, contact_stiffness: float | None = No
         load.kind, journey.rider.mass, journey.rider.damping, journey.rider.stiffness, touches,
         _spread(journey, touches, isinstance(load, Pantograph)), times, push, journey.place(times), until,
     )  # fmt: skip
+
+
+def _level(net: AnyNet, load: MovingMass | Oscillator | Vehicle | Matrices) -> Line:
+    """Level ground at the height of a net, as long as the way over it: all that a load without its net knows of it."""
+    way = getattr(load.travel, "path", None) or ((0.0, 0.0), (1.0, 0.0))
+    length = sum(math.dist(a, b) for a, b in pairwise(way)) or 1.0
+    height = spatial(net.corner or (net.boundary or ((0.0, 0.0),))[0])[2]
+    return Line(start=(0.0, height), end=(length, height), length=length, mass=1.0, axial_stiffness=1.0)
 
 
 def _touches(name: str, journey: Journey, contact_stiffness: float | None) -> tuple[Touch, ...]:

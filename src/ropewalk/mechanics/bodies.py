@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.compiled import records
 
 CARRIED = -3  # value of `State.rider` for a wheel that bodies look after: a heavy one, or one that waits
 
@@ -160,14 +161,14 @@ def are_weightless(bodies: Bodies) -> bool:
 
 def without_vehicles(wheels: int) -> Bodies:
     """Wheels that ride as forces do, to be filled in; nothing stands above them."""
-    records = np.zeros(wheels, WHEEL)
-    records["phase"], records["brake_start"], records["brake_end"] = RIDING, -np.inf, np.inf
-    records["drive_first"], records["drive_count"] = np.arange(wheels), 1
+    empty = records(wheels, WHEEL)
+    empty["phase"], empty["brake_start"], empty["brake_end"] = RIDING, -np.inf, np.inf
+    empty["drive_first"], empty["drive_count"] = np.arange(wheels), 1
     places, block = np.zeros((0, 1), dtype=np.int64), np.zeros((0, 1, 1))
     return Bodies(
-        wheels=records, order=np.zeros(wheels, dtype=np.int64), ordered=np.zeros(1, dtype=np.int64),
+        wheels=empty, order=np.zeros(wheels, dtype=np.int64), ordered=np.zeros(1, dtype=np.int64),
         drive_time=np.zeros(wheels), drive_value=np.zeros(wheels),
-        vehicles=np.zeros(0, VEHICLE), wheel=places, axis=places.copy(), M=block, C=block.copy(), K=block.copy(),
-        load=np.zeros((0, 1)), coordinates=np.zeros(0, COORDINATE), tethers=np.zeros(0, TETHER),
-        buffers=np.zeros(0, BUFFER), A=np.zeros((1, 3)), b=np.zeros(1),
+        vehicles=records(0, VEHICLE), wheel=places, axis=places.copy(), M=block, C=block.copy(), K=block.copy(),
+        load=np.zeros((0, 1)), coordinates=records(0, COORDINATE), tethers=records(0, TETHER),
+        buffers=records(0, BUFFER), A=np.zeros((1, 3)), b=np.zeros(1),
     )  # fmt: skip

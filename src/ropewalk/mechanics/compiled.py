@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numba
+import numpy as np
 
 njit: Any = numba.njit  # its stubs do not know the wrapper options
 
@@ -28,6 +29,15 @@ lean_inner: Any = njit(**_common, _nrt=False, fastmath=_fused, no_cpython_wrappe
 inlined: Any = njit(**_common, _nrt=False, fastmath=_fused, no_cpython_wrapper=True, forceinline=True)
 # Sums may be re-ordered so that loops with a sum vectorise; nothing may rely on the order.
 summing: Any = njit(**_common, _nrt=False, fastmath={"reassoc", *_fused})
+
+
+def records(count: int, kind: np.dtype[Any]) -> Any:
+    """Empty records, (count,): kernels reach their fields as attributes, which plain Python knows of its own class only.
+
+    With NUMBA_DISABLE_JIT=1 all kernels run as plain Python, which finds indices that are out of bounds.
+    """
+    empty = np.zeros(count, kind)
+    return empty.view(np.recarray) if numba.config.DISABLE_JIT else empty
 
 
 def entry_of(dispatcher: Any, arguments: Sequence[Any]) -> Callable[..., Any]:

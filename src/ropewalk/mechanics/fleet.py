@@ -25,6 +25,7 @@ from ropewalk.mechanics.bodies import (
     without_vehicles,
 )
 from ropewalk.mechanics.chain import Array, Strands
+from ropewalk.mechanics.compiled import records
 from ropewalk.mechanics.crowds import crowded
 from ropewalk.mechanics.footfall import outwards
 from ropewalk.mechanics.wheels import Wheel
@@ -217,22 +218,22 @@ def _with_vehicles(bodies: Bodies, vehicles: list[_Vehicle]) -> Bodies:
     size = max((v.load.size for v in vehicles), default=1)
     places = max((len(v.seats) for v in vehicles), default=1) or 1
     count = len(vehicles)
-    records = np.zeros(count, VEHICLE)
+    rows = records(count, VEHICLE)
     wheel, axis = np.zeros((count, places), dtype=np.int64), np.zeros((count, places), dtype=np.int64)
     M, C, K = (np.zeros((count, size, size)) for _ in range(3))
     load, first = np.zeros((count, size)), 0
-    coordinates = np.zeros(sum(v.coordinates for v in vehicles), COORDINATE)
+    coordinates = records(sum(v.coordinates for v in vehicles), COORDINATE)
     for i, v in enumerate(vehicles):
         n = v.load.size
         M[i, :n, :n], C[i, :n, :n], K[i, :n, :n], load[i, :n] = v.M, v.C, v.K, v.load
         for j, (k, a) in enumerate(v.seats):
             wheel[i, j], axis[i, j] = k, a
-        records[i] = (first, v.coordinates, len(v.seats), v.C.any(), not (v.M - np.diag(np.diag(v.M))).any())
+        rows[i] = (first, v.coordinates, len(v.seats), v.C.any(), not (v.M - np.diag(np.diag(v.M))).any())
         for d, drag in v.drag.items():
             coordinates[first + d]["drag"] = drag
         first += v.coordinates
     return bodies._replace(
-        vehicles=records, wheel=wheel, axis=axis, M=M, C=C, K=K, load=load, coordinates=coordinates,
+        vehicles=rows, wheel=wheel, axis=axis, M=M, C=C, K=K, load=load, coordinates=coordinates,
         tethers=_records(TETHER, [t for v in vehicles for t in v.tethers]),
         buffers=_records(BUFFER, [b for v in vehicles for b in v.buffers]),
         A=np.zeros((size, size + 2)), b=np.zeros(size),
@@ -240,11 +241,11 @@ def _with_vehicles(bodies: Bodies, vehicles: list[_Vehicle]) -> Bodies:
 
 
 def _records(kind: np.dtype[Any], rows: list[dict[str, Any]]) -> Any:
-    records = np.zeros(len(rows), kind)
-    for record, row in zip(records, rows, strict=True):
+    filled = records(len(rows), kind)
+    for record, row in zip(filled, rows, strict=True):
         for name, value in row.items():
             record[name] = value
-    return records
+    return filled
 
 
 def _vehicle(

@@ -14,10 +14,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.bodies import AWAY, INSIDE, PARKED, PULLS, PUSHES, RIDING, SEATED, WAITING
+from ropewalk.mechanics.bodies import AWAY, BOTH, INSIDE, PARKED, PULLS, PUSHES, RIDING, SEATED, WAITING
 from ropewalk.mechanics.chain import HOLD_WORK, LOAD_DAMPING, OFF, SHARED
 from ropewalk.mechanics.compiled import lean_inner
 from ropewalk.mechanics.rider import force_at, seat_of
+
+# A tether that is longer or shorter than its length by less than this part of it touches: ten thousand roundings.
+TOUCHING = 1e-12
 
 
 @lean_inner
@@ -122,18 +125,17 @@ def _tethers(state, bodies, kick):
                 v = bodies.wheels[k].leading[a]
                 along += way * (bodies.coordinates[d + a].ahead - v)
         length = np.sqrt(square)
-        longer = length - bodies.tethers[e].length
-        T = bodies.tethers[e].stiffness * longer
-        if bodies.tethers[e].way == PULLS:
-            T = 0.0 if longer <= 0.0 else max(T + bodies.tethers[e].damping * along / length, 0.0)
-        elif bodies.tethers[e].way == PUSHES:
-            T = 0.0 if longer >= 0.0 else min(T + bodies.tethers[e].damping * along / length, 0.0)
-        else:
-            T += bodies.tethers[e].damping * along / length
-        if bodies.tethers[e].damping > 0.0:
-            taut = longer > 0.0 if bodies.tethers[e].way == PULLS else (longer < 0.0 or bodies.tethers[e].way != PUSHES)
-            damping = T - bodies.tethers[e].stiffness * longer if taut else 0.0  # all of it where the end runs ahead
-            state.work[LOAD_DAMPING] += kick * damping * along / length
+        longer, acts = length - bodies.tethers[e].length, bodies.tethers[e].way
+        # A leg that lands touches: roundings do not decide whether it damps its first kick.
+        sure = TOUCHING * bodies.tethers[e].length
+        if (acts == PULLS and longer <= -sure) or (acts == PUSHES and longer >= sure):
+            continue
+        spring = bodies.tethers[e].stiffness * longer
+        T = spring + bodies.tethers[e].damping * along / length
+        if acts != BOTH and T * acts < 0.0:
+            T = 0.0
+        if bodies.tethers[e].damping > 0.0:  # all of it where the end runs ahead
+            state.work[LOAD_DAMPING] += kick * (T - spring) * along / length
         if T != 0.0:
             for a in range(dim):
                 way = bodies.coordinates[d + a].q - bodies.wheels[k].place[a] - aside * bodies.tethers[e].across[a]

@@ -35,8 +35,14 @@ class Parts:
 
     @property
     def is_web(self) -> bool:
-        """Whether lines are joined or run over sheaves, there are nets, or wind blows."""
-        return bool(self.nets or self.wind) or any(line is not None and line.is_joined for line in self.lines.values())
+        """Whether lines are joined or run over sheaves, there are nets, or the air pushes at lines."""
+        lines = [line for line in self.lines.values() if line is not None]
+        return bool(self.nets) or self.is_airy or any(line.is_joined for line in lines)
+
+    @property
+    def is_airy(self) -> bool:
+        """Whether the air pushes at lines: one feels it, also where it stands still and the line moves."""
+        return self.wind is not None and any(line is not None and line.wind_drag for line in self.lines.values())
 
     def complete(self) -> Iterator[tuple[str, AnyLoad, str, Line]]:
         """List the loads that are themselves right and stand on a line that is, too: name, load, line's name, line."""

@@ -49,8 +49,8 @@ class Scenario(Declaration):
 
     @property
     def is_web(self) -> bool:
-        """Whether lines are joined or run over sheaves, there are nets, or wind blows: they move as webs do."""
-        return bool(self.nets or self.wind) or any(line.is_joined for line in self.lines.values())
+        """Whether lines are joined or run over sheaves, there are nets, or air pushes at lines: they move as webs do."""
+        return self._parts.is_web
 
     @property
     def is_stiff(self) -> bool:

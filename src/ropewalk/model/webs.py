@@ -17,7 +17,7 @@ from ropewalk.model.load import AnyLoad, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Linear, Quasistatic
-from ropewalk.model.support import Moving
+from ropewalk.model.support import Elastic, Moving
 from ropewalk.model.travel import FreeTravel
 
 _Known = MovingForce | MovingMass | Footsteps
@@ -33,6 +33,10 @@ def check_webs(parts: Parts) -> Iterator[Finding]:
         if load is not None and way is not None and load.on in parts.lines:
             remedy = "leave it out, or name a net"
             yield Finding(("loads", name, *_way_key(load)), "a path is for nets", repr(load.on), remedy)
+    if parts.wind is not None and not parts.wind.is_calm and not parts.is_airy:
+        if all(line is not None for line in parts.lines.values()):
+            remedy = "give a line wind_drag (its drag coefficient times its width), or leave wind out"
+            yield Finding(("wind",), "nothing feels it: no line has wind_drag", remedy=remedy)
     if not parts.is_web:
         return
     if parts.overhead or any(line is not None and line.is_stiff for line in parts.lines.values()):
@@ -133,6 +137,9 @@ def _line(line: Line) -> Iterator[_Lack]:
     for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
         if isinstance(support, Moving):
             yield (key, "kind"), "supports do not move as prescribed", "moving", "write fixed, elastic or guided"
+        if isinstance(support, Elastic) and not isinstance(support.displacement, tuple):
+            given, remedy = "a history", "write one displacement, for example [0, 0.1], or leave it out"
+            yield (key, "displacement"), "the far ends of supports do not move", given, remedy
 
 
 def _load(load: _Known) -> Iterator[_Lack]:

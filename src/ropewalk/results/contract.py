@@ -211,9 +211,15 @@ def account_attributes(account: Account) -> dict[str, Attribute]:
         "steps": int(account.steps),
         "cpu_seconds": float(account.cpu_seconds),
         "wall_seconds": float(account.wall_seconds),
+        "audit": account.audit,
         "doubts": "\n".join(" ".join(str(doubt).split()) for doubt in account.doubts),
         "warnings": "\n".join(" ".join(warning.split()) for warning in account.warnings),
     }
+
+
+def doubts_of(dataset: xr.Dataset) -> tuple[str, ...]:
+    """The reasons not to trust a run, a sentence each."""
+    return tuple(text for text in str(dataset.attrs.get("doubts", "")).splitlines() if text)
 
 
 def path_name(dataset: xr.Dataset) -> str:

@@ -51,6 +51,7 @@ class Layout:
     cell: tuple[tuple[int, int, int], ...] = ()  # nodes of each triangle of nets and membranes
     cell_net: tuple[str, ...] = ()  # net of each triangle
     path: str = "time"  # leading dimension: "time" (s) or "load_path" (m)
+    weight: float = float("nan")  # N, what the supports carry at rest without loads; NaN: they are not alone in it
 
 
 @dataclass(frozen=True)
@@ -116,6 +117,7 @@ class Account:
     cpu_seconds: float = float("nan")
     wall_seconds: float = float("nan")
     warnings: list[str] = field(default_factory=list)  # legitimate, but one should know
+    audit: str = ""  # why no energy audit is kept, if that is so
     doubts: list[Doubt] = field(default_factory=list)  # reasons not to trust the run
 
     def doubt(self, what: str, cause: str, key: str, remedy: str) -> None:

@@ -15,6 +15,7 @@ import numpy as np
 from ropewalk.results import contract
 from ropewalk.results.files import WriteError, check_target, open_result
 from ropewalk.results.frame import Account, Array, Frame, Layout
+from ropewalk.results.verdict import Watch
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,7 +36,8 @@ class Recorder:
         layout: names and coordinates of the result.
         scenario: what is run; it goes into the attributes as JSON.
         account: how the run goes; read again whenever the file is brought up to date, and at the end.
-        file: stream to this NetCDF file (an earlier one is replaced), or keep everything in memory.
+        file: stream to this NetCDF file, or keep everything in memory. An earlier one is replaced with the first
+            frame: a run that never begins leaves it as it was.
 
     Raises:
         ResultError: a result cannot be written to `file`; nothing has been touched then.
@@ -45,11 +47,12 @@ class Recorder:
         if layout.path not in contract.PATHS:
             raise ValueError(f"the leading dimension is one of {', '.join(contract.PATHS)}, not {layout.path!r}")
         self._account = account
+        self._watch = Watch(layout, scenario)
         self._shapes = contract.shapes(layout)
         self._result: xr.Dataset | None = None
         self._closed = False
         fixed = contract.scenario_attributes(scenario)
-        self._store: _Store = _Memory(layout, fixed) if file is None else _File(layout, fixed, account, file)
+        self._store: _Store = _Memory(layout, fixed) if file is None else _File(layout, fixed, file)
 
     @property
     def frames(self) -> int:
@@ -69,6 +72,7 @@ class Recorder:
             given = np.shape(getattr(frame, name))
             if given != shape and not (getattr(frame, name) is None and 0 in shape):
                 raise ValueError(f"frame {self.frames}: {name} has shape {given}, the layout says {shape}")
+        self._watch.see(frame)
         self._store.append(frame, self._account)
 
     def close(self) -> xr.Dataset:
@@ -79,6 +83,8 @@ class Recorder:
         """
         if not self._closed:
             self._closed = True
+            self._watch.judge(self._account)
+            self._account.conclude()
             self._store.finish(self._account)
         if self._result is None:
             self._result = self._store.result(self._account)
@@ -92,7 +98,6 @@ class Recorder:
     ) -> None:
         account = self._account
         if problem is None:
-            account.conclude()
             self.close()
             return
         if account.outcome == "running":
@@ -100,6 +105,9 @@ class Recorder:
             account.advice = account.advice or str(problem)
         if not self._closed:
             self._closed = True
+            if not self.frames:
+                return
+            self._watch.judge(account)
             with contextlib.suppress(WriteError):  # the problem under way is the one to report
                 self._store.finish(account)
 
@@ -173,22 +181,30 @@ class _File:
     found unreadable after kills during a write (`docs/notes/result-file.md`).
     """
 
-    def __init__(self, layout: Layout, fixed: dict[str, contract.Attribute], account: Account, file: Path) -> None:
+    def __init__(self, layout: Layout, fixed: dict[str, contract.Attribute], file: Path) -> None:
         self.count = 0
-        self._layout = layout
+        self._layout, self._fixed = layout, fixed
         self.path = check_target(file)
         self._arrays = _rows(layout, block_rows(layout))
+        self._file: Any = None
+        self._begun = False
         self._base = 0  # first frame in the block
         self._written = 0
         self._told: dict[str, contract.Attribute] = {}
         self._last_append = self._last_sync = time.monotonic()
+
+    def _begin(self, account: Account) -> None:
+        """Replace an earlier file: not before there is something to write."""
+        self._begun = True
         try:
             self.path.unlink(missing_ok=True)  # a reader of the earlier result keeps what it has open
-            self._file: Any = _create(self.path, layout, {**fixed, **contract.account_attributes(account)})
+            self._file = _create(self.path, self._layout, {**self._fixed, **contract.account_attributes(account)})
         except (OSError, RuntimeError) as problem:
-            raise WriteError(f"{file}: cannot be created ({problem})") from problem
+            raise WriteError(f"{self.path}: cannot be created ({problem})") from problem
 
     def append(self, frame: Frame, account: Account) -> None:
+        if not self._begun:
+            self._begin(account)
         row = self.count - self._base
         _put(frame, self._arrays, row)
         self.count += 1
@@ -228,6 +244,8 @@ class _File:
             self._told.update(news)
 
     def finish(self, account: Account) -> None:
+        if not self._begun:
+            self._begin(account)
         if self._file is None:
             return
         self._flush(account, contract.account_attributes(account))

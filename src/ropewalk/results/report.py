@@ -41,6 +41,7 @@ td.value { text-align: right; white-space: nowrap; }
 td.outside { color: #b03000; font-weight: 600; }
 .faint { color: #666; }
 .warning { background: #fff4e0; padding: 0.3rem 0.6rem; margin: 0.3rem 0; }
+.doubt { background: #fde4e1; border-left: 4px solid #b3261e; padding: 0.3rem 0.6rem; margin: 0.3rem 0; }
 img { max-width: 100%; height: auto; }
 pre { background: #f6f6f6; padding: 0.8rem; font-size: 0.8rem; overflow-x: auto; }
 .long { max-height: 32rem; overflow-y: auto; }
@@ -116,6 +117,8 @@ def _picture(drawn: Figure, label: str) -> str:
 def _warnings(found: Summary) -> Iterator[str]:
     if found["advice"]:
         yield f'<p class="warning">{_text(found["advice"])}</p>'
+    for doubt in found["doubts"]:
+        yield f'<p class="doubt">Do not trust this run: {_text(doubt)}</p>'
     for warning in found["warnings"]:
         yield f'<p class="warning">{_text(warning)}</p>'
 

@@ -71,6 +71,7 @@ def layout_of(setting: Setting, path: str = "time") -> Layout:
         body=tuple(body.name for body in setting.fleet.shown) if setting.fleet is not None else (),
         support=tuple(f"{name}.{end}" for name in setting.lines for end in ("start", "end")),
         path=path,
+        weight=-float((strands.rho * strands.h * strands.links).sum() * strands.gravity[-1]),
     )
 
 

@@ -26,9 +26,10 @@ from ropewalk.results.nets import (
     triangles,
 )
 from ropewalk.results.scene import LONG, Scene, faces, segments
-from ropewalk.results.statistics import AUDIT, lines
+from ropewalk.results.statistics import lines
 from ropewalk.results.table import number
 from ropewalk.results.ties import tied, ties
+from ropewalk.results.turnover import AUDIT
 from ropewalk.results.views import (
     POINTS,
     SHAPES,

@@ -10,17 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.results.contact_summary import contact_summary
-from ropewalk.results.contract import path_name
+from ropewalk.results.contract import doubts_of, path_name
 from ropewalk.results.exchanges import exchange_summary
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
 from ropewalk.results.net_statistics import net_summary
 from ropewalk.results.nets import net_names
+from ropewalk.results.peaks import impulses
+from ropewalk.results.turnover import AUDIT, turnover
 
 if TYPE_CHECKING:
     import xarray as xr
 
 BLOCK_BYTES = 64e6  # a large result is read in pieces of this size
-AUDIT = "imbalance"
 
 Summary = dict[str, Any]
 
@@ -41,6 +42,7 @@ def summary(dataset: xr.Dataset) -> Summary:
         "title": dataset.attrs.get("title", ""),
         "outcome": dataset.attrs.get("outcome", ""),
         "advice": dataset.attrs.get("advice", ""),
+        "doubts": list(doubts_of(dataset)),
         "warnings": [text for text in str(dataset.attrs.get("warnings", "")).splitlines() if text],
         "frames": dataset.sizes[name],
         "simulated": _simulated(dataset),
@@ -123,20 +125,6 @@ def _onward(away: Array) -> tuple[Array, Array]:
     with np.errstate(divide="ignore", invalid="ignore"):
         along = (away[..., :-1] * (chord / run[..., None])).sum(axis=2)
     return run, along
-
-
-def turnover(energy: Array) -> Array:
-    """Energy that has changed its form since the start, in J: half the sum of all changes.
-
-    Args:
-        energy: array (frame, form) in J, in the order of ENERGY_FORMS.
-
-    Returns:
-        Array (frame,).
-    """
-    forms = [k for k, form in enumerate(ENERGY_FORMS) if form != AUDIT]
-    moved: Array = np.nansum(np.abs(energy[:, forms] - energy[:1, forms]), axis=1) / 2
-    return moved
 
 
 def lines(dataset: xr.Dataset) -> list[str]:
@@ -222,7 +210,11 @@ def _vector(dataset: xr.Dataset, force: xr.DataArray) -> Summary:
 
 def _contact(dataset: xr.Dataset, k: int) -> Summary:
     """Statistics of one contact over the output instants at which its load is on the line."""
-    force = dataset["contact_force"][:, k].values
+    force = dataset["contact_force"][:, k].values.copy()
+    present = np.isfinite(force).all(axis=1)
+    entering, leaving = impulses(np.linalg.norm(force, axis=1))
+    blows = {"entering": _blow(dataset, force, entering), "leaving": _blow(dataset, force, leaving)}
+    force[np.concatenate([entering, leaving])] = np.nan
     columns = {"magnitude": np.linalg.norm(force, axis=1)}
     columns |= {axis: force[:, i] for i, axis in enumerate(dataset["axis"].values.tolist())}
     measures: dict[str, Pick] = {"mean": np.mean, "std": np.std, "min": np.min, "max": np.max}
@@ -237,13 +229,13 @@ def _contact(dataset: xr.Dataset, k: int) -> Summary:
     if np.isfinite(jump).any():
         at = int(np.nanargmax(np.abs(jump)))
         tension_jump |= {"value": jump[at], path_name(dataset): path[at]}
-    present = np.isfinite(columns["magnitude"])
     friction = dataset["contact_friction"][:, k].values
     needed: Summary = {"value": _reduce(np.max, friction), "unit": "1"}
     if needed["value"] is not None:
         needed[path_name(dataset)] = path[int(np.argmax(friction == needed["value"]))]
     return {
         "force": {"unit": "N", **statistics},
+        "impulses": blows,
         "tension_jump": tension_jump,
         "hold_force": _vector(dataset, dataset["hold_force"][:, k]),
         "friction_needed": needed,
@@ -253,6 +245,14 @@ def _contact(dataset: xr.Dataset, k: int) -> Summary:
         "friction_work": _work(path, np.asarray(dataset["friction_power"][:, k].values)),
         "last_speed": _last_speed(dataset, k),
     }
+
+
+def _blow(dataset: xr.Dataset, force: Array, at: NDArray[np.intp]) -> Summary | None:
+    """The largest force of an impulse that is left out of the statistics; it is the impulse over one step."""
+    if not at.size:
+        return None
+    size = np.linalg.norm(force[at], axis=1)
+    return {"value": size.max(), "unit": "N", path_name(dataset): dataset[path_name(dataset)].values[at[size.argmax()]]}
 
 
 def _share_in_air(dataset: xr.Dataset, k: int) -> float | None:
@@ -298,6 +298,7 @@ def _energy(dataset: xr.Dataset) -> Summary:
             "always_zero": [],
             "turnover": None,
             "largest_imbalance": None,
+            "audit": "",
         }
     moved = float(np.max(turnover(energy)))
     audit = np.abs(energy[:, ENERGY_FORMS.index(AUDIT)])
@@ -308,7 +309,10 @@ def _energy(dataset: xr.Dataset) -> Summary:
         worst = {"value": audit[at], "unit": "J", "relative": relative, path_name(dataset): path[at]}
     final = dict(zip(ENERGY_FORMS, energy[-1].tolist(), strict=True))
     idle = [form for form, values in zip(ENERGY_FORMS, energy.T, strict=True) if not values.any()]
-    return {"unit": "J", "final": final, "always_zero": idle, "turnover": moved, "largest_imbalance": worst}
+    return {
+        "unit": "J", "final": final, "always_zero": idle, "turnover": moved, "largest_imbalance": worst,
+        "audit": str(dataset.attrs.get("audit", "")),
+    }  # fmt: skip
 
 
 def _method(dataset: xr.Dataset) -> Summary:

@@ -62,7 +62,8 @@ def _headline(found: Summary) -> str:
         outcome = "unfinished (still running, or killed)"
     simulated = found["simulated"]
     head = f"{found['title']}: {outcome}, {number(simulated['value'])} {simulated['unit']}, {found['frames']} frames"
-    return f"{head}\nadvice: {found['advice']}" if found["advice"] else head
+    doubts = [f"doubt: {doubt}" for doubt in found["doubts"]]
+    return "\n".join([head, *([f"advice: {found['advice']}"] if found["advice"] else []), *doubts])
 
 
 def rows(found: Summary) -> Iterator[Row]:
@@ -226,6 +227,10 @@ def _contact_rows(name: str, contact: Summary) -> Iterator[Row]:
     size = contact["force"]["magnitude"]
     spread = f"std {number(size['std'])} N  {number(size['min'])} to {number(size['max'])} N"
     yield "contact force, mean", f"{number(size['mean'])} N", spread
+    for how, blow in contact["impulses"].items():
+        if blow is not None:
+            told = "  ".join((*_when(blow), "an impulse over one step, left out of the statistics"))
+            yield f"blow when {how}", f"{number(blow['value'])} N", told
     jump = contact["tension_jump"]
     if jump["value"] is not None:  # loads on nets have no two sides
         yield "largest tension jump", f"{number(jump['value'])} N", "  ".join(_when(jump))
@@ -257,21 +262,23 @@ def _exchange_rows(name: str, exchange: Summary) -> Iterator[Row]:
 
 
 def _energy_rows(energy: Summary) -> Iterator[Row]:
-    told = [form for form, value in energy["final"].items() if value is not None]
-    if told and all("kinetic" in form for form in told):  # a balance is not kept
+    if energy["audit"]:
+        yield "Energy", "", ""
+        yield "audit", "none", energy["audit"]
         return
     yield "Energy at the end", "", ""
     for form, label in ENERGY_LABELS.items():
         if form not in energy["always_zero"]:
             yield label, f"{number(energy['final'].get(form))} J", ""
     worst: dict[str, Any] | None = energy["largest_imbalance"]
-    if worst is not None and "load_path" not in worst:  # what stands still has no audit
-        share = "" if worst["relative"] is None else f"{number(100 * worst['relative'], 2)} % of the energy turned over"
-        yield (
-            "largest imbalance",
-            f"{number(worst['value'])} J",
-            "  ".join(filter(None, (share, *_when(worst)))),
-        )
+    if worst is not None and "load_path" in worst:  # what stands still has no audit
+        return
+    yield "energy turned over", f"{number(energy['turnover'])} J", "half the sum of all changes above since the start"
+    if worst is None:
+        yield "largest imbalance", "unknown", "no audit was kept"
+        return
+    share = "" if worst["relative"] is None else f"{number(100 * worst['relative'], 2)} % of the energy turned over"
+    yield "largest imbalance", f"{number(worst['value'])} J", "  ".join(filter(None, (share, *_when(worst))))
 
 
 def _method_rows(method: Summary) -> Iterator[Row]:

@@ -25,20 +25,25 @@ def minimise(
     residual, derivative = gradient(place)
     for _ in range(200):
         change = -np.linalg.solve(derivative, residual)
-        change *= min(1.0, longest / max(float(np.max(np.abs(change))), 1e-300))
-        descent = float(residual @ change)
+        change *= min(1.0, longest / max(_largest(change), 1e-300))
+        descent, miss = float(residual @ change), _largest(residual)
         fraction = 1.0
         trial, trial_derivative = gradient(place + change)
-        # beyond the minimum the slope turns positive; a comparison with NaN is false
-        while not float(trial @ change) <= -0.5 * descent and fraction > 1e-12:
+        # Beyond the minimum the slope turns positive; a comparison with NaN is false. Close to it roundings across the
+        # valley hide the slope along it, and a smaller gradient is good enough.
+        while not (float(trial @ change) <= -0.5 * descent or _largest(trial) <= min(0.5 * miss, 1e-9 * scale)):
             fraction *= 0.5
             trial, trial_derivative = gradient(place + fraction * change)
-        settled = bool(
-            np.max(np.abs(change)) <= 1e-13 * np.max(np.abs(place)) or np.max(np.abs(residual)) <= 1e-15 * scale
-        )
+            if fraction <= 1e-12:
+                break
+        settled = _largest(change) <= 1e-13 * _largest(place) or miss <= 1e-15 * scale
         # near the end Newton's method squares the error; where it does not even halve it, roundings are left
-        small = np.max(np.abs(change)) <= 1e-9 * np.max(np.abs(place))
-        if settled or (small and not np.max(np.abs(trial)) < 0.5 * np.max(np.abs(residual))):
+        small = _largest(change) <= 1e-9 * _largest(place) or miss <= 1e-12 * scale
+        if settled or (small and not _largest(trial) < 0.5 * miss):
             return place + fraction * change
         place, residual, derivative = place + fraction * change, trial, trial_derivative
     raise ValueError("no equilibrium found: the data are too extreme for double precision")
+
+
+def _largest(vector: FloatArray) -> float:
+    return float(np.max(np.abs(vector)))

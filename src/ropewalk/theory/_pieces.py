@@ -69,6 +69,13 @@ def strain(tension: FloatArray, compliance: float, law: AxialLaw = "hooke") -> F
     return ratio if law == "hooke" else np.asarray(ratio / (0.5 + np.sqrt(0.25 + ratio)))
 
 
+def complementary(tension: FloatArray, compliance: float, law: AxialLaw = "hooke") -> FloatArray:
+    """Integral of the stretch over the tension, J per unstrained metre."""
+    eps = strain(tension, compliance, law)
+    share = 0.5 if law == "hooke" else (0.5 + eps * (2.0 / 3.0)) / (1.0 + eps)
+    return np.asarray(tension * (1.0 + share * eps))
+
+
 def reach(
     force: FloatArray, length: FloatArray, weight: float, compliance: float, law: AxialLaw = "hooke"
 ) -> FloatArray:

@@ -20,7 +20,7 @@ import numpy as np
 from numpy import inf
 from numpy.typing import ArrayLike, NDArray
 
-from ropewalk.theory import _arguments, _convex, _pieces
+from ropewalk.theory import _arguments, _complementary, _convex, _pieces
 from ropewalk.theory._pieces import AxialLaw, FloatArray, PointLoad
 
 __all__ = [
@@ -149,16 +149,8 @@ def resting(
         if partly_slack is not None:
             return partly_slack
     offset = -drops + np.stack([np.zeros_like(pieces), weight * breaks[:-1]], axis=1)
-    # The unknown is the force at the beginning of the rope itself, not of nothing before a load on the support.
-    offset -= offset[np.argmax(pieces > 0.0)]
-
-    def gap(force: FloatArray) -> tuple[FloatArray, FloatArray]:
-        at_start = force + offset
-        reach = _pieces.reach(at_start, pieces, weight, compliance, law).sum(axis=0)
-        return reach - ends, _pieces.reach_derivative(at_start, pieces, weight, compliance, law).sum(axis=0)
-
-    guess = _taut_guess(offset, pieces, weight, compliance, ends)
-    force = _convex.minimise(gap, guess, scale=length + distance) + offset
+    energy = _complementary.of_rope(offset, pieces, weight, compliance, law, ends)
+    force = _convex.minimise(energy.gradient, energy.start(), scale=length + distance) + energy.offset
     if weight > 0.0:
         return _from_start(breaks, force, weight, compliance, law)
     return _from_both_ends(breaks, force, compliance, law, ends)
@@ -288,29 +280,3 @@ def _from_both_ends(
     nodes = _from_start(breaks, force, 0.0, compliance, law).nodes
     nodes[-1] = ends
     return RestingRope(0.0, 0.0, breaks, nodes, force)
-
-
-def _taut_guess(
-    offset: FloatArray, length: FloatArray, weight: float, compliance: float, ends: FloatArray
-) -> FloatArray:
-    """Force at the start of a taut rope: chord plus elongation is length plus the transverse load's slack."""
-    from scipy.optimize import brentq
-
-    total, distance = length.sum(), float(np.hypot(*ends))
-    chord = ends / distance
-    first = offset
-    last = offset + np.stack([np.zeros_like(length), weight * length], axis=1)
-    mean = (length[:, np.newaxis] * (first + last)).sum(axis=0) / (2.0 * total)
-    p, q = ((side - mean) @ np.array([-chord[1], chord[0]]) for side in (first, last))
-    slack = 0.5 * float((length * (p * p + p * q + q * q)).sum()) / (3.0 * total)
-    excess = 1.0 - distance / total
-    if compliance == 0.0:
-        tension = float(np.sqrt(slack / max(excess, 1e-300)))
-        return np.asarray(max(tension, 1e-9 * float(np.max(np.abs(offset - mean)))) * chord - mean)
-    bound = float(np.cbrt(slack / compliance)) + max(-excess, 0.0) / compliance
-
-    def balance(tension: float) -> float:
-        return float((compliance * tension + excess) * tension**2 - slack)
-
-    tension = brentq(balance, 0.0, 1.001 * bound, xtol=1e-6 * bound, rtol=1e-6) if bound > 0.0 else 0.0
-    return np.asarray(max(float(tension), 1e-9 * bound) * chord - mean)

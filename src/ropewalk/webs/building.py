@@ -44,6 +44,15 @@ class Triangles(NamedTuple):
     area: Array  # (cell,) m^2
 
 
+class End(NamedTuple):
+    """A support, and what belongs to it at its node."""
+
+    name: str
+    node: int
+    mass: float  # kg
+    force: Array  # (3,) N, constant
+
+
 class Builder:
     """Arrays of a web under construction."""
 
@@ -59,7 +68,7 @@ class Builder:
         self.rails: list[tuple[int, Array]] = []
         self.springs: list[tuple[int, Array, Array, Array]] = []
         self.sheaves: list[tuple[int, int, int, int, float, float]] = []
-        self.ends: list[tuple[str, int]] = []
+        self.ends: list[End] = []
 
     def line(self, name: str, line: Line, mine: Integers, xi: Array) -> Strand:
         """Add the links and masses of a line."""
@@ -84,10 +93,10 @@ class Builder:
         for side, n, support in (("start", node[0], line.start_support), ("end", node[-1], line.end_support)):
             if isinstance(support, Joined):
                 continue
-            n = int(n)
-            self.ends.append((f"{name}.{side}", n))
+            n, mass = int(n), getattr(support, "mass", 0.0)
             free, stiffness, damping, force = held_by(support, _XYZ)
-            self.mass[n] += getattr(support, "mass", 0.0)
+            self.ends.append(End(f"{name}.{side}", n, mass, force))
+            self.mass[n] += mass
             self.force[n] += force
             rank = round(float(np.trace(free)))
             if rank == 0:
@@ -142,7 +151,7 @@ class Builder:
         declared = self.scenario.lines[name].sheaves[sheave]
         if declared.to is None:
             self.fixed.add(n)
-            self.ends.append((f"{name}.{sheave}", n))
+            self.ends.append(End(f"{name}.{sheave}", n, 0.0, np.zeros(3)))
         p = int(np.clip(np.searchsorted(strand.station, xi) - 1, 1, strand.node.size - 3))
         if any(link == strand.first + p for _, link, *_ in self.sheaves):
             raise RopewalkError(f"lines: {name}: elements: two sheaves stand over one link; write more elements")

@@ -43,12 +43,17 @@ _ENDS = {
         "a little damping",
     ),
     motion.AT_SHEAVE: ("travel ended", "a load has come to a sheave, which it cannot pass; let it turn back before"),
+    motion.AT_END: (
+        "travel ended", "a load has come to an end of its line or path; write at_end: leave or stay, or end the run before",
+    ),
     motion.LINE_OUT: ("line ran out", "a line has run over a sheave up to its end, or to another sheave or a load"),
 }
 
 
 # Part of the speed of transverse waves from which on masses on lines are doubtful: 1.7 % of the deflection at 0.8.
 _FAST = 0.8
+# Energy lost with the pieces beside a mass that leaves, over what moves, from which on it is told.
+_PARTING = 0.02
 
 
 class Run:
@@ -94,12 +99,20 @@ class Run:
             link_line=tuple(s.name for s in strands for _ in s.node[1:]),
             link_xi=np.concatenate([np.zeros(0), *middles]),
             contact_load=tuple(t.name for t in self.laid.travellers),
-            support=(*(name for name, _ in self.laid.ends), *(f"{name}.edge" for name in names)),
+            support=(*(end.name for end in self.laid.ends), *(f"{name}.edge" for name in names)),
             cell=tuple(cells),  # type: ignore[arg-type]
             cell_net=tuple(sheet.name for sheet in self.laid.sheets for _ in sheet.surface.triangle),
             path=path,
+            weight=self._weight(),
         )
         self._start_energy = np.nan
+
+    def _weight(self) -> float:
+        """What the supports carry at rest, N; unknown where sheaves or the wind bear some of it."""
+        web = self.web
+        if web.sheaves.link.size or self.scenario.wind is not None:
+            return float("nan")
+        return -float(web.body.force[: web.nodes, 2].sum())
 
     def moving(self, times: Array) -> Iterator[Frame]:
         """Frames of a motion at the output instants, s."""
@@ -119,7 +132,8 @@ class Run:
             "Verlet's method for all nodes; the pieces of links and cells beside contacts by the implicit midpoint rule"
         )
         account.warnings += self._doubts()
-        look_at_contacts(web, state, room)
+        if not look_at_contacts(web, state, room):
+            raise RopewalkError(f"the run cannot begin: {_ENDS[motion.NOT_FOUND][1]}")
         state.work[:] = 0.0
         yield self._frame(state, 0.0)
         for before, t in pairwise(times):
@@ -128,6 +142,7 @@ class Run:
             if status == motion.RUNNING and not np.isfinite(state.r[self._shown]).all():
                 status = motion.DIVERGED
             account.steps += int(np.ceil((t - before) / step))
+            self._note_parting(state)
             if status != motion.RUNNING:
                 account.outcome, advice = _ENDS[status]
                 account.advice = f"stopped at t = {state.t[0]:.6g} s: {advice}"
@@ -157,6 +172,19 @@ class Run:
                     "until the run diverges; write more elements, or a force instead"
                 )
 
+    def _note_parting(self, state: State) -> None:
+        """Tell of masses that have torn at an end of their line when they left it, each of them once."""
+        moving = 0.5 * float((self.web.body.mass[:, None] * state.v**2).sum())
+        moving += 0.5 * float((self.web.seats.mass[:, None] * np.nan_to_num(state.u) ** 2).sum())
+        for k in np.flatnonzero(state.parting > _PARTING * moving):
+            t = self.laid.travellers[k]
+            self.account.warnings.append(
+                f"load {t.name} left {t.on} and took {state.parting[k]:.3g} J of the pieces beside it, which are lost: "
+                "the last piece before an end is stretched the more, the finer the mesh is; what follows depends on "
+                "it: let it leave earlier (travel.margin), or end the run before"
+            )
+        state.parting[:] = 0.0
+
     def _first(self, *, with_loads: bool) -> State:
         web, r = self.web, self.rest.copy()
         contacts = web.seats.kind.size
@@ -171,7 +199,9 @@ class Run:
                 q[k] = [held_place(web, r, k, a) for a in range(3)]
             q[on] += weight / web.seats.grip[on, None]
             web.seats.last[:] = -1
-        return State(np.zeros(1), r, np.zeros_like(r), q, u, np.zeros(WORKS), np.zeros((contacts, 3)))
+        return State(
+            np.zeros(1), r, np.zeros_like(r), q, u, np.zeros(WORKS), np.zeros((contacts, 3)), np.zeros(contacts)
+        )
 
     def standing(self) -> Iterator[Frame]:
         """The only frame of an equilibrium: at rest with the loads at their start."""
@@ -205,13 +235,13 @@ class Run:
         fine = np.linspace(0.0, max(last, 1e-300), 4097)
         place = np.array([place_at(course, 0, t)[0] for t in fine])
         _, speed = place_at(course, 0, last)
-        start, end = float(place[0]), float(course.length[0])
-        inside = (place >= -1e-12 * end) & (place <= end * (1.0 + 1e-12))
+        start, low, end = float(place[0]), float(course.low[0]), float(course.high[0])
+        inside = (place >= low - 1e-12 * end) & (place <= end * (1.0 + 1e-12))
         if not inside.all():
             stop = int(np.argmin(inside))
-            fine, place = fine[: stop + 1], np.clip(place[: stop + 1], 0.0, end)
+            fine, place = fine[: stop + 1], np.clip(place[: stop + 1], low, end)
         elif speed != 0.0:  # it goes on at its last speed
-            goal = end if speed > 0.0 else 0.0
+            goal = end if speed > 0.0 else low
             fine, place = np.append(fine, last + (goal - place[-1]) / speed), np.append(place, goal)
         way = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(place)))))
         if way[-1] == 0.0:
@@ -223,7 +253,9 @@ class Run:
     def _still(self, r: Array, path: float) -> Frame:
         nothing = np.zeros((self.web.seats.kind.size, 3))
         q = r[self.web.nodes :].copy()
-        state = State(np.array([path]), r, np.zeros_like(r), q, nothing, np.zeros(WORKS), nothing.copy())
+        state = State(
+            np.array([path]), r, np.zeros_like(r), q, nothing, np.zeros(WORKS), nothing.copy(), nothing[:, 0].copy()
+        )
         return self._frame(state, 0.0, still=True)
 
     def _frame(self, state: State, interval: float, *, still: bool = False) -> Frame:
@@ -298,7 +330,7 @@ class Run:
         return strain, tension
 
     def _reactions(self, state: State) -> Array:
-        """Forces of supports on lines and of edges on nets, (support, 3) N."""
+        """Forces of supports on lines and of edges on nets, (support, 3) N: of spring, damper, rail and mass together."""
         web, held = self.web, self.web.held
         ahead = web.sheaves.ahead.copy()
         pull = Potential(web, rubs=True).pull(state.r)
@@ -308,15 +340,23 @@ class Run:
         force[held.fixed] = -pull[held.fixed]
         for n, along in zip(held.rail, held.along, strict=True):
             force[n] = (pull[n] @ along) * along - pull[n]
+        sprung = np.zeros_like(pull)
         for n, place, K, C in zip(held.spring, held.place, held.stiffness, held.damping, strict=True):
-            force[n] += K @ (place - state.r[n]) - C @ state.v[n]
-        ends = [force[n] for _, n in self.laid.ends]
+            sprung[n] += K @ (place - state.r[n]) - C @ state.v[n]
+        force += sprung
+        ends = []
+        for end in self.laid.ends:  # what is left of the support's own forces once its mass has had its share
+            n, mass = end.node, web.body.mass[end.node]
+            own = end.mass * web.gravity + end.force
+            gained = (pull[n] + force[n] - sprung[n]) * (end.mass / mass if end.mass else 0.0)
+            ends.append(force[n] + own - gained)
         edges = [force[vertex].sum(axis=0) for vertex in self.laid.vertex]
         return np.array([*ends, *edges]).reshape(-1, 3)
 
     def _energy(self, state: State, *, still: bool) -> Array:
         web, seats, n = self.web, self.web.seats, self.web.nodes
-        masses = np.flatnonzero(seats.kind == MASS)
+        # Of those that have left, too: as they were then.
+        masses = np.flatnonzero((seats.wanted == MASS) & np.isfinite(state.q + state.u).all(axis=1))
         m, q = seats.mass[masses], state.q[masses]
         forms = dict.fromkeys(ENERGY_FORMS, 0.0)
         forms["kinetic"] = 0.5 * float((web.body.mass[:n, None] * state.v[:n] ** 2).sum())
@@ -325,7 +365,7 @@ class Run:
         forms["load_potential"] = -float((m[:, None] * web.gravity * q).sum())
         if still:
             return np.array([forms[form] for form in ENERGY_FORMS])
-        gap = q - self._held(state.r)[masses]
+        gap = (q - self._held(state.r)[masses]) * (seats.kind[masses, None] == MASS)
         forms["load_potential"] += 0.5 * float((seats.grip[masses, None] * gap**2).sum())
         forms["load_kinetic"] = 0.5 * float((m[:, None] * state.u[masses] ** 2).sum())
         stored = sum(forms.values())

@@ -11,7 +11,7 @@ import numpy as np
 from ropewalk.model.joint import Joined
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.scenario import Scenario
-from ropewalk.webs.building import Builder
+from ropewalk.webs.building import Builder, End
 from ropewalk.webs.sheets import Sheet, sheet_of
 from ropewalk.webs.travellers import Strand, Traveller, course_of, seats_of, travellers_of
 from ropewalk.webs.web import Array, Integers, Web
@@ -29,7 +29,7 @@ class Laid:
     sheets: tuple[Sheet, ...]
     vertex: tuple[Integers, ...]  # nodes of the vertices of each sheet
     cell: tuple[int, ...]  # first cell of each sheet
-    ends: tuple[tuple[str, int], ...]  # supports and their nodes
+    ends: tuple[End, ...]  # supports
     travellers: tuple[Traveller, ...]
     remarks: tuple[str, ...]
     plane: bool
@@ -74,13 +74,20 @@ def attached(scenario: Scenario, name: str) -> list[float]:
 
 
 def stations(line: Line, length: float, joined: list[float]) -> Array:
-    """Where the nodes of a line are: evenly between the places where something is joined, m."""
-    near = 1e-9 * length
-    marks = [0.0, *sorted(at for at in set(joined) if near < at < length - near), length]
+    """Where the nodes of a line are: evenly between the places where something is joined, m.
+
+    How many there are does not depend on a length that is still searched for: shapes found before must fit.
+    """
+    whole = line.length or max([line.distance, *(1.01 * at for at in joined)])
+    near = 1e-9 * whole
+    marks = [0.0, *sorted(at for at in set(joined) if near < at < whole - near), whole]
+    # Until its length is found a line may be too short for what is joined to it.
+    squeeze = 1.0 if marks[-2] < length - near else 0.99 * length / marks[-2]
+    places = [*(squeeze * at for at in marks[:-1]), length]
     out = [np.zeros(1)]
-    for a, b in pairwise(marks):
-        count = max(1, round(line.elements * (b - a) / length))
-        out.append(np.linspace(a, b, count + 1)[1:])
+    for (a, b), (c, d) in zip(pairwise(marks), pairwise(places), strict=True):
+        count = max(1, round(line.elements * (b - a) / whole))
+        out.append(np.linspace(c, d, count + 1)[1:])
     return np.concatenate(out)
 
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.assembly import pack
+from ropewalk.model.joint import Joined
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.support import Guided
 from ropewalk.webs.laying import Laid, lay
 from ropewalk.webs.rest import leave, settle
 from ropewalk.webs.web import Array
@@ -68,7 +73,37 @@ def laid_at_rest(scenario: Scenario, until: float) -> tuple[Laid, Array]:
             last[strand.name] = length, mean
             lengths[strand.name] = better
         if worst < _NEAR:
+            _check_joined(scenario, lengths)
             return laid, start
-    raise EquilibriumError(
-        f"lines with a given tension do not come to rest with it (one is off by {worst:.2g} of it); give length instead"
-    )
+    raise EquilibriumError(_not_found(scenario, last, given))
+
+
+def _check_joined(scenario: Scenario, lengths: Mapping[str, float]) -> None:
+    """Refuse ends that are joined to a line beyond the length that its tension gives it."""
+    for name, line in scenario.lines.items():
+        for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
+            if not isinstance(support, Joined) or not isinstance(support.at, float):
+                continue
+            if (length := lengths[support.to]) * (1.0 + 1e-9) < support.at:
+                raise EquilibriumError(
+                    f"lines.{name}.{key}.at: {support.at:g} m is off the line {support.to}, which with its tension is "
+                    f"{length:.6g} m long; stay within that"
+                )
+
+
+def _not_found(scenario: Scenario, last: Mapping[str, tuple[float, float]], given: Mapping[str, Any]) -> str:
+    """Why lines do not have their given tension at rest: the one furthest from it, and what may set it instead."""
+    name = max(given, key=lambda key: abs(last[key][1] / given[key][1] - 1.0))
+    line, (_, wanted, _) = scenario.lines[name], given[name]
+    guided = [
+        f"lines.{other}.{key}"
+        for other, it in scenario.lines.items()
+        for key in ("start_support", "end_support")
+        if isinstance(getattr(it, key), Guided)
+    ]
+    remedy = f"give length instead of lines.{name}.tension"
+    if guided:
+        remedy += f", or change {' and '.join(guided)}: an end that is free along its rail sets the tension itself"
+    tried = f"{len(given)} lines with a given tension do not come to rest with it" if len(given) > 1 else (
+        f"line {name} does not come to rest with its tension")  # fmt: skip
+    return f"lines.{name}.tension: {tried}: {last[name][1]:.5g} N instead of {wanted:g} N; {remedy}"

@@ -12,12 +12,12 @@ from ropewalk.webs.contacts import neighbours, pass_node, pressed, solve
 from ropewalk.webs.pull import blow, pull_softly, resist
 from ropewalk.webs.seats import divide, extra_energy, hold_on, join, place_at, seat, weights_in
 from ropewalk.webs.sheaves import hop
-from ropewalk.webs.web import CONTACTS, DAMPED, FORCE, LOADS, MASS, OFF, ON_LINE, Array, Integers, Web
+from ropewalk.webs.web import CONTACTS, DAMPED, FORCE, LOADS, MASS, OFF, ON_LINE, STOPPED, Array, Integers, Web
 
 # A step is no shorter than this part of the longest: speeds are differences of places over it.
 TINY = 1e-4
 
-RUNNING, DIVERGED, NOT_FOUND, AT_SHEAVE, LINE_OUT = 0, 1, 2, 3, 4
+RUNNING, DIVERGED, NOT_FOUND, AT_SHEAVE, LINE_OUT, AT_END = 0, 1, 2, 3, 4, 5
 
 
 class Room(NamedTuple):
@@ -88,6 +88,7 @@ def _shift(web, state, room):
     """
     seats, r = web.seats, state.r
     work = state.work
+    before = work[CONTACTS]
     work[CONTACTS] += extra_energy(web, r, state.q, room.F)
     for k in range(seats.kind.size):
         n = web.nodes + k
@@ -102,9 +103,7 @@ def _shift(web, state, room):
     for k in range(seats.kind.size):
         n, was = web.nodes + k, seats.last[k]
         if seats.kind[k] == OFF:
-            if was >= 0 and seats.wanted[k] == MASS:  # it takes its energy along
-                for a in range(3):
-                    work[CONTACTS] += seats.mass[k] * (0.5 * state.u[k, a] ** 2 - web.gravity[a] * state.q[k, a])
+            state.parting[k] = np.nan if was >= 0 else state.parting[k]
             seats.last[k] = -1
             continue
         if seats.kind[k] != OFF:
@@ -130,6 +129,9 @@ def _shift(web, state, room):
     divide(web)
     done = _balance(web, state, room, False)
     work[CONTACTS] += done - extra_energy(web, r, state.q, room.F)
+    for k in range(seats.kind.size):
+        if not np.isfinite(state.parting[k]):
+            state.parting[k] = work[CONTACTS] - before
     return np.isfinite(done)
 
 
@@ -358,6 +360,8 @@ def advance(web, state, room, until, step):
         if changed:
             _look(web, state, room, t)
         for k in range(seats.kind.size):
+            if web.course.at_end[k] == STOPPED:
+                return AT_END
             if seats.kind[k] != OFF and seats.on[k] == ON_LINE:
                 for q in range(web.sheaves.link.size):
                     if web.sheaves.link[q] == seats.cell[k]:

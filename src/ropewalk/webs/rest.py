@@ -76,6 +76,8 @@ def settle(web: Web, start: Array, *, rubs: bool = False, way: Way = "auto") -> 
     Raises:
         EquilibriumError: no rest was found.
     """
+    if start.shape != web.body.force.shape:  # kernels would write beyond their arrays
+        raise ValueError(f"a shape of {start.shape[0]} nodes and contacts for a web of {web.body.force.shape[0]}")
     potential = Potential(web, rubs=rubs)
     if potential.unknowns() == 0:
         return start.copy()

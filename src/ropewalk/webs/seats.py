@@ -7,7 +7,7 @@ from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.rider import look_up
 from ropewalk.webs.fabric import stored as stored_in_cell
 from ropewalk.webs.geometry import distance
-from ropewalk.webs.web import CELL_SLOTS, FORCE, LINK_SLOTS, MASS, OFF, ON_LINE
+from ropewalk.webs.web import CELL_SLOTS, FORCE, GONE, LEAVES, LINK_SLOTS, MASS, OFF, ON_LINE, REFUSED, STOPPED
 
 # A contact is taken to be no closer to a node or an edge than this part of its link or cell: it hops over what is left.
 # Its mass does not, see `hold_on`.
@@ -98,14 +98,17 @@ def seat(web, t):
     changed = False
     for k in range(seats.kind.size):
         xi, speed = place_at(course, k, t)
-        end = course.length[k]
         kind = seats.wanted[k]
-        slack = 1e-9 * end
-        if xi < -slack or xi > end + slack:
+        slack = 1e-9 * course.length[k]
+        if xi < course.low[k] - slack or xi > course.high[k] + slack:
             speed = 0.0
-            if course.stays[k] == 0:
-                kind = OFF
-        seats.xi[k], seats.speed[k] = min(max(xi, 0.0), end), speed
+            if course.at_end[k] == LEAVES:
+                course.at_end[k] = GONE
+            elif course.at_end[k] == REFUSED:
+                course.at_end[k] = STOPPED
+        if course.at_end[k] == GONE:  # for good
+            kind = OFF
+        seats.xi[k], seats.speed[k] = min(max(xi, course.low[k]), course.high[k]), speed
         size = 0.0
         for a in range(3):
             F = look_up(course.force_time, course.force_value[a], course.force_first[k], course.force_count[k], t)
@@ -311,7 +314,7 @@ def extra_energy(web, r, q, F):
         e = seats.divided[k]
         if e < 0:
             continue
-        if seats.kind[k] == MASS:
+        if seats.wanted[k] == MASS:  # it may be about to leave
             for a in range(3):
                 gap = q[k, a] - held_place(web, r, k, a)
                 total += 0.5 * seats.grip[k] * gap * gap

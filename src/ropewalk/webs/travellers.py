@@ -9,19 +9,23 @@ from typing import Any
 import numpy as np
 
 from ropewalk.mechanics.assembly import pack, speed_table, vector_table
+from ropewalk.mechanics.fleet import MARGIN
 from ropewalk.mechanics.law import tangent
 from ropewalk.mechanics.wheels import Wheel, wheels_of
 from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.line import Line
 from ropewalk.model.load import MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import Travel
 from ropewalk.webs.sheets import Sheet
-from ropewalk.webs.web import FORCE, MASS, OFF, ON_LINE, ON_NET, Array, Course, Integers, Seats
+from ropewalk.webs.web import FORCE, LEAVES, MASS, OFF, ON_LINE, ON_NET, REFUSED, STAYS, Array, Course, Integers, Seats
 
 _AXES = ("x", "y", "z")
+_AT_END = {"leave": LEAVES, "stay": STAYS, "refuse": REFUSED}
 # The spring between a mass and its contact, over the stiffness of a link or the fabric where it stands.
 STIFF = 10.0
+_TAUT = 1e-9  # strain
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +36,9 @@ class Traveller:
     on: str
     mass: float  # kg
     knots: Array  # (4, knot): time in s, place in m, speed in m/s and slope of the speed in m/s^2 after it
-    stays: bool
+    at_end: int  # LEAVES, STAYS or REFUSED
+    margin: float  # m, from the ends of its line or path, at which these end for it
+    share: float  # the same as a part of its line, to be added
     force_time: Array
     force: Array  # (3, entry) N
     way: Array  # (corner, 2) m, in the plan of its net; no corners on lines
@@ -61,22 +67,26 @@ def travellers_of(scenario: Scenario, sheets: Mapping[str, Sheet], until: float)
         RopewalkError: a way leads beyond the edge of its net.
     """
     return [
-        _traveller(wheel, scenario.loads[wheel.load], i, sheets.get(wheel.on), until)
+        _traveller(wheel, scenario.loads[wheel.load], i, scenario.lines.get(wheel.on), sheets.get(wheel.on), until)
         for name in scenario.loads
         for i, wheel in enumerate(w for w in wheels_of(scenario) if w.load == name)
     ]
 
 
-def _traveller(wheel: Wheel, load: Any, foot: int, sheet: Sheet | None, until: float) -> Traveller:
+def _traveller(
+    wheel: Wheel, load: Any, foot: int, line: Line | None, sheet: Sheet | None, until: float
+) -> Traveller:
     times, force = vector_table(wheel.force, until, _AXES)
     if isinstance(load, Footsteps):
-        knots, way, stays = _steps(load, foot, until), load.path, load.at_end == "stay"
-        mass = 0.0
+        knots, way, at_end = _steps(load, foot, until), load.path, load.at_end
+        mass, room, share = 0.0, 0.0, 0.0
     else:
         assert isinstance(load, MovingForce | MovingMass)
         assert isinstance(load.travel, Travel)
-        knots, way, stays = _course(wheel.start, wheel.speed, until), load.travel.path, load.travel.at_end == "stay"
-        mass = wheel.mass
+        knots, way, at_end = _course(wheel.start, wheel.speed, until), load.travel.path, load.travel.at_end
+        mass, room, share = wheel.mass, load.travel.margin or 0.0, 0.0
+        if mass and line is not None and load.travel.margin is None:
+            share = MARGIN / line.elements
     corners, mark = np.zeros((0, 2)), np.zeros(0)
     if sheet is not None and way is not None:
         corners = sheet.in_plan(np.array(way, dtype=float))
@@ -85,7 +95,7 @@ def _traveller(wheel: Wheel, load: Any, foot: int, sheet: Sheet | None, until: f
         corners, mark = corners[keep], mark[keep]
         for corner in corners:
             sheet.cell_at(corner, f"loads: {wheel.name}: its path")
-    return Traveller(wheel.name, wheel.on, mass, knots, stays, times, force, corners, mark)
+    return Traveller(wheel.name, wheel.on, mass, knots, _AT_END[at_end], room, share, times, force, corners, mark)
 
 
 def _course(start: float, speed: Any, until: float) -> Array:
@@ -122,10 +132,13 @@ def course_of(travellers: list[Traveller], lengths: Mapping[str, float]) -> Cour
     knots, forces, ways = ([a.shape[-1] for a in arrays] for arrays in (
         [c.knots for c in travellers], [c.force for c in travellers], [c.mark for c in travellers]))  # fmt: skip
     time, place, speed, slope = np.concatenate([np.zeros((4, 0)), *(c.knots for c in travellers)], axis=1).copy()
+    length = np.array([c.mark[-1] if c.mark.size else lengths[c.on] for c in travellers], dtype=float)
+    start, room, share = np.array([(c.knots[1, 0], c.margin, c.share) for c in travellers]).reshape(-1, 3).T
+    room = room + share * length
     return Course(
-        first(knots), np.array(knots, dtype=np.int64), time, place, speed, slope,
-        np.array([c.mark[-1] if c.mark.size else lengths[c.on] for c in travellers], dtype=float),
-        np.array([c.stays for c in travellers], dtype=np.int64),
+        first(knots), np.array(knots, dtype=np.int64), time, place, speed, slope, length,
+        np.minimum(room, np.maximum(start, 0.0)), np.maximum(length - room, np.minimum(start, length)),
+        np.array([c.at_end for c in travellers], dtype=np.int64),
         first(forces), np.array(forces, dtype=np.int64),
         np.concatenate([np.zeros(0), *(c.force_time for c in travellers)]),
         np.concatenate([np.zeros((3, 0)), *(c.force for c in travellers)], axis=1),
@@ -168,7 +181,8 @@ def seats_of(
             line = scenario.lines[t.on]
             on[k], first[k], pieces[k], cell[k] = ON_LINE, one.first, one.node.size - 1, one.first
             density[k] = line.mass
-            stiffness = float(tangent(pack(line.law, line.axial_stiffness), 0.0) * pieces[k] / one.station[-1])
+            # Just taut: a line that cannot be compressed has no stiffness at length.
+            stiffness = float(tangent(pack(line.law, line.axial_stiffness), _TAUT) * pieces[k] / one.station[-1])
         grip[k] = STIFF * stiffness if t.mass else 0.0
     off, weight = np.full(contacts, -1, dtype=np.int64), np.zeros((contacts, 3))
     wanted = np.array([t.kind for t in travellers], dtype=np.int64)

@@ -17,6 +17,7 @@ Integers = NDArray[np.int64]
 THREADS, SHEET = 0, 1  # kinds of fabric
 ON_LINE, ON_NET = 0, 1  # what a contact stands on
 OFF, FORCE, MASS = 0, 1, 2  # what a contact is at present
+LEAVES, STAYS, REFUSED, GONE, STOPPED = 0, 1, 2, 3, 4  # what happens at an end of the way; the last two: has happened
 LINK_SLOTS, CELL_SLOTS = 2, 3  # for each contact
 
 
@@ -105,7 +106,9 @@ class Course(NamedTuple):
     speed: Array  # (knot,) m/s, after the knot
     slope: Array  # (knot,) m/s^2, after the knot
     length: Array  # (contact,) m, of the line or the path
-    stays: Integers  # (contact,) 1: stays at the end, 0: leaves
+    low: Array  # (contact,) m, where the line or path ends for it, towards the start and
+    high: Array  # towards the end
+    at_end: Integers  # (contact,) LEAVES, STAYS or REFUSED; GONE or STOPPED once it has come there
     force_first: Integers
     force_count: Integers
     force_time: Array
@@ -160,6 +163,7 @@ class State(NamedTuple):
     u: Array  # (contact, 3) m/s
     work: Array  # (WORKS,) J, done or lost since the start
     pushed: Array  # (contact, 3) N s, impulse of the contact on its line since the last look
+    parting: Array  # (contact,) J, lost with the pieces beside a mass that has left its line
 
 
 DAMPED, LOADS, CONTACTS, RUBBED, BLOWN = 0, 1, 2, 3, 4  # entries of `work`

@@ -125,8 +125,13 @@ class Run:
             tie=tuple(tie.name for tie in plan.ties), tie_station=tuple(tie.spot.station for tie in plan.ties),
             foreign=tuple(partner.name for partner in self.turns),
             watched=tuple(plan.watched), watched_station=tuple(spot.station for spot in plan.watched.values()),
-            sample=tuple(self.sample * (np.arange(self.rows) - self.rows)),
+            sample=tuple(self.sample * (np.arange(self.rows) - self.rows)), weight=self._weight(),
         )  # fmt: skip
+
+    def _weight(self) -> float:
+        """What ends and holds carry at rest, N; unknown where a bed carries some of it."""
+        bedded = any(wire.bed for wire in self.task.plan.wires)
+        return float("nan") if bedded else float(self.task.plan.gravity * self.mesh.mass.sum())
 
     def frames(self) -> Iterator[Frame]:
         """The frames; a run that blows up ends with the last one before, and the account says so."""

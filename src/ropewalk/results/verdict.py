@@ -1,0 +1,247 @@
+"""Whether a run can be trusted: what its frames give reason to doubt, with cause, key and remedy."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Account, Array, Doubt, Frame, Layout
+from ropewalk.results.peaks import beside, lonely
+from ropewalk.results.turnover import AUDIT, turnover
+
+if TYPE_CHECKING:
+    from ropewalk.model import Scenario
+
+AUDITED = ENERGY_FORMS.index(AUDIT)
+IMBALANCE = 0.05  # of the energy turned over: beyond it a run is doubtful
+ROUNDING = 1e-10  # of the largest energy: what the audit cannot resolve
+UNBALANCED = 1e-3  # of all weights: what the support forces at rest may miss
+NOTHING = 1e-10  # of the largest tension, or of the weight of the line: a load that presses less does not press
+FAST = 0.8  # of the speed of transverse waves: forces of masses are hard to resolve beyond
+
+
+class _Balance:
+    """The energy audit over the frames: how much was turned over, and how much is missing."""
+
+    def __init__(self) -> None:
+        self.cause: tuple[str, str, str] | None = None  # of the steepest growth of what is missing
+        self._first: Array | None = None
+        self._moved = self._largest = 0.0  # energy turned over, and largest of its forms, J
+        self._worst = 0.0, 0.0  # energy missing, J, and when, s
+        self._before = self._steepest = 0.0  # energy missing before, and its largest growth over a frame, J
+        self._whole = True  # whether all audits were numbers
+
+    def see(self, frame: Frame) -> bool:
+        """Take note of a frame; says whether more than ever before has got lost since the last one."""
+        energy, missed = np.asarray(frame.energy), abs(float(frame.energy[AUDITED]))
+        if self._first is None:
+            self._first = energy.copy()
+        self._moved = max(self._moved, float(turnover(np.stack([self._first, energy]))[-1]))
+        self._largest = max(self._largest, float(np.abs(np.nan_to_num(np.delete(energy, AUDITED))).max()))
+        self._whole &= bool(np.isfinite(missed))
+        if missed > self._worst[0]:
+            self._worst = missed, frame.path
+        steeper = missed - self._before > self._steepest
+        if steeper:
+            self._steepest = missed - self._before
+        self._before = missed
+        return steeper
+
+    def doubts(self) -> Iterator[Doubt]:
+        """What is missing, if it is too much."""
+        if not self._whole:
+            remedy = "do not trust its energies, and check forces and deflections otherwise"
+            yield Doubt("no energy audit was kept", "none is known for this combination", "run", remedy)
+            return
+        missed, when = self._worst
+        if missed > max(IMBALANCE * self._moved, ROUNDING * self._largest):
+            share = f"{100.0 * missed / self._moved:.3g} % of" if self._moved > 0.0 else "and not"
+            what = f"{missed:.4g} J are missing at t = {when:.4g} s, {share} the energy turned over"
+            assert self.cause is not None
+            yield Doubt(what, *self.cause)
+
+
+class Watch:
+    """Watches the frames of a run, and judges it at the end; of each frame it keeps the forces only.
+
+    Args:
+        layout: of the frames.
+        scenario: what is run.
+    """
+
+    def __init__(self, layout: Layout, scenario: Scenario) -> None:
+        self.layout, self.scenario = layout, scenario
+        self.loads = [name.partition(".")[0] for name in layout.contact_load]
+        contacts = len(self.loads)
+        self._frames = 0
+        self._last: Frame | None = None
+        self._at_start: tuple[Array, Array] = np.zeros(0), np.zeros(0)  # states and xi of contacts in the first frame
+        self._been = np.zeros(contacts, dtype=np.bool_)  # contacts that have been on their lines
+        self._fastest = np.zeros(contacts)  # speeds over those of transverse waves beside the contacts
+        self._missing = 0.0, 0.0  # support forces at rest without what they carry, and that, N
+        self._balance = _Balance()
+        self._force = array("d")  # on the line, of each sample and contact, N
+        self._instants = array("d")  # of these samples, s
+        self._tension = array("d")  # largest, of each frame, N
+        self._times = array("d")  # of the frames, s
+
+    def see(self, frame: Frame) -> None:
+        """Take note of a frame."""
+        on = frame.contact_state != OFF_LINE
+        if not self._frames:
+            self._at_start = np.array(frame.contact_state), np.array(frame.contact_xi)
+        if not self._frames or self.layout.path == "load_path":
+            self._rest(frame, on)
+        self._been |= on
+        self._fastest = np.fmax(self._fastest, self._in_waves(frame))
+        if self._balance.see(frame) and self._last is not None:
+            self._balance.cause = self._cause(self._last, frame)
+        pull = frame.tension[np.isfinite(frame.tension)]
+        self._tension.append(float(pull.max(initial=0.0)))
+        self._times.append(frame.path)
+        if frame.sampled_force is not None and frame.sampled_station is not None and frame.sampled_force.size:
+            force = np.where(np.isfinite(frame.sampled_station), np.abs(frame.sampled_force), np.nan)
+            self._instants.extend(frame.path + offset for offset in self.layout.sample)
+        else:
+            force = np.where(on, np.linalg.norm(frame.contact_force, axis=1), np.nan)
+            self._instants.append(frame.path)
+        self._force.frombytes(np.ascontiguousarray(force, dtype=np.float64).tobytes())
+        self._frames, self._last = self._frames + 1, frame
+
+    def judge(self, account: Account) -> None:
+        """Note all doubts and remarks about what was seen."""
+        if self._frames:
+            account.doubts += [doubt for doubt in self._doubts(account) if doubt not in account.doubts]
+            account.warnings += [remark for remark in self._remarks() if remark not in account.warnings]
+
+    def _doubts(self, account: Account) -> Iterator[Doubt]:
+        force = np.array(self._force).reshape(len(self._instants), len(self.loads))
+        yield from self._absent(force)
+        if self.layout.path == "time":
+            if not account.audit and self._frames > 1:
+                yield from self._balance.doubts()
+            yield from self._single_steps(force)
+        missing, carried = self._missing
+        if missing > UNBALANCED * carried:
+            what = f"at rest the support forces differ by {missing:.4g} N from the {carried:.4g} N that they carry"
+            remedy = "write more elements, and check supports and lengths"
+            yield Doubt(what, "the shape that was found is not in balance", "lines", remedy)
+
+    def _rest(self, frame: Frame, on: NDArray[np.bool_]) -> None:
+        """At rest supports carry all weights: the largest difference from that."""
+        if not np.isfinite(self.layout.weight):
+            return
+        if self.layout.path == "time" and (on.any() or not self._begins_at_rest):
+            return  # a motion that begins with loads on its lines is not at rest either
+        pressing = float(np.nansum(frame.contact_force[on, -1]))
+        missing = abs(float(np.nansum(frame.reaction[:, -1])) + pressing - self.layout.weight)
+        carried = abs(self.layout.weight) + float(np.nansum(np.abs(frame.contact_force[on])))
+        carried += ROUNDING / UNBALANCED * float(np.nan_to_num(np.abs(frame.reaction)).max(initial=0.0))
+        if missing > self._missing[0]:
+            self._missing = missing, carried
+
+    @property
+    def _begins_at_rest(self) -> bool:
+        run = self.scenario.run
+        return run.kind == "equilibrium" or (run.kind == "dynamic" and run.start.kind == "rest")
+
+    def _in_waves(self, frame: Frame) -> Array:
+        """Speeds of contacts over those of transverse waves in the looser part beside them; zero where unknown."""
+        parts = np.zeros(len(self.loads))
+        for k, name in enumerate(self.loads):
+            load = self.scenario.loads.get(name)
+            line = self.scenario.lines.get(load.on) if load is not None else None
+            pull, speed = frame.contact_tension[k], abs(frame.contact_speed[k])
+            if line is not None and not line.is_stiff and np.isfinite(pull).all() and speed > 0.0:
+                parts[k] = speed * np.sqrt(line.mass / max(float(pull.min()), 1e-300))
+        return parts
+
+    def _cause(self, before: Frame, frame: Frame) -> tuple[str, str, str]:
+        """What went on from frame to frame while energy was lost: the likely cause, the key to blame, the remedy."""
+        when = f"between t = {before.path:.4g} and {frame.path:.4g} s"
+        for k, name in enumerate(self.layout.contact_load):
+            left, came = before.contact_state[k] != OFF_LINE, frame.contact_state[k] != OFF_LINE
+            if left != came:
+                did, end = ("left its line", "end the run before") if left else ("came onto its line", "start within")
+                remedy = f"write more elements, or {end}; the rest of the run may be fine without it"
+                return f"load {name} {did} {when}", f"loads.{self.loads[k]}.travel", remedy
+        if self._fastest.max(initial=0.0) > FAST:
+            k = int(self._fastest.argmax())
+            told = (
+                f"load {self.layout.contact_load[k]} goes at {self._fastest[k]:.3g} times the speed of transverse waves"
+            )
+            return told, f"loads.{self.loads[k]}.travel.speed", "write a lower speed, or more tension or elements"
+        pull = np.nan_to_num(frame.tension)
+        if pull.size and pull.min() < -ROUNDING * np.abs(pull).max():
+            line = self.layout.link_line[int(pull.argmin())]
+            remedy = "write law: {kind: tension_only}, or more axial_damping"
+            return f"line {line} is in compression {when}", f"lines.{line}.law", remedy
+        remedy = "halve run.step: if the imbalance stays, write more elements"
+        return f"the step or the mesh is too coarse for what goes on {when}", "run.step", remedy
+
+    def _absent(self, force: Array) -> Iterator[Doubt]:
+        """Loads that are never on their line, or never press on it."""
+        for name in dict.fromkeys(self.loads):
+            mine = np.array([load == name for load in self.loads])
+            load = self.scenario.loads.get(name)
+            if load is None:
+                continue
+            pressing = float(np.nan_to_num(force[:, mine]).max(initial=0.0))
+            if not self._been[mine].any() and not pressing > 0.0:
+                cause, remedy = "it starts off its line, or leaves at once", "let it start on its line, or run longer"
+                yield Doubt(f"load {name} is never on {load.on}", cause, f"loads.{name}.travel", remedy)
+            elif pressing <= NOTHING * max(*self._tension, self._ordinary(load.on)):
+                cause, key, remedy = self._weightless(name)
+                yield Doubt(f"load {name} never presses on {load.on}", cause, key, remedy)
+
+    def _ordinary(self, on: str) -> float:
+        """A force that is not small for a line, N: its weight on Earth."""
+        line = self.scenario.lines.get(on)
+        return 0.0 if line is None else 9.81 * line.mass * line.distance
+
+    def _weightless(self, name: str) -> tuple[str, str, str]:
+        load = self.scenario.loads[name]
+        if self.scenario.gravity == 0.0 and load.kind not in ("force", "stepper", "fmu"):
+            return "without gravity its mass has no weight", "gravity", "give gravity, or the weight as a force"
+        if load.kind in ("stepper", "fmu"):
+            return "the model answers with no force", f"loads.{name}", "look at what it gives"
+        return "its force is zero", f"loads.{name}.force", "give it a force"
+
+    def _single_steps(self, force: Array) -> Iterator[Doubt]:
+        """Peaks of contact forces and tensions that stand alone: they come from one step, and not from the line."""
+        for k, name in enumerate(self.layout.contact_load):
+            if (i := lonely(force[:, k])) is not None:
+                what = f"the contact force of load {name} is {_alone(force[:, k], i, self._instants[i])}"
+                cause = "a rigid contact strikes the line, and the force is its impulse over one step"
+                remedy = "give it a contact_stiffness, or look at impulses only"
+                yield Doubt(what, cause, f"loads.{self.loads[k]}", remedy)
+        tension = np.array(self._tension)
+        if (i := lonely(tension)) is not None:
+            what = f"the largest tension is {_alone(tension, i, self._times[i])}"
+            yield Doubt(what, "a blow that the step does not resolve", "run.step", "write a smaller run.step and every")
+
+    def _remarks(self) -> Iterator[str]:
+        run = self.scenario.run
+        if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:
+            return
+        for name in dict.fromkeys(self.loads):
+            load = self.scenario.loads.get(name)
+            if load is None or load.on not in self.scenario.lines or load.kind in ("footsteps", "stepper", "fmu"):
+                continue
+            k = self.loads.index(name)
+            state, xi = (float(values[k]) for values in self._at_start)
+            here = [x for x, line in zip(self.layout.node_xi, self.layout.node_line, strict=True) if line == load.on]
+            if state != OFF_LINE and here and min(here) < xi < max(here):
+                yield (
+                    f"load {name} is set down suddenly at t = 0, {xi:.4g} m along {load.on}: what swings from that is "
+                    "part of the answer; to begin at rest with it write run.start: {with_loads: true}, or let it start "
+                    "at an end"
+                )
+
+
+def _alone(values: Array, i: int, when: float) -> str:
+    return f"{values[i]:.4g} N at t = {when:.4g} s alone, {beside(values, i):.4g} N just before and after"
