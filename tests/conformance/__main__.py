@@ -16,13 +16,16 @@ from pathlib import Path
 
 from tests.sources import digest, keep_kernels_apart, program
 
-from . import agreement, capabilities, verdicts
+from . import capabilities, differences, verdicts
+from .agreement import compared
 from .cases import Case, cases
 from .judging import CRASH, DIFFERS, WRONG
 from .pool import answers
 from .structures import Tree
 from .working import furnish
 
+DECIDE = ("cases", "judging", "loads", "pressing", "structures", "working")
+"""Modules that, beside the program, decide what comes of a case."""
 PACE = 1.0  # s between two lines of progress on a terminal
 SELDOM = 250  # cases between two lines elsewhere
 
@@ -33,19 +36,20 @@ def main() -> None:
     asked.store.parent.mkdir(parents=True, exist_ok=True)
     every = cases()
     wanted = [case for case in every if asked.only in case.name]
-    done = stored(asked.store, state := digest([*program(), *sorted(Path(__file__).parent.glob("*.py"))]))
+    state = digest([*program(), *(Path(__file__).with_name(f"{name}.py") for name in DECIDE)])
+    done = stored(asked.store, state)
     missing = [case for case in wanted if case.name not in done]
     keep_kernels_apart()
     if missing:
         folder = asked.store.parent.resolve() / "matrix"
         furnish(folder)
         compute(missing, folder, asked.workers, asked.store, state, done)
-    found = agreement.compared({case.name: done[case.name] for case in wanted})
+    found = compared({case.name: done[case.name] for case in wanted})
     report(wanted, found)
     if len(wanted) == len(every):
         capabilities.FILE.write_text(capabilities.page(every, verdicts.write(every, found)), encoding="utf-8")
-        agreement.write()
-        print(f"\n{verdicts.FILE}, {agreement.FILE} and {capabilities.FILE} are written")
+        differences.write()
+        print(f"\n{verdicts.FILE}, {differences.FILE} and {capabilities.FILE} are written")
 
 
 def _arguments() -> argparse.Namespace:

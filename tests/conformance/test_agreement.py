@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from conformance.agreement import LOADS, REASONS, TWINS, differences, known, pair
+from conformance.differences import LOADS, REASONS, TWINS, differences, known, pair
 
 COMMAND = "run `make matrix` and commit what it writes"
 GROWN = 3.0
