@@ -293,6 +293,36 @@ def test_a_guided_end_that_sets_the_tension_itself_is_told_with_both_keys() -> N
         run_of(lines, joints={"knot": {"mass": 1.0}})
 
 
+def test_a_line_that_is_pushed_at_its_end_swings_over() -> None:
+    """Straight and pushed together by 1000 N it is balanced, not at rest."""
+    line = {"start": [0, 0], "end": [5, 0], "length": 5.0, "mass": 1.0, "axial_stiffness": 1e4, "elements": 10}
+    joint = {"force": [-1000.0, 0.0]}
+    result = run_of({"a": {**line, "end_support": {"kind": "joined", "to": "k"}}}, joints={"k": joint}, gravity=0.0)
+    assert result.tension.values == pytest.approx(1000.0, rel=1e-9)
+    assert result.position.values[0, -1] == pytest.approx([-5.5, 0.0], abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["equilibrium", "dynamic"])
+def test_the_shape_of_slack_lines_without_weight_is_doubtful(kind: str) -> None:
+    run = {"kind": kind} | ({"until": 0.01} if kind == "dynamic" else {})
+    for gravity, length, outcome in ((0.0, 10.15, "doubtful"), (0.0, 9.9, "completed"), (9.81, 10.15, "completed")):
+        result = run_of(halves(20, length), run, joints={"knot": {}}, gravity=gravity)
+        assert result.attrs["outcome"] == outcome
+        assert ("lines.one.length" in result.attrs["doubts"]) == (outcome == "doubtful")
+
+
+@pytest.mark.parametrize(("speed", "outcome"), [(25.0, "completed"), (40.0, "doubtful")])
+def test_a_mass_faster_than_the_waves_of_a_joined_line_is_doubtful(speed: float, outcome: str) -> None:
+    """1 kg at waves of 31.6 m/s, slightly damped."""
+    lines = halves(40)
+    for line in lines.values():
+        line.update(length=None, tension=1000.0, axial_damping=20.0)
+    load = {"kind": "mass", "on": "one", "mass": 1.0, "travel": {"speed": speed, "from": 2.0}}
+    run = {"kind": "dynamic", "until": 0.05, "every": 0.01}
+    result = run_of(lines, run, joints={"knot": {"mass": 0.1}}, loads={"m": load})
+    assert ("loads.m.travel.speed" in result.attrs["doubts"]) == (outcome == "doubtful")
+
+
 def bridge(n: int) -> dict[str, Any]:
     """A suspension bridge in small: deck loads of 10 N every metre on hangers, all of them weightless."""
     f, span = 2.0, n

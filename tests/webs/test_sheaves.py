@@ -89,6 +89,24 @@ def test_a_rope_slips_at_the_ratio_of_the_capstan_and_sticks_below_it() -> None:
     assert states.min() < 0.9  # and sticks on the way back
 
 
+@pytest.mark.parametrize(("length", "stiffness", "mass", "push", "xi"), [
+    (14.518437672172116, 36622.92361190748, 0.4245031473212446, 686.7, 6.0),
+    (14.387722179937077, 184312.6094654312, 0.6380714980029832, 354.4932364521143, 7.718963687822072),
+])  # fmt: skip
+def test_a_rope_that_rubs_does_not_rest_folded(
+    length: float, stiffness: float, mass: float, push: float, xi: float
+) -> None:
+    """Newton's method found it folded, with -1974 and -10704 N, and friction kept the energy from being looked at."""
+    rope = {
+        "start": [0, 0], "end": [14, 1], "length": length, "mass": mass, "axial_stiffness": stiffness, "elements": 60,
+        "sheaves": {"wheel": {"at": [4, 1.5], "friction": 0.2}},
+    }  # fmt: skip
+    load = {"kind": "force", "on": "rope", "force": [0, -push], "travel": {"speed": 1, "from": xi}}
+    result = run_of({"rope": rope}, loads={"p": load})
+    assert result.tension.values.min() > 0.0
+    assert result.reaction.values[0].sum(axis=0) == pytest.approx([0.0, push + 9.81 * mass * length], abs=1e-6)
+
+
 def weights(
     n: int, friction: float, push: float = -10.0, k: float = 400.0, stiffness: float = 1e6, **run: Any
 ) -> xr.Dataset:

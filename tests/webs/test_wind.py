@@ -42,6 +42,31 @@ def test_a_taut_line_in_side_wind_comes_to_rest_as_a_parabola() -> None:
     assert result.reaction.values[-1].sum(axis=0)[1] == pytest.approx(-w * 20.0, rel=2e-3)
 
 
+def test_equilibrium_is_that_in_the_wind() -> None:
+    """w L^2 / (8 T) to the side; wind was left out, and its force shown by the supports all the same."""
+    wind = {"direction": [0, 2, 0], "speed": {"time": [0, 1], "value": [20.0, 0.0]}}
+    scenario = {"lines": {"line": {**LINE, "drag": 4.0}}, "wind": wind, "gravity": 0.0}
+    result = simulate(Scenario.model_validate({**scenario, "run": {"kind": "equilibrium"}}))
+    w = 0.5 * 1.225 * 0.03 * 20.0**2
+    y, tension = result.position.sel(axis="y").values[0], result.tension.values[0].mean()
+    x = np.linspace(0.0, 20.0, 41)
+    # Wind across the line only: less by about the square of its slope, 4e-4 in the mean.
+    assert y == pytest.approx(w * x * (20.0 - x) / (2.0 * tension), abs=1e-4)
+    assert result.reaction.values[0].sum(axis=0) == pytest.approx([0.0, -w * 20.0, 0.0], abs=1e-3 * w * 20.0)
+
+
+def test_slow_motion_is_that_in_the_wind_of_its_time() -> None:
+    """The load is at 5 m at 1 s and at 15 m at 3 s: no wind yet, and 20 m/s."""
+    wind = {"direction": [0, 1, 0], "speed": {"time": [2.0, 2.0], "value": [0.0, 20.0]}}
+    load = {"kind": "force", "on": "line", "force": [0, 0, -100], "travel": {"speed": 5.0}}
+    run = {"kind": "quasistatic", "positions": 5}
+    result = simulate(Scenario.model_validate({"lines": {"line": LINE}, "wind": wind, "loads": {"p": load}, "run": run}))
+    sideways = result.reaction.sel(axis="y").values.sum(axis=1)
+    w = 0.5 * 1.225 * 0.03 * 20.0**2
+    assert sideways[1] == pytest.approx(0.0, abs=1e-6)
+    assert sideways[3] == pytest.approx(-w * 20.0, rel=2e-2)  # the line is a little longer than 20 m, and slopes
+
+
 def test_wind_along_a_line_does_nothing() -> None:
     result = blown({}, {"direction": [1, 0, 0], "speed": 30.0}, 0.3, gravity=0.0)
     assert np.abs(result.position.values - result.position.values[0]).max() == pytest.approx(0.0, abs=1e-12)

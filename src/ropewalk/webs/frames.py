@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ropewalk.errors import RopewalkError
+from ropewalk.errors import EquilibriumError, RopewalkError
 from ropewalk.mechanics import law
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
@@ -19,7 +19,7 @@ from ropewalk.webs.lengths import laid_at_rest
 from ropewalk.webs.motion import Room, advance, look_at_contacts
 from ropewalk.webs.potential import Potential
 from ropewalk.webs.pull import resistance
-from ropewalk.webs.rest import settle, stand
+from ropewalk.webs.rest import settle, size_of, stand
 from ropewalk.webs.seats import held_place, hold_on, place_at
 from ropewalk.webs.stability import SAFETY, SAFETY_OF_NETS, largest_step
 from ropewalk.webs.web import (
@@ -54,6 +54,10 @@ _ENDS = {
 _FAST = 0.8
 # Energy lost with the pieces beside a mass that leaves, over what moves, from which on it is told.
 _PARTING = 0.02
+# Rounds in which a web finds its rest in the wind, and the move over its size that is none any more.
+_ROUNDS, _NEAR = 100, 1e-10
+# Strain below which a line counts as slack.
+_SLACK = 1e-10
 
 
 class Run:
@@ -131,7 +135,8 @@ class Run:
         account.reason = (
             "Verlet's method for all nodes; the pieces of links and cells beside contacts by the implicit midpoint rule"
         )
-        account.warnings += self._doubts()
+        account.warnings += self._remarks()
+        self._note_slack(state.r)
         if not look_at_contacts(web, state, room):
             raise RopewalkError(f"the run cannot begin: {_ENDS[motion.NOT_FOUND][1]}")
         state.work[:] = 0.0
@@ -150,20 +155,27 @@ class Run:
             look_at_contacts(web, state, room)
             yield self._frame(state, float(t - before))
 
-    def _doubts(self) -> Iterator[str]:
-        """Masses on lines for which the coupling is known to fail (docs/notes/webs.md)."""
+    def _remarks(self) -> Iterator[str]:
+        """Masses on lines for which the coupling gets worse; where it is known to fail a doubt (docs/notes/webs.md)."""
         web, seats, course = self.web, self.web.seats, self.web.course
         strain, tension = self._strain(self.rest)
         for k in np.flatnonzero((seats.wanted == MASS) & (seats.on == ON_LINE)):
             name, mine = self.laid.travellers[k].name, self._links[:, None] - seats.first[k]
             mine = ((mine >= 0) & (mine < seats.pieces[k])).ravel()
-            wave = float(np.sqrt(np.maximum(tension[mine] / (seats.density[k] * (1.0 + strain[mine])), 0.0)).min())
+            waves = np.sqrt(np.maximum(tension[mine] / (seats.density[k] * (1.0 + strain[mine])), 0.0))
+            wave, mean = float(waves.min()), float(waves.mean())
             knots = slice(course.first[k], course.first[k] + course.knots[k])
             fastest = float(np.abs(course.speed[knots]).max())
-            if fastest > _FAST * wave:
+            if fastest > mean:
+                self.account.doubt(
+                    f"load {name}: a mass at {fastest:.4g} m/s on a joined line whose waves have {mean:.4g} m/s",
+                    "its contact force is wrong once it is faster than the waves of its line",
+                    f"loads.{name}.travel.speed", "let it go slower, or compute that line by itself, without joints",
+                )  # fmt: skip
+            elif fastest > _FAST * wave:
                 yield (
                     f"load {name}: a mass at {fastest:.4g} m/s on a joined line whose slowest waves have "
-                    f"{wave:.4g} m/s; do not trust its contact force there"
+                    f"{wave:.4g} m/s: its deflection misses 2 % and its contact force more; write more elements"
                 )
             link = float(seats.density[k] * web.links.rest[self._links[mine]].max())
             if seats.mass[k] < link:
@@ -208,7 +220,9 @@ class Run:
         self.account.method, self.account.reason = "rest", "least potential energy"
         r = self.rest.copy()
         stand(self.web, r, 0.0)
-        yield self._still(settle(self.web, r, rubs=True), 0.0)
+        r = self._settled(r, 0.0)
+        self._note_slack(r)
+        yield self._still(r, 0.0, 0.0)
 
     def slowly(self, positions: int) -> Iterator[Frame]:
         """Frames of slow motion, at equal steps of time of the first load until it comes to the end of its way."""
@@ -218,7 +232,7 @@ class Run:
         for t, way in zip(times, ways, strict=True):
             stand(web, r, float(t))
             try:
-                r = settle(web, r, rubs=True)
+                r = self._settled(r, float(t))
             except RopewalkError as error:
                 if self.account.steps == 0:
                     raise
@@ -226,7 +240,7 @@ class Run:
                 self.account.advice = f"at load path {way:.6g} m: {error}"
                 return
             self.account.steps += 1
-            yield self._still(r, float(way))
+            yield self._still(r, float(way), float(t))
 
     def _timetable(self, positions: int) -> tuple[Array, Array]:
         """Times at which the first load has gone equal parts of its way, and how far that is, m."""
@@ -250,21 +264,56 @@ class Run:
         wanted = np.linspace(0.0, way[-1], positions)
         return np.interp(wanted, way[grown], fine[grown]), wanted
 
-    def _still(self, r: Array, path: float) -> Frame:
+    def _settled(self, r: Array, t: float) -> Array:
+        """Rest (node, 3) in the wind as it blows at time t in s, next to the shape r: what it pushes at depends on it.
+
+        Raises:
+            EquilibriumError: there is none.
+        """
+        web = self.web
+        if not web.wind.direction.any():
+            return settle(web, r, rubs=True)
+        own, still = web.body.force.copy(), np.zeros_like(r)
+        try:
+            for _ in range(_ROUNDS):
+                web.body.force[:] = own + resistance(web, t, r, still)
+                last, r = r, settle(web, r, rubs=True)
+                if float(np.abs(r - last).max()) <= _NEAR * size_of(r):
+                    return r
+        finally:
+            web.body.force[:] = own
+        raise EquilibriumError("the web finds no rest in the wind: it flutters or lifts; give wind less speed")
+
+    def _note_slack(self, r: Array) -> None:
+        """Doubt shapes of lines that nothing pulls at: without weight any other is as good."""
+        if self.scenario.gravity != 0.0:
+            return
+        tension = self._strain(r)[1]
+        for name, line in self.scenario.lines.items():
+            mine = np.array([on == name for on in self.layout.link_line])
+            if np.abs(tension[mine]).max() < _SLACK * (line.axial_stiffness or 1.0):
+                self.account.doubt(
+                    f"line {name} is slack and has no weight: its shape at rest is one of many",
+                    "it is longer than the way between what holds it, and gravity is 0", f"lines.{name}.length",
+                    "give gravity, or make it shorter",
+                )  # fmt: skip
+
+    def _still(self, r: Array, path: float, t: float) -> Frame:
         nothing = np.zeros((self.web.seats.kind.size, 3))
         q = r[self.web.nodes :].copy()
         state = State(
-            np.array([path]), r, np.zeros_like(r), q, nothing, np.zeros(WORKS), nothing.copy(), nothing[:, 0].copy()
+            np.array([t]), r, np.zeros_like(r), q, nothing, np.zeros(WORKS), nothing.copy(), nothing[:, 0].copy()
         )
-        return self._frame(state, 0.0, still=True)
+        return self._frame(state, 0.0, still=path)
 
-    def _frame(self, state: State, interval: float, *, still: bool = False) -> Frame:
+    def _frame(self, state: State, interval: float, *, still: float | None = None) -> Frame:
+        """The frame of a state; `still`: of a rest, its load path in m."""
         web, seats, axes = self.web, self.web.seats, self._axes
         n, r = web.nodes, state.r
         contacts = seats.kind.size
         on = seats.kind != OFF
         weight = seats.load + np.where((seats.kind == MASS)[:, None], seats.mass[:, None] * web.gravity, 0.0)
-        if still:
+        if still is not None:
             force = weight
         elif interval > 0.0:
             force = np.where((seats.kind == MASS)[:, None], state.pushed / interval, seats.load)
@@ -279,7 +328,7 @@ class Run:
         nan = np.full(contacts, np.nan)
         xi = np.where(on, seats.xi, np.nan)
         return Frame(
-            path=float(state.t[0]), position=r[self._shown][:, axes], velocity=state.v[self._shown][:, axes],
+            path=float(state.t[0]) if still is None else still, position=r[self._shown][:, axes], velocity=state.v[self._shown][:, axes],
             tension=tension, strain=strain,
             contact_position=np.where(on[:, None], r[n:], np.nan)[:, axes],
             contact_force=np.where(on[:, None], force, np.nan)[:, axes],
@@ -288,7 +337,7 @@ class Run:
             contact_state=np.where(on, MOVES, OFF_LINE), contact_in_air=np.zeros(contacts),
             friction_power=np.zeros(contacts), body_position=np.zeros((0, len(axes))),
             body_velocity=np.zeros((0, len(axes))), reaction=self._reactions(state)[:, axes],
-            energy=self._energy(state, still=still),
+            energy=self._energy(state, still=still is not None),
             cell_tension=tensions_of(web.cells, web.own_cells, r) if self.layout.cell else None,
         )  # fmt: skip
 

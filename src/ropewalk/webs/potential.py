@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
+from numpy.typing import NDArray
 
 from ropewalk.mechanics.compiled import lean, lean_inner
 from ropewalk.webs.fabric import cell_stiffness, pull_cells
@@ -155,6 +156,10 @@ class Potential:
         columns = np.concatenate([np.arange(whole.size), whole.size + np.repeat(np.arange(held.rail.size), 3)])
         values = np.concatenate([np.ones(whole.size), held.along.ravel()])
         return sparse.csc_matrix((values, (rows, columns)), shape=(3 * n, whole.size + held.rail.size))
+
+    def in_plane(self) -> NDArray[np.bool_]:
+        """Which of the unknowns leave nothing out of the x-z plane."""
+        return np.asarray(abs(self.free[1::3]).sum(axis=0) == 0.0).ravel()
 
     def _rub(self) -> None:
         sheaves = self.web.sheaves

@@ -22,6 +22,9 @@ _AT = 1e-4
 _FULL_STEPS, _MOST_STEPS = 40, 2000
 _LONGEST = 0.2  # of the size of the web: longer steps are cut
 _ALMOST = 1e-8  # of its size: steps this small are taken although rounding may hide that the energy falls
+_STICKS = 50.0  # coefficient of friction at which nothing slips
+_ROUNDING = 1e-11  # of the largest stiffness: what rounding may take from the smallest one
+_SHAKE = 1e-3  # of its size, by which a web that is only balanced is disturbed
 _CLOSE = 1e-12  # of its size: a step this small is the last one, as is the first that is no smaller than before
 
 
@@ -82,7 +85,7 @@ def settle(web: Web, start: Array, *, rubs: bool = False, way: Way = "auto") -> 
     if potential.unknowns() == 0:
         return start.copy()
     ahead, links = web.sheaves.ahead.copy(), web.sheaves.link.copy()
-    found = _newton(potential, start, way)
+    found = _stable(potential, _newton(potential, start, way), way)
     if found is None:
         if web.sheaves.node.size:  # begin again where it was
             web.links.on[web.sheaves.link] = 1
@@ -90,11 +93,59 @@ def settle(web: Web, start: Array, *, rubs: bool = False, way: Way = "auto") -> 
             web.links.on[web.sheaves.link] = 0
         potential = Potential(web, rubs=rubs)
         near = relaxed(potential, start)
-        found = _newton(potential, near, way) if near is not None else None
+        found = _stable(potential, _newton(potential, near, way), way) if near is not None else None
         if found is None:
             found = _downhill(potential, near if near is not None else start, way)
+            if not _is_least(potential, found, way):
+                found = _shaken(potential, found, way)
     potential.pull(found)
     return found
+
+
+def _stable(potential: Potential, found: Array | None, way: Way) -> Array | None:
+    """The same if the energy is least there; None if not. Without friction Newton's method has seen to that."""
+    return found if found is None or not potential.rubs or _is_least(potential, found, way) else None
+
+
+def _is_least(potential: Potential, r: Array, way: Way) -> bool:
+    """Whether the energy is least there, lines stuck to sheaves that rub; of what lies in a plane, within that."""
+    sheaves = potential.web.sheaves
+    potential.pull(r)
+    friction, ahead = sheaves.friction.copy(), sheaves.ahead.copy()
+    if potential.rubs:
+        sheaves.friction[:] = _STICKS
+        potential = Potential(potential.web, rubs=True)
+    K = potential.stiffness(r)
+    sheaves.friction[:], sheaves.ahead[:] = friction, ahead
+    inner = np.flatnonzero(potential.in_plane()) if not r[:, 1].any() else np.arange(K.shape[0])
+    K = 0.5 * (K + K.T).tocsc()[inner][:, inner]
+    scale = float(np.abs(K.diagonal()).max(initial=0.0))
+    K = (K + _ROUNDING * scale * sparse.identity(inner.size)).tocsc()
+    try:
+        Solver(K, way).factorise(K)
+    except IndefiniteError:
+        return False
+    return True
+
+
+def _shaken(potential: Potential, found: Array, way: Way) -> Array:
+    """The rest to which a web goes from one in which it is only balanced, as a line pushed at its end.
+
+    Raises:
+        EquilibriumError: there is none nearby.
+    """
+    shake = np.random.default_rng(0).standard_normal(found.shape)
+    if not found[:, 1].any():
+        shake[:, 1] = 0.0
+    moved = potential.free @ (potential.free.T @ shake.ravel())
+    near = relaxed(potential, found + _SHAKE * size_of(found) * moved.reshape(-1, 3))
+    best = _stable(potential, _newton(potential, near, way), way) if near is not None else None
+    if best is None:
+        raise EquilibriumError(
+            "the web is only balanced at rest, not stable: lines are pushed together; check joints.force, supports and "
+            "lengths, or give lines law: {kind: tension_only}"
+        )
+    return best
 
 
 def _hop(potential: Potential, r: Array) -> tuple[Array, bool]:
