@@ -112,6 +112,7 @@ class Buffers(NamedTuple):
     target: Array  # (load,) m, xi at which the load's seat on the chain has to change next
     dr: Array  # (axis, load) m, r_c - r_a before a drift
     dw: Array  # (axis, load) m/s, w_c - w_a before a kick
+    before: Array  # (load,) m/s, w along x of riding nodes before a kick
     point: Array  # (axis,)
     velocity: Array  # (axis,)
 
@@ -128,6 +129,7 @@ class Buffers(NamedTuple):
             one,
             seat,
             seat.copy(),
+            one.copy(),
             axes,
             axes.copy(),
         )

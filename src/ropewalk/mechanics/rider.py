@@ -124,11 +124,17 @@ def slope(r, X, b, a):
     return (r[a, b + 1] - r[a, b - 1]) / (X[b + 1] - X[b - 1])
 
 
+@inlined
+def _velocity_of(state, w, i, a):
+    """Component a of the velocity of node i itself, where the material has the velocities w."""
+    U = mesh_speed(state.rider, state.speed, i)
+    return w[a, i] + U * slope(state.r, state.X, i, a) if U != 0.0 else w[a, i]
+
+
 @lean_inner
 def node_velocity(state, i, a):
     """Component a of the velocity of node i itself: of the material, or of the load it rides with."""
-    U = mesh_speed(state.rider, state.speed, i)
-    return state.w[a, i] + U * slope(state.r, state.X, i, a) if U != 0.0 else state.w[a, i]
+    return _velocity_of(state, state.w, i, a)
 
 
 @lean
@@ -389,16 +395,20 @@ def even_out(r, X, b):
 
 
 @lean_inner
-def even_out_velocity(state, b):
-    """Give the riding node the velocity along x with which both sides stay stretched alike."""
-    r, w, X = state.r, state.w, state.X
+def even_velocity(state, w, b):
+    """Velocity of the material along x at the riding node with which both sides stay stretched alike, m/s.
+
+    Args:
+        w: (axis, node) m/s, the velocities of the material otherwise.
+    """
+    r, X = state.r, state.X
     U = mesh_speed(state.rider, state.speed, b)
     behind, ahead = X[b] - X[b - 1], X[b + 1] - X[b]
     l1, l2 = stretch(r, b - 1), stretch(r, b)
     # d/dt (l1 / behind - l2 / ahead) is linear in the x-velocity of the contact: value at the present one, slope.
     value = -(l1 / behind) * U / behind - (l2 / ahead) * U / ahead
     for a in range(r.shape[0]):
-        v = node_velocity(state, b, a)
-        value += (r[a, b] - r[a, b - 1]) * (v - node_velocity(state, b - 1, a)) / (l1 * behind)
-        value -= (r[a, b + 1] - r[a, b]) * (node_velocity(state, b + 1, a) - v) / (l2 * ahead)
-    w[0, b] -= value / ((r[0, b] - r[0, b - 1]) / (l1 * behind) + (r[0, b + 1] - r[0, b]) / (l2 * ahead))
+        v = _velocity_of(state, w, b, a)
+        value += (r[a, b] - r[a, b - 1]) * (v - _velocity_of(state, w, b - 1, a)) / (l1 * behind)
+        value -= (r[a, b + 1] - r[a, b]) * (_velocity_of(state, w, b + 1, a) - v) / (l2 * ahead)
+    return w[0, b] - value / ((r[0, b] - r[0, b - 1]) / (l1 * behind) + (r[0, b + 1] - r[0, b]) / (l2 * ahead))

@@ -9,18 +9,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.chain import CONTACT, FRICTIONLESS, HOLD_WORK, LINE_DAMPING, LOAD_WORK, OFF, SHARED
+from ropewalk.mechanics.chain import CONTACT, FRICTIONLESS, LINE_DAMPING, LOAD_WORK, OFF, SHARED
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.link import pull_again, pull_one, pull_one_again, stretch, stretch_rate
 from ropewalk.mechanics.rider import (
     ARRIVED,
     contact_loss,
     even_out,
-    even_out_velocity,
+    even_velocity,
     material_speed,
     mesh_speed,
     next_change,
-    node_velocity,
     seat_of,
     settle,
     slope,
@@ -37,7 +36,7 @@ from ropewalk.solve.bodywork import (
     settle_bodies,
 )
 from ropewalk.solve.ends import drive_ends, move_ends
-from ropewalk.solve.flows import kick_loads, move_loads, move_nodes
+from ropewalk.solve.flows import hold, kick_loads, move_loads, move_nodes
 
 RUNNING, END_OF_LINE, NOT_FINITE, TOO_MANY_STEPS, NO_CONVERGENCE, MET, ASKED = 0, 1, 2, 3, 4, 5, 6
 
@@ -81,18 +80,19 @@ def _pull_beside(p, c, h, r, w, X, rider, speed, q, b):
 
 
 @lean_inner
-def _even_out_all(strands, loads, state):
-    """Put all frictionless contacts where both tensions agree, at rates that keep them so."""
+def _even_out_all(strands, loads, state, buffers, kick):
+    """Put all frictionless contacts where both tensions agree, at rates that keep them so.
+
+    Args:
+        kick: length of the kick that has just been, s; 0: seats have changed, which is a blow at an instant.
+    """
     for k in range(state.xi.size):
         b = state.rider[k]
         if loads.contact[k] == FRICTIONLESS and b >= 0:
             even_out(state.r, state.X, b)
-            before = state.w[0, b]
-            even_out_velocity(state, b)
-            s = loads.strand[k]
-            impulse = strands.rho[s] * strands.h[s] * (state.w[0, b] - before)
-            state.hold[k] += impulse
-            state.work[HOLD_WORK] += impulse * node_velocity(state, b, 0)
+            if kick == 0.0:
+                buffers.before[k], buffers.dr[0, k] = state.w[0, b], state.r[0, b + 1] - state.r[0, b - 1]
+            hold(strands, loads, state, buffers, k, kick, even_velocity(state, state.w, b))
 
 
 @lean_inner
@@ -129,7 +129,7 @@ def _take_seats(strands, loads, state, buffers):
             if state.rider[k] != OFF:
                 state.speed[k] = material_speed(strands, loads, state, k, speed_at(loads, k, t))
         buffers.target[k] = next_change(strands, loads, state, k)
-    _even_out_all(strands, loads, state)
+    _even_out_all(strands, loads, state, buffers, 0.0)
     return False
 
 
@@ -182,7 +182,7 @@ def _loss(strands, loads, state):
 
 
 @inlined
-def _pull_all(strands, state, buffers, kick):
+def _pull_all(strands, loads, state, buffers, kick):
     """Force vectors of all links, into `buffers.f`.
 
     Returns:
@@ -197,6 +197,8 @@ def _pull_all(strands, state, buffers, kick):
             b = rider[k]
             if first < b < last:
                 per_length[b - 1], per_length[b] = 1.0 / stretch(r, b - 1), 1.0 / stretch(r, b)
+                if c > 0.0 and loads.contact[k] == FRICTIONLESS:  # equal tensions need equal rates of the stretch, too
+                    buffers.ahead[0, b] = even_velocity(state, buffers.ahead, b)
         square = pull_again(p, c, h, first, last, r, buffers.ahead, per_length, q, f)
         for k in range(rider.size):
             b = rider[k]
@@ -270,7 +272,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                     drift = 0.0
                 # The velocities belong to t_w; damping wants them at the next instant at which it is evaluated.
                 lead = (time[0] + drift - t_w - kick) / kick
-                work[LINE_DAMPING] += _pull_all(strands, state, buffers, kick)
+                work[LINE_DAMPING] += _pull_all(strands, loads, state, buffers, kick)
                 if bodies is not None:
                     pull_bodies(strands, loads, state, buffers, bodies, kick, lead)
                 for k in range(xi.size):
@@ -286,7 +288,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                     kick_beside(strands, loads, state, buffers, bodies, kick, drift, lead)
                 work[LOAD_WORK] += kick_loads(strands, loads, state, buffers, kick, drift, lead, ends, bodies)
                 if drift != 0.0:
-                    move_loads(strands, loads, state, buffers, drift)
+                    move_loads(strands, loads, state, buffers, kick, drift)
                     if bodies is not None:
                         move_bodies(strands, loads, state, buffers, bodies, drift)
                         drift_vehicles(strands, loads, state, bodies, drift)
@@ -300,7 +302,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
             if steps % 64 == 0 and not _is_finite(r, w):
                 return NOT_FINITE, steps
         work[CONTACT] += 0.5 * before * _loss(strands, loads, state)
-        _even_out_all(strands, loads, state)
+        _even_out_all(strands, loads, state, buffers, kick)
         if not _is_finite(r, w):
             return NOT_FINITE, steps
         if steps >= most:
