@@ -56,6 +56,7 @@ class Loads(NamedTuple):
     measure: Integers
     contact: Integers
     at_end: Integers
+    margin: Array  # m, distance from a support at which the line ends for a load that has no place of its own
     speed_first: Integers  # where the load's speed table begins
     speed_count: Integers
     speed_time: Array

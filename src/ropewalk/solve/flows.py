@@ -13,6 +13,7 @@ from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.rider import (
     even_out,
     force_at,
+    has_arrived,
     look_up,
     look_up_integral,
     material_speed,
@@ -260,12 +261,6 @@ def hold(strands, loads, state, buffers, k, kick, new):
 
 
 @inlined
-def _is_parked(xi, length, speed):
-    """Whether a load that stays on its line stands at an end of it and does not come back."""
-    return (xi >= length and speed >= 0.0) or (xi <= 0.0 and speed <= 0.0)
-
-
-@inlined
 def _step_on(strands, loads, state, k, drift):
     """How far load k, whose speed is prescribed as dxi/dt, goes during a drift; notes its speed at the end."""
     first, count, t = loads.speed_first[k], loads.speed_count[k], state.t[0]
@@ -275,8 +270,7 @@ def _step_on(strands, loads, state, k, drift):
         step = look_up_integral(time, value, path, first, count, t + drift)
         step -= look_up_integral(time, value, path, first, count, t)
         state.speed[k] = look_up(time, value, first, count, t + drift)
-    s = loads.strand[k]
-    if loads.at_end[k] == STAY and _is_parked(state.xi[k], strands.links[s] * strands.h[s], state.speed[k]):
+    if loads.at_end[k] == STAY and has_arrived(strands, loads, k, state.xi[k], step * drift):
         step, state.speed[k] = 0.0, 0.0
     return step
 

@@ -9,16 +9,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import CONTACT, FRICTIONLESS, LINE_DAMPING, LOAD_WORK, OFF, SHARED
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.link import pull_again, pull_one, pull_one_again, stretch, stretch_rate
 from ropewalk.mechanics.rider import (
     ARRIVED,
-    contact_loss,
     even_out,
     even_velocity,
+    force_at,
     material_speed,
     mesh_speed,
+    near_supports,
     next_change,
     seat_of,
     settle,
@@ -163,21 +165,41 @@ def _is_finite(r, w):
 
 
 @lean_inner
-def _loss(strands, loads, state):
-    """Power lost at all contacts, W."""
-    total = 0.0
+def _loss(strands, loads, state, w, bodies=None):
+    """Power lost at all contacts, W: U [W - T lam + rho U^2 lam^2 / 2], between the links behind and ahead of each.
+
+    It is negative where a contact hides a motor: a force that stays vertical while it advances. T is the whole tension,
+    with that of the damping. On the link at a support, which is straight, the force is all that the contact feels: what
+    it works by advancing along it is lost.
+
+    Args:
+        w: (axis, node) m/s, velocities of the material at the instant of the positions.
+    """
+    total, r, X = 0.0, state.r, state.X
     for k in range(state.xi.size):
-        s, b = loads.strand[k], state.rider[k]
-        if b <= OFF:
+        s, b, U = loads.strand[k], state.rider[k], state.speed[k]
+        if b <= OFF or U == 0.0 or (b >= 0 and loads.contact[k] == FRICTIONLESS):  # its two sides are alike
             continue
         behind, ahead = b - 1, b
         if b == SHARED:  # between the links beyond its own
             first, last = strands.first[s], strands.first[s] + strands.links[s]
-            i = seat_of(state.X, state.xi[k], strands.h[s], first, last)
+            i = seat_of(X, state.xi[k], strands.h[s], first, last)
             if i == first or i == last - 1:
+                for a in range(r.shape[0]):
+                    F = force_at(loads, k, state.t[0], a) if bodies is None else bodies.wheels[k].on_line[a]
+                    total += U * F * (r[a, i + 1] - r[a, i]) / (X[i + 1] - X[i])
                 continue
             behind, ahead = i - 1, i + 1
-        total += contact_loss(strands.law[s], strands.rho[s], state.speed[k], state.r, state.X, behind, ahead)
+        p, c, jump = strands.law[s], strands.damping[s], 0.0
+        for side in range(2):
+            i = behind if side == 0 else ahead
+            lam = stretch(r, i) / (X[i + 1] - X[i])
+            T = law.tension(p, lam - 1.0)
+            if c > 0.0:
+                T += c * _strain_rate(r, w, X, state.rider, state.speed, i)
+            own = law.stored(p, lam - 1.0) - T * lam + 0.5 * strands.rho[s] * U * U * lam * lam
+            jump += own if side == 1 else -own
+        total += U * jump
     return total
 
 
@@ -247,14 +269,18 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
             status = settle_bodies(strands, loads, state, buffers, bodies)
             if status != 0:
                 return END_OF_LINE if status == 1 else (MET if status == 2 else ASKED), steps
-        dt = _plan(until - time[0], longest, target, xi, speed, rider)
+        allowed = longest
+        if ends is not None:
+            allowed *= near_supports(strands, loads, state)
+        dt = _plan(until - time[0], allowed, target, xi, speed, rider)
         kick, t_w, over, before, following = kicks[0] * dt, time[0], False, 0.0, 0.0
         _copy(w, buffers.ahead)
         if bodies is not None:
             begin_bodies(strands, loads, state, buffers, bodies)
         while not over:
             begin = time[0]
-            work[CONTACT] += 0.5 * (before + dt) * _loss(strands, loads, state)  # half the step before and half of this
+            # half the step before and half of this
+            work[CONTACT] += 0.5 * (before + dt) * _loss(strands, loads, state, buffers.ahead, bodies)
             for stage in range(stages + 1):
                 if stage < stages:
                     drift = drifts[stage] * dt
@@ -266,7 +292,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                     if bodies is not None and not over:
                         over = is_body_due(strands, loads, state, bodies)
                     if not over:
-                        following = _plan(until - time[0], longest, target, xi, speed, rider)
+                        following = _plan(until - time[0], allowed, target, xi, speed, rider)
                         kick += kicks[0] * following
                         break
                     drift = 0.0
@@ -301,7 +327,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
             before, dt = dt, following
             if steps % 64 == 0 and not _is_finite(r, w):
                 return NOT_FINITE, steps
-        work[CONTACT] += 0.5 * before * _loss(strands, loads, state)
+        work[CONTACT] += 0.5 * before * _loss(strands, loads, state, buffers.ahead, bodies)
         _even_out_all(strands, loads, state, buffers, kick)
         if not _is_finite(r, w):
             return NOT_FINITE, steps
