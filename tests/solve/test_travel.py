@@ -91,6 +91,17 @@ def test_a_load_that_stays_ends_at_the_support_and_loads_it() -> None:
     assert np.isfinite(result.contact_force.values).all()
 
 
+@pytest.mark.parametrize("speed", [10.0, -10.0])
+def test_the_line_ends_for_a_force_at_its_margin(speed: float) -> None:
+    begin, end = (15.0, 16.8) if speed > 0.0 else (5.0, 3.2)
+    place = {"from": begin, "margin": 3.2}
+    leaves = simulate(taut({"a": load(speed, at_end="leave", **place)}, until=0.3))
+    np.testing.assert_array_equal(np.isnan(leaves.contact_xi[:, 0]), leaves.time > 0.18 + 1e-9)
+    stays = simulate(taut({"a": load(speed, at_end="stay", **place)}, until=0.3))
+    # A load has arrived when it is a millionth of a link away.
+    np.testing.assert_allclose(stays.contact_xi[-5:, 0], end, rtol=0.0, atol=1e-6)
+
+
 def test_a_load_that_may_not_leave_ends_the_run_with_what_there_is() -> None:
     result = simulate(taut({"a": load(60.0, measured="slip")}, until=1.0))
     assert result.attrs["outcome"] == "travel ended"

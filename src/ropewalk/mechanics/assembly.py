@@ -193,6 +193,7 @@ def loads_of(scenario: Scenario, wheels: list[Wheel], until: float) -> Loads:
         measure=codes([_MEASURES[wheel.measured] for wheel in wheels]),
         contact=codes([_CONTACTS[wheel.contact] for wheel in wheels]),
         at_end=codes([_ENDS[wheel.at_end] for wheel in wheels]),
+        margin=np.array([wheel.margin or 0.0 for wheel in wheels]),
         speed_first=_first(speeds),
         speed_count=_count(speeds),
         speed_time=np.concatenate([none, *(t for t, _ in speeds)]),

@@ -56,6 +56,7 @@ class Loads(NamedTuple):
     measure: Integers
     contact: Integers
     at_end: Integers
+    margin: Array  # m, distance from a support at which the line ends for a load that has no place of its own
     speed_first: Integers  # where the load's speed table begins
     speed_count: Integers
     speed_time: Array
@@ -112,6 +113,7 @@ class Buffers(NamedTuple):
     target: Array  # (load,) m, xi at which the load's seat on the chain has to change next
     dr: Array  # (axis, load) m, r_c - r_a before a drift
     dw: Array  # (axis, load) m/s, w_c - w_a before a kick
+    before: Array  # (load,) m/s, w along x of riding nodes before a kick
     point: Array  # (axis,)
     velocity: Array  # (axis,)
 
@@ -128,6 +130,7 @@ class Buffers(NamedTuple):
             one,
             seat,
             seat.copy(),
+            one.copy(),
             axes,
             axes.copy(),
         )

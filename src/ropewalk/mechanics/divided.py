@@ -363,6 +363,21 @@ def even_sides(state, bodies, p):
 
 
 @lean_inner
+def even_rates(state, buffers, bodies, p):
+    """Let a wheel have the velocity along x, at the instant of the positions, with which both sides stay stretched
+    alike: damping looks at it."""
+    k = bodies.order[p]
+    one, two, rate, per_speed = beside(bodies, p, -1), beside(bodies, p, 1), 0.0, 0.0
+    for side in range(2):
+        low, high = (one, -1 - k) if side == 0 else (-1 - k, two)
+        rest, length = coordinate(state, high) - coordinate(state, low), _length(state, bodies, low, high)
+        own = _strain_rate(state, buffers, bodies, low, high, length, rest)
+        rate += own if side == 0 else -own
+        per_speed += (place(state, bodies, high, 0) - place(state, bodies, low, 0)) / (length * rest)
+    bodies.wheels[k].ahead[0] -= rate / per_speed
+
+
+@lean_inner
 def lifting(state, bodies, k):
     """Force with which the line pulls wheel k towards itself, N: if positive, a contact that only pushes lets go."""
     z = state.r.shape[0] - 1

@@ -8,8 +8,8 @@ velocity jump [r_t] = -U [r'] through the flux terms
     rho h w_b' = [T t] + F + rho h U (w_c - w_a) / (X_c - X_a)
 
 where w is the velocity of the material, U = d xi / dt, and a, b, c are the nodes behind, at and ahead of the load.
-Half-way between two nodes the load changes over to the next one. In the first and last half link of a line, and
-where another load is too close, the force is shared by the two nodes of its link instead.
+Half-way between two nodes the load changes over to the next one. In the first half link of a line, close to its end,
+and where another load is too close, the force is shared by the two nodes of its link instead.
 """
 
 from __future__ import annotations
@@ -35,6 +35,9 @@ from ropewalk.mechanics.link import stretch
 ROOM = 0.45
 # A load rides where the tension is above this multiple of what its speed needs (a Mach number of 0.88).
 SUBSONIC = 1.29
+# The last node rides on until its load is this part of a link away from the support. Beside one that is held, that
+# needs no smaller step; one that yields has a mass of half a link, and steps are this part of the others.
+LAST, BESIDE_A_FREE_END = 0.25, 0.5
 # A load counts as arrived when it is this part of a link away: far below any other error.
 ARRIVED = 1e-6
 
@@ -124,11 +127,17 @@ def slope(r, X, b, a):
     return (r[a, b + 1] - r[a, b - 1]) / (X[b + 1] - X[b - 1])
 
 
+@inlined
+def _velocity_of(state, w, i, a):
+    """Component a of the velocity of node i itself, where the material has the velocities w."""
+    U = mesh_speed(state.rider, state.speed, i)
+    return w[a, i] + U * slope(state.r, state.X, i, a) if U != 0.0 else w[a, i]
+
+
 @lean_inner
 def node_velocity(state, i, a):
     """Component a of the velocity of node i itself: of the material, or of the load it rides with."""
-    U = mesh_speed(state.rider, state.speed, i)
-    return state.w[a, i] + U * slope(state.r, state.X, i, a) if U != 0.0 else state.w[a, i]
+    return _velocity_of(state, state.w, i, a)
 
 
 @lean
@@ -200,11 +209,17 @@ def _horizontal_speed(strands, loads, state, k, V):
     return (V - w) * (state.X[i + 1] - state.X[i]) / (state.r[0, i + 1] - state.r[0, i])
 
 
+@inlined
+def has_arrived(strands, loads, k, xi, speed):
+    """Whether load k has come to the end of its line, or to its margin there."""
+    h, n = strands.h[loads.strand[k]], strands.links[loads.strand[k]]
+    near = loads.margin[k] + ARRIVED * h
+    return (xi >= n * h - near and speed > 0.0) or (xi <= near and speed < 0.0)
+
+
 @lean
 def material_speed(strands, loads, state, k, V):
     """U = d xi / dt of load k for a speed V as measured."""
-    s = loads.strand[k]
-    length = strands.links[s] * strands.h[s]
     if V == 0.0 and loads.measure[k] <= SLIP:
         return 0.0
     measure = loads.measure[k]
@@ -216,7 +231,7 @@ def material_speed(strands, loads, state, k, V):
         U = _arc_speed(strands, loads, state, k, V)
     else:
         U = _horizontal_speed(strands, loads, state, k, V)
-    if loads.at_end[k] == STAY and ((state.xi[k] >= length and U > 0.0) or (state.xi[k] <= 0.0 and U < 0.0)):
+    if loads.at_end[k] == STAY and has_arrived(strands, loads, k, state.xi[k], U):
         return 0.0
     return U
 
@@ -226,16 +241,30 @@ def next_change(strands, loads, state, k):
     """The xi, ahead on the travel, at which the load's seat on the chain has to change."""
     s = loads.strand[k]
     h, n = strands.h[s], strands.links[s]
-    b, U, xi = state.rider[k], state.speed[k], state.xi[k]
+    b, U, xi, margin = state.rider[k], state.speed[k], state.xi[k], loads.margin[k]
     if b <= OFF or U == 0.0:
         return np.inf
     if b >= 0:
-        home = (b - strands.first[s]) * h
-        return home + 0.5 * h if U > 0.0 else home - 0.5 * h
+        number = b - strands.first[s]
+        if U > 0.0:
+            is_last = number == n - 1 and xi >= (n - 0.5 - ARRIVED) * h
+            return min((n - LAST if is_last else number + 0.5) * h, n * h - margin)
+        return max((LAST if number == 1 and xi <= (0.5 + ARRIVED) * h else number - 0.5) * h, margin)
     half = 0.5 * h  # shared: look again at every half link, and at the end
     if U > 0.0:
-        return min(half * (np.floor(xi / half + ARRIVED) + 1.0), n * h)
-    return max(half * (np.ceil(xi / half - ARRIVED) - 1.0), 0.0)
+        return min(half * (np.floor(xi / half + ARRIVED) + 1.0), n * h - margin)
+    return max(half * (np.ceil(xi / half - ARRIVED) - 1.0), margin)
+
+
+@lean_inner
+def near_supports(strands, loads, state):
+    """Part of the largest step that may be made where ends yield: less while a node rides close to a support."""
+    for k in range(state.xi.size):
+        s, b, xi = loads.strand[k], state.rider[k], state.xi[k]
+        first, n, h, onward = strands.first[s], strands.links[s], strands.h[s], ARRIVED * np.sign(state.speed[k])
+        if (b == first + 1 and xi <= (0.5 - onward) * h) or (b == first + n - 1 and xi >= (n - 0.5 - onward) * h):
+            return BESIDE_A_FREE_END
+    return 1.0
 
 
 @lean_inner
@@ -282,16 +311,47 @@ def put_back(strands, state, s, b, U):
 
 
 @lean_inner
+def _keep_kink(state, b, point, behind, ahead):
+    """Let node b, which has been put back, stand where its links are stretched as the sub-links at `point` were.
+
+    No other node takes over the kink that was there. Cut off, it would leave a link slack, and one that resists
+    compression would throw the line about with what it stores.
+    """
+    X, r, square, gone = state.X, state.r, 0.0, 0.0
+    rest1, rest2 = X[b] - X[b - 1], X[b + 1] - X[b]
+    if min(stretch(r, b - 1) / rest1, stretch(r, b) / rest2) >= min(1.0, behind, ahead):
+        return
+    for a in range(r.shape[0]):
+        d = r[a, b + 1] - r[a, b - 1]
+        square += d * d
+        gone += d * (point[a] - r[a, b - 1])
+    one, two, across = behind * rest1, ahead * rest2, 0.0
+    for a in range(r.shape[0]):
+        across += (point[a] - r[a, b - 1] - gone / square * (r[a, b + 1] - r[a, b - 1])) ** 2
+    part = 0.5 * (1.0 + (one * one - two * two) / square)
+    height = one * one - part * part * square
+    if not (height > 0.0 and across > 0.0):
+        return
+    for a in range(r.shape[0]):
+        d = r[a, b + 1] - r[a, b - 1]
+        normal = point[a] - r[a, b - 1] - gone / square * d
+        r[a, b] = r[a, b - 1] + part * d + np.sqrt(height / across) * normal
+
+
+@lean_inner
 def _move(strands, loads, state, k, step, point, velocity):
-    """Let load k change over from its node to the next one (step = 1 or -1), or share it where there is none."""
+    """Let load k change over from its node to the next one (step = 1 or -1), or share it where there is none (0)."""
     s, b, U = loads.strand[k], state.rider[k], state.speed[k]
     for a in range(state.r.shape[0]):
         point[a], velocity[a] = state.r[a, b], node_velocity(state, b, a)
     subsonic = _is_subsonic(strands, state, s, b - 1, b, U)
+    X = state.X
+    behind, ahead = stretch(state.r, b - 1) / (X[b] - X[b - 1]), stretch(state.r, b) / (X[b + 1] - X[b])
     put_back(strands, state, s, b, U)
     state.rider[k] = SHARED
     j = b + step
-    if not _is_free(strands, state, s, j, state.xi[k]) or not subsonic:
+    if step == 0 or not _is_free(strands, state, s, j, state.xi[k]) or not subsonic:
+        _keep_kink(state, b, point, behind, ahead)
         return
     state.rider[k] = j
     state.X[j] = state.xi[k]
@@ -341,37 +401,28 @@ def settle(strands, loads, state, k, point, velocity):
     if b <= OFF:
         return False
     h, n = strands.h[s], strands.links[s]
-    tol = ARRIVED * h
-    xi = state.xi[k]
-    if b >= 0:
-        home = (b - strands.first[s]) * h
-        if U > 0.0 and xi >= home + 0.5 * h - tol:
-            _move(strands, loads, state, k, 1, point, velocity)
-        elif U < 0.0 and xi <= home - 0.5 * h + tol:
-            _move(strands, loads, state, k, -1, point, velocity)
+    tol, margin, xi = ARRIVED * h, loads.margin[k], state.xi[k]
+    arrived = has_arrived(strands, loads, k, xi, U)
+    if arrived and loads.at_end[k] == STAY:
+        state.speed[k], state.xi[k] = 0.0, n * h - margin if U > 0.0 else margin
+        if b >= 0:
+            state.X[b] = state.xi[k]
         return False
-    if (U > 0.0 and xi >= n * h - tol) or (U < 0.0 and xi <= tol):
+    if b >= 0:
+        number = b - strands.first[s]
+        if arrived:
+            _move(strands, loads, state, k, 0, point, velocity)
+        elif U > 0.0 and xi >= ((n - LAST) if number == n - 1 else number + 0.5) * h - tol:
+            _move(strands, loads, state, k, 1, point, velocity)
+        elif U < 0.0 and xi <= (LAST if number == 1 else number - 0.5) * h + tol:
+            _move(strands, loads, state, k, -1, point, velocity)
+    if arrived:
         if loads.at_end[k] == LEAVE:
             state.rider[k] = OFF
-        elif loads.at_end[k] == STAY:
-            state.xi[k] = n * h if U > 0.0 else 0.0
-            state.speed[k] = 0.0
         return loads.at_end[k] == REFUSE
-    _claim(strands, loads, state, k)
+    if b < 0:
+        _claim(strands, loads, state, k)
     return False
-
-
-@inlined
-def contact_loss(p, rho, U, r, X, behind, ahead):
-    """Power lost at a contact in W: U [W - T lam + rho U^2 lam^2 / 2], between the links behind and ahead of it.
-
-    It is negative where the contact hides a motor: a force that stays vertical while it advances.
-    """
-    jump = 0.0
-    for sign, i in ((-1.0, behind), (1.0, ahead)):
-        lam = stretch(r, i) / (X[i + 1] - X[i])
-        jump += sign * (law.stored(p, lam - 1.0) - law.tension(p, lam - 1.0) * lam + 0.5 * rho * U * U * lam * lam)
-    return U * jump
 
 
 @lean_inner
@@ -389,16 +440,20 @@ def even_out(r, X, b):
 
 
 @lean_inner
-def even_out_velocity(state, b):
-    """Give the riding node the velocity along x with which both sides stay stretched alike."""
-    r, w, X = state.r, state.w, state.X
+def even_velocity(state, w, b):
+    """Velocity of the material along x at the riding node with which both sides stay stretched alike, m/s.
+
+    Args:
+        w: (axis, node) m/s, the velocities of the material otherwise.
+    """
+    r, X = state.r, state.X
     U = mesh_speed(state.rider, state.speed, b)
     behind, ahead = X[b] - X[b - 1], X[b + 1] - X[b]
     l1, l2 = stretch(r, b - 1), stretch(r, b)
     # d/dt (l1 / behind - l2 / ahead) is linear in the x-velocity of the contact: value at the present one, slope.
     value = -(l1 / behind) * U / behind - (l2 / ahead) * U / ahead
     for a in range(r.shape[0]):
-        v = node_velocity(state, b, a)
-        value += (r[a, b] - r[a, b - 1]) * (v - node_velocity(state, b - 1, a)) / (l1 * behind)
-        value -= (r[a, b + 1] - r[a, b]) * (node_velocity(state, b + 1, a) - v) / (l2 * ahead)
-    w[0, b] -= value / ((r[0, b] - r[0, b - 1]) / (l1 * behind) + (r[0, b + 1] - r[0, b]) / (l2 * ahead))
+        v = _velocity_of(state, w, b, a)
+        value += (r[a, b] - r[a, b - 1]) * (v - _velocity_of(state, w, b - 1, a)) / (l1 * behind)
+        value -= (r[a, b + 1] - r[a, b]) * (_velocity_of(state, w, b + 1, a) - v) / (l2 * ahead)
+    return w[0, b] - value / ((r[0, b] - r[0, b - 1]) / (l1 * behind) + (r[0, b + 1] - r[0, b]) / (l2 * ahead))

@@ -37,7 +37,16 @@ from ropewalk.mechanics.chain import (
     STAY,
 )
 from ropewalk.mechanics.compiled import inlined, lean_inner
-from ropewalk.mechanics.divided import even_sides, hold, lifting, mean_stretch_at, pull_divided, slide, sliding_speed
+from ropewalk.mechanics.divided import (
+    even_rates,
+    even_sides,
+    hold,
+    lifting,
+    mean_stretch_at,
+    pull_divided,
+    slide,
+    sliding_speed,
+)
 from ropewalk.mechanics.landing import bring_above, project
 from ropewalk.mechanics.link import stretch, stretch_rate
 from ropewalk.mechanics.rider import ARRIVED, force_at, look_up_integral, speed_at
@@ -218,6 +227,7 @@ def _drift_one(strands, loads, state, bodies, k, drift):
         return
     if bodies.wheels[k].travel == ALONG_X and _is_on(bodies, k):
         _hold(state, bodies, k, speed_at(loads, k, state.t[0] + 0.5 * drift))
+        bodies.wheels[k].ahead[0] = speed_at(loads, k, state.t[0] + drift)
     for a in range(state.r.shape[0]):
         bodies.wheels[k].r[a] += drift * bodies.wheels[k].v[a]
     if phase == FLYING:
@@ -252,12 +262,14 @@ def _advance_prescribed(strands, loads, state, buffers, bodies, drift):
         state.speed[k], bodies.wheels[k].gone = new, step
     for p in range(bodies.ordered[0]):
         k = bodies.order[p]
-        if bodies.wheels[k].gone == 0.0:
-            continue
         if bodies.wheels[k].travel == EVEN:  # equal tensions do no work on the travel, only the push along x does
             x = bodies.wheels[k].r[0]
             even_sides(state, bodies, p)
             _hold(state, bodies, k, bodies.wheels[k].v[0] + (bodies.wheels[k].r[0] - x) / drift)
+            if strands.damping[loads.strand[k]] > 0.0:
+                even_rates(state, buffers, bodies, p)
+            continue
+        if bodies.wheels[k].gone == 0.0:
             continue
         force = hold(strands, loads, state, buffers, bodies, p)
         state.work[HOLD_WORK] += 0.5 * (bodies.wheels[k].hold + force) * bodies.wheels[k].gone

@@ -35,6 +35,7 @@ from ropewalk.mechanics.compiled import inner, kernel
 from ropewalk.mechanics.link import pull
 from ropewalk.mechanics.rider import (
     force_at,
+    has_arrived,
     link_of,
     look_up_integral,
     material_speed,
@@ -198,16 +199,14 @@ def _travel(strands, loads, state, space, k, dt):
     Returns:
         The largest change of xi at a stage, m.
     """
-    s, b, t, xi = loads.strand[k], state.rider[k], state.t[0], state.xi[k]
+    b, t, xi = state.rider[k], state.t[0], state.xi[k]
     if loads.measure[k] == MATERIAL:
         first, count = loads.speed_first[k], loads.speed_count[k]
         begin = look_up_integral(loads.speed_time, loads.speed_value, loads.speed_path, first, count, t)
         for j in range(3):
             U, when = speed_at(loads, k, space.t[j, 0]), space.t[j, 0]
             way = look_up_integral(loads.speed_time, loads.speed_value, loads.speed_path, first, count, when) - begin
-            if loads.at_end[k] == STAY and (
-                (way > 0.0 and xi >= strands.links[s] * strands.h[s]) or (way < 0.0 and xi <= 0.0)
-            ):
+            if loads.at_end[k] == STAY and has_arrived(strands, loads, k, xi, way):
                 way, U = 0.0, 0.0
             space.speed[j, k], space.way[j, k] = U, way
     else:

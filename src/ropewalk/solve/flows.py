@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.chain import FRICTIONLESS, HOLD_WORK, LINE_DAMPING, MATERIAL, OFF, SHARED, STAY
+from ropewalk.mechanics.chain import FRICTIONLESS, HOLD_WORK, LINE_DAMPING, LOAD_WORK, MATERIAL, OFF, SHARED, STAY
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.rider import (
     even_out,
     force_at,
+    has_arrived,
     look_up,
     look_up_integral,
     material_speed,
@@ -119,7 +120,10 @@ def _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead, ends,
         w[a, b] += decay * extra
         ahead[a, b] += decay * (1.0 + lead) * extra
         r[a, b] += way * extra
-        work += kick * F * (w[a, b] / decay - 0.5 * kicked + U * dr[a, k] / span)
+        if a == 0:
+            buffers.before[k] = w[a, b] / decay - kicked
+        if a > 0 or loads.contact[k] != FRICTIONLESS:  # of that one the hold force decides how fast it moves along x
+            work += kick * F * (w[a, b] / decay - 0.5 * kicked + U * dr[a, k] / span)
         if bodies is not None and decay < 1.0:
             before, noted = w[a, b] / decay, w[a, b] - decay * extra
             lost = _spare(bodies.wheels[k].mass[a], m, before, way, decay, r, w, a, b)
@@ -241,24 +245,19 @@ def _travel(strands, loads, state, dr, k, dt):
 
 
 @lean_inner
-def _hold(m, U, r, w, X, dr, k, b, x, dt):
-    """Frictionless contact: put the riding node where both tensions agree; its velocity follows.
+def hold(strands, loads, state, buffers, k, kick, new):
+    """Frictionless contact: give the riding node the velocity `new` along x with which both tensions stay equal.
 
-    Returns:
-        The impulse of the hold force, N s, and its work, J.
+    What this takes is the impulse of the hold force. It is part of the last kick, in which the contact has moved with
+    the mean of the velocities before and after: so much it works, and so much does the given force along x.
     """
-    even_out(r, X, b)
-    v = (r[0, b] - x) / dt
-    new = v - U * 0.5 * (dr[0, k] + r[0, b + 1] - r[0, b - 1]) / (X[b + 1] - X[b - 1])
-    impulse = m * (new - w[0, b])
+    b, s, w = state.rider[k], loads.strand[k], state.w
+    impulse = strands.rho[s] * strands.h[s] * (new - w[0, b])
     w[0, b] = new
-    return impulse, impulse * v
-
-
-@inlined
-def _is_parked(xi, length, speed):
-    """Whether a load that stays on its line stands at an end of it and does not come back."""
-    return (xi >= length and speed >= 0.0) or (xi <= 0.0 and speed <= 0.0)
+    v = 0.5 * (buffers.before[k] + new) + state.speed[k] * buffers.dr[0, k] / (state.X[b + 1] - state.X[b - 1])
+    state.hold[k] += impulse
+    state.work[HOLD_WORK] += impulse * v
+    state.work[LOAD_WORK] += kick * force_at(loads, k, state.t[0], 0) * v
 
 
 @inlined
@@ -271,15 +270,14 @@ def _step_on(strands, loads, state, k, drift):
         step = look_up_integral(time, value, path, first, count, t + drift)
         step -= look_up_integral(time, value, path, first, count, t)
         state.speed[k] = look_up(time, value, first, count, t + drift)
-    s = loads.strand[k]
-    if loads.at_end[k] == STAY and _is_parked(state.xi[k], strands.links[s] * strands.h[s], state.speed[k]):
+    if loads.at_end[k] == STAY and has_arrived(strands, loads, k, state.xi[k], step * drift):
         step, state.speed[k] = 0.0, 0.0
     return step
 
 
 @inlined
-def move_loads(strands, loads, state, buffers, drift):
-    """Let all loads travel for the time of a drift; nodes that ride with them are carried along."""
+def move_loads(strands, loads, state, buffers, kick, drift):
+    """Let all loads travel for the time of a drift that follows a kick; nodes that ride with them are carried along."""
     r, w, X, dr = state.r, state.w, state.X, buffers.dr
     for k in range(state.xi.size):
         b, s = state.rider[k], loads.strand[k]
@@ -295,6 +293,6 @@ def move_loads(strands, loads, state, buffers, drift):
         else:
             _travel(strands, loads, state, dr, k, drift)
         if loads.contact[k] == FRICTIONLESS and b >= 0:
-            push, gained = _hold(strands.rho[s] * strands.h[s], state.speed[k], r, w, X, dr, k, b, x, drift)
-            state.hold[k] += push
-            state.work[HOLD_WORK] += gained
+            even_out(r, X, b)
+            tangent = 0.5 * (dr[0, k] + r[0, b + 1] - r[0, b - 1]) / (X[b + 1] - X[b - 1])
+            hold(strands, loads, state, buffers, k, kick, (r[0, b] - x) / drift - state.speed[k] * tangent)

@@ -186,7 +186,8 @@ def _accept(strands, loads, state, space, dt):
     for s in range(strands.first.size):
         settle_accounts(strands, loads, state, space, s, dt)
     for j in range(3):
-        state.work[CONTACT] += dt * A[2, j] * _loss(strands, loads, stage_of(state, space, j))
+        stage = stage_of(state, space, j)
+        state.work[CONTACT] += dt * A[2, j] * _loss(strands, loads, stage, stage.w)
     space.last[:] = space.Z
     for a in range(state.r.shape[0]):
         for s in range(strands.first.size):

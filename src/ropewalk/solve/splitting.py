@@ -9,18 +9,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.chain import CONTACT, FRICTIONLESS, HOLD_WORK, LINE_DAMPING, LOAD_WORK, OFF, SHARED
+from ropewalk.mechanics import law
+from ropewalk.mechanics.chain import CONTACT, FRICTIONLESS, LINE_DAMPING, LOAD_WORK, OFF, SHARED
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.link import pull_again, pull_one, pull_one_again, stretch, stretch_rate
 from ropewalk.mechanics.rider import (
     ARRIVED,
-    contact_loss,
     even_out,
-    even_out_velocity,
+    even_velocity,
+    force_at,
     material_speed,
     mesh_speed,
+    near_supports,
     next_change,
-    node_velocity,
     seat_of,
     settle,
     slope,
@@ -37,7 +38,7 @@ from ropewalk.solve.bodywork import (
     settle_bodies,
 )
 from ropewalk.solve.ends import drive_ends, move_ends
-from ropewalk.solve.flows import kick_loads, move_loads, move_nodes
+from ropewalk.solve.flows import hold, kick_loads, move_loads, move_nodes
 
 RUNNING, END_OF_LINE, NOT_FINITE, TOO_MANY_STEPS, NO_CONVERGENCE, MET, ASKED = 0, 1, 2, 3, 4, 5, 6
 
@@ -81,18 +82,19 @@ def _pull_beside(p, c, h, r, w, X, rider, speed, q, b):
 
 
 @lean_inner
-def _even_out_all(strands, loads, state):
-    """Put all frictionless contacts where both tensions agree, at rates that keep them so."""
+def _even_out_all(strands, loads, state, buffers, kick):
+    """Put all frictionless contacts where both tensions agree, at rates that keep them so.
+
+    Args:
+        kick: length of the kick that has just been, s; 0: seats have changed, which is a blow at an instant.
+    """
     for k in range(state.xi.size):
         b = state.rider[k]
         if loads.contact[k] == FRICTIONLESS and b >= 0:
             even_out(state.r, state.X, b)
-            before = state.w[0, b]
-            even_out_velocity(state, b)
-            s = loads.strand[k]
-            impulse = strands.rho[s] * strands.h[s] * (state.w[0, b] - before)
-            state.hold[k] += impulse
-            state.work[HOLD_WORK] += impulse * node_velocity(state, b, 0)
+            if kick == 0.0:
+                buffers.before[k], buffers.dr[0, k] = state.w[0, b], state.r[0, b + 1] - state.r[0, b - 1]
+            hold(strands, loads, state, buffers, k, kick, even_velocity(state, state.w, b))
 
 
 @lean_inner
@@ -129,7 +131,7 @@ def _take_seats(strands, loads, state, buffers):
             if state.rider[k] != OFF:
                 state.speed[k] = material_speed(strands, loads, state, k, speed_at(loads, k, t))
         buffers.target[k] = next_change(strands, loads, state, k)
-    _even_out_all(strands, loads, state)
+    _even_out_all(strands, loads, state, buffers, 0.0)
     return False
 
 
@@ -163,26 +165,46 @@ def _is_finite(r, w):
 
 
 @lean_inner
-def _loss(strands, loads, state):
-    """Power lost at all contacts, W."""
-    total = 0.0
+def _loss(strands, loads, state, w, bodies=None):
+    """Power lost at all contacts, W: U [W - T lam + rho U^2 lam^2 / 2], between the links behind and ahead of each.
+
+    It is negative where a contact hides a motor: a force that stays vertical while it advances. T is the whole tension,
+    with that of the damping. On the link at a support, which is straight, the force is all that the contact feels: what
+    it works by advancing along it is lost.
+
+    Args:
+        w: (axis, node) m/s, velocities of the material at the instant of the positions.
+    """
+    total, r, X = 0.0, state.r, state.X
     for k in range(state.xi.size):
-        s, b = loads.strand[k], state.rider[k]
-        if b <= OFF:
+        s, b, U = loads.strand[k], state.rider[k], state.speed[k]
+        if b <= OFF or U == 0.0 or (b >= 0 and loads.contact[k] == FRICTIONLESS):  # its two sides are alike
             continue
         behind, ahead = b - 1, b
         if b == SHARED:  # between the links beyond its own
             first, last = strands.first[s], strands.first[s] + strands.links[s]
-            i = seat_of(state.X, state.xi[k], strands.h[s], first, last)
+            i = seat_of(X, state.xi[k], strands.h[s], first, last)
             if i == first or i == last - 1:
+                for a in range(r.shape[0]):
+                    F = force_at(loads, k, state.t[0], a) if bodies is None else bodies.wheels[k].on_line[a]
+                    total += U * F * (r[a, i + 1] - r[a, i]) / (X[i + 1] - X[i])
                 continue
             behind, ahead = i - 1, i + 1
-        total += contact_loss(strands.law[s], strands.rho[s], state.speed[k], state.r, state.X, behind, ahead)
+        p, c, jump = strands.law[s], strands.damping[s], 0.0
+        for side in range(2):
+            i = behind if side == 0 else ahead
+            lam = stretch(r, i) / (X[i + 1] - X[i])
+            T = law.tension(p, lam - 1.0)
+            if c > 0.0:
+                T += c * _strain_rate(r, w, X, state.rider, state.speed, i)
+            own = law.stored(p, lam - 1.0) - T * lam + 0.5 * strands.rho[s] * U * U * lam * lam
+            jump += own if side == 1 else -own
+        total += U * jump
     return total
 
 
 @inlined
-def _pull_all(strands, state, buffers, kick):
+def _pull_all(strands, loads, state, buffers, kick):
     """Force vectors of all links, into `buffers.f`.
 
     Returns:
@@ -197,6 +219,8 @@ def _pull_all(strands, state, buffers, kick):
             b = rider[k]
             if first < b < last:
                 per_length[b - 1], per_length[b] = 1.0 / stretch(r, b - 1), 1.0 / stretch(r, b)
+                if c > 0.0 and loads.contact[k] == FRICTIONLESS:  # equal tensions need equal rates of the stretch, too
+                    buffers.ahead[0, b] = even_velocity(state, buffers.ahead, b)
         square = pull_again(p, c, h, first, last, r, buffers.ahead, per_length, q, f)
         for k in range(rider.size):
             b = rider[k]
@@ -245,14 +269,18 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
             status = settle_bodies(strands, loads, state, buffers, bodies)
             if status != 0:
                 return END_OF_LINE if status == 1 else (MET if status == 2 else ASKED), steps
-        dt = _plan(until - time[0], longest, target, xi, speed, rider)
+        allowed = longest
+        if ends is not None:
+            allowed *= near_supports(strands, loads, state)
+        dt = _plan(until - time[0], allowed, target, xi, speed, rider)
         kick, t_w, over, before, following = kicks[0] * dt, time[0], False, 0.0, 0.0
         _copy(w, buffers.ahead)
         if bodies is not None:
             begin_bodies(strands, loads, state, buffers, bodies)
         while not over:
             begin = time[0]
-            work[CONTACT] += 0.5 * (before + dt) * _loss(strands, loads, state)  # half the step before and half of this
+            # half the step before and half of this
+            work[CONTACT] += 0.5 * (before + dt) * _loss(strands, loads, state, buffers.ahead, bodies)
             for stage in range(stages + 1):
                 if stage < stages:
                     drift = drifts[stage] * dt
@@ -264,13 +292,13 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                     if bodies is not None and not over:
                         over = is_body_due(strands, loads, state, bodies)
                     if not over:
-                        following = _plan(until - time[0], longest, target, xi, speed, rider)
+                        following = _plan(until - time[0], allowed, target, xi, speed, rider)
                         kick += kicks[0] * following
                         break
                     drift = 0.0
                 # The velocities belong to t_w; damping wants them at the next instant at which it is evaluated.
                 lead = (time[0] + drift - t_w - kick) / kick
-                work[LINE_DAMPING] += _pull_all(strands, state, buffers, kick)
+                work[LINE_DAMPING] += _pull_all(strands, loads, state, buffers, kick)
                 if bodies is not None:
                     pull_bodies(strands, loads, state, buffers, bodies, kick, lead)
                 for k in range(xi.size):
@@ -286,7 +314,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                     kick_beside(strands, loads, state, buffers, bodies, kick, drift, lead)
                 work[LOAD_WORK] += kick_loads(strands, loads, state, buffers, kick, drift, lead, ends, bodies)
                 if drift != 0.0:
-                    move_loads(strands, loads, state, buffers, drift)
+                    move_loads(strands, loads, state, buffers, kick, drift)
                     if bodies is not None:
                         move_bodies(strands, loads, state, buffers, bodies, drift)
                         drift_vehicles(strands, loads, state, bodies, drift)
@@ -299,8 +327,8 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
             before, dt = dt, following
             if steps % 64 == 0 and not _is_finite(r, w):
                 return NOT_FINITE, steps
-        work[CONTACT] += 0.5 * before * _loss(strands, loads, state)
-        _even_out_all(strands, loads, state)
+        work[CONTACT] += 0.5 * before * _loss(strands, loads, state, buffers.ahead, bodies)
+        _even_out_all(strands, loads, state, buffers, kick)
         if not _is_finite(r, w):
             return NOT_FINITE, steps
         if steps >= most:
