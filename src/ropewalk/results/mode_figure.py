@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 SHOWN = 12  # modes
 COLUMNS = 3
+UNDAMPED = 1e-9  # damping ratios below are rounding errors
 SMALL = 1e-6  # of the largest displacement: a component that is nowhere larger is not drawn
 COMPONENTS = (("x", style.GREEN, ":"), ("y", style.RED, "--"), ("z", style.BLUE, "-"))
 
@@ -45,7 +46,7 @@ def mode_figure(spectrum: Spectrum, shown: int = SHOWN) -> Figure:
         drawn |= _mode(ax, modes, m)
         below = m + COLUMNS >= count
         hertz = f"{m + 1}: {modes.frequency[m] / math.tau:.4g} Hz"
-        damped = f", damping ratio {modes.ratio[m]:.2g}" if modes.ratio[m] else ""
+        damped = f", damping ratio {modes.ratio[m]:.2g}" if modes.ratio[m] > UNDAMPED else ""
         style.dress(ax, hertz + damped, "x (m)" if below else "", "displacement (1)" if m % COLUMNS == 0 else "")
         ax.xaxis.set_tick_params(labelbottom=below)
     for ax in axes[count:]:
