@@ -211,11 +211,16 @@ def spectrum(
     at: Annotated[
         float | None, typer.Option("--at", metavar="TIME", help="Instant of the run in s [default: at rest].")
     ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FIG", help="Draw the lowest modes: .png, .svg or .pdf.")
+    ] = None,
     settings: Settings = None,
     as_json: Json = False,
 ) -> None:
-    """Compute the frequencies and damping of the small motions, which decide the method."""
+    """Compute the frequencies and damping of the small motions, which decide the method; draw the modes."""
     with reported():
+        if output is not None:
+            check_picture(output, FIGURE_SUFFIXES)
         scenario = load_scenario(file, settings)
         found = import_module("ropewalk.simulate").spectrum_of(scenario, at=at)
         if as_json:
@@ -224,6 +229,9 @@ def spectrum(
             rows = found.table()
             width = max(len(name) for name, _ in rows)
             typer.echo("\n".join(f"{name:{width}}  {value}".rstrip() for name, value in rows))
+        if output is not None:
+            save_figure(import_module("ropewalk.results.mode_figure").mode_figure(found), output)
+            say(f"{output} written")
 
 
 @app.command()

@@ -383,7 +383,7 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
         ScenarioError: the instant lies outside the run, or the run knows no time.
         RopewalkError: the run does not come to the instant, or a support yields.
     """
-    from ropewalk.solve.spectrum import spectrum  # lazy: a run does not need the eigenvalue solvers
+    from ropewalk.solve.spectrum import in_space, spectrum  # lazy: a run does not need the eigenvalue solvers
 
     run = scenario.run
     if scenario.is_web:
@@ -393,22 +393,28 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
 
         return spectrum_of_web(scenario, how_many)
     if scenario.is_stiff:
-        raise RopewalkError("the spectrum knows lines without bending stiffness and bed only, and no overhead lines")
+        if at is not None:
+            raise RopewalkError("the spectrum of stiff and overhead lines is known at rest only; leave the time out")
+        from ropewalk.wires.spectrum import spectrum as spectrum_of_wires  # lazy: as above
+        from ropewalk.wiring import task_of
+
+        return spectrum_of_wires(task_of(scenario), how_many)
     if at is not None or (isinstance(run, Dynamic) and run.start.with_loads):
         _refuse_masses(scenario)
     if at is None:
         setting = setting_of(scenario, 0.0)
         _refuse_to_yield(setting, "the spectrum knows", "fix the end where it rests", moving=False)
         if not isinstance(run, Dynamic) or run.start.with_loads:
-            return spectrum(setting.strands, start_state(setting, True), how_many=how_many, names=setting.lines)
+            state = start_state(setting, True)
+            return spectrum(setting.strands, (in_space(state.r), state.X), how_many=how_many, names=setting.lines)
         rests = [rest for rest in setting.bare if rest is not None]
         if len(rests) < len(setting.bare):
             name = setting.lines[setting.bare.index(None)]
             raise EquilibriumError(
                 f"line {name}: without loads its rest shape is not determined; ask for an instant of the run instead"
             )
-        at_rest = np.concatenate([rest.position for rest in rests], axis=1), np.concatenate([rest.X for rest in rests])
-        return spectrum(setting.strands, at_rest, how_many=how_many, names=setting.lines)
+        r, X = np.concatenate([rest.position for rest in rests], axis=1), np.concatenate([rest.X for rest in rests])
+        return spectrum(setting.strands, (in_space(r), X), how_many=how_many, names=setting.lines)
     if not isinstance(run, Dynamic):
         wrong, remedy = f"a run of kind {run.kind} has no instants", "leave the time out"
         raise ScenarioError([Problem("at", wrong, f"{at:g} s", remedy)])
@@ -417,4 +423,4 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
         raise ScenarioError([Problem("at", "the time lies outside the run", f"{at:g} s", remedy)])
     _refuse_to_yield(setting_of(scenario, 0.0), "the spectrum knows", "fix the end where it is then", moving=False)
     setting, state = state_at(scenario, at)
-    return spectrum(setting.strands, state, how_many=how_many, names=setting.lines)
+    return spectrum(setting.strands, (in_space(state.r), state.X), how_many=how_many, names=setting.lines)

@@ -10,23 +10,42 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import diags
 
 from ropewalk.mechanics.chain import Array, State, Strands
 from ropewalk.solve.eigenvalues import Eigenvalues, by_size, ends, every
 from ropewalk.solve.linearised import Linearised, linearise
+from ropewalk.solve.symmetric import modes
 
 if TYPE_CHECKING:
     pass
 
+LOWEST = 20  # modes whose shapes are kept where no number is asked for
 # A line with no more unknowns than this is treated densely: a second or two at most.
 DENSE = 1500
 # How many modes at each end are computed of a larger one.
 HOW_MANY = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """The lowest modes of a structure."""
+
+    frequency: Array
+    """(mode,) natural angular frequencies, rad/s, ascending."""
+    ratio: Array
+    """(mode,) damping ratios."""
+    shape: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    """(mode, node, 3) displacements in x, y, z; the largest is 1."""
+    position: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    """(node, 3) m, at rest."""
+    line: tuple[str, ...] = ()
+    """Line or net of each node."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +89,8 @@ class Spectrum:
     """How the eigenvalues were found."""
     lines: tuple[Spectrum, ...] = ()
     """The spectrum of each line, where this one is of several."""
+    modes: Modes | None = None
+    """The lowest modes with their shapes, where they were asked for."""
 
     @property
     def stiffness_ratio(self) -> float:
@@ -183,14 +204,47 @@ def spectrum(
     if how_many is not None and how_many < 1:
         raise ValueError(f"how_many must be at least 1, not {how_many}")
     r, X = (at.r, at.X) if isinstance(at, State) else at
-    each = [
-        _of_line(linearise(strands, s, r, X), names[s] if names else f"{s}", how_many)
-        for s in range(strands.first.size)
-    ]
+    each = []
+    for s, first in enumerate(strands.first):
+        place = r[:, first : first + strands.links[s] + 1].T
+        each.append(_of_line(linearise(strands, s, r, X), names[s] if names else f"{s}", how_many, place))
     return each[0] if len(each) == 1 else _together(each)
 
 
-def _of_line(line: Linearised, name: str, how_many: int | None) -> Spectrum:
+def in_space(r: Array) -> Array:
+    """Positions (axis, node) with all three axes: what moves in a plane can leave it in small motions."""
+    return r if r.shape[0] == 3 else np.stack([r[0], np.zeros_like(r[0]), r[1]])
+
+
+def _lowest_modes(line: Linearised, name: str, how_many: int | None, place: Array) -> Modes | None:
+    """The lowest modes of a line in space that are at rest stable; None in the plane."""
+    dim = place.shape[1]
+    if dim != 3 or not line.size:
+        return None
+    K, C = (_sparse(band) for band in line.bands)
+    w, shapes = modes(K, np.ones(line.size), min(how_many or LOWEST, line.size))
+    moving = w > 0.0
+    w, shapes = w[moving], shapes[:, moving]
+    loss = (shapes * (C @ shapes)).sum(axis=0) + line.drag * (shapes**2).sum(axis=0)
+    moved = np.zeros((w.size, place.shape[0], 3))
+    moved[:, 1:-1] = shapes.T.reshape(w.size, -1, 3)
+    return Modes(w, loss / (2.0 * w), unit(moved), place, (name,) * place.shape[0])
+
+
+def unit(moved: Array) -> Array:
+    """Shapes (mode, node, 3) scaled so that the largest displacement is 1."""
+    size = np.linalg.norm(moved, axis=2).max(axis=1, initial=0.0)
+    return np.asarray(moved / np.where(size > 0.0, size, 1.0)[:, None, None])
+
+
+def _sparse(band: Array) -> Any:
+    """A symmetric matrix from its lower band (row, offset)."""
+    n, offsets = band.shape[0], range(min(band.shape[1], band.shape[0]))
+    lower = diags([band[: n - k, k] for k in offsets], [-k for k in offsets])
+    return (lower + lower.T - diags(band[:, 0])).tocsr()
+
+
+def _of_line(line: Linearised, name: str, how_many: int | None, place: Array) -> Spectrum:
     small = 2 * line.size <= DENSE if how_many is None else line.size <= 2 * how_many + 2
     found: Eigenvalues = every(line) if small else ends(line, how_many or HOW_MANY)
     sizes = np.abs(found.values)
@@ -216,6 +270,7 @@ def _of_line(line: Linearised, name: str, how_many: int | None) -> Spectrum:
         eigenvalues=found.values,
         complete=found.complete,
         method=found.method,
+        modes=_lowest_modes(line, name, how_many, place),
     )
 
 
@@ -244,7 +299,22 @@ def _together(each: list[Spectrum]) -> Spectrum:
         complete=all(line.complete for line in each),
         method="; ".join(dict.fromkeys(line.method for line in each)),
         lines=tuple(each),
+        modes=_all_modes([line.modes for line in each if line.modes is not None]),
     )
+
+
+def _all_modes(parts: list[Modes]) -> Modes | None:
+    """The modes of several lines as modes of all of them, in the order of their frequencies."""
+    if not parts:
+        return None
+    frequency, ratio = (np.concatenate([getattr(part, key) for part in parts]) for key in ("frequency", "ratio"))
+    position, line = np.concatenate([part.position for part in parts]), tuple(n for part in parts for n in part.line)
+    shape, mode, node = np.zeros((frequency.size, position.shape[0], 3)), 0, 0
+    for part in parts:
+        shape[mode : mode + part.frequency.size, node : node + len(part.line)] = part.shape
+        mode, node = mode + part.frequency.size, node + len(part.line)
+    order = np.argsort(frequency, kind="stable")[:LOWEST]
+    return Modes(frequency[order], ratio[order], shape[order], position, line)
 
 
 def _frequency(omega: float) -> str:

@@ -44,7 +44,8 @@ _ENDS = {
     ),
     motion.AT_SHEAVE: ("travel ended", "a load has come to a sheave, which it cannot pass; let it turn back before"),
     motion.AT_END: (
-        "travel ended", "a load has come to an end of its line or path; write at_end: leave or stay, or end the run before",
+        "travel ended",
+        "a load has come to an end of its line or path; write at_end: leave or stay, or end the run before",
     ),
     motion.LINE_OUT: ("line ran out", "a line has run over a sheave up to its end, or to another sheave or a load"),
 }

@@ -14,7 +14,7 @@ from ropewalk.webs.potential import Potential
 from ropewalk.webs.relax import relaxed
 from ropewalk.webs.seats import divide, join, seat
 from ropewalk.webs.sheaves import hop
-from ropewalk.webs.solver import IndefiniteError, Solver, Way
+from ropewalk.solve.symmetric import IndefiniteError, Solver, Way
 from ropewalk.webs.web import OFF, ON_LINE, WORKS, Array, Web
 
 # A node is at a sheave if it is closer than this part of a link.
@@ -71,7 +71,7 @@ def settle(web: Web, start: Array, *, rubs: bool = False, way: Way = "auto") -> 
         web: lines slip at its sheaves.
         start: (node, 3) m.
         rubs: whether they rub there.
-        way: of solving, see `solver.py`.
+        way: of solving, see `solve/symmetric.py`.
 
     Returns:
         Places (node, 3), m.

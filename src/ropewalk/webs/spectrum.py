@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
-from scipy.sparse import csc_matrix, diags
-from scipy.sparse.linalg import eigsh
+from scipy.sparse import csc_matrix
 
 from ropewalk.model.scenario import Scenario
+from ropewalk.solve.free_vibration import free_vibration, shaped
 from ropewalk.solve.spectrum import Spectrum
+from ropewalk.solve.symmetric import modes
+from ropewalk.webs.laying import Laid
 from ropewalk.webs.lengths import laid_at_rest
 from ropewalk.webs.potential import Potential
 from ropewalk.webs.rest import leave
-from ropewalk.webs.solver import modes
 from ropewalk.webs.web import Array
 
-LOWEST = 20  # modes where no number is asked for
-_DENSE = 400  # unknowns up to which all eigenvalues are found at once
 
-
-def stiffness_and_mass(scenario: Scenario) -> tuple[csc_matrix, Array]:
-    """Stiffness (unknown, unknown) in N/m and mass (unknown,) in kg of a web at rest without its loads.
+def small_motion(scenario: Scenario) -> tuple[Laid, Array, csc_matrix, Array, csc_matrix]:
+    """A web at rest without its loads: itself, places, stiffness and masses of the unknowns, and what these move.
 
     Raises:
         EquilibriumError: it has no rest.
@@ -28,17 +28,17 @@ def stiffness_and_mass(scenario: Scenario) -> tuple[csc_matrix, Array]:
     leave(laid.web)
     potential = Potential(laid.web)
     mass = potential.free.multiply(potential.free).T @ np.repeat(laid.web.body.mass, 3)
-    return potential.stiffness(rest), np.asarray(mass)
+    return laid, rest, potential.stiffness(rest), np.asarray(mass), potential.free
 
 
 def frequencies(scenario: Scenario, how_many: int) -> Array:
     """Lowest natural angular frequencies of a web at rest without its loads, rad/s; negative: growth rates in 1/s."""
-    K, mass = stiffness_and_mass(scenario)
+    _, _, K, mass, _ = small_motion(scenario)
     return modes(K, mass, min(how_many, K.shape[0]))[0]
 
 
 def spectrum(scenario: Scenario, how_many: int | None = None) -> Spectrum:
-    """Natural frequencies of a web at rest, the lowest ones and the highest.
+    """Natural frequencies and shapes of a web at rest, the lowest ones, and the highest frequency.
 
     Args:
         scenario: what is there.
@@ -47,24 +47,11 @@ def spectrum(scenario: Scenario, how_many: int | None = None) -> Spectrum:
     Raises:
         EquilibriumError: it has no rest.
     """
-    K, mass = stiffness_and_mass(scenario)
-    count = K.shape[0]
-    found, _ = modes(K, mass, min(how_many or LOWEST, count))
-    root = diags(1.0 / np.sqrt(mass))
-    scaled = root @ K @ root
-    if count <= _DENSE:
-        top = float(np.linalg.eigvalsh(scaled.toarray())[-1])
-    else:
-        top = float(eigsh(scaled, k=1, which="LA", return_eigenvectors=False)[0])
-    highest = float(np.sqrt(max(top, 0.0)))
-    moving = found[found > 0.0]
-    lowest = float(moving.min(initial=np.inf)) if moving.size else 0.0
-    growing = found[found < 0.0]
-    values = np.concatenate([1j * moving, -1j * moving, -growing, growing, [1j * highest, -1j * highest]])
-    return Spectrum(
-        name="web", unknowns=2 * count, lowest_frequency=lowest, highest_frequency=highest, slowest_damping_ratio=0.0,
-        fastest_damping_ratio=0.0, largest_damping_ratio=0.0, smallest_eigenvalue=lowest, largest_eigenvalue=highest,
-        imaginary=True, real_branches=False, unstable=int(growing.size), growth_rate=float(-growing.min(initial=0.0)),
-        neutral=int((found == 0.0).sum()), damping_rate=0.0, eigenvalues=values[np.argsort(np.abs(values))],
-        complete=False, method="lowest natural frequencies and the highest, without damping and loads",
-    )  # fmt: skip
+    laid, rest, K, mass, free = small_motion(scenario)
+    found, shapes = free_vibration("web", K, mass, how_many=how_many)
+    parts = [(s.name, s.node) for s in laid.strands]
+    parts += [(sheet.name, vertex) for sheet, vertex in zip(laid.sheets, laid.vertex, strict=True)]
+    nodes = np.concatenate([nodes for _, nodes in parts])
+    moved = np.asarray((free @ shapes).T).reshape(shapes.shape[1], -1, 3)[:, nodes]
+    names = tuple(name for name, nodes in parts for _ in nodes)
+    return replace(found, modes=shaped(found, moved, rest[nodes], names))

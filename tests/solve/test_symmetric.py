@@ -13,7 +13,7 @@ from scipy import sparse
 
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array
-from ropewalk.webs.solver import IndefiniteError, Solver, Way, modes
+from ropewalk.solve.symmetric import IndefiniteError, Solver, Way, modes
 
 WAYS: tuple[Way, ...] = ("band", "sparse")
 

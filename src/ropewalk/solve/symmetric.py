@@ -1,4 +1,4 @@
-"""Linear systems with the symmetric stiffness of a web, and its lowest modes.
+"""Linear systems with a symmetric stiffness, and its lowest modes.
 
 Two ways, with the same answer to round-off. `band`: the unknowns in the order of Cuthill and McKee, which keeps the
 band narrow, and Cholesky's factor of the band. `sparse`: in an order of minimum degree, and SuperLU with pivots on the

@@ -1,0 +1,63 @@
+"""The spectrum of wires at rest: natural frequencies of their small free motions in all directions, loads left out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import scipy.sparse as sparse
+
+from ropewalk.solve.free_vibration import free_vibration, shaped
+from ropewalk.solve.spectrum import Spectrum
+from ropewalk.wires.equilibrium import Potential, movable
+from ropewalk.wires.mesh import Mesh
+from ropewalk.wires.plan import Array
+from ropewalk.wires.rest import bending_stiffness, rows
+from ropewalk.wires.task import Task, ready
+
+
+def spectrum(task: Task, how_many: int | None = None) -> Spectrum:
+    """Natural frequencies, damping ratios and shapes of wires at rest, the lowest ones, and the highest frequency.
+
+    Args:
+        task: whose wires are meant; what travels on them is left out.
+        how_many: of the lowest modes.
+
+    Raises:
+        RopewalkError: there is no rest.
+    """
+    _, start = ready(replace(task, journeys=(), contacts=(), shown=(), foreigners=()))
+    mesh, r = start.mesh, start.position
+    potential = Potential(mesh, start.unstrained)
+    free = movable(mesh, space=True).ravel()
+    K, C = potential.stiffness(r)[free][:, free], damping_of(potential, mesh, r)[free][:, free]
+    mass = np.tile(mesh.mass, 3)[free]
+    found, shapes = free_vibration("wires", K, mass, C if C.nnz else None, how_many)
+    moved = np.zeros((shapes.shape[1], free.size))
+    moved[:, free] = shapes.T
+    names = tuple(w.name for w, n in zip(mesh.plan.wires, mesh.strands.links, strict=True) for _ in range(int(n) + 1))
+    return replace(found, modes=shaped(found, moved.reshape(-1, 3, mesh.nodes).transpose(0, 2, 1), r.T, names))
+
+
+def damping_of(potential: Potential, mesh: Mesh, r: Array) -> sparse.csc_matrix:
+    """Damping of all components (3 node, 3 node), N s/m: drag, retarded bending, dampers of ties and holds."""
+    s, ties, holds = mesh.strands, mesh.ties, mesh.holds
+    nodes = [int(n) + 1 for n in s.links]
+    drag = np.repeat(s.drag * s.rho * s.h, nodes)
+    late = sparse.diags(np.repeat(s.retardation, nodes))
+    bent = late @ bending_stiffness(mesh)
+    hold = rows(holds.at, mesh.nodes)
+    tie = rows(ties.other, mesh.nodes) - rows(ties.one, mesh.nodes)
+    d = (tie @ r.T).T + np.where(np.isfinite(ties.ground), ties.ground, 0.0).T
+    way = d / np.sqrt((d**2).sum(axis=0))
+    blocks = [
+        [
+            tie.T @ sparse.diags(ties.damping * way[a] * way[b]) @ tie
+            + (sparse.diags(drag) + bent + hold.T @ sparse.diags(holds.damping[:, a]) @ hold if a == b else 0.0 * bent)
+            for b in range(3)
+        ]
+        for a in range(3)
+    ]
+    C = sparse.bmat(blocks, format="csc")
+    C.eliminate_zeros()
+    return C
