@@ -73,9 +73,7 @@ def travellers_of(scenario: Scenario, sheets: Mapping[str, Sheet], until: float)
     ]
 
 
-def _traveller(
-    wheel: Wheel, load: Any, foot: int, line: Line | None, sheet: Sheet | None, until: float
-) -> Traveller:
+def _traveller(wheel: Wheel, load: Any, foot: int, line: Line | None, sheet: Sheet | None, until: float) -> Traveller:
     times, force = vector_table(wheel.force, until, _AXES)
     if isinstance(load, Footsteps):
         knots, way, at_end = _steps(load, foot, until), load.path, load.at_end
