@@ -12,8 +12,8 @@ import pytest
 import xarray as xr
 from scipy.optimize import brentq
 
-from ropewalk.errors import EquilibriumError
 from motion_cases import long_string, order, taut_string
+from ropewalk.errors import EquilibriumError
 from ropewalk.model import Dynamic, Line, MovingMass, Scenario, Travel
 from ropewalk.model.wind import Wind
 from ropewalk.simulate import simulate
@@ -84,7 +84,7 @@ ELASTIC = {"kind": "elastic", "stiffness": [3e3, 1e3], "damping": 30.0, "mass": 
 
 
 @pytest.mark.parametrize("support", [GUIDED, ELASTIC])
-def test_a_support_that_yields_bears_what_the_line_weighs_without_the_supports_own_mass(support: dict[str, Any]) -> None:
+def test_a_support_that_yields_bears_what_the_line_weighs_without_its_own_mass(support: dict[str, Any]) -> None:
     chain, web = both({"kind": "equilibrium"}, {"end_support": support})
     assert web.reaction.values == pytest.approx(chain.reaction.values, abs=1e-6)
     assert web.reaction.values[0].sum(axis=0) == pytest.approx([0.0, 20.3 * 9.81], abs=1e-6)

@@ -60,7 +60,8 @@ def test_slow_motion_is_that_in_the_wind_of_its_time() -> None:
     wind = {"direction": [0, 1, 0], "speed": {"time": [2.0, 2.0], "value": [0.0, 20.0]}}
     load = {"kind": "force", "on": "line", "force": [0, 0, -100], "travel": {"speed": 5.0}}
     run = {"kind": "quasistatic", "positions": 5}
-    result = simulate(Scenario.model_validate({"lines": {"line": LINE}, "wind": wind, "loads": {"p": load}, "run": run}))
+    given = {"lines": {"line": LINE}, "wind": wind, "loads": {"p": load}, "run": run}
+    result = simulate(Scenario.model_validate(given))
     sideways = result.reaction.sel(axis="y").values.sum(axis=1)
     w = 0.5 * 1.225 * 0.03 * 20.0**2
     assert sideways[1] == pytest.approx(0.0, abs=1e-6)

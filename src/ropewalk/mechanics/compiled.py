@@ -13,6 +13,7 @@ import numba
 import numpy as np
 
 njit: Any = numba.njit  # its stubs do not know the wrapper options
+config: Any = numba.config  # nor what is read from the environment
 
 _common: dict[str, Any] = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 # A product and a sum may become one operation with one rounding. Never "nnan" or "ninf": NaN and inf must be found.
@@ -32,12 +33,12 @@ summing: Any = njit(**_common, _nrt=False, fastmath={"reassoc", *_fused})
 
 
 def records(count: int, kind: np.dtype[Any]) -> Any:
-    """Empty records, (count,): kernels reach their fields as attributes, which plain Python knows of its own class only.
+    """Empty records, (count,): kernels reach fields as attributes, which plain Python knows of a class of its own only.
 
     With NUMBA_DISABLE_JIT=1 all kernels run as plain Python, which finds indices that are out of bounds.
     """
     empty = np.zeros(count, kind)
-    return empty.view(np.recarray) if numba.config.DISABLE_JIT else empty
+    return empty.view(np.recarray) if config.DISABLE_JIT else empty
 
 
 def entry_of(dispatcher: Any, arguments: Sequence[Any]) -> Callable[..., Any]:

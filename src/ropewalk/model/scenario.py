@@ -49,7 +49,7 @@ class Scenario(Declaration):
 
     @property
     def is_web(self) -> bool:
-        """Whether lines are joined or run over sheaves, there are nets, or air pushes at lines: they move as webs do."""
+        """Whether lines are joined or run over sheaves, there are nets, or air pushes at lines: these move as webs."""
         return self._parts.is_web
 
     @property

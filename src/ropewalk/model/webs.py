@@ -33,10 +33,10 @@ def check_webs(parts: Parts) -> Iterator[Finding]:
         if load is not None and way is not None and load.on in parts.lines:
             remedy = "leave it out, or name a net"
             yield Finding(("loads", name, *_way_key(load)), "a path is for nets", repr(load.on), remedy)
-    if parts.wind is not None and not parts.wind.is_calm and not parts.is_airy:
-        if all(line is not None for line in parts.lines.values()):
-            remedy = "give a line wind_drag (its drag coefficient times its width), or leave wind out"
-            yield Finding(("wind",), "nothing feels it: no line has wind_drag", remedy=remedy)
+    blows = parts.wind is not None and not parts.wind.is_calm
+    if blows and not parts.is_airy and all(line is not None for line in parts.lines.values()):
+        remedy = "give a line wind_drag (its drag coefficient times its width), or leave wind out"
+        yield Finding(("wind",), "nothing feels it: no line has wind_drag", remedy=remedy)
     if not parts.is_web:
         return
     if parts.overhead or any(line is not None and line.is_stiff for line in parts.lines.values()):

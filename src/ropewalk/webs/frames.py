@@ -329,7 +329,8 @@ class Run:
         nan = np.full(contacts, np.nan)
         xi = np.where(on, seats.xi, np.nan)
         return Frame(
-            path=float(state.t[0]) if still is None else still, position=r[self._shown][:, axes], velocity=state.v[self._shown][:, axes],
+            path=float(state.t[0]) if still is None else still,
+            position=r[self._shown][:, axes], velocity=state.v[self._shown][:, axes],
             tension=tension, strain=strain,
             contact_position=np.where(on[:, None], r[n:], np.nan)[:, axes],
             contact_force=np.where(on[:, None], force, np.nan)[:, axes],
@@ -380,7 +381,7 @@ class Run:
         return strain, tension
 
     def _reactions(self, state: State) -> Array:
-        """Forces of supports on lines and of edges on nets, (support, 3) N: of spring, damper, rail and mass together."""
+        """Forces of supports on lines and of edges on nets, (support, 3) N: spring, damper, rail and mass together."""
         web, held = self.web, self.web.held
         ahead = web.sheaves.ahead.copy()
         pull = Potential(web, rubs=True).pull(state.r)

@@ -94,7 +94,7 @@ def _check_joined(scenario: Scenario, lengths: Mapping[str, float]) -> None:
 def _not_found(scenario: Scenario, last: Mapping[str, tuple[float, float]], given: Mapping[str, Any]) -> str:
     """Why lines do not have their given tension at rest: the one furthest from it, and what may set it instead."""
     name = max(given, key=lambda key: abs(last[key][1] / given[key][1] - 1.0))
-    line, (_, wanted, _) = scenario.lines[name], given[name]
+    wanted = given[name][1]
     guided = [
         f"lines.{other}.{key}"
         for other, it in scenario.lines.items()
