@@ -38,6 +38,11 @@ class Parts:
         """Whether lines are joined or run over sheaves, there are nets, or wind blows."""
         return bool(self.nets or self.wind) or any(line is not None and line.is_joined for line in self.lines.values())
 
+    @property
+    def is_stiff(self) -> bool:
+        """Whether lines have bending stiffness or a bed, or there are overhead lines."""
+        return bool(self.overhead) or any(line is not None and line.is_stiff for line in self.lines.values())
+
     def complete(self) -> Iterator[tuple[str, AnyLoad, str, Line]]:
         """List the loads that are themselves right and stand on a line that is, too: name, load, line's name, line."""
         for name, load in self.loads.items():
