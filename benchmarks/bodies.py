@@ -81,7 +81,7 @@ def ride(scenario: Scenario, timed: bool = False) -> Ride:
     )  # fmt: skip
     times = output_times(run)[1:]
     for now in move(
-        setting.strands, setting.loads, state, choice, run.accuracy, times, progress, setting.supports, bodies, guides
+        setting.strands, setting.loads, state, choice, run.precision, times, progress, setting.supports, bodies, guides
     ):
         path.append(_place(bodies, now))
     seconds = clock.process_time() - begin

@@ -43,5 +43,5 @@ def march(scenario: Scenario, times: Array, sharing: bool) -> March:
     choice = choose(
         strands, loads, state, method=run.method, step=run.step, accuracy=run.accuracy, duration=float(times[-1])
     )
-    states = [now.copy() for now in move(strands, loads, state, choice, run.accuracy, times, progress)]
+    states = [now.copy() for now in move(strands, loads, state, choice, run.precision, times, progress)]
     return March(setting, states, clock.process_time() - begin, progress.status)

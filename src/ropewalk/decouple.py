@@ -166,7 +166,7 @@ def standing_force(load: AnyLoad, wheel: Wheel, force: tuple[float, ...]) -> Mov
             total = ForceTable(time=(0.0, arrival, arrival), value=(none, none, force))
             history = SpeedTable(time=(0.0, arrival, arrival), value=(0.0, 0.0, speed))
         start = -1e-9 * start  # on the support, and yet not at the same place as others that wait
-    moved = travel.model_copy(update={"speed": history, "start": start})
+    moved = travel.model_copy(update={"speed": history, "start": start, "margin": None})
     contact = load.contact if isinstance(load, MovingMass) else "clamped"
     return MovingForce(on=load.on, force=total, travel=moved, contact=contact)
 
@@ -231,7 +231,7 @@ class _Ground:
             contact = load.contact if isinstance(load, MovingMass) else "clamped"
             if contact != "clamped":  # the hold force is found anew
                 table = _force_table(time, force - np.nan_to_num(self.result["hold_force"].values[:, k]))
-            travel = load.travel.model_copy(update={"start": wheel.start})
+            travel = load.travel.model_copy(update={"start": wheel.start, "margin": None})
             return [MovingForce(on=load.on, force=table, travel=travel, contact=contact)]
         assert not isinstance(load, MovingForce)
         gone = np.flatnonzero(~np.isfinite(speed))
@@ -240,7 +240,7 @@ class _Ground:
         at_end = "leave" if load.travel.at_end == "refuse" else load.travel.at_end
         travel = Travel(
             speed=SpeedTable(time=tuple(time.tolist()), value=tuple(speed.tolist())),
-            start=load.travel.start, at_end=at_end, margin=load.travel.margin,
+            start=load.travel.start, at_end=at_end,
         )  # fmt: skip
         return [MovingForce(on=load.on, force=table, travel=travel)]
 

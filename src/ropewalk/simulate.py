@@ -28,7 +28,7 @@ from ropewalk.solve.measure import shapes
 from ropewalk.solve.modes_at_start import deflect
 from ropewalk.solve.motion import STOPPED, Progress, move
 from ropewalk.solve.quasistatic import Place, walk
-from ropewalk.solve.remarks import Remarks, on_parting, who_met
+from ropewalk.solve.remarks import Remarks, on_friction, on_parting, who_met
 from ropewalk.solve.splitting import END_OF_LINE, MET, RUNNING
 from ropewalk.solve.start import Setting, setting_of, start_state
 from ropewalk.solve.timetable import horizon
@@ -253,7 +253,7 @@ def _course(
             guide.begin(state)
 
     def states(times: Array, progress: Progress) -> Iterator[State]:
-        return move(strands, loads, state, choice, run.accuracy, times, progress, supports, moving, guides)
+        return move(strands, loads, state, choice, run.precision, times, progress, supports, moving, guides)
 
     return choice, turns, states
 
@@ -265,7 +265,7 @@ def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account
     camera, progress = Camera(setting, bodies), Progress()
     with exchanging(turns, account):
         yield exchanged(camera.take(state), turns, account)
-        warned, parted = False, set[int]()
+        warned, parted, slipped = False, set[int](), set[int]()
         for current in states(times[1:], progress):
             account.steps = progress.steps
             if progress.status != RUNNING:
@@ -279,6 +279,7 @@ def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account
             frame = exchanged(camera.take(current), turns, account)
             if not warned:
                 warned = _warn_of_compression(setting, frame, account)
+            account.warnings += on_friction(setting, frame.contact_friction, frame.path, slipped)
             if bodies is not None:
                 moving = sum(
                     float(frame.energy[ENERGY_FORMS.index(form)]) for form in ("kinetic", "elastic", "load_kinetic")

@@ -14,6 +14,7 @@ from ropewalk.foreign.models import turns_of
 from ropewalk.mechanics.assembly import speed_table
 from ropewalk.mechanics.wheels import wheels_of
 from ropewalk.model.load import AnyLoad, Foreign
+from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
@@ -87,6 +88,8 @@ def task_of(scenario: Scenario) -> Task:
     if space:
         more |= {"space": True, "near": near}
     remarks = tuple(remark for section in sections.values() for remark in _remarks(section))
+    if isinstance(run, Dynamic) and not nonlinear:
+        remarks += tuple(remark for name, line in scenario.overhead_lines.items() for remark in _unseen(name, line))
     return Task(
         plan, tuple(journeys), tuple(contacts), tuple(shown), elements, foreigners=tuple(foreigners), remarks=remarks,
         **more,
@@ -112,6 +115,14 @@ def _remarks(section: Section) -> Iterator[str]:
     if heaviest > _HEAVY:
         name = list(section.droppers)[int(section.pull.argmax())]
         yield f"dropper {name} bears {heaviest:.0f} N at rest, several times what is usual: check lengths and pre_sag"
+
+
+def _unseen(name: str, line: OverheadLine) -> Iterator[str]:
+    """What is declared of an overhead line and makes no difference to its linearised motion."""
+    if line.ends == "anchored":
+        yield f"overhead_lines.{name}.ends: in linearised motion tensions are constant, whatever holds the ends"
+    if line.messenger_supports.along == "held":
+        yield f"overhead_lines.{name}.messenger_supports.along: in linearised motion nothing moves along the line"
 
 
 def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until: float) -> Journey:

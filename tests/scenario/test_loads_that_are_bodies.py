@@ -40,7 +40,8 @@ PAIR = (
 )
 RIGHT = {
     "a mass that is carried along": f"{MASS}, travel: {{speed: 3}}",
-    "a mass without tension jump": f"{MASS}, travel: {{speed: 3, margin: 20 cm}}, contact: frictionless, side: below",
+    "a mass without tension jump": f"{MASS}, travel: {{speed: 3, margin: 20 cm}}, contact: frictionless, side: below, "
+    "lift_off: true",
     "a mass that slides": f"{MASS}, travel: {{kind: free, from: 2, speed: -1, friction: 0.1, friction_model: block}}",
     "a mass that is driven": f"{MASS}, travel: {{kind: free, rolling: 1 %, viscous: 3, drive: {{time: [0, 1], "
     "value: [0, 5 N]}, driver: {speed: 3, force: 20}, brake: {force: 300, within: 5 m, at: both}, margin: 2 m}",

@@ -50,7 +50,7 @@ loads:
     {kind: fmu, on: rope, file: a.fmu, contacts: {w: {force: F, gives: motion, height: z, at: 1}}, travel: {speed: 3,
     from: 24}, parameters: {m: 3, b: true}, exchange: {stiffness: 5, scheme: parallel, order: 2}, isolated: false}
   h:
-    {kind: oscillator, on: rope, mass: 8, stiffness: [1, 2], lift_off: true, contact_stiffness: 9,
+    {kind: oscillator, on: rope, mass: 8, stiffness: 2, lift_off: true, contact_stiffness: 9,
     travel: {speed: 0, from: 35}}
 """
 TREE: dict[str, Any] = YAML(typ="safe", pure=True).load(TEXT)

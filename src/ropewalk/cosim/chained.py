@@ -67,7 +67,7 @@ class Chained(Stepwise):
             guide.begin(self._state)
         self._progress, self._until = Progress(), 0.0
         self._states = move(
-            setting.strands, setting.loads, self._state, self.choice, run.accuracy,
+            setting.strands, setting.loads, self._state, self.choice, run.precision,
             self._times(), self._progress, setting.supports, self._moving, self._guides,  # type: ignore[arg-type]
         )  # fmt: skip
 

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ropewalk.errors import RopewalkError
 from ropewalk.linear.chord import Chord, chords
 from ropewalk.linear.field import Field
 from ropewalk.linear.ride import Ride, ride_of
-from ropewalk.mechanics.chain import FRICTIONLESS, Array
+from ropewalk.mechanics.chain import FRICTIONLESS, REFUSE, Array
 from ropewalk.mechanics.fleet import Body
 from ropewalk.mechanics.rider import force_at, speed_at
 from ropewalk.model.load import MovingForce
@@ -29,6 +30,7 @@ def frames(setting: Setting, scenario: Scenario, times: Array, account: Account)
     """
     lines = chords(setting, scenario, account)
     fields = [Field(setting, scenario, s, chord) for s, chord in enumerate(lines)]
+    _refuse_to_pass(setting, scenario, fields, times)
     bodies = {load.on: name for name, load in scenario.loads.items() if not isinstance(load, MovingForce)}
     rides = [
         ride_of(setting, scenario, bodies[name], s, chord, times, account) if name in bodies else None
@@ -40,6 +42,25 @@ def frames(setting: Setting, scenario: Scenario, times: Array, account: Account)
     ]
     for i, t in enumerate(times):
         yield _frame(setting, fields, rides, nodes, i, float(t))
+
+
+def _refuse_to_pass(setting: Setting, scenario: Scenario, fields: list[Field], times: Array) -> None:
+    """Refuse loads that would pass an end of a line whose length was not known before.
+
+    Raises:
+        RopewalkError: there is such a load.
+    """
+    for field in fields:
+        slack = 1e-9 * field.chord.length
+        for k in setting.on[field.s]:
+            place = field.place(int(k), times)
+            off = (place < -slack) | (place > field.chord.length + slack)
+            if setting.loads.at_end[k] == REFUSE and off.any():
+                name, t = setting.wheels[int(k)].load, float(times[int(off.argmax())])
+                raise RopewalkError(
+                    f"loads.{name}.travel.at_end: the load has passed an end of its line at t = {t:.4g} s; write "
+                    "leave, or end the run before"
+                )
 
 
 def _frame(

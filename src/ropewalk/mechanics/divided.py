@@ -197,7 +197,7 @@ def slide(strands, loads, state, buffers, bodies, p, speed, dt):
         T2 - T1 + G = P - R sign U - viscous U       or  |T2 - T1 + G - P| <= R  and  U = 0.
 
     The unstrained length behind is the unknown, and both sides are monotone in it: one solution, found by Newton's
-    method, at any step. A driver gives the P, within its limits, that lets it keep its speed.
+    method, at any step. A driver adds to P, within its limits, what lets it keep its speed.
 
     Returns:
         Work of the drive and loss by friction, J.
@@ -237,10 +237,10 @@ def slide(strands, loads, state, buffers, bodies, p, speed, dt):
             T2 += c * (rate2 - (U2 - U) * l2 / s2) / s2
         R = kappa * max(T1 + T2, 0.0) + brake
         needed = T2 - T1 + G + (R if U > 0.0 else (-R if U < 0.0 else 0.0)) + viscous * mean * U
-        if abs(needed) <= bodies.wheels[k].driver:
+        if abs(needed - P) <= bodies.wheels[k].driver:
             P, xi, sign = needed, wanted, 2.0
         else:
-            P = bodies.wheels[k].driver if needed > 0.0 else -bodies.wheels[k].driver
+            P += bodies.wheels[k].driver if needed > P else -bodies.wheels[k].driver
             T1, _ = _piece(strands, s, l1, old - low)
             T2, _ = _piece(strands, s, l2, high - old)
     if sign == 0.0:

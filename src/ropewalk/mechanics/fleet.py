@@ -173,6 +173,7 @@ def _fit_to_mesh(
             mass >= HEAVY * m
             or wheel.free is not None
             or wheel.lift != 0
+            or wheel.margin is not None
             or record["travel"] in (EVEN, ALONG_X)
             or k in close
         )
@@ -180,6 +181,9 @@ def _fit_to_mesh(
             record["room"] = h * np.clip(ROOM_PER_MASS * m / mass, LEAST_ROOM, MOST_ROOM)
         else:
             record["travel"] = GIVEN
+        if wheel.margin is not None and not mass:
+            wrong = "a line ends at its supports for a contact without mass of its own; leave margin out"
+            raise RopewalkError(f"loads.{wheel.load}.travel.margin: {wrong}")
         record["margin"] = wheel.margin if wheel.margin is not None else (MARGIN * h if record["heavy"] else 0.0)
         if wheel.free is not None and wheel.free.brake is not None:
             brake, length = wheel.free.brake, h * float(strands.links[s])
@@ -429,4 +433,5 @@ def _given(
         Body(f"{name}.{load.coordinates[i]}", on[0], 0.0, (-1,) * (dim - 1) + (first + j,), float(M[i, i]))
         for j, i in enumerate(own)
     ]
-    return (vehicle if own or vehicle.M.any() or vehicle.K.any() else None), shown
+    is_more = any(part.any() for part in (vehicle.M, vehicle.C, vehicle.K, vehicle.load))  # than masses on wheels
+    return (vehicle if own or is_more else None), shown

@@ -12,7 +12,7 @@ from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable, rows
 from ropewalk.model.law import Inextensible
 from ropewalk.model.line import Line
-from ropewalk.model.load import MovingForce
+from ropewalk.model.load import MovingForce, Travelling
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
@@ -20,8 +20,10 @@ from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.places import meetings, reach, travels
 from ropewalk.model.run import Dynamic, Linear, Quasistatic, every_of
+from ropewalk.model.settings import check_settings
 from ropewalk.model.space import check_space
 from ropewalk.model.stiff import check_stiff
+from ropewalk.model.support import Fixed
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.trolley import Trolley
 from ropewalk.model.vehicle import Vehicle
@@ -41,11 +43,14 @@ def check(parts: Parts) -> list[Finding]:
             _unknown_lines,
             check_stiff,
             check_webs,
+            check_settings,
             check_space,
             check_beginning,
             _travels,
             meetings,
             _known_to_the_run,
+            _unfelt,
+            _friction,
             _weights,
             _path,
             _rest,
@@ -83,6 +88,7 @@ def _known_to_the_run(parts: Parts) -> Iterator[Finding]:
                 remedy = "ask for kind: dynamic, or write kind: force with its weight as force"
                 wrong = f"kind: {parts.run.kind} knows forces only"
                 yield Finding(("loads", name, "kind"), wrong, load.kind, remedy)
+    yield from _margins(parts)
     if not isinstance(parts.run, Dynamic | Linear):
         return
     for name, line in parts.lines.items():
@@ -99,6 +105,55 @@ def _known_to_the_run(parts: Parts) -> Iterator[Finding]:
             wrong = "a mass that follows the arc length is unstable: the line that it stretches steers it"
             remedy = "write slip, which differs by how fast the line behind gets longer, or material or horizontal"
             yield Finding(("loads", name, "travel", "measured"), wrong, "arc", remedy)
+
+
+def _margins(parts: Parts) -> Iterator[Finding]:
+    """Ends of lines for loads before their supports."""
+    for name, load in parts.loads.items():
+        if not isinstance(load, Travelling) or load.travel.margin is None or parts.is_web:
+            continue
+        wrong = ""
+        if isinstance(parts.run, Linear | Quasistatic):
+            wrong = f"with kind: {parts.run.kind} loads come to the supports themselves"
+        elif parts.is_stiff:
+            wrong = "lines with bending stiffness or a bed end at their supports for all loads"
+        elif isinstance(load, MovingForce):
+            wrong = "a line ends at its supports for forces"
+        if wrong:
+            yield Finding(("loads", name, "travel", "margin"), wrong, f"{load.travel.margin:g} m", "leave margin out")
+
+
+def _unfelt(parts: Parts) -> Iterator[Finding]:
+    """Keys of lines that nothing asks for."""
+    for name, line in parts.lines.items():
+        if line is None:
+            continue
+        if line.wind_drag and parts.wind is None and parts.is_complete:
+            wrong, remedy = "there is no wind", "add wind (speed: 0 m/s is still air, which damps), or leave it out"
+            yield Finding(("lines", name, "wind_drag"), wrong, f"{line.wind_drag:g} m", remedy)
+        if not isinstance(parts.run, Linear):
+            continue
+        for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
+            if isinstance(support, Fixed) and support.clamped:
+                wrong, remedy = (
+                    "kind: linear knows ends that turn freely",
+                    "leave clamped out, or ask for kind: dynamic",
+                )
+                yield Finding(("lines", name, key, "clamped"), wrong, "true", remedy)
+
+
+def _friction(parts: Parts) -> Iterator[Finding]:
+    """Coefficients of friction that given forces are not held against: tensions beside them are looked at on ropes."""
+    for name, load in parts.loads.items():
+        if not isinstance(load, MovingForce) or load.contact in ("coulomb", "dragged"):
+            continue
+        if not (isinstance(parts.run, Linear) or parts.is_web or parts.is_stiff):
+            continue
+        wrong = "whether it holds a load is looked at on ropes alone, and not by kind: linear"
+        if load.friction is not None:
+            yield Finding(("loads", name, "friction"), wrong, f"{load.friction:g}", "leave it out")
+        if load.friction_model != "capstan":
+            yield Finding(("loads", name, "friction_model"), wrong, load.friction_model, "leave it out")
 
 
 def _travels(parts: Parts) -> Iterator[Finding]:

@@ -10,8 +10,16 @@ FrictionModel = Literal["capstan", "block"]
 Side = Literal["above", "below"]
 
 LIFT_OFF = "whether it may leave the line; it lands again without bouncing"
-SIDE = "side of the line on which it runs; matters with lift_off"
+SIDE = "side of the line on which it runs; below goes with lift_off"
 CONTACT_STIFFNESS = "normal stiffness of a contact that can only push, goes with lift_off (default: rigid)"
+
+
+def one_sided(side: Side, *, lift_off: bool) -> list[Finding]:
+    """Find a side of the line that a load is on which cannot leave it: such a contact pushes and pulls."""
+    if side == "above" or lift_off:
+        return []
+    wrong, remedy = "a contact that cannot let go has no side", "write lift_off: true, or leave side out"
+    return [Finding(("side",), wrong, side, remedy)]
 
 
 def soft_contact(path: Path, stiffness: float | None, *, lift_off: bool) -> list[Finding]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from ropewalk.model._base import Declaration
+from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.quantity import Count, Factor, Stiffness, Viscosity
 
 Scheme = Literal["sequential", "parallel", "iterated"]
@@ -37,6 +37,17 @@ class Exchange(Declaration):
     warn: Factor = Field(
         default=0.01, description="warn when the exchange has made energy of this part of the work that went through it"
     )
+
+    @model_validator(mode="after")
+    def _iterates(self) -> Self:
+        findings = []
+        for key in ("tolerance", "iterations"):
+            value = getattr(self, key)
+            if self.scheme != "iterated" and value != type(self).model_fields[key].default:
+                remedy = f"leave {key} out, or write scheme: iterated"
+                findings.append(Finding((key,), "goes with scheme: iterated only", f"{value:g}", remedy))
+        report("exchange", findings)
+        return self
 
     @property
     def degree(self) -> int:

@@ -66,7 +66,7 @@ class Line(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         given = {name for name in type(self).model_fields if getattr(self, name) is not None}
-        report("line", [*contradictions(given, self.law.kind), *self._geometry()])
+        report("line", [*contradictions(given, self.law.kind), *self._geometry(), *self._clamped()])
         return self
 
     def _geometry(self) -> list[Finding]:
@@ -91,6 +91,13 @@ class Line(Declaration):
             given = f"{self.length:.10g} m over {self.distance:.10g} m"
             findings.append(Finding(("length",), wrong, given, remedy))
         return findings
+
+    def _clamped(self) -> Iterator[Finding]:
+        for key, support in (("start_support", self.start_support), ("end_support", self.end_support)):
+            if isinstance(support, Fixed) and support.clamped and not self.bending_stiffness:
+                wrong = "a line without bending stiffness turns freely"
+                remedy = "add bending_stiffness (EI), or leave clamped out"
+                yield Finding((key, "clamped"), wrong, "true", remedy)
 
     @property
     def is_joined(self) -> bool:

@@ -8,7 +8,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.contact import LIFT_OFF, SIDE, Side
+from ropewalk.model.contact import LIFT_OFF, SIDE, Side, one_sided
 from ropewalk.model.history import ForceHistory, rows
 from ropewalk.model.quantity import AirDrag, PositiveMass
 from ropewalk.model.travel import AnyTravel, FreeTravel, Place
@@ -33,10 +33,12 @@ class MovingMass(Declaration):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        findings = one_sided(self.side, lift_off=self.lift_off)
         if isinstance(self.travel, FreeTravel) and self.contact != "clamped":
             wrong = "contact is for a prescribed travel"
             remedy = "leave contact out: a free travel slides with travel.friction, which is 0 by default"
-            report("mass", [Finding(("contact",), wrong, self.contact, remedy)])
+            findings.append(Finding(("contact",), wrong, self.contact, remedy))
+        report("mass", findings)
         return self
 
     def starts(self) -> list[Place]:

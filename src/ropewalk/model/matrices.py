@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.contact import LIFT_OFF, SIDE, Side
+from ropewalk.model.contact import LIFT_OFF, SIDE, Side, one_sided
 from ropewalk.model.quantity import Matrix, Name, Station, TableForce
 from ropewalk.model.travel import Place, Travel, prescribed_only
 
@@ -51,7 +51,8 @@ class Matrices(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         sizes = list(self._sizes())
-        report("matrices", [*self._names(), *(sizes or self._mass())])
+        side = one_sided(self.side, lift_off=self.lift_off)
+        report("matrices", [*side, *self._names(), *(sizes or self._mass())])
         return self
 
     def starts(self) -> list[Place]:

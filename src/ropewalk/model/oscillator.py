@@ -8,7 +8,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.contact import CONTACT_STIFFNESS, LIFT_OFF, SIDE, Side, soft_contact
+from ropewalk.model.contact import CONTACT_STIFFNESS, LIFT_OFF, SIDE, Side, one_sided, soft_contact
 from ropewalk.model.quantity import AirDrag, Mass, PositiveMass, PositiveStiffness, Stiffnesses, Viscosities
 from ropewalk.model.travel import AnyTravel, FreeTravel, Place
 
@@ -35,11 +35,25 @@ class Oscillator(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         findings = soft_contact(("contact_stiffness",), self.contact_stiffness, lift_off=self.lift_off)
+        findings += one_sided(self.side, lift_off=self.lift_off)
+        if self.contact_stiffness is not None:
+            findings += self._upright()
         if isinstance(self.travel, FreeTravel) and not self.wheel_mass:
             remedy = "add wheel_mass, for example a hundredth of mass, or prescribe the travel"
             findings.append(Finding(("wheel_mass",), "is missing, a free travel moves the wheel by it", remedy=remedy))
         report("oscillator", findings)
         return self
+
+    def _upright(self) -> Iterator[Finding]:
+        """What goes with motion in all directions, which a soft contact does not let the mass have."""
+        wrong = "with contact_stiffness the mass moves up and down only"
+        for key in ("stiffness", "damping"):
+            value = getattr(self, key)
+            if isinstance(value, tuple):
+                yield Finding((key,), wrong, str(list(value)), f"write {value[-1]:g}, or leave contact_stiffness out")
+        if self.air_drag:
+            remedy = "leave air_drag or contact_stiffness out"
+            yield Finding(("air_drag",), wrong, f"{self.air_drag:g} kg/m", remedy)
 
     def starts(self) -> list[Place]:
         """List where its wheel stands at the beginning."""

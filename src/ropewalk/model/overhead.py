@@ -215,6 +215,12 @@ class SteadyArms(Declaration):
         if self.stagger == 0.0:
             wrong, remedy = "an arm without stagger has no direction", "leave stagger out"
             findings.append(Finding(("stagger",), wrong, "0 m", remedy))
+        if self.stagger is None:
+            wrong = "an arm without stagger is a mass and a constant force"
+            own = ["axial_stiffness", *(["length"] if self.mass_per_length is None else [])]
+            for key in own:
+                if (value := getattr(self, key)) != type(self).model_fields[key].default:
+                    findings.append(Finding((key,), wrong, f"{value:g}", f"add stagger, or leave {key} out"))
         report("steady arms", findings)
         return self
 

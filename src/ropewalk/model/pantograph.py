@@ -180,6 +180,9 @@ class Pantograph(Declaration):
                 yield Finding(("stiffness", i), "nothing carries the mass", "0 N/m", remedy)
 
     def _forces(self) -> Iterator[Finding]:
+        if self.aerodynamic_on == "head" and not self.aerodynamic:
+            wrong, remedy = "there is no uplift", "add aerodynamic, or leave aerodynamic_on out"
+            yield Finding(("aerodynamic_on",), wrong, self.aerodynamic_on, remedy)
         if self.mean_force is not None:
             for key in ("static_force", "aerodynamic"):
                 if getattr(self, key):

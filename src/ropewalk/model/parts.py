@@ -44,6 +44,11 @@ class Parts:
         """Whether the air pushes at lines: one feels it, also where it stands still and the line moves."""
         return self.wind is not None and any(line is not None and line.wind_drag for line in self.lines.values())
 
+    @property
+    def is_stiff(self) -> bool:
+        """Whether lines have bending stiffness or a bed, or there are overhead lines."""
+        return bool(self.overhead) or any(line is not None and line.is_stiff for line in self.lines.values())
+
     def complete(self) -> Iterator[tuple[str, AnyLoad, str, Line]]:
         """List the loads that are themselves right and stand on a line that is, too: name, load, line's name, line."""
         for name, load in self.loads.items():

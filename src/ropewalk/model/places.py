@@ -27,7 +27,7 @@ def reach(line: Line | OverheadLine, measured: Measure) -> float | None:
     if isinstance(line, OverheadLine):
         return line.length
     if measured == "material":
-        return line.length
+        return line.distance if line.length is None and line.is_stiff else line.length
     if measured == "horizontal":  # under gravity alone x never turns back between the ends
         return abs(line.end[0] - line.start[0])
     return None

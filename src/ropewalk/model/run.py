@@ -13,6 +13,8 @@ from ropewalk.model.quantity import Count, Direction, Factor, PositiveLength, Po
 
 Geometry = Literal["nonlinear", "linearised"]
 Method = Literal["auto", "explicit", "verlet", "rkn6", "implicit"]
+ACCURACY = 1e-3
+"""Accuracy in time of the positions where none is asked for, m."""
 
 
 class Start(Declaration):
@@ -84,7 +86,11 @@ class Dynamic(Declaration):
     every: PositiveTime | None = Field(default=None, description="interval of output (default: until / 100)")
     method: Method = Field(default="auto", description="auto reads the spectrum and says what it chose")
     step: PositiveTime | None = Field(default=None, description="largest time step (default: from accuracy)")
-    accuracy: PositiveLength = Field(default=1e-3, description="wanted accuracy in time of the positions")
+    accuracy: PositiveLength | None = Field(
+        default=None,
+        description="of lines without bending stiffness: wanted accuracy in time of the positions (default: 1 mm, and "
+        "with Verlet's method the largest stable step)",
+    )
     start: Start = Field(default=Start(), description="the state at the beginning")
     geometry: Geometry = Field(
         default="nonlinear",
@@ -102,6 +108,11 @@ class Dynamic(Declaration):
         description="with nonlinear geometry, factor on their mass for motion along x, whose waves limit the step: 4 "
         "doubles it, at some error",
     )
+
+    @property
+    def precision(self) -> float:
+        """Accuracy in time of the positions as given, or its default, m."""
+        return ACCURACY if self.accuracy is None else self.accuracy
 
     @model_validator(mode="after")
     def _goes_together(self) -> Self:

@@ -15,7 +15,7 @@ from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, common_interval, every_of
-from ropewalk.model.support import Fixed, Guided, Support
+from ropewalk.model.support import Fixed, Guided
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.vehicle import Vehicle
 
@@ -89,9 +89,11 @@ def _run(run: Dynamic) -> Iterator[Finding]:
     if run.method not in ("auto", "explicit"):
         remedy = "write auto, or leave it out"
         yield Finding(("run", "method"), "stiff lines and overhead lines move explicitly", run.method, remedy)
-    if run.start.kind != "rest" or run.start.with_loads:
-        wrong, remedy = "stiff lines and overhead lines start at rest, without loads", "leave start out"
-        yield Finding(("run", "start"), wrong, remedy=remedy)
+    wrong = "stiff lines and overhead lines start at rest, without loads"
+    if run.start.kind != "rest":
+        yield Finding(("run", "start", "kind"), wrong, run.start.kind, "leave start out")
+    elif run.start.with_loads:
+        yield Finding(("run", "start", "with_loads"), wrong, "true", "leave with_loads out")
 
 
 def _line(line: Line) -> Iterator[_Lack]:
@@ -100,18 +102,17 @@ def _line(line: Line) -> Iterator[_Lack]:
     if line.axial_damping:
         yield ("axial_damping",), "it is not known", f"{line.axial_damping:g} N*s", "leave it out, or use drag"
     for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
-        if not _is_known(support):
-            known = "fixed ends, clamped or not, and ends guided along x by a constant force alone are known"
+        known = "fixed ends, clamped or not, and ends guided along x by a constant force alone are known"
+        if isinstance(support, Guided):
+            if any(support.along[1:]):
+                yield (key, "along"), known, str(list(support.along)), "write [1, 0]"
+            for own in ("stiffness", "damping", "mass"):
+                if getattr(support, own):
+                    yield (key, own), known, f"{getattr(support, own):g}", "leave it out"
+        elif not isinstance(support, Fixed):
             yield (key,), known, support.kind, "write kind: fixed"
     if any(len(point) == 3 and point[1] != 0.0 for point in (line.start, line.end)):
         yield ("start",), "lines in the x-z plane are known", "a point with y", "write [x, z]"
-
-
-def _is_known(support: Support) -> bool:
-    if isinstance(support, Guided):
-        other = support.stiffness or support.damping or support.mass
-        return not other and not any(support.along[1:])
-    return isinstance(support, Fixed)
 
 
 def _load(load: _Known) -> Iterator[_Lack]:
@@ -130,5 +131,10 @@ def _load(load: _Known) -> Iterator[_Lack]:
         force = load.force
         if callable(force) or any(any(row[:-1]) for row in rows(force)):
             yield ("force",), "forces are vertical", "another force", "write [0, Fz], or a table of such"
+    if isinstance(load, Oscillator):
+        for one in ("stiffness", "damping"):
+            values = getattr(load, one)
+            if isinstance(values, tuple):
+                yield (one,), "springs act up and down only", str(list(values)), f"write {values[-1]:g}"
     if isinstance(load, MovingMass | Oscillator) and load.air_drag:
         yield ("air_drag",), "drag of the air is not known", f"{load.air_drag:g} kg/m", "leave it out"

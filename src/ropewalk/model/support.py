@@ -16,7 +16,7 @@ class Fixed(Declaration):
     """A point that does not move."""
 
     kind: Literal["fixed"] = "fixed"
-    clamped: bool = Field(default=False, description="the line cannot turn there either; for stiff lines in motion")
+    clamped: bool = Field(default=False, description="the line cannot turn there either; goes with bending_stiffness")
 
 
 class Elastic(Declaration):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, Variants, report
 from ropewalk.model.contact import FrictionModel
@@ -17,8 +17,8 @@ Measure = Literal["material", "slip", "arc", "horizontal"]
 AtEnd = Literal["refuse", "leave", "stay"]
 
 _MARGIN = (
-    "distance from a support, along the unstrained line, at which the line ends for the load "
-    "(default: 0 for forces, a quarter of a link for what has a mass)"
+    "of what has a mass: distance from a support, along the unstrained line, at which the line ends for the load "
+    "(default: a quarter of a link)"
 )
 
 
@@ -96,6 +96,16 @@ class FreeTravel(Declaration):
         description="a load that comes to an end of the line is refused, leaves the line, or is stopped there",
     )
     margin: PositiveLength | None = Field(default=None, description=_MARGIN)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.friction_model != "capstan" and not self.friction:
+            wrong, remedy = (
+                "a model of friction without a coefficient",
+                "add friction, for example 0.3, or leave it out",
+            )
+            report("free travel", [Finding(("friction_model",), wrong, self.friction_model, remedy)])
+        return self
 
     @property
     def measured(self) -> Measure:

@@ -9,7 +9,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.contact import LIFT_OFF, SIDE, Side
+from ropewalk.model.contact import LIFT_OFF, SIDE, Side, one_sided
 from ropewalk.model.history import ForceHistory, rows
 from ropewalk.model.quantity import (
     AirDrag,
@@ -68,6 +68,11 @@ class Trolley(Declaration):
     air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v against the motion of the trolley")
     lift_off: bool = Field(default=False, description=LIFT_OFF)
     side: Side = Field(default="above", description=SIDE)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        report("trolley", one_sided(self.side, lift_off=self.lift_off))
+        return self
 
     def starts(self) -> list[Place]:
         """List where it stands at the beginning."""

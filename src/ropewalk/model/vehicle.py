@@ -13,7 +13,7 @@ from pydantic_core import core_schema
 
 from ropewalk.errors import Refused, did_you_mean
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.contact import CONTACT_STIFFNESS, LIFT_OFF, SIDE, Side, soft_contact
+from ropewalk.model.contact import CONTACT_STIFFNESS, LIFT_OFF, SIDE, Side, one_sided, soft_contact
 from ropewalk.model.quantity import Inertia, Mass, Name, PositiveMass, PositiveStiffness, Station, Viscosity
 from ropewalk.model.travel import Place, Travel, prescribed_only
 
@@ -85,7 +85,7 @@ class Vehicle(Declaration):
         findings = [*self._names(), *self._wheels()]
         if not findings:  # who is joined to whom is known
             findings = list(self._bodies())
-        report("vehicle", findings)
+        report("vehicle", [*findings, *one_sided(self.side, lift_off=self.lift_off)])
         return self
 
     def starts(self) -> list[Place]:

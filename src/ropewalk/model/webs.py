@@ -181,6 +181,14 @@ def _on_net(name: str, load: _Known, parts: Parts) -> Iterator[Finding]:
         yield Finding(key, "a place on a net has two coordinates", remedy="write [u, v] for each place")
         return
     length = sum(math.dist(a, b) for a, b in pairwise(way))
+    begin = (
+        load.start if isinstance(load, Footsteps) else 0.0 if isinstance(load.travel, FreeTravel) else load.travel.start
+    )
+    if begin > length * (1.0 + 1e-9):
+        where = ("from",) if isinstance(load, Footsteps) else ("travel", "from")
+        wrong, remedy = f"the load would start beyond the end of its path of {length:.4g} m", "start on it"
+        yield Finding(("loads", name, *where), wrong, f"{begin:g} m", remedy)
+        return
     if length == 0.0 and not (isinstance(load, MovingForce | MovingMass) and load.travel.speed == 0.0):
         yield Finding(key, "the path has no length", remedy="give two or more different places")
     elif isinstance(load, MovingForce | MovingMass) and isinstance(parts.run, Dynamic):

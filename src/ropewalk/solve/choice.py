@@ -11,10 +11,13 @@ from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import FRICTIONLESS, Array, Loads, State, Strands, Supports
 from ropewalk.mechanics.law import tangents, tensions
+from ropewalk.model.run import ACCURACY
 
 # Explicit while it needs fewer steps than this for every link of the line; beyond, the implicit method is faster: a
 # load passes links, and each passage costs it a handful of steps whatever their number (docs/notes/implicit.md).
 MOST_EXPLICIT_STEPS_PER_LINK = 1000
+# Accuracy over the length of the line that Verlet's method keeps with its stable step; the error is of second order.
+COARSE = 4e-4
 # Part of the stable step that is used: the tangent of the law and the seats of the loads change on the way.
 SAFETY = 0.9
 # omega dt up to which the sixth-order method is used: it is stable up to 9.07 but for two narrow bands, the first of
@@ -174,7 +177,7 @@ def choose(
     *,
     method: str,
     step: float | None,
-    accuracy: float,
+    accuracy: float | None,
     duration: float,
     supports: Supports | None = None,
     bodies: Bodies | None = None,
@@ -186,7 +189,7 @@ def choose(
         strands, loads, state: the model at the start.
         method: auto, explicit, verlet, rkn6 or implicit.
         step: largest step wanted by the user, s, or None.
-        accuracy: wanted accuracy in time of the positions, m.
+        accuracy: wanted accuracy in time of the positions, m; None: the usual one, which Verlet's stable step keeps.
         duration: how long the run is, s.
         supports: what holds the ends; None: points that do not move.
         bodies: what has a mass of its own; None: nothing has.
@@ -200,7 +203,7 @@ def choose(
     dampers = supports is not None and bool(supports.damping.any())
     explicit_only = _explicit_only(loads, supports, bodies, guided)
     explicit = verlet_step(limits) * (SAFETY_WITH_MASSES if bodies is not None else 1.0)
-    relative = accuracy / float((strands.h * strands.links).max())
+    relative = (ACCURACY if accuracy is None else accuracy) / float((strands.h * strands.links).max())
     facts = f"largest frequency {limits.frequency:.4g} rad/s"
     if damped:
         facts += f", largest damping rate {limits.damping:.4g} 1/s"
@@ -218,7 +221,7 @@ def choose(
             wanted, why = "verlet", "masses that pass nodes are of second order in time"
         elif dampers:
             wanted, why = "verlet", "dampers at supports: the sixth order would be lost"
-        elif relative >= 4e-4:
+        elif relative >= COARSE:
             wanted, why = "verlet", "undamped, and a coarse accuracy is enough"
         else:
             wanted, why = "rkn6", "undamped: the spectrum is imaginary, and the sixth order pays"
@@ -231,16 +234,17 @@ def choose(
         elif "support" in explicit_only:
             remedy = "fixed supports"
         raise RopewalkError(f"run.method: implicit cannot do {explicit_only}; use auto or verlet, or {remedy}")
+    if wanted == "rkn6" and (damped or dampers or bodies is not None):
+        what = "Kelvin-Voigt damping" if damped else "dampers at supports" if dampers else "moving masses"
+        raise RopewalkError(f"run.method: rkn6 is of sixth order without {what} only; use auto or verlet")
     if wanted == "rkn6":
-        if damped or dampers or bodies is not None:
-            what = "Kelvin-Voigt damping" if damped else "dampers at supports" if dampers else "moving masses"
-            wanted, why = "verlet", f"rkn6 cannot be used with {what}; the second-order method is used"
-            own = explicit
-        else:
-            own = rkn6_step(limits, relative) if step is None else RKN6_LIMIT / max(limits.frequency, 1e-300)
-            compressed = COMPRESSED if step is None else 1.0
+        own = rkn6_step(limits, relative) if step is None else RKN6_LIMIT / max(limits.frequency, 1e-300)
+        compressed = COMPRESSED if step is None else 1.0
     elif wanted == "verlet":
         own = explicit
+        if accuracy is not None and step is None and relative < COARSE:
+            own *= float(np.sqrt(relative / COARSE))
+            why += f"; the step is smaller than the stable one for an accuracy of {accuracy:.3g} m"
     else:
         own = duration
     if step is not None and step > own and wanted != "implicit":

@@ -7,8 +7,10 @@ from __future__ import annotations
 
 from itertools import combinations
 
+import numpy as np
+
 from ropewalk.mechanics.bodies import CARRIED, Bodies
-from ropewalk.mechanics.chain import CLAMPED, COULOMB, OFF, State
+from ropewalk.mechanics.chain import CLAMPED, COULOMB, OFF, Array, State
 from ropewalk.solve.quasistatic import Place
 from ropewalk.solve.start import Setting
 
@@ -60,6 +62,19 @@ class Remarks:
         if kind == COULOMB and hold != 0.0:
             return [(load, "friction", f"slips: friction {given:g} does not hold it, a force of {hold:.4g} N does")]
         return []
+
+
+def on_friction(setting: Setting, needed: Array, t: float, made: set[int]) -> list[str]:
+    """The given forces that their friction does not hold at time t in s, each once; `needed` coefficients, (load,)."""
+    given, found = setting.loads.friction, []
+    for k in np.flatnonzero((setting.loads.contact == CLAMPED) & (needed > given)).tolist():
+        if k not in made:
+            made.add(k)
+            found.append(
+                f"load {setting.wheels[k].name} needs a friction coefficient of {needed[k]:.3g} at t = {t:.4g} s: the "
+                f"{given[k]:g} that was given does not suffice"
+            )
+    return found
 
 
 def who_met(setting: Setting, state: State) -> str:

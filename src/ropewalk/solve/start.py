@@ -108,7 +108,7 @@ def setting_of(scenario: Scenario, until: float) -> Setting:
             if not any(load.on == name for load in scenario.loads.values()):
                 raise EquilibriumError(f"line {name}: {error}") from None
             bare.append(None)  # slack and without weight: loads may still give it a shape
-    xi = [_place(strands, bare, loads, k, wheel.start, wheel.name) for k, wheel in enumerate(wheels)]
+    xi = [_place(scenario, strands, bare, loads, k, wheel) for k, wheel in enumerate(wheels)]
     return Setting(
         axes, tuple(scenario.lines), strands, loads, supports, ends, tuple(bare), np.array(xi, dtype=float),
         tuple(wheels), fleet, payloads,
@@ -145,16 +145,24 @@ def _length_for_tension(scenario: Scenario, name: str, line: Line) -> float:
     return float(brentq(lambda x: mean_tension(x) - line.tension, low, high, xtol=1e-15 * high, rtol=1e-15))
 
 
-def _place(strands: Strands, bare: list[Standing | None], loads: Loads, k: int, start: float, name: str) -> float:
-    """Material coordinate at which load k begins."""
-    s = int(loads.strand[k])
+def _place(
+    scenario: Scenario, strands: Strands, bare: list[Standing | None], loads: Loads, k: int, wheel: Wheel
+) -> float:
+    """Material coordinate at which load k begins; the distance of the ends stands for the far one.
+
+    Raises:
+        EquilibriumError: it would begin beyond the end of its line.
+    """
+    s, start, line = int(loads.strand[k]), wheel.start, scenario.lines[wheel.on]
     length = float(strands.links[s] * strands.h[s])
     rest, measure = bare[s], loads.measure[k]
     if measure == MATERIAL or start <= 0.0:
+        if start > length * (1.0 + 1e-9) and not (line.length is None and np.isclose(start, line.distance, 1e-9)):
+            raise EquilibriumError(_beyond(wheel, length, scenario))
         return min(start, length)
     if rest is None:
         raise EquilibriumError(
-            f"load {name}: without loads the rest shape of its line is not determined, and travel.from cannot be "
+            f"load {wheel.name}: without loads the rest shape of its line is not determined, and travel.from cannot be "
             "measured on it; give gravity, or measured: material"
         )
     if measure == HORIZONTAL:
@@ -162,15 +170,19 @@ def _place(strands: Strands, bare: list[Standing | None], loads: Loads, k: int, 
     else:
         along = np.concatenate(([0.0], np.cumsum(np.sqrt((np.diff(rest.r, axis=1) ** 2).sum(axis=0)))))
     if start > along[-1] * (1.0 + 1e-9):
-        raise EquilibriumError(
-            f"load {name} would begin {start:g} m along its line, which ends at {along[-1]:g} m; change travel.from"
-        )
+        raise EquilibriumError(_beyond(wheel, float(along[-1]), scenario))
     if measure == HORIZONTAL and np.any(np.diff(along) <= 0.0):
         i = int(np.argmax(along >= start))
         low = max(i - 1, 0)
         part = (start - along[low]) / (along[i] - along[low]) if along[i] > along[low] else 0.0
         return float(rest.X[low] + part * (rest.X[i] - rest.X[low]))
     return float(min(np.interp(start, along, rest.X), length))
+
+
+def _beyond(wheel: Wheel, end: float, scenario: Scenario) -> str:
+    """Say that a wheel would begin beyond the end of its line, at `end` (m)."""
+    key = "travel.from" if hasattr(scenario.loads[wheel.load], "travel") else "from"
+    return f"load {wheel.name} would begin {wheel.start:g} m along its line, which ends at {end:g} m; change {key}"
 
 
 def onward(setting: Setting, state: State, s: int) -> Array:

@@ -79,6 +79,7 @@ class Run:
         self.laid, self.rest = laid_at_rest(scenario, until)
         account.warnings += self.laid.remarks
         self.web = self.laid.web
+        self._refuse_beyond()
         self._axes = [0, 2] if self.laid.plane else [0, 1, 2]
         strands, names = self.laid.strands, [sheet.name for sheet in self.laid.sheets]
         vertices = self.laid.vertex
@@ -118,6 +119,20 @@ class Run:
         if web.sheaves.link.size or self.scenario.wind is not None:
             return float("nan")
         return -float(web.body.force[: web.nodes, 2].sum())
+
+    def _refuse_beyond(self) -> None:
+        """Refuse loads that would begin beyond the end of their line; the distance of its ends stands for the far one.
+
+        Raises:
+            RopewalkError: there is such a load.
+        """
+        for traveller, length in zip(self.laid.travellers, self.web.course.length, strict=True):
+            start, line = float(traveller.knots[1, 0]), self.scenario.lines.get(traveller.on)
+            if start > length * (1.0 + 1e-9) and not (line is not None and np.isclose(start, line.distance, 1e-9)):
+                raise RopewalkError(
+                    f"load {traveller.name} would begin {start:g} m along {traveller.on}, which ends at {length:g} m; "
+                    "change its from"
+                )
 
     def moving(self, times: Array) -> Iterator[Frame]:
         """Frames of a motion at the output instants, s."""

@@ -1,0 +1,62 @@
+"""How a motion is computed: the keys of a run that its lines do not know."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ropewalk.model._base import Finding
+from ropewalk.model.load import Foreign
+from ropewalk.model.parts import Parts
+from ropewalk.model.run import Dynamic
+
+FINEST = 1e-10
+"""Part of the length of a line to which its motion can be asked for: rounding adds up to less in millions of steps."""
+
+
+def check_settings(parts: Parts) -> Iterator[Finding]:
+    """Find keys of a dynamic run that would be passed over."""
+    run = parts.run
+    if not isinstance(run, Dynamic) or not parts.is_complete or None in parts.lines.values():
+        return
+    if parts.is_stiff:
+        yield from _without_accuracy(run, "lines with bending stiffness, beds and overhead lines")
+        return
+    if parts.is_web:
+        yield from _without_accuracy(run, "joined lines, nets and lines in wind")
+    else:
+        yield from _accuracy(parts, run)
+    yield from _of_stiff_lines(run)
+    if run.start.with_loads and all(isinstance(load, Foreign) for load in parts.loads.values()):
+        wrong = "there is no load whose rest is known" if parts.loads else "there are no loads"
+        yield Finding(("run", "start", "with_loads"), wrong, "true", "leave it out")
+
+
+def _of_stiff_lines(run: Dynamic) -> Iterator[Finding]:
+    """What is for lines with bending stiffness, beds and overhead lines only."""
+    own = "is for lines with bending stiffness, beds and overhead lines"
+    if run.geometry == "linearised":
+        remedy = "leave it out, give the lines a bending_stiffness, or ask for kind: linear"
+        yield Finding(("run", "geometry"), f"linearised motion {own}", run.geometry, remedy)
+    if run.sample is not None:
+        yield Finding(("run", "sample"), own, f"{run.sample:g} s", "write every, which is the interval of all output")
+    if run.axial_inertia != 1.0:
+        yield Finding(("run", "axial_inertia"), own, f"{run.axial_inertia:g}", "leave it out")
+
+
+def _without_accuracy(run: Dynamic, what: str) -> Iterator[Finding]:
+    if run.accuracy is not None:
+        wrong, remedy = f"the step of {what} goes by stability alone", "write step, or leave accuracy out"
+        yield Finding(("run", "accuracy"), wrong, f"{run.accuracy:g} m", remedy)
+
+
+def _accuracy(parts: Parts, run: Dynamic) -> Iterator[Finding]:
+    """An accuracy beyond rounding, or coarser than the lines are long."""
+    lengths = [line.length or line.distance for line in parts.lines.values() if line is not None]
+    if run.accuracy is None or not lengths:
+        return
+    finest, coarsest = FINEST * max(lengths), max(lengths)
+    if not finest <= run.accuracy <= coarsest:
+        small = run.accuracy < finest
+        wrong = "finer than rounding lets positions be" if small else "coarser than the longest line is long"
+        remedy = f"write {finest:.3g} m to {coarsest:.3g} m"
+        yield Finding(("run", "accuracy"), wrong, f"{run.accuracy:g} m", remedy)
