@@ -17,14 +17,17 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 INSTALL = $(PIP) install $(if $(CONSTRAINTS),-c $(CONSTRAINTS))
 # Kernels are compiled once per worker; files that share kernels stay with one worker, so that little is done twice.
 TESTFLAGS ?= -n 2 --dist loadfile
+# What is tested as on another machine: all that searches, solves and integrates; not how it is read, drawn and told.
+ELSEWHERE ?= tests/theory tests/mechanics tests/solve tests/wires tests/webs
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test lint types figures bench peers matrix clean clean-cache
+.PHONY: help demo test test-elsewhere lint types figures bench peers matrix clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
 	@echo "make test         set up and run the tests"
+	@echo "make test-elsewhere  a part of them as on another processor: other kernels of OpenBLAS, no wide vectors, no fused operations"
 	@echo "make lint         ruff: rules and format"
 	@echo "make types        mypy, strict"
 	@echo "make matrix       what works on what: thousands of short runs, into docs/capabilities.md"
@@ -86,6 +89,10 @@ test: $(VENV)/.dev
 
 matrix: $(VENV)/.dev
 	@$(BIN)/python -m tests.conformance
+
+test-elsewhere: $(VENV)/.dev
+	@echo "Running as on another machine: $(ELSEWHERE)"
+	@$(BIN)/python tests/elsewhere.py -m pytest $(TESTFLAGS) $(ELSEWHERE)
 
 lint: $(VENV)/.dev
 	@$(BIN)/ruff check .
