@@ -16,10 +16,12 @@ from ropewalk.wires.mesh import CLAMPED, FREE, Mesh
 from ropewalk.wires.plan import Array
 from ropewalk.wires.rest import beds, bending_stiffness, rows, spring, ties_springs
 
-_FULL_STEPS, _MOST_STEPS = 40, 400
+_FULL_STEPS, _MOST_STEPS = 40, 2000
 _PARTS = (1, 8)  # in which constant forces are put on
 _LONGEST = 0.1  # of the longest wire: longer steps are cut
 _ALMOST = 1e-8  # of the longest wire: steps this small are taken although rounding may hide that the energy falls
+_ZERO = 1e-14  # of its diagonal: a smaller pivot is what rounding leaves of zero
+_LEAPS = 0.1, 1e-2, 1e-3, 1e-4  # of the longest wire, off a saddle
 _CLOSE = 1e-11  # of the longest wire: a step this small is the last one, as is the first that is no smaller than before
 
 
@@ -151,13 +153,14 @@ class Balance:
 
     position: Array  # (3, node) m
     tension: Array  # (link,) N
+    is_minimum: bool = True  # of the potential energy; else a saddle, or neutral
 
 
 def settle(potential: Potential, start: Array, *, space: bool = False) -> Balance:
-    """Find the rest next to a shape.
+    """Find the rest next to a shape: a minimum of the potential energy, which its stiffness shows.
 
     Newton's method in full steps, which may climb the walls of the narrow valley that a wire which hardly stretches
-    makes of the energy; the constant forces are put on in parts if that does not converge; and downhill only, if
+    makes of the energy; the constant forces are put on in parts if that ends at no minimum; and downhill only, if
     neither does.
 
     Args:
@@ -176,12 +179,12 @@ def settle(potential: Potential, start: Array, *, space: bool = False) -> Balanc
             for part in range(1, parts + 1):
                 potential.force = whole * (part / parts)
                 r = _newton(potential, r, free) if r is not None else None
-            if r is not None:
+            if r is not None and _factor(potential.stiffness(r)[free][:, free]) is not None:
                 return Balance(r, potential.tension(r))
     finally:
         potential.force = whole
-    r = _downhill(potential, start, free)
-    return Balance(r, potential.tension(r))
+    r, is_minimum = _downhill(potential, start, free)
+    return Balance(r, potential.tension(r), is_minimum)
 
 
 def _size(potential: Potential) -> float:
@@ -212,25 +215,67 @@ def _solved(K: Any, out: Array) -> Array:
     return solution
 
 
-def _downhill(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Array:
-    """Newton's method with a shift that grows until the energy falls."""
+def _factor(K: Any) -> Any:
+    """The factors of a symmetric matrix with pivots on its diagonal; None if it is not positive definite."""
+    try:
+        factor = scipy.sparse.linalg.splu(
+            K.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
+    except RuntimeError:  # singular
+        return None
+    if not np.array_equal(factor.perm_r, factor.perm_c):
+        return None
+    pivots = factor.U.diagonal()[factor.perm_c]
+    return factor if np.all(pivots > _ZERO * np.abs(K.diagonal())) else None
+
+
+def _downhill(potential: Potential, start: Array, free: NDArray[np.bool_]) -> tuple[Array, bool]:
+    """Newton's method with a shift that grows until the stiffness is definite and the energy falls.
+
+    Returns:
+        Where it ends, and whether that is a minimum: it leaves saddles for where the energy falls.
+    """
     r, size, energy, shift, before = start.copy(), _size(potential), potential.energy(start), 0.0, np.inf
     for _ in range(_MOST_STEPS):
         out = potential.pull(r).ravel()[free]
         K = potential.stiffness(r)[free][:, free]
-        scale = float(np.abs(K.diagonal()).mean())
+        scale, step = float(np.abs(K.diagonal()).mean()), np.zeros(free.size)
         while True:
-            found = np.zeros(free.size)
-            found[free] = _solved(K + shift * scale * sparse.identity(out.size), out)
-            step, largest, gain = found.reshape(3, -1), np.abs(found).max(), float(found[free] @ out)
-            tried = potential.energy(r + step) if np.isfinite(largest) else np.inf
-            if gain > 0.0 and (tried < energy or largest < _ALMOST * size):
-                break
+            factor = _factor(K + shift * scale * sparse.identity(out.size))
+            if factor is not None:
+                step[free] = factor.solve(out)
+                largest = float(np.abs(step).max())
+                tried = r + step.reshape(3, -1) * min(1.0, _LONGEST * size / max(largest, 1e-300))
+                lower = potential.energy(tried)
+                if lower < energy or largest < _ALMOST * size:
+                    break
             if shift > 1e6:
                 raise EquilibriumError("the wires find no rest; check what holds them, and whether they are compressed")
             shift = max(1e-9, 10.0 * shift)
-        r, energy, shift = r + step, tried, 0.1 * shift if shift > 1e-9 else 0.0
-        if shift == 0.0 and (largest <= _CLOSE * size or before <= largest <= _ALMOST * size):
-            return r
+        r, energy, used = tried, lower, shift
+        shift = 0.1 * shift if shift > 1e-9 else 0.0
+        if largest <= _CLOSE * size or before <= largest <= _ALMOST * size:
+            if used == 0.0:
+                return r, True
+            away = _off_saddle(potential, r, free)
+            if away is None:
+                return r, _factor(potential.stiffness(r)[free][:, free]) is not None
+            r, energy, largest = away, potential.energy(away), np.inf
         before = largest
     raise EquilibriumError(f"the wires found no rest in {_MOST_STEPS} steps; check what holds them")
+
+
+def _off_saddle(potential: Potential, r: Array, free: NDArray[np.bool_]) -> Array | None:
+    """A place lower than a saddle along its most negative curvature; None where there is none."""
+    K, size, energy = potential.stiffness(r)[free][:, free], _size(potential), potential.energy(r)
+    lowest, way = scipy.sparse.linalg.eigsh(K, 1, which="SA", v0=np.ones(K.shape[0]))
+    if lowest[0] >= 0.0:
+        return None
+    step = np.zeros(free.size)
+    step[free] = way[:, 0] / np.abs(way).max()
+    for far in _LEAPS:
+        for side in (1.0, -1.0):
+            tried = r + side * far * size * step.reshape(3, -1)
+            if potential.energy(tried) < energy:
+                return np.asarray(tried)
+    return None

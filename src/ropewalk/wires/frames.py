@@ -49,6 +49,12 @@ class Run:
     ) -> None:
         self.task, start = ready(task)
         account.warnings += task.remarks
+        if not start.is_minimum:
+            account.doubt(
+                "the rest of the lines is no minimum of the potential energy: the least push moves them away",
+                "something is not held, or compressed until it buckles", "lines",
+                "hold both ends, or give more length or bending_stiffness",
+            )  # fmt: skip
         self.mesh, self._at_rest = start.mesh, start.position
         self.account = account
         self.riders = riders_of([journey.rider for journey in self.task.journeys])

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from scipy.optimize import brentq
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.wires.equilibrium import Potential, settle
@@ -13,10 +14,13 @@ from ropewalk.wires.journey import Journey
 from ropewalk.wires.large import hung
 from ropewalk.wires.mesh import Mesh, mesh_of, places_of
 from ropewalk.wires.partners import Foreigner
-from ropewalk.wires.plan import Array, Plan, Spot
+from ropewalk.wires.plan import Array, Plan, Spot, Wire
 from ropewalk.wires.rest import Rest, rest_of
 
 Geometry = Literal["nonlinear", "linearised"]
+_SLIGHT = 1e-6  # strain to guess with where there is no weight
+# Of the length of a hanging wire: its ends are as far from each other at least; and its steepest chord.
+_NARROW, _STEEP = 1e-3, 1.0 - 1e-9
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,7 @@ class Start:
     position: Array  # (3, node) m
     unstrained: Array  # (node,) m, of the link behind each node
     rest: Rest | None  # small motion: about this
+    is_minimum: bool = True  # of the potential energy
 
 
 def ready(task: Task) -> tuple[Task, Start]:
@@ -111,27 +116,47 @@ def _nonlinear(task: Task) -> Start:
         ]
         plan = replace(plan, wires=tuple(wires))
         mesh = mesh_of(plan, task.element)
-    return Start(mesh, position, unstrained, None)
+    return Start(mesh, position, unstrained, None, found.is_minimum)
 
 
 def _guess(mesh: Mesh) -> tuple[Array, Array]:
     """Positions near rest, and unstrained lengths: of wires of given length, that; of others, what tension asks for."""
     wires = mesh.plan.wires
-    taut = all(wire.tension > 0.0 for wire in wires)
-    position = rest_of(mesh).position if taut else mesh.straight()
+    tension = np.array([_stretched(wire, mesh.plan.gravity) for wire in wires])
+    position = rest_of(mesh._replace(strands=mesh.strands._replace(tension=tension))).position
     unstrained = hung(mesh, position)
     for i, wire in enumerate(wires):
         if wire.unstrained is None:
             continue
         part, links = mesh.of(i), int(mesh.strands.links[i])
         unstrained[part] = wire.unstrained / links
-        spare = wire.unstrained - wire.chord
-        if spare > 1e-9 * wire.chord and "free" not in wire.ends:
-            # A parabola of that length: 8 sag^2 / (3 chord) longer than its chord.
-            sag = np.sqrt(0.375 * spare * wire.chord)
-            x = np.linspace(0.0, 1.0, links + 1)
-            position[2, part] = mesh.straight()[2, part] - 4.0 * sag * x * (1.0 - x)
+        if wire.unstrained > (1.0 + 1e-9) * wire.chord and "free" not in wire.ends:
+            position[:, part] = hanging(np.array(wire.start), np.array(wire.end), wire.unstrained, links)
     return position, unstrained
+
+
+def _stretched(wire: Wire, gravity: float) -> float:
+    """The tension of a wire, or one to guess with for a slack one, N."""
+    if wire.unstrained is None or wire.tension > 0.0:
+        return wire.tension
+    return wire.mass * gravity * wire.length or _SLIGHT * wire.axial_stiffness
+
+
+def hanging(start: Array, end: Array, length: float, links: int) -> Array:
+    """Points of the catenary of a length in m between two points, (3, point) m, at equal distances along it.
+
+    With the distance l along the ground and the height h between them: sinh(a) / a = sqrt(length^2 - h^2) / l, and
+    the arc from the lowest point is l / (2 a) sinh of what grows by 2 a from one end to the other.
+    """
+    flat = np.array([end[0] - start[0], end[1] - start[1]])
+    rise, way = float(end[2] - start[2]), max(float(np.hypot(*flat)), _NARROW * length)
+    ratio = np.sqrt(max(length**2 - rise**2, way**2)) / way
+    a = float(brentq(lambda a: np.sinh(a) / a - ratio, 1e-9, 1.0 + 2.0 * np.log(2.0 * ratio) + 2.0, xtol=1e-15))
+    middle = np.arctanh(np.clip(rise / length, -_STEEP, _STEEP))  # half the sum of what sinh is taken of
+    arc = np.linspace(np.sinh(middle - a), np.sinh(middle + a), links + 1)
+    part = (np.arcsinh(arc) - (middle - a)) / (2.0 * a)
+    z = start[2] + 0.5 * way / a * (np.sqrt(1.0 + arc**2) - np.cosh(middle - a))
+    return np.stack([start[0] + flat[0] * part, start[1] + flat[1] * part, z])
 
 
 def height_at(start: Start, wire: int, station: float) -> float:
