@@ -227,7 +227,6 @@ def test_the_search_for_rest_leaves_a_saddle() -> None:
     straight = shape.mesh.straight()
     assert np.abs(shape.pull(straight)[:, 1:-1]).max() < 1e-9
     found = settle(shape, straight)
-    assert found.is_minimum
     assert definite(shape, found.position)
     assert np.abs(found.position[2]).max() > 0.01 * L
 
@@ -235,15 +234,14 @@ def test_the_search_for_rest_leaves_a_saddle() -> None:
 LOOSE = """
 lines:
   beam: {start: [0, 0], end: [25, 0], length: 25 m, mass: 2303, axial_stiffness: 10 GN, bending_stiffness: 8.323e9,
-         elements: 48, start_support: {kind: guided, along: [1, 0], force: 0}, end_support: {kind: %s}}
+         elements: 48, start_support: {kind: guided, along: [1, 0], force: 0},
+         end_support: {kind: guided, along: [1, 0], force: 0}}
 run: {kind: equilibrium}
 """
 
 
-def test_a_rest_that_is_no_minimum_is_told() -> None:
-    """A beam on two rollers may stand anywhere; with one of them fixed it may not."""
-    neutral = simulate(loads(LOOSE % "guided, along: [1, 0], force: 0", "beam.yaml"))
-    assert neutral.attrs["outcome"] == "doubtful"
-    assert "no minimum" in neutral.attrs["doubts"]
-    held = simulate(loads(LOOSE % "fixed", "beam.yaml"))
-    assert held.attrs["outcome"] == "completed"
+def test_what_may_stand_anywhere_stays_where_it_is() -> None:
+    """A beam on two rollers comes closer by what its bow takes, on both sides."""
+    x = simulate(loads(LOOSE, "beam.yaml"))["position"].values[0, :, 0]
+    assert x[0] + x[-1] == pytest.approx(25.0, abs=0.01)  # what rounding leaves of forces moves it a little
+    assert 24.9999 < x[-1] - x[0] < 25.0
