@@ -7,6 +7,8 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipj, ellipk, ellipkinc
 
+from ropewalk.scenario.loading import loads
+from ropewalk.simulate import simulate
 from ropewalk.theory import beam
 from ropewalk.theory.rope import elastic_catenary
 from ropewalk.wires.equilibrium import Potential, movable, settle
@@ -175,3 +177,71 @@ def test_a_wire_without_stiffness_hangs_as_the_elastic_catenary(length: float, h
     # Of a taut wire the tension is that of its chord: what is left is rounding, and its shape is found exactly.
     for coarse, fine in zip(errors[1], errors[2], strict=True):
         assert fine < 1e-9 or np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
+
+
+SLACK = {"length": 20.0, "mass": 1.0, "stretchy": 1e5}
+
+
+def slack(span: float, stiffness: float, gravity: float = 9.81) -> tuple[Potential, Array]:
+    """A wire of 20 m between ends at one height, as a declared line comes to rest."""
+    wire = Wire(
+        "wire", (0.0, 0.0, 0.0), (span, 0.0, 0.0), SLACK["stretchy"] * (span / SLACK["length"] - 1.0), SLACK["mass"],
+        stiffness, SLACK["stretchy"], unstrained=SLACK["length"],
+    )  # fmt: skip
+    _, start = ready(Task(Plan((wire,), gravity=gravity), (), (), element=[80]))
+    return Potential(start.mesh, start.unstrained), start.position
+
+
+def definite(shape: Potential, position: Array) -> bool:
+    free = movable(shape.mesh, space=False).ravel()
+    return float(np.linalg.eigvalsh(shape.stiffness(position)[free][:, free].toarray())[0]) > 0.0
+
+
+@pytest.mark.parametrize("span", [10.0, 12.5, 15.0, 17.5, 19.5])
+def test_a_slack_wire_hangs_where_its_energy_is_least(span: float) -> None:
+    """From 5 % to 100 % longer than its span, from a rope to a rod; bending costs energy, so it grows with it."""
+    free = elastic_catenary(span=span, height=0.0, length=20.0, weight=9.81, axial_stiffness=SLACK["stretchy"])
+    energies = []
+    for stiffness in (0.1, 1.0, 10.0, 100.0, 1000.0):
+        shape, position = slack(span, stiffness)
+        assert definite(shape, position)
+        assert np.abs(position[2] - position[2, ::-1]).max() < 1e-6  # nothing is folded to one side
+        energies.append(shape.energy(position))
+        if stiffness == 0.1:
+            assert -position[2].min() == pytest.approx(free.sag, rel=1e-3)  # 80 links
+            assert shape.tension(position).min() > 0.0
+    assert np.all(np.diff(energies) > 0.0)
+
+
+def test_without_weight_a_slack_wire_is_an_elastica() -> None:
+    """20 m between ends 15 m apart: 2 E/K - 1 = 3/4; the height is k L / K."""
+    shape, position = slack(15.0, 1000.0, gravity=0.0)
+    m = float(brentq(lambda m: 2.0 * ellipe(m) / ellipk(m) - 1.75, 0.01, 0.9, xtol=1e-15))
+    assert definite(shape, position)
+    assert np.abs(position[2]).max() == pytest.approx(np.sqrt(m) / ellipk(m) * 20.0, rel=1e-3)  # 80 links
+
+
+def test_the_search_for_rest_leaves_a_saddle() -> None:
+    """A straight strut beyond Euler's load is at rest, but not for long: it ends as the elastica of its length."""
+    shape = potential(40, -4.0 * np.pi**2 * EI / L**2, stretchy=1e4)
+    straight = shape.mesh.straight()
+    assert np.abs(shape.pull(straight)[:, 1:-1]).max() < 1e-9
+    found = settle(shape, straight)
+    assert definite(shape, found.position)
+    assert np.abs(found.position[2]).max() > 0.01 * L
+
+
+LOOSE = """
+lines:
+  beam: {start: [0, 0], end: [25, 0], length: 25 m, mass: 2303, axial_stiffness: 10 GN, bending_stiffness: 8.323e9,
+         elements: 48, start_support: {kind: guided, along: [1, 0], force: 0},
+         end_support: {kind: guided, along: [1, 0], force: 0}}
+run: {kind: equilibrium}
+"""
+
+
+def test_what_may_stand_anywhere_stays_where_it_is() -> None:
+    """A beam on two rollers comes closer by what its bow takes, on both sides."""
+    x = simulate(loads(LOOSE, "beam.yaml"))["position"].values[0, :, 0]
+    assert x[0] + x[-1] == pytest.approx(25.0, abs=0.01)  # what rounding leaves of forces moves it a little
+    assert 24.9999 < x[-1] - x[0] < 25.0

@@ -63,7 +63,7 @@ class Wired(Stepwise):
     def _journey(self, name: str, contact: Outside) -> Journey:
         none, k = np.zeros((0, 0)), contact.stiffness
         touch = Contact(
-            self._wire[contact.on], stiffness=k, damping=contact.damping, below=contact.side == "below",
+            self._wire[contact.on], material=True, stiffness=k, damping=contact.damping, below=contact.side == "below",
             lifts_off=contact.side is not None,
         )  # fmt: skip
         return Journey(Rider(name, none, none, none, (touch,)), np.zeros_like)

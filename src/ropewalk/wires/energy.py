@@ -10,11 +10,25 @@ from ropewalk.wires.large import LargeMotion, correction
 from ropewalk.wires.mesh import Mesh, Riders
 from ropewalk.wires.plan import Array
 from ropewalk.wires.rest import rows, vertical_stiffness
-from ropewalk.wires.riders import GIVEN, HELD, LOST, Pace
+from ropewalk.wires.riders import (
+    DAMPED,
+    FORCE,
+    GAP,
+    GIVEN,
+    GIVEN_FORCE,
+    HEIGHT,
+    HELD,
+    LOCAL,
+    LOST,
+    PLACE,
+    ROUGH,
+    SLOPE,
+    TAKEN,
+    Pace,
+)
 from ropewalk.wires.small import SmallMotion
 
 _FORM = {form: i for i, form in enumerate(ENERGY_FORMS)}
-_NONE = ("contact_dissipation", "support_work", "friction", "drive_work")
 
 
 class Audit:
@@ -28,8 +42,7 @@ class Audit:
     ) -> None:
         self._mesh, self._riders, self._motion = mesh, riders, motion
         self._first: float | None = None
-        self._damped = bool(mesh.strands.drag.any() or mesh.strands.retardation.any())
-        self._damped |= bool(mesh.ties.damping.any() or mesh.holds.damping.any())
+        self._unsqueezed = np.full(riders.owner.size, np.nan)  # J, stored in each contact at first
         bending = (motion.threads if isinstance(motion, LargeMotion) else motion.stencil).bending
         corrected = mesh._replace(strands=mesh.strands._replace(stiffness=bending))
         if isinstance(motion, LargeMotion):
@@ -47,21 +60,18 @@ class Audit:
         velocity, mass = motion.velocity, self._mesh.mass
         along = np.array([motion.inertia if isinstance(motion, LargeMotion) else 1.0, 1.0, 1.0])
         energy[_FORM["kinetic"]] = 0.5 * float((mass * (along[:, None] * velocity**2)).sum())
-        elastic, gravitational = self._stored()
-        energy[_FORM["elastic"]], energy[_FORM["gravitational"]] = elastic, gravitational
-        kinetic, potential = self._of_riders(motion.pace)
-        energy[_FORM["load_kinetic"]], energy[_FORM["load_potential"]] = kinetic, potential
-        given, held, lost = self._works(motion.pace)
-        energy[_FORM["load_work"]], energy[_FORM["hold_work"]], energy[_FORM["load_damping"]] = given, held, lost
-        # What wires and ties lose is not counted: it is what the rest leaves.
-        total = float(energy[:3].sum()) + kinetic + potential + lost - given - held
+        energy[_FORM["elastic"]], energy[_FORM["gravitational"]] = self._stored()
+        energy[_FORM["load_kinetic"]], potential = self._of_riders(motion.pace)
+        squeezed, given, held, taken = self._at_contacts(motion.pace)
+        energy[_FORM["load_potential"]] = potential + squeezed
+        energy[_FORM["contact_dissipation"]] = taken - squeezed
+        energy[_FORM["load_work"]], energy[_FORM["hold_work"]] = given, held
+        energy[_FORM["load_damping"]] = motion.pace.work[LOST]
+        energy[_FORM["line_damping"]] = motion.pace.work[DAMPED]
+        total = float(energy.sum()) - 2.0 * (given + held)
         if self._first is None:
             self._first = total
-        missing = total - self._first
-        if self._damped:
-            energy[_FORM["line_damping"]] = -missing
-            missing = np.nan
-        energy[_FORM["imbalance"]] = missing
+        energy[_FORM["imbalance"]] = total - self._first
         return energy
 
     def _stored(self) -> tuple[float, float]:
@@ -92,31 +102,49 @@ class Audit:
         return 0.5 * float(u @ (self._stiffness @ u)) + springs
 
     def _of_riders(self, pace: Pace) -> tuple[float, float]:
-        kinetic = potential = 0.0
-        for i, n in enumerate(self._riders.size):
-            q, last = pace.q[i, :n], pace.last[i, :n]
-            rate = (q - last) / pace.step
-            kinetic += 0.5 * float(rate @ self._riders.mass[i, :n, :n] @ rate)
-            potential += 0.25 * float(q @ self._riders.stiffness[i, :n, :n] @ q)
-            potential += 0.25 * float(last @ self._riders.stiffness[i, :n, :n] @ last)
-        for k in range(self._riders.owner.size):
-            spring, rest, here, before = self._riders.spring[k], self._riders.rest[k], pace.here[k], pace.before[k]
-            if np.isnan(here[0]):
-                continue
-            rise = 0.5 * (here[0] - before[0]) if np.isfinite(before[0]) else 0.0
-            potential -= rest * (here[0] + rise - self._riders.base[k])  # weights that a rider counts from
-            if 0.0 < spring < np.inf and np.isfinite(pace.gap[k]):
-                potential += 0.5 * (here[4] - here[3] - rest) * pace.gap[k]
+        """Kinetic and potential energy of all riders without their contacts, J; weights count from their bases."""
+        riders, kinetic, potential = self._riders, 0.0, 0.0
+        for i, n in enumerate(riders.size):
+            rate = (pace.q[i, :n] - pace.last[i, :n]) / pace.step
+            kinetic += 0.5 * float(rate @ riders.mass[i, :n, :n] @ rate)
+            own = riders.owner == i
+            weight = riders.rest[own] @ riders.row[own][:, :n]
+            for q in (pace.q[i, :n], pace.last[i, :n]):
+                potential += 0.25 * float(q @ riders.stiffness[i, :n, :n] @ q) - 0.5 * float(weight @ q)
         return kinetic, potential
 
-    def _works(self, pace: Pace) -> tuple[float, float, float]:
-        """Works up to half a step ago: to the last instant that was looked at, and half a step on."""
+    def _at_contacts(self, pace: Pace) -> tuple[float, float, float, float]:
+        """Energy stored in all contacts, and works up to half a step ago: given, holding, and taken up by contacts, J.
+
+        Known is the last instant that was looked at, and the one before: it goes on as it did for half a step.
+        """
         here, before = pace.here, pace.before
-        on = np.isfinite(here[:, 0]) & np.isfinite(before[:, 0])
-        moved = here[on] - before[on]
-        given = pace.work[GIVEN] + 0.5 * float((here[on, 3] * moved[:, 0]).sum())
-        held = pace.work[HELD] - 0.5 * float((here[on, 4] * here[on, 2] * moved[:, 1]).sum())
-        return float(given), float(held), float(pace.work[LOST])
+        on = np.isfinite(here[:, HEIGHT]) & np.isfinite(before[:, HEIGHT])
+        now, moved = here[on], here[on] - before[on]
+        given, held, taken = (pace.work[form] for form in (GIVEN, HELD, TAKEN))
+        given += 0.5 * float((now[:, GIVEN_FORCE] * moved[:, HEIGHT]).sum())
+        held -= 0.5 * float((now[:, FORCE] * now[:, SLOPE] * moved[:, PLACE]).sum())
+        touches, outside = self._riders.spring[on] > 0.0, self._riders.size[self._riders.owner[on]] == 0
+        rough = np.where(touches, 0.5 * now[:, FORCE] * moved[:, ROUGH], 0.0)
+        given, held = given - float(rough[outside].sum()), held - float(rough[~outside].sum())
+        taken += 0.5 * float((now[:, FORCE] * moved[:, GAP])[touches].sum())
+        stored = 0.0
+        for k in np.flatnonzero(np.isfinite(here[:, HEIGHT]) & (self._riders.spring > 0.0)):
+            late = 0.5 * (here[k, GAP] - before[k, GAP]) if on[k] else 0.0
+            energy = self._squeezed(int(k), float(here[k, GAP] + late), float(here[k, LOCAL]))
+            if np.isnan(self._unsqueezed[k]):
+                self._unsqueezed[k] = energy
+            stored += energy - self._unsqueezed[k]
+        return stored, float(given), float(held), float(taken)
+
+    def _squeezed(self, k: int, gap: float, local: float) -> float:
+        """Potential energy of the force at contact k, where rider and spline overlap by a gap in m, J."""
+        riders = self._riders
+        rest, yields = riders.rest[k], local + (0.0 if np.isinf(riders.spring[k]) else 1.0 / riders.spring[k])
+        more = (gap - local * rest) / yields if yields > 0.0 else 0.0
+        if riders.lifts[k] and (riders.sign[k] * (rest + more) < 0.0 or (yields <= 0.0 and riders.sign[k] * gap < 0.0)):
+            return float(0.5 * rest**2 * (2.0 * local - yields))
+        return float(rest * gap + 0.5 * yields * more**2)
 
 
 def _shares(weight: Array) -> Array:

@@ -16,10 +16,13 @@ from ropewalk.wires.mesh import CLAMPED, FREE, Mesh
 from ropewalk.wires.plan import Array
 from ropewalk.wires.rest import beds, bending_stiffness, rows, spring, ties_springs
 
-_FULL_STEPS, _MOST_STEPS = 40, 400
+_FULL_STEPS, _MOST_STEPS = 40, 2000
 _PARTS = (1, 8)  # in which constant forces are put on
 _LONGEST = 0.1  # of the longest wire: longer steps are cut
 _ALMOST = 1e-8  # of the longest wire: steps this small are taken although rounding may hide that the energy falls
+_ZERO = 1e-14  # of its diagonal: a smaller pivot is what rounding leaves of zero
+_NEUTRAL = 1e-12  # of the largest diagonal: less stiffness is none: overhead lines may be free to slide as a whole
+_LEAPS = 0.1, 1e-2, 1e-3, 1e-4  # of the longest wire, off a saddle
 _CLOSE = 1e-11  # of the longest wire: a step this small is the last one, as is the first that is no smaller than before
 
 
@@ -154,10 +157,10 @@ class Balance:
 
 
 def settle(potential: Potential, start: Array, *, space: bool = False) -> Balance:
-    """Find the rest next to a shape.
+    """Find the rest next to a shape: a minimum of the potential energy, as its stiffness shows.
 
     Newton's method in full steps, which may climb the walls of the narrow valley that a wire which hardly stretches
-    makes of the energy; the constant forces are put on in parts if that does not converge; and downhill only, if
+    makes of the energy; the constant forces are put on in parts if that ends at no minimum; and downhill only, if
     neither does.
 
     Args:
@@ -176,7 +179,7 @@ def settle(potential: Potential, start: Array, *, space: bool = False) -> Balanc
             for part in range(1, parts + 1):
                 potential.force = whole * (part / parts)
                 r = _newton(potential, r, free) if r is not None else None
-            if r is not None:
+            if r is not None and _factor(potential.stiffness(r)[free][:, free], _NEUTRAL) is not None:
                 return Balance(r, potential.tension(r))
     finally:
         potential.force = whole
@@ -194,7 +197,7 @@ def _newton(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Arra
     for _ in range(_FULL_STEPS):
         found = np.zeros(free.size)
         found[free] = _solved(potential.stiffness(r)[free][:, free], potential.pull(r).ravel()[free])
-        largest = float(np.abs(found).max())
+        largest = float(np.abs(found).max(initial=0.0))
         if not np.isfinite(largest):
             return None
         r = r + found.reshape(3, -1) * min(1.0, _LONGEST * size / max(largest, 1e-300))
@@ -205,32 +208,77 @@ def _newton(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Arra
 
 
 def _solved(K: Any, out: Array) -> Array:
-    """Solution of K x = out, not finite where K is singular: the caller sees to it."""
+    """Solution of K x = out, the least one where wires may stand anywhere; not finite where K is singular."""
+    for shift in (0.0, _NEUTRAL):
+        factor = _factor(K, shift)
+        if factor is not None:
+            return np.asarray(factor.solve(out))
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", scipy.sparse.linalg.MatrixRankWarning)
         solution: Array = scipy.sparse.linalg.spsolve(K.tocsc(), out)
     return solution
 
 
+def _factor(K: Any, shift: float = 0.0) -> Any:
+    """The factors of a symmetric matrix with pivots on its diagonal; None if it is not positive definite.
+
+    Args:
+        shift: of its largest diagonal entry, added to all.
+    """
+    diagonal = np.abs(K.diagonal())
+    if shift:
+        K = K + shift * diagonal.max() * sparse.identity(diagonal.size)
+    try:
+        factor = scipy.sparse.linalg.splu(
+            K.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
+    except RuntimeError:  # singular
+        return None
+    if not np.array_equal(factor.perm_r, factor.perm_c):
+        return None
+    return factor if np.all(factor.U.diagonal()[factor.perm_c] > _ZERO * diagonal) else None
+
+
 def _downhill(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Array:
-    """Newton's method with a shift that grows until the energy falls."""
+    """Newton's method with a shift that grows until the stiffness is definite and the energy falls."""
     r, size, energy, shift, before = start.copy(), _size(potential), potential.energy(start), 0.0, np.inf
     for _ in range(_MOST_STEPS):
         out = potential.pull(r).ravel()[free]
-        K = potential.stiffness(r)[free][:, free]
-        scale = float(np.abs(K.diagonal()).mean())
+        K, step = potential.stiffness(r)[free][:, free], np.zeros(free.size)
         while True:
-            found = np.zeros(free.size)
-            found[free] = _solved(K + shift * scale * sparse.identity(out.size), out)
-            step, largest, gain = found.reshape(3, -1), np.abs(found).max(), float(found[free] @ out)
-            tried = potential.energy(r + step) if np.isfinite(largest) else np.inf
-            if gain > 0.0 and (tried < energy or largest < _ALMOST * size):
-                break
+            factor = _factor(K, shift)
+            if factor is not None:
+                step[free] = factor.solve(out)
+                largest = float(np.abs(step).max(initial=0.0))
+                tried = r + step.reshape(3, -1) * min(1.0, _LONGEST * size / max(largest, 1e-300))
+                lower = potential.energy(tried)
+                if lower < energy or largest < _ALMOST * size:
+                    break
             if shift > 1e6:
                 raise EquilibriumError("the wires find no rest; check what holds them, and whether they are compressed")
-            shift = max(1e-9, 10.0 * shift)
-        r, energy, shift = r + step, tried, 0.1 * shift if shift > 1e-9 else 0.0
-        if shift == 0.0 and (largest <= _CLOSE * size or before <= largest <= _ALMOST * size):
-            return r
-        before = largest
+            shift = max(_NEUTRAL, 10.0 * shift)
+        r, energy = tried, lower
+        if largest <= _CLOSE * size or before <= largest <= _ALMOST * size:
+            K = potential.stiffness(r)[free][:, free]
+            if _factor(K, _NEUTRAL) is not None:
+                return r
+            r, shift, largest = _off_saddle(potential, r, free, K), 0.0, np.inf
+            energy = potential.energy(r)
+        before, shift = largest, 0.1 * shift if shift > _NEUTRAL else 0.0
     raise EquilibriumError(f"the wires found no rest in {_MOST_STEPS} steps; check what holds them")
+
+
+def _off_saddle(potential: Potential, r: Array, free: NDArray[np.bool_], K: Any) -> Array:
+    """A place lower than a saddle, along its most negative curvature."""
+    size, energy, step = _size(potential), potential.energy(r), np.zeros(free.size)
+    shift = next(shift for shift in _NEUTRAL * 10.0 ** np.arange(1.0, 20.0) if _factor(K, shift) is not None)
+    inverse = scipy.sparse.linalg.LinearOperator(K.shape, matvec=_factor(K, shift).solve, dtype=np.float64)
+    below = -shift * float(np.abs(K.diagonal()).max())
+    way = scipy.sparse.linalg.eigsh(K, 1, sigma=below, OPinv=inverse, v0=np.ones(K.shape[0]))[1][:, 0]
+    step[free] = size * way / np.abs(way).max()
+    for far in _LEAPS:
+        for side in (far, -far):
+            tried: Array = r + side * step.reshape(3, -1)
+            if potential.energy(tried) < energy:
+                return tried
+    raise EquilibriumError("the wires rest on a saddle of their energy only; check whether they are compressed")

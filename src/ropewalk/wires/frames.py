@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
+from typing import Literal
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from ropewalk.wires.mesh import riders_of
 from ropewalk.wires.partners import SLIDES, Foreigner, Partner
 from ropewalk.wires.plan import Array
 from ropewalk.wires.rest import rows, vertical_stiffness
+from ropewalk.wires.seat import Seat, seat_at, seat_below
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.stability import largest_step, largest_step_along
 from ropewalk.wires.task import Task, ready
@@ -81,13 +83,16 @@ class Run:
             )
             self._potential = Potential(self.mesh, start.unstrained)
             self.motion: LargeMotion | SmallMotion = LargeMotion(
-                self.mesh, start.position, start.unstrained, self.riders, account.step, self._first(), inner,
+                self.mesh, start.position, start.unstrained, self.riders, account.step, self._first("first"), inner,
                 task.inertia, space=task.space,
             )  # fmt: skip
         else:
             account.reason = "Stoermer's method for small vertical motion about rest, with constant tensions"
             self._stiffness = vertical_stiffness(self.mesh)
-            self.motion = SmallMotion(self.mesh, start.rest, self.riders, account.step, self._first(), task.window)
+            self.motion = SmallMotion(
+                self.mesh, start.rest, self.riders, account.step, self._first("first"), task.window
+            )
+        self.motion.pace.last[:] -= account.step * self._first("rate")
         self._audit = Audit(self.mesh, self.riders, self.motion, start.position, start.unstrained)
         self._in_air = np.zeros(self.riders.owner.size)
         self._partners = [self._partner(*pair) for pair in zip(task.foreigners, self.turns, strict=True)]
@@ -101,10 +106,12 @@ class Run:
             self.motion, self._axes, lambda drive: self.motion.go(drive, self.steps), self.sample,
         )  # fmt: skip
 
-    def _first(self) -> Array:
+    def _first(self, what: Literal["first", "rate"]) -> Array:
+        """Coordinates of all riders at the beginning, (rider, C) m; or their rates, m/s."""
         first = np.zeros(self.riders.mass.shape[:2])
         for i, journey in enumerate(self.task.journeys):
-            first[i, : journey.first.size] = journey.first
+            own = getattr(journey, what)
+            first[i, : own.size] = own
         return first
 
     @property
@@ -206,7 +213,7 @@ class Run:
         strain = self._strain()
         EA = np.repeat([wire.axial_stiffness for wire in self.task.plan.wires], self.mesh.strands.links)
         unknown, nowhere = np.full(contacts, np.nan), np.full((contacts, dim), np.nan)
-        bodies, rates = self._bodies(drive)
+        bodies, rates = self._bodies(drive, position[self._axes].T)
         return Frame(
             path=t, position=position[self._axes].T, velocity=velocity[self._axes].T, tension=EA * strain,
             strain=strain, contact_position=nowhere, contact_force=nowhere.copy(), hold_force=nowhere.copy(),
@@ -222,24 +229,20 @@ class Run:
         place[on], force[on], hold = 0.0, 0.0, frame.hold_force.copy()
         hold[on] = 0.0
         place[on, -1], force[on, -1] = now.height[0, on], now.force[0, on]
-        both = frame.contact_tension.copy()
+        both, xi = frame.contact_tension.copy(), frame.contact_xi.copy()
         first = np.concatenate([[0], np.cumsum(self.mesh.strands.links)[:-1]])
         for k in np.flatnonzero(on):
             a = int(self.riders.wire[k])
-            wire, links = self.task.plan.wires[a], int(self.mesh.strands.links[a])
-            place[k, 0] = wire.start[0] + station[k] / wire.length * (wire.end[0] - wire.start[0])
-            if len(self._axes) == 3:
-                part = self.mesh.of(a)
-                place[k, 1] = np.interp(
-                    station[k], self.mesh.strands.h[a] * np.arange(links + 1), frame.position[part, 1]
-                )
-            both[k] = frame.tension[first[a] + min(int(station[k] / self.mesh.strands.h[a]), links - 1)]
+            seat = self._seat(int(k), float(station[k]), frame.position)
+            place[k, :-1] = seat.value(frame.position.T)[:-1]
+            xi[k] = seat.links * self.mesh.strands.h[a]
+            both[k] = frame.tension[first[a] + min(int(seat.links), int(self.mesh.strands.links[a]) - 1)]
+        counted = np.where(self.riders.material, 1.0, np.abs(self.mesh.strands.across[self.riders.wire, 1]))
         in_air = self.riders.lifts & (now.force[0] == 0.0)
         self._in_air += self.sample * ((before.force == 0.0) & self.riders.lifts).sum(axis=0)
         return replace(
             frame, contact_position=place, contact_force=force, hold_force=hold, contact_tension=both,
-            contact_xi=np.where(on, station, np.nan),
-            contact_speed=np.where(on, (drive.station[1] - station) / self.sample, np.nan),
+            contact_xi=xi, contact_speed=np.where(on, counted * (drive.station[1] - station) / self.sample, np.nan),
             contact_state=np.where(on, np.where(in_air, IN_AIR, MOVES), OFF_LINE), contact_in_air=self._in_air.copy(),
             reaction=np.vstack([frame.reaction, (now.hold[0] + motion.hold_at_rest)[:, self._axes]]),
             tie_force=now.tie[0] + motion.tie_at_rest,
@@ -255,17 +258,31 @@ class Run:
             return np.concatenate([strain[i : i + n] for i, n in zip(strands.first, strands.links, strict=True)])
         return np.repeat([wire.tension / wire.axial_stiffness for wire in self.task.plan.wires], strands.links)
 
-    def _bodies(self, drive: Drive) -> tuple[Array, Array]:
+    def _seat(self, k: int, station: float, position: Array) -> Seat:
+        """Where contact k is on its wire, whose nodes are at positions (node, axis); beyond an end, at the end."""
+        a, strands = int(self.riders.wire[k]), self.mesh.strands
+        inside = min(max(station, 0.0), self.task.plan.wires[a].length)
+        if isinstance(self.motion, LargeMotion) and not self.riders.material[k]:
+            begin, along = strands.across[a]
+            return seat_below(self.mesh, a, position[:, 0], float(begin + along * inside))
+        return seat_at(self.mesh, a, inside / float(strands.h[a]))
+
+    def _bodies(self, drive: Drive, position: Array) -> tuple[Array, Array]:
         place, speed = (np.zeros((len(self.task.shown), len(self._axes))) for _ in range(2))
-        pace = self.motion.pace
+        pace, last = self.motion.pace, drive.station.shape[0] - 1
         for i, body in enumerate(self.task.shown):
-            k = int(np.flatnonzero(self.riders.owner == body.journey)[0])
-            behind = self.task.journeys[body.journey].rider.contacts[0].behind
-            n = body.row.size
+            k = int(np.flatnonzero(self.riders.owner == body.journey)[body.wheel])
+            a, n = int(self.riders.wire[k]), body.row.size
             q, moved = pace.q[body.journey, :n], pace.q[body.journey, :n] - pace.last[body.journey, :n]
-            start = self.task.plan.wires[int(self.riders.wire[k])].start[0]
-            place[i, 0], place[i, -1] = start + drive.station[0, k] + behind + body.ahead, body.base + body.row @ q
-            speed[i, 0], speed[i, -1] = np.diff(drive.station[:2, k])[0] / self.sample, body.row @ moved / pace.step
+            along, length = float(self.mesh.strands.across[a, 1]), self.task.plan.wires[a].length
+            station = [float(drive.station[row, k]) for row in (0, min(1, last))]
+            beyond = [s - min(max(s, 0.0), length) for s in station]
+            x = [
+                self._seat(k, s, position).value(position.T)[0] + along * b
+                for s, b in zip(station, beyond, strict=True)
+            ]
+            place[i, 0], place[i, -1] = x[0] + np.sign(along) * body.ahead, body.base + body.row @ q
+            speed[i, 0], speed[i, -1] = (x[1] - x[0]) / self.sample, body.row @ moved / pace.step
         return place, speed
 
     def _reactions(self, position: Array) -> Array:

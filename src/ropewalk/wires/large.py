@@ -13,10 +13,23 @@ from typing import NamedTuple
 import numpy as np
 
 from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
-from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive, Record
+from ropewalk.wires.damping import EVERY, dissipated
+from ropewalk.wires.drive import ABSENT, Drive, Record
 from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Riders, places_of
 from ropewalk.wires.plan import Array
-from ropewalk.wires.riders import begin, between, join, local_at, note, pace_of, press, ride, settle_accounts, sweeps_of
+from ropewalk.wires.riders import (
+    DAMPED,
+    begin,
+    between,
+    join,
+    local_at,
+    note,
+    pace_of,
+    press,
+    ride,
+    settle_accounts,
+    sweeps_of,
+)
 from ropewalk.wires.spline import WIDTH, weights
 from ropewalk.wires.strings import grip, grips_of, hold, pull_ties, steady_of, strings_of
 
@@ -38,6 +51,8 @@ class Threads(NamedTuple):
     pull: Array  # (node,) N/m, axial stiffness over unstrained length of the link behind the node
     rest: Array  # (node,) 1/m^2, one over the square of that length
     weight: Array  # (end, axis) N, of weights that pull at ends: they slide along x. NaN: held
+    mass: Array  # (axis, node) kg
+    damped: bool  # whether any wire is
 
 
 def threads_of(mesh: Mesh, position: Array, rest: Array, step: float, inner: int, inertia: float = 1.0) -> Threads:
@@ -71,7 +86,8 @@ def threads_of(mesh: Mesh, position: Array, rest: Array, step: float, inner: int
         along[end[held & ~np.isfinite(weight[side::2, 0])]] = 0.0
     return Threads(
         bending, gain, along, inner * gain, inner * along, (2.0 - slow) / slow, fall,
-        EA / rest, 1.0 / rest**2, weight[:, 0],
+        EA / rest, 1.0 / rest**2, weight[:, 0], np.outer([inertia, *np.ones(position.shape[0] - 1)], mesh.mass),
+        bool(s.drag.any() or s.retardation.any()),
     )  # fmt: skip
 
 
@@ -210,6 +226,24 @@ def _move(strands, threads, now, other, room, q, level, slope, small, dt):
                      slope[2 * a + side, c], kind != FREE and not slides, force if slides else 0.0)  # fmt: skip
 
 
+@lean_inner
+def _lost(strands, threads, now, other, dt):
+    """What all wires lose while they move from the other to the one in dt, by time, W."""
+    lost = 0.0
+    for a in range(strands.first.size):
+        h, part = strands.h[a], slice(strands.first[a], strands.first[a] + strands.links[a] + 1)
+        if strands.drag[a] == 0.0 and strands.retardation[a] == 0.0:
+            continue
+        for c in range(now.shape[0]):
+            lost += dissipated(
+                other[c, part], now[c, part], now[c, part], 1.0, threads.mass[c, part], strands.drag[a],
+                strands.retardation[a], strands.tension[a] / h,
+                (strands.stiffness[a] if c == 0 else threads.bending[a]) / (h * h * h), 0.0,
+                strands.end[a, 0] == CLAMPED, strands.end[a, 1] == CLAMPED,
+            )  # fmt: skip
+    return lost / (dt * dt)
+
+
 @inlined
 def _seek(x, s, n, place, w):
     """Place in links on a wire, whose nodes have the coordinates x, where its x is `place`: from s, by Newton."""
@@ -229,16 +263,18 @@ def _seek(x, s, n, place, w):
 
 @inlined
 def _seat(strands, riders, pace, x, z, drive, row, part, k, w):
-    """Where contact k is on its wire, whose nodes are at x and z: links, first node, height, and slope per link."""
-    a, where, place = riders.wire[k], drive.where[row, k], between(drive.station, row, part, k)
-    first, n, s, base, height, slope = strands.first[a], strands.links[a], 0.0, 0, 0.0, 0.0
-    if where == ON_GROUND:
-        return s, base, z[first] if place <= 0.0 else z[first + n], slope
-    if riders.material[k]:
-        s = place / strands.h[a]
+    """Where contact k is on its wire, whose nodes are at x and z: whether there, links, first node, height, and slope.
+
+    Before the start and beyond the end there is level ground, as high as these. The slope is one per link.
+    """
+    a, place, height, slope = riders.wire[k], between(drive.station, row, part, k), 0.0, 0.0
+    first, n, h = strands.first[a], strands.links[a], strands.h[a]
+    s, base = min(max(place / h, 0.0), float(n)), 0
+    on = abs(s - place / h) < _CLOSE
+    if riders.material[k] or not on:
         base = first + weights(s, n, w)
     else:
-        guess = pace.place[k] if np.isfinite(pace.place[k]) else place / strands.h[a]
+        guess = pace.place[k] if np.isfinite(pace.place[k]) else s
         begin, end = strands.across[a, 0], strands.across[a, 1]
         s, base = _seek(x[first : first + n + 1], min(max(guess, 0.0), float(n)), n, begin + end * place, w)
         pace.place[k] = s
@@ -246,22 +282,22 @@ def _seat(strands, riders, pace, x, z, drive, row, part, k, w):
     for j in range(WIDTH):
         height += w[0, j] * z[base + j]
         slope += w[1, j] * z[base + j]
-    return s, base, height, slope
+    return on, s, base, height, slope
 
 
 @inlined
 def _touch(strands, threads, riders, pace, now, other, drive, record, row, step, steps, k, w):
     """What contact k does during a step."""
-    where, part, up, local = drive.where[row, k], step / steps, now.shape[0] - 1, 0.0
-    if where == ABSENT:
+    part, up, local = step / steps, now.shape[0] - 1, 0.0
+    if drive.where[row, k] == ABSENT:
         return
-    s, base, height, slope = _seat(strands, riders, pace, now[0], now[up], drive, row, part, k, w)
-    if where == ON_WIRE:
+    on, s, base, height, slope = _seat(strands, riders, pace, now[0], now[up], drive, row, part, k, w)
+    if on:
         local = local_at(strands, riders.wire[k], s)
-    given = between(drive.given, row, part, k)
-    force = given + press(riders, pace, k, height + between(drive.rough, row, part, k), local)
-    note(pace, record, row, step, k, where == ON_WIRE, height, s, slope, given, force, local)
-    if where == ON_WIRE:
+    given, rough = between(drive.given, row, part, k), between(drive.rough, row, part, k)
+    force = given + press(riders, pace, k, height + rough, local)
+    note(riders, pace, record, row, step, k, height, s, slope, given, force, local, rough)
+    if on:
         for j in range(WIDTH):
             other[up, base + j] += threads.kick[base + j] * w[0, j] * force
 
@@ -269,18 +305,18 @@ def _touch(strands, threads, riders, pace, now, other, drive, record, row, step,
 @inlined
 def _join(strands, threads, riders, pace, other, drive, record, row, step, steps, k, w):
     """What keeps the rigid contact k together at the end of a step."""
-    where, part, up, soft = drive.where[row, k], (step + 1.0) / steps, other.shape[0] - 1, 0.0
-    if where == ABSENT:
+    part, up, soft, local = (step + 1.0) / steps, other.shape[0] - 1, 0.0, 0.0
+    if drive.where[row, k] == ABSENT:
         return
-    s, base, height, _ = _seat(strands, riders, pace, other[0], other[up], drive, row, part, k, w)
-    if where == ON_WIRE:
-        soft = max(local_at(strands, riders.wire[k], s), 0.0)
+    on, s, base, height, _ = _seat(strands, riders, pace, other[0], other[up], drive, row, part, k, w)
+    if on:
+        local = max(local_at(strands, riders.wire[k], s), 0.0)
         for j in range(WIDTH):
             soft += w[0, j] * w[0, j] * threads.gain[base + j]
-    force = join(riders, pace, k, height + between(drive.rough, row, part, k), soft)
+    force = join(riders, pace, k, height + between(drive.rough, row, part, k), soft, local)
     if step == 0:
         record.force[row, k] += force
-    if where == ON_WIRE:
+    if on:
         for j in range(WIDTH):
             other[up, base + j] += threads.gain[base + j] * w[0, j] * force
 
@@ -301,7 +337,8 @@ def advance(strands, threads, strings, grips, watched, riders, pace, level, slop
         sweeps: over all that is rigid, in each step.
         w: (3, WIDTH) room for weights of a spline.
     """
-    axes = now.shape[0]
+    axes, whole = now.shape[0], record.force.shape[0] * steps
+    every = min(max(1, EVERY // inner), max(1, whole // 4))
     for row in range(record.force.shape[0]):
         for p in range(watched.base.size):
             for k in range(WIDTH):
@@ -311,8 +348,8 @@ def advance(strands, threads, strings, grips, watched, riders, pace, level, slop
                 record.body[row, i, c] = pace.q[i, c]
         for step in range(steps):
             _move(strands, threads, now, other, room, q, level, slope, small, pace.step / inner)
-            pull_ties(strings, now, other, threads.kick, threads.kick_along, pace.step, record.tie, row, step)
-            hold(strings, now, other, threads.kick, threads.kick_along, pace.step, record.hold, row, step)
+            pull_ties(strings, now, other, threads.kick, threads.kick_along, pace, record.tie, row, step)
+            hold(strings, now, other, threads.kick, threads.kick_along, pace, record.hold, row, step)
             begin(riders, pace, drive.push, row, step / steps)
             for k in range(riders.owner.size):
                 _touch(strands, threads, riders, pace, now, other, drive, record, row, step, steps, k, w)
@@ -323,11 +360,16 @@ def advance(strands, threads, strings, grips, watched, riders, pace, level, slop
                     if np.isinf(riders.spring[k]):
                         _join(strands, threads, riders, pace, other, drive, record, row, step, steps, k, w)
             settle_accounts(riders, pace)
+            gone = row * steps + step
             now, other = other, now
-            for _ in range(1, inner):
-                _move(strands, threads, now, other, room, q, level, slope, small, pace.step / inner)
-                grip(grips, axes, other, threads.gain, threads.along, record, row, steps)
-                now, other = other, now
+            for part in range(inner):
+                if part > 0:
+                    _move(strands, threads, now, other, room, q, level, slope, small, pace.step / inner)
+                    grip(grips, axes, other, threads.gain, threads.along, record, row, steps)
+                    now, other = other, now
+                if part == inner // 2 and threads.damped and gone % every == 0:  # in the middle between two pushes
+                    lost = _lost(strands, threads, now, other, pace.step / inner)
+                    pace.work[DAMPED] += min(every, whole - gone) * pace.step * lost
 
 
 class LargeMotion:

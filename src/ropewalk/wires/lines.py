@@ -9,7 +9,7 @@ import numpy as np
 from ropewalk.errors import RopewalkError
 from ropewalk.linear.fleet import Coach, coach_of
 from ropewalk.mechanics.assembly import axes_of, loads_of, strands_of, supports_of
-from ropewalk.mechanics.chain import HORIZONTAL, Loads
+from ropewalk.mechanics.chain import MATERIAL, Loads
 from ropewalk.mechanics.fleet import fleet_of
 from ropewalk.mechanics.rider import force_at
 from ropewalk.mechanics.wheels import wheels_of
@@ -76,32 +76,32 @@ def journey_of(setting: Setting, name: str, load: AnyLoad, wire: int, line: Line
     wheels = np.flatnonzero([wheel.load == name for wheel in setting.wheels])
     starts = np.array([setting.wheels[int(k)].start for k in wheels])
     behind = starts.max() - starts
-    place = _place(setting.loads, int(wheels[np.argmax(starts)]), float(starts.max()), line)
+    material = bool(setting.loads.measure[wheels[0]] == MATERIAL)
+    scale = 1.0 if material else (line.length or line.distance) / abs(line.end[0] - line.start[0])
+    place = _place(setting.loads, int(wheels[np.argmax(starts)]), scale * float(starts.max()), scale)
     ground = spatial(line.start)[2]
     if isinstance(load, MovingForce):
         k, up = int(wheels[0]), len(setting.axes) - 1
         none = np.zeros((0, 0))
-        rider = Rider(name, none, none, none, (Contact(wire, stiffness=0.0),))
+        rider = Rider(name, none, none, none, (Contact(wire, stiffness=0.0, material=material),))
 
         def given(times: Array) -> Array:
             return np.array([[force_at(setting.loads, k, float(t), up)] for t in times])
 
         return Journey(rider, place, given=given), None
     coach = coach_of(setting, name, load, behind)
-    return Journey(_rider(coach, name, load, wire, behind, ground), place, beside=ON_GROUND), coach
+    rider = _rider(coach, name, load, wire, scale * behind, ground, material=material)
+    return Journey(rider, place, beside=ON_GROUND, stands=True), coach
 
 
-def _place(loads: Loads, k: int, start: float, line: Line) -> Callable[[Array], Array]:
-    scale = 1.0
-    if loads.measure[k] == HORIZONTAL:
-        scale = (line.length or line.distance) / abs(line.end[0] - line.start[0])
-
+def _place(loads: Loads, k: int, start: float, scale: float) -> Callable[[Array], Array]:
+    """Times to stations of load k, m: at the start, and `scale` times as fast as its speed says."""
     part = slice(int(loads.speed_first[k]), int(loads.speed_first[k] + loads.speed_count[k]))
-    return travelled(scale * start, loads.speed_time[part], scale * loads.speed_value[part])
+    return travelled(start, loads.speed_time[part], scale * loads.speed_value[part])
 
 
-def _rider(coach: Coach, name: str, load: AnyLoad, wire: int, behind: Array, ground: float) -> Rider:
-    """Coordinates and heavy wheels move up from rest on level ground; light wheels follow the wire."""
+def _rider(coach: Coach, name: str, load: AnyLoad, wire: int, behind: Array, ground: float, *, material: bool) -> Rider:
+    """Coordinates and heavy wheels move up from rest on ground as high as the start; light wheels follow the wire."""
     vehicle = coach.vehicle
     M, C, K = vehicle.mass, vehicle.damping, vehicle.stiffness
     own = M.shape[0] - behind.size
@@ -127,8 +127,8 @@ def _rider(coach: Coach, name: str, load: AnyLoad, wire: int, behind: Array, gro
         rest = -float(vehicle.static_load[j])
         contacts.append(
             Contact(
-                wire, tuple(row), float(distance), stiffness=stiffness, damping=damping, base=ground, rest=rest,
-                below=below, lifts_off=lifts,
+                wire, tuple(row), float(distance), material=material, stiffness=stiffness, damping=damping,
+                base=ground, rest=rest, below=below, lifts_off=lifts,
             )
         )  # fmt: skip
     return Rider(name, M[np.ix_(keep, keep)], reduced[1], reduced[0], tuple(contacts))
@@ -143,5 +143,6 @@ def shown_of(setting: Setting, coach: Coach, journey: int, line: Line) -> list[S
         if body.wheel in coach.wheels and body.coordinates[-1] in coach.coordinates:
             c = coach.coordinates.index(body.coordinates[-1])
             base = spatial(line.start)[2] + float(coach.rest[c])
-            found.append(Shown(body.name, journey, np.eye(heavy)[c], base, body.ahead))
+            wheel = coach.wheels.tolist().index(body.wheel)
+            found.append(Shown(body.name, journey, np.eye(heavy)[c], base, body.ahead, wheel))
     return found

@@ -12,8 +12,9 @@ from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import Bearer, Push, Pushes, Turns
 from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive
 from ropewalk.wires.large import LargeMotion
-from ropewalk.wires.mesh import Mesh, places_of
-from ropewalk.wires.plan import Array, Contact, Rider, Spot
+from ropewalk.wires.mesh import Mesh
+from ropewalk.wires.plan import Array, Contact, Rider
+from ropewalk.wires.seat import seat_at, seat_below
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.spline import WIDTH
 
@@ -35,7 +36,7 @@ def rider_of(name: str, wire: int, contacts: int, stiffness: float, damping: flo
     """What a foreign load is to the wires: contacts without coordinates, whose springs end where they are told to."""
     none = np.zeros((0, 0))
     spring = max(stiffness, _NEXT_TO_NOTHING) if damping else stiffness
-    contact = Contact(wire, stiffness=spring, damping=damping)
+    contact = Contact(wire, material=True, stiffness=spring, damping=damping)
     return Rider(name, none, none, none, (contact,) * contacts)
 
 
@@ -52,20 +53,25 @@ class WireLine:
 
     def at(self, xi: float) -> tuple[Array, Array]:
         """Position in m and velocity in m/s of the wire at a station, (axis,)."""
-        strands = self.mesh.strands
-        spot = places_of(strands, [Spot(self.wire, xi)])
-        first, weight = int(spot.base[0]), spot.weight[0]
-        r, v = self.piece(slice(first, first + WIDTH))
-        place, velocity = (r @ weight)[self.axes], (v @ weight)[self.axes]
+        h = self.mesh.strands.h[self.wire]
+        seat = seat_at(self.mesh, self.wire, xi / h)
+        r, v = self.piece(slice(seat.first, seat.first + WIDTH))
+        place, velocity = (r @ seat.weight[0])[self.axes], (v @ seat.weight[0])[self.axes]
         for station, force in self.soft:
-            if abs(station - xi) < strands.h[self.wire]:  # beside its spline the wire gives way to what stands on it
-                place[-1] += spot.local[0] * force
+            if abs(station - xi) < h:  # beside its spline the wire gives way to what stands on it
+                place[-1] += seat.local * force
         return place, velocity
 
     def below(self, x: float) -> float:
-        """The station in m above or below a horizontal place x in m."""
-        wire = self.mesh.plan.wires[self.wire]
-        return float((x - wire.start[0]) / (wire.end[0] - wire.start[0]) * wire.length)
+        """The station in m above or below a horizontal place x in m; beyond the ends it goes on evenly."""
+        begin, along = self.mesh.strands.across[self.wire]
+        even, length = (x - begin) / along, self.length
+        if not 0.0 <= even <= length:
+            return float(even)
+        part = self.mesh.of(self.wire)
+        place = np.zeros(self.mesh.nodes)
+        place[part] = self.piece(part)[0][0]
+        return seat_below(self.mesh, self.wire, place, x).links * float(self.mesh.strands.h[self.wire])
 
 
 @dataclass

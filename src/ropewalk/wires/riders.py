@@ -11,10 +11,16 @@ from ropewalk.wires.mesh import Riders
 from ropewalk.wires.plan import Array
 
 _SWEEPS = 4
-# Entries of `work`: of given forces and pushes; of what holds riders at their places along the line; lost in dampers of
-# riders and contacts.
-GIVEN, HELD, LOST = 0, 1, 2
-WORKS = 3
+# Entries of `work`: of given forces, pushes and foreign interfaces; of what holds riders at their places along the line
+# and drives them over its roughness; lost in dampers of riders; taken up by contacts, as they come closer; lost in
+# dampers and drag of wires, ties and holds.
+GIVEN, HELD, LOST, TAKEN, DAMPED = 0, 1, 2, 3, 4
+WORKS = 5
+# Entries of what is known of a contact at an instant: height of the spline in m, place in links, slope in m per link,
+# given force and all force on the wire in N, by how much rider and spline overlap in m, compliance beside the spline in
+# m/N, roughness in m.
+HEIGHT, PLACE, SLOPE, GIVEN_FORCE, FORCE, GAP, LOCAL, ROUGH = 0, 1, 2, 3, 4, 5, 6, 7
+_KNOWN = 8
 
 
 class Pace(NamedTuple):
@@ -29,11 +35,11 @@ class Pace(NamedTuple):
     pushed: Array  # (rider, C) N, room
     outer: Array  # (rider, C) N, what is put on them from outside
     past: Array  # (rider, C) m, room
-    gap: Array  # (contact,) m by which rider and wire overlapped a step ago, NaN before the first
+    gap: Array  # (contact,) m by which rider and spline overlapped last, NaN before the first step
     place: Array  # (contact,) in links along its wire, where it was found last
     joined: Array  # (contact,) N, what has kept a rigid contact together in this step
-    here: Array  # (contact, 5) height in m, place in links, slope in m per link, given force and all force in N
-    before: Array  # (contact, 5) the same a step ago, NaN where it was not on the wire
+    here: Array  # (contact, _KNOWN) at the last instant, NaN where it was neither on the wire nor beside it
+    before: Array  # (contact, _KNOWN) the same a step ago
     work: Array  # (WORKS,) J since the start
     yields: Array  # (contact,) m/N by which a rigid contact gives way on the side of its rider, during a step
 
@@ -44,12 +50,13 @@ def pace_of(riders: Riders, step: float, q: Array, place: Array) -> Pace:
     inverse = np.zeros_like(M)
     for i, n in enumerate(riders.size):
         inverse[i, :n, :n] = np.linalg.inv((M + C)[i, :n, :n])
-    nowhere = np.full(riders.owner.size, np.nan)
+    count = riders.owner.size
+    nowhere, unknown = np.full(count, np.nan), np.full((count, _KNOWN), np.nan)
     yields = np.array([row @ inverse[i] @ row for i, row in zip(riders.owner, riders.row, strict=True)])
     return Pace(
         step, inverse, 2.0 * M - riders.stiffness, M - C, q.copy(), q.copy(), np.zeros_like(q), np.zeros_like(q),
-        np.zeros_like(q), nowhere, place.copy(), np.zeros(riders.owner.size), np.full((riders.owner.size, 5), np.nan),
-        np.full((riders.owner.size, 5), np.nan), np.zeros(WORKS), yields.reshape(-1),
+        np.zeros_like(q), nowhere, place.copy(), np.zeros(count), unknown, unknown.copy(), np.zeros(WORKS),
+        yields.reshape(-1),
     )  # fmt: skip
 
 
@@ -70,7 +77,7 @@ def begin(riders, pace, push, row, part):
     """Put what is given on the coordinates of all riders."""
     for k in range(riders.owner.size):
         pace.joined[k] = 0.0
-        for c in range(5):
+        for c in range(_KNOWN):
             pace.before[k, c], pace.here[k, c] = pace.here[k, c], np.nan
     for i in range(riders.size.size):
         for c in range(riders.size[i]):
@@ -80,22 +87,25 @@ def begin(riders, pace, push, row, part):
 
 @inlined
 def press(riders, pace, k, height, local):
-    """Force upwards on the wire at contact k, where the wire stands at a height; its rider feels the reaction.
+    """Force upwards on the wire at contact k, where the spline stands at a height; its rider feels the reaction.
 
     Args:
-        local: compliance of the wire beside its spline, in series with the spring of the contact, m/N.
+        height: with its roughness.
+        local: compliance of the wire beside its spline, in series with the spring of the contact, m/N: the wire stands
+            so much higher, for each N.
     """
     i, spring, rest = riders.owner[k], riders.spring[k], riders.rest[k]
-    if spring == 0.0 or np.isinf(spring):  # rigid contacts are joined at the end of the step
+    if spring == 0.0:
         return rest
     gap = riders.base[k] - height
     for c in range(riders.size[i]):
         gap += riders.row[k, c] * pace.q[i, c]
-    force = rest + gap / (local + 1.0 / spring)
-    if riders.damper[k] > 0.0 and np.isfinite(pace.gap[k]):
-        force += riders.damper[k] * (gap - pace.gap[k]) / pace.step
-        pace.work[LOST] += riders.damper[k] * (gap - pace.gap[k]) ** 2 / pace.step
-    pace.gap[k] = gap
+    last, pace.gap[k] = pace.gap[k], gap
+    if np.isinf(spring):  # rigid contacts are joined at the end of the step
+        return rest
+    force = rest + (gap - local * rest) / (local + 1.0 / spring)
+    if riders.damper[k] > 0.0 and np.isfinite(last):
+        force += riders.damper[k] * (gap - last) / pace.step
     if riders.lifts[k] and riders.sign[k] * force < 0.0:
         force = 0.0
     for c in range(riders.size[i]):
@@ -104,28 +114,30 @@ def press(riders, pace, k, height, local):
 
 
 @inlined
-def note(pace, record, row, step, k, on_wire, height, s, slope, given, force, local):
+def note(riders, pace, record, row, step, k, height, s, slope, given, force, local, rough):
     """Keep what is known of contact k in this step: for the accounts, and in the first step of a row for the record."""
-    if on_wire:
-        here = pace.here[k]
-        here[0], here[1], here[2], here[3], here[4] = height, s, slope, given, force
+    here, gap = pace.here[k], pace.gap[k] if riders.spring[k] > 0.0 else 0.0
+    here[HEIGHT], here[PLACE], here[SLOPE], here[GIVEN_FORCE], here[FORCE] = height, s, slope, given, force
+    here[GAP], here[LOCAL], here[ROUGH] = gap, local, rough
     if step == 0:
-        record.force[row, k], record.height[row, k] = force, height + local * force
+        record.force[row, k] = force
+        record.height[row, k] = height + gap if np.isinf(riders.spring[k]) else height + local * force
 
 
 @inlined
-def join(riders, pace, k, height, soft):
+def join(riders, pace, k, height, soft, local):
     """Force upwards on the wire that brings a rigid contact together at the end of a step; its rider gives way.
 
     Args:
-        height: of the wire at the end of the step, and all that was done before.
-        soft: what the wire gives way to a force during the step, m/N.
+        height: of the spline at the end of the step, and all that was done before; with its roughness.
+        soft: what the spline gives way to a force during the step, m/N.
+        local: what the wire gives way to beside its spline, m/N.
     """
     i, sign, rest = riders.owner[k], riders.sign[k], riders.rest[k]
-    gap = riders.base[k] - height
+    gap = riders.base[k] - height - local * (rest + pace.joined[k])
     for c in range(riders.size[i]):
         gap += riders.row[k, c] * pace.q[i, c]
-    force = gap / (soft + pace.yields[k])
+    force = gap / (soft + local + pace.yields[k])
     if riders.lifts[k] and sign * (rest + pace.joined[k] + force) < 0.0:
         force = -rest - pace.joined[k]
     pace.joined[k] += force
@@ -162,15 +174,24 @@ def settle_accounts(riders, pace):
     """Work at all contacts in the step that ends now, by what was there a step ago and is there now.
 
     A force on the wire gives it the force times the rise of the particles below: the rise of the contact less what its
-    advance along the slope makes of it. The latter is what holds the rider at its place, against the slope.
+    advance along the slope makes of it. The latter is what holds the rider at its place, against the slope; as is what
+    drives it over roughness. What rider and wire lose together is taken up by their contact.
     """
     for k in range(riders.owner.size):
         here, before = pace.here[k], pace.before[k]
-        here[4] += pace.joined[k]
-        if np.isnan(here[0]) or np.isnan(before[0]):
+        here[FORCE] += pace.joined[k]
+        if np.isnan(here[HEIGHT]) or np.isnan(before[HEIGHT]):
             continue
-        pace.work[GIVEN] += 0.5 * (here[3] + before[3]) * (here[0] - before[0])
-        pace.work[HELD] -= 0.25 * (here[4] + before[4]) * (here[2] + before[2]) * (here[1] - before[1])
+        force, rough = 0.5 * (here[FORCE] + before[FORCE]), here[ROUGH] - before[ROUGH]
+        pace.work[GIVEN] += 0.5 * (here[GIVEN_FORCE] + before[GIVEN_FORCE]) * (here[HEIGHT] - before[HEIGHT])
+        pace.work[HELD] -= 0.5 * force * (here[SLOPE] + before[SLOPE]) * (here[PLACE] - before[PLACE])
+        if riders.spring[k] == 0.0:
+            continue
+        if riders.size[riders.owner[k]] == 0:  # the far end of an interface is moved from outside
+            pace.work[GIVEN] -= force * rough
+        else:
+            pace.work[HELD] -= force * rough
+        pace.work[TAKEN] += force * (here[GAP] - before[GAP])
 
 
 @inlined

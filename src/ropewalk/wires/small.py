@@ -12,14 +12,28 @@ from typing import NamedTuple
 import numpy as np
 
 from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
-from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive, Record
+from ropewalk.wires.damping import EVERY, dissipated
+from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive, Record
 from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Places, Riders, places_of
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.rest import Rest, spring, ties_springs
-from ropewalk.wires.riders import begin, between, join, local_at, note, pace_of, press, ride, settle_accounts, sweeps_of
+from ropewalk.wires.riders import (
+    DAMPED,
+    begin,
+    between,
+    join,
+    local_at,
+    note,
+    pace_of,
+    press,
+    ride,
+    settle_accounts,
+    sweeps_of,
+)
 from ropewalk.wires.spline import WIDTH, weights
 
 _NOTHING = 1e-150  # m
+_CLOSE = 1e-9  # links, beyond an end: nothing
 _LATE = 0.5  # share of the next and of the last instant in what rigid holds keep
 _HALF_PAGE = 256  # numbers of 8 bytes
 _FEW = 0.1  # part of the nodes of a wire that may carry more than it and be seen to afterwards
@@ -41,6 +55,7 @@ class Springs(NamedTuple):
     damping: Array  # N s/m, while tight
     way: Array  # (spring,) vertical part of its direction
     last: Array  # m by which its ends had moved apart a step ago
+    rate: Array  # m/s at which they did so then, while it damped
     x: Array  # m, to know whether it lies in the window
     number: Integers  # of the tie, or of the hold
 
@@ -89,6 +104,8 @@ class Stencil(NamedTuple):
     laden: Integers  # the other nodes, of all wires with a bare gain
     first: Integers  # (wire + 1,) where those of each wire begin
     saved: Array  # (laden,) room
+    mass: Array  # (node,) kg
+    damped: bool  # whether any wire is
 
 
 def _nodes(base: Integers, weight: Array) -> Integers:
@@ -123,7 +140,7 @@ def springs_of(mesh: Mesh, rest: Rest) -> Springs:
         np.concatenate([apart, to_ground]), nodes, np.concatenate([pull * (rest.tie_distance - ties.length), none]),
         np.concatenate([pull, none]), np.concatenate([slack, none]), np.concatenate([across, held[keep]]),
         np.concatenate([ties.damping, holds.damping[keep, 2]]), np.concatenate([way, none + 1.0]),
-        np.zeros(way.size + none.size), x_of(mesh, np.concatenate([ties.one.wire, holds.at.wire[keep]]),
+        np.zeros(way.size + none.size), np.zeros(way.size + none.size), x_of(mesh, np.concatenate([ties.one.wire, holds.at.wire[keep]]),
              np.concatenate([ties.one.station, holds.at.station[keep]])),
         np.concatenate([np.arange(way.size), np.flatnonzero(keep)]),
     )  # fmt: skip
@@ -148,7 +165,7 @@ def stencil_of(mesh: Mesh, step: float) -> Stencil:
         first.append(len(laden))
     return Stencil(
         bending, gain, (2.0 - slow) / slow, bare, np.array(laden, dtype=np.int64), np.array(first, dtype=np.int64),
-        np.zeros(len(laden)),
+        np.zeros(len(laden)), mesh.mass, bool(s.drag.any() or s.retardation.any()),
     )  # fmt: skip
 
 
@@ -212,6 +229,8 @@ def advance(strands, stencil, springs, grips, window, watched, riders, pace, lev
         sweeps: over all that is rigid, in each step.
         w: (3, WIDTH) room for weights of a spline.
     """
+    whole = record.force.shape[0] * steps
+    every = min(EVERY, max(1, whole // 4))
     for row in range(record.force.shape[0]):
         _look(watched, window, now, record.watched, row)
         for i in range(riders.size.size):
@@ -219,7 +238,7 @@ def advance(strands, stencil, springs, grips, window, watched, riders, pace, lev
                 record.body[row, i, c] = pace.q[i, c]
         for step in range(steps):
             _move(strands, stencil, window, now, other, room, pace.step)
-            _pull(springs, window, now, other, stencil.gain, pace.step, record, row, step)
+            _pull(springs, window, now, other, stencil.gain, pace, record, row, step)
             begin(riders, pace, drive.push, row, step / steps)
             for k in range(riders.owner.size):
                 _touch(strands, riders, pace, level, now, other, stencil.gain, drive, record, row, step, steps, k, w)
@@ -230,6 +249,10 @@ def advance(strands, stencil, springs, grips, window, watched, riders, pace, lev
                     if np.isinf(riders.spring[k]):
                         _join(strands, riders, pace, level, other, stencil.gain, drive, record, row, step, steps, k, w)
             settle_accounts(riders, pace)
+            gone = row * steps + step
+            if stencil.damped and gone % every == 0:
+                lost = _lost(strands, stencil, window, now, other, room, pace.step)
+                pace.work[DAMPED] += min(every, whole - gone) * lost
             now, other = other, now
 
 
@@ -272,26 +295,54 @@ def _move(strands, stencil, window, now, other, room, dt):
             _end(now, felt, other, gain, i + n, -1, keep, t, b, bed, strands.end[a, 1])
 
 
+@lean_inner
+def _lost(strands, stencil, window, now, other, room, dt):
+    """What all wires lose in a step from the one to the other, J; `room` is what they have felt."""
+    lost = 0.0
+    for a in range(strands.first.size):
+        i, low, high, h, late = strands.first[a], window.low[a], window.high[a], strands.h[a], strands.retardation[a]
+        if low >= high or (strands.drag[a] == 0.0 and late == 0.0):
+            continue
+        part = slice(i + low, min(i + high, i + strands.links[a] + 1))
+        felt, scale = (room[part], dt / late) if late > 0.0 else (other[part], 1.0)
+        lost += dissipated(
+            now[part], other[part], felt, scale, stencil.mass[part], strands.drag[a], late, strands.tension[a] / h,
+            stencil.bending[a] / (h * h * h), strands.bed[a] * h,
+            low == 0 and strands.end[a, 0] == CLAMPED, high > strands.links[a] and strands.end[a, 1] == CLAMPED,
+        )  # fmt: skip
+    return lost / dt
+
+
+@inlined
+def _seat(strands, riders, level, moved, drive, row, part, k, w):
+    """Where contact k is: whether on its wire, links along it, first node, height, and slope per link.
+
+    Before the start and beyond the end there is level ground, as high as these.
+    """
+    a, height, slope = riders.wire[k], 0.0, 0.0
+    place, n = between(drive.station, row, part, k) / strands.h[a], strands.links[a]
+    s = min(max(place, 0.0), float(n))
+    base = strands.first[a] + weights(s, n, w)
+    for j in range(WIDTH):
+        z = level[base + j] + moved[base + j]
+        height += w[0, j] * z
+        slope += w[1, j] * z
+    return abs(s - place) < _CLOSE, s, base, height, slope
+
+
 @inlined
 def _touch(strands, riders, pace, level, now, other, gain, drive, record, row, step, steps, k, w):
     """What contact k does during a step."""
-    where, part = drive.where[row, k], step / steps
-    if where == ABSENT:
+    part, local = step / steps, 0.0
+    if drive.where[row, k] == ABSENT:
         return
-    a, given = riders.wire[k], between(drive.given, row, part, k)
-    s, n, base, local = between(drive.station, row, part, k) / strands.h[a], strands.links[a], 0, 0.0
-    height, slope = 0.0, 0.0
-    if where == ON_GROUND:
-        height = level[strands.first[a]] if s <= 0.0 else level[strands.first[a] + n]
-    else:
-        base, local = strands.first[a] + weights(s, n, w), local_at(strands, a, s)
-        for j in range(WIDTH):
-            z = level[base + j] + now[base + j]
-            height += w[0, j] * z
-            slope += w[1, j] * z
-    force = given + press(riders, pace, k, height + between(drive.rough, row, part, k), local)
-    note(pace, record, row, step, k, where == ON_WIRE, height, s, slope, given, force, local)
-    if where == ON_WIRE:
+    on, s, base, height, slope = _seat(strands, riders, level, now, drive, row, part, k, w)
+    if on:
+        local = local_at(strands, riders.wire[k], s)
+    given, rough = between(drive.given, row, part, k), between(drive.rough, row, part, k)
+    force = given + press(riders, pace, k, height + rough, local)
+    note(riders, pace, record, row, step, k, height, s, slope, given, force, local, rough)
+    if on:
         for j in range(WIDTH):
             other[base + j] += gain[base + j] * w[0, j] * force
 
@@ -319,30 +370,26 @@ def _grip(grips, window, now, other, gain, record, row, step, begins):
 @inlined
 def _join(strands, riders, pace, level, other, gain, drive, record, row, step, steps, k, w):
     """What keeps the rigid contact k together at the end of a step."""
-    where, part = drive.where[row, k], (step + 1.0) / steps
-    if where == ABSENT:
+    part, soft, local = (step + 1.0) / steps, 0.0, 0.0
+    if drive.where[row, k] == ABSENT:
         return
-    a = riders.wire[k]
-    s, n, base, height = between(drive.station, row, part, k) / strands.h[a], strands.links[a], 0, 0.0
-    soft = 0.0
-    if where == ON_GROUND:
-        height = level[strands.first[a]] if s <= 0.0 else level[strands.first[a] + n]
-    else:
-        base, soft = strands.first[a] + weights(s, n, w), max(local_at(strands, a, s), 0.0)
+    on, s, base, height, _ = _seat(strands, riders, level, other, drive, row, part, k, w)
+    if on:
+        local = max(local_at(strands, riders.wire[k], s), 0.0)
         for j in range(WIDTH):
-            height += w[0, j] * (level[base + j] + other[base + j])
             soft += w[0, j] * w[0, j] * gain[base + j]
-    force = join(riders, pace, k, height + between(drive.rough, row, part, k), soft)
+    force = join(riders, pace, k, height + between(drive.rough, row, part, k), soft, local)
     if step == 0:
         record.force[row, k] += force
-    if where == ON_WIRE:
+    if on:
         for j in range(WIDTH):
             other[base + j] += gain[base + j] * w[0, j] * force
 
 
 @inlined
-def _pull(springs, window, now, other, gain, dt, record, row, step):
+def _pull(springs, window, now, other, gain, pace, record, row, step):
     """What ties and holds do during a step."""
+    dt = pace.step
     one, two, weight, rest, pull = springs.one, springs.other, springs.weight, springs.rest, springs.pull
     push, across, damping, way, last = springs.push, springs.across, springs.damping, springs.way, springs.last
     nodes = springs.nodes
@@ -357,12 +404,18 @@ def _pull(springs, window, now, other, gain, dt, record, row, step):
             apart = now[n] - now[m] if n != m else -now[m]
         loss = 0.0
         if c > 0.0:
-            loss = c * (apart - last[e]) / dt
-            last[e] = apart
+            rate = (apart - last[e]) / dt
+            loss, last[e] = c * rate, apart
+            pace.work[DAMPED] += 0.5 * c * way[e] * way[e] * springs.rate[e] * (springs.rate[e] + rate) * dt
+            springs.rate[e] = rate
         F = across[e] * apart
         if pull[e] > 0.0:
             N = rest[e] + pull[e] * way[e] * apart
-            N = N + way[e] * loss if N > 0.0 else N * push[e] / pull[e]
+            if N > 0.0:
+                N += way[e] * loss
+            else:
+                N *= push[e] / pull[e]
+                springs.rate[e] = 0.0
             before = rest[e] if rest[e] > 0.0 else rest[e] * push[e] / pull[e]
             F += way[e] * (N - before)
             if step == 0:

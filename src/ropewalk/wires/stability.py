@@ -20,8 +20,9 @@ def largest_step(mesh: Mesh, riders: Riders) -> float:
     across = (4.0 * T / s.h + 16.0 * bending / s.h**3 + s.bed * s.h) / m
     lightest = float(m.min())
     total = across + _attached(mesh, lightest) + _ridden(mesh, riders, lightest)
-    # omega^2 (dt^2 + 2 beta dt) < 4 for each wire
-    steps = np.sqrt(4.0 / total + s.retardation**2) - s.retardation
+    # omega^2 (dt^2 + 2 beta dt) + 2 c / m dt < 4 for each wire
+    late = s.retardation + _damped(mesh, riders, lightest) / total
+    steps = np.sqrt(4.0 / total + late**2) - late
     return SAFETY * float(min(steps.min(), _alone(riders)))
 
 
@@ -38,6 +39,18 @@ def _attached(mesh: Mesh, lightest: float) -> float:
     held = np.where(np.isinf(mesh.holds.stiffness), 0.0, spring(mesh.holds.stiffness, mesh.holds.at.local[:, None]))
     stiff = [0.0, *ties_springs(mesh)[0], *held.ravel()]
     return 2.0 * _SQUARES * float(max(stiff)) / lightest
+
+
+def _damped(mesh: Mesh, riders: Riders, lightest: float) -> float:
+    """Bound of the rates of dampers that act with the velocity of half a step ago, 1/s."""
+    tied = 2.0 * _SQUARES * float(max([0.0, *mesh.ties.damping, *mesh.holds.damping.ravel()])) / lightest
+    found = [0.0]
+    for k, i in enumerate(riders.owner):
+        n = riders.size[i]
+        row = riders.row[k, :n]
+        light = float(row @ np.linalg.solve(riders.mass[i, :n, :n], row)) if n else 0.0
+        found.append(riders.damper[k] * (_SQUARES / lightest + light))
+    return tied + float(sum(sorted(found)[-2:]))
 
 
 def _ridden(mesh: Mesh, riders: Riders, lightest: float) -> float:

@@ -10,6 +10,7 @@ from ropewalk.mechanics.compiled import inlined
 from ropewalk.wires.mesh import Mesh
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.rest import rows, spring, ties_springs
+from ropewalk.wires.riders import DAMPED
 from ropewalk.wires.spline import WIDTH
 
 _SHARES = tuple(np.uint64(k) for k in range(WIDTH))
@@ -29,6 +30,7 @@ class Strings(NamedTuple):
     push: Array  # N/m
     damping: Array  # N s/m of ties
     last: Array  # (spring, 3) m, a step ago: length of a tie, place of what is held
+    rate: Array  # (spring, 3) m/s at which that changed, while it damped
     stiff: Array  # (spring, 3) N/m of holds
     loss: Array  # (spring, 3) N s/m of holds
     lift: Array  # (spring,) N upwards, of holds
@@ -60,7 +62,7 @@ def strings_of(mesh: Mesh, position: Array) -> Strings:
         ]),
         np.concatenate([ties.ground, holds.place]), np.concatenate([away[:, 1], blank]),
         np.concatenate([ties.length, nan]), np.concatenate([pull, blank]),
-        np.concatenate([push, blank]), np.concatenate([ties.damping, blank]), last,
+        np.concatenate([push, blank]), np.concatenate([ties.damping, blank]), last, np.zeros_like(last),
         np.concatenate([no_ties, stiff]), np.concatenate([no_ties, holds.damping]),
         np.concatenate([np.zeros(ties.length.size), holds.force]),
         np.concatenate([pulls[:, None] * away[:, 1:], held[:, 1:]]),
@@ -116,9 +118,9 @@ def _give(x, gain, i, weight, e, side, F):
 
 
 @inlined
-def pull_ties(strings, now, other, gain, along, dt, found, row, step):
+def pull_ties(strings, now, other, gain, along, pace, found, row, step):
     """What ties do during a step."""
-    axes, weight, length, last = now.shape[0], strings.weight, strings.length, strings.last
+    dt, axes, weight, length, last = pace.step, now.shape[0], strings.weight, strings.length, strings.last
     steady = strings.steady
     x, z, out_x, out_z = now[0], now[axes - 1], other[0], other[axes - 1]
     for e in range(strings.ties):
@@ -130,10 +132,12 @@ def pull_ties(strings, now, other, gain, along, dt, found, row, step):
         dx, dz = dx - _height(x, i, weight, e, 0), dz - _height(z, i, weight, e, 0)
         dy = dy - _height(now[1], i, weight, e, 0) if axes == 3 else strings.aside[e]
         size = np.sqrt(dx * dx + dy * dy + dz * dz)
+        c, rate, before = strings.damping[e], (size - last[e, 0]) / dt, strings.rate[e, 0]
+        pace.work[DAMPED] += 0.5 * c * before * (before + rate) * dt
         if size > length[e]:
-            N = strings.pull[e] * (size - length[e]) + strings.damping[e] * (size - last[e, 0]) / dt
+            N, strings.rate[e, 0] = strings.pull[e] * (size - length[e]) + c * rate, rate
         else:
-            N = strings.push[e] * (size - length[e])
+            N, strings.rate[e, 0] = strings.push[e] * (size - length[e]), 0.0
         last[e, 0] = size
         if step == 0:
             found[e, row] = N
@@ -148,18 +152,20 @@ def pull_ties(strings, now, other, gain, along, dt, found, row, step):
 
 
 @inlined
-def hold(strings, now, other, gain, along, dt, found, row, step):
+def hold(strings, now, other, gain, along, pace, found, row, step):
     """What elastic holds do during a step."""
-    axes, weight, stiff, loss = now.shape[0], strings.weight, strings.stiff, strings.loss
+    dt, axes, weight, stiff, loss = pace.step, now.shape[0], strings.weight, strings.stiff, strings.loss
     for e in range(strings.ties, strings.one.size):
         i = np.uint64(strings.one[e])
         for c in range(axes):
             at = 2 if c == axes - 1 else c
             F = strings.lift[e] if at == 2 else 0.0
             if stiff[e, at] > 0.0 or loss[e, at] > 0.0:
-                here = _height(now[c], i, weight, e, 0)
-                F += stiff[e, at] * (strings.place[e, at] - here) - loss[e, at] * (here - strings.last[e, at]) / dt
-                strings.last[e, at] = here
+                here, before = _height(now[c], i, weight, e, 0), strings.rate[e, at]
+                rate = (here - strings.last[e, at]) / dt
+                F += stiff[e, at] * (strings.place[e, at] - here) - loss[e, at] * rate
+                pace.work[DAMPED] += 0.5 * loss[e, at] * before * (before + rate) * dt
+                strings.last[e, at], strings.rate[e, at] = here, rate
             if step == 0:
                 found[e - strings.ties, at, row] = F
             if c > 0:

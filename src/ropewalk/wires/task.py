@@ -6,17 +6,23 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from scipy.optimize import brentq
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.wires.equilibrium import Potential, settle
 from ropewalk.wires.journey import Journey
 from ropewalk.wires.large import hung
-from ropewalk.wires.mesh import Mesh, mesh_of, places_of
+from ropewalk.wires.mesh import Mesh, mesh_of
 from ropewalk.wires.partners import Foreigner
-from ropewalk.wires.plan import Array, Plan, Spot
+from ropewalk.wires.plan import Array, Plan, Rider, Wire
 from ropewalk.wires.rest import Rest, rest_of
+from ropewalk.wires.seat import seat_at, seat_below
 
 Geometry = Literal["nonlinear", "linearised"]
+_INSTANT = 1e-6  # s, in which a first speed is found
+_SLIGHT = 1e-6  # strain to guess with where there is no weight
+# Of the length of a hanging wire: its ends are as far from each other at least; and its steepest chord.
+_NARROW, _STEEP = 1e-3, 1.0 - 1e-9
 
 
 @dataclass(frozen=True)
@@ -27,7 +33,8 @@ class Shown:
     journey: int
     row: Array  # (coordinate,) height over `base`
     base: float  # m
-    ahead: float = 0.0  # m ahead of the place of the rider
+    ahead: float = 0.0  # m ahead of the contact
+    wheel: int = 0  # which of the rider's contacts that is
 
 
 @dataclass(frozen=True)
@@ -59,23 +66,14 @@ class Start:
 
 
 def ready(task: Task) -> tuple[Task, Start]:
-    """Divide the wires and find their rest; contacts whose base is NaN begin at the height of their wire.
+    """Divide the wires and find their rest; riders that are to stand on the wires take their first places there.
 
     Raises:
         RopewalkError: something is attached off its wire, or there is no rest.
     """
     start = _linearised(task) if task.geometry == "linearised" else _nonlinear(task)
-    zero, journeys = np.zeros(1), []
-    for journey in task.journeys:
-        contacts = []
-        for contact in journey.rider.contacts:
-            if np.isnan(contact.base):
-                station = float(journey.place(zero)[0]) - contact.behind
-                height = height_at(start, contact.wire, station) + float(journey.rough(np.array([station]))[0])
-                contact = replace(contact, base=height)
-            contacts.append(contact)
-        journeys.append(replace(journey, rider=replace(journey.rider, contacts=tuple(contacts))))
-    return replace(task, journeys=tuple(journeys)), start
+    journeys = tuple(standing(start, journey) if journey.stands else journey for journey in task.journeys)
+    return replace(task, journeys=journeys), start
 
 
 def _linearised(task: Task) -> Start:
@@ -117,26 +115,81 @@ def _nonlinear(task: Task) -> Start:
 def _guess(mesh: Mesh) -> tuple[Array, Array]:
     """Positions near rest, and unstrained lengths: of wires of given length, that; of others, what tension asks for."""
     wires = mesh.plan.wires
-    taut = all(wire.tension > 0.0 for wire in wires)
-    position = rest_of(mesh).position if taut else mesh.straight()
+    tension = np.array([_stretched(wire, mesh.plan.gravity) for wire in wires])
+    position = rest_of(mesh._replace(strands=mesh.strands._replace(tension=tension))).position
     unstrained = hung(mesh, position)
     for i, wire in enumerate(wires):
         if wire.unstrained is None:
             continue
         part, links = mesh.of(i), int(mesh.strands.links[i])
         unstrained[part] = wire.unstrained / links
-        spare = wire.unstrained - wire.chord
-        if spare > 1e-9 * wire.chord and "free" not in wire.ends:
-            # A parabola of that length: 8 sag^2 / (3 chord) longer than its chord.
-            sag = np.sqrt(0.375 * spare * wire.chord)
-            x = np.linspace(0.0, 1.0, links + 1)
-            position[2, part] = mesh.straight()[2, part] - 4.0 * sag * x * (1.0 - x)
+        if wire.unstrained > (1.0 + 1e-9) * wire.chord and "free" not in wire.ends:
+            position[:, part] = hanging(np.array(wire.start), np.array(wire.end), wire.unstrained, links)
     return position, unstrained
 
 
-def height_at(start: Start, wire: int, station: float) -> float:
-    """Height of a wire at rest, m; beyond its ends, of the end."""
-    inside = min(max(station, 0.0), start.mesh.plan.wires[wire].length)
-    at = places_of(start.mesh.strands, [Spot(wire, inside)])
-    base = int(at.base[0])
-    return float(at.weight[0] @ start.position[2, base : base + at.weight.shape[1]])
+def _stretched(wire: Wire, gravity: float) -> float:
+    """The tension of a wire, or one to guess with for a slack one, N."""
+    if wire.unstrained is None or wire.tension > 0.0:
+        return wire.tension
+    return wire.mass * gravity * wire.length or _SLIGHT * wire.axial_stiffness
+
+
+def hanging(start: Array, end: Array, length: float, links: int) -> Array:
+    """Points of the catenary of a length in m between two points, (3, point) m, at equal distances along it.
+
+    With the distance l along the ground and the height h between them: sinh(a) / a = sqrt(length^2 - h^2) / l, and
+    the arc from the lowest point is l / (2 a) sinh of what grows by 2 a from one end to the other.
+    """
+    flat = np.array([end[0] - start[0], end[1] - start[1]])
+    rise, way = float(end[2] - start[2]), max(float(np.hypot(*flat)), _NARROW * length)
+    ratio = np.sqrt(max(length**2 - rise**2, way**2)) / way
+    a = float(brentq(lambda a: np.sinh(a) / a - ratio, 1e-9, 1.0 + 2.0 * np.log(2.0 * ratio) + 2.0, xtol=1e-15))
+    middle = np.arctanh(np.clip(rise / length, -_STEEP, _STEEP))  # half the sum of what sinh is taken of
+    arc = np.linspace(np.sinh(middle - a), np.sinh(middle + a), links + 1)
+    part = (np.arcsinh(arc) - (middle - a)) / (2.0 * a)
+    z = start[2] + 0.5 * way / a * (np.sqrt(1.0 + arc**2) - np.cosh(middle - a))
+    return np.stack([start[0] + flat[0] * part, start[1] + flat[1] * part, z])
+
+
+def place_at(start: Start, wire: int, station: float, *, material: bool) -> tuple[float, float]:
+    """Height of a wire at rest in m, and its slope in m per m of station; beyond its ends it is level.
+
+    Args:
+        station: m along the chord, or along the wire itself if `material`.
+    """
+    mesh, z = start.mesh, start.position[2]
+    h, own = float(mesh.strands.h[wire]), z[mesh.of(wire)]
+    if not 0.0 <= station <= mesh.plan.wires[wire].length:
+        return float(own[0 if station < 0.0 else -1]), 0.0
+    if material or start.rest is not None:
+        seat = seat_at(mesh, wire, station / h)
+        return float(seat.value(z)), float(seat.slope(z)) / h
+    begin, along = mesh.strands.across[wire]
+    seat = seat_below(mesh, wire, start.position[0], float(begin + along * station))
+    return float(seat.value(z)), float(along * seat.slope(z) / seat.slope(start.position[0]))
+
+
+def standing(start: Start, journey: Journey) -> Journey:
+    """A journey whose rider begins at rest within itself, on contacts that go along the wires as they rest."""
+    rider, instants = journey.rider, np.array([0.0, _INSTANT])
+    place = journey.place(instants)
+    speed = (place[1] - place[0]) / _INSTANT
+    found = [place_at(start, c.wire, float(place[0]) - c.behind, material=c.material) for c in rider.contacts]
+    height = np.array([z for z, _ in found]) - [c.base for c in rider.contacts]
+    rise = np.array([slope * speed for _, slope in found])
+    return replace(journey, first=_resting(rider, height), rate=_resting(rider, rise))
+
+
+def _resting(rider: Rider, height: Array) -> Array:
+    """Coordinates of a rider at rest on contacts that are moved up by heights in m; or their rates, by rates."""
+    size = rider.size
+    rigid = np.array([np.isinf(contact.stiffness) for contact in rider.contacts], dtype=np.bool_)
+    row = np.array([contact.row for contact in rider.contacts]).reshape(-1, size)
+    soft = np.where(rigid, 0.0, [contact.stiffness for contact in rider.contacts])
+    stiffness = rider.stiffness + row.T @ (soft[:, None] * row)
+    fast, none = row[rigid], np.zeros((int(rigid.sum()),) * 2)
+    K = np.block([[stiffness, fast.T], [fast, none]])
+    given = np.concatenate([row.T @ (np.where(rigid, 0.0, soft) * height), height[rigid]])
+    found: Array = np.linalg.lstsq(K, given, rcond=None)[0][:size]
+    return found
