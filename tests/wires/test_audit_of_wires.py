@@ -1,4 +1,4 @@
-"""The audit of motion on wires is computed: what dampers and drag take is counted where they act, and the rest closes."""
+"""The audit of motion on wires is computed: what dampers and drag take is counted where they act."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ def minimise(
     place = start
     residual, derivative = gradient(place)
     for _ in range(200):
-        change = -np.linalg.solve(derivative, residual)
+        change: FloatArray = -np.linalg.solve(derivative, residual)
         change *= min(1.0, longest / max(_largest(change), 1e-300))
         descent, miss = float(residual @ change), _largest(residual)
         fraction = 1.0

@@ -10,11 +10,11 @@ import scipy.sparse.linalg
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
+from ropewalk.solve.symmetric import IndefiniteError, Solver, Way
 from ropewalk.webs.potential import Potential
 from ropewalk.webs.relax import relaxed
 from ropewalk.webs.seats import divide, join, seat
 from ropewalk.webs.sheaves import hop
-from ropewalk.solve.symmetric import IndefiniteError, Solver, Way
 from ropewalk.webs.web import OFF, ON_LINE, WORKS, Array, Web
 
 # A node is at a sheave if it is closer than this part of a link.

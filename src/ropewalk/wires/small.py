@@ -135,13 +135,14 @@ def springs_of(mesh: Mesh, rest: Rest) -> Springs:
     grounded = ~np.vstack([apart, to_ground])[:, WIDTH:].any(axis=1)
     nodes = np.column_stack([one, np.where(grounded, one, other)])
     nodes[(nodes < 0).any(axis=1)] = -1
+    wire = np.concatenate([ties.one.wire, holds.at.wire[keep]])
+    station = np.concatenate([ties.one.station, holds.at.station[keep]])
     return Springs(
         np.concatenate([ties.one.base, holds.at.base[keep]]), np.concatenate([ties.other.base, holds.at.base[keep]]),
         np.concatenate([apart, to_ground]), nodes, np.concatenate([pull * (rest.tie_distance - ties.length), none]),
         np.concatenate([pull, none]), np.concatenate([slack, none]), np.concatenate([across, held[keep]]),
         np.concatenate([ties.damping, holds.damping[keep, 2]]), np.concatenate([way, none + 1.0]),
-        np.zeros(way.size + none.size), np.zeros(way.size + none.size), x_of(mesh, np.concatenate([ties.one.wire, holds.at.wire[keep]]),
-             np.concatenate([ties.one.station, holds.at.station[keep]])),
+        np.zeros(way.size + none.size), np.zeros(way.size + none.size), x_of(mesh, wire, station),
         np.concatenate([np.arange(way.size), np.flatnonzero(keep)]),
     )  # fmt: skip
 
