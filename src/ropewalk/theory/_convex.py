@@ -24,7 +24,7 @@ def minimise(
     place = start
     residual, derivative = gradient(place)
     for _ in range(200):
-        change: FloatArray = -np.linalg.solve(derivative, residual)
+        change = np.asarray(-np.linalg.solve(derivative, residual), dtype=np.float64)
         change *= min(1.0, longest / max(_largest(change), 1e-300))
         descent, miss = float(residual @ change), _largest(residual)
         fraction = 1.0
