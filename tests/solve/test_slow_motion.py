@@ -43,7 +43,8 @@ def case(line: Line, *loads: MovingForce, gravity: float = 9.81, positions: int 
 
 def slow(line: Line, *loads: MovingForce, gravity: float = 9.81, positions: int = 11) -> xr.Dataset:
     result = simulate(case(line, *loads, gravity=gravity, positions=positions))
-    assert result.attrs["outcome"] == "completed", result.attrs["advice"]
+    presses = any(one.force != (0.0, 0.0) for one in loads)
+    assert result.attrs["outcome"] == ("completed" if presses else "doubtful"), result.attrs["advice"]
     return result
 
 

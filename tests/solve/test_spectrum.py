@@ -289,7 +289,9 @@ def test_the_verlet_method_is_stable_up_to_the_stable_step_and_not_beyond(c):
 
     def amplitude(step):
         none, whole = np.zeros(0), np.zeros(0, dtype=np.int64)
-        loads = Loads(*6 * [whole], none, none, none, whole, whole, none, np.zeros((2, 0)), none, whole)
+        loads = Loads(
+            *4 * [whole], none, whole, whole, none, none, none, whole, whole, none, np.zeros((2, 0)), none, whole
+        )
         state = State(
             np.zeros(1), r + shape, np.zeros_like(r), X.copy(), none, none.copy(), whole, none.copy(), np.zeros(4)
         )

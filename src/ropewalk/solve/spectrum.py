@@ -227,7 +227,7 @@ def _lowest_modes(line: Linearised, name: str, how_many: int | None, place: Arra
     w, shapes = w[moving], shapes[:, moving]
     loss = (shapes * (C @ shapes)).sum(axis=0) + line.drag * (shapes**2).sum(axis=0)
     moved = np.zeros((w.size, place.shape[0], 3))
-    moved[:, 1:-1] = shapes.T.reshape(w.size, -1, 3)
+    moved[:, 1:-1] = shapes.T.reshape(w.size, place.shape[0] - 2, 3)
     return Modes(w, loss / (2.0 * w), unit(moved), place, (name,) * place.shape[0])
 
 
