@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from ropewalk.model._base import Finding
@@ -19,6 +20,8 @@ from ropewalk.model.support import Fixed, Guided
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.vehicle import Vehicle
 
+# Euler's load of a strut over that on hinges, with none, one and both of its ends clamped.
+_BUCKLES = (1.0, 2.0457, 4.0)
 _Known = MovingForce | MovingMass | Oscillator | Vehicle | Matrices
 _Lack = tuple[tuple[str, ...], str, str, str]
 
@@ -61,8 +64,11 @@ def check_stiff(parts: Parts) -> Iterator[Finding]:
                 yield Finding(("overhead_lines", name, "stitch_wire"), wrong, remedy=remedy)
     if parts.gravity == 0.0 and parts.overhead:
         yield Finding(("gravity",), "an overhead line hangs by its weight", "0 m/s^2", "leave gravity out")
+    small = isinstance(parts.run, Dynamic) and parts.run.geometry == "linearised"
     for name, line in parts.lines.items():
         if line is not None:
+            for key, wrong, given, remedy in _slack(line) if small else ():
+                yield Finding(("lines", name, *key), f"in small motion {wrong}", given, remedy)
             for key, wrong, given, remedy in _line(line):
                 yield Finding(("lines", name, *key), f"beside stiff lines {wrong}", given, remedy)
     for name, load in parts.loads.items():
@@ -113,6 +119,22 @@ def _line(line: Line) -> Iterator[_Lack]:
             yield (key,), known, support.kind, "write kind: fixed"
     if any(len(point) == 3 and point[1] != 0.0 for point in (line.start, line.end)):
         yield ("start",), "lines in the x-z plane are known", "a point with y", "write [x, z]"
+
+
+def _slack(line: Line) -> Iterator[_Lack]:
+    """What small motion about a straight line cannot be about: a line that is slack, or buckles."""
+    supports = line.start_support, line.end_support
+    if line.length is None or not line.axial_stiffness or any(isinstance(support, Guided) for support in supports):
+        return
+    push = line.axial_stiffness * (1.0 - line.distance / line.length)
+    clamped = sum(isinstance(support, Fixed) and support.clamped for support in supports)
+    limit = _BUCKLES[clamped] * line.bending_stiffness * (math.pi / line.distance) ** 2
+    given, remedy = f"{line.length:g} m over {line.distance:g} m", "write run.geometry: nonlinear, or give tension"
+    if not line.bending_stiffness and push >= 0.0:
+        yield ("length",), "a line without bending_stiffness needs a tension", given, f"{remedy}, or less length"
+    elif line.bending_stiffness and not line.foundation and push >= limit:
+        wrong = f"a line longer than its chord is a strut, and this one buckles at {limit:.4g} N; it bears {push:.4g} N"
+        yield ("length",), wrong, given, remedy
 
 
 def _load(load: _Known) -> Iterator[_Lack]:

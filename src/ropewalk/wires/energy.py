@@ -28,6 +28,7 @@ from ropewalk.wires.riders import (
 )
 from ropewalk.wires.small import SmallMotion
 
+_NOTHING = 1e-200  # J: small motion begins with 1e-150 m instead of nothing
 _FORM = {form: i for i, form in enumerate(ENERGY_FORMS)}
 
 
@@ -72,6 +73,7 @@ class Audit:
         if self._first is None:
             self._first = total
         energy[_FORM["imbalance"]] = total - self._first
+        energy[np.abs(energy) < _NOTHING] = 0.0
         return energy
 
     def _stored(self) -> tuple[float, float]:

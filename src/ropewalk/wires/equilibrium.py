@@ -179,7 +179,7 @@ def settle(potential: Potential, start: Array, *, space: bool = False) -> Balanc
             for part in range(1, parts + 1):
                 potential.force = whole * (part / parts)
                 r = _newton(potential, r, free) if r is not None else None
-            if r is not None and _factor(potential.stiffness(r)[free][:, free], _NEUTRAL) is not None:
+            if r is not None and factor_of(potential.stiffness(r)[free][:, free], _NEUTRAL) is not None:
                 return Balance(r, potential.tension(r))
     finally:
         potential.force = whole
@@ -210,7 +210,7 @@ def _newton(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Arra
 def _solved(K: Any, out: Array) -> Array:
     """Solution of K x = out, the least one where wires may stand anywhere; not finite where K is singular."""
     for shift in (0.0, _NEUTRAL):
-        factor = _factor(K, shift)
+        factor = factor_of(K, shift)
         if factor is not None:
             return np.asarray(factor.solve(out))
     with np.errstate(all="ignore"), warnings.catch_warnings():
@@ -219,7 +219,7 @@ def _solved(K: Any, out: Array) -> Array:
     return solution
 
 
-def _factor(K: Any, shift: float = 0.0) -> Any:
+def factor_of(K: Any, shift: float = 0.0) -> Any:
     """The factors of a symmetric matrix with pivots on its diagonal; None if it is not positive definite.
 
     Args:
@@ -246,7 +246,7 @@ def _downhill(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Ar
         out = potential.pull(r).ravel()[free]
         K, step = potential.stiffness(r)[free][:, free], np.zeros(free.size)
         while True:
-            factor = _factor(K, shift)
+            factor = factor_of(K, shift)
             if factor is not None:
                 step[free] = factor.solve(out)
                 largest = float(np.abs(step).max(initial=0.0))
@@ -260,7 +260,7 @@ def _downhill(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Ar
         r, energy = tried, lower
         if largest <= _CLOSE * size or before <= largest <= _ALMOST * size:
             K = potential.stiffness(r)[free][:, free]
-            if _factor(K, _NEUTRAL) is not None:
+            if factor_of(K, _NEUTRAL) is not None:
                 return r
             r, shift, largest = _off_saddle(potential, r, free, K), 0.0, np.inf
             energy = potential.energy(r)
@@ -271,8 +271,8 @@ def _downhill(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Ar
 def _off_saddle(potential: Potential, r: Array, free: NDArray[np.bool_], K: Any) -> Array:
     """A place lower than a saddle, along its most negative curvature."""
     size, energy, step = _size(potential), potential.energy(r), np.zeros(free.size)
-    shift = next(shift for shift in _NEUTRAL * 10.0 ** np.arange(1.0, 20.0) if _factor(K, shift) is not None)
-    inverse = scipy.sparse.linalg.LinearOperator(K.shape, matvec=_factor(K, shift).solve, dtype=np.float64)
+    shift = next(shift for shift in _NEUTRAL * 10.0 ** np.arange(1.0, 20.0) if factor_of(K, shift) is not None)
+    inverse = scipy.sparse.linalg.LinearOperator(K.shape, matvec=factor_of(K, shift).solve, dtype=np.float64)
     below = -shift * float(np.abs(K.diagonal()).max())
     way = scipy.sparse.linalg.eigsh(K, 1, sigma=below, OPinv=inverse, v0=np.ones(K.shape[0]))[1][:, 0]
     step[free] = size * way / np.abs(way).max()

@@ -22,13 +22,15 @@ from ropewalk.wires.large import LargeMotion
 from ropewalk.wires.mesh import riders_of
 from ropewalk.wires.partners import SLIDES, Foreigner, Partner
 from ropewalk.wires.plan import Array
-from ropewalk.wires.rest import rows, vertical_stiffness
+from ropewalk.wires.rest import Rest, rows, vertical_stiffness
 from ropewalk.wires.seat import Seat, seat_at, seat_below
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.stability import largest_step, largest_step_along
 from ropewalk.wires.task import Task, ready
 
 SAMPLE = 1e-3  # s, interval of samples where none is asked for
+_NOTHING = 1e-100  # m: small motion begins with a little more than nothing
+_SHALLOW = 1.0 / 8.0  # of the chord: a line that hangs further through is none of small motion
 _ESCAPED = 2.0  # lengths of the longest wire: a node of a wire that is held does not get further, unless a run blows up
 
 
@@ -89,6 +91,7 @@ class Run:
         else:
             account.reason = "Stoermer's method for small vertical motion about rest, with constant tensions"
             self._stiffness = vertical_stiffness(self.mesh)
+            self._doubt_sag(start.rest)
             self.motion = SmallMotion(
                 self.mesh, start.rest, self.riders, account.step, self._first("first"), task.window
             )
@@ -98,6 +101,18 @@ class Run:
         self._partners = [self._partner(*pair) for pair in zip(task.foreigners, self.turns, strict=True)]
         watched = rows(self.motion.watched, self.mesh.nodes) @ self._at_rest[2]
         self._watched_at_rest = watched if start.rest is None else np.zeros_like(watched)
+
+    def _doubt_sag(self, rest: Rest) -> None:
+        """Small motion is about a rest that is nearly straight: nothing that sags stretches there."""
+        sag = np.abs(rest.position[2] - self.mesh.straight()[2])
+        for i, wire in enumerate(self.task.plan.wires):
+            depth = float(sag[self.mesh.of(i)].max())
+            if depth > _SHALLOW * wire.chord:
+                self.account.doubt(
+                    f"at rest {wire.name} hangs {depth:.3g} m through over {wire.chord:.3g} m",
+                    "small motion knows no tension that grows with the sag", "run.geometry",
+                    "write geometry: nonlinear, or give tension",
+                )  # fmt: skip
 
     def _partner(self, foreigner: Foreigner, turns: Turns) -> Partner:
         columns = np.flatnonzero(self.riders.owner == foreigner.journey)
@@ -248,7 +263,7 @@ class Run:
             tie_force=now.tie[0] + motion.tie_at_rest,
             sampled_station=stations, sampled_force=before.force,
             sampled_height=before.height, sampled_tie_force=before.tie + motion.tie_at_rest,
-            sampled_uplift=before.watched - self._watched_at_rest,
+            sampled_uplift=np.where(np.abs(before.watched) < _NOTHING, 0.0, before.watched - self._watched_at_rest),
         )  # fmt: skip
 
     def _strain(self) -> Array:

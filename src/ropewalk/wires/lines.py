@@ -27,16 +27,18 @@ _FINE = 10_000_000
 
 
 def wire_of(name: str, line: Line) -> Wire:
-    """A line as a wire; its tension is that of the straight line where its length is given."""
-    EA = line.axial_stiffness or 0.0
+    """A line as a wire; its tension is that of the straight line where its length is given, or pulls at a guided end."""
+    EA, pulled = line.axial_stiffness or 0.0, _pulled(line)
     tension = line.tension if line.tension is not None else EA * (line.distance / (line.length or np.inf) - 1.0)
+    if pulled is not None:
+        tension = float(np.nanmin(pulled))
     kinds: list[EndKind] = [
         "clamped" if isinstance(support, Fixed) and support.clamped else "held"
         for support in (line.start_support, line.end_support)
     ]
     return Wire(
         name, spatial(line.start), spatial(line.end), tension, line.mass, line.bending_stiffness, EA, line.drag, 0.0,
-        line.foundation, (kinds[0], kinds[1]), _pulled(line), line.length,
+        line.foundation, (kinds[0], kinds[1]), pulled, line.length,
     )  # fmt: skip
 
 

@@ -9,13 +9,13 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.wires.equilibrium import Potential, settle
+from ropewalk.wires.equilibrium import Potential, factor_of, settle
 from ropewalk.wires.journey import Journey
 from ropewalk.wires.large import hung
 from ropewalk.wires.mesh import Mesh, mesh_of
 from ropewalk.wires.partners import Foreigner
 from ropewalk.wires.plan import Array, Plan, Rider, Wire
-from ropewalk.wires.rest import Rest, rest_of
+from ropewalk.wires.rest import Rest, moving, rest_of, vertical_stiffness
 from ropewalk.wires.seat import seat_at, seat_below
 
 Geometry = Literal["nonlinear", "linearised"]
@@ -83,6 +83,14 @@ def _linearised(task: Task) -> Start:
                 f"{wire.name} is slack, and small motion needs a tension: write geometry: nonlinear, or give tension"
             )
     mesh = mesh_of(task.plan, task.element)
+    K, free = vertical_stiffness(mesh), moving(mesh)
+    for i, wire in enumerate(task.plan.wires):
+        own = np.arange(mesh.nodes)[mesh.of(i)][free[mesh.of(i)]]
+        if wire.tension < 0.0 and factor_of(K[own][:, own]) is None:
+            raise EquilibriumError(
+                f"{wire.name} buckles under its compression of {-wire.tension:.4g} N, and small motion is about a "
+                "straight line: write geometry: nonlinear, or give tension"
+            )
     rest = rest_of(mesh)
     return Start(mesh, rest.position, hung(mesh, rest.position), rest)
 
