@@ -36,8 +36,8 @@ from ropewalk.model.trolley import Trolley
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 from ropewalk.simulate import simulate
-from ropewalk.solve.boarding import resting_forces
 from ropewalk.solve.start import setting_of
+from ropewalk.solve.vehicle_statics import resting_forces
 
 if TYPE_CHECKING:
     import xarray as xr
