@@ -37,8 +37,8 @@ from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 from ropewalk.results.contract import doubts_of
 from ropewalk.simulate import simulate
-from ropewalk.solve.boarding import resting_forces
 from ropewalk.solve.start import setting_of
+from ropewalk.solve.vehicle_statics import resting_forces
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -20,7 +20,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.results.exchanges import exchanged, exchanging, foreign_in
 from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
 from ropewalk.results.snapshot import Camera, layout_of, standing_frame
-from ropewalk.solve.boarding import board, resting_forces
+from ropewalk.solve.boarding import board
 from ropewalk.solve.choice import Choice, choose
 from ropewalk.solve.ends import ends_of, seat_ends
 from ropewalk.solve.guides import Partner, guides_of
@@ -28,10 +28,11 @@ from ropewalk.solve.measure import shapes
 from ropewalk.solve.modes_at_start import deflect
 from ropewalk.solve.motion import STOPPED, Progress, move
 from ropewalk.solve.quasistatic import Place, walk
-from ropewalk.solve.remarks import Remarks, on_friction, on_parting, who_met
+from ropewalk.solve.remarks import Remarks, in_one_link, on_friction, on_parting, who_met
 from ropewalk.solve.splitting import END_OF_LINE, MET, RUNNING
 from ropewalk.solve.start import Setting, setting_of, start_state
 from ropewalk.solve.timetable import horizon
+from ropewalk.solve.vehicle_statics import resting_forces
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -216,7 +217,7 @@ def initial_state(setting: Setting, scenario: Scenario) -> tuple[State, Bodies |
         seat_ends(setting.strands, setting.supports, state)
     elif run.start.kind == "mode":
         deflect(setting, state, run.start)
-    return state, board(setting, state)
+    return state, board(setting, state, run.start.with_loads)
 
 
 def _check_ends(setting: Setting, state: State) -> None:
@@ -262,6 +263,7 @@ def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account
     state, bodies = initial_state(setting, scenario)
     choice, turns, states = _course(setting, scenario, state, bodies)
     account.method, account.reason, account.step = choice.method, choice.reason, choice.step
+    account.warnings += in_one_link(setting)
     camera, progress = Camera(setting, bodies), Progress()
     with exchanging(turns, account):
         yield exchanged(camera.take(state), turns, account)

@@ -19,8 +19,8 @@ from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import FreeTravel, Travel
 from ropewalk.model.walker import Walker
-from ropewalk.solve.boarding import resting_forces
 from ropewalk.solve.start import setting_of
+from ropewalk.solve.vehicle_statics import resting_forces
 from ropewalk.wires.lines import settled
 
 PIECES = 400  # of constant speed, at most, with which a free travel is followed

@@ -18,7 +18,7 @@ import numpy as np
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.bodies import AWAY, CARRIED, FLYING, FREE, INSIDE, PARKED, SEATED
-from ropewalk.mechanics.chain import CONTACT, LEAVE, OFF, REFUSE, SHARED
+from ropewalk.mechanics.chain import CONTACT, HOLD_WORK, LEAVE, OFF, REFUSE, SHARED
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.rider import ARRIVED, seat_of
 
@@ -278,16 +278,44 @@ def _holder(bodies, node):
     return -1
 
 
+@lean_inner
+def _around(state, bodies, k):
+    """The points behind and ahead of parked wheel k: nodes, or -1 - j for wheel j."""
+    i = bodies.wheels[k].at
+    one, two = i, i + 1
+    for j in range(bodies.wheels.size):
+        if bodies.wheels[j].phase == SEATED and bodies.wheels[j].at == i:
+            one = -1 - j
+        elif bodies.wheels[j].phase == SEATED and bodies.wheels[j].at == i + 1:
+            two = -1 - j
+    for j in range(bodies.wheels.size):
+        if bodies.wheels[j].phase == INSIDE and bodies.wheels[j].at == i:
+            if coordinate(state, one) < state.xi[j] < state.xi[k]:
+                one = -1 - j
+            elif state.xi[k] < state.xi[j] < coordinate(state, two):
+                two = -1 - j
+    return one, two
+
+
 @lean
-def on_straight(state, bodies, k):
-    """Put a parked wheel on its straight link, and let it move with it."""
-    i, xi, U = bodies.wheels[k].at, state.xi[k], state.speed[k]
-    rest = state.X[i + 1] - state.X[i]
-    part = (xi - state.X[i]) / rest
+def on_straight(strands, state, bodies, k):
+    """Put a parked wheel on the straight piece that it stands on, and let it move with it.
+
+    The support holds it there: what changes the energy of the wheel's own mass is the support's work.
+    """
+    one, two = _around(state, bodies, k)
+    low, xi, gained = coordinate(state, one), state.xi[k], 0.0
+    rest = coordinate(state, two) - low
+    part = (xi - low) / rest
+    U = state.speed[k] - (1.0 - part) * travel_speed(state, one) - part * travel_speed(state, two)
     for a in range(state.r.shape[0]):
-        slope = (state.r[a, i + 1] - state.r[a, i]) / rest
-        bodies.wheels[k].r[a] = state.r[a, i] + part * rest * slope
-        bodies.wheels[k].v[a] = (1.0 - part) * state.w[a, i] + part * state.w[a, i + 1] + U * slope
+        M, g, behind = bodies.wheels[k].mass[a], strands.gravity[a], place(state, bodies, one, a)
+        slope = (place(state, bodies, two, a) - behind) / rest
+        r, v = behind + part * rest * slope, U * slope
+        v += (1.0 - part) * velocity(state, bodies, one, a) + part * velocity(state, bodies, two, a)
+        gained += M * (0.5 * (v * v - bodies.wheels[k].v[a] ** 2) - g * (r - bodies.wheels[k].r[a]))
+        bodies.wheels[k].r[a], bodies.wheels[k].v[a] = r, v
+    state.work[HOLD_WORK] += gained
 
 
 @lean_inner
@@ -300,7 +328,7 @@ def _leave_support(strands, loads, state, bodies, k):
         return
     if (U > 0.0 and xi > length - room) or (U < 0.0 and xi < room):
         return
-    on_straight(state, bodies, k)
+    on_straight(strands, state, bodies, k)
     land(strands, loads, state, bodies, k)
 
 

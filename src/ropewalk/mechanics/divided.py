@@ -363,18 +363,27 @@ def even_sides(state, bodies, p):
 
 
 @lean_inner
-def even_rates(state, buffers, bodies, p):
-    """Let a wheel have the velocity along x, at the instant of the positions, with which both sides stay stretched
-    alike: damping looks at it."""
+def correction(state, buffers, bodies, p, leading):
+    """What the velocity along x of a wheel misses to keep both sides stretched alike, m/s.
+
+    Args:
+        leading: whether velocities extrapolated to the instant of the positions count, or those after the last kick.
+    """
     k = bodies.order[p]
     one, two, rate, per_speed = beside(bodies, p, -1), beside(bodies, p, 1), 0.0, 0.0
     for side in range(2):
         low, high = (one, -1 - k) if side == 0 else (-1 - k, two)
         rest, length = coordinate(state, high) - coordinate(state, low), _length(state, bodies, low, high)
-        own = _strain_rate(state, buffers, bodies, low, high, length, rest)
-        rate += own if side == 0 else -own
+        own = -(travel_speed(state, high) - travel_speed(state, low)) * length / rest
+        for a in range(state.r.shape[0]):
+            if leading:
+                v = _velocity(state, buffers, bodies, high, a) - _velocity(state, buffers, bodies, low, a)
+            else:
+                v = velocity(state, bodies, high, a) - velocity(state, bodies, low, a)
+            own += (place(state, bodies, high, a) - place(state, bodies, low, a)) * v / length
+        rate += own / rest if side == 0 else -own / rest
         per_speed += (place(state, bodies, high, 0) - place(state, bodies, low, 0)) / (length * rest)
-    bodies.wheels[k].ahead[0] -= rate / per_speed
+    return -rate / per_speed
 
 
 @lean_inner

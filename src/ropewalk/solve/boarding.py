@@ -12,26 +12,31 @@ from ropewalk.mechanics.fleet import MOST_ROOM
 from ropewalk.mechanics.law import tangents
 from ropewalk.mechanics.rider import contact_point, force_at, seat_of, speed_at
 from ropewalk.model.trolley import Payload
+from ropewalk.solve.coupled_equilibrium import settle_together
 from ropewalk.solve.start import Setting, onward
+from ropewalk.solve.vehicle_statics import coordinates_at_rest, resting_forces
 
 # A wheel leaves a support when it is as far away as it goes in this part of the time that waves take for a link. With
 # half of it, a heavy mass near the speed of transverse waves gains energy (docs/notes/moving-mass.md).
 STEPS_OF_ROOM = 1.0
 
 
-def board(setting: Setting, state: State) -> Bodies | None:
+def board(setting: Setting, state: State, with_loads: bool = False) -> Bodies | None:
     """Let all bodies take their places, at rest within themselves and moving with their wheels.
 
     Args:
         setting, state: the model and its state, every load in the seat of a force; the state is changed.
+        with_loads: let lines and loads rest together.
 
     Returns:
         The bodies, None if there are none.
 
     Raises:
-        RopewalkError: a wheel on a contact stiffness has no mass.
+        RopewalkError: a wheel on a contact stiffness has no mass, or there is no rest.
     """
     if setting.fleet is None:
+        if with_loads:
+            settle_together(setting, state, None)
         return None
     for v, vehicle in enumerate(setting.fleet.bodies.vehicles):
         own, first = int(vehicle["coordinates"]), int(vehicle["first"])
@@ -87,20 +92,29 @@ def board(setting: Setting, state: State) -> Bodies | None:
             away, state.xi[k] = moved != state.xi[k], moved
             record["phase"], record["at"] = PARKED, int(seat_of(state.X, state.xi[k], h, first, first + n))
             if away:
-                on_straight(state, bodies, k)
+                on_straight(strands, state, bodies, k)
             if min(state.xi[k], length - state.xi[k]) >= room * (1.0 - 1e-9):
                 landing.append(k)
             else:
-                on_straight(state, bodies, k)
+                on_straight(strands, state, bodies, k)
         else:
             record["phase"] = RIDING
         record["ahead"] = record["v"]
     bodies.wheels["on_line"][:, :dim] = _pressing(setting)
-    for k in landing:  # after all velocities have been looked up: a wheel that takes a node gives it its own
+    # After all velocities have been looked up: a wheel that takes a node gives it its own. The nearest wheel takes it.
+    for k in sorted(landing, key=lambda k: _to_node(setting, float(state.xi[k]), int(loads.strand[k]))):
         land(strands, loads, state, bodies, k)
     sort(loads, state, bodies)
+    if with_loads:
+        settle_together(setting, state, bodies)
     _rest_on_wheels(setting, state, bodies)
     return bodies
+
+
+def _to_node(setting: Setting, xi: float, s: int) -> float:
+    """Distance from a place on strand s to the nearest node, m."""
+    place = xi / float(setting.strands.h[s])
+    return abs(place - round(place)) * float(setting.strands.h[s])
 
 
 def _put_back(setting: Setting, state: State, k: int) -> None:
@@ -127,51 +141,13 @@ def _rest_on_wheels(setting: Setting, state: State, bodies: Bodies) -> None:
         own = slice(first, first + n)
         if any(first <= int(t["first"]) < first + n for t in bodies.tethers):
             continue
-        bodies.coordinates["q"][own] = _at_rest(bodies, v, places, bodies.wheels["r"][:, dim - 1])
+        bodies.coordinates["q"][own] = coordinates_at_rest(bodies, v, places, bodies.wheels["r"][:, dim - 1])
         level = bodies.load[v].copy()
         bodies.load[v] = 0.0
-        bodies.coordinates["v"][own] = _at_rest(bodies, v, speeds, bodies.wheels["v"][:, dim - 1])
+        bodies.coordinates["v"][own] = coordinates_at_rest(bodies, v, speeds, bodies.wheels["v"][:, dim - 1])
         bodies.load[v] = level
         bodies.coordinates["ahead"][own] = bodies.coordinates["v"][own]
     _hang(setting, bodies, dim)
-
-
-def _at_rest(bodies: Bodies, v: int, places: Array, heights: Array) -> Array:
-    """Coordinates of vehicle v at rest on wheels at given places; `heights` are those of all wheels."""
-    n, first = int(bodies.vehicles[v]["coordinates"]), int(bodies.vehicles[v]["first"])
-    size = n + places.size
-    K, f = bodies.K[v, :n, :n].copy(), bodies.load[v, :n] - bodies.K[v, :n, n:size] @ places
-    for buffer in bodies.buffers:
-        i = int(buffer["coordinate"]) - first
-        if 0 <= i < n:
-            K[i, i] += buffer["stiffness"]
-            f[i] += buffer["stiffness"] * heights[buffer["wheel"]]
-    return np.asarray(np.linalg.lstsq(K, f, rcond=None)[0])
-
-
-def resting_forces(setting: Setting) -> Array:
-    """Forces of all bodies at rest on their lines, (axis, wheel) N."""
-    dim, g = len(setting.axes), -float(setting.strands.gravity[-1])
-    force = np.zeros((dim, len(setting.wheels)))
-    if setting.fleet is None:
-        return force
-    bodies = setting.fleet.bodies
-    force[-1] -= g * bodies.wheels["mass"][:, dim - 1]
-    level = np.zeros(len(setting.wheels))
-    for v, vehicle in enumerate(bodies.vehicles):
-        n, count, first = int(vehicle["coordinates"]), int(vehicle["wheels"]), int(vehicle["first"])
-        q = _at_rest(bodies, v, np.zeros(count), level)
-        for j in range(count):
-            force[bodies.axis[v, j], bodies.wheel[v, j]] += bodies.load[v, n + j] - bodies.K[v, n + j, :n] @ q
-        for buffer in bodies.buffers:
-            i = int(buffer["coordinate"]) - first
-            if 0 <= i < n:
-                force[-1, buffer["wheel"]] += buffer["stiffness"] * q[i]
-        for tether in bodies.tethers:
-            if tether["first"] == first:
-                force[:, tether["wheel"]] += bodies.load[v, :dim]
-                break  # a person begins on one leg
-    return force
 
 
 def _pressing(setting: Setting) -> Array:

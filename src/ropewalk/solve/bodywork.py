@@ -38,7 +38,7 @@ from ropewalk.mechanics.chain import (
 )
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.divided import (
-    even_rates,
+    correction,
     even_sides,
     hold,
     lifting,
@@ -221,10 +221,7 @@ def _drift_one(strands, loads, state, bodies, k, drift):
         state.speed[k] = _parked_speed(loads, state, bodies, k, t) if phase == PARKED else speed_at(loads, k, t)
         state.xi[k] += drift * state.speed[k]
     if phase == PARKED:
-        on_straight(state, bodies, k)
-        for a in range(state.r.shape[0]):
-            bodies.wheels[k].ahead[a] = bodies.wheels[k].v[a]
-        return
+        return  # it follows the line, which has not come to its new place yet
     if bodies.wheels[k].travel == ALONG_X and _is_on(bodies, k):
         _hold(state, bodies, k, speed_at(loads, k, state.t[0] + 0.5 * drift))
         bodies.wheels[k].ahead[0] = speed_at(loads, k, state.t[0] + drift)
@@ -267,13 +264,24 @@ def _advance_prescribed(strands, loads, state, buffers, bodies, drift):
             even_sides(state, bodies, p)
             _hold(state, bodies, k, bodies.wheels[k].v[0] + (bodies.wheels[k].r[0] - x) / drift)
             if strands.damping[loads.strand[k]] > 0.0:
-                even_rates(state, buffers, bodies, p)
+                bodies.wheels[k].ahead[0] += correction(state, buffers, bodies, p, True)
             continue
         if bodies.wheels[k].gone == 0.0:
             continue
         force = hold(strands, loads, state, buffers, bodies, p)
         state.work[HOLD_WORK] += 0.5 * (bodies.wheels[k].hold + force) * bodies.wheels[k].gone
         bodies.wheels[k].hold = force
+
+
+@lean_inner
+def hold_bodies(loads, state, buffers, bodies):
+    """Give the wheels that are held along x the velocities that the hold force leaves after the last kick."""
+    for p in range(bodies.ordered[0]):
+        k = bodies.order[p]
+        if bodies.wheels[k].travel == EVEN:
+            _hold(state, bodies, k, bodies.wheels[k].v[0] + correction(state, buffers, bodies, p, False))
+        elif bodies.wheels[k].travel == ALONG_X:
+            _hold(state, bodies, k, speed_at(loads, k, state.t[0]))
 
 
 @lean_inner
@@ -300,8 +308,8 @@ def move_bodies(strands, loads, state, buffers, bodies, drift):
 
 
 @lean_inner
-def seat_bodies(state, buffers, bodies):
-    """Put the nodes that are carried along where their wheels are."""
+def seat_bodies(strands, state, buffers, bodies):
+    """Put the nodes that are carried along where their wheels are, and parked wheels where the line is."""
     for k in range(state.xi.size):
         if bodies.wheels[k].phase == SEATED:
             b = bodies.wheels[k].at
@@ -309,6 +317,11 @@ def seat_bodies(state, buffers, bodies):
             for a in range(state.r.shape[0]):
                 state.r[a, b], state.w[a, b] = bodies.wheels[k].r[a], bodies.wheels[k].v[a]
                 buffers.ahead[a, b] = bodies.wheels[k].ahead[a]
+    for k in range(state.xi.size):
+        if bodies.wheels[k].phase == PARKED:
+            on_straight(strands, state, bodies, k)
+            for a in range(state.r.shape[0]):
+                bodies.wheels[k].ahead[a] = bodies.wheels[k].v[a]
 
 
 @lean_inner
@@ -390,7 +403,7 @@ def _enter(strands, loads, state, bodies, k):
     first = strands.first[loads.strand[k]]
     if bodies.wheels[k].heavy == 1:
         bodies.wheels[k].phase, bodies.wheels[k].at = PARKED, first
-        on_straight(state, bodies, k)
+        on_straight(strands, state, bodies, k)
     else:
         bodies.wheels[k].phase, state.rider[k] = RIDING, SHARED
 
@@ -442,7 +455,7 @@ def settle_bodies(strands, loads, state, buffers, bodies):
             _stop_falling(strands, loads, state, bodies, k)
         if bodies.wheels[k].phase == WAITING:
             buffers.target[k] = 0.0 if state.speed[k] > 0.0 else np.inf
-    seat_bodies(state, buffers, bodies)
+    seat_bodies(strands, state, buffers, bodies)
     return status
 
 
@@ -474,4 +487,4 @@ def _find_speeds(strands, loads, state, bodies, t):
             state.speed[k] = speed_at(loads, k, t)
         elif bodies.wheels[k].phase == PARKED:
             state.speed[k] = _parked_speed(loads, state, bodies, k, t)
-            on_straight(state, bodies, k)
+            on_straight(strands, state, bodies, k)

@@ -145,17 +145,23 @@ def _spare(M, m, v, way, decay, r, w, a, b):
 
 
 @inlined
+def _uneven(strands, state, s, b, node):
+    """How much more of a link than others node `node` beside the riding node b bears: half of what theirs is longer."""
+    return 0.5 * (abs(state.X[b] - state.X[node]) / strands.h[s] - 1.0)
+
+
+@inlined
 def _shift_weight(strands, loads, state, buffers, k, kick, way, decay, lead):
     """Weight of the nodes beside the riding node b: of half the links that they really have, not of uniform ones.
 
     Without it a load of no force at all would stir the rope it travels on.
     """
-    s, b, X = loads.strand[k], state.rider[k], state.X
+    s, b = loads.strand[k], state.rider[k]
     first, last = strands.first[s], strands.first[s] + strands.links[s]
     for side in (-1, 1):
         node = b + side
         if first < node < last:
-            part = 0.5 * (abs(X[b] - X[node]) / strands.h[s] - 1.0)
+            part = _uneven(strands, state, s, b, node)
             for a in range(state.r.shape[0]):
                 extra = kick * part * strands.gravity[a]
                 state.w[a, node] += decay * extra
@@ -193,8 +199,11 @@ def _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead, bodi
         for end in range(2):
             node, share = i + end, (part if end == 1 else 1.0 - part)
             if first < node < last:
-                extra = share * impulse / m
-                kicked = kick * ((f[a, node] - f[a, node - 1]) / m + strands.gravity[a]) + extra
+                extra, weight = share * impulse / m, strands.gravity[a]
+                for j in range(state.rider.size):
+                    if abs(state.rider[j] - node) == 1:
+                        weight += strands.gravity[a] * _uneven(strands, state, s, state.rider[j], node)
+                kicked = kick * ((f[a, node] - f[a, node - 1]) / m + weight) + extra
                 w[a, node] += decay * extra
                 ahead[a, node] += decay * (1.0 + lead) * extra
                 r[a, node] += way * extra

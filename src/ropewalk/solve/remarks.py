@@ -1,10 +1,12 @@
 """What an engineer should know of a slow motion although it went through: each remark once, where it begins.
 
-And of a motion: which two loads have ended it by coming together, and which one has torn at its support.
+And of a motion: which contacts begin in one link, which two loads have ended it by coming together, and which one has
+torn at its support.
 """
 
 from __future__ import annotations
 
+import math
 from itertools import combinations
 
 import numpy as np
@@ -73,6 +75,24 @@ def on_friction(setting: Setting, needed: Array, t: float, made: set[int]) -> li
             found.append(
                 f"load {setting.wheels[k].name} needs a friction coefficient of {needed[k]:.3g} at t = {t:.4g} s: the "
                 f"{given[k]:g} that was given does not suffice"
+            )
+    return found
+
+
+def in_one_link(setting: Setting) -> list[str]:
+    """The two contacts of each line that begin closest to each other within one of its links, in words."""
+    found = []
+    for s, line in enumerate(setting.lines):
+        on, h, links = setting.on[s], float(setting.strands.h[s]), int(setting.strands.links[s])
+        known = [k for k in on if setting.wheels[k].given]
+        pairs = [(round(abs(float(setting.xi[j] - setting.xi[k])), 9), j, k) for j, k in combinations(known, 2)]
+        gap, j, k = min(pairs, default=(math.inf, 0, 0))
+        if gap < h * (1.0 - 1e-9):
+            enough = f"lines.{line}.elements (now {links}) to {math.ceil(links * h / gap):d}" if gap > 0.0 else ""
+            found.append(
+                f"contacts {setting.wheels[j].name} and {setting.wheels[k].name} begin {gap:.3g} m apart, within one "
+                f"link of {line} ({h:.3g} m): between nodes a line bends nowhere but under loads with a place of their "
+                "own" + (f"; raise {enough}, or take it as it is" if enough else "")
             )
     return found
 

@@ -30,6 +30,7 @@ from ropewalk.mechanics.rider import (
 from ropewalk.solve.bodywork import (
     begin_bodies,
     drift_vehicles,
+    hold_bodies,
     is_body_due,
     kick_beside,
     move_bodies,
@@ -320,7 +321,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                         drift_vehicles(strands, loads, state, bodies, drift)
                     time[0] += drift
                 if bodies is not None:
-                    seat_bodies(state, buffers, bodies)
+                    seat_bodies(strands, state, buffers, bodies)
                 t_w += kick
                 if stage < stages:
                     kick = kicks[stage + 1] * dt
@@ -329,6 +330,9 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                 return NOT_FINITE, steps
         work[CONTACT] += 0.5 * before * _loss(strands, loads, state, buffers.ahead, bodies)
         _even_out_all(strands, loads, state, buffers, kick)
+        if bodies is not None:
+            hold_bodies(loads, state, buffers, bodies)
+            seat_bodies(strands, state, buffers, bodies)
         if not _is_finite(r, w):
             return NOT_FINITE, steps
         if steps >= most:

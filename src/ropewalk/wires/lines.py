@@ -27,7 +27,7 @@ _FINE = 10_000_000
 
 
 def wire_of(name: str, line: Line) -> Wire:
-    """A line as a wire; its tension is that of the straight line where its length is given, or pulls at a guided end."""
+    """A line as a wire; its tension is that of the straight line of given length, or what pulls at a guided end."""
     EA, pulled = line.axial_stiffness or 0.0, _pulled(line)
     tension = line.tension if line.tension is not None else EA * (line.distance / (line.length or np.inf) - 1.0)
     if pulled is not None:

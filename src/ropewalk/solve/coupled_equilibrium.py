@@ -1,0 +1,239 @@
+"""Coupled equilibrium: lines, and the loads that stand on them, at rest together.
+
+The chain is taken as it moves afterwards: heavy wheels are points of their own between the nodes, light loads press on
+those nodes that they will move with, and frictionless contacts are held so that the tensions beside them agree. How a
+vehicle shares its weight among its wheels depends on how high these stand, and that on the shares: both are found by
+Newton's method, with the compliance of the lines and the stiffness of the vehicles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropewalk.errors import EquilibriumError
+from ropewalk.mechanics.bodies import CARRIED, FREE, GIVEN, INSIDE, PARKED, SEATED, Bodies
+from ropewalk.mechanics.carrying import on_straight
+from ropewalk.mechanics.chain import CAPSTAN, FRICTIONLESS, HORIZONTAL, MATERIAL, OFF, Array, Integers, State
+from ropewalk.mechanics.rider import contact_point, force_at, link_of, part_of, speed_at
+from ropewalk.solve.equilibrium import at_rest
+from ropewalk.solve.holding import Contacts, Holding
+from ropewalk.solve.start import Setting
+from ropewalk.solve.vehicle_statics import forces_of_vehicles, weights_of_wheels
+
+# Forces of vehicles agree with the heights of their wheels to this part of the largest force: well above the rounding
+# of rest shapes, far below any other error.
+AGREE = 1e-9
+MOST_STEPS = 50
+# Part of the largest force by which each is changed to see how far the lines give way.
+PROBE = 1e-3
+
+
+@dataclass(frozen=True)
+class _Points:
+    """The points of one strand, in order."""
+
+    X: Array  # (point,) m, material coordinates
+    node: Integers  # (point,) node there, also one that a wheel carries; -1: none
+    wheel: Integers  # (point,) heavy wheel there; -1: none
+    weight: Array  # (axis, point) N, of the line
+    pressing: tuple[tuple[int, int, float], ...]  # load, point that it presses on, and with which part of its force
+    even: tuple[int, ...]  # points whose tensions are held equal
+
+
+def settle_together(setting: Setting, state: State, bodies: Bodies | None) -> None:
+    """Move lines, wheels and vehicles to where they rest together; `state` and `bodies` are changed.
+
+    Args:
+        setting, state: the model and its state, all loads in their seats.
+        bodies: on board already; None: there are none.
+
+    Raises:
+        EquilibriumError: there is no such state, or none was found.
+    """
+    dim, count = len(setting.axes), state.xi.size
+    lines = [_points(setting, state, bodies, s) for s in range(len(setting.lines))]
+    given = np.array([[force_at(setting.loads, k, 0.0, a) for k in range(count)] for a in range(dim)])
+    given = given.reshape(dim, count)
+    if bodies is not None:
+        given += weights_of_wheels(bodies, setting.strands.gravity)
+
+    def give_way(force: Array) -> Array:
+        """Let all lines rest under forces (axis, wheel) in N of the vehicles; gives the places (axis, wheel) of all."""
+        for s, points in enumerate(lines):
+            _lay(setting, state, bodies, s, points, given + force)
+        return _places(setting, state, bodies)
+
+    if bodies is None:
+        give_way(np.zeros((dim, count)))
+        return
+    force = _agree(bodies, give_way, _places(setting, state, bodies))
+    bodies.wheels["on_line"][:, :dim] = (given + force).T
+    bodies.wheels["r"][:, :dim] = _places(setting, state, bodies).T
+    for s, points in enumerate(lines):
+        _let_travel(setting, state, bodies, s, points)
+
+
+def _agree(bodies: Bodies, give_way: Callable[[Array], Array], place: Array) -> Array:
+    """Forces (axis, wheel) in N of the vehicles that agree with where they put their wheels, by Broyden's method."""
+    force = forces_of_vehicles(bodies, place)
+    place = give_way(force)
+    miss = forces_of_vehicles(bodies, place) - force
+    scale, B = float(np.abs(force).max()), None
+    for _ in range(MOST_STEPS):
+        size = float(np.abs(miss).max())
+        if size <= AGREE * scale:
+            return force
+        if B is None:
+            B = _change_of_miss(bodies, give_way, force, place)
+        step, part = np.linalg.solve(B, -miss.ravel()).reshape(miss.shape), 1.0
+        while True:
+            place = give_way(force + part * step)
+            new = forces_of_vehicles(bodies, place) - force - part * step
+            if np.abs(new).max() < size or part < 1e-3:
+                break
+            part *= 0.5
+        moved, gained = part * step.ravel(), (new - miss).ravel()
+        B = B + np.outer(gained - B @ moved, moved) / (moved @ moved)
+        force, miss = force + part * step, new
+    raise EquilibriumError(
+        "no state was found in which the vehicles and their lines rest together; check the stiffnesses of the "
+        "vehicles, or write run.start.with_loads: false"
+    )
+
+
+def _change_of_miss(bodies: Bodies, give_way: Callable[[Array], Array], force: Array, place: Array) -> Array:
+    """How the disagreement changes with each force, (force, force): -1, and what the line gives way to."""
+    size, change = PROBE * float(np.abs(force).max()), -np.eye(force.size)
+    own = forces_of_vehicles(bodies, place)
+    for j in range(force.size):
+        probe = np.zeros(force.size)
+        probe[j] = size
+        moved = np.zeros(force.size)
+        moved[j] = 1e-3  # m: does a vehicle care where this wheel is?
+        if np.array_equal(forces_of_vehicles(bodies, place + moved.reshape(force.shape)), own):
+            continue
+        away = give_way(force + probe.reshape(force.shape))
+        change[:, j] += (forces_of_vehicles(bodies, away) - own).ravel() / size
+    return change
+
+
+def _points(setting: Setting, state: State, bodies: Bodies | None, s: int) -> _Points:
+    """The points of strand s: its nodes, and the heavy wheels that stand on it."""
+    strands, loads = setting.strands, setting.loads
+    first, n, h = int(strands.first[s]), int(strands.links[s]), float(strands.h[s])
+    node, wheel, X = np.arange(first, first + n + 1), np.full(n + 1, -1), state.X[first : first + n + 1].copy()
+    on = setting.on[s]
+    for k in on:
+        phase = int(bodies.wheels[k]["phase"]) if bodies is not None else GIVEN
+        if bodies is not None and phase == SEATED:
+            wheel[int(bodies.wheels[k]["at"]) - first] = k
+        elif bodies is not None and phase == INSIDE:
+            node, wheel, X = np.append(node, -1), np.append(wheel, k), np.append(X, state.xi[k])
+    order = np.argsort(X, kind="stable")
+    X, node, wheel = X[order], node[order], wheel[order]
+    place = {int(i): at for at, i in enumerate(node) if i >= 0}
+    mass = np.where(node >= 0, strands.rho[s] * h, 0.0)
+    for end, other in ((first, first + 1), (first + n, first + n - 1)):
+        mass[place[end]] = 0.5 * strands.rho[s] * abs(state.X[end] - state.X[other])
+    pressing: list[tuple[int, int, float]] = []
+    for k in on:
+        b = int(state.rider[k])
+        if bodies is not None and b == CARRIED:
+            pressing += [(int(k), int(at), 1.0) for at in np.flatnonzero(wheel == k)]
+        elif b >= 0:  # its neighbours bear half the links that they really have
+            pressing.append((int(k), place[b], 1.0))
+            for side in (b - 1, b + 1):
+                if first < side < first + n:
+                    mass[place[side]] += 0.5 * strands.rho[s] * (abs(state.X[b] - state.X[side]) - h)
+        elif b != OFF:
+            i = int(link_of(strands, loads, state, k))
+            part = float(part_of(state, k, i))
+            pressing += [(int(k), place[i], 1.0 - part), (int(k), place[i + 1], part)]
+    even = tuple(at for k, at, _ in pressing if _is_even(setting, state, bodies, k))
+    return _Points(X, node, wheel, strands.gravity[:, None] * mass, tuple(pressing), even)
+
+
+def _is_even(setting: Setting, state: State, bodies: Bodies | None, k: int) -> bool:
+    """Whether load k, which has a point of its own, is held so that the tensions beside it are equal."""
+    if bodies is not None and state.rider[k] == CARRIED:
+        return int(bodies.wheels[k]["travel"]) not in (GIVEN, FREE)
+    return bool(state.rider[k] >= 0 and setting.loads.contact[k] == FRICTIONLESS)
+
+
+def _lay(setting: Setting, state: State, bodies: Bodies | None, s: int, points: _Points, force: Array) -> None:
+    """Let strand s rest under the forces (axis, wheel) of all loads."""
+    p, held, bare = setting.strands.law[s], setting.ends[s], setting.bare[s]
+    f, ell = points.weight.copy(), np.diff(points.X)
+    for k, at, part in points.pressing:
+        f[:, at] += part * force[:, k]
+    guess = bare.first_force if bare is not None else None
+    if points.even:
+        count = len(points.even)
+        kind, nothing = np.full(count, FRICTIONLESS), np.zeros(count)
+        at = np.array(points.even)
+        none = np.zeros((f.shape[0], count, 2))
+        contacts = Contacts(at, kind, nothing, np.full(count, CAPSTAN), nothing, none)
+        with_ends = f.copy()
+        with_ends[:, [0, -1]] += held.force.T
+        try:
+            np.add.at(f[0], at, Holding(p, ell, with_ends, held, contacts, guess).forces(nothing))
+        except EquilibriumError as error:
+            raise EquilibriumError(f"line {setting.lines[s]}: {error}") from None
+    try:
+        r = at_rest(p, ell, f, held, guess).position
+    except EquilibriumError as error:
+        raise EquilibriumError(f"line {setting.lines[s]}: {error}") from None
+    is_node = points.node >= 0
+    state.r[:, points.node[is_node]] = r[:, is_node]
+    if bodies is None:
+        return
+    for at in np.flatnonzero(points.wheel >= 0):
+        bodies.wheels["r"][points.wheel[at], : r.shape[0]] = r[:, at]
+    for k in setting.on[s]:
+        if int(bodies.wheels[k]["phase"]) == PARKED:
+            on_straight(setting.strands, state, bodies, k)
+
+
+def _places(setting: Setting, state: State, bodies: Bodies | None) -> Array:
+    """Where all loads touch their lines, (axis, wheel) m."""
+    dim, count = state.r.shape[0], state.xi.size
+    place = np.zeros((dim, count)) if bodies is None else bodies.wheels["r"][:, :dim].T.copy()
+    for k in range(count):
+        if state.rider[k] > OFF:
+            at = np.zeros(dim)
+            contact_point(setting.strands, setting.loads, state, k, at)
+            place[:, k] = at
+    return place
+
+
+def _let_travel(setting: Setting, state: State, bodies: Bodies, s: int, points: _Points) -> None:
+    """Let the heavy wheels on strand s travel along it as they do at the beginning."""
+    loads, dim = setting.loads, state.r.shape[0]
+    for at in np.flatnonzero(points.wheel >= 0):
+        k = int(points.wheel[at])
+        record, free = bodies.wheels[k], setting.wheels[k].free
+        V = free.speed if free is not None else float(speed_at(loads, k, 0.0))
+        sides = [
+            (record["r"][:dim] - _at(state, bodies, points, other)) / (points.X[at] - points.X[other])
+            for other in (at - 1, at + 1)
+        ]
+        slope = 0.5 * (sides[0] + sides[1])
+        U = V / float(np.mean([np.linalg.norm(side) for side in sides]))
+        if free is None and loads.measure[k] == MATERIAL:
+            U = V
+        elif free is None and loads.measure[k] == HORIZONTAL:
+            U = V / float(slope[0])
+        state.speed[k] = U
+        record["v"][:dim] = U * slope
+        record["ahead"] = record["v"]
+        if int(record["phase"]) == SEATED:
+            state.w[:, points.node[at]] = record["v"][:dim]
+
+
+def _at(state: State, bodies: Bodies, points: _Points, at: int) -> Array:
+    """Position of a point, (axis,) m."""
+    dim, k = state.r.shape[0], int(points.wheel[at])
+    return np.asarray(state.r[:, points.node[at]] if k < 0 else bodies.wheels["r"][k, :dim])
