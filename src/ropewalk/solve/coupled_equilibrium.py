@@ -173,13 +173,13 @@ def _lay(setting: Setting, state: State, bodies: Bodies | None, s: int, points: 
     if points.even:
         count = len(points.even)
         kind, nothing = np.full(count, FRICTIONLESS), np.zeros(count)
-        at = np.array(points.even)
+        even = np.array(points.even, dtype=np.int64)
         none = np.zeros((f.shape[0], count, 2))
-        contacts = Contacts(at, kind, nothing, np.full(count, CAPSTAN), nothing, none)
+        contacts = Contacts(even, kind, nothing, np.full(count, CAPSTAN), nothing, none)
         with_ends = f.copy()
         with_ends[:, [0, -1]] += held.force.T
         try:
-            np.add.at(f[0], at, Holding(p, ell, with_ends, held, contacts, guess).forces(nothing))
+            np.add.at(f[0], even, Holding(p, ell, with_ends, held, contacts, guess).forces(nothing))
         except EquilibriumError as error:
             raise EquilibriumError(f"line {setting.lines[s]}: {error}") from None
     try:
@@ -190,7 +190,7 @@ def _lay(setting: Setting, state: State, bodies: Bodies | None, s: int, points: 
     state.r[:, points.node[is_node]] = r[:, is_node]
     if bodies is None:
         return
-    for at in np.flatnonzero(points.wheel >= 0):
+    for at in np.flatnonzero(points.wheel >= 0).tolist():
         bodies.wheels["r"][points.wheel[at], : r.shape[0]] = r[:, at]
     for k in setting.on[s]:
         if int(bodies.wheels[k]["phase"]) == PARKED:
@@ -212,7 +212,7 @@ def _places(setting: Setting, state: State, bodies: Bodies | None) -> Array:
 def _let_travel(setting: Setting, state: State, bodies: Bodies, s: int, points: _Points) -> None:
     """Let the heavy wheels on strand s travel along it as they do at the beginning."""
     loads, dim = setting.loads, state.r.shape[0]
-    for at in np.flatnonzero(points.wheel >= 0):
+    for at in np.flatnonzero(points.wheel >= 0).tolist():
         k = int(points.wheel[at])
         record, free = bodies.wheels[k], setting.wheels[k].free
         V = free.speed if free is not None else float(speed_at(loads, k, 0.0))
