@@ -117,8 +117,6 @@ def _margins(parts: Parts) -> Iterator[Finding]:
             wrong = f"with kind: {parts.run.kind} loads come to the supports themselves"
         elif parts.is_stiff:
             wrong = "lines with bending stiffness or a bed end at their supports for all loads"
-        elif isinstance(load, MovingForce):
-            wrong = "a line ends at its supports for forces"
         if wrong:
             yield Finding(("loads", name, "travel", "margin"), wrong, f"{load.travel.margin:g} m", "leave margin out")
 
