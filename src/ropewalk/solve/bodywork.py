@@ -19,7 +19,7 @@ from ropewalk.mechanics.bodies import (
     SWINGS,
     WAITING,
 )
-from ropewalk.mechanics.carrying import beside, have_met, land, let_go, on_straight, sort, take_places
+from ropewalk.mechanics.carrying import beside, land, let_go, on_straight, sort, take_places
 from ropewalk.mechanics.chain import (
     ARC,
     CONTACT,
@@ -49,6 +49,7 @@ from ropewalk.mechanics.divided import (
 )
 from ropewalk.mechanics.landing import bring_above, project
 from ropewalk.mechanics.link import stretch, stretch_rate
+from ropewalk.mechanics.meeting import have_met
 from ropewalk.mechanics.rider import ARRIVED, force_at, look_up_integral, speed_at
 from ropewalk.mechanics.vehicles import is_fast, kick_vehicles, tether_square, wheel_place
 
