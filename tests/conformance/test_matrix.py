@@ -14,10 +14,13 @@ from conformance.cases import Case, cases
 from conformance.judging import CRASH, DIFFERS, REFUSED, WRONG
 from conformance.refusals import REFUSALS
 from conformance.sample import chosen
-from conformance.verdicts import UNKNOWN, read, verdict_of
+from conformance.verdicts import FILE, UNKNOWN, read, verdict_of
 from conformance.working import answer, furnish, read_scenario
 from ropewalk.errors import ScenarioError
 from ropewalk.model._base import Declaration
+
+if not FILE.exists():
+    pytest.skip("what is known has not been computed yet: run `make matrix`", allow_module_level=True)
 
 COMMAND = "run `make matrix`, look at what it prints, and commit what it writes"
 
@@ -73,7 +76,7 @@ def _by_structure() -> Iterator[Any]:
         yield pytest.param(members, id=structure)
 
 
-@pytest.mark.parametrize("members", _by_structure())
+@pytest.mark.parametrize("members", list(_by_structure()))
 def test_a_sample_of_runs_does_as_the_verdicts_say(
     members: list[tuple[Case, str]], folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
