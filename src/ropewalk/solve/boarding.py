@@ -105,7 +105,7 @@ def board(setting: Setting, state: State, with_loads: bool = False) -> Bodies | 
     for k in sorted(landing, key=lambda k: _to_node(setting, float(state.xi[k]), int(loads.strand[k]))):
         land(strands, loads, state, bodies, k)
     sort(loads, state, bodies)
-    if with_loads:
+    if with_loads and not len(bodies.tethers):  # what hangs on a tether, people among it, begins as it is put there
         settle_together(setting, state, bodies)
     _rest_on_wheels(setting, state, bodies)
     return bodies
