@@ -105,12 +105,13 @@ def test_with_weight_it_differs_by_the_square_of_a_link(
     try:
         gaps = [
             np.abs(one.r[:, one.contact].T - exact.load_positions).max()
-            for one in (chain(n, height, length, mass, placed, **law) for n in (40, 160))
+            for one in (chain(n, height, length, mass, placed, **law) for n in (37, 40, 43, 160))
         ]
     except EquilibriumError:  # a chain in compression that cannot be laid out; the exact rope folds there, too
         assume(False)
         return
     stretched = length * (1.0 + (0.0 if EA is None else float(exact.tension(0.0)) / EA))
     # the sagitta of a link that hangs over a bend is h/4 at most; in smooth parts the error is a hundred times less
-    assert gaps[1] < 0.3 * stretched / 160.0
-    assert gaps[1] < 0.35 * gaps[0] + 2e-4 * stretched
+    assert gaps[-1] < 0.3 * stretched / 160.0
+    # the error swings with the place of the nodes beside the loads: one coarse mesh alone may be right by luck
+    assert gaps[-1] < 0.35 * max(gaps[:-1]) + 2e-4 * stretched
