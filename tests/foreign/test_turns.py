@@ -167,9 +167,6 @@ def on_beam(load: dict[str, Any]) -> xr.Dataset:
     return simulate(Scenario.model_validate({"lines": {"bridge": BEAM}, "loads": {"a": load}, "run": run}))
 
 
-@pytest.mark.xfail(
-    reason="a vehicle starts on the beam as it sags, a foreign model still sees it from level ground", strict=False
-)
 @pytest.mark.parametrize(("scheme", "degree", "wanted"), [s for s in SCHEMES if s[0] != "iterated" or s[1] == 1])
 def test_on_a_bridge_a_model_converges_to_the_vehicle_in_one_piece(scheme: str, degree: int, wanted: float) -> None:
     """The data of Yang and Yau 1997."""

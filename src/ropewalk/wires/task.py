@@ -179,14 +179,32 @@ def place_at(start: Start, wire: int, station: float, *, material: bool) -> tupl
 
 
 def standing(start: Start, journey: Journey) -> Journey:
-    """A journey whose rider begins at rest within itself, on contacts that go along the wires as they rest."""
+    """A journey whose rider begins at rest within itself, on contacts that go along the wires as they rest.
+
+    Who begins at the very end of a wire comes from level ground: only what is rigidly on the wire rises with it.
+    """
     rider, instants = journey.rider, np.array([0.0, _INSTANT])
     place = journey.place(instants)
     speed = (place[1] - place[0]) / _INSTANT
-    found = [place_at(start, c.wire, float(place[0]) - c.behind, material=c.material) for c in rider.contacts]
+    stations = [float(place[0]) - c.behind for c in rider.contacts]
+    found = [place_at(start, c.wire, s, material=c.material) for c, s in zip(rider.contacts, stations, strict=True)]
     height = np.array([z for z, _ in found]) - [c.base for c in rider.contacts]
     rise = np.array([slope * speed for _, slope in found])
-    return replace(journey, first=_resting(rider, height), rate=_resting(rider, rise))
+    lengths = [start.mesh.plan.wires[c.wire].length for c in rider.contacts]
+    within = np.array([0.0 < s < length for s, length in zip(stations, lengths, strict=True)], dtype=np.bool_)
+    rate = _struck(rider, _resting(rider, np.where(within, rise, 0.0)), rise)
+    return replace(journey, first=_resting(rider, height), rate=rate)
+
+
+def _struck(rider: Rider, rate: Array, rise: Array) -> Array:
+    """Rates of the coordinates after a blow that gives rigid contacts the rates of the wires under them."""
+    rigid = np.array([np.isinf(contact.stiffness) for contact in rider.contacts], dtype=np.bool_)
+    if not rigid.any():
+        return rate
+    row = np.array([contact.row for contact in rider.contacts]).reshape(-1, rider.size)[rigid]
+    yielding = np.linalg.solve(rider.mass, row.T)
+    struck: Array = rate + yielding @ np.linalg.lstsq(row @ yielding, rise[rigid] - row @ rate, rcond=None)[0]
+    return struck
 
 
 def _resting(rider: Rider, height: Array) -> Array:
