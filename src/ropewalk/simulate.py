@@ -28,7 +28,7 @@ from ropewalk.solve.measure import shapes
 from ropewalk.solve.modes_at_start import deflect
 from ropewalk.solve.motion import STOPPED, Progress, move
 from ropewalk.solve.quasistatic import Place, walk
-from ropewalk.solve.remarks import Remarks, in_one_link, on_friction, on_parting, who_met
+from ropewalk.solve.remarks import Remarks, in_one_link, on_friction, on_parting, on_springing_up, who_met
 from ropewalk.solve.splitting import END_OF_LINE, MET, RUNNING
 from ropewalk.solve.start import Setting, setting_of, start_state
 from ropewalk.solve.timetable import horizon
@@ -287,6 +287,8 @@ def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account
                     float(frame.energy[ENERGY_FORMS.index(form)]) for form in ("kinetic", "elastic", "load_kinetic")
                 )
                 account.warnings += on_parting(setting, bodies, moving, parted)
+                for told in on_springing_up(setting, bodies, moving, parted):
+                    account.doubt(*told)
             yield frame
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import travelling_wave as wave
+import xarray as xr
 
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model import Scenario
@@ -306,3 +307,25 @@ def test_a_start_that_cannot_be_read_leaves_the_earlier_result_alone(tmp_path: P
     with pytest.raises(RopewalkError):
         simulate(Scenario.model_validate(again), file=file)
     assert file.read_bytes() == before
+
+
+def leaving(law: str) -> xr.Dataset:
+    """A bead that runs down a slack rope without damping, up to its end and off it."""
+    line = {
+        "start": [0.0, 0.0], "end": [19.0, 0.0], "length": 20.0, "mass": 1.0, "axial_stiffness": 1e6, "elements": 100,
+        "law": {"kind": law},
+    }  # fmt: skip
+    travel = {"kind": "free", "from": 19.52, "speed": 3.0, "at_end": "leave"}
+    bead = {"kind": "mass", "on": "rope", "mass": 5.0, "travel": travel}
+    run = {"kind": "dynamic", "until": 0.2, "every": 0.01}
+    return simulate(Scenario.model_validate({"lines": {"rope": line}, "loads": {"bead": bead}, "run": run}))
+
+
+def test_a_line_that_springs_up_when_a_load_leaves_is_doubtful() -> None:
+    """The last link turned back on itself: made whole again, it is pushed together by a force that nothing gave."""
+    found = leaving("hooke")
+    assert found.attrs["outcome"] == "doubtful"
+    assert "springs up" in found.attrs["doubts"]
+    assert "travel.margin" in found.attrs["doubts"]
+    # what cannot be pushed does not spring
+    assert "springs up" not in leaving("tension_only").attrs["doubts"]

@@ -221,14 +221,20 @@ def _release(strands, state, bodies, k, s, p):
 
 @lean_inner
 def let_go(strands, state, bodies, k, s):
-    """Take wheel k off the line: its particle goes back to its node and moves on with the wheel's velocity."""
+    """Take wheel k off the line: its particle goes back to its node and moves on with the wheel's velocity.
+
+    The node is put on the straight piece that it lies on: beside a kink any other place would stretch that piece.
+    """
     b, m, xi, U = bodies.wheels[k].at, strands.rho[s] * strands.h[s], state.xi[k], state.speed[k]
     if bodies.wheels[k].phase != SEATED:
         return
     way = _home(strands, s, b) - xi
     a0, a1 = state.X[b - 1], state.X[b + 1]
+    side = b - 1 if way < 0.0 else b + 1
     for a in range(state.r.shape[0]):
-        slope = (state.r[a, b + 1] - state.r[a, b - 1]) / (a1 - a0)
+        slope = (state.r[a, side] - bodies.wheels[k].r[a]) / (state.X[side] - xi)
+        if way == 0.0:
+            slope = (state.r[a, b + 1] - state.r[a, b - 1]) / (a1 - a0)
         v = bodies.wheels[k].v[a] - U * slope
         bodies.wheels[k].v[a] += (bodies.wheels[k].store[a] - m * v) / bodies.wheels[k].mass[a]
         state.r[a, b] = bodies.wheels[k].r[a] + way * slope

@@ -125,3 +125,24 @@ def on_parting(setting: Setting, bodies: Bodies, energy: float, made: set[int]) 
                 "mesh is; what follows depends on it: let it leave earlier (travel.margin), or end the run before"
             )
     return found
+
+
+def on_springing_up(setting: Setting, bodies: Bodies, energy: float, made: set[int]) -> list[tuple[str, str, str, str]]:
+    """The wheels whose leaving has set their lines springing, each of them once: what is to doubt, cause, key, remedy.
+
+    A line that turned back on itself at the load is pushed together when its link is whole again, and springs up with
+    more than it had; `energy` in J counts.
+    """
+    found = []
+    for k, lost in enumerate(bodies.wheels["parting"]):
+        if -lost > _PARTING * energy and k not in made:
+            made.add(k)
+            name, line = setting.wheels[k].name, setting.lines[setting.loads.strand[k]]
+            found.append((
+                f"load {name} left {line}, and the line springs up with {-lost:.3g} J that nothing has given",
+                "the line turned back on itself at the load, and its last link is pushed together without it",
+                f"loads.{name.partition('.')[0]}.travel",
+                f"let it leave earlier (travel.margin), end the run before, or write lines.{line}.law: "
+                "{kind: tension_only}",
+            ))  # fmt: skip
+    return found
