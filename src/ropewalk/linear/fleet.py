@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.rider import force_at
 from ropewalk.model.load import AnyLoad
@@ -57,22 +58,17 @@ def coach_of(setting: Setting, name: str, load: AnyLoad, axles: Array) -> Coach:
     wheels = np.flatnonzero([wheel.load == name for wheel in setting.wheels])
     mass = bodies.wheels["mass"][wheels, dim - 1]
     carried = float(bodies.wheels["mass"][wheels, 0].sum())
-    own, seats = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+    own = np.zeros(0, dtype=np.int64)
     M, K, C, given = np.diag(mass), np.zeros((mass.size, mass.size)), np.zeros((mass.size, mass.size)), np.zeros(0)
     first = 0
-    vehicle = [i for i, v in enumerate(bodies.vehicles) if v["wheels"] and bodies.wheel[i, 0] in wheels]
-    if vehicle:
-        i = vehicle[0]
-        count, places, first = (int(bodies.vehicles[i][key]) for key in ("coordinates", "wheels", "first"))
-        own = np.array([dim - 1]) if isinstance(load, Oscillator) else np.arange(count)
-        seats = count + np.flatnonzero(bodies.axis[i, :places] == dim - 1)
+    if (i := _vehicle_of(bodies, wheels)) is not None:
+        count, first = int(bodies.vehicles[i]["coordinates"]), int(bodies.vehicles[i]["first"])
+        own = np.arange(count)
         if isinstance(load, Oscillator):
             carried += load.mass
-        rows = np.concatenate([own, seats])
-        pick = np.ix_(rows, rows)
-        M, C, K = bodies.M[i][pick], bodies.C[i][pick], bodies.K[i][pick]
-        M[np.arange(own.size, rows.size), np.arange(own.size, rows.size)] += mass
-        given = -bodies.load[i][rows]
+            own = own if load.contact_stiffness is not None else own[dim - 1 :]
+        M, C, K, given = _matrices(bodies, i, own, wheels, dim - 1)
+        M[np.arange(own.size, len(M)), np.arange(own.size, len(M))] += mass
     held = slice(0, own.size)
     gravity = -float(setting.strands.gravity[-1])
     weights = np.concatenate([np.zeros(own.size), mass * gravity])
@@ -87,3 +83,43 @@ def coach_of(setting: Setting, name: str, load: AnyLoad, axles: Array) -> Coach:
     static = weights[own.size :] + push + K[own.size :, held] @ rest
     numbers = tuple(int(first + d) for d in own)
     return Coach(load, wheels, Vehicle(M, C, K, axles, static), numbers, rest, weights, carried)
+
+
+def _vehicle_of(bodies: Bodies, wheels: Integers) -> int | None:
+    """The number of the vehicle that stands on wheels, rigidly or on contact stiffnesses; None: they are all of it."""
+    for i, vehicle in enumerate(bodies.vehicles):
+        first, count = int(vehicle["first"]), int(vehicle["coordinates"])
+        soft = [b["wheel"] for b in bodies.buffers if first <= b["coordinate"] < first + count]
+        if np.isin([*bodies.wheel[i, : vehicle["wheels"]], *soft], wheels).any():
+            return i
+    return None
+
+
+def _matrices(bodies: Bodies, i: int, own: Integers, wheels: Integers, up: int) -> tuple[Array, Array, Array, Array]:
+    """Mass, damping and stiffness of coordinates and wheels, and their weights; a soft contact is a wheel on a spring.
+
+    Args:
+        i: which vehicle.
+        own: its coordinates.
+        wheels: contacts, in the order of the rows.
+        up: the vertical axis.
+    """
+    count, places, first = (int(bodies.vehicles[i][key]) for key in ("coordinates", "wheels", "first"))
+    size = own.size + wheels.size
+    M, C, K, weight = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size)), np.zeros(size)
+    to, source = list(range(own.size)), own.tolist()
+    for j, wheel in enumerate(wheels, start=own.size):
+        mine = np.flatnonzero((bodies.wheel[i, :places] == wheel) & (bodies.axis[i, :places] == up))
+        if mine.size:
+            to.append(j)
+            source.append(count + int(mine[0]))
+        for buffer in bodies.buffers:
+            if buffer["wheel"] == wheel and first <= buffer["coordinate"] < first + count:
+                pair = np.ix_([int(buffer["coordinate"]) - first, j], [int(buffer["coordinate"]) - first, j])
+                K[pair] += buffer["stiffness"] * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    put, pick = np.ix_(to, to), np.ix_(source, source)
+    M[put] += bodies.M[i][pick]
+    C[put] += bodies.C[i][pick]
+    K[put] += bodies.K[i][pick]
+    weight[to] = -bodies.load[i][source]
+    return M, C, K, weight

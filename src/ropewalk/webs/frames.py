@@ -114,11 +114,10 @@ class Run:
         self._start_energy = np.nan
 
     def _weight(self) -> float:
-        """What the supports carry at rest, N; unknown where sheaves or the wind bear some of it."""
-        web = self.web
-        if web.sheaves.link.size or self.scenario.wind is not None:
+        """What supports and sheaves carry at rest, N; unknown where the wind bears some of it."""
+        if self.scenario.wind is not None:
             return float("nan")
-        return -float(web.body.force[: web.nodes, 2].sum())
+        return -float(self.web.body.force[: self.web.nodes, 2].sum())
 
     def _refuse_beyond(self) -> None:
         """Refuse loads that would begin beyond the end of their line; the distance of its ends stands for the far one.
