@@ -1,5 +1,6 @@
 """Lines and vehicles as FMUs: valid, loaded again and again, and doing what they do in a scenario."""
 
+import sys
 import zipfile
 
 import numpy as np
@@ -109,6 +110,16 @@ def test_instances_side_by_side_and_again_and_again(files):
         assert [one.look("contact1.height"), two.look("contact1.height")] == alone_
         assert mass.look("contact1.velocity") == pytest.approx(-9.81 * 0.02, rel=1e-12)  # it falls
     assert [height(-100.0), height(-300.0)] == alone_
+
+
+def test_who_has_run_an_fmu_can_write_another(files, tmp_path):
+    """An FMU brings a pythonfmu of its own; our slaves, which it is the first to import, then derive from that."""
+    sys.modules.pop("ropewalk.cosim.slaves")
+    del ropewalk.cosim.slaves
+    with FmuPart(files / "mass.fmu") as fmu:
+        fmu.begin({"contact1.force": 0.0})
+    export(string({"b": body()}), "b", tmp_path / "again.fmu")
+    assert validate_fmu(str(tmp_path / "again.fmu")) == []
 
 
 @pytest.mark.parametrize("kind", KINDS)

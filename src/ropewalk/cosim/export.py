@@ -31,7 +31,7 @@ _SCRIPT = '''"""{title}"""
 import ctypes
 
 try:
-    from ropewalk.cosim import slaves
+    import ropewalk.cosim.slaves as slaves
 except ImportError as error:
     raise ImportError(
         f"this FMU runs in Python with ropewalk installed (pip install 'ropewalk[fmi]'), and it is not: {{error}}"
@@ -224,6 +224,9 @@ def _build(file: Path, slave: str, resources: dict[str, str], options: dict[str,
             files.append(Path(folder) / name)
             files[-1].write_text(text, encoding="utf-8")
         sys.path.insert(0, folder)
+        # An FMU that has run in this process has imported our slaves with the pythonfmu that it brings, whose classes
+        # the builder does not know.
+        sys.modules.pop("ropewalk.cosim.slaves", None)
         try:
             FmuBuilder.build_FMU(source, dest=file, project_files=files, **options)
         except OSError as error:
