@@ -116,8 +116,11 @@ def test_who_has_run_an_fmu_can_write_another(files, tmp_path):
     """An FMU brings a pythonfmu of its own; our slaves, which it is the first to import, then derive from that."""
     sys.modules.pop("ropewalk.cosim.slaves")
     del ropewalk.cosim.slaves
-    with FmuPart(files / "mass.fmu") as fmu:
-        fmu.begin({"contact1.force": 0.0})
+    names = {"force": "contact1.force", "height": "contact1.height", "velocity": "contact1.velocity"}
+    contact = {**names, "force_factor": 1.0, "height_from": "zero"}
+    load = {"kind": "fmu", "on": "rope", "file": str(files / "vehicle.fmu"), "contacts": {"wheel": contact}}
+    whole = string().model_dump(by_alias=True) | {"loads": {"b": {**load, "travel": TRAVEL, "every": 0.01}}}
+    assert ropewalk.simulate(ropewalk.Scenario.model_validate(whole)).attrs["outcome"] == "completed"
     export(string({"b": body()}), "b", tmp_path / "again.fmu")
     assert validate_fmu(str(tmp_path / "again.fmu")) == []
 
