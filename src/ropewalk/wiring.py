@@ -27,7 +27,7 @@ from ropewalk.wires.mesh import links_of
 from ropewalk.wires.partners import Foreigner
 from ropewalk.wires.partners import rider_of as foreign_rider
 from ropewalk.wires.plan import Array, Plan
-from ropewalk.wires.task import Shown, Task
+from ropewalk.wires.task import Shown, Task, unstretched
 
 _HEAVY = 500.0  # N: droppers bear about 100 N
 _MASSES = {2: ("frame", "head"), 3: ("lower", "upper", "head")}
@@ -51,7 +51,9 @@ def task_of(scenario: Scenario) -> Task:
     first = len(plan.wires)
     plan = replace(plan, wires=(*plan.wires, *(wire_of(name, line) for name, line in scenario.lines.items())))
     elements += [line.elements for line in scenario.lines.values()]
-    setting = settled(scenario, until) if scenario.lines else None
+    if nonlinear or not isinstance(run, Dynamic):
+        plan = unstretched(plan, elements)
+    setting = settled(scenario, until, plan.wires) if scenario.lines else None
     journeys: list[Journey] = []
     contacts: list[str] = []
     shown: list[Shown] = []
@@ -75,7 +77,8 @@ def task_of(scenario: Scenario) -> Task:
             continue
         assert setting is not None
         line = scenario.lines[load.on]
-        journey, coach = journey_of(setting, name, load, first + list(scenario.lines).index(load.on), line)
+        on = first + list(scenario.lines).index(load.on)
+        journey, coach = journey_of(setting, name, load, on, line, plan.wires[on].length)
         journeys.append(journey)
         contacts += [wheel.name for wheel in setting.wheels if wheel.load == name]
         shown += shown_of(setting, coach, number, line) if coach is not None else []

@@ -30,7 +30,9 @@ from ropewalk.wires.task import Task, ready
 
 SAMPLE = 1e-3  # s, interval of samples where none is asked for
 _NOTHING = 1e-100  # m: small motion begins with a little more than nothing
+_SLIGHT = 1e-9  # strain that is none
 _SHALLOW = 1.0 / 8.0  # of the chord: a line that hangs further through is none of small motion
+_STEEP = 0.3  # slope from which on loads miss their inertia along the line: 1 % of deflections, 4 % of contact forces
 _ESCAPED = 2.0  # lengths of the longest wire: a node of a wire that is held does not get further, unless a run blows up
 
 
@@ -98,6 +100,7 @@ class Run:
         self.motion.pace.last[:] -= account.step * self._first("rate")
         self._audit = Audit(self.mesh, self.riders, self.motion, start.position, start.unstrained)
         self._in_air = np.zeros(self.riders.owner.size)
+        self._steep, self._pushed = set[str](), set[str]()  # contacts and wires that have been doubted
         self._partners = [self._partner(*pair) for pair in zip(task.foreigners, self.turns, strict=True)]
         watched = rows(self.motion.watched, self.mesh.nodes) @ self._at_rest[2]
         self._watched_at_rest = watched if start.rest is None else np.zeros_like(watched)
@@ -112,6 +115,36 @@ class Run:
                     f"at rest {wire.name} hangs {depth:.3g} m through over {wire.chord:.3g} m",
                     "small motion knows no tension that grows with the sag", "run.geometry",
                     "write geometry: nonlinear, or give tension",
+                )  # fmt: skip
+
+    def _doubt_shape(self, frame: Frame) -> None:
+        """Loads on steep lines, and compression that no bending stiffness bears on the mesh."""
+        if not isinstance(self.motion, LargeMotion):
+            return
+        strands, last, z, x = self.mesh.strands, 0, frame.position[:, -1], frame.position[:, 0]
+        for k in np.flatnonzero((frame.contact_state != OFF_LINE) & (self.riders.size[self.riders.owner] > 0)):
+            a = int(self.riders.wire[k])
+            seat = seat_at(self.mesh, a, float(frame.contact_xi[k]) / float(strands.h[a]))
+            slope = abs(float(seat.slope(z))) / max(abs(float(seat.slope(x))), 1e-300)
+            name, wire = self.task.contacts[k], self.task.plan.wires[a].name
+            if slope > _STEEP and name not in self._steep:
+                self._steep.add(name)
+                self.account.doubt(
+                    f"load {name} rides where {wire} slopes by {slope:.2g}, at t = {frame.path:.4g} s",
+                    "on lines with bending stiffness a load moves up and down only, its inertia along them is left out",
+                    f"lines.{wire}.bending_stiffness", "leave it out, if the line is a rope",
+                )  # fmt: skip
+        for a, wire_ in enumerate(self.task.plan.wires):
+            first, last = last, last + int(strands.links[a])
+            pushed = -float(frame.tension[first:last].min())
+            borne = np.pi**2 * wire_.bending_stiffness / float(strands.h[a]) ** 2
+            if pushed > max(borne, _SLIGHT * wire_.axial_stiffness) and wire_.name not in self._pushed:
+                self._pushed.add(wire_.name)
+                self.account.doubt(
+                    f"{wire_.name} is pushed together with {pushed:.4g} N at t = {frame.path:.4g} s",
+                    f"between two nodes it bears {borne:.4g} N and buckles beyond, into waves that no mesh resolves",
+                    f"lines.{wire_.name}.bending_stiffness",
+                    "leave it out and write law: {kind: tension_only}, or give more drag",
                 )  # fmt: skip
 
     def _partner(self, foreigner: Foreigner, turns: Turns) -> Partner:
@@ -179,7 +212,9 @@ class Run:
                     yield self._with_forces(frame, drive, nothing, *before)
                     return
                 raise
-            yield self._with_forces(frame, drive, record, *before)
+            frame = self._with_forces(frame, drive, record, *before)
+            self._doubt_shape(frame)
+            yield frame
             if not self._is_sane():
                 self.account.outcome, self.account.advice = "diverged", self._advice(float(t))
                 return

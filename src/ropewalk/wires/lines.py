@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -38,7 +38,7 @@ def wire_of(name: str, line: Line) -> Wire:
     ]
     return Wire(
         name, spatial(line.start), spatial(line.end), tension, line.mass, line.bending_stiffness, EA, line.drag, 0.0,
-        line.foundation, (kinds[0], kinds[1]), pulled, line.length,
+        line.foundation, (kinds[0], kinds[1]), pulled, line.length, stretched=False,
     )  # fmt: skip
 
 
@@ -54,12 +54,13 @@ def _pulled(line: Line) -> tuple[float, float] | None:
     return out[0], out[1]
 
 
-def settled(scenario: Scenario, until: float) -> Setting:
-    """The loads of a scenario as arrays, without the mesh that chains need."""
+def settled(scenario: Scenario, until: float, wires: Sequence[Wire] = ()) -> Setting:
+    """The loads of a scenario as arrays, without the mesh that chains need; lines are as long as their wires."""
     fine = {name: line.model_copy(update={"elements": _FINE}) for name, line in scenario.lines.items()}
     scenario = scenario.model_copy(update={"lines": fine})
     axes, wheels = axes_of(scenario), wheels_of(scenario)
     lengths = {name: line.length or line.distance for name, line in scenario.lines.items()}
+    lengths |= {wire.name: wire.length for wire in wires if wire.name in lengths}
     strands, loads = strands_of(scenario, lengths), loads_of(scenario, wheels, until)
     forces_only = all(isinstance(load, MovingForce) for load in scenario.loads.values())
     fleet = None if forces_only else fleet_of(scenario, wheels, strands, axes, until)
@@ -69,8 +70,14 @@ def settled(scenario: Scenario, until: float) -> Setting:
     )  # fmt: skip
 
 
-def journey_of(setting: Setting, name: str, load: AnyLoad, wire: int, line: Line) -> tuple[Journey, Coach | None]:
+def journey_of(
+    setting: Setting, name: str, load: AnyLoad, wire: int, line: Line, length: float | None = None
+) -> tuple[Journey, Coach | None]:
     """The journey of a load on its line, and how it was put together if it has a mass.
+
+    Args:
+        wire: number of the wire that the line has become.
+        length: m, what stations along it count up to; None: as the line says.
 
     Raises:
         RopewalkError: its matrices cannot be used.
@@ -79,7 +86,7 @@ def journey_of(setting: Setting, name: str, load: AnyLoad, wire: int, line: Line
     starts = np.array([setting.wheels[int(k)].start for k in wheels])
     behind = starts.max() - starts
     material = bool(setting.loads.measure[wheels[0]] == MATERIAL)
-    scale = 1.0 if material else (line.length or line.distance) / abs(line.end[0] - line.start[0])
+    scale = 1.0 if material else (length or line.length or line.distance) / abs(line.end[0] - line.start[0])
     place = _place(setting.loads, int(wheels[np.argmax(starts)]), scale * float(starts.max()), scale)
     ground = spatial(line.start)[2]
     if isinstance(load, MovingForce):

@@ -37,6 +37,7 @@ class Wire:
     ends: tuple[EndKind, EndKind] = ("held", "held")
     end_force: tuple[float, float] | None = None  # N outwards along x on ends that slide along x (weights)
     unstrained: float | None = None  # m; None: what follows from the tension
+    stretched: bool = True  # whether stations count metres of the stretched wire where only its tension is given
 
     @property
     def chord(self) -> float:

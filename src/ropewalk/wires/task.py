@@ -65,6 +65,23 @@ class Start:
     rest: Rest | None  # small motion: about this
 
 
+def unstretched(plan: Plan, element: float | list[int]) -> Plan:
+    """The plan with wires whose stations count unstrained metres as long as their tensions ask for.
+
+    Raises:
+        RopewalkError: something is attached off its wire, or there is no rest.
+    """
+    if all(wire.stretched or wire.unstrained is not None for wire in plan.wires):
+        return plan
+    mesh = mesh_of(plan, element)
+    lengths = _guess(mesh)[1]
+    return replace(plan, wires=tuple(
+        wire if wire.stretched or wire.unstrained is not None
+        else replace(wire, unstrained=float(lengths[mesh.of(i)][:-1].sum()))
+        for i, wire in enumerate(plan.wires)
+    ))  # fmt: skip
+
+
 def ready(task: Task) -> tuple[Task, Start]:
     """Divide the wires and find their rest; riders that are to stand on the wires take their first places there.
 
