@@ -20,6 +20,7 @@ TAUT: Tree = {
 }  # fmt: skip
 SPATIAL: Tree = {**TAUT, "start": [0.0, 0.0, 0.0], "end": [19.0, 5.0, 2.0]}
 LONG: Tree = {k: v for k, v in TAUT.items() if k != "tension"} | {"length": 20.2}
+STILL: Tree = {k: v for k, v in TAUT.items() if k != "drag"}
 STIFF: Tree = {k: v for k, v in TAUT.items() if k != "axial_damping"} | {"bending_stiffness": "10 kN*m^2"}
 SOFT_BED: Tree = {**BED, "elements": 20, "drag": 0.5}
 SPANS: Tree = {**OVERHEAD, "spans": {"count": 3, "length": 20.0}, "droppers": {"per_span": 3}, "element": 1.0}
@@ -80,19 +81,17 @@ _ELASTIC: Tree = {"kind": "elastic", "stiffness": "100 kN/m", "damping": 500.0, 
 _CONTACT: Tree = {"force": "contact1.force", "height": "contact1.height", "velocity": "contact1.velocity",
                   "force_factor": 1.0, "height_from": "zero"}  # fmt: skip
 _FMU: Tree = {"kind": "fmu", "file": fmu_file(VEHICLE), "contacts": {"front": _CONTACT}, "every": 1e-3, "on": "rope"}
-_STEPPER: Tree = {"kind": "stepper", "model": STEPPER, "options": {"force": 490.0, "start": 5.0, "speed": 20.0},
+_STEPPER: Tree = {"kind": "stepper", "model": STEPPER, "options": {"force": 490.0, "start": 18.5, "speed": 20.0},
                   "every": 1e-3, "on": "rope"}  # fmt: skip
 _OWN: Tree = {
     "kind": "pantograph", "masses": [15.0, 7.2], "stiffness": [50.0, 4200.0], "damping": [90.0, 10.0],
     "static_force": 120.0, "aerodynamic": 0.01, "irregularity": HILLS, "ramp": 0.05,
 }  # fmt: skip
-_WALKING: Tree = {"frequency": 5.0, "model": [{"amplitude": 0.4}, {"amplitude": 0.1, "phase": "90 deg"}]}
+_WALKING: Tree = {"frequency": 12.0, "model": [{"amplitude": 0.4}, {"amplitude": 0.1, "phase": "90 deg"}]}
 _RING: Tree = {"joints": {"ring": {"mass": 3.0, "force": [0.0, -50.0]}}, "lines": {
-    "rope": {**LONG, "end": [12.0, 0.0], "length": 12.1, "end_support": {"kind": "joined", "to": "ring"}},
-    "right": {**LONG, "start": [12.0, 0.0], "length": 8.05, "start_support": {"kind": "joined", "to": "ring"},
+    "rope": {**LONG, "end": [12.0, 0.0], "length": 11.9, "end_support": {"kind": "joined", "to": "ring"}},
+    "right": {**LONG, "start": [12.0, 0.0], "length": 7.95, "start_support": {"kind": "joined", "to": "ring"},
               "end_support": {**_ELASTIC, "displacement": [0.0, 0.01]}},
-    "below": {**LONG, "start": [4.0, -4.0], "end": [18.0, -4.0], "length": 15.7, "drag": 0.0,
-              "sheaves": {"block": {"at": [0.0, -0.5], "to": "ring", "friction": 0.1}}},
 }}  # fmt: skip
 _HANGER: Tree = {**LONG, "start": [10.0, 4.0], "end": [10.0, 0.0], "length": 4.05, "elements": 4,
                  "law": {"kind": "tension_only"}, "end_support": {"kind": "joined", "to": "rope", "at": 9.9}}  # fmt: skip
@@ -105,19 +104,20 @@ BASES: dict[str, Tree] = {
         {**SPATIAL, "law": {"kind": "second_piola_kirchhoff"}},
         load("force in a table", way({"time": [0.0, UNTIL], "value": [20.0, 30.0]})),
     ),
-    "mass": one(TAUT, load("pushed mass", way(at_end="leave", start=17.0, margin=0.3), air_drag=0.1, lift_off=True)),
+    "mass": one(TAUT, load("pushed mass", way(at_end="leave", start=17.6, margin=0.3), air_drag=0.1, lift_off=True)),
     "free mass": one(
         {**TAUT, "start_support": {**_ELASTIC, "displacement": shaken()}},
         load("mass", free(friction=0.1, viscous=5.0, rolling=0.01, drive={"time": [0.0, UNTIL], "value": [50.0, 90.0]},
                           driver={"speed": {"time": [0.0, UNTIL], "value": [30.0, 25.0]}, "force": 200.0},
-                          brake={"force": 100.0, "within": 18.0})),
+                          brake={"force": 100.0, "within": 14.5})),
     ),
     "free end": one(TAUT, load("mass", free(start=18.0))),
     "oscillator": one(
         {**LONG, "end_support": {"kind": "guided", "along": [1.0, 0.2], "stiffness": "50 kN/m", "damping": 500.0,
                                  "force": "5 kN", "mass": 5.0}},
-        load("oscillator", free(), lift_off=True, contact_stiffness=1e6),
+        load("oscillator", way(), lift_off=True, contact_stiffness=1e6),
     ),
+    "free oscillator": one(TAUT, load("oscillator", free(), lift_off=True)),
     "light wheel": one(TAUT, load("oscillator", way(), air_drag=0.1)),
     "trolley": one(
         {**TAUT, "end_support": {"kind": "moving", "displacement": shaken()}},
@@ -130,18 +130,20 @@ BASES: dict[str, Tree] = {
         {**TAUT, "axial_stiffness": None, "law": {"kind": "polynomial", "coefficients": [1e6, 5e6]}},
         load("matrices", way(), lift_off=True, damping=[[100.0, -100.0], [-100.0, 100.0]], weight=[400.0, 90.0]),
     ),
-    "footsteps": one(SPATIAL, load("footsteps", lateral=[{"amplitude": 0.05, "phase": "20 deg"}], **_WALKING)),
-    "walker": one(SPATIAL, load("walker", balance={}, push_off=0.5), moves(until=0.6)),
+    "footsteps": one(SPATIAL, load("footsteps", at_end="leave", **{"from": 18.5}, lateral=[{"amplitude": 0.05, "phase": "20 deg"}], **_WALKING),
+                     moves(until=0.3)),
+    "walker": one({**SPATIAL, "elements": 10}, load("walker", balance={}, push_off=0.5, **{"from": 18.8}), moves(until=0.9)),
     "stepper": one(TAUT, {**_STEPPER, "exchange": {"damping": 20.0}}),
-    "fmu": one(TAUT, {**_FMU, "travel": way(), "exchange": {"scheme": "iterated"}}),
+    "fmu": one(TAUT, {**_FMU, "travel": way(start=18.5), "exchange": {"scheme": "iterated"}}),
     "tabulated": one(
         {**TAUT, "axial_stiffness": None,
          "law": {"kind": "table", "strain": [0, 0.02, 0.05], "tension": [0, 15e3, 60e3]}},
         load("force", way()), moves(method="implicit"),
     ),
-    "mode": one(
-        {**SPATIAL, "elements": 12}, None, moves(start={"kind": "mode", "amplitude": 0.05, "whirl": True}), gravity=0.0
-    ),
+    "mode": {
+        "gravity": 0.0, "lines": {name: {**SPATIAL, "elements": 12} for name in ("rope", "other")},
+        "run": moves(start={"kind": "mode", "amplitude": 0.05, "whirl": True}),
+    },
     # At rest, and slowly.
     "slow": one(TAUT, load("force", way(), contact="dragged", friction=0.3), {"kind": "quasistatic", "positions": 5}),
     "inextensible": one(
@@ -150,8 +152,8 @@ BASES: dict[str, Tree] = {
     ),
     "rest": one(LONG, load("force", way()), {"kind": "equilibrium"}),
     # The linear theory.
-    "linear": one(TAUT, load("force", way(start=0.0)), {"kind": "linear", "until": UNTIL, "every": 0.01, "modes": 20}),
-    "linear mass": one(TAUT, load("mass", way(start=0.0)), {"kind": "linear", "until": UNTIL, "every": 0.01}),
+    "linear": one(STILL, load("force", way(start=0.0)), {"kind": "linear", "until": UNTIL, "every": 0.01, "modes": 20}),
+    "linear mass": one(STILL, load("mass", way(start=0.0)), {"kind": "linear", "until": UNTIL, "every": 0.01}),
     "linear vehicle": one(
         SOFT_BED, load("vehicle", way(), _HEAVY, lift_off=True),
         {"kind": "linear", "until": UNTIL, "every": 0.01, "modes": 10},
@@ -170,7 +172,7 @@ BASES: dict[str, Tree] = {
     # Overhead lines.
     "pantograph": section(
         {**SPANS, "element": 0.5, "stitch_wire": {"length": 8.0, "retardation": 1e-4}, "messenger_supports": {"stiffness": "500 kN/m"}},
-        {"kind": "pantograph", "model": "en50318-2002", "travel": way(30.0, 22.0)}, geometry="linearised",
+        {"kind": "pantograph", "model": "en50318-2002", "travel": way(30.0, 55.0, at_end="leave")}, geometry="linearised",
     ),
     "staggered": section(
         {**SPANS, "contact_wire": {"drag": 0.05, "retardation": 1e-4}, "pre_sag": 0.01,
@@ -182,6 +184,14 @@ BASES: dict[str, Tree] = {
     "joined": {"lines": {"rope": TAUT, "hanger": _HANGER}, "loads": {"load": load("mass", way(), air_drag=0.0)},
                "run": moves()},
     "ring": {**_RING, "loads": {"load": load("force", way(start=2.0))}, "run": moves()},
+    "block": {
+        "joints": {"hook": {"mass": 10.0}},
+        "lines": {"rope": {"start": [0, 0], "end": [1, 0.3], "length": 4.5, "mass": 0.1, "axial_stiffness": 1e5,
+                           "elements": 30, "drag": 0.5,
+                           "sheaves": {"block": {"at": [0.5, -2.0], "to": "hook", "friction": 0.05}}}},
+        "loads": {"load": {"kind": "force", "on": "rope", "force": [0.0, -20.0], "travel": way(2.0, 0.5)}},
+        "run": moves(),
+    },
     "wind": one(
         {**SPATIAL, "wind_drag": 0.02, "end_support": {"kind": "guided", "along": [1.0, 0.0, 0.0], "force": "9 kN",
                                                        "stiffness": "50 kN/m", "damping": 100.0, "mass": 2.0},

@@ -54,10 +54,10 @@ def _place(value: Any, _: Tree) -> list[float]:
     return [*value[:-1], value[-1] + 0.1]
 
 
-def _outline(value: Any, _: Tree) -> Patch:
+def _outline(value: Any, block: Tree) -> Patch:
     if value is not None:
         return Patch(boundary=[*value[:2], [3.5, 3.0, 0.0], value[3]])
-    return Patch(corner=None, sides=None, cells=None, **OUTLINE)
+    return Patch(corner=None, sides=None, cells=None, **OUTLINE, **({"mesh": 0.5} if block["kind"] == "net" else {}))
 
 
 def _bodies(_: Any, block: Tree) -> Tree:
@@ -123,7 +123,7 @@ OTHER: dict[str, Any] = {
     "Joint.mass": lambda value, _: 2.0 * value or 3.0,
     "Joint.force": _place,
     "Sheave.friction": lambda value, _: 2.0 * value or 0.1,
-    "Sheave.to": lambda value, _: Patch(to=None, at=[12.0, -0.5]) if value else "ring",
+    "Sheave.to": lambda value, _: Patch(to=None) if value else "ring",
     # Overhead lines.
     "OverheadLine.start": _place,
     "OverheadLine.contact_wire": {"mass": 1.5},
@@ -173,7 +173,7 @@ OTHER: dict[str, Any] = {
     "CableEdge.tension": lambda value, _: 2e3,
     # Loads.
     "*.from": lambda value, _: 0.3 if value == 0.0 else 0.9 * value,
-    "*.margin": lambda value, _: 2.0 * value if value else 2.5,
+    "*.margin": lambda value, _: 2.0 * value if value else 14.0,
     "*.path": lambda value, _: [[0.5, 1.0], [3.5, 2.0]] if value else PATH,
     "*.air_drag": lambda value, _: 2.0 * value or 1.0,
     "*.viscous": lambda value, _: 2.0 * value or 5.0,
