@@ -104,7 +104,7 @@ BASES: dict[str, Tree] = {
         {**SPATIAL, "law": {"kind": "second_piola_kirchhoff"}},
         load("force in a table", way({"time": [0.0, UNTIL], "value": [20.0, 30.0]})),
     ),
-    "mass": one(TAUT, load("pushed mass", way(at_end="leave", start=17.6, margin=0.3), air_drag=0.1, lift_off=True)),
+    "mass": one(TAUT, load("pushed mass", way(at_end="leave", start=16.5, margin=1.5), air_drag=0.1, lift_off=True)),
     "free mass": one(
         {**TAUT, "start_support": {**_ELASTIC, "displacement": shaken()}},
         load("mass", free(friction=0.1, viscous=5.0, rolling=0.01, drive={"time": [0.0, UNTIL], "value": [50.0, 90.0]},

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import hashlib
-import json
 import re
 import warnings
 from collections.abc import Iterator
@@ -167,7 +166,9 @@ def _written(base: str, place: Place) -> Tree:
 
 def _understood(value: Any, annotation: Any) -> Any:
     """Another value where the table has none: the other choices, more of a number, the contrary."""
-    words = [word for part in (annotation, *get_args(annotation)) if get_origin(part) is Literal for word in get_args(part)]
+    words = [
+        word for part in (annotation, *get_args(annotation)) if get_origin(part) is Literal for word in get_args(part)
+    ]
     if words:
         return Each(word for word in words if word != value)
     if isinstance(value, bool):

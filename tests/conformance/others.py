@@ -173,6 +173,7 @@ OTHER: dict[str, Any] = {
     "CableEdge.tension": lambda value, _: 2e3,
     # Loads.
     "*.from": lambda value, _: 0.3 if value == 0.0 else 0.9 * value,
+    "FreeTravel.margin": lambda value, _: 2.0 * value if value else 1.5,
     "*.margin": lambda value, _: 2.0 * value if value else 14.0,
     "*.path": lambda value, _: [[0.5, 1.0], [3.5, 2.0]] if value else PATH,
     "*.air_drag": lambda value, _: 2.0 * value or 1.0,
