@@ -1,4 +1,4 @@
-"""Scenarios in which keys apply: between them they have every declaration of the schema, and each takes milliseconds."""
+"""Scenarios in which keys apply: between them they have every declaration of the schema, in milliseconds each."""
 
 from __future__ import annotations
 
@@ -94,7 +94,8 @@ _RING: Tree = {"joints": {"ring": {"mass": 3.0, "force": [0.0, -50.0]}}, "lines"
               "end_support": {**_ELASTIC, "displacement": [0.0, 0.01]}},
 }}  # fmt: skip
 _HANGER: Tree = {**LONG, "start": [10.0, 4.0], "end": [10.0, 0.0], "length": 4.05, "elements": 4,
-                 "law": {"kind": "tension_only"}, "end_support": {"kind": "joined", "to": "rope", "at": 9.9}}  # fmt: skip
+                 "law": {"kind": "tension_only"},
+                 "end_support": {"kind": "joined", "to": "rope", "at": 9.9}}  # fmt: skip
 
 BASES: dict[str, Tree] = {
     # Ropes, and what travels on them.
@@ -124,15 +125,18 @@ BASES: dict[str, Tree] = {
         load("trolley", free(), payload=_HUNG, air_drag=0.1, lift_off=True, force=[20.0, -20.0]),
     ),
     "vehicle": one(
-        {**TAUT, "law": {"kind": "tension_only"}}, load("vehicle", way(), lift_off=True), moves(start={"with_loads": True})
+        {**TAUT, "law": {"kind": "tension_only"}}, load("vehicle", way(), lift_off=True),
+        moves(start={"with_loads": True})
     ),
     "matrices": one(
         {**TAUT, "axial_stiffness": None, "law": {"kind": "polynomial", "coefficients": [1e6, 5e6]}},
         load("matrices", way(), lift_off=True, damping=[[100.0, -100.0], [-100.0, 100.0]], weight=[400.0, 90.0]),
     ),
-    "footsteps": one(SPATIAL, load("footsteps", at_end="leave", **{"from": 18.5}, lateral=[{"amplitude": 0.05, "phase": "20 deg"}], **_WALKING),
+    "footsteps": one(SPATIAL, load("footsteps", at_end="leave", **{"from": 18.5},
+                                   lateral=[{"amplitude": 0.05, "phase": "20 deg"}], **_WALKING),
                      moves(until=0.3)),
-    "walker": one({**SPATIAL, "elements": 10}, load("walker", balance={}, push_off=0.5, **{"from": 18.8}), moves(until=0.9)),
+    "walker": one({**SPATIAL, "elements": 10}, load("walker", balance={}, push_off=0.5, **{"from": 18.8}),
+                  moves(until=0.9)),
     "stepper": one(TAUT, {**_STEPPER, "exchange": {"damping": 20.0}}),
     "fmu": one(TAUT, {**_FMU, "travel": way(start=18.5), "exchange": {"scheme": "iterated"}}),
     "tabulated": one(
@@ -171,8 +175,10 @@ BASES: dict[str, Tree] = {
     "stiff rest": one(STIFF, None, {"kind": "equilibrium"}),
     # Overhead lines.
     "pantograph": section(
-        {**SPANS, "element": 0.5, "stitch_wire": {"length": 8.0, "retardation": 1e-4}, "messenger_supports": {"stiffness": "500 kN/m"}},
-        {"kind": "pantograph", "model": "en50318-2002", "travel": way(30.0, 55.0, at_end="leave")}, geometry="linearised",
+        {**SPANS, "element": 0.5, "stitch_wire": {"length": 8.0, "retardation": 1e-4},
+         "messenger_supports": {"stiffness": "500 kN/m"}},
+        {"kind": "pantograph", "model": "en50318-2002", "travel": way(30.0, 55.0, at_end="leave")},
+        geometry="linearised",
     ),
     "staggered": section(
         {**SPANS, "contact_wire": {"drag": 0.05, "retardation": 1e-4}, "pre_sag": 0.01,
