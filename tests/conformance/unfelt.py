@@ -5,7 +5,19 @@ from __future__ import annotations
 Reasons = dict[str, dict[str, tuple[str, ...]]]
 """By key, or `key=value` for one of its values: why it is not felt, and in which bases."""
 
-NEVER: dict[str, str] = {}
+NEVER: dict[str, str] = {
+    "Fmu.isolated": "where it is computed is no matter of what is computed",
+    "Fmu.patience": "is waited for only when an FMU does not answer",
+    "OverheadLine.analysed_spans": "says what statistics speak of, which are made from a result later",
+    "Stepper.from": "is handed to a model that asks for it; the model of the bases says itself where it presses",
+    "Sheave.to": "the joint of the base hangs on its sheave alone, and is refused without it",
+    "Exchange.warn": "no exchange of the bases makes energy that could be warned of",
+    "FmuContact.gives": "the FMU of the bases gives a force; what it would need to give its motion is refused",
+    "MessengerSupports.along": "what the bases have given decides it, and the contrary is refused",
+    "PantographTravel.at_end": "no pantograph of the bases comes to the end; what would pass it is refused",
+    "Matrices.lift_off": "nothing leaves the line in the bases that have it",
+    "Trolley.lift_off": "nothing leaves the line in the bases that have it",
+}
 """Keys that change no number in any base, by nature or because the bases are too small for it."""
 
 UNFELT: Reasons = {
