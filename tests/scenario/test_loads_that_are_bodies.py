@@ -49,7 +49,7 @@ RIGHT = {
     "an oscillator": "kind: oscillator, on: rope, mass: 80, stiffness: [1 kN/m, 2 kN/m], damping: 3, "
     "travel: {speed: 1}",
     "an oscillator that may hop": "kind: oscillator, on: rope, mass: 80, stiffness: 1e4, wheel_mass: 2, "
-    "lift_off: true, contact_stiffness: 1 MN/m, travel: {kind: free, speed: 1}",
+    "lift_off: true, contact_stiffness: 1 MN/m, travel: {speed: 1}",
     "a trolley that swings": "kind: trolley, on: rope, mass: 80, payload: {mass: 300, length: 3, swing: 30°}, "
     "travel: {kind: free, at_end: leave}",
     "a trolley whose payload falls": "kind: trolley, on: rope, mass: 1, payload: {mass: 80, length: 3, at: [0, 0, 2], "

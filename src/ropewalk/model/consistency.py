@@ -19,7 +19,7 @@ from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.places import meetings, reach, travels
-from ropewalk.model.run import Dynamic, Linear, Quasistatic, every_of
+from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.settings import check_settings
 from ropewalk.model.space import check_space
 from ropewalk.model.stiff import check_stiff
@@ -110,12 +110,12 @@ def _known_to_the_run(parts: Parts) -> Iterator[Finding]:
 def _margins(parts: Parts) -> Iterator[Finding]:
     """Ends of lines for loads before their supports."""
     for name, load in parts.loads.items():
-        if not isinstance(load, Travelling) or load.travel.margin is None or parts.is_web:
+        if not isinstance(load, Travelling) or load.travel.margin is None:
             continue
         wrong = ""
-        if isinstance(parts.run, Linear | Quasistatic):
+        if isinstance(parts.run, Linear | Quasistatic | Equilibrium):
             wrong = f"with kind: {parts.run.kind} loads come to the supports themselves"
-        elif parts.is_stiff:
+        elif parts.is_stiff and not parts.is_web:
             wrong = "lines with bending stiffness or a bed end at their supports for all loads"
         if wrong:
             yield Finding(("loads", name, "travel", "margin"), wrong, f"{load.travel.margin:g} m", "leave margin out")

@@ -54,6 +54,9 @@ class Oscillator(Declaration):
         if self.air_drag:
             remedy = "leave air_drag or contact_stiffness out"
             yield Finding(("air_drag",), wrong, f"{self.air_drag:g} kg/m", remedy)
+        if isinstance(self.travel, FreeTravel):
+            remedy = "give its speed and leave kind out, or leave contact_stiffness out"
+            yield Finding(("travel", "kind"), f"{wrong}, and its place is prescribed", "free", remedy)
 
     def starts(self) -> list[Place]:
         """List where its wheel stands at the beginning."""
