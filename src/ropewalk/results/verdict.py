@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ropewalk.results.calm import started_too_close
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Account, Array, Doubt, Frame, Layout
 from ropewalk.results.peaks import beside, lonely
 from ropewalk.results.turnover import AUDIT, turnover
@@ -225,6 +226,7 @@ class Watch:
             yield Doubt(what, "a blow that the step does not resolve", "run.step", "write a smaller run.step and every")
 
     def _remarks(self) -> Iterator[str]:
+        yield from started_too_close(self.scenario)
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:
             return
