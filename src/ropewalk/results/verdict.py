@@ -210,7 +210,12 @@ class Watch:
             return "without gravity its mass has no weight", "gravity", "give gravity, or the weight as a force"
         if load.kind in ("stepper", "fmu"):
             return "the model answers with no force", f"loads.{name}", "look at what it gives"
-        return "its force is zero", f"loads.{name}.force", "give it a force"
+        if load.kind == "pantograph":
+            return "its forces have hardly grown, or it lost contact", f"loads.{name}.ramp", "run longer than ramp"
+        if load.kind == "force":
+            return "its force is zero", f"loads.{name}.force", "give it a force"
+        key = f"loads.{name}.weight" if load.kind == "matrices" else f"loads.{name}"
+        return "it has no weight, or is in the air all the time", key, "check its weight, and where it starts"
 
     def _single_steps(self, force: Array) -> Iterator[Doubt]:
         """Peaks of contact forces and tensions that stand alone: they come from one step, and not from the line."""
