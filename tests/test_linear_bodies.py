@@ -370,13 +370,11 @@ def test_a_vehicle_that_starts_on_a_beam_names_the_key_that_helps() -> None:
     car = (
         "kind: vehicle, travel: {speed: 20, from: 5, at_end: leave}, wheels: {front: {at: 1, mass: 10}, "
         "rear: {at: -1, mass: 10}}, bodies: {box: {mass: 1000, inertia: 500}}, springs: {f: {between: [box, front], "
-        "stiffness: 9e5, at: 1}, r: {between: [rear, box], stiffness: 9e5, at: -1}}"
+        "stiffness: 9e5, damping: 3000, at: 1}, r: {between: [rear, box], stiffness: 9e5, at: -1}}"
     )
-    line = BRIDGE % (YAU["mass"], YAU["bending_stiffness"])
+    line = (
+        "{start: [0, 0], end: [25, 0], length: 25, mass: 2303, axial_stiffness: 1e9, bending_stiffness: 8.3e9, "
+        "elements: 40}"
+    )
     with pytest.raises(RopewalkError, match=r"run\.modes: .*load a.* write run\.modes: 40.*loads\.a\.travel\.from"):
-        run(line, car, "until: 0.2 s, every: 0.1 s")
-    sags = [
-        float(height(run(line, car, f"until: 0.2 s, every: 0.1 s, modes: {n}")["position"])[-1].min())
-        for n in (40, 80)
-    ]  # fmt: skip
-    assert sags[0] == pytest.approx(sags[1], rel=1e-3)
+        run(line, car, "until: 0.5 s")
