@@ -22,6 +22,7 @@ IMBALANCE = 0.05  # of the energy turned over: beyond it a run is doubtful
 ROUNDING = 1e-10  # of the largest energy: what the audit cannot resolve
 UNBALANCED = 1e-3  # of all weights: what the support forces at rest may miss
 NOTHING = 1e-10  # of the largest tension, or of the weight of the line: a load that presses less does not press
+SLACK = 100.0  # times the speed of waves: a line is slack there
 FAST = 0.8  # of the speed of transverse waves: forces of masses are hard to resolve beyond
 
 
@@ -172,9 +173,9 @@ class Watch:
                 return f"load {name} {did} {when}", f"loads.{self.loads[k]}.travel", remedy
         if self._fastest.max(initial=0.0) > FAST:
             k = int(self._fastest.argmax())
-            told = (
-                f"load {self.layout.contact_load[k]} goes at {self._fastest[k]:.3g} times the speed of transverse waves"
-            )
+            times = self._fastest[k]
+            fast = f"{times:.3g} times" if times < SLACK else "far above"  # beside slack line waves hardly travel
+            told = f"load {self.layout.contact_load[k]} goes at {fast} the speed of transverse waves"
             return told, f"loads.{self.loads[k]}.travel.speed", "write a lower speed, or more tension or elements"
         pull = np.nan_to_num(frame.tension)
         if pull.size and pull.min() < -ROUNDING * np.abs(pull).max():
@@ -243,10 +244,12 @@ class Watch:
             state, xi = (float(values[k]) for values in self._at_start)
             here = [x for x, line in zip(self.layout.node_xi, self.layout.node_line, strict=True) if line == load.on]
             if state != OFF_LINE and here and min(here) < xi < max(here):
+                rest = "to begin at rest with it write run.start: {with_loads: true}, or let it start at an end"
+                if any(line.is_stiff for line in self.scenario.lines.values()):  # which begin without loads
+                    rest = "let it start at an end to avoid that"
                 yield (
                     f"load {name} is set down suddenly at t = 0, {xi:.4g} m along {load.on}: what swings from that is "
-                    "part of the answer; to begin at rest with it write run.start: {with_loads: true}, or let it start "
-                    "at an end"
+                    f"part of the answer; {rest}"
                 )
 
 
