@@ -363,3 +363,18 @@ def test_forces_on_other_lines_are_not_disturbed() -> None:
     assert both.position.values[:, 11:] == pytest.approx(alone.position.values)
     assert both.contact_position.values[:, 0] == pytest.approx(alone.contact_position.values[:, 0])
     assert np.abs(both.position.values[-1, :11, 1]).max() > 0.1
+
+
+def test_a_vehicle_that_starts_on_a_beam_names_the_key_that_helps() -> None:
+    """Put down at once it strikes all modes: adding modes does not converge, a number of them is what can be had."""
+    car = (
+        "kind: vehicle, travel: {speed: 20, from: 5, at_end: leave}, wheels: {front: {at: 1, mass: 10}, "
+        "rear: {at: -1, mass: 10}}, bodies: {box: {mass: 1000, inertia: 500}}, springs: {f: {between: [box, front], "
+        "stiffness: 9e5, damping: 3000, at: 1}, r: {between: [rear, box], stiffness: 9e5, at: -1}}"
+    )
+    line = (
+        "{start: [0, 0], end: [25, 0], length: 25, mass: 2303, axial_stiffness: 1e9, bending_stiffness: 8.3e9, "
+        "elements: 40}"
+    )
+    with pytest.raises(RopewalkError, match=r"run\.modes: .*load a.* write run\.modes: 40.*loads\.a\.travel\.from"):
+        run(line, car, "until: 0.5 s")

@@ -21,7 +21,7 @@ from ropewalk.results.exchanges import exchanged, exchanging, foreign_in
 from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
 from ropewalk.results.snapshot import Camera, layout_of, standing_frame
 from ropewalk.solve.boarding import board
-from ropewalk.solve.choice import Choice, choose
+from ropewalk.solve.choice import Choice, choose, cut_by_damping
 from ropewalk.solve.ends import ends_of, seat_ends
 from ropewalk.solve.guides import Partner, guides_of
 from ropewalk.solve.measure import shapes
@@ -39,6 +39,10 @@ if TYPE_CHECKING:
 
     from ropewalk.solve.spectrum import Spectrum
 
+_SHORTENED = (
+    "lines.{line}.axial_damping makes the step {times:.2g} times shorter than it is without: lower it, or write fewer "
+    "elements"
+)
 _COMPRESSION = (
     "at t = {time:.4g} s line {line} is in compression without any damping: a chain cannot carry that, and "
     "disturbances of the size of rounding errors grow; use law {{kind: tension_only}} or a little axial_damping"
@@ -264,6 +268,8 @@ def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account
     choice, turns, states = _course(setting, scenario, state, bodies)
     account.method, account.reason, account.step = choice.method, choice.reason, choice.step
     account.warnings += in_one_link(setting)
+    if (cut := cut_by_damping(setting.strands, state, choice)) is not None:
+        account.warnings.append(_SHORTENED.format(line=setting.lines[cut[0]], times=cut[1]))
     camera, progress = Camera(setting, bodies), Progress()
     with exchanging(turns, account):
         yield exchanged(camera.take(state), turns, account)

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from overhead_cases import EN_2002, formed, rested
 from ropewalk.cli import app
 from ropewalk.errors import RopewalkError
+from ropewalk.model import Scenario
 from ropewalk.results import open_result
 from ropewalk.scenario import load, loads
 from ropewalk.simulate import simulate
@@ -168,3 +169,17 @@ def test_an_unstable_step_that_stays_bounded_is_warned_of() -> None:
     assert "up to which the motion is stable" in result.attrs["warnings"]
     assert "write a smaller run.step, or leave it out" in result.attrs["warnings"]
     assert not simulate(load(EXAMPLE, ("run.until=0.1 s",))).attrs["warnings"]
+
+
+@pytest.mark.parametrize("geometry", ["linearised", "nonlinear"])
+def test_outputs_may_stand_as_close_as_they_are_asked_for(geometry: str) -> None:
+    """Closer than a billionth of a second, of which intervals of several models are multiples."""
+    line = {**EN_2002, "spans": {"count": 3, "length": "60 m"}, "analysed_spans": [2, 2], "element": "3 m"}
+    tree = {
+        "overhead_lines": {"line": line},
+        "loads": {"one": {"kind": "pantograph", "on": "line", "model": "en50318-2002", "travel": {"speed": 50.0}}},
+        "run": {"kind": "dynamic", "geometry": geometry, "until": "1e-12 s", "every": "5e-14 s"},
+    }  # fmt: skip
+    result = simulate(Scenario.model_validate(tree))
+    np.testing.assert_allclose(result["time"], 5e-14 * np.arange(21), atol=1e-15)
+    assert "(loads.one.ramp)" in result.attrs["doubts"]  # it has hardly begun to press

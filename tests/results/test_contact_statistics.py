@@ -210,6 +210,55 @@ def test_uplift_and_slackness_are_those_put_in(result):
     assert (taut.analysed, loose.analysed) == (True, False)
 
 
+def test_each_pantograph_has_the_uplift_of_its_own(small):
+    """The supports at 50, 100 and 150 m; the second pantograph is 35 m behind the first."""
+    flat, found = samples(small), contact_statistics(small)
+    assert found["first"].uplift != found["second"].uplift
+    below = np.flatnonzero(flat["watched"].to_index().str.startswith("line.support."))
+    for k, name in enumerate(flat["load"].values.tolist()):
+        own = []
+        for w in below:
+            away = np.abs(flat["station"].values - float(flat["watched_station"][w]))
+            own.append(flat["uplift"].values[away[:, k] <= np.nanmin(away, axis=1), w].max(initial=-1.0))
+        assert found[name].uplift == pytest.approx(max(own))
+    whole = max(s.uplift for s in line_statistics(small)["line"].supports.values())
+    assert max(one.uplift for one in found.values()) == pytest.approx(whole)
+    assert text(summary(small)).count("largest uplift of a support") == 2
+
+
+@pytest.mark.parametrize(
+    ("travel", "spans", "told"),
+    [
+        ("{speed: 50 m/s, from: 100 m}", "[5, 6]", ""),
+        ("{speed: 50 m/s, from: 130 m}", "[5, 6]", "starts 70 m before the analysed spans of line"),
+        ("{speed: 50 m/s, from: 130 m}", "[5, 6]", "write loads.one.travel.from at least 100 m before them"),
+        ("{speed: 50 m/s, from: 210 m}", "[5, 6]", "starts within the analysed spans"),
+        ("{speed: 50 m/s, from: 310 m}", "[5, 6]", ""),  # it never comes there
+        ("{speed: 50 m/s}", "[2, 6]", "write overhead_lines.line.analysed_spans or more spans"),
+        ("{speed: -50 m/s, from: 400 m}", "[5, 6]", ""),
+        ("{speed: -50 m/s, from: 390 m}", "[5, 7]", "starts 40 m before"),
+    ],
+)
+def test_a_pantograph_that_starts_too_close_to_the_analysed_spans_is_told(travel, spans, told):
+    scenario = loads(f"""
+        overhead_lines:
+          line: {{spans: {{count: 8, length: 50 m}}, droppers: {{per_span: 2}}, element: 2 m, analysed_spans: {spans}}}
+        loads: {{one: {{kind: pantograph, on: line, model: en50318-2002, travel: {travel}}}}}
+        run: {{kind: dynamic, geometry: linearised, until: 10 ms}}
+    """)
+    warnings = simulate(scenario).attrs["warnings"]
+    assert told in warnings
+    assert bool(told) == ("analysed spans" in warnings)
+
+
+def test_an_uplift_of_nothing_is_written_as_nothing(result):
+    found = summary(result)
+    for entry in found["overhead_lines"]["line"]["supports"].values():
+        entry["uplift"] = 1e-150
+    assert "uplift at line.support.1     0 mm" in re.sub(" +0 mm", "     0 mm", text(found))
+    assert "e-1" not in text(found)
+
+
 def test_a_result_without_a_readable_scenario_is_taken_whole(result):
     without = result.assign_attrs(scenario="")
     found = contact_statistics(without)["ride"]

@@ -329,3 +329,43 @@ def test_a_line_that_springs_up_when_a_load_leaves_is_doubtful() -> None:
     assert "travel.margin" in found.attrs["doubts"]
     # what cannot be pushed does not spring
     assert "springs up" not in leaving("tension_only").attrs["doubts"]
+
+
+def test_a_load_that_is_set_down_on_a_stiff_line_is_not_told_to_begin_at_rest_with_it() -> None:
+    """Runs of stiff lines refuse that key."""
+    load = {"kind": "mass", "mass": 1.0, "on": "string", "travel": {"speed": 10.0, "from": 5.0}}
+    tree = {
+        "lines": {"string": STRING | {"bending_stiffness": 1.0}}, "loads": {"load": load},
+        "run": {"kind": "dynamic", "until": 0.05, "every": 0.005},
+    }  # fmt: skip
+    told = simulate(Scenario.model_validate(tree)).attrs["warnings"]
+    assert "set down suddenly" in told
+    assert "with_loads" not in told
+
+
+WIND = {"speed": 5.0, "direction": [1.0, 0.0]}
+HALF = {"tension": 1000.0, "mass": 1.0, "axial_stiffness": 1e5, "elements": 10, "wind_drag": 0.02}
+JOINED = {"kind": "joined", "to": "middle"}
+NET = {
+    "one": {**HALF, "start": [0, 0], "end": [5, 0], "end_support": JOINED},
+    "two": {**HALF, "start": [5, 0], "end": [10, 0], "start_support": JOINED},
+}
+OVER = {
+    "rope": {
+        "start": [0, 0], "end": [20, 0], "length": 20.5, "mass": 1.0, "axial_stiffness": 1e6, "elements": 40,
+        "wind_drag": 0.02, "sheaves": {"tower": {"at": [10, 1]}},
+    }
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["equilibrium", "dynamic"])
+@pytest.mark.parametrize("tree", [
+    {"lines": NET, "joints": {"middle": {"mass": 0.1}}, "wind": WIND}, {"lines": OVER}, {"lines": OVER, "wind": WIND},
+])  # fmt: skip
+def test_wind_joints_and_sheaves_raise_no_doubt_about_what_supports_carry(
+    tree: dict[str, dict[str, object]], kind: str
+) -> None:
+    air = {} if "wind" in tree else {"wind": {"speed": 0.0, "direction": [1.0, 0.0]}}
+    run = {"kind": kind} | ({"until": 0.1} if kind == "dynamic" else {})
+    result = simulate(Scenario.model_validate(tree | air | {"run": run}))
+    assert (result.attrs["outcome"], result.attrs["doubts"]) == ("completed", "")

@@ -57,6 +57,7 @@ RIGHT = {
     "a vehicle": CAR,
     "matrices": PAIR,
     "matrices with weights": f"{PAIR}, damping: [[1, 0], [0, 0]], weight: [981 N, 49.05 N], lift_off: true",
+    "matrices with a part that spins": f"{PAIR}, damping: [[1, 5], [-5, 1]]",
     "footsteps": "kind: footsteps, on: rope, mass: 70, at_end: leave",
     "footsteps of one's own": "kind: footsteps, on: rope, mass: 70, from: 20, towards: start, overlap: 0.3, "
     "model: [{amplitude: 0.4}, {amplitude: 10 %, phase: 90 deg}]",
@@ -162,6 +163,7 @@ REFUSED = [
     (PAIR.replace("[0, 5]", "[0]"), "mass.1", "2 numbers in each row"),
     (PAIR.replace("[[100, 0], [0, 5]]", "[[100, 0]]"), "mass", "2 rows of 2"),
     (PAIR.replace("[0, 5]", "[1, 5]"), "mass.1.0", "not symmetric"),
+    (PAIR.replace("[-9e3, 9e3]", "[9e3, 9e3]"), "stiffness.1.0", "the stiffness matrix is not symmetric"),
     (PAIR.replace("[0, 5]", "[0, -5]"), "mass.1.1", "check its signs"),
     (PAIR.replace("[0, 5]", "[0, 5 N]"), "mass.1.1", "expected a plain number"),
     (PAIR.replace("[0, 5]", "5"), "mass.1", "write [[a, b], [c, d]]"),
@@ -388,3 +390,69 @@ def test_the_loads_of_the_page_load() -> None:
     block = page.split("### Loads that are bodies")[1].split("```yaml\n")[1].split("```")[0]
     text = FILE.partition("loads:")[0] + block + f"run: {DYNAMIC}\n"
     assert {load.kind for load in loads(text).loads.values()} == {"mass", "trolley", "vehicle", "footsteps", "walker"}
+
+
+TAUT = """\
+lines:
+  rope: {start: [0, 0], end: [40, 0], tension: 2 kN, mass: 60 g/m, axial_stiffness: 60 kN, elements: 40, MORE}
+loads:
+  a: LOAD
+run: {kind: dynamic, until: 1 s}
+"""
+
+
+def said(load: str, more: str = "") -> list[str]:
+    """What a load on a taut line is refused with; nothing, if it is fine."""
+    text = TAUT.replace("LOAD", f"{{{load}}}").replace(", MORE", more)
+    try:
+        loads(text)
+    except ScenarioError as error:
+        return [str(problem) for problem in error.problems]
+    return []
+
+
+@pytest.mark.parametrize(
+    ("load", "key"),
+    [
+        (f"{MASS}, travel: {{kind: free, from: 60}}", "travel.from"),
+        (f"{MASS}, travel: {{speed: 1, from: 60, at_end: leave}}", "travel.from"),
+        ("kind: force, on: rope, force: [0, -1], travel: {speed: 1, from: 60}", "travel.from"),
+        (CAR.replace("from: 5", "from: 60"), "travel.from"),
+        ("kind: footsteps, on: rope, mass: 70, from: 60", "from"),
+        ("kind: walker, on: rope, from: 60", "from"),
+    ],
+)
+def test_a_start_beyond_a_line_of_given_tension_is_refused_before_it_runs(load: str, key: str) -> None:
+    """Its length is not known exactly; a start further than the sag could make it is off the line for certain."""
+    (problem,) = said(load)
+    assert f"loads.a.{key}" in problem
+    assert "beyond the end of rope" in problem
+    assert not said(f"{MASS}, travel: {{kind: free, from: 40.1}}")
+
+
+@pytest.mark.parametrize(
+    ("support", "refused"),
+    [
+        ("{kind: guided, along: [1, 0], force: 500 N}", True),
+        ("{kind: guided, along: [2, 1], force: 1789 N}", False),  # 2 kN along the line
+        ("{kind: guided, along: [1, 0], force: 2 kN}", False),
+        ("{kind: guided, along: [0, 1], force: 5 N}", False),
+        ("{kind: guided, along: [1, 0], force: 500 N, stiffness: 10 kN/m}", False),
+        ("{kind: guided, along: [1, 0], stiffness: 10 kN/m}", False),
+    ],
+)
+@pytest.mark.parametrize("key", ["start_support", "end_support"])
+def test_a_tension_does_not_go_with_another_pull_of_a_counterweight(key: str, support: str, refused: bool) -> None:
+    problems = said("kind: force, on: rope, force: [0, -1], travel: {speed: 1}", f", {key}: {support}")
+    assert bool(problems) == refused
+    if refused:
+        assert "lines.rope.tension" in problems[0]
+        assert f"lines.rope.{key}.force" in problems[0]
+
+
+def test_gyroscopic_damping_is_for_ropes() -> None:
+    spins = f"{PAIR}, damping: [[1, 5], [-5, 1]]"
+    assert not said(spins)
+    (problem,) = said(spins, ", bending_stiffness: 1")
+    assert "loads.a.damping" in problem
+    assert not said(f"{PAIR}, damping: [[1, 5], [5, 1]]", ", bending_stiffness: 1")

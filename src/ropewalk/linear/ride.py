@@ -92,6 +92,14 @@ def ride_of(
             return _on_string(coach, way, nodes, times, name, account)
         return _on_beam(coach, way, nodes, times, modes, name, account, lifts=lifts)
     except ValueError as error:
+        if "is not reached" in str(error) and modes is None:
+            cause = "wheels that are put down on a beam strike all its modes at once" if (way.start > 0.0) else (
+                "a wheel with a mass strikes a beam as it comes onto it")  # fmt: skip
+            raise RopewalkError(
+                f"run.modes: the response to load {name} does not converge by adding modes to a tolerance of "
+                f"{_TOLERANCE:g} ({cause}); write run.modes: 40 and compare with twice as many, or ask for kind: "
+                f"dynamic{', or let it come from loads.' + name + '.travel.from: 0 m' if way.start > 0.0 else ''}"
+            ) from error
         raise RopewalkError(f"load {name}: {error}") from error
 
 

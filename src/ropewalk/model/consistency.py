@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ropewalk.errors import did_you_mean
@@ -23,7 +24,7 @@ from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_
 from ropewalk.model.settings import check_settings
 from ropewalk.model.space import check_space
 from ropewalk.model.stiff import check_stiff
-from ropewalk.model.support import Fixed
+from ropewalk.model.support import Fixed, Guided
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.trolley import Trolley
 from ropewalk.model.vehicle import Vehicle
@@ -32,6 +33,9 @@ from ropewalk.model.webs import check_webs
 
 LARGEST_RESULT = 5e7
 """Nodes times output frames: about 10 GB of result, beyond what is wanted on purpose."""
+
+_ACROSS = 0.1  # cosine between line and rail: what moves further across the line than this does not set its tension
+_SAME_PULL = 0.02  # of the tension: so close a counterweight agrees with it, the mean tension grows with the sag
 
 
 def check(parts: Parts) -> list[Finding]:
@@ -52,6 +56,7 @@ def check(parts: Parts) -> list[Finding]:
             _unfelt,
             _friction,
             _weights,
+            _counterweights,
             _path,
             _rest,
             _size,
@@ -221,6 +226,8 @@ def _not_linear(load: _LinearBody) -> Iterator[_Lack]:
         yield ("travel", "at_end"), "masses that go over the line", "stay", "write leave, or end the run before"
     if load.lift_off and load.side == "below":
         yield ("side",), "lift_off of what runs above", "below", f"write above, or {dynamic}"
+    if isinstance(load, Matrices) and load.has_gyroscopic_damping:
+        yield ("damping",), "symmetric damping", "a matrix that is not symmetric", f"make it symmetric, or {dynamic}"
     if isinstance(load, MovingMass | Oscillator) and load.air_drag:
         yield ("air_drag",), "no drag of the air", f"{load.air_drag:g} kg/m", f"leave it out, or {dynamic}"
     if isinstance(load, MovingMass):
@@ -274,6 +281,31 @@ def _weights(parts: Parts) -> Iterator[Finding]:
             wrong = "is missing, without a weight there is no default"
             remedy = "add stiffness (of the payload's rope, in N/m), or give gravity"
             yield Finding(("loads", name, "payload", "stiffness"), wrong, remedy=remedy)
+
+
+def _counterweights(parts: Parts) -> Iterator[Finding]:
+    """Lines whose tension is given, and is set by what pulls at a free end besides."""
+    for name, line in parts.lines.items():
+        if line is None or line.tension is None or line.sheaves:
+            continue
+        chord = [b - a for a, b in zip(line.start, line.end, strict=True)]
+        for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
+            if not isinstance(support, Guided) or not support.force or support.stiffness:
+                continue
+            size = math.hypot(*support.along) * math.hypot(*chord)
+            along = sum(a * b for a, b in zip(_flat(support.along), _flat(chord), strict=True)) / size
+            if abs(along) < _ACROSS:
+                continue
+            pull = abs(support.force / along)
+            if abs(pull - line.tension) > _SAME_PULL * line.tension:
+                wrong = f"lines.{name}.{key}.force pulls with {pull:.4g} N along the line: both set its tension"
+                remedy = "give length instead of tension, or leave force out, or make the two agree"
+                yield Finding(("lines", name, "tension"), wrong, f"{line.tension:g} N", remedy)
+
+
+def _flat(vector: Sequence[float]) -> tuple[float, float, float]:
+    """A direction in space: those of two numbers lie in the x-z plane."""
+    return vector[0], vector[1] if len(vector) == 3 else 0.0, vector[-1]
 
 
 def _path(parts: Parts) -> Iterator[Finding]:

@@ -34,8 +34,10 @@ class Matrices(Declaration):
     on: str = Field(description="name of the line")
     coordinates: tuple[Name, ...] = Field(min_length=1, description="names of the coordinates, in order")
     mass: Matrix = Field(description="mass matrix, symmetric")
-    damping: Matrix | None = Field(default=None, description="damping matrix (default: none)")
-    stiffness: Matrix = Field(description="stiffness matrix")
+    damping: Matrix | None = Field(
+        default=None, description="damping matrix, an unsymmetric part of which is gyroscopic (default: none)"
+    )
+    stiffness: Matrix = Field(description="stiffness matrix, symmetric")
     wheels: dict[Name, MatrixWheel] = Field(min_length=1, description="the wheels, by name")
     weight: tuple[TableForce, ...] | None = Field(
         default=None,
@@ -52,7 +54,7 @@ class Matrices(Declaration):
     def _consistent(self) -> Self:
         sizes = list(self._sizes())
         side = one_sided(self.side, lift_off=self.lift_off)
-        report("matrices", [*side, *self._names(), *(sizes or self._mass())])
+        report("matrices", [*side, *self._names(), *(sizes or self._numbers())])
         return self
 
     def starts(self) -> list[Place]:
@@ -62,6 +64,11 @@ class Matrices(Declaration):
     def vectors(self) -> Iterator[tuple[float, ...]]:
         """List all vectors that it is given by: none."""
         yield from ()
+
+    @property
+    def has_gyroscopic_damping(self) -> bool:
+        """Whether an unsymmetric part of the damping turns velocities without taking energy, as wheels that spin do."""
+        return self.damping is not None and any(True for _ in self._asymmetry("damping", self.damping))
 
     def _names(self) -> Iterator[Finding]:
         for index, name in enumerate(self.coordinates):
@@ -98,13 +105,22 @@ class Matrices(Declaration):
             remedy = f"write {count} weights, or leave weight out"
             yield Finding(("weight",), f"does not go with {size}", f"{len(self.weight)} weights", remedy)
 
-    def _mass(self) -> Iterator[Finding]:
+    def _numbers(self) -> Iterator[Finding]:
         for i, row in enumerate(self.mass):
             if row[i] < 0.0:
                 remedy = "a mass matrix has no negative diagonal: check its signs"
                 yield Finding(("mass", i, i), "a negative mass", f"{row[i]:g}", remedy)
+        yield from self._asymmetry("mass", self.mass)
+        # A stiffness with an unsymmetric part has no potential energy: around a loop it would give work for nothing.
+        # Such a part of the damping is gyroscopic, as of wheels that spin, and does no work.
+        yield from self._asymmetry("stiffness", self.stiffness)
+
+    @staticmethod
+    def _asymmetry(key: str, matrix: tuple[tuple[float, ...], ...]) -> Iterator[Finding]:
+        size = max(abs(value) for row in matrix for value in row)
+        for i, row in enumerate(matrix):
             for j in range(i):
-                if not math.isclose(row[j], self.mass[j][i], rel_tol=1e-9):
-                    wrong, remedy = "the mass matrix is not symmetric", "write the same number on both sides"
-                    given = f"{row[j]:g} here and {self.mass[j][i]:g} in row {j}, column {i} (counted from 0)"
-                    yield Finding(("mass", i, j), wrong, given, remedy)
+                if not math.isclose(row[j], matrix[j][i], rel_tol=1e-9, abs_tol=1e-12 * size):
+                    wrong, remedy = f"the {key} matrix is not symmetric", "write the same number on both sides"
+                    given = f"{row[j]:g} here and {matrix[j][i]:g} in row {j}, column {i} (counted from 0)"
+                    yield Finding((key, i, j), wrong, given, remedy)

@@ -146,6 +146,10 @@ def _beyond(line: Line, place: Place, gravity: float | None) -> float | None:
     limit = reach(line, place.measured)
     if limit is not None:
         return limit if place.start > limit * (1.0 + 1e-9) else None
+    if line.tension is not None and gravity is not None and place.measured == "material" and line.is_held_fast:
+        hangs = line.mass * gravity * line.distance / line.tension
+        most = line.distance * (1.0 + hangs**2 / 12.0)  # twice what the sag adds to the chord
+        return most if hangs < 1.0 and place.start > 1.02 * most else None
     if line.length is None or line.axial_stiffness is None or gravity is None:
         return None
     if line.mass * gravity * line.length > 0.1 * line.axial_stiffness:

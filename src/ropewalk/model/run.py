@@ -178,6 +178,8 @@ def every_of(run: Dynamic | Linear) -> float:
 
 def common_interval(intervals: Sequence[float]) -> float | None:
     """The longest interval in s of which all are whole multiples, None if that is next to nothing."""
+    if len(set(intervals)) == 1:  # which may be shorter than a tick
+        return intervals[0]
     ticks = [round(interval / _TICK) for interval in intervals]
     shared = math.gcd(*ticks)
     return shared * _TICK if shared and shared * _SMALLEST_PART >= min(ticks) else None

@@ -158,5 +158,7 @@ def _load(load: _Known) -> Iterator[_Lack]:
             values = getattr(load, one)
             if isinstance(values, tuple):
                 yield (one,), "springs act up and down only", str(list(values)), f"write {values[-1]:g}"
+    if isinstance(load, Matrices) and load.has_gyroscopic_damping:
+        yield ("damping",), "damping is symmetric", "a matrix that is not", "make it symmetric"
     if isinstance(load, MovingMass | Oscillator) and load.air_drag:
         yield ("air_drag",), "drag of the air is not known", f"{load.air_drag:g} kg/m", "leave it out"

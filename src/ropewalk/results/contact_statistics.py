@@ -59,7 +59,7 @@ class ContactStatistics:
     loss: float  # share of the time without contact
     lowest: float  # m, height of the contact
     highest: float  # m
-    uplift: float  # m, the largest at a support of the analysed spans
+    uplift: float  # m, the largest at a support of the analysed spans while no other pantograph was closer to it
     raw_deviation: float  # N, of the force as computed
     raw_maximum: float  # N
     raw_minimum: float  # N
@@ -259,18 +259,36 @@ def contact_statistics(dataset: xr.Dataset) -> dict[str, ContactStatistics]:
     if not every:
         return {}
     flat = samples(dataset.drop_vars("sampled_tie_force", errors="ignore"))
-    lines, names = line_statistics(dataset, ties=False), dataset["load"].values.tolist()
+    names = dataset["load"].values.tolist()
+    lines = {k: pantograph.on if pantograph is not None else "" for k, pantograph in every.items()}
     found = {}
     for k, pantograph in every.items():
-        name = pantograph.on if pantograph is not None else ""
+        name = lines[k]
         line = scenario.overhead_lines[name] if scenario is not None and name in scenario.overhead_lines else None
         limits = analysed_stations(line)
-        known = (
-            lines[name].supports if name in lines else {s: v for one in lines.values() for s, v in one.supports.items()}
-        )
-        uplift = max((s.uplift for s in known.values() if s.analysed), default=math.nan)
+        uplift = _own_uplift(flat, name, limits, k, [j for j in every if lines[j] == name])
         found[names[k]] = _of_contact(flat.isel(contact=k), name, limits, pantograph, uplift)
     return found
+
+
+def _own_uplift(flat: xr.Dataset, line: str, limits: tuple[float, float], k: int, together: list[int]) -> float:
+    """The largest rise in m of an analysed support while contact k is the closest of those together on its line."""
+    if "uplift" not in flat:
+        return math.nan
+    labels, places = flat["watched"].values.tolist(), flat["watched_station"].values
+    here = [
+        w
+        for w, label in enumerate(labels)
+        if label.startswith(f"{line}.support." if line else "") and limits[0] <= places[w] <= limits[1]
+    ]
+    station, rise = flat["station"].values[:, together], flat["uplift"].values
+    largest = math.nan
+    for w in here:
+        away = np.abs(station - places[w])
+        away[np.isnan(away)] = np.inf  # who is off the line lifts nothing
+        mine = (away.argmin(axis=1) == together.index(k)) & np.isfinite(away.min(axis=1))
+        largest = float(np.fmax(largest, _largest(rise[mine, w])))
+    return largest
 
 
 def _of_contact(

@@ -12,7 +12,7 @@ Row = tuple[str, str, str]
 """What, how much, where and when."""
 
 SUPPORTS, LARGEST = 8, 3  # with more supports than this only so many of them get a row
-ROUND_OFF = 1e-9  # m: what is no further aside has not left its plane
+ROUND_OFF = 1e-9  # m: what is no further aside has not left its plane, what is lifted no higher is at rest
 ENERGY_LABELS = {
     "kinetic": "kinetic",
     "elastic": "elastic",
@@ -39,6 +39,10 @@ def number(value: float | None, digits: int = 4) -> str:
     if not 1e-4 <= abs(value) < 1e6:
         return f"{value:.{digits - 1}e}"
     return f"{value:.{max(digits - 1 - math.floor(math.log10(abs(value))), 0)}f}"
+
+
+def _millimetres(length: float) -> str:
+    return f"{number(1e3 * length if abs(length) > ROUND_OFF else 0.0, 3)} mm"
 
 
 def text(found: Summary) -> str:
@@ -180,6 +184,8 @@ def _pantograph_rows(name: str, found: Summary) -> Iterator[Row]:
     yield "without contact", f"{number(100 * value['loss'], 2)} %", "of the time"
     heights = f"{number(1e3 * value['lowest'], 3)} to {number(1e3 * value['highest'], 3)} mm"
     yield "range of contact heights", f"{number(1e3 * value['height_range'], 3)} mm", heights
+    if value["uplift"] is not None:
+        yield "largest uplift of a support", _millimetres(value["uplift"]), "while it is the closest pantograph"
     if found["acceptance"] is not None:
         yield from _acceptance_rows(found["acceptance"])
 
@@ -206,7 +212,7 @@ def _overhead_rows(name: str, found: Summary) -> Iterator[Row]:
     for key in shown:
         entry = supports[key]
         note = "" if entry["analysed"] else "  largest of all, beside the analysed spans"
-        yield f"uplift at {key}", f"{number(1e3 * entry['uplift'], 3)} mm", f"{number(entry['station'])} m{note}"
+        yield f"uplift at {key}", _millimetres(entry["uplift"]), f"{number(entry['station'])} m{note}"
     pull, slack, count = found["largest_dropper_force"], found["most_slack"], len(found["droppers"])
     if pull is not None and pull["value"] is not None:
         where = f"{pull['dropper']} at {number(pull['station'])} m"

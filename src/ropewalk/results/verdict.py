@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ropewalk.results.calm import started_too_close
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Account, Array, Doubt, Frame, Layout
 from ropewalk.results.peaks import beside, lonely
 from ropewalk.results.turnover import AUDIT, turnover
@@ -21,6 +22,7 @@ IMBALANCE = 0.05  # of the energy turned over: beyond it a run is doubtful
 ROUNDING = 1e-10  # of the largest energy: what the audit cannot resolve
 UNBALANCED = 1e-3  # of all weights: what the support forces at rest may miss
 NOTHING = 1e-10  # of the largest tension, or of the weight of the line: a load that presses less does not press
+SLACK = 100.0  # times the speed of waves: a line is slack there
 FAST = 0.8  # of the speed of transverse waves: forces of masses are hard to resolve beyond
 
 
@@ -171,9 +173,9 @@ class Watch:
                 return f"load {name} {did} {when}", f"loads.{self.loads[k]}.travel", remedy
         if self._fastest.max(initial=0.0) > FAST:
             k = int(self._fastest.argmax())
-            told = (
-                f"load {self.layout.contact_load[k]} goes at {self._fastest[k]:.3g} times the speed of transverse waves"
-            )
+            times = self._fastest[k]
+            fast = f"{times:.3g} times" if times < SLACK else "far above"  # beside slack line waves hardly travel
+            told = f"load {self.layout.contact_load[k]} goes at {fast} the speed of transverse waves"
             return told, f"loads.{self.loads[k]}.travel.speed", "write a lower speed, or more tension or elements"
         pull = np.nan_to_num(frame.tension)
         if pull.size and pull.min() < -ROUNDING * np.abs(pull).max():
@@ -209,7 +211,12 @@ class Watch:
             return "without gravity its mass has no weight", "gravity", "give gravity, or the weight as a force"
         if load.kind in ("stepper", "fmu"):
             return "the model answers with no force", f"loads.{name}", "look at what it gives"
-        return "its force is zero", f"loads.{name}.force", "give it a force"
+        if load.kind == "pantograph":
+            return "its forces have hardly grown, or it lost contact", f"loads.{name}.ramp", "run longer than ramp"
+        if load.kind == "force":
+            return "its force is zero", f"loads.{name}.force", "give it a force"
+        key = f"loads.{name}.weight" if load.kind == "matrices" else f"loads.{name}"
+        return "it has no weight, or is in the air all the time", key, "check its weight, and where it starts"
 
     def _single_steps(self, force: Array) -> Iterator[Doubt]:
         """Peaks of contact forces and tensions that stand alone: they come from one step, and not from the line."""
@@ -225,6 +232,7 @@ class Watch:
             yield Doubt(what, "a blow that the step does not resolve", "run.step", "write a smaller run.step and every")
 
     def _remarks(self) -> Iterator[str]:
+        yield from started_too_close(self.scenario)
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:
             return
@@ -236,10 +244,12 @@ class Watch:
             state, xi = (float(values[k]) for values in self._at_start)
             here = [x for x, line in zip(self.layout.node_xi, self.layout.node_line, strict=True) if line == load.on]
             if state != OFF_LINE and here and min(here) < xi < max(here):
+                rest = "to begin at rest with it write run.start: {with_loads: true}, or let it start at an end"
+                if any(line.is_stiff for line in self.scenario.lines.values()):  # which begin without loads
+                    rest = "let it start at an end to avoid that"
                 yield (
                     f"load {name} is set down suddenly at t = 0, {xi:.4g} m along {load.on}: what swings from that is "
-                    "part of the answer; to begin at rest with it write run.start: {with_loads: true}, or let it start "
-                    "at an end"
+                    f"part of the answer; {rest}"
                 )
 
 

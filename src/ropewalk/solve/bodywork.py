@@ -52,6 +52,7 @@ from ropewalk.mechanics.link import stretch, stretch_rate
 from ropewalk.mechanics.meeting import have_met
 from ropewalk.mechanics.rider import ARRIVED, force_at, look_up_integral, speed_at
 from ropewalk.mechanics.vehicles import is_fast, kick_vehicles, tether_square, wheel_place
+from ropewalk.solve.ends import STRONGEST
 
 
 @inlined
@@ -113,7 +114,7 @@ def _drag_particle(strands, state, bodies, k, s, drift):
     """Slow down the particle that wheel k carries, instead of the node, which has the velocity of the wheel."""
     if strands.drag[s] == 0.0:
         return
-    decay, m, b = np.exp(-strands.drag[s] * drift), strands.rho[s] * strands.h[s], bodies.wheels[k].at
+    decay, m, b = np.exp(-min(strands.drag[s] * drift, STRONGEST)), strands.rho[s] * strands.h[s], bodies.wheels[k].at
     for a in range(state.r.shape[0]):
         taken = 0.5 * m * (1.0 / decay**2 - 1.0) * state.w[a, b] ** 2
         lost = 0.5 / m * (1.0 - decay**2) * bodies.wheels[k].store[a] ** 2
@@ -139,7 +140,7 @@ def kick_beside(strands, loads, state, buffers, bodies, kick, drift, lead):
         if (is_last and one != i) or (not is_last and two != i + 1) or not first < node < last:
             continue  # the neighbour is a wheel, which knows its own pieces, or a support
         drag = strands.drag[s]
-        decay = np.exp(-drag * drift)
+        decay = np.exp(-min(drag * drift, STRONGEST))
         way = drift if drag == 0.0 else (1.0 - decay) / drag
         per_mass = kick / (strands.rho[s] * strands.h[s])
         for a in range(state.r.shape[0]):

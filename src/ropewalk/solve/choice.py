@@ -18,6 +18,8 @@ from ropewalk.model.run import ACCURACY
 MOST_EXPLICIT_STEPS_PER_LINK = 1000
 # Accuracy over the length of the line that Verlet's method keeps with its stable step; the error is of second order.
 COARSE = 4e-4
+# Times that damping makes a step shorter, from which on it is told.
+MUCH_SHORTER = 10.0
 # Part of the stable step that is used: the tangent of the law and the seats of the loads change on the way.
 SAFETY = 0.9
 # omega dt up to which the sixth-order method is used: it is stable up to 9.07 but for two narrow bands, the first of
@@ -29,6 +31,8 @@ COMPRESSED = 0.6
 # The same once more for masses: they pass nodes, steps are cut there and at outputs, and a chain whose steps vary in a
 # rhythm is unstable before its limit (docs/notes/moving-mass.md).
 SAFETY_WITH_MASSES = 0.75
+# Drag times step up to which the sixth-order method is used: it also goes backwards in time, where drag drives.
+DRAGGED = 0.1
 # Links beside a riding node are as short as half a link: the largest frequency and damping rate that this can give.
 SEAT_FREQUENCY, SEAT_DAMPING = 1.13, 1.28
 # The same where an end yields, whose half mass hangs on such a link.
@@ -221,6 +225,11 @@ def choose(
             wanted, why = "verlet", "masses that pass nodes are of second order in time"
         elif dampers:
             wanted, why = "verlet", "dampers at supports: the sixth order would be lost"
+        elif float(strands.drag.max(initial=0.0)) * rkn6_step(limits, relative) > DRAGGED:
+            wanted, why = (
+                "verlet",
+                "the drag of lines is too large for the sixth order, which goes back in time as well",
+            )
         elif relative >= COARSE:
             wanted, why = "verlet", "undamped, and a coarse accuracy is enough"
         else:
@@ -250,6 +259,16 @@ def choose(
     if step is not None and step > own and wanted != "implicit":
         why += f"; the step asked for ({step:.3g} s) is above the stable one ({own:.3g} s), which is used"
     return Choice(wanted, min(own, step) if step is not None else own, f"{why} ({facts})", compressed)
+
+
+def cut_by_damping(strands: Strands, state: State, choice: Choice) -> tuple[int, float] | None:
+    """The line whose axial damping makes explicit steps much shorter than they would be without, and how many times."""
+    if choice.method != "verlet":
+        return None
+    limits = bounds(strands, state.r, state.X, False)
+    times = verlet_step(Bounds(limits.frequency, 0.0)) / verlet_step(limits) if limits.damping > 0.0 else 1.0
+    rates = strands.damping / (strands.rho * strands.h**2)
+    return (int(np.argmax(rates)), float(times)) if times > MUCH_SHORTER else None
 
 
 def _explicit_only(loads: Loads, supports: Supports | None, bodies: Bodies | None, guided: bool) -> str:

@@ -30,6 +30,9 @@ from ropewalk.mechanics.chain import (
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.rider import _entry, force_at, look_up, seat_of
 
+# Exponent of the strongest decay within a drift: the audit divides by what is left, which must not vanish.
+STRONGEST = 30.0
+
 # The velocity of a table is taken this part of a step before its end: at a corner that of the side which is left.
 INSIDE = 1e-6
 
@@ -238,7 +241,7 @@ def move_ends(strands, loads, state, buffers, ends, kick, drift, lead):
         _kick_free(state, buffers, ends, e, kick, lead)
         way, decay, rate = drift, 1.0, strands.drag[ends.strand[e]] * ends.half[e] / m
         if rate > 0.0:
-            decay = np.exp(-rate * drift)
+            decay = np.exp(-min(rate * drift, STRONGEST))
             way = (1.0 - decay) / rate
         for a in range(r.shape[0]):
             v = ends.kicked[a, e]

@@ -20,7 +20,7 @@ from ropewalk.mechanics.rider import (
     seat_of,
     speed_at,
 )
-from ropewalk.solve.ends import kicked_velocity
+from ropewalk.solve.ends import STRONGEST, kicked_velocity
 
 
 @inlined
@@ -52,7 +52,7 @@ def _drift_with_drag(drag, drift):
     """Way over velocity of a drift that drag slows down, s, and the part of the velocity that is left at its end."""
     if drag == 0.0:
         return drift, 1.0
-    decay = np.exp(-drag * drift)
+    decay = np.exp(-min(drag * drift, STRONGEST))
     return (1.0 - decay) / drag, decay
 
 

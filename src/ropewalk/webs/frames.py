@@ -115,7 +115,7 @@ class Run:
 
     def _weight(self) -> float:
         """What supports and sheaves carry at rest, N; unknown where the wind bears some of it."""
-        if self.scenario.wind is not None:
+        if self.scenario.wind is not None and not self.scenario.wind.is_calm:
             return float("nan")
         return -float(self.web.body.force[: self.web.nodes, 2].sum())
 
