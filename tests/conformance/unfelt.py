@@ -266,9 +266,5 @@ UNFELT: Reasons = {
     },
 }
 
-KNOWN_IGNORED: Reasons = {
-    "Oscillator.contact_stiffness": {
-        "an oscillator on a soft contact breaks down on stiff lines: its coordinates are not found": ("stiff",),
-    },
-}
+KNOWN_IGNORED: Reasons = {}
 """Keys that should be felt or refused, and are not, yet."""

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ropewalk.model import Scenario
 
 # On the EN 50318 reference models a start two spans before the analysed ones changes sigma by 2 N and leaves the
-# largest uplift alone; a start one span before raises that by 9 to 16 mm, half a span before the force by 20 to 33 N.
+# largest uplift alone; a start one span before raises that by 8 to 16 mm, half a span before the force by 20 to 34 N.
 CALM = 2
 
 
