@@ -183,14 +183,18 @@ def _webbed(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
 
 def _wired(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:
     """The frames of stiff lines and overhead lines."""
-    from ropewalk.wires.frames import SAMPLE, Run  # lazy: most runs do not need their kernels
-    from ropewalk.wiring import task_of
+    from ropewalk.wiring import task_of  # lazy: most runs do not need it
 
     run = scenario.run
     if not isinstance(run, Dynamic):
-        found = Run(task_of(scenario), np.zeros(1), account)
-        account.method, account.reason = "rest", "least potential energy"
-        return found.layout, found.frames(), 1
+        from ropewalk.wires.still import Still
+
+        still = Still(task_of(scenario), account)
+        if isinstance(run, Quasistatic):
+            return still.layout, still.slowly(run.positions), run.positions
+        return still.layout, still.standing(), 1
+    from ropewalk.wires.frames import SAMPLE, Run  # lazy: as above
+
     times = output_times(run)
     sample = run.sample or max(SAMPLE, run.step or 0.0)
     found = Run(task_of(scenario), times, account, sample, run.step)

@@ -11,22 +11,23 @@ from typing import Any
 import numpy as np
 
 from ropewalk.foreign.models import turns_of
-from ropewalk.mechanics.assembly import speed_table
+from ropewalk.mechanics.assembly import speed_table, vector_table
 from ropewalk.mechanics.wheels import wheels_of
-from ropewalk.model.load import AnyLoad, Foreign
+from ropewalk.model.load import AnyLoad, Foreign, MovingForce
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.pantograph import Pantograph
-from ropewalk.model.run import Dynamic
+from ropewalk.model.run import Dynamic, Quasistatic
 from ropewalk.model.scenario import Scenario
 from ropewalk.overhead.irregularity import read_irregularity
 from ropewalk.overhead.riding import expected_lift, push_of, rider_of, start_of
 from ropewalk.overhead.section import CONTACT, Section, in_space, joined, section_of
+from ropewalk.solve.timetable import horizon
 from ropewalk.wires.journey import Journey, smooth, travelled
 from ropewalk.wires.lines import journey_of, settled, shown_of, wire_of
 from ropewalk.wires.mesh import links_of
 from ropewalk.wires.partners import Foreigner
 from ropewalk.wires.partners import rider_of as foreign_rider
-from ropewalk.wires.plan import Array, Plan
+from ropewalk.wires.plan import Array, Contact, Plan, Rider
 from ropewalk.wires.task import Shown, Task, unstretched
 
 _HEAVY = 500.0  # N: droppers bear about 100 N
@@ -40,8 +41,9 @@ def task_of(scenario: Scenario) -> Task:
         RopewalkError: an overhead line cannot rest as wanted, or a load cannot be used.
     """
     run = scenario.run
-    until = run.until if isinstance(run, Dynamic) else 0.0
+    until = run.until if isinstance(run, Dynamic) else horizon(scenario) if isinstance(run, Quasistatic) else 0.0
     sections = {name: section_of(name, line, scenario.gravity) for name, line in scenario.overhead_lines.items()}
+    slow = not isinstance(run, Dynamic)
     nonlinear = isinstance(run, Dynamic) and run.geometry == "nonlinear"
     space = nonlinear and not scenario.lines and any(section.stagger.any() for section in sections.values())
     near = tuple(_near(section) for section in sections.values()) if space else ()
@@ -51,7 +53,7 @@ def task_of(scenario: Scenario) -> Task:
     first = len(plan.wires)
     plan = replace(plan, wires=(*plan.wires, *(wire_of(name, line) for name, line in scenario.lines.items())))
     elements += [line.elements for line in scenario.lines.values()]
-    if nonlinear or not isinstance(run, Dynamic):
+    if nonlinear or slow:
         plan = unstretched(plan, elements)
     setting = settled(scenario, until, plan.wires) if scenario.lines else None
     journeys: list[Journey] = []
@@ -62,7 +64,7 @@ def task_of(scenario: Scenario) -> Task:
         number = len(journeys)
         if isinstance(load, Pantograph):
             at = list(sections).index(load.on)
-            journeys.append(_pantograph(name, load, sections[load.on], offsets[at] + CONTACT, until))
+            journeys.append(_pantograph(name, load, sections[load.on], offsets[at] + CONTACT, until, slow=slow))
             contacts.append(name)
             shown += _masses(name, load, number)
             continue
@@ -75,6 +77,11 @@ def task_of(scenario: Scenario) -> Task:
             foreigners.append(Foreigner(number, partial(turns_of, name, load, until)))
             contacts += own
             continue
+        if load.on in sections:
+            assert isinstance(load, MovingForce)
+            journeys.append(_force(name, load, offsets[list(sections).index(load.on)] + CONTACT, until))
+            contacts.append(name)
+            continue
         assert setting is not None
         line = scenario.lines[load.on]
         on = first + list(scenario.lines).index(load.on)
@@ -86,7 +93,7 @@ def task_of(scenario: Scenario) -> Task:
     if isinstance(run, Dynamic):
         more = {
             "geometry": run.geometry, "inertia": run.axial_inertia,
-            "window": run.window if run.window is not None else np.inf,
+            "window": run.window if run.window is not None else np.inf, "with_loads": run.start.with_loads,
         }  # fmt: skip
     if space:
         more |= {"space": True, "near": near}
@@ -128,7 +135,20 @@ def _unseen(name: str, line: OverheadLine) -> Iterator[str]:
         yield f"overhead_lines.{name}.messenger_supports.along: in linearised motion nothing moves along the line"
 
 
-def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until: float) -> Journey:
+def _force(name: str, load: MovingForce, wire: int, until: float) -> Journey:
+    """A given force on a contact wire."""
+    (time, value), none = vector_table(load.force, until, ("x", "z")), np.zeros((0, 0))
+    contact = Contact(wire, stiffness=0.0, material=load.travel.measured == "material")
+
+    def given(times: Array) -> Array:
+        return np.asarray(np.interp(times, time, value[-1]))[:, None]
+
+    place = travelled(load.travel.start, *speed_table(load.travel.speed, until))
+    return Journey(Rider(name, none, none, none, (contact,)), place, given=given)
+
+
+def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until: float, *, slow: bool) -> Journey:
+    """The journey of a pantograph; `slow`: it presses with all of its force from the beginning."""
     time, value = speed_table(load.travel.speed, until)
     start = load.travel.start
     lift = 0.0
@@ -136,6 +156,7 @@ def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until:
         mean = push_of(load, section.level).wanted(np.interp([0.5 * until], time, value))
         lift = expected_lift(section, float(mean[0]))
     push = push_of(load, section.level, lift)
+    push = replace(push, ramp=0.0) if slow else push
     rough = _rough(name, load)
     first = start_of(load, section.mesh(), section.rest, CONTACT, float(rough(np.array([start]))[0]))
     rider = rider_of(name, load, wire)

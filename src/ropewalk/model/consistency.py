@@ -31,6 +31,7 @@ from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 from ropewalk.model.webs import check_webs
 
+_Standing = MovingForce | MovingMass | Oscillator | Vehicle | Matrices | Pantograph
 LARGEST_RESULT = 5e7
 """Nodes times output frames: about 10 GB of result, beyond what is wanted on purpose."""
 
@@ -88,9 +89,11 @@ def _known_to_the_run(parts: Parts) -> Iterator[Finding]:
         yield from _bodies_in_linear_theory(parts, parts.run)
     elif parts.run is not None and not isinstance(parts.run, Dynamic):
         for name, load in parts.loads.items():
-            if load is not None and not isinstance(load, MovingForce | Pantograph):
+            if load is not None and not isinstance(load, _standing(parts)):
                 remedy = "ask for kind: dynamic, or write kind: force with its weight as force"
-                wrong = f"kind: {parts.run.kind} knows forces only"
+                where = " on stiff lines" if parts.is_stiff else " on joined lines and nets" if parts.is_web else ""
+                known = ", ".join(f"kind: {kind.model_fields['kind'].default}" for kind in _standing(parts))
+                wrong = f"kind: {parts.run.kind} knows{where} {known}"
                 yield Finding(("loads", name, "kind"), wrong, load.kind, remedy)
     yield from _margins(parts)
     if not isinstance(parts.run, Dynamic | Linear):
@@ -109,6 +112,13 @@ def _known_to_the_run(parts: Parts) -> Iterator[Finding]:
             wrong = "a mass that follows the arc length is unstable: the line that it stretches steers it"
             remedy = "write slip, which differs by how fast the line behind gets longer, or material or horizontal"
             yield Finding(("loads", name, "travel", "measured"), wrong, "arc", remedy)
+
+
+def _standing(parts: Parts) -> tuple[type[_Standing], ...]:
+    """Kinds of loads that can stand on lines at rest."""
+    if parts.is_stiff:
+        return MovingForce, MovingMass, Oscillator, Vehicle, Matrices, Pantograph
+    return (MovingForce, MovingMass) if parts.is_web else (MovingForce,)
 
 
 def _margins(parts: Parts) -> Iterator[Finding]:
@@ -313,7 +323,7 @@ def _path(parts: Parts) -> Iterator[Finding]:
         remedy = "add a load, or write kind: equilibrium"
         yield Finding(("run", "kind"), "no load moves along a path", "quasistatic", remedy)
     for name, load, on, line in parts.complete():
-        if not isinstance(load, MovingForce):
+        if not isinstance(load, Travelling) or isinstance(load.travel, FreeTravel):
             continue
         speed = load.travel.speed
         if callable(speed):
@@ -325,6 +335,8 @@ def _path(parts: Parts) -> Iterator[Finding]:
             yield Finding(key, "a load that stands still has no path", "0 m/s", remedy)
             continue
         limit, start = reach(line, load.travel.measured), load.travel.start
+        if isinstance(load, Vehicle | Matrices):
+            continue  # wheels of theirs stand elsewhere
         if (max(values) <= 0.0 and start == 0.0) or (min(values) >= 0.0 and start == limit):
             end = "start" if start == 0.0 else "end"
             remedy = "let it start elsewhere (from), or turn the sign of speed"

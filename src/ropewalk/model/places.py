@@ -46,8 +46,8 @@ def margin(load: AnyLoad, line: Line | OverheadLine) -> float:
 def travels(parts: Parts) -> Iterator[Finding]:
     """Find loads that start off their line, or that would pass an end of it and are to be refused there."""
     for name, load in parts.loads.items():
-        overhead = parts.overhead.get(load.on) if isinstance(load, Pantograph | Fmu) else None
-        if isinstance(load, Pantograph | Fmu) and overhead is not None:
+        overhead = parts.overhead.get(load.on) if isinstance(load, Pantograph | Fmu | MovingForce) else None
+        if isinstance(load, Pantograph | Fmu | MovingForce) and overhead is not None:
             start, length = load.travel.start, overhead.length
             if start > length * (1.0 + 1e-9):
                 remedy = f"start at most {length:g} m from the start of the line"

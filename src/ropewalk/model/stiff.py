@@ -15,7 +15,7 @@ from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
-from ropewalk.model.run import Dynamic, Equilibrium, Linear, common_interval, every_of
+from ropewalk.model.run import Dynamic, Linear, Quasistatic, common_interval, every_of
 from ropewalk.model.support import Fixed, Guided
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.vehicle import Vehicle
@@ -34,27 +34,21 @@ def check_stiff(parts: Parts) -> Iterator[Finding]:
         if isinstance(load, Pantograph) and not on_overhead and load.on in parts.lines:
             remedy = f"name one of overhead_lines: {', '.join(parts.overhead) or 'there are none'}"
             yield Finding(("loads", name, "on"), "a pantograph runs under an overhead line", repr(load.on), remedy)
-        if isinstance(load, Pantograph) and parts.run is not None and not isinstance(parts.run, Dynamic):
-            wrong = f"kind: {parts.run.kind} does not know pantographs"
-            yield Finding(("loads", name, "kind"), wrong, "pantograph", "ask for kind: dynamic")
-        if load is not None and on_overhead and not isinstance(load, Pantograph | Foreign):
-            wrong, remedy = (
-                "only pantographs run under overhead lines, and models of your own",
-                "write kind: pantograph",
-            )
+        if load is not None and on_overhead and not isinstance(load, Pantograph | Foreign | MovingForce):
+            wrong = "only pantographs run under overhead lines, forces and models of your own"
+            remedy = "write kind: pantograph"
             yield Finding(("loads", name, "kind"), wrong, load.kind, remedy)
     if isinstance(parts.run, Linear) and parts.overhead:
         remedy = "ask for kind: dynamic with geometry: linearised"
         yield Finding(("run", "kind"), "kind: linear does not know overhead lines", "linear", remedy)
     if not (stiff or parts.overhead) or parts.run is None or isinstance(parts.run, Linear):
         return
-    if not isinstance(parts.run, Dynamic | Equilibrium):
-        wrong, remedy = "stiff lines and overhead lines do not know slow motion", "ask for kind: dynamic"
-        yield Finding(("run", "kind"), wrong, parts.run.kind, remedy)
-        return
-    if isinstance(parts.run, Equilibrium) and parts.loads:
-        remedy = "leave the loads out, or ask for kind: dynamic"
-        yield Finding(("run", "kind"), "the rest of stiff lines is known without loads only", "equilibrium", remedy)
+    if isinstance(parts.run, Quasistatic) and parts.run.turn is not None:
+        wrong, remedy = (
+            "stiff lines keep the positions asked for, no others",
+            "leave turn out, or ask for more positions",
+        )
+        yield Finding(("run", "turn"), wrong, f"{parts.run.turn:g} rad", remedy)
     if isinstance(parts.run, Dynamic):
         yield from _run(parts.run)
         yield from _intervals(parts, parts.run)
@@ -95,11 +89,12 @@ def _run(run: Dynamic) -> Iterator[Finding]:
     if run.method not in ("auto", "explicit"):
         remedy = "write auto, or leave it out"
         yield Finding(("run", "method"), "stiff lines and overhead lines move explicitly", run.method, remedy)
-    wrong = "stiff lines and overhead lines start at rest, without loads"
     if run.start.kind != "rest":
+        wrong = "stiff lines and overhead lines start at rest"
         yield Finding(("run", "start", "kind"), wrong, run.start.kind, "leave start out")
-    elif run.start.with_loads:
-        yield Finding(("run", "start", "with_loads"), wrong, "true", "leave with_loads out")
+    elif run.start.with_loads and run.geometry == "linearised":
+        wrong = "small motion of stiff lines and overhead lines starts at rest without loads"
+        yield Finding(("run", "start", "with_loads"), wrong, "true", "leave it out, or write geometry: nonlinear")
 
 
 def _line(line: Line) -> Iterator[_Lack]:

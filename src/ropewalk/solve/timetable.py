@@ -7,21 +7,26 @@ import numpy as np
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.rider import look_up_integral
 from ropewalk.model.history import SpeedTable
-from ropewalk.model.load import MovingForce
+from ropewalk.model.load import Travelling
+from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.travel import FreeTravel
 from ropewalk.solve.measure import Measure, room
 from ropewalk.solve.start import Setting
 
 
 def horizon(scenario: Scenario) -> float:
     """For how long callables are needed until a load has certainly passed its line, s (0 without callables)."""
-    loads = [load for load in scenario.loads.values() if isinstance(load, MovingForce)]
-    if not any(callable(load.travel.speed) or callable(load.force) for load in loads):
+    loads = [load for load in scenario.loads.values() if isinstance(load, Travelling | Pantograph)]
+    loads = [load for load in loads if not isinstance(load.travel, FreeTravel)]
+    if not any(callable(load.travel.speed) or callable(getattr(load, "force", None)) for load in loads):
         return 0.0
     times = []
     for load in loads:
-        line, speed, until, gone = scenario.lines[load.on], load.travel.speed, 1.0, -1.0
-        reach = 3.0 * max(line.length or 0.0, line.distance)  # longer than the stretched line, and there and back
+        speed, until, gone = load.travel.speed, 1.0, -1.0
+        line, overhead = scenario.lines.get(load.on), scenario.overhead_lines.get(load.on)
+        length = max(line.length or 0.0, line.distance) if line is not None else overhead.length if overhead else 0.0
+        reach = 3.0 * length  # longer than the stretched line, and there and back
         for _ in range(60):
             grid = np.linspace(0.0, until, 257)
             if callable(speed):

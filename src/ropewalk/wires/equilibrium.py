@@ -12,8 +12,9 @@ import scipy.sparse.linalg
 from numpy.typing import NDArray
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.wires.mesh import CLAMPED, FREE, Mesh
+from ropewalk.wires.mesh import FREE, Mesh
 from ropewalk.wires.plan import Array
+from ropewalk.wires.pressing import Pressing
 from ropewalk.wires.rest import beds, bending_stiffness, rows, spring, ties_springs
 
 _FULL_STEPS, _MOST_STEPS = 40, 2000
@@ -33,17 +34,24 @@ class Potential:
         mesh: the wires and what is attached to them.
         rest: (node,) m, unstrained length of the link behind each node.
         force: (3, node) N, constant forces beside gravity.
+
+    Attributes:
+        pressing: what stands on the wires: interpolation (contact, node) of the heights there, and how it presses.
+        share: part of all constant forces, and of what stands there, that is put on.
     """
 
     def __init__(self, mesh: Mesh, rest: Array, force: Array | None = None) -> None:
         self.mesh, self.nodes = mesh, mesh.nodes
+        self.pressing: tuple[sparse.csr_matrix, Pressing] | None = None
+        self.share = 1.0
         s, plan = mesh.strands, mesh.plan
         behind = np.ones(mesh.nodes, dtype=np.bool_)
         behind[s.first + s.links] = False
         self._link = np.flatnonzero(behind)
         self._rest = rest[self._link]
         self._EA = np.repeat([wire.axial_stiffness for wire in plan.wires], s.links)
-        self._bend, self._turn = bending_stiffness(mesh), _turned(mesh)
+        # Deflections from straight lines: their bending energy is small beside the rounding of that of whole positions.
+        self._bend, self._unbent = bending_stiffness(mesh), _unbent(mesh)
         self._bed, self._level = beds(mesh), mesh.straight()[2]
         self._tie = rows(mesh.ties.other, mesh.nodes) - rows(mesh.ties.one, mesh.nodes)
         self._ground = np.where(np.isfinite(mesh.ties.ground), mesh.ties.ground, 0.0)
@@ -73,21 +81,40 @@ class Potential:
         k = np.where(longer > 0.0, self._pull, self._push)
         return d, length, longer, k
 
+    def tie_forces(self, r: Array) -> Array:
+        """Forces of all ties, positive in tension, (tie,) N."""
+        _, _, longer, k = self._ties(r)
+        return np.asarray(k * longer)
+
+    def hold_forces(self, r: Array) -> Array:
+        """Forces of all holds on their wires, (hold, 3) N."""
+        force = self._stiff * (self.mesh.holds.place - self._hold @ r.T)
+        force[:, 2] += self.mesh.holds.force
+        return np.asarray(force)
+
     def energy(self, r: Array) -> float:
         """Potential energy, J."""
         strain = self.tension(r) / self._EA
         *_, longer, k = self._ties(r)
         held = self._stiff.T * (self.mesh.holds.place.T - (self._hold @ r.T).T) ** 2
-        bent = (r * (self._bend @ r.T).T).sum() - 2.0 * (r * self._turn).sum()
+        bent = ((r - self._unbent) * (self._bend @ (r - self._unbent).T).T).sum()
         sunk = (self._bed * (r[2] - self._level) ** 2).sum()
         axial = (self._EA * self._rest * strain**2).sum()
-        return float(0.5 * (axial + bent + sunk + (k * longer**2).sum() + held.sum()) - (self.force * r).sum())
+        given = (self.force * r).sum()
+        if self.pressing is not None:
+            at, loads = self.pressing
+            height = at @ r[2]
+            given += height @ (loads.given - 0.5 * loads.stiffness @ height)
+        return float(0.5 * (axial + bent + sunk + (k * longer**2).sum() + held.sum()) - self.share * given)
 
     def pull(self, r: Array) -> Array:
         """Forces on all nodes, (3, node) N."""
         d = r[:, self._link + 1] - r[:, self._link]
         along = self.tension(r) / np.sqrt((d**2).sum(axis=0)) * d
-        out = self.force - (self._bend @ r.T).T + self._turn
+        out = self.share * self.force - (self._bend @ (r - self._unbent).T).T
+        if self.pressing is not None:
+            at, loads = self.pressing
+            out[2] += self.share * (at.T @ (loads.given - loads.stiffness @ (at @ r[2])))
         out[:, self._link] += along
         out[:, self._link + 1] -= along
         out[2] -= self._bed * (r[2] - self._level)
@@ -118,20 +145,21 @@ class Potential:
                     block = block + self._bend + self._hold.T @ sparse.diags(self._stiff[:, a]) @ self._hold
                     if a == 2:
                         block = block + sparse.diags(self._bed)
+                        if self.pressing is not None:
+                            at, loads = self.pressing
+                            block = block + at.T @ sparse.csr_matrix(self.share * loads.stiffness) @ at
                 blocks[a][b] = block
         return sparse.bmat(blocks, format="csc")
 
 
-def _turned(mesh: Mesh) -> Array:
-    """Forces that make clamped ends ask for the direction of their straight wires, (3, node) N."""
-    s, straight, turned = mesh.strands, mesh.straight(), np.zeros((3, mesh.nodes))
-    for w, side in np.argwhere(s.end == CLAMPED):
-        end, d = (s.first[w], 1) if side == 0 else (s.first[w] + s.links[w], -1)
-        slope = straight[:, end + d] - straight[:, end]
-        slope *= 2.0 * s.stiffness[w] / s.h[w] ** 2 / np.linalg.norm(slope)
-        turned[:, end + d] += slope
-        turned[:, end] -= slope
-    return turned
+def _unbent(mesh: Mesh) -> Array:
+    """Wires without bending, as they leave their starts straight towards their ends, unstretched, (3, node) m."""
+    parts = []
+    for i, wire in enumerate(mesh.plan.wires):
+        start, way = np.array(wire.start), np.subtract(wire.end, wire.start)
+        along = np.arange(mesh.strands.links[i] + 1.0) * mesh.strands.h[i]
+        parts.append(start[:, None] + way[:, None] / np.linalg.norm(way) * along)
+    return np.concatenate(parts, axis=1)
 
 
 def movable(mesh: Mesh, *, space: bool) -> NDArray[np.bool_]:
@@ -172,17 +200,16 @@ def settle(potential: Potential, start: Array, *, space: bool = False) -> Balanc
         EquilibriumError: no rest was found.
     """
     free = movable(potential.mesh, space=space).ravel()
-    whole = potential.force
     try:
         for parts in _PARTS:
             r: Array | None = start
             for part in range(1, parts + 1):
-                potential.force = whole * (part / parts)
+                potential.share = part / parts
                 r = _newton(potential, r, free) if r is not None else None
             if r is not None and factor_of(potential.stiffness(r)[free][:, free], _NEUTRAL) is not None:
                 return Balance(r, potential.tension(r))
     finally:
-        potential.force = whole
+        potential.share = 1.0
     r = _downhill(potential, start, free)
     return Balance(r, potential.tension(r))
 

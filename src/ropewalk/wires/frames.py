@@ -14,11 +14,13 @@ from ropewalk.foreign.turns import TravelEndedError, Turns
 from ropewalk.model.run import common_interval
 from ropewalk.results.exchanges import exchanged, exchanging
 from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
+from ropewalk.wires.bearing import at_rest_together
 from ropewalk.wires.drive import ON_WIRE, Drive, Record
 from ropewalk.wires.energy import Audit
 from ropewalk.wires.equilibrium import Potential
 from ropewalk.wires.journey import drive_of
 from ropewalk.wires.large import LargeMotion
+from ropewalk.wires.layout import layout_of
 from ropewalk.wires.mesh import riders_of
 from ropewalk.wires.partners import SLIDES, Foreigner, Partner
 from ropewalk.wires.plan import Array
@@ -54,6 +56,8 @@ class Run:
         self, task: Task, times: Array, account: Account, sample: float = SAMPLE, step: float | None = None
     ) -> None:
         self.task, start = ready(task)
+        if task.with_loads:
+            self.task, start = at_rest_together(self.task, start)
         account.warnings += task.remarks
         self.mesh, self._at_rest = start.mesh, start.position
         self.account = account
@@ -165,28 +169,9 @@ class Run:
     @property
     def layout(self) -> Layout:
         """Names and coordinates of the result."""
-        plan, strands = self.task.plan, self.mesh.strands
-        node_line, link_line, node_xi, link_xi = [], [], [], []
-        for wire, n, h in zip(plan.wires, strands.links, strands.h, strict=True):
-            node_line += [wire.name] * (int(n) + 1)
-            link_line += [wire.name] * int(n)
-            node_xi.append(np.arange(n + 1) * h)
-            link_xi.append((np.arange(n) + 0.5) * h)
-        ends = [f"{wire.name}.{end}" for wire in plan.wires for end in ("start", "end")]
-        return Layout(
-            axes=tuple("xyz"[a] for a in self._axes), node_line=tuple(node_line), node_xi=np.concatenate(node_xi),
-            link_line=tuple(link_line), link_xi=np.concatenate(link_xi), contact_load=self.task.contacts,
-            support=(*ends, *(hold.name for hold in plan.holds)), body=tuple(body.name for body in self.task.shown),
-            tie=tuple(tie.name for tie in plan.ties), tie_station=tuple(tie.spot.station for tie in plan.ties),
-            foreign=tuple(partner.name for partner in self.turns),
-            watched=tuple(plan.watched), watched_station=tuple(spot.station for spot in plan.watched.values()),
-            sample=tuple(self.sample * (np.arange(self.rows) - self.rows)), weight=self._weight(),
-        )  # fmt: skip
-
-    def _weight(self) -> float:
-        """What ends and holds carry at rest, N; unknown where a bed carries some of it."""
-        bedded = any(wire.bed for wire in self.task.plan.wires)
-        return float("nan") if bedded else float(self.task.plan.gravity * self.mesh.mass.sum())
+        sample = tuple(self.sample * (np.arange(self.rows) - self.rows))
+        foreign = tuple(partner.name for partner in self.turns)
+        return layout_of(self.task, self.mesh, foreign=foreign, sample=sample)
 
     def frames(self) -> Iterator[Frame]:
         """The frames; a run that blows up ends with the last one before, and the account says so."""

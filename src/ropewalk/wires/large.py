@@ -23,6 +23,7 @@ from ropewalk.wires.riders import (
     between,
     join,
     local_at,
+    local_under,
     note,
     pace_of,
     press,
@@ -293,7 +294,7 @@ def _touch(strands, threads, riders, pace, now, other, drive, record, row, step,
         return
     on, s, base, height, slope = _seat(strands, riders, pace, now[0], now[up], drive, row, part, k, w)
     if on:
-        local = local_at(strands, riders.wire[k], s)
+        local = local_under(strands, riders, k, s)
     given, rough = between(drive.given, row, part, k), between(drive.rough, row, part, k)
     force = given + press(riders, pace, k, height + rough, local)
     note(riders, pace, record, row, step, k, height, s, slope, given, force, local, rough)

@@ -200,3 +200,10 @@ def local_at(strands, a, s):
     part = s - np.floor(s)
     g = part * (1.0 - part)
     return strands.local[a, 0] + g * g * (strands.local[a, 1] + g * strands.local[a, 2])
+
+
+@inlined
+def local_under(strands, riders, k, s):
+    """The same under contact k; where the spline yields more than a stiff wire itself, half of the contact at most."""
+    local, spring = local_at(strands, riders.wire[k], s), riders.spring[k]
+    return max(local, -0.5 / spring) if spring > 0.0 else local

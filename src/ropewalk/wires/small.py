@@ -22,6 +22,7 @@ from ropewalk.wires.riders import (
     between,
     join,
     local_at,
+    local_under,
     note,
     pace_of,
     press,
@@ -196,7 +197,7 @@ def _touch(strands, riders, pace, level, now, other, gain, drive, record, row, s
         return
     on, s, base, height, slope = _seat(strands, riders, level, now, drive, row, part, k, w)
     if on:
-        local = local_at(strands, riders.wire[k], s)
+        local = local_under(strands, riders, k, s)
     given, rough = between(drive.given, row, part, k), between(drive.rough, row, part, k)
     force = given + press(riders, pace, k, height + rough, local)
     note(riders, pace, record, row, step, k, height, s, slope, given, force, local, rough)

@@ -54,12 +54,14 @@ def _damped(mesh: Mesh, riders: Riders, lightest: float) -> float:
 
 
 def _ridden(mesh: Mesh, riders: Riders, lightest: float) -> float:
-    local = mesh.strands.local.min(axis=1)
+    g = np.linspace(0.0, 0.25, 26)  # f (1 - f) at all parts of a link
+    c = mesh.strands.local[:, :, None]
+    local = (c[:, 0] + g * g * (c[:, 1] + g * c[:, 2])).min(axis=1)
     found = [0.0]
     for k, i in enumerate(riders.owner):
         if riders.spring[k] == 0.0 or np.isinf(riders.spring[k]):
             continue
-        stiff = 1.0 / (1.0 / riders.spring[k] + local[riders.wire[k]])
+        stiff = 1.0 / (1.0 / riders.spring[k] + max(local[riders.wire[k]], -0.5 / riders.spring[k]))
         n = riders.size[i]
         row = riders.row[k, :n]
         light = float(row @ np.linalg.solve(riders.mass[i, :n, :n], row)) if n else 0.0

@@ -53,6 +53,7 @@ class Task:
     foreigners: tuple[Foreigner, ...] = ()  # who of the journeys are models of somebody else's
     near: tuple[Array, ...] | None = None  # near rest, of each wire: (3, node) m; needed where wires run aside
     remarks: tuple[str, ...] = ()  # what one should know of it
+    with_loads: bool = False  # whether the wires begin at rest with what travels on them; nonlinear only
 
 
 @dataclass(frozen=True)
@@ -196,21 +197,30 @@ def place_at(start: Start, wire: int, station: float, *, material: bool) -> tupl
 
 
 def standing(start: Start, journey: Journey) -> Journey:
-    """A journey whose rider begins at rest within itself, on contacts that go along the wires as they rest.
+    """A journey whose rider begins at rest within itself, on contacts that go along the wires as they rest."""
+    rider = journey.rider
+    stations = [float(journey.place(np.zeros(1))[0]) - c.behind for c in rider.contacts]
+    found = [place_at(start, c.wire, s, material=c.material)[0] for c, s in zip(rider.contacts, stations, strict=True)]
+    height = np.array(found) - [c.base for c in rider.contacts]
+    return along(start, replace(journey, first=_resting(rider, height)))
+
+
+def along(start: Start, journey: Journey) -> Journey:
+    """The same with rates as of one that goes along the wires as they rest.
 
     Who begins at the very end of a wire comes from level ground: only what is rigidly on the wire rises with it.
     """
-    rider, instants = journey.rider, np.array([0.0, _INSTANT])
-    place = journey.place(instants)
+    rider = journey.rider
+    if not journey.stands:
+        return journey
+    place = journey.place(np.array([0.0, _INSTANT]))
     speed = (place[1] - place[0]) / _INSTANT
     stations = [float(place[0]) - c.behind for c in rider.contacts]
-    found = [place_at(start, c.wire, s, material=c.material) for c, s in zip(rider.contacts, stations, strict=True)]
-    height = np.array([z for z, _ in found]) - [c.base for c in rider.contacts]
-    rise = np.array([slope * speed for _, slope in found])
+    slopes = [place_at(start, c.wire, s, material=c.material)[1] for c, s in zip(rider.contacts, stations, strict=True)]
+    rise = speed * np.array(slopes)
     lengths = [start.mesh.plan.wires[c.wire].length for c in rider.contacts]
     within = np.array([0.0 < s < length for s, length in zip(stations, lengths, strict=True)], dtype=np.bool_)
-    rate = _struck(rider, _resting(rider, np.where(within, rise, 0.0)), rise)
-    return replace(journey, first=_resting(rider, height), rate=rate)
+    return replace(journey, rate=_struck(rider, _resting(rider, np.where(within, rise, 0.0)), rise))
 
 
 def _struck(rider: Rider, rate: Array, rise: Array) -> Array:
