@@ -97,9 +97,9 @@ def test_a_pantograph_runs_under_overhead_lines_only() -> None:
 
 
 def test_nothing_else_runs_under_overhead_lines() -> None:
-    text = EXAMPLE.read_text(encoding="utf-8").replace("    model: en50318-2002\n", "    force: [0 N, 120 N]\n")
-    message = problems(text.replace("kind: pantograph", "kind: force"))
-    said = "only pantographs run under overhead lines, and models of your own, given force"
+    text = EXAMPLE.read_text(encoding="utf-8").replace("    model: en50318-2002\n", "    mass: 100 kg\n")
+    message = problems(text.replace("kind: pantograph", "kind: mass"))
+    said = "only pantographs run under overhead lines, forces and models of your own, given mass"
     assert f"loads.pantograph.kind: {said}" in message
     assert "write kind: pantograph" in message
 
@@ -107,14 +107,9 @@ def test_nothing_else_runs_under_overhead_lines() -> None:
 @pytest.mark.parametrize(
     ("run", "part"),
     [
-        ("  kind: quasistatic", "overhead lines do not know slow motion, given quasistatic; ask for kind: dynamic"),
         (
             "  kind: linear\n  until: 8 s",
             "kind: linear does not know overhead lines, given linear; ask for kind: dynam",
-        ),
-        (
-            "  kind: equilibrium",
-            "known without loads only, given equilibrium; leave the loads out, or ask for kind: dy",
         ),
     ],
 )

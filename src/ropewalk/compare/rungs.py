@@ -195,7 +195,9 @@ class Climb:
         if isinstance(self.top.run, Quasistatic):
             return Rung(SLOW, same_as=FULL)
         if self._is_pantograph:
-            raise RopewalkError("stiff lines and overhead lines do not know slow motion")
+            raise RopewalkError(
+                "is left out under overhead lines: their rests take longer than the run; ask for kind: quasistatic"
+            )
         loads, wheels = self._constant.forces()
         until, _ = self._clock()
         ended = {name: load.model_copy(update={"travel": _ended(load.travel, until)}) for name, load in loads.items()}

@@ -12,7 +12,7 @@ from ropewalk.model.beginning import check_beginning
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable, rows
 from ropewalk.model.law import Inextensible
-from ropewalk.model.line import Line
+from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import MovingForce, Travelling
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
@@ -297,12 +297,12 @@ def _counterweights(parts: Parts) -> Iterator[Finding]:
     for name, line in parts.lines.items():
         if line is None or line.tension is None or line.sheaves:
             continue
-        chord = [b - a for a, b in zip(line.start, line.end, strict=True)]
+        chord = [b - a for a, b in zip(spatial(line.start), spatial(line.end), strict=True)]
         for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
             if not isinstance(support, Guided) or not support.force or support.stiffness:
                 continue
             size = math.hypot(*support.along) * math.hypot(*chord)
-            along = sum(a * b for a, b in zip(_flat(support.along), _flat(chord), strict=True)) / size
+            along = sum(a * b for a, b in zip(_flat(support.along), chord, strict=True)) / size
             if abs(along) < _ACROSS:
                 continue
             pull = abs(support.force / along)

@@ -117,7 +117,8 @@ class Run:
         """What supports and sheaves carry at rest, N; unknown where the wind bears some of it."""
         if self.scenario.wind is not None and not self.scenario.wind.is_calm:
             return float("nan")
-        return -float(self.web.body.force[: self.web.nodes, 2].sum())
+        own = sum(float((end.mass * self.web.gravity + end.force)[2]) for end in self.laid.ends)
+        return own - float(self.web.body.force[: self.web.nodes, 2].sum())
 
     def _refuse_beyond(self) -> None:
         """Refuse loads that would begin beyond the end of their line; the distance of its ends stands for the far one.
