@@ -45,11 +45,12 @@ _PATTERNS = {
         "only clamped contacts in networks": r"loads are clamped to their place along the line",
         "masses on networks do not lift off": r"in webs masses stay in contact",
         "no lateral footsteps on nets": r"on nets feet press downwards only",
-        "loads in slow motion and at rest: forces": r"kind: (quasistatic|equilibrium) knows kind: force$",
-        "loads of networks in slow motion and at rest: forces and masses":
-            r"kind: (quasistatic|equilibrium) knows on joined lines",
-        "loads of stiff lines in slow motion and at rest: no trolleys, walkers, foreign models":
-            r"kind: (quasistatic|equilibrium) knows on stiff lines",
+        "no people and foreign models at rest and in slow motion":
+            r"kind: (quasistatic|equilibrium) supports loads",
+        "loads of networks at rest and in slow motion: forces and masses":
+            r"kind: (quasistatic|equilibrium) supports on joined lines",
+        "loads of stiff lines at rest and in slow motion: no trolleys, people, foreign models":
+            r"kind: (quasistatic|equilibrium) supports on stiff lines",
         "stiff lines start at rest": r"stiff lines and overhead lines start at rest",
         "small motion starts without loads": r"small motion of stiff lines and overhead lines starts at rest",
         "stiff lines keep the positions asked for": r"stiff lines keep the positions asked for, no others",

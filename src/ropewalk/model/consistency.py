@@ -31,7 +31,7 @@ from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 from ropewalk.model.webs import check_webs
 
-_Standing = MovingForce | MovingMass | Oscillator | Vehicle | Matrices | Pantograph
+_Standing = MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices | Pantograph
 LARGEST_RESULT = 5e7
 """Nodes times output frames: about 10 GB of result, beyond what is wanted on purpose."""
 
@@ -92,8 +92,8 @@ def _known_to_the_run(parts: Parts) -> Iterator[Finding]:
             if load is not None and not isinstance(load, _standing(parts)):
                 remedy = "ask for kind: dynamic, or write kind: force with its weight as force"
                 where = " on stiff lines" if parts.is_stiff else " on joined lines and nets" if parts.is_web else ""
-                known = ", ".join(f"kind: {kind.model_fields['kind'].default}" for kind in _standing(parts))
-                wrong = f"kind: {parts.run.kind} knows{where} {known}"
+                known = ", ".join(str(kind.model_fields["kind"].default) for kind in _standing(parts))
+                wrong = f"kind: {parts.run.kind} supports{where} loads of kind {known}"
                 yield Finding(("loads", name, "kind"), wrong, load.kind, remedy)
     yield from _margins(parts)
     if not isinstance(parts.run, Dynamic | Linear):
@@ -118,7 +118,9 @@ def _standing(parts: Parts) -> tuple[type[_Standing], ...]:
     """Kinds of loads that can stand on lines at rest."""
     if parts.is_stiff:
         return MovingForce, MovingMass, Oscillator, Vehicle, Matrices, Pantograph
-    return (MovingForce, MovingMass) if parts.is_web else (MovingForce,)
+    return (
+        (MovingForce, MovingMass) if parts.is_web else (MovingForce, MovingMass, Oscillator, Trolley, Vehicle, Matrices)
+    )
 
 
 def _margins(parts: Parts) -> Iterator[Finding]:

@@ -85,13 +85,13 @@ def seated_nodes(setting: Setting, state: State, bodies: Bodies, r: Array, w: Ar
         w[:, b] = record["store"][:dim] / (setting.strands.rho[s] * h)
 
 
-def shown_bodies(setting: Setting, state: State, bodies: Bodies) -> tuple[Array, Array]:
-    """Positions and velocities of all bodies beside the contacts, (body, axis) each."""
+def shown_bodies(setting: Setting, r: Array, bodies: Bodies) -> tuple[Array, Array]:
+    """Positions and velocities of all bodies beside the contacts, (body, axis) each; nodes are at r (axis, node)."""
     assert setting.fleet is not None
-    dim = state.r.shape[0]
+    dim = r.shape[0]
     place, speed = np.empty((len(setting.fleet.shown), dim)), np.empty((len(setting.fleet.shown), dim))
     for i, body in enumerate(setting.fleet.shown):
-        ahead = body.ahead * onward(setting, state, int(setting.loads.strand[body.wheel]))
+        ahead = body.ahead * onward(setting, r, int(setting.loads.strand[body.wheel]))
         for a, d in enumerate(body.coordinates):
             record = bodies.wheels[body.wheel]
             place[i, a] = bodies.coordinates["q"][d] if d >= 0 else record["r"][a] + ahead[a]
@@ -99,9 +99,9 @@ def shown_bodies(setting: Setting, state: State, bodies: Bodies) -> tuple[Array,
     return place, speed
 
 
-def load_energies(setting: Setting, state: State, bodies: Bodies) -> Array:
+def load_energies(setting: Setting, bodies: Bodies) -> Array:
     """Kinetic and potential energy of all loads, J."""
-    strands, dim = setting.strands, state.r.shape[0]
+    strands, dim = setting.strands, len(setting.axes)
     z = dim - 1
     wheels = bodies.wheels
     mass, v, r = wheels["mass"][:, :dim], wheels["v"][:, :dim], wheels["r"][:, :dim]

@@ -50,6 +50,7 @@ from ropewalk.solve.ends import drives_at, ends_of
 from ropewalk.solve.holding import coefficient_used
 from ropewalk.solve.standing import Standing, View
 from ropewalk.solve.start import Setting, onward
+from ropewalk.solve.vehicle_statics import standing_bodies
 
 
 def layout_of(setting: Setting, path: str = "time") -> Layout:
@@ -257,7 +258,7 @@ class Camera:
         if bodies is not None:
             light_wheels(setting, state, bodies, place)
             in_air, power = bodies.wheels["in_air"].copy(), bodies.wheels["power"].copy()
-            of_loads, shown = load_energies(setting, state, bodies), shown_bodies(setting, state, bodies)
+            of_loads, shown = load_energies(setting, bodies), shown_bodies(setting, state.r, bodies)
         return Frame(
             path=t,
             position=r.T,
@@ -290,7 +291,7 @@ class Camera:
         if phase == WAITING:
             return place, force, hold, both, np.nan, speed
         if phase == FLYING:
-            return place, force, hold, both, xi, float(record["v"][:dim] @ onward(self.setting, state, s))
+            return place, force, hold, both, xi, float(record["v"][:dim] @ onward(self.setting, state.r, s))
         if phase == PARKED:
             force = record["on_line"][:dim].copy()
             i = int(record["at"])
@@ -380,7 +381,7 @@ def standing_frame(
         stands: every strand at rest with its loads, in order.
         xi: (load,) material coordinates, m.
         path: load path, m.
-        given: (load, axis) given forces without hold forces, N.
+        given: (load, axis) forces of the loads without hold forces, N.
         t: instant for which supports that move are taken, s.
     """
     strands, dim, count = setting.strands, len(setting.axes), xi.size
@@ -410,7 +411,12 @@ def standing_frame(
             moved = ends - held.place
             elastic += 0.5 * float(np.einsum("ea,eab,eb", moved, held.stiffness, moved))
             gravitational -= float((held.force * moved).sum())
-    nodes = np.concatenate(position)
+    nodes, bodies = np.concatenate(position), np.zeros((0, dim))
+    energy = dict.fromkeys(ENERGY_FORMS, 0.0) | {"elastic": elastic, "gravitational": gravitational}
+    if setting.fleet is not None:
+        standing = standing_bodies(setting, place.T)
+        bodies = shown_bodies(setting, nodes.T, standing)[0]
+        energy["load_potential"] = float(load_energies(setting, standing)[1])
     return Frame(
         path=path,
         position=nodes,
@@ -427,8 +433,8 @@ def standing_frame(
         contact_state=np.full(count, STICKS),
         contact_in_air=np.zeros(count),
         friction_power=np.zeros(count),
-        body_position=np.zeros((0, dim)),
-        body_velocity=np.zeros((0, dim)),
+        body_position=bodies,
+        body_velocity=np.zeros_like(bodies),
         reaction=np.array(reaction),
-        energy=np.array([0.0, elastic, gravitational, *np.zeros(len(ENERGY_FORMS) - 3)]),
+        energy=np.array([energy[form] for form in ENERGY_FORMS]),
     )

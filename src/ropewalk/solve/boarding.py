@@ -60,7 +60,7 @@ def board(setting: Setting, state: State, with_loads: bool = False) -> Bodies | 
         if state.xi[k] < 0.0:
             record["phase"], state.rider[k], state.speed[k] = WAITING, CARRIED, V
             record["r"][:dim] = state.r[:, first]
-            ahead = onward(setting, state, s)
+            ahead = onward(setting, state.r, s)
             if loads.measure[k] == MATERIAL:  # the ground counts as stretched as the line that follows
                 ahead *= float(np.linalg.norm(state.r[:, first + 1] - state.r[:, first])) / h
             record["r"][:dim] += state.xi[k] * ahead

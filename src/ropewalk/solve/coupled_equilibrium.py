@@ -8,7 +8,6 @@ Newton's method, with the compliance of the lines and the stiffness of the vehic
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,14 +20,7 @@ from ropewalk.mechanics.rider import contact_point, force_at, link_of, part_of, 
 from ropewalk.solve.equilibrium import at_rest
 from ropewalk.solve.holding import Contacts, Holding
 from ropewalk.solve.start import Setting
-from ropewalk.solve.vehicle_statics import forces_of_vehicles, weights_of_wheels
-
-# Forces of vehicles agree with the heights of their wheels to this part of the largest force: well above the rounding
-# of rest shapes, far below any other error.
-AGREE = 1e-9
-MOST_STEPS = 50
-# Part of the largest force by which each is changed to see how far the lines give way.
-PROBE = 1e-3
+from ropewalk.solve.vehicle_statics import agree, weights_of_wheels
 
 
 @dataclass(frozen=True)
@@ -69,55 +61,11 @@ def settle_together(setting: Setting, state: State, bodies: Bodies | None) -> No
     if bodies is None:
         give_way(np.zeros((dim, count)))
         return
-    force = _agree(bodies, give_way, _places(setting, state, bodies))
+    force = agree(bodies, give_way, _places(setting, state, bodies))
     bodies.wheels["on_line"][:, :dim] = (given + force).T
     bodies.wheels["r"][:, :dim] = _places(setting, state, bodies).T
     for s, points in enumerate(lines):
         _let_travel(setting, state, bodies, s, points)
-
-
-def _agree(bodies: Bodies, give_way: Callable[[Array], Array], place: Array) -> Array:
-    """Forces (axis, wheel) in N of the vehicles that agree with where they put their wheels, by Broyden's method."""
-    force = forces_of_vehicles(bodies, place)
-    place = give_way(force)
-    miss = forces_of_vehicles(bodies, place) - force
-    scale, B = float(np.abs(force).max()), None
-    for _ in range(MOST_STEPS):
-        size = float(np.abs(miss).max())
-        if size <= AGREE * scale:
-            return force
-        if B is None:
-            B = _change_of_miss(bodies, give_way, force, place)
-        step, part = np.linalg.solve(B, -miss.ravel()).reshape(miss.shape), 1.0
-        while True:
-            place = give_way(force + part * step)
-            new = forces_of_vehicles(bodies, place) - force - part * step
-            if np.abs(new).max() < size or part < 1e-3:
-                break
-            part *= 0.5
-        moved, gained = part * step.ravel(), (new - miss).ravel()
-        B = B + np.outer(gained - B @ moved, moved) / (moved @ moved)
-        force, miss = force + part * step, new
-    raise EquilibriumError(
-        "no state was found in which the vehicles and their lines rest together; check the stiffnesses of the "
-        "vehicles, or write run.start.with_loads: false"
-    )
-
-
-def _change_of_miss(bodies: Bodies, give_way: Callable[[Array], Array], force: Array, place: Array) -> Array:
-    """How the disagreement changes with each force, (force, force): -1, and what the line gives way to."""
-    size, change = PROBE * float(np.abs(force).max()), -np.eye(force.size)
-    own = forces_of_vehicles(bodies, place)
-    for j in range(force.size):
-        probe = np.zeros(force.size)
-        probe[j] = size
-        moved = np.zeros(force.size)
-        moved[j] = 1e-3  # m: does a vehicle care where this wheel is?
-        if np.array_equal(forces_of_vehicles(bodies, place + moved.reshape(force.shape)), own):
-            continue
-        away = give_way(force + probe.reshape(force.shape))
-        change[:, j] += (forces_of_vehicles(bodies, away) - own).ravel() / size
-    return change
 
 
 def _points(setting: Setting, state: State, bodies: Bodies | None, s: int) -> _Points:

@@ -9,12 +9,41 @@ from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, SLIP, Array
 from ropewalk.mechanics.rider import force_at
 from ropewalk.solve.standing import Standing, stand
 from ropewalk.solve.start import Setting
+from ropewalk.solve.vehicle_statics import agree, weights_of_wheels
 
 
 def shapes(setting: Setting, xi: Array, t: float, before: list[Standing] | None = None) -> tuple[list[Standing], Array]:
-    """The rest shapes of all strands with the loads at xi, and the given forces at time t."""
+    """The rest shapes of all strands with the loads at xi, and the forces at time t with which these press on them.
+
+    What has a mass presses with its weight, vehicles as their springs share it among wheels of different heights.
+    """
     loads, dim = setting.loads, len(setting.axes)
     given = np.array([[force_at(loads, k, t, a) for a in range(dim)] for k in range(xi.size)]).reshape(xi.size, dim)
+    if setting.fleet is None:
+        return _shapes(setting, xi, t, given, before), given
+    bodies = setting.fleet.bodies
+    given += weights_of_wheels(bodies, setting.strands.gravity).T
+    found: list[Standing] = []
+
+    def give_way(force: Array) -> Array:
+        """Places (axis, wheel) of all wheels under forces of the vehicles."""
+        found[:] = _shapes(setting, xi, t, given + force.T, before)
+        return contact_places(setting, found)
+
+    force = agree(bodies, give_way, np.zeros((dim, xi.size)))
+    return found, given + force.T
+
+
+def contact_places(setting: Setting, stands: list[Standing]) -> Array:
+    """Where all loads touch their lines, (axis, wheel) m."""
+    place = np.zeros((len(setting.axes), setting.xi.size))
+    for on, rest in zip(setting.on, stands, strict=True):
+        place[:, on] = rest.r[:, rest.contact]
+    return place
+
+
+def _shapes(setting: Setting, xi: Array, t: float, given: Array, before: list[Standing] | None) -> list[Standing]:
+    """The rest shapes of all strands under given forces (load, axis)."""
     out = []
     for s in range(setting.strands.first.size):
         on, contacts = setting.on[s], setting.contacts[s]
@@ -23,7 +52,7 @@ def shapes(setting: Setting, xi: Array, t: float, before: list[Standing] | None 
             out.append(stand(setting.strands, s, setting.held(s, t), xi[on], given[on].T, contacts, similar))
         except EquilibriumError as error:
             raise EquilibriumError(f"line {setting.lines[s]}: {error}") from None
-    return out, given
+    return out
 
 
 class Measure:

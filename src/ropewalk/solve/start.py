@@ -185,10 +185,14 @@ def _beyond(wheel: Wheel, end: float, scenario: Scenario) -> str:
     return f"load {wheel.name} would begin {wheel.start:g} m along its line, which ends at {end:g} m; change {key}"
 
 
-def onward(setting: Setting, state: State, s: int) -> Array:
-    """Level direction (axis,) from the start of strand s to its end, a unit vector; zero if it only rises."""
+def onward(setting: Setting, r: Array, s: int) -> Array:
+    """Level direction (axis,) from the start of strand s to its end, a unit vector; zero if it only rises.
+
+    Args:
+        r: (axis, node) m.
+    """
     first = int(setting.strands.first[s])
-    way: Array = state.r[:, first + int(setting.strands.links[s])] - state.r[:, first]
+    way: Array = r[:, first + int(setting.strands.links[s])] - r[:, first]
     way[-1] = 0.0
     return way / (float(np.linalg.norm(way)) or 1.0)
 

@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
+from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array
 from ropewalk.solve.start import Setting
+
+# Forces of vehicles agree with the heights of their wheels to this part of the largest force: well above the rounding
+# of rest shapes, far below any other error.
+AGREE = 1e-9
+MOST_STEPS = 50
+# Part of the largest force by which each is changed to see how far the lines give way.
+PROBE = 1e-3
 
 
 def coordinates_at_rest(bodies: Bodies, v: int, places: Array, heights: Array) -> Array:
@@ -68,3 +78,64 @@ def resting_forces(setting: Setting) -> Array:
         return level
     bodies = setting.fleet.bodies
     return weights_of_wheels(bodies, setting.strands.gravity) + forces_of_vehicles(bodies, level)
+
+
+def agree(bodies: Bodies, give_way: Callable[[Array], Array], place: Array) -> Array:
+    """Forces (axis, wheel) in N of the vehicles that agree with where they put their wheels, by Broyden's method."""
+    force = forces_of_vehicles(bodies, place)
+    place = give_way(force)
+    miss = forces_of_vehicles(bodies, place) - force
+    scale, B = float(np.abs(force).max()), None
+    for _ in range(MOST_STEPS):
+        size = float(np.abs(miss).max())
+        if size <= AGREE * scale:
+            return force
+        if B is None:
+            B = _change_of_miss(bodies, give_way, force, place)
+        step, part = np.linalg.solve(B, -miss.ravel()).reshape(miss.shape), 1.0
+        while True:
+            place = give_way(force + part * step)
+            new = forces_of_vehicles(bodies, place) - force - part * step
+            if np.abs(new).max() < size or part < 1e-3:
+                break
+            part *= 0.5
+        moved, gained = part * step.ravel(), (new - miss).ravel()
+        B = B + np.outer(gained - B @ moved, moved) / (moved @ moved)
+        force, miss = force + part * step, new
+    raise EquilibriumError(
+        "no state was found in which the vehicles and their lines rest together; check the stiffnesses of the "
+        "vehicles, or write run.start.with_loads: false"
+    )
+
+
+def _change_of_miss(bodies: Bodies, give_way: Callable[[Array], Array], force: Array, place: Array) -> Array:
+    """How the disagreement changes with each force, (force, force): -1, and what the line gives way to."""
+    size, change = PROBE * float(np.abs(force).max()), -np.eye(force.size)
+    own = forces_of_vehicles(bodies, place)
+    for j in range(force.size):
+        probe = np.zeros(force.size)
+        probe[j] = size
+        moved = np.zeros(force.size)
+        moved[j] = 1e-3  # m: does a vehicle care where this wheel is?
+        if np.array_equal(forces_of_vehicles(bodies, place + moved.reshape(force.shape)), own):
+            continue
+        away = give_way(force + probe.reshape(force.shape))
+        change[:, j] += (forces_of_vehicles(bodies, away) - own).ravel() / size
+    return change
+
+
+def standing_bodies(setting: Setting, place: Array) -> Bodies:
+    """A copy of all bodies as they stand on wheels at places (axis, wheel) in m, payloads hanging straight down."""
+    assert setting.fleet is not None
+    bodies, dim = setting.fleet.bodies.copy(), place.shape[0]
+    bodies.wheels["r"][:, :dim], bodies.wheels["v"], bodies.coordinates["v"] = place.T, 0.0, 0.0
+    for v, vehicle in enumerate(bodies.vehicles):
+        n, count, first = int(vehicle["coordinates"]), int(vehicle["wheels"]), int(vehicle["first"])
+        wheel, axis = bodies.wheel[v, :count], bodies.axis[v, :count]
+        bodies.coordinates["q"][first : first + n] = coordinates_at_rest(bodies, v, place[axis, wheel], place[-1])
+        for tether in bodies.tethers:
+            if tether["first"] == first:
+                hanging = place[:, tether["wheel"]].copy()
+                hanging[-1] -= tether["length"] - bodies.load[v, dim - 1] / tether["stiffness"]
+                bodies.coordinates["q"][first : first + dim] = hanging
+    return bodies
