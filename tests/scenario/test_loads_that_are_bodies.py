@@ -457,3 +457,9 @@ def test_gyroscopic_damping_is_for_ropes() -> None:
     (problem,) = said(spins, ", bending_stiffness: 1")
     assert "loads.a.damping" in problem
     assert not said(f"{PAIR}, damping: [[1, 5], [5, 1]]", ", bending_stiffness: 1")
+
+
+def test_a_margin_leaves_room_on_a_line_of_given_tension_too() -> None:
+    free = "kind: mass, on: rope, mass: 1, travel: {kind: free, speed: 1, from: 5, margin: MARGIN}"
+    assert any("leaves no room" in told for told in said(free.replace("MARGIN", "30 m")))
+    assert not said(free.replace("MARGIN", "2 m"))

@@ -65,8 +65,9 @@ def travels(parts: Parts) -> Iterator[Finding]:
             yield Finding(("loads", name, "travel", "measured"), wrong, "horizontal", remedy)
             continue
         room = margin(load, line)
-        if line.length is not None and room >= 0.5 * line.length:
-            remedy = f"stay below {0.5 * line.length:g} m, half the length of the line"
+        half = 0.5 * (line.length or line.distance)
+        if room >= half:
+            remedy = f"stay below {half:g} m, half the length of the line"
             yield Finding(("loads", name, "travel", "margin"), f"leaves no room on {on}", f"{room:g} m", remedy)
             continue
         wrong_start = _off_the_line(load, on, line, parts.gravity)
