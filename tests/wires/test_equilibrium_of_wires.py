@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.sparse as sparse
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipj, ellipk, ellipkinc
 
+from ropewalk.model import Scenario
 from ropewalk.scenario.loading import loads
 from ropewalk.simulate import simulate
 from ropewalk.theory import beam
@@ -14,7 +16,9 @@ from ropewalk.theory.rope import elastic_catenary
 from ropewalk.wires.equilibrium import Potential, movable, settle
 from ropewalk.wires.mesh import mesh_of
 from ropewalk.wires.plan import Array, EndKind, Plan, Wire
+from ropewalk.wires.pressing import Pressing
 from ropewalk.wires.task import Task, ready
+from ropewalk.wiring import task_of
 
 L, EI, RHO = 2.0, 3.0, 0.7
 EA = 1e8  # hardly stretches: forces of EI / L^2 strain it by 1e-8
@@ -245,3 +249,29 @@ def test_what_may_stand_anywhere_stays_where_it_is() -> None:
     x = simulate(loads(LOOSE, "beam.yaml"))["position"].values[0, :, 0]
     assert x[0] + x[-1] == pytest.approx(25.0, abs=0.01)  # what rounding leaves of forces moves it a little
     assert 24.9999 < x[-1] - x[0] < 25.0
+
+
+def test_the_stiffness_is_the_derivative_of_the_forces() -> None:
+    """Links, bending, droppers, arms and stagger, and a load on top, by central differences."""
+    line = {"spans": {"count": 2, "length": 40.0}, "droppers": {"per_span": 3}, "element": 2.0,
+            "steady_arms": {"stagger": "200 mm"}}  # fmt: skip
+    tree = {"overhead_lines": {"line": line}, "run": {"kind": "dynamic", "until": 1.0}}
+    start = ready(task_of(Scenario.model_validate(tree)))[1]
+    potential = Potential(start.mesh, start.unstrained)
+    r = start.position + 1e-3 * np.random.default_rng(0).standard_normal(start.position.shape)
+    at = np.zeros((2, start.mesh.nodes))
+    at[0, 5:11], at[1, 20:26] = 1.0 / 6.0, 1.0 / 6.0
+    one = np.array([[3e3, -1e3], [-1e3, 2e3]])
+    none = np.zeros((0, 2))
+    potential.pressing = (sparse.csr_matrix(at), Pressing(np.array([10.0, -20.0]), one, none[:, 0], none))
+    found, h = potential.stiffness(r).toarray(), 1e-6
+    known = np.zeros_like(found)
+    for i in range(r.size):
+        step = np.zeros(r.size)
+        step[i] = h
+        apart = potential.pull(r + step.reshape(r.shape)) - potential.pull(r - step.reshape(r.shape))
+        known[:, i] = -apart.ravel() / (2.0 * h)
+    np.testing.assert_allclose(found, known, atol=1e-7 * np.abs(found).max())
+    way = np.random.default_rng(1).standard_normal(r.shape)
+    slope = (potential.energy(r + h * way) - potential.energy(r - h * way)) / (2.0 * h)
+    assert slope == pytest.approx(-float((potential.pull(r) * way).sum()), rel=1e-6)

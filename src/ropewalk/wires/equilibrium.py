@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,9 +14,10 @@ from numpy.typing import NDArray
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.wires.mesh import FREE, Mesh
-from ropewalk.wires.plan import Array
+from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.pressing import Pressing
 from ropewalk.wires.rest import beds, bending_stiffness, rows, spring, ties_springs
+from ropewalk.wires.spline import WIDTH
 
 _FULL_STEPS, _MOST_STEPS = 40, 2000
 _PARTS = (1, 8)  # in which constant forces are put on
@@ -128,28 +130,53 @@ class Potential:
         d = r[:, self._link + 1] - r[:, self._link]
         length = np.sqrt((d**2).sum(axis=0))
         q, axial = self.tension(r) / length, self._EA / self._rest
-        one = sparse.csr_matrix(
-            (np.repeat([[-1.0, 1.0]], self._link.size, axis=0).ravel(),
-             (np.repeat(np.arange(self._link.size), 2), np.stack([self._link, self._link + 1], axis=1).ravel())),
-            shape=(self._link.size, self.nodes),
-        )  # fmt: skip
         e, (way, far, longer, k) = d / length, self._ties(r)
         u, N = way / far, k * longer / far
-        blocks: list[list[Any]] = [[None] * 3 for _ in range(3)]
-        for a in range(3):
-            for b in range(3):
-                same = 1.0 if a == b else 0.0
-                block = one.T @ sparse.diags((axial - q) * e[a] * e[b] + q * same) @ one
-                block = block + self._tie.T @ sparse.diags((k - N) * u[a] * u[b] + N * same) @ self._tie
-                if a == b:
-                    block = block + self._bend + self._hold.T @ sparse.diags(self._stiff[:, a]) @ self._hold
-                    if a == 2:
-                        block = block + sparse.diags(self._bed)
-                        if self.pressing is not None:
-                            at, loads = self.pressing
-                            block = block + at.T @ sparse.csr_matrix(self.share * loads.stiffness) @ at
-                blocks[a][b] = block
-        return sparse.bmat(blocks, format="csc")
+        same = np.eye(3)[:, :, None]
+        links = (axial - q) * e[:, None] * e[None] + q * same
+        ties = (k - N) * u[:, None] * u[None] + N * same
+        values = np.concatenate([
+            (links[:, :, None] * np.array([1.0, 1.0, -1.0, -1.0])[:, None]).ravel(),
+            (ties[:, :, None] * self._shares).ravel(),
+        ])  # fmt: skip
+        K = sparse.coo_matrix((values, self._places), shape=(3 * self.nodes, 3 * self.nodes)).tocsc() + self._constant
+        if self.pressing is None:
+            return K
+        at, loads = self.pressing
+        own = (at.T @ sparse.csr_matrix(self.share * loads.stiffness) @ at).tocoo()
+        shape, up = K.shape, 2 * self.nodes
+        return K + sparse.csc_matrix((own.data, (own.row + up, own.col + up)), shape=shape)
+
+    @cached_property
+    def _shares(self) -> Array:
+        """Products of the weights with which nodes share the ends of ties, (pair of nodes, tie)."""
+        ties = self.mesh.ties
+        weight = np.concatenate([-ties.one.weight, ties.other.weight], axis=1).T
+        products: Array = (weight[:, None] * weight[None]).reshape((2 * WIDTH) ** 2, weight.shape[1])
+        return products
+
+    @cached_property
+    def _places(self) -> tuple[Integers, Integers]:
+        """Rows and columns of the entries of links and ties."""
+        ties, axes = self.mesh.ties, self.nodes * np.arange(3)
+        i, j = self._link, self._link + 1
+        near = np.concatenate([at.base[:, None] + np.arange(WIDTH) for at in (ties.one, ties.other)], axis=1).T
+        pairs = (
+            (np.stack([i, j, i, j]), np.stack([i, j, j, i])),
+            (np.repeat(near, 2 * WIDTH, axis=0), np.tile(near, (2 * WIDTH, 1))),
+        )
+        row = [np.broadcast_to(one + axes[:, None, None, None], (3, 3, *one.shape)).ravel() for one, _ in pairs]
+        column = [np.broadcast_to(two + axes[:, None, None], (3, 3, *two.shape)).ravel() for _, two in pairs]
+        return np.concatenate(row), np.concatenate(column)
+
+    @cached_property
+    def _constant(self) -> sparse.csc_matrix:
+        """What bending, beds and holds add, whatever the shape is."""
+        held = [self._hold.T @ sparse.diags(self._stiff[:, a]) @ self._hold for a in range(3)]
+        bed = [0.0 * self._bed, 0.0 * self._bed, self._bed]
+        return sparse.block_diag(
+            [self._bend + own + sparse.diags(more) for own, more in zip(held, bed, strict=True)], format="csc"
+        )
 
 
 def _unbent(mesh: Mesh) -> Array:
