@@ -8,7 +8,7 @@ from pathlib import Path
 
 from .agreement import ALLOWED, apart
 from .cases import scenario
-from .judging import AUDIT, DOUBTFUL, NOTHING, REFUSED, ROUND_OFF, STOPPED
+from .judging import AUDIT, DOUBTFUL, NOTHING, REFUSED, ROUND_OFF
 from .loads import load, travel
 from .structures import BY_NAME, STRUCTURES, Structure, Tree
 from .working import answer
@@ -21,14 +21,15 @@ FAST = 3.5
 FILE = Path(__file__).with_name("known_differences.json")
 """Structure, load, aspect: how far apart they are known to be; the command writes it anew."""
 
-_START = "loads on stiff lines start from level ground at the height of the start, not from the line at rest (P4)"
-_PLACE = "on stiff lines a contact is at a place of x, not at a particle (P2)"
 _SPREAD = "another contact: a force is shared by the nodes around it (P3, P7)"
+_UPRIGHT = "on stiff lines loads move up and down only, their inertia along the line is left out (P7)"
 _ENGINE = "one line with bending stiffness, or wind, changes the engine for all lines (P6)"
 REASONS: dict[tuple[str, str], str] = {
-    **{(engine, aspect): f"{_START}; {_PLACE}" for engine in ("ei", "beside") for aspect in ("first", "path", "audit")},
-    **{(engine, aspect): f"{_START}; {_SPREAD}" for engine in ("ei", "beside") for aspect in ("force", "tension")},
-    **{(engine, aspect): _START for engine in ("ei", "beside") for aspect in (STOPPED,)},
+    **{
+        (engine, aspect): f"{_SPREAD}; {_UPRIGHT}"
+        for engine in ("ei", "beside")
+        for aspect in ("path", "force", "tension", "audit")
+    },
     **{("wind", aspect): _SPREAD for aspect in ("first", "path", "force", "tension", "audit", DOUBTFUL)},
     **{(engine, REFUSED): _ENGINE for engine in ("ei", "beside", "wind")},
 }

@@ -27,7 +27,7 @@ _PATTERNS = {
         "small motion is about a straight line, no buckled one": r"a line longer than its chord is a strut",
         "there are no loads to begin at rest with": r"run\.start\.with_loads: there are no loads",
         "the tension is less than the line's own weight asks for": r"is too little for its weight",
-        "two things set the tension": r"does not come to rest with its tension|both set the tension",
+        "two things set the tension": r"does not come to rest with its tension|both set its tension",
         "a given force is no vehicle": r"of kind force is only a force; what can be exported",
     },
     MISSING: {
@@ -56,6 +56,7 @@ _PATTERNS = {
         "stiff lines keep the positions asked for": r"stiff lines keep the positions asked for, no others",
         "networks start at rest": r"webs start at rest",
         "stiff lines and networks move explicitly": r"(stiff lines and overhead lines|webs) move explicitly",
+        "friction of prescribed travel on ropes alone": r"is looked at on ropes alone",
         "friction of prescribed travel only in slow motion": r"friction of a prescribed travel is for slow motion",
         "no linear theory of networks, nets, overhead lines": r"the linear theory does not know|linear does not know",
         "linear theory knows few loads with a mass": r"kind: linear knows",

@@ -34,7 +34,7 @@ SAMPLE = 1e-3  # s, interval of samples where none is asked for
 _NOTHING = 1e-100  # m: small motion begins with a little more than nothing
 _SLIGHT = 1e-9  # strain that is none
 _SHALLOW = 1.0 / 8.0  # of the chord: a line that hangs further through is none of small motion
-_STEEP = 0.3  # slope from which on loads miss their inertia along the line: 1 % of deflections, 4 % of contact forces
+_STEEP = 0.2  # slope from which on loads miss their inertia along the line: 2 % of deflections, 10 % of contact forces
 _ESCAPED = 2.0  # lengths of the longest wire: a node of a wire that is held does not get further, unless a run blows up
 
 
