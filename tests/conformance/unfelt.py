@@ -183,6 +183,7 @@ UNFELT: Reasons = {
         "the load stays on the line, or has no reason to leave it": (
             "free oscillator",
             "light wheel",
+            "stiff",
         ),
     },
     "OverheadLine.analysed_spans": {
