@@ -1,0 +1,44 @@
+"""What motion of stiff lines leaves out is told where it counts, and only there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from ropewalk.model import Scenario
+from ropewalk.simulate import simulate
+
+SLACK = {
+    "start": [0, 0], "end": [19, 0], "length": 20, "mass": 1.0, "axial_stiffness": 1e6, "elements": 40,
+    "bending_stiffness": 10.0, "drag": 0.5,
+}  # fmt: skip
+TAUT = {k: v for k, v in SLACK.items() if k != "length"} | {"tension": 1e4}
+MASS = {"kind": "mass", "mass": 5.0}
+FORCE = {"kind": "force", "force": [0.0, -49.05]}
+
+
+def doubts(line: dict[str, Any], load: dict[str, Any], start: float, until: float = 0.05) -> str:
+    own = {**load, "on": "line", "travel": {"speed": 3.0, "from": start}}
+    run = {"kind": "dynamic", "until": until, "every": 0.01}
+    found = simulate(Scenario.model_validate({"lines": {"line": line}, "loads": {"load": own}, "run": run}))
+    return str(found.attrs["doubts"])
+
+
+@pytest.mark.parametrize(("line", "load", "start", "told"), [
+    (SLACK, MASS, 2.0, True), (SLACK, FORCE, 2.0, False), (SLACK, MASS, 9.5, False), (TAUT, MASS, 2.0, False),
+], ids=["a mass on a slope", "a force", "a mass in the middle", "a taut line"])  # fmt: skip
+def test_a_mass_on_a_steep_stiff_line_is_doubtful(
+    line: dict[str, Any], load: dict[str, Any], start: float, told: bool
+) -> None:
+    """It moves up and down only: its inertia along the line is left out; a force has none."""
+    found = doubts(line, load, start)
+    assert ("load rides where line slopes by" in found) == told
+    assert ("lines.line.bending_stiffness" in found) == told
+
+
+def test_compression_that_buckles_between_nodes_is_doubtful() -> None:
+    """The wave that a sudden force sends along an undamped rope pushes it together; a taut one is only slackened."""
+    limp = {k: v for k, v in SLACK.items() if k != "drag"} | {"bending_stiffness": 1e-9}
+    assert "line is pushed together with" in doubts({**limp, "elements": 200}, FORCE, 5.0, 0.15)
+    assert "pushed together" not in doubts({**TAUT, "elements": 200}, FORCE, 5.0, 0.15)
