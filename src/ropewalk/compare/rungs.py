@@ -196,7 +196,8 @@ class Climb:
             return Rung(SLOW, same_as=FULL)
         if self._is_pantograph:
             raise RopewalkError(
-                "slow motion is left out under overhead lines: their rests take longer than the run; ask for kind: quasistatic"
+                "slow motion is left out under overhead lines: their rests take longer than the run; ask for kind: "
+                "quasistatic"
             )
         loads, wheels = self._constant.forces()
         until, _ = self._clock()
