@@ -32,7 +32,7 @@ ENGINES = {
     "Line.sheaves",
 }  # fmt: skip
 """Keys that ask for another engine: what it does not know is refused by its own name."""
-PART = 3
+PART = 5
 """One in so many changes is in the sample."""
 SAME = 1e-10
 """Part of the largest value of a variable by which it may differ and be the same."""
