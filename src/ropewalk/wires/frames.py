@@ -20,7 +20,7 @@ from ropewalk.wires.energy import Audit
 from ropewalk.wires.equilibrium import Potential
 from ropewalk.wires.journey import drive_of
 from ropewalk.wires.large import LargeMotion
-from ropewalk.wires.layout import layout_of
+from ropewalk.wires.layout import axes_of, layout_of
 from ropewalk.wires.mesh import riders_of
 from ropewalk.wires.partners import SLIDES, Foreigner, Partner
 from ropewalk.wires.plan import Array
@@ -63,7 +63,7 @@ class Run:
         self.account = account
         self.riders = riders_of([journey.rider for journey in self.task.journeys])
         interval = float(np.diff(times).max()) if times.size > 1 else sample
-        self._axes = [0, 1, 2] if task.space else [0, 2]
+        self._axes = axes_of(task)
         self.turns = [
             foreigner.turns(len(self._axes), SLIDES * start.mesh.strands.h.max()) for foreigner in task.foreigners
         ]

@@ -137,19 +137,17 @@ class Still:
         )  # fmt: skip
 
     def _bodies(self, found: Borne) -> Array:
-        riders, plan = self._bearing.riders, self.task.plan
+        riders = self._bearing.riders
         begin = np.concatenate([[0], np.cumsum(riders.size)])
         out = np.zeros((len(self.task.shown), len(self._axes)))
         for i, body in enumerate(self.task.shown):
             k = int(np.flatnonzero(riders.owner == body.journey)[body.wheel])
             a = int(riders.wire[k])
-            along, length = float(self.mesh.strands.across[a, 1]), plan.wires[a].length
+            start, along = self.mesh.strands.across[a].tolist()
             seat, station = found.seats[k], float(found.station[k])
-            start = float(self.mesh.strands.across[a, 0])
             x = float(seat.value(found.position)[0]) if seat is not None else start + along * station
             q = found.coordinates[begin[body.journey] : begin[body.journey + 1]]
             out[i, 0], out[i, -1] = x + np.sign(along) * body.ahead, body.base + float(body.row @ q)
-            assert length > 0.0
         return out
 
     def _reactions(self, r: Array) -> Array:
