@@ -17,8 +17,11 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 INSTALL = $(PIP) install $(if $(CONSTRAINTS),-c $(CONSTRAINTS))
 # Kernels are compiled once per worker; files that share kernels stay with one worker, so that little is done twice.
 TESTFLAGS ?= -n 2 --dist loadfile
-# What is tested as on another machine: all that searches, solves and integrates; not how it is read, drawn and told.
-ELSEWHERE ?= tests/theory tests/mechanics tests/solve tests/wires tests/webs
+# What is tested as on another machine: all that searches and solves, for there the last bits decide where it ends; of
+# the motions those on wires and webs. Not how things are read, drawn and told.
+STATICS := rest chain_against_closed_forms coupled_equilibrium inextensible supports_at_rest slow_motion minimum \
+  bodies_in_slow_motion path_following friction_of_contacts self_similar_contact symmetric spectrum radau lift_off
+ELSEWHERE ?= tests/theory tests/mechanics tests/wires tests/webs $(STATICS:%=tests/solve/test_%.py)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:

@@ -10,11 +10,11 @@ from statistics import median
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from tests import hermite
 
 from ropewalk.model import Scenario
 from ropewalk.results.frame import Account
 from ropewalk.scenario import load
-from ropewalk.wires import hermite
 from ropewalk.wires.frames import Run
 from ropewalk.wires.journey import drive_of
 from ropewalk.wiring import task_of

@@ -59,6 +59,24 @@ def imported_parts(path: Path, source: str | None = None) -> Iterator[tuple[int,
                 yield node.lineno, rest[0]
 
 
+def imported_modules(path: Path) -> Iterator[tuple[int, str]]:
+    """Line and name within the package of every module of it that is imported."""
+    package = ["ropewalk", *path.relative_to(HOUSE).parts[:-1]]
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) + 1 - node.level] if node.level else []
+            origin = ".".join([*base, *([node.module] if node.module else [])])
+            names = [origin, *(f"{origin}.{alias.name}" for alias in node.names)]
+        else:
+            continue
+        for name in names:
+            inner = name.removeprefix("ropewalk.")
+            if inner != name and HOUSE.joinpath(*inner.split(".")).with_suffix(".py").is_file():
+                yield node.lineno, inner
+
+
 def upward(path: Path, source: str | None = None) -> list[str]:
     own = part_of(path)
     found = []
@@ -70,6 +88,26 @@ def upward(path: Path, source: str | None = None) -> list[str]:
         elif own == "theory" and other != "theory":
             found.append(f"{path.relative_to(HOUSE)}:{line} imports {other}: theory stands alone")
     return found
+
+
+def reached_from(start: Path) -> set[str]:
+    """All modules of the package that one imports, directly or through others, wherever the import stands."""
+    seen, ahead = set[str](), [start]
+    while ahead:
+        path = ahead.pop()
+        for _, name in imported_modules(path):
+            if name not in seen:
+                seen.add(name)
+                ahead.append(HOUSE.joinpath(*name.split(".")).with_suffix(".py"))
+    return seen
+
+
+@pytest.mark.parametrize("part", ["mechanics", "foreign", "solve", "results", "wires", "overhead", "webs", "wiring"])
+def test_the_machine_knows_no_theory_through_others_either(part: str) -> None:
+    """What checks a result must not have made it."""
+    found = {name for path in modules() if part_of(path) == part for name in reached_from(path)}
+    assert found or part == "mechanics"
+    assert {name for name in found if name.split(".")[0] in ("theory", "linear")} == set()
 
 
 def test_imports_run_downwards_only() -> None:

@@ -159,7 +159,7 @@ def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
     account.method = "rest"
     account.reason = "least potential energy"
     if isinstance(scenario.run, Quasistatic):
-        return layout, _slow(setting, scenario, account), scenario.run.positions
+        return layout, _slowly(account, _slow(setting, scenario, account)), scenario.run.positions
     assert isinstance(scenario.run, Equilibrium)
     return layout, _rest(setting, scenario, account), 1
 
@@ -177,7 +177,7 @@ def _webbed(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
     slow = isinstance(run, Quasistatic)
     found = Run(scenario, account, horizon(scenario) if slow and not scenario.nets else 0.0, "load_path")
     if isinstance(run, Quasistatic):
-        return found.layout, found.slowly(run.positions), run.positions
+        return found.layout, _slowly(account, found.slowly(run.positions, run.turn)), run.positions
     return found.layout, found.standing(), 1
 
 
@@ -191,7 +191,7 @@ def _wired(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame
 
         still = Still(task_of(scenario), account)
         if isinstance(run, Quasistatic):
-            return still.layout, still.slowly(run.positions), run.positions
+            return still.layout, _slowly(account, still.slowly(run.positions, run.turn)), run.positions
         return still.layout, still.standing(), 1
     from ropewalk.wires.frames import SAMPLE, Run  # lazy: as above
 
@@ -313,18 +313,24 @@ def _warn_of_compression(setting: Setting, frame: Frame, account: Account) -> bo
     return False
 
 
-def _slow(setting: Setting, scenario: Scenario, account: Account) -> Iterator[Frame]:
-    run, remarks = scenario.run, Remarks(setting, tuple(scenario.loads))
-    assert isinstance(run, Quasistatic)
+def _slowly(account: Account, frames: Iterator[Frame]) -> Iterator[Frame]:
+    """Frames of slow motion; one that ends where there is no equilibrium keeps those before."""
     try:
-        for place in walk(setting, run.positions, run.turn):
+        for frame in frames:
             account.steps += 1
-            account.warnings += remarks.on(place)
-            yield standing_frame(setting, place.stands, place.xi, place.path, place.given, place.t)
+            yield frame
     except RopewalkError as error:
         if account.steps == 0:
             raise
         account.outcome, account.advice = "no rest shape", str(error)
+
+
+def _slow(setting: Setting, scenario: Scenario, account: Account) -> Iterator[Frame]:
+    run, remarks = scenario.run, Remarks(setting, tuple(scenario.loads))
+    assert isinstance(run, Quasistatic)
+    for place in walk(setting, run.positions, run.turn):
+        account.warnings += remarks.on(place)
+        yield standing_frame(setting, place.stands, place.xi, place.path, place.given, place.t)
 
 
 def _rest(setting: Setting, scenario: Scenario, account: Account) -> Iterator[Frame]:

@@ -85,10 +85,10 @@ def task_of(scenario: Scenario) -> Task:
         assert setting is not None
         line = scenario.lines[load.on]
         on = first + list(scenario.lines).index(load.on)
-        journey, coach = journey_of(setting, name, load, on, line, plan.wires[on].length)
+        journey, system = journey_of(setting, name, load, on, line, plan.wires[on].length)
         journeys.append(journey)
         contacts += [wheel.name for wheel in setting.wheels if wheel.load == name]
-        shown += shown_of(setting, coach, number, line) if coach is not None else []
+        shown += shown_of(setting, system, number, line) if system is not None else []
     more: dict[str, Any] = {}
     if isinstance(run, Dynamic):
         more = {

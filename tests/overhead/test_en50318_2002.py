@@ -16,12 +16,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
+import hermite
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.overhead.riding import push_of, rider_of
 from ropewalk.overhead.section import section_of
 from ropewalk.scenario import load
 from ropewalk.simulate import simulate
-from ropewalk.wires import hermite
 
 Array = NDArray[np.float64]
 

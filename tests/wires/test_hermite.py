@@ -14,8 +14,8 @@ import pytest
 import scipy.linalg
 from scipy.signal import butter, sosfiltfilt
 
+import hermite
 from ropewalk.errors import EquilibriumError, RopewalkError
-from ropewalk.wires import hermite
 from ropewalk.wires.plan import Array, Contact, EndKind, Hold, Plan, PointMass, Rider, Spot, Tie, Wire
 
 FIXED = (0.0, 0.0, np.inf)

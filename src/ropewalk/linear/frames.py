@@ -103,7 +103,7 @@ def _frame(
         if ride is not None:
             energy[_OF_LOADS] += _energies(ride, chord, i)
             energy[_IN_IMPACTS] += ride.loss[i]
-            for j, k in enumerate(ride.coach.wheels):
+            for j, k in enumerate(ride.system.wheels):
                 if not ride.on[i, j]:
                     continue
                 x = ride.place[i, j]
@@ -114,9 +114,9 @@ def _frame(
                 force[k] = ride.force[i, j] * chord.across[0] + hold[k]
                 xi[k], speed[k], both[k] = x * chord.material / chord.length, speed_at(loads, int(k), t), chord.tension
                 state[k] = IN_AIR if ride.in_air[i, j] else MOVES
-            in_air[ride.coach.wheels] = ride.time_in_air[i]
+            in_air[ride.system.wheels] = ride.time_in_air[i]
             for b, body in enumerate(shown):
-                if body.wheel in ride.coach.wheels:
+                if body.wheel in ride.system.wheels:
                     body_place[b], body_speed[b] = _body(ride, chord, body, i)
             continue
         for k in setting.on[s]:
@@ -157,16 +157,16 @@ def _energies(ride: Ride, chord: Chord, i: int) -> Array:
     """Kinetic and potential energy of the load, J."""
     moved = np.concatenate([ride.body[i], ride.wheel[i]])
     rates = np.concatenate([ride.body_velocity[i], ride.wheel_velocity[i]])
-    return np.array(ride.coach.energies(moved, rates, ride.velocity, float(chord.start[-1])))
+    return np.array(ride.system.energies(moved, rates, ride.velocity, float(chord.start[-1])))
 
 
 def _body(ride: Ride, chord: Chord, body: Body, i: int) -> tuple[Array, Array]:
     """Place and velocity of a body. Heights count from the chord: in this theory loads do not feel the sag."""
-    j = ride.coach.wheels.tolist().index(body.wheel)
+    j = ride.system.wheels.tolist().index(body.wheel)
     place = chord.start + (ride.place[i, j] + body.ahead) * chord.along
     speed = ride.velocity * chord.along
     if body.coordinates[-1] >= 0:
-        c = ride.coach.coordinates.index(body.coordinates[-1])
-        place[-1] += ride.coach.rest[c] - ride.body[i, c]
+        c = ride.system.coordinates.index(body.coordinates[-1])
+        place[-1] += ride.system.rest[c] - ride.body[i, c]
         speed[-1] -= ride.body_velocity[i, c]
     return place, speed

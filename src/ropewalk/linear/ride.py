@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from ropewalk.errors import RopewalkError
 from ropewalk.linear.chord import Chord
-from ropewalk.linear.fleet import Coach, coach_of
 from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, Array, Integers
 from ropewalk.mechanics.rider import speed_at
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account
+from ropewalk.solve.multibody import Multibody, multibody_of
 from ropewalk.solve.start import Setting
 from ropewalk.theory import beam, string
 from ropewalk.theory.beam_flight import MODES
@@ -38,7 +38,7 @@ _TOLERANCE, _FINE = 1e-5, 1e-6
 class Ride:
     """What a body on a line does at all instants; downwards is positive. NaN where the theory does not say."""
 
-    coach: Coach
+    system: Multibody
     velocity: float  # m/s along the chord
     place: Array  # (instant, wheel) m along the chord
     on: NDArray[np.bool_]  # (instant, wheel) whether between the supports
@@ -83,14 +83,14 @@ def ride_of(
     assert isinstance(scenario.run, Linear)
     load = scenario.loads[name]
     way = _way(setting, chord, np.flatnonzero([wheel.load == name for wheel in setting.wheels]))
-    coach = coach_of(setting, name, load, way.start - way.begin)
+    system = multibody_of(setting, name, load, way.start - way.begin)
     _mention_sag(setting, name, way, account)
     nodes = np.linspace(0.0, chord.length, int(setting.strands.links[s]) + 1)
     lifts, modes = getattr(load, "lift_off", False), scenario.run.modes
     try:
         if chord.is_string and modes is None:
-            return _on_string(coach, way, nodes, times, name, account)
-        return _on_beam(coach, way, nodes, times, modes, name, account, lifts=lifts)
+            return _on_string(system, way, nodes, times, name, account)
+        return _on_beam(system, way, nodes, times, modes, name, account, lifts=lifts)
     except ValueError as error:
         if "is not reached" in str(error) and modes is None:
             cause = "wheels that are put down on a beam strike all its modes at once" if (way.start > 0.0) else (
@@ -133,7 +133,15 @@ def _mention_sag(setting: Setting, name: str, way: _Way, account: Account) -> No
 
 
 def _on_beam(
-    coach: Coach, way: _Way, nodes: Array, times: Array, modes: int | None, name: str, account: Account, *, lifts: bool
+    system: Multibody,
+    way: _Way,
+    nodes: Array,
+    times: Array,
+    modes: int | None,
+    name: str,
+    account: Account,
+    *,
+    lifts: bool,
 ) -> Ride:
     """By the modes of a beam; a string with a number of modes is one without stiffness."""
     chord, line = way.chord, way.chord.beam
@@ -143,7 +151,7 @@ def _on_beam(
             f"load {name}: on a string a sum of modes is wrong by about one part in their number, and the contact "
             "force by more; leave run.modes out for a single mass or oscillator"
         )
-    task: dict[str, Any] = {"vehicle": coach.vehicle, "speed": way.speed, "start": way.start, **line}
+    task: dict[str, Any] = {"vehicle": _vehicle(system), "speed": way.speed, "start": way.start, **line}
     solved: beam.Flight | beam.Crossing
     if lifts:
         solved = beam.flying_vehicle(times, modes=modes or MODES, **task)
@@ -161,13 +169,13 @@ def _on_beam(
     under = np.clip(solved.place, 0.0, chord.length)
     slope = np.array([solved.beam_deflection(under[i], 1)[i] for i in range(times.size)])
     return Ride(
-        coach, way.speed if way.forward else -way.speed, way.turned(solved.place), on, wheel, rate,
+        system, way.speed if way.forward else -way.speed, way.turned(solved.place), on, wheel, rate,
         slope if way.forward else -slope, solved.contact_force, in_air, time_in_air, solved.body,
         solved.body_velocity, loss, _vectors(chord, deflection, velocity),
     )  # fmt: skip
 
 
-def _on_string(coach: Coach, way: _Way, nodes: Array, times: Array, name: str, account: Account) -> Ride:
+def _on_string(system: Multibody, way: _Way, nodes: Array, times: Array, name: str, account: Account) -> Ride:
     """By the delay equation of the contact force, which then travels along the string."""
     chord = way.chord
     if way.start != 0.0:
@@ -181,7 +189,7 @@ def _on_string(coach: Coach, way: _Way, nodes: Array, times: Array, name: str, a
     table = passage * (1.0 - np.unique(np.concatenate([left, [_LAST]]))[::-1])
     on = (times >= 0.0) & (times < passage)
     asked, place = np.where(on, times, 0.0), way.speed * times[:, None]
-    own, history = (_contact(coach, way, t, line) for t in (asked, table))
+    own, history = (_contact(system, way, t, line) for t in (asked, table))
     if own.contact_lost_at is not None and own.contact_lost_at < min(times[-1], passage):
         _mention_pull(name, own.contact_lost_at, "kind: dynamic with lift_off: true lets it fly", account)
     # Beyond the last entry the force, however large, stands so close to the support that the string does not feel it.
@@ -206,26 +214,31 @@ def _on_string(coach: Coach, way: _Way, nodes: Array, times: Array, name: str, a
     else:
         body, body_rate = np.zeros((times.size, 0)), np.zeros((times.size, 0))
     return Ride(
-        coach, way.speed if way.forward else -way.speed, way.turned(place), on[:, None], own.deflection[:, None] + gone,
-        own.velocity[:, None] + gone, (slope if way.forward else -slope)[:, None], own.contact_force[:, None] + gone,
-        none > 0.0, none, body, body_rate, np.full(times.size, np.nan), _vectors(chord, moved, rate),
+        system, way.speed if way.forward else -way.speed, way.turned(place), on[:, None],
+        own.deflection[:, None] + gone, own.velocity[:, None] + gone, (slope if way.forward else -slope)[:, None],
+        own.contact_force[:, None] + gone, none > 0.0, none, body, body_rate, np.full(times.size, np.nan),
+        _vectors(chord, moved, rate),
     )  # fmt: skip
 
 
 def _contact(
-    coach: Coach, way: _Way, t: Array, line: dict[str, float]
+    system: Multibody, way: _Way, t: Array, line: dict[str, float]
 ) -> string.MassPassage | string.OscillatorPassage:
     """Motion of the contact at times of the passage."""
-    vehicle, load = coach.vehicle, coach.load
-    total = float(vehicle.mass.sum())
+    load = system.load
+    total = float(system.mass.sum())
     # Everything grows with the weight, of which a further force is a part.
-    task = {"speed": way.speed, "gravity": float(vehicle.static_load[0]) / total} | line
+    task = {"speed": way.speed, "gravity": float(system.static_load[0]) / total} | line
     if isinstance(load, Oscillator):
         return string.moving_oscillator(
-            t, sprung_mass=load.mass, contact_mass=load.wheel_mass, stiffness=float(vehicle.stiffness[0, 0]),
-            damping=float(vehicle.damping[0, 0]), **task,
+            t, sprung_mass=load.mass, contact_mass=load.wheel_mass, stiffness=float(system.stiffness[0, 0]),
+            damping=float(system.damping[0, 0]), **task,
         )  # fmt: skip
     return string.moving_mass(t, load_mass=total, **task)
+
+
+def _vehicle(body: Multibody) -> beam.Vehicle:
+    return beam.Vehicle(body.mass, body.damping, body.stiffness, body.axles, body.static_load)
 
 
 def _mention_pull(name: str, time: float, remedy: str, account: Account) -> None:

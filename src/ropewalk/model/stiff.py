@@ -15,7 +15,7 @@ from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
-from ropewalk.model.run import Dynamic, Linear, Quasistatic, common_interval, every_of
+from ropewalk.model.run import Dynamic, Linear, common_interval, every_of
 from ropewalk.model.support import Fixed, Guided
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.vehicle import Vehicle
@@ -43,12 +43,6 @@ def check_stiff(parts: Parts) -> Iterator[Finding]:
         yield Finding(("run", "kind"), "kind: linear does not know overhead lines", "linear", remedy)
     if not (stiff or parts.overhead) or parts.run is None or isinstance(parts.run, Linear):
         return
-    if isinstance(parts.run, Quasistatic) and parts.run.turn is not None:
-        wrong, remedy = (
-            "stiff lines keep the positions asked for, no others",
-            "leave turn out, or ask for more positions",
-        )
-        yield Finding(("run", "turn"), wrong, f"{parts.run.turn:g} rad", remedy)
     if isinstance(parts.run, Dynamic):
         yield from _run(parts.run)
         yield from _intervals(parts, parts.run)

@@ -16,7 +16,7 @@ from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.parts import Parts
-from ropewalk.model.run import Dynamic, Linear, Quasistatic
+from ropewalk.model.run import Dynamic, Linear
 from ropewalk.model.support import Elastic, Moving
 from ropewalk.model.travel import FreeTravel
 
@@ -45,9 +45,6 @@ def check_webs(parts: Parts) -> Iterator[Finding]:
     if isinstance(parts.run, Linear):
         wrong, remedy = "the linear theory does not know joints, sheaves, nets and wind", "ask for kind: dynamic"
         yield Finding(("run", "kind"), wrong, "linear", remedy)
-    if isinstance(parts.run, Quasistatic) and parts.run.turn is not None:
-        wrong, remedy = "webs keep the positions asked for, no others", "leave turn out, or ask for more positions"
-        yield Finding(("run", "turn"), wrong, f"{parts.run.turn:g} rad", remedy)
     if isinstance(parts.run, Dynamic):
         for key, wrong, given, remedy in _run(parts.run):
             yield Finding(("run", *key), wrong, given, remedy)

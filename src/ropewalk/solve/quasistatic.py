@@ -9,6 +9,7 @@ import numpy as np
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, SLIP, Array
+from ropewalk.solve.following import FIRST, follow, turns_less
 from ropewalk.solve.measure import Measure, shapes
 from ropewalk.solve.standing import Standing
 from ropewalk.solve.start import Setting
@@ -20,8 +21,6 @@ _TOLERANCE = 1e-12
 _REACHED = 1e-6
 # Error of the slip path in each step, as a part of the step.
 _SLIP = 1e-6
-# Steps are never made smaller than this part of the distance between two regular positions.
-_LEAST = 1.0 / 4096.0
 
 
 @dataclass(frozen=True)
@@ -69,14 +68,13 @@ def walk(setting: Setting, positions: int, turn: float | None = None) -> Iterato
         )
     here = Place(0.0, 0.0, setting.xi.copy(), marks, stands, given)
     yield here
-    yield from _Walk(setting, measures, times, path, ways, marks, here, turn).along(
-        np.linspace(0.0, path[-1], positions)
-    )
+    by = _Walk(setting, measures, times, path, ways, marks, turn)
+    yield from follow(here, by.step, by.is_fine, np.linspace(0.0, path[-1], positions), between=turn is not None)
 
 
 @dataclass
 class _Walk:
-    """Steps along the path that become smaller where it is difficult."""
+    """Steps along the path."""
 
     setting: Setting
     measures: list[Measure]
@@ -84,36 +82,9 @@ class _Walk:
     path: Array  # of the first load at these times, m
     ways: list[Array]  # of every load, as measured
     begin: Array  # (load,) the measures at the beginning
-    here: Place
     turn: float | None
-    before: Place | None = None
 
-    def along(self, regular: Array) -> Iterator[Place]:
-        step = widest = float(regular[1])
-        for goal in regular[1:]:
-            while self.here.path < goal:
-                rest = goal - self.here.path
-                parts = max(1, round(np.ceil(rest / step - 1e-9)))
-                target = goal if parts == 1 else self.here.path + rest / parts
-                try:
-                    new = self._step(target)
-                except EquilibriumError:
-                    if step <= _LEAST * widest:
-                        if self.turn is None and self.here.path not in regular:
-                            yield self.here
-                        raise
-                    step = 0.5 * min(step, rest)
-                    continue
-                if step > _LEAST * widest and not self._is_fine(new):
-                    step = 0.5 * min(step, rest)
-                    continue
-                self.before, self.here = self.here, new
-                step = min(2.0 * step, widest)
-                if new.path == goal or self.turn is not None:
-                    yield new
-
-    def _step(self, path: float) -> Place:
-        here, before = self.here, self.before
+    def step(self, here: Place, before: Place | None, path: float) -> Place:
         t = float(np.interp(path, self.path, self.times))
         target = np.array([np.interp(t, self.times, way) for way in self.ways])
         advance = target - [np.interp(here.t, self.times, way) for way in self.ways]
@@ -129,27 +100,18 @@ class _Walk:
         marks = np.array([m.of(x, stands) for m, x in zip(self.measures, xi, strict=True)])
         return Place(path, t, xi, marks, stands, given)
 
-    def _is_fine(self, new: Place) -> bool:
-        here, before = self.here, self.before
-        if any(m.kind == SLIP for m in self.measures):
-            if before is None:  # nothing to judge by: begin with little
-                return new.path - here.path <= 1e-3 * float(self.path[-1])
+    def is_fine(self, before: Place | None, here: Place, new: Place) -> bool:
+        slipping = np.array([m.kind == SLIP for m in self.measures])
+        if before is None:
+            return not (slipping.any() or self.turn) or new.path - here.path <= FIRST * float(self.path[-1])
+        if slipping.any():
             last, now = here.path - before.path, new.path - here.path
             bend = 2.0 * ((new.marks - here.marks) / now - (here.marks - before.marks) / last) / (last + now)
-            slipping = np.array([m.kind == SLIP for m in self.measures])
             if float(np.abs(bend[slipping]).max()) * now * now / 12.0 > _SLIP:
                 return False
-        if self.turn is None or before is None:
+        if self.turn is None:
             return True
-        a, b, c = (place.contacts(self.setting) for place in (before, here, new))
-        return bool(np.all(_angles(b - a, c - b) <= self.turn))
-
-
-def _angles(a: Array, b: Array) -> Array:
-    """Angles between rows of vectors, rad; zero where one has no length."""
-    sizes = np.sqrt((a * a).sum(axis=1) * (b * b).sum(axis=1))
-    cosine = (a * b).sum(axis=1) / np.where(sizes > 0.0, sizes, 1.0)
-    return np.where(sizes > 0.0, np.arccos(np.clip(cosine, -1.0, 1.0)), 0.0)
+        return turns_less(self.turn, *(place.contacts(self.setting) for place in (before, here, new)))
 
 
 @dataclass

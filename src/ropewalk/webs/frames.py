@@ -12,6 +12,7 @@ from ropewalk.mechanics import law
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Account, Frame, Layout
+from ropewalk.solve.following import schedule, slow_motion
 from ropewalk.webs import motion
 from ropewalk.webs.contacts import neighbours
 from ropewalk.webs.fabric import tensions_of
@@ -19,8 +20,8 @@ from ropewalk.webs.lengths import laid_at_rest
 from ropewalk.webs.motion import Room, advance, look_at_contacts
 from ropewalk.webs.potential import Potential
 from ropewalk.webs.pull import resistance
-from ropewalk.webs.rest import settle, size_of, stand
-from ropewalk.webs.seats import held_place, hold_on, place_at
+from ropewalk.webs.rest import Slip, put_slip, settle, size_of, slip_of, stand
+from ropewalk.webs.seats import held_place, hold_on
 from ropewalk.webs.stability import SAFETY, SAFETY_OF_NETS, largest_step
 from ropewalk.webs.web import (
     CONTACTS,
@@ -240,45 +241,56 @@ class Run:
         self._note_slack(r)
         yield self._still(r, 0.0, 0.0)
 
-    def slowly(self, positions: int) -> Iterator[Frame]:
-        """Frames of slow motion, at equal steps of time of the first load until it comes to the end of its way."""
-        self.account.method, self.account.reason = "rest", "least potential energy"
-        web, r = self.web, self.rest.copy()
-        times, ways = self._timetable(positions)
-        for t, way in zip(times, ways, strict=True):
-            stand(web, r, float(t))
-            try:
-                r = self._settled(r, float(t))
-            except RopewalkError as error:
-                if self.account.steps == 0:
-                    raise
-                self.account.outcome = "no rest shape"
-                self.account.advice = f"at load path {way:.6g} m: {error}"
-                return
-            self.account.steps += 1
-            yield self._still(r, float(way), float(t))
+    def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
+        """Frames at equal steps of the path of the first load, until it comes to the end of its way.
 
-    def _timetable(self, positions: int) -> tuple[Array, Array]:
-        """Times at which the first load has gone equal parts of its way, and how far that is, m."""
+        Args:
+            positions: how many.
+            turn: rad, see `solve/following.py`.
+
+        Raises:
+            EquilibriumError: the first load has no way, or there is no rest with the loads somewhere on it.
+        """
+        self.account.method, self.account.reason = "rest", "least potential energy"
+        web, begin = self.web, (self.rest, slip_of(self.web))
+
+        def rest(t: float, near: tuple[Array, Slip] | None) -> tuple[Array, Slip]:
+            r, slip = near if near is not None else begin
+            r = r.copy()
+            put_slip(web, slip)
+            stand(web, r, t)
+            r = self._settled(r, t)
+            return r, slip_of(web)
+
+        def places(shape: tuple[Array, Slip]) -> Array:
+            return np.where((web.seats.kind != OFF)[:, None], shape[0][web.nodes :], np.nan)
+
+        for at in slow_motion(rest, places, *self._schedule(), positions, turn):
+            r, slip = at.shape
+            put_slip(web, slip)
+            stand(web, r, at.t)
+            yield self._still(r, at.path, at.t)
+
+    def _schedule(self) -> tuple[Array, Array]:
+        """Times and paths of the first load."""
         course = self.web.course
-        last = float(course.time[course.first[0] + course.knots[0] - 1])
-        fine = np.linspace(0.0, max(last, 1e-300), 4097)
-        place = np.array([place_at(course, 0, t)[0] for t in fine])
-        _, speed = place_at(course, 0, last)
-        start, low, end = float(place[0]), float(course.low[0]), float(course.high[0])
-        inside = (place >= low - 1e-12 * end) & (place <= end * (1.0 + 1e-12))
-        if not inside.all():
-            stop = int(np.argmin(inside))
-            fine, place = fine[: stop + 1], np.clip(place[: stop + 1], low, end)
-        elif speed != 0.0:  # it goes on at its last speed
-            goal = end if speed > 0.0 else low
-            fine, place = np.append(fine, last + (goal - place[-1]) / speed), np.append(place, goal)
-        way = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(place)))))
-        if way[-1] == 0.0:
-            raise RopewalkError(f"load {self.laid.travellers[0].name} stands still: it has no path from {start:g} m")
-        grown = np.concatenate(([True], np.diff(way) > 0.0))
-        wanted = np.linspace(0.0, way[-1], positions)
-        return np.interp(wanted, way[grown], fine[grown]), wanted
+        low, end = float(course.low[0]), float(course.high[0])
+        own = slice(course.first[0], course.first[0] + course.knots[0])
+        time, start, speed, slope = (a[own] for a in (course.time, course.place, course.speed, course.slope))
+
+        def place(times: Array) -> Array:
+            i = np.maximum(np.searchsorted(time, times, side="right") - 1, 0)
+            late = np.maximum(times - time[i], 0.0)
+            return np.asarray(start[i] + late * (speed[i] + 0.5 * slope[i] * late))
+
+        begin = float(place(np.zeros(1))[0])
+
+        def beyond(places: Array) -> Array:
+            ahead, back = places - end, low - places
+            gone: Array = np.where(places < begin, np.maximum(ahead, back), ahead) / end
+            return gone
+
+        return schedule(self.laid.travellers[0].name, place, beyond)
 
     def _settled(self, r: Array, t: float) -> Array:
         """Rest (node, 3) in the wind as it blows at time t in s, next to the shape r: what it pushes at depends on it.

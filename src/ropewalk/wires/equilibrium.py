@@ -2,31 +2,24 @@
 
 from __future__ import annotations
 
-import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
-import scipy.sparse.linalg
 from numpy.typing import NDArray
 
-from ropewalk.errors import EquilibriumError
+from ropewalk.solve import minimum
+from ropewalk.solve.minimum import newton
+from ropewalk.solve.symmetric import Way
 from ropewalk.wires.mesh import FREE, Mesh
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.pressing import Pressing
 from ropewalk.wires.rest import beds, bending_stiffness, rows, spring, ties_springs
 from ropewalk.wires.spline import WIDTH
 
-_FULL_STEPS, _MOST_STEPS = 40, 2000
-_PARTS = (1, 8)  # in which constant forces are put on
-_LONGEST = 0.1  # of the longest wire: longer steps are cut
-_ALMOST = 1e-8  # of the longest wire: steps this small are taken although rounding may hide that the energy falls
-_ZERO = 1e-14  # of its diagonal: a smaller pivot is what rounding leaves of zero
-_NEUTRAL = 1e-12  # of the largest diagonal: less stiffness is none: overhead lines may be free to slide as a whole
-_LEAPS = 0.1, 1e-2, 1e-3, 1e-4  # of the longest wire, off a saddle
-_CLOSE = 1e-11  # of the longest wire: a step this small is the last one, as is the first that is no smaller than before
+_PARTS = 8  # in which constant forces are put on, where rest is hard to find
 
 
 class Potential:
@@ -143,9 +136,27 @@ class Potential:
         if self.pressing is None:
             return K
         at, loads = self.pressing
-        own = (at.T @ sparse.csr_matrix(self.share * loads.stiffness) @ at).tocoo()
-        shape, up = K.shape, 2 * self.nodes
-        return K + sparse.csc_matrix((own.data, (own.row + up, own.col + up)), shape=shape)
+        return K + self._upwards(at.T @ sparse.csr_matrix(self.share * loads.stiffness) @ at)
+
+    def _upwards(self, own: sparse.csr_matrix) -> sparse.csc_matrix:
+        """What joins heights alone (node, node), among all components."""
+        own, up = own.tocoo(), 2 * self.nodes
+        return sparse.csc_matrix((own.data, (own.row + up, own.col + up)), shape=(3 * self.nodes, 3 * self.nodes))
+
+    @property
+    def pattern(self) -> sparse.csc_matrix:
+        """Where the stiffness may have entries, whatever the shape is, (3 node, 3 node)."""
+        if self.pressing is None:
+            return self._always
+        at, loads = self.pressing
+        return self._always + self._upwards(abs(at).T @ sparse.csr_matrix(np.abs(loads.stiffness)) @ abs(at))
+
+    @cached_property
+    def _always(self) -> sparse.csc_matrix:
+        """Where links, ties and what is constant have entries."""
+        row, column = self._places
+        entries = (np.ones(row.size), (row, column))
+        return sparse.coo_matrix(entries, shape=(3 * self.nodes, 3 * self.nodes)).tocsc() + abs(self._constant)
 
     @cached_property
     def _shares(self) -> Array:
@@ -211,12 +222,52 @@ class Balance:
     tension: Array  # (link,) N
 
 
-def settle(potential: Potential, start: Array, *, space: bool = False) -> Balance:
-    """Find the rest next to a shape: a minimum of the potential energy, as its stiffness shows.
+class _Shape:
+    """The potential energy of wires as a function of what may move, see `solve/minimum.py`."""
 
-    Newton's method in full steps, which may climb the walls of the narrow valley that a wire which hardly stretches
-    makes of the energy; the constant forces are put on in parts if that ends at no minimum; and downhill only, if
-    neither does.
+    is_symmetric = True
+
+    def __init__(self, potential: Potential, *, space: bool) -> None:
+        self.potential = potential
+        self.size = float(max(wire.length for wire in potential.mesh.plan.wires))
+        self._free = np.flatnonzero(movable(potential.mesh, space=space))
+        self.energy = potential.energy
+
+    def out_of_balance(self, r: Array) -> Array:
+        return np.asarray(self.potential.pull(r).ravel()[self._free])
+
+    def stiffness(self, r: Array) -> sparse.csc_matrix:
+        return self.potential.stiffness(r)[self._free][:, self._free]
+
+    def pattern(self, r: Array) -> sparse.csc_matrix:
+        return self.potential.pattern[self._free][:, self._free]
+
+    def stability(self, r: Array) -> tuple[sparse.csc_matrix, Integers]:
+        return self.stiffness(r), np.arange(self._free.size)
+
+    def moved(self, r: Array, step: Array) -> Array:
+        out = r.copy()
+        out.reshape(-1)[self._free] += step
+        return out
+
+    def arrived(self, r: Array) -> tuple[Array, bool]:
+        return r, False
+
+    def approaches(self, start: Array, way: Way) -> Iterator[Array]:
+        """Where it rests while constant forces are put on in parts."""
+        r: Array | None = start
+        try:
+            for part in range(1, _PARTS):
+                self.potential.share = part / _PARTS
+                r = newton(self, r, way)[0] if r is not None else None
+        finally:
+            self.potential.share = 1.0
+        if r is not None:
+            yield r
+
+
+def settle(potential: Potential, start: Array, *, space: bool = False) -> Balance:
+    """Find the rest next to a shape, see `solve/minimum.py`.
 
     Args:
         potential: of the wires.
@@ -226,113 +277,5 @@ def settle(potential: Potential, start: Array, *, space: bool = False) -> Balanc
     Raises:
         EquilibriumError: no rest was found.
     """
-    free = movable(potential.mesh, space=space).ravel()
-    try:
-        for parts in _PARTS:
-            r: Array | None = start
-            for part in range(1, parts + 1):
-                potential.share = part / parts
-                r = _newton(potential, r, free) if r is not None else None
-            if r is not None and factor_of(potential.stiffness(r)[free][:, free], _NEUTRAL) is not None:
-                return Balance(r, potential.tension(r))
-    finally:
-        potential.share = 1.0
-    r = _downhill(potential, start, free)
+    r = minimum.settle(_Shape(potential, space=space), start)
     return Balance(r, potential.tension(r))
-
-
-def _size(potential: Potential) -> float:
-    return float(max(wire.length for wire in potential.mesh.plan.wires))
-
-
-def _newton(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Array | None:
-    """Newton's method in full steps, cut where they are long; None if it does not converge."""
-    r, size, before = start.copy(), _size(potential), np.inf
-    for _ in range(_FULL_STEPS):
-        found = np.zeros(free.size)
-        found[free] = _solved(potential.stiffness(r)[free][:, free], potential.pull(r).ravel()[free])
-        largest = float(np.abs(found).max(initial=0.0))
-        if not np.isfinite(largest):
-            return None
-        r = r + found.reshape(3, -1) * min(1.0, _LONGEST * size / max(largest, 1e-300))
-        if largest <= _CLOSE * size or before <= largest <= _ALMOST * size:
-            return r
-        before = largest
-    return None
-
-
-def _solved(K: Any, out: Array) -> Array:
-    """Solution of K x = out, the least one where wires may stand anywhere; not finite where K is singular."""
-    for shift in (0.0, _NEUTRAL):
-        factor = factor_of(K, shift)
-        if factor is not None:
-            return np.asarray(factor.solve(out))
-    with np.errstate(all="ignore"), warnings.catch_warnings():
-        warnings.simplefilter("ignore", scipy.sparse.linalg.MatrixRankWarning)
-        solution: Array = scipy.sparse.linalg.spsolve(K.tocsc(), out)
-    return solution
-
-
-def factor_of(K: Any, shift: float = 0.0) -> Any:
-    """The factors of a symmetric matrix with pivots on its diagonal; None if it is not positive definite.
-
-    Args:
-        shift: of its largest diagonal entry, added to all.
-    """
-    diagonal = np.abs(K.diagonal())
-    if shift:
-        K = K + shift * diagonal.max() * sparse.identity(diagonal.size)
-    try:
-        factor = scipy.sparse.linalg.splu(
-            K.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
-    except RuntimeError:  # singular
-        return None
-    if not np.array_equal(factor.perm_r, factor.perm_c):
-        return None
-    return factor if np.all(factor.U.diagonal()[factor.perm_c] > _ZERO * diagonal) else None
-
-
-def _downhill(potential: Potential, start: Array, free: NDArray[np.bool_]) -> Array:
-    """Newton's method with a shift that grows until the stiffness is definite and the energy falls."""
-    r, size, energy, shift, before = start.copy(), _size(potential), potential.energy(start), 0.0, np.inf
-    for _ in range(_MOST_STEPS):
-        out = potential.pull(r).ravel()[free]
-        K, step = potential.stiffness(r)[free][:, free], np.zeros(free.size)
-        while True:
-            factor = factor_of(K, shift)
-            if factor is not None:
-                step[free] = factor.solve(out)
-                largest = float(np.abs(step).max(initial=0.0))
-                tried = r + step.reshape(3, -1) * min(1.0, _LONGEST * size / max(largest, 1e-300))
-                lower = potential.energy(tried)
-                if lower < energy or largest < _ALMOST * size:
-                    break
-            if shift > 1e6:
-                raise EquilibriumError("the wires find no rest; check what holds them, and whether they are compressed")
-            shift = max(_NEUTRAL, 10.0 * shift)
-        r, energy = tried, lower
-        if largest <= _CLOSE * size or before <= largest <= _ALMOST * size:
-            K = potential.stiffness(r)[free][:, free]
-            if factor_of(K, _NEUTRAL) is not None:
-                return r
-            r, shift, largest = _off_saddle(potential, r, free, K), 0.0, np.inf
-            energy = potential.energy(r)
-        before, shift = largest, 0.1 * shift if shift > _NEUTRAL else 0.0
-    raise EquilibriumError(f"the wires found no rest in {_MOST_STEPS} steps; check what holds them")
-
-
-def _off_saddle(potential: Potential, r: Array, free: NDArray[np.bool_], K: Any) -> Array:
-    """A place lower than a saddle, along its most negative curvature."""
-    size, energy, step = _size(potential), potential.energy(r), np.zeros(free.size)
-    shift = next(shift for shift in _NEUTRAL * 10.0 ** np.arange(1.0, 20.0) if factor_of(K, shift) is not None)
-    inverse = scipy.sparse.linalg.LinearOperator(K.shape, matvec=factor_of(K, shift).solve, dtype=np.float64)
-    below = -shift * float(np.abs(K.diagonal()).max())
-    way = scipy.sparse.linalg.eigsh(K, 1, sigma=below, OPinv=inverse, v0=np.ones(K.shape[0]))[1][:, 0]
-    step[free] = size * way / np.abs(way).max()
-    for far in _LEAPS:
-        for side in (far, -far):
-            tried: Array = r + side * step.reshape(3, -1)
-            if potential.energy(tried) < energy:
-                return tried
-    raise EquilibriumError("the wires rest on a saddle of their energy only; check whether they are compressed")

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.linear.fleet import Coach, coach_of
 from ropewalk.mechanics.assembly import axes_of, loads_of, strands_of, supports_of
 from ropewalk.mechanics.chain import MATERIAL, Loads
 from ropewalk.mechanics.fleet import fleet_of
@@ -17,6 +16,7 @@ from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import AnyLoad, MovingForce
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed, Guided
+from ropewalk.solve.multibody import Multibody, multibody_of
 from ropewalk.solve.start import Setting
 from ropewalk.wires.journey import ON_GROUND, Journey, travelled
 from ropewalk.wires.plan import Array, Contact, EndKind, Rider, Wire
@@ -72,7 +72,7 @@ def settled(scenario: Scenario, until: float, wires: Sequence[Wire] = ()) -> Set
 
 def journey_of(
     setting: Setting, name: str, load: AnyLoad, wire: int, line: Line, length: float | None = None
-) -> tuple[Journey, Coach | None]:
+) -> tuple[Journey, Multibody | None]:
     """The journey of a load on its line, and how it was put together if it has a mass.
 
     Args:
@@ -98,9 +98,9 @@ def journey_of(
             return np.array([[force_at(setting.loads, k, float(t), up)] for t in times])
 
         return Journey(rider, place, given=given), None
-    coach = coach_of(setting, name, load, behind)
-    rider = _rider(coach, name, load, wire, scale * behind, ground, material=material)
-    return Journey(rider, place, beside=ON_GROUND, stands=True), coach
+    system = multibody_of(setting, name, load, behind)
+    rider = _rider(system, name, load, wire, scale * behind, ground, material=material)
+    return Journey(rider, place, beside=ON_GROUND, stands=True), system
 
 
 def _place(loads: Loads, k: int, start: float, scale: float) -> Callable[[Array], Array]:
@@ -109,10 +109,11 @@ def _place(loads: Loads, k: int, start: float, scale: float) -> Callable[[Array]
     return travelled(start, loads.speed_time[part], scale * loads.speed_value[part])
 
 
-def _rider(coach: Coach, name: str, load: AnyLoad, wire: int, behind: Array, ground: float, *, material: bool) -> Rider:
+def _rider(
+    system: Multibody, name: str, load: AnyLoad, wire: int, behind: Array, ground: float, *, material: bool
+) -> Rider:
     """Coordinates and heavy wheels move up from rest on ground as high as the start; light wheels follow the wire."""
-    vehicle = coach.vehicle
-    M, C, K = vehicle.mass, vehicle.damping, vehicle.stiffness
+    M, C, K = system.mass, system.damping, system.stiffness
     own = M.shape[0] - behind.size
     light = np.array([j for j in range(own, M.shape[0]) if M[j, j] == 0.0], dtype=np.int64)
     keep = np.array([i for i in range(M.shape[0]) if i not in light], dtype=np.int64)
@@ -133,7 +134,7 @@ def _rider(coach: Coach, name: str, load: AnyLoad, wire: int, behind: Array, gro
             reduced[1][:] -= damping * np.outer(row, row)
         else:
             row[np.flatnonzero(keep == seat)[0]] = 1.0
-        rest = -float(vehicle.static_load[j])
+        rest = -float(system.static_load[j])
         contacts.append(
             Contact(
                 wire, tuple(row), float(distance), material=material, stiffness=stiffness, damping=damping,
@@ -143,15 +144,15 @@ def _rider(coach: Coach, name: str, load: AnyLoad, wire: int, behind: Array, gro
     return Rider(name, M[np.ix_(keep, keep)], reduced[1], reduced[0], tuple(contacts))
 
 
-def shown_of(setting: Setting, coach: Coach, journey: int, line: Line) -> list[Shown]:
+def shown_of(setting: Setting, system: Multibody, journey: int, line: Line) -> list[Shown]:
     """The bodies of a load that results show: what moves up and down."""
     assert setting.fleet is not None
-    heavy = int((np.diag(coach.vehicle.mass) > 0.0).sum())
+    heavy = int((np.diag(system.mass) > 0.0).sum())
     found = []
     for body in setting.fleet.shown:
-        if body.wheel in coach.wheels and body.coordinates[-1] in coach.coordinates:
-            c = coach.coordinates.index(body.coordinates[-1])
-            base = spatial(line.start)[2] + float(coach.rest[c])
-            wheel = coach.wheels.tolist().index(body.wheel)
+        if body.wheel in system.wheels and body.coordinates[-1] in system.coordinates:
+            c = system.coordinates.index(body.coordinates[-1])
+            base = spatial(line.start)[2] + float(system.rest[c])
+            wheel = system.wheels.tolist().index(body.wheel)
             found.append(Shown(body.name, journey, np.eye(heavy)[c], base, body.ahead, wheel))
     return found

@@ -6,15 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ropewalk.errors import EquilibriumError, RopewalkError
+from ropewalk.errors import EquilibriumError
 from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
+from ropewalk.solve.following import schedule, slow_motion
 from ropewalk.wires.bearing import Bearing, Borne
 from ropewalk.wires.layout import axes_of, layout_of
 from ropewalk.wires.plan import Array
 from ropewalk.wires.task import Task, ready
-
-_FINE = 20001  # instants among which the end of a way is looked for
-_MOST_DOUBLINGS = 60
 
 
 class Still:
@@ -45,66 +43,47 @@ class Still:
         """The only frame of an equilibrium."""
         yield self._frame(self._bearing.stand(0.0, self._start.position), 0.0)
 
-    def slowly(self, positions: int) -> Iterator[Frame]:
-        """Frames at equal steps of the way of the first load, until it has come to the end of its line.
+    def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
+        """Frames at equal steps of the path of the first load, until it has come to the end of its line.
+
+        Args:
+            positions: how many.
+            turn: rad, see `solve/following.py`.
 
         Raises:
-            EquilibriumError: the first load has no way, or there is no rest with it where it starts.
+            EquilibriumError: the first load has no way, or there is no rest with the loads somewhere on it.
         """
-        times, ways = self._timetable(positions)
-        near = self._start.position
-        for t, way in zip(times, ways, strict=True):
-            try:
-                found = self._bearing.stand(float(t), near)
-            except RopewalkError as error:
-                if self.account.steps == 0:
-                    raise
-                self.account.outcome = "no rest shape"
-                self.account.advice = f"at load path {way:.6g} m: {error}"
-                return
-            near = found.position
-            self.account.steps += 1
-            yield self._frame(found, float(way))
 
-    def _timetable(self, positions: int) -> tuple[Array, Array]:
-        """Times at which the first load has gone equal parts of its way, and how far that is, m."""
+        def rest(t: float, near: Borne | None) -> Borne:
+            return self._bearing.stand(t, near.position if near is not None else self._start.position)
+
+        for at in slow_motion(rest, self._places, *self._schedule(), positions, turn):
+            yield self._frame(at.shape, at.path)
+
+    def _schedule(self) -> tuple[Array, Array]:
+        """Times and paths of the first load, until all its contacts have come to the end of their line."""
         if not self.task.journeys:
             raise EquilibriumError("slow motion needs a load that travels")
         journey = self.task.journeys[0]
         length = self.task.plan.wires[journey.rider.contacts[0].wire].length
         behind = np.array([contact.behind for contact in journey.rider.contacts])
-
         begin = float(journey.place(np.zeros(1))[0])
 
-        def gone(places: Array) -> Array:
-            """How far all contacts are beyond the end that they go to, as a part of the line; negative: not yet."""
+        def beyond(places: Array) -> Array:
             ahead, back = places - behind.max() - length, behind.min() - places
-            beyond: Array = np.where(places < begin, np.maximum(ahead, back), ahead) / length
-            return beyond
+            gone: Array = np.where(places < begin, np.maximum(ahead, back), ahead) / length
+            return gone
 
-        until, before = 1.0, np.nan
-        for _ in range(_MOST_DOUBLINGS):
-            place = float(journey.place(np.array([until]))[0])
-            if gone(np.array([place]))[0] >= 0.0 or place == before:
-                break
-            until, before = 2.0 * until, place
-        times = np.linspace(0.0, until, _FINE)
-        places = journey.place(times)
-        beyond = gone(places)
-        if (beyond >= 0.0).any():
-            i = max(int(np.argmax(beyond >= 0.0)), 1)
-            last = float(np.interp(0.0, beyond[i - 1 : i + 1], times[i - 1 : i + 1]))
-            times = np.append(times[:i], last)
-            places = journey.place(times)
-        way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(places)))])
-        if not way[-1] > 0.0:
-            raise EquilibriumError(
-                f"load {journey.rider.name} has no path: it stands at the end of its line and would move off it, or "
-                "its speed is zero; let it start elsewhere (travel.from), or turn the sign of speed"
-            )
-        grown = np.concatenate([[True], np.diff(way) > 0.0])
-        wanted = np.linspace(0.0, float(way[-1]), positions)
-        return np.interp(wanted, way[grown], times[grown]), wanted
+        return schedule(journey.rider.name, journey.place, beyond)
+
+    def _places(self, found: Borne) -> Array:
+        """Where contacts are, (contact, 3) m; NaN of those off their wires."""
+        out = np.full((len(found.seats), 3), np.nan)
+        for k, seat in enumerate(found.seats):
+            if seat is not None:
+                out[k] = seat.value(found.position)
+                out[k, -1] = found.height[k]
+        return out
 
     def _frame(self, found: Borne, path: float) -> Frame:
         axes, mesh, count, dim = self._axes, self.mesh, found.station.size, len(self._axes)
@@ -112,15 +91,14 @@ class Still:
         potential, riders = self._bearing.potential, self._bearing.riders
         tension = potential.tension(r)
         EA = np.repeat([wire.axial_stiffness for wire in self.task.plan.wires], strands.links)
-        place, force, both = np.full((count, dim), np.nan), np.full((count, dim), np.nan), np.full((count, 2), np.nan)
+        place, force, both = self._places(found)[:, axes], np.full((count, dim), np.nan), np.full((count, 2), np.nan)
         xi, state = np.full(count, np.nan), np.full(count, OFF_LINE)
         first = np.concatenate([[0], np.cumsum(strands.links)[:-1]])
         for k, seat in enumerate(found.seats):
             if seat is None:
                 continue
             a = int(riders.wire[k])
-            place[k] = seat.value(r)[axes]
-            place[k, -1], force[k], force[k, -1] = found.height[k], 0.0, found.force[k]
+            force[k], force[k, -1] = 0.0, found.force[k]
             xi[k] = seat.links * strands.h[a]
             both[k] = tension[first[a] + min(int(seat.links), int(strands.links[a]) - 1)]
             state[k] = MOVES if found.touches[k] else IN_AIR

@@ -9,7 +9,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.wires.equilibrium import Potential, factor_of, settle
+from ropewalk.solve.minimum import is_definite
+from ropewalk.wires.equilibrium import Potential, settle
 from ropewalk.wires.journey import Journey
 from ropewalk.wires.large import hung
 from ropewalk.wires.mesh import Mesh, mesh_of
@@ -104,7 +105,7 @@ def _linearised(task: Task) -> Start:
     K, free = vertical_stiffness(mesh), moving(mesh)
     for i, wire in enumerate(task.plan.wires):
         own = np.arange(mesh.nodes)[mesh.of(i)][free[mesh.of(i)]]
-        if wire.tension < 0.0 and factor_of(K[own][:, own]) is None:
+        if wire.tension < 0.0 and not is_definite(K[own][:, own].tocsc()):
             raise EquilibriumError(
                 f"{wire.name} buckles under its compression of {-wire.tension:.4g} N, and small motion is about a "
                 "straight line: write geometry: nonlinear, or give tension"

@@ -1,4 +1,4 @@
-"""Loads with a mass, from the arrays of a fleet to the vehicles of the linear theory."""
+"""A load with a mass as a linear multibody system of its own: heights of its bodies and of its wheels."""
 
 from __future__ import annotations
 
@@ -13,16 +13,22 @@ from ropewalk.mechanics.rider import force_at
 from ropewalk.model.load import AnyLoad
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.solve.start import Setting
-from ropewalk.theory.beam_vehicle import Vehicle
 
 
 @dataclass(frozen=True)
-class Coach:
-    """A load as a vehicle of the linear theory, and what leads back to the load."""
+class Multibody:
+    """A load as M u'' + C u' + K u = forces of the line on its wheels, and what leads back to the load.
+
+    Coordinates are those of the bodies first, then one for each wheel.
+    """
 
     load: AnyLoad
     wheels: Integers  # (wheel,) contacts of the result
-    vehicle: Vehicle
+    mass: Array  # (coordinate and wheel, coordinate and wheel) kg
+    damping: Array  # N s/m
+    stiffness: Array  # N/m
+    axles: Array  # (wheel,) m behind the foremost one
+    static_load: Array  # (wheel,) N, on the line at rest on level ground
     coordinates: tuple[int, ...]  # number in the fleet of each body coordinate
     rest: Array  # (coordinate,) value at rest on level ground, of heights over it, m
     weights: Array  # (coordinate and wheel,) N
@@ -38,20 +44,19 @@ class Coach:
             level: height of the line's chord, m.
         """
         height = np.concatenate([self.rest, np.zeros(self.wheels.size)]) - body
-        kinetic = 0.5 * self.carried * velocity**2 + 0.5 * float(rates @ self.vehicle.mass @ rates)
-        stored = 0.5 * float(height @ self.vehicle.stiffness @ height)
+        kinetic = 0.5 * self.carried * velocity**2 + 0.5 * float(rates @ self.mass @ rates)
+        stored = 0.5 * float(height @ self.stiffness @ height)
         return kinetic, stored + float(self.weights @ height) + float(self.weights.sum()) * level
 
 
-def coach_of(setting: Setting, name: str, load: AnyLoad, axles: Array) -> Coach:
+def multibody_of(setting: Setting, name: str, load: AnyLoad, axles: Array) -> Multibody:
     """Put together the vehicle of a load: of an oscillator the height alone, of the rest everything.
 
     Args:
         axles: (wheel,) m, distances of the wheels behind the foremost one.
 
     Raises:
-        RopewalkError: the coordinates are not held by springs.
-        ValueError: the matrices cannot be used.
+        RopewalkError: the coordinates are not held by springs, or have no mass, or are turned by gyroscopic forces.
     """
     assert setting.fleet is not None
     bodies, dim = setting.fleet.bodies, len(setting.axes)
@@ -70,6 +75,13 @@ def coach_of(setting: Setting, name: str, load: AnyLoad, axles: Array) -> Coach:
         M, C, K, given = _matrices(bodies, i, own, wheels, dim - 1)
         M[np.arange(own.size, len(M)), np.arange(own.size, len(M))] += mass
     held = slice(0, own.size)
+    if not np.allclose(C, C.T, rtol=1e-9, atol=1e-12 * np.abs(C).max(initial=0.0)):
+        raise RopewalkError(
+            f"load {name}: its damping matrix is not symmetric, and gyroscopic forces are known on ropes alone; leave "
+            "that part out"
+        )
+    if (np.linalg.eigvalsh(M[held, held]) <= 0.0).any():
+        raise RopewalkError(f"load {name}: a coordinate of its bodies has no mass; check its mass matrix")
     gravity = -float(setting.strands.gravity[-1])
     weights = np.concatenate([np.zeros(own.size), mass * gravity])
     weights[: given.size] += given
@@ -82,7 +94,7 @@ def coach_of(setting: Setting, name: str, load: AnyLoad, axles: Array) -> Coach:
         ) from None
     static = weights[own.size :] + push + K[own.size :, held] @ rest
     numbers = tuple(int(first + d) for d in own)
-    return Coach(load, wheels, Vehicle(M, C, K, axles, static), numbers, rest, weights, carried)
+    return Multibody(load, wheels, M, C, K, axles, static, numbers, rest, weights, carried)
 
 
 def _vehicle_of(bodies: Bodies, wheels: Integers) -> int | None:

@@ -15,11 +15,12 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
+from . import kernel as compiled
+from hermite import sweeps
 from ropewalk.errors import RopewalkError
-from ropewalk.wires.hermite import kernel as compiled
-from ropewalk.wires.hermite import sweeps
-from ropewalk.wires.hermite.rest import HermiteModel, assembled, height, lumps
 from ropewalk.wires.plan import Array, Rider, Spot
+
+from .rest import HermiteModel, assembled, height, lumps
 
 _ROUND_OFF = 1e-14  # a repeated node feels this part of what stands `reach` nodes away
 

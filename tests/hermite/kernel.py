@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.mechanics.compiled import lean, lean_inner
-from ropewalk.wires.hermite.sweeps import CR, CU, LANES, ROW, H, R, U, V, Y, column, move, predict, weigh
+
+from .sweeps import CR, CU, LANES, ROW, H, R, U, V, Y, column, move, predict, weigh
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

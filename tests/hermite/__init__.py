@@ -1,7 +1,7 @@
 """The reference for splines: cubic Hermite elements, implicit, which share the plan with them and no more."""
 
-from ropewalk.wires.hermite.motion import Drive, Record, State, run
-from ropewalk.wires.hermite.rest import HermiteModel, Rest, elasticity, height, rest_of, tie_forces
+from .motion import Drive, Record, State, run
+from .rest import HermiteModel, Rest, elasticity, height, rest_of, tie_forces
 
 __all__ = [
     "Drive",

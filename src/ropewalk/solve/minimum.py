@@ -1,0 +1,242 @@
+"""Equilibrium of any structure: the least potential energy next to a shape, by Newton's method."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from typing import Protocol
+
+import numpy as np
+import scipy.sparse as sparse
+import scipy.sparse.linalg
+
+from ropewalk.errors import EquilibriumError
+from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.solve.symmetric import IndefiniteError, Solver, Way, modes
+
+_FULL_STEPS, _MOST_STEPS = 40, 2000
+# Of the size of the structure: longer steps are cut.
+_LONGEST = 0.1
+# Of the size: a step this small is the last one, as is the first that is no smaller than before, if it is small enough
+# for rounding to hide whether the energy falls.
+_CLOSE, _ALMOST = 1e-11, 1e-8
+# Of the largest stiffness: what rounding may take from the smallest one, which a structure free to slide has none of.
+_NEUTRAL = 1e-12
+_STIFFEST = 1e6  # shift, of the largest stiffness, with which a search downhill gives up
+_LEAPS = 0.1, 1e-2, 1e-3, 1e-4  # of the size, off a saddle
+
+
+class Potential(Protocol):
+    """A potential energy as a function of a shape: positions of nodes, of which unknowns may move.
+
+    Forces need not come from it: friction makes the stiffness unsymmetric, and only `stability` knows what sticks.
+    """
+
+    @property
+    def size(self) -> float:
+        """Extent of the structure, m."""
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether the stiffness is."""
+
+    def energy(self, r: Array) -> float:
+        """Potential energy, J."""
+
+    def out_of_balance(self, r: Array) -> Array:
+        """Forces that belong to the unknowns, (unknown,) N."""
+
+    def stiffness(self, r: Array) -> sparse.csc_matrix:
+        """Change of these forces, with the sign turned, (unknown, unknown) N/m."""
+
+    def pattern(self, r: Array) -> sparse.csc_matrix:
+        """Where the stiffness may have entries, whatever the shape is."""
+
+    def stability(self, r: Array) -> tuple[sparse.csc_matrix, Integers]:
+        """A symmetric stiffness that is definite where the energy is least, and the unknowns that it is of."""
+
+    def moved(self, r: Array, step: Array) -> Array:
+        """The shape after a step (unknown,) m of the unknowns."""
+
+    def arrived(self, r: Array) -> tuple[Array, bool]:
+        """The shape, and whether the structure is another one there: lines may have passed sheaves.
+
+        Raises:
+            EquilibriumError: the structure ends there.
+        """
+
+    def approaches(self, start: Array, way: Way) -> Iterator[Array]:
+        """Shapes from which rest may be easier to find."""
+
+
+def settle(potential: Potential, start: Array, way: Way = "auto") -> Array:
+    """Find the rest next to a shape: a minimum of the potential energy, as its stiffness shows.
+
+    Newton's method in full steps, which may climb the walls of the narrow valley that lines which hardly stretch make
+    of the energy; the same from other shapes if that ends at no minimum; and downhill only from the lowest of these,
+    and off saddles, if none does.
+
+    Args:
+        potential: of the structure.
+        start: a shape, m.
+        way: of solving, see `solve/symmetric.py`.
+
+    Raises:
+        EquilibriumError: no rest was found.
+    """
+    if potential.out_of_balance(start).size == 0:
+        return start.copy()
+    found = _minimum(potential, start, way)
+    if found is not None:
+        return found
+    lowest = start
+    for near in potential.approaches(start, way):
+        found = _minimum(potential, near, way)
+        if found is not None:
+            return found
+        if potential.energy(near) < potential.energy(lowest):
+            lowest = near
+    return _downhill(potential, lowest, way)
+
+
+def _minimum(potential: Potential, start: Array, way: Way) -> Array | None:
+    """Where Newton's method ends, if the energy is least there."""
+    found, definite = newton(potential, start, way)
+    return found if found is not None and (definite or is_least(potential, found, way)) else None
+
+
+def newton(potential: Potential, start: Array, way: Way = "auto") -> tuple[Array | None, bool]:
+    """Where Newton's method in full steps ends, cut where they are long, and whether the stiffness is definite there.
+
+    Returns:
+        The shape, None if it does not converge; and False, too, where the stiffness is not symmetric.
+    """
+    r, size, before = start.copy(), potential.size, np.inf
+    solver: Solver | None = None
+    for _ in range(_FULL_STEPS):
+        K, out = potential.stiffness(r), potential.out_of_balance(r)
+        if potential.is_symmetric and solver is None:
+            solver = Solver(_with_diagonal(potential.pattern(r)), way)
+        step, definite = _step(solver, K, out)
+        largest = float(np.abs(step).max(initial=0.0))
+        if not np.isfinite(largest):
+            return None, False
+        try:
+            r, is_another = potential.arrived(potential.moved(r, _cut(step, largest, size)))
+        except EquilibriumError:  # a step too far
+            return None, False
+        if is_another:
+            solver, before = None, np.inf
+            continue
+        if largest <= _CLOSE * size or before <= largest <= _ALMOST * size:
+            return r, definite
+        before = largest
+    return None, False
+
+
+def is_least(potential: Potential, r: Array, way: Way = "auto") -> bool:
+    """Whether the energy is least there, but for what is free to slide."""
+    K, _ = potential.stability(r)
+    return is_definite(K, way)
+
+
+def is_definite(K: sparse.csc_matrix, way: Way = "auto") -> bool:
+    """Whether a symmetric stiffness is positive definite, but for what rounding leaves of zero."""
+    return _factorised(Solver(_with_diagonal(K), way), K, _NEUTRAL)
+
+
+def _with_diagonal(K: sparse.csc_matrix) -> sparse.csc_matrix:
+    return abs(K) + sparse.identity(K.shape[0], format="csc")
+
+
+def _factorised(solver: Solver, K: sparse.csc_matrix, shift: float) -> bool:
+    """Whether a stiffness is definite with a shift, of its largest diagonal entry; the solver has its factor then."""
+    if shift:
+        largest = float(np.abs(K.diagonal()).max(initial=0.0))
+        K = K + shift * largest * sparse.identity(K.shape[0], format="csc")
+    try:
+        solver.factorise(K)
+    except (IndefiniteError, ValueError):  # a ValueError: it is not finite
+        return False
+    return True
+
+
+def _cut(step: Array, largest: float, size: float) -> Array:
+    return step * min(1.0, _LONGEST * size / max(largest, 1e-300))
+
+
+def _step(solver: Solver | None, K: sparse.csc_matrix, out: Array) -> tuple[Array, bool]:
+    """Solution of K x = out, the least one where the structure may stand anywhere, and whether K is definite.
+
+    Args:
+        solver: for symmetric K; None: it is not symmetric.
+
+    Returns:
+        The solution is not finite where K is singular.
+    """
+    if solver is not None and (_factorised(solver, K, 0.0) or _factorised(solver, K, _NEUTRAL)):
+        return solver.solve(out), True
+    nowhere = np.full_like(out, np.nan)
+    if not np.isfinite(K.data).all():
+        return nowhere, False
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:  # a saddle on the way
+            return np.asarray(scipy.sparse.linalg.splu(K.tocsc()).solve(out)), False
+        except RuntimeError:
+            return nowhere, False
+
+
+def _downhill(potential: Potential, start: Array, way: Way) -> Array:
+    """Newton's method with a shift that grows until the stiffness is definite and the energy falls."""
+    r, size, shift, before = start.copy(), potential.size, 0.0, np.inf
+    energy = potential.energy(r)
+    solver: Solver | None = None
+    for _ in range(_MOST_STEPS):
+        K, out = potential.stiffness(r), potential.out_of_balance(r)
+        solver = solver or Solver(_with_diagonal(potential.pattern(r)), way)
+        while True:
+            step = solver.solve(out) if _factorised(solver, K, shift) else np.full_like(out, np.nan)
+            largest = float(np.abs(step).max(initial=0.0))
+            if np.isfinite(largest) and float(step @ out) >= 0.0:
+                tried = potential.moved(r, _cut(step, largest, size))
+                lower = potential.energy(tried)
+                if lower <= energy or largest < _ALMOST * size:
+                    break
+            if shift > _STIFFEST:
+                raise EquilibriumError(
+                    "no rest was found: check what holds the structure, and whether lines are pushed together"
+                )
+            shift = max(_NEUTRAL, 10.0 * shift)
+        r, is_another = potential.arrived(tried)
+        energy = lower
+        if is_another:
+            solver, energy = None, potential.energy(r)
+        if largest <= _CLOSE * size or (before <= largest <= _ALMOST * size and shift <= 1e3 * _NEUTRAL):
+            if is_least(potential, r, way):
+                return r
+            r, shift, largest = _off_saddle(potential, r), 0.0, np.inf
+            energy = potential.energy(r)
+        before, shift = largest, 0.1 * shift if shift > _NEUTRAL else 0.0
+    raise EquilibriumError(f"no rest was found in {_MOST_STEPS} steps; check what holds the structure")
+
+
+def _off_saddle(potential: Potential, r: Array) -> Array:
+    """A shape of less energy than a saddle, along its most negative curvature.
+
+    Raises:
+        EquilibriumError: there is none nearby.
+    """
+    K, unknowns = potential.stability(r)
+    energy, step = potential.energy(r), np.zeros(potential.out_of_balance(r).size)
+    curved = modes(K, np.ones(K.shape[0]), 1)[1][:, 0]
+    step[unknowns] = potential.size * curved / np.abs(curved).max()
+    for far in _LEAPS:
+        for side in (far, -far):
+            tried = potential.moved(r, side * step)
+            if potential.energy(tried) < energy:
+                return tried
+    raise EquilibriumError(
+        "the structure is only balanced at rest, not stable: lines are pushed together; check forces, supports and "
+        "lengths, or give lines without bending stiffness law: {kind: tension_only}"
+    )
