@@ -15,11 +15,11 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
-from . import kernel as compiled
-from hermite import sweeps
 from ropewalk.errors import RopewalkError
 from ropewalk.wires.plan import Array, Rider, Spot
 
+from . import kernel as compiled
+from . import sweeps
 from .rest import HermiteModel, assembled, height, lumps
 
 _ROUND_OFF = 1e-14  # a repeated node feels this part of what stands `reach` nodes away
