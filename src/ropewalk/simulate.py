@@ -384,6 +384,42 @@ def _refuse_masses(scenario: Scenario) -> None:
             )
 
 
+def _with_loads(scenario: Scenario) -> bool:
+    """Whether rest, where a spectrum is asked for, is with the loads at their start."""
+    return not isinstance(scenario.run, Dynamic) or scenario.run.start.with_loads
+
+
+def _check_instant(scenario: Scenario, at: float) -> Dynamic:
+    """Give the run that has an instant.
+
+    Raises:
+        ScenarioError: it lies outside of the run, or that knows no time.
+    """
+    run = scenario.run
+    if not isinstance(run, Dynamic):
+        wrong, remedy = f"a run of kind {run.kind} has no instants", "leave the time out"
+        raise ScenarioError([Problem("at", wrong, f"{at:g} s", remedy)])
+    if not 0.0 <= at <= run.until:
+        remedy = f"give a time from 0 s to run.until, {run.until:g} s"
+        raise ScenarioError([Problem("at", "the time lies outside the run", f"{at:g} s", remedy)])
+    return run
+
+
+def _spectrum_of_wires(scenario: Scenario, at: float | None, how_many: int | None) -> Spectrum:
+    from ropewalk.wires import spectrum as of_wires  # lazy: a run does not need the eigenvalue solvers
+    from ropewalk.wires.frames import SAMPLE
+    from ropewalk.wiring import task_of
+
+    if at is not None:
+        run = _check_instant(scenario, at)
+        sample = run.sample or max(SAMPLE, run.step or 0.0)
+        return of_wires.spectrum_at(task_of(scenario), at, sample=sample, step=run.step, how_many=how_many)
+    task = task_of(scenario)
+    if _with_loads(scenario) and task.journeys:
+        return of_wires.spectrum_with_loads(task, how_many)
+    return of_wires.spectrum(task, how_many)
+
+
 def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | None = None) -> Spectrum:
     """Find the spectrum of a scenario.
 
@@ -408,12 +444,7 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
 
         return spectrum_of_web(scenario, how_many)
     if scenario.is_stiff:
-        if at is not None:
-            raise RopewalkError("the spectrum of stiff and overhead lines is known at rest only; leave the time out")
-        from ropewalk.wires.spectrum import spectrum as spectrum_of_wires  # lazy: as above
-        from ropewalk.wiring import task_of
-
-        return spectrum_of_wires(task_of(scenario), how_many)
+        return _spectrum_of_wires(scenario, at, how_many)
     if at is not None or (isinstance(run, Dynamic) and run.start.with_loads):
         _refuse_masses(scenario)
     if at is None:
@@ -430,12 +461,7 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
             )
         r, X = np.concatenate([rest.position for rest in rests], axis=1), np.concatenate([rest.X for rest in rests])
         return spectrum(setting.strands, (in_space(r), X), how_many=how_many, names=setting.lines)
-    if not isinstance(run, Dynamic):
-        wrong, remedy = f"a run of kind {run.kind} has no instants", "leave the time out"
-        raise ScenarioError([Problem("at", wrong, f"{at:g} s", remedy)])
-    if not 0.0 <= at <= run.until:
-        remedy = f"give a time from 0 s to run.until, {run.until:g} s"
-        raise ScenarioError([Problem("at", "the time lies outside the run", f"{at:g} s", remedy)])
+    _check_instant(scenario, at)
     _refuse_to_yield(setting_of(scenario, 0.0), "the spectrum knows", "fix the end where it is then", moving=False)
     setting, state = state_at(scenario, at)
     return spectrum(setting.strands, (in_space(state.r), state.X), how_many=how_many, names=setting.lines)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
-from scipy.sparse import csc_matrix
+from scipy.sparse import csc_matrix, diags
 
 from ropewalk.model.scenario import Scenario
-from ropewalk.solve.free_vibration import free_vibration, shaped
+from ropewalk.solve.equations import Equations
+from ropewalk.solve.free_vibration import free_vibration
 from ropewalk.solve.spectrum import Spectrum
 from ropewalk.solve.symmetric import modes
 from ropewalk.webs.laying import Laid
@@ -48,10 +47,10 @@ def spectrum(scenario: Scenario, how_many: int | None = None) -> Spectrum:
         EquilibriumError: it has no rest.
     """
     laid, rest, K, mass, free = small_motion(scenario)
-    found, shapes = free_vibration("web", K, mass, how_many=how_many)
     parts = [(s.name, s.node) for s in laid.strands]
     parts += [(sheet.name, vertex) for sheet, vertex in zip(laid.sheets, laid.vertex, strict=True)]
     nodes = np.concatenate([nodes for _, nodes in parts])
-    moved = np.asarray((free @ shapes).T).reshape(shapes.shape[1], -1, 3)[:, nodes]
     names = tuple(name for name, nodes in parts for _ in nodes)
-    return replace(found, modes=shaped(found, moved, rest[nodes], names))
+    moves = free.tocsr()[(3 * nodes[:, None] + np.arange(3)).ravel()]
+    none = csc_matrix(K.shape)
+    return free_vibration(Equations("web", K, diags(mass).tocsc(), none, moves, rest[nodes], names), how_many)

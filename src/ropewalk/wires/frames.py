@@ -59,7 +59,7 @@ class Run:
         if task.with_loads:
             self.task, start = at_rest_together(self.task, start)
         account.warnings += task.remarks
-        self.mesh, self._at_rest = start.mesh, start.position
+        self.start, self.mesh, self._at_rest = start, start.mesh, start.position
         self.account = account
         self.riders = riders_of([journey.rider for journey in self.task.journeys])
         interval = float(np.diff(times).max()) if times.size > 1 else sample
