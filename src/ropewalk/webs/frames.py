@@ -112,6 +112,7 @@ class Run:
             weight=self._weight(),
         )
         self._start_energy = np.nan
+        self.state: State | None = None  # of a motion, the present one
 
     def _weight(self) -> float:
         """What supports and sheaves carry at rest, N; unknown where the wind bears some of it."""
@@ -138,7 +139,7 @@ class Run:
         """Frames of a motion at the output instants, s."""
         run, web, account = self.scenario.run, self.web, self.account
         assert isinstance(run, Dynamic)
-        state = self._first(with_loads=run.start.with_loads)
+        self.state = state = self._first(with_loads=run.start.with_loads)
         room, stable = Room.of(web), largest_step(web)
         step = stable if run.step is None else run.step
         limit = stable / (SAFETY_OF_NETS if web.own_cells else SAFETY)
@@ -231,12 +232,16 @@ class Run:
             np.zeros(1), r, np.zeros_like(r), q, u, np.zeros(WORKS), np.zeros((contacts, 3)), np.zeros(contacts)
         )
 
+    def at_rest_with_loads(self) -> Array:
+        """Places (node, 3) in m at rest with the loads at their start, which stand there from now on."""
+        r = self.rest.copy()
+        stand(self.web, r, 0.0)
+        return self._settled(r, 0.0)
+
     def standing(self) -> Iterator[Frame]:
         """The only frame of an equilibrium: at rest with the loads at their start."""
         self.account.method, self.account.reason = "rest", "least potential energy"
-        r = self.rest.copy()
-        stand(self.web, r, 0.0)
-        r = self._settled(r, 0.0)
+        r = self.at_rest_with_loads()
         self._note_slack(r)
         yield self._still(r, 0.0, 0.0)
 
