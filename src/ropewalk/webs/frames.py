@@ -13,6 +13,7 @@ from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Account, Frame, Layout
 from ropewalk.webs import motion
+from ropewalk.webs.beginning import begin_elsewhere
 from ropewalk.webs.contacts import neighbours
 from ropewalk.webs.fabric import tensions_of
 from ropewalk.webs.lengths import laid_at_rest
@@ -140,6 +141,8 @@ class Run:
         run, web, account = self.scenario.run, self.web, self.account
         assert isinstance(run, Dynamic)
         self.state = state = self._first(with_loads=run.start.with_loads)
+        if run.start.kind != "rest":
+            begin_elsewhere(self.laid, state, run.start, self._shown, self._axes)
         room, stable = Room.of(web), largest_step(web)
         step = stable if run.step is None else run.step
         limit = stable / (SAFETY_OF_NETS if web.own_cells else SAFETY)
