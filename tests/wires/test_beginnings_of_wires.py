@@ -58,22 +58,33 @@ def test_a_beam_released_in_a_mode_swings_as_euler_and_bernoulli_say_and_its_amp
     assert miss < 5e-3 * AMPLITUDE
 
 
-@pytest.mark.parametrize("geometry", ["nonlinear", "linearised"])
-def test_an_overhead_line_released_in_a_mode_swings_as_its_spectrum_says(geometry) -> None:
-    tree = {"gravity": 9.81, "overhead_lines": {"line": OVERHEAD}}
+def released(element: float, geometry: str) -> float:
+    """By which part the frequency of an overhead line released in its first mode upwards misses its spectrum."""
+    tree = {"gravity": 9.81, "overhead_lines": {"line": {**OVERHEAD, "element": element}}}
     modes = spectrum_of(Scenario.model_validate({**tree, "run": {"kind": "equilibrium"}})).modes
     assert modes is not None
-    up = [w for w, s in zip(modes.frequency, modes.shape, strict=True) if (s[:, 2] ** 2).sum() > 0.5 * (s**2).sum()][0]
+    up = next(
+        w for w, s in zip(modes.frequency, modes.shape, strict=True) if (s[:, 2] ** 2).sum() > 0.5 * (s**2).sum()
+    )
     start = {"kind": "mode", "amplitude": AMPLITUDE, "line": "line"}
     result = run_of(tree, until=4.0, every=0.02, start=start, geometry=geometry)
     z = result.position.sel(axis="z").values
     rest = run_of(tree, until=0.02, every=0.02, geometry=geometry).position.sel(axis="z").values[0]
     top = int(np.abs(z[0] - rest).argmax())
-    w, amplitude, miss = fitted(result.time.values, z[:, top] - rest[top], up)
-    print(w / up - 1.0, amplitude / AMPLITUDE, miss / AMPLITUDE)
-    # Small motion knows nothing of how the wires stretch, and of what moves along x; the mesh of 1 m: 1e-3
-    assert w == pytest.approx(up, rel=3e-3 if geometry == "nonlinear" else 3e-2)
+    w, _, miss = fitted(result.time.values, z[:, top] - rest[top], up)
+    print(w / up - 1.0, miss / AMPLITUDE)
     assert miss < 0.02 * AMPLITUDE
+    return w / up - 1.0
+
+
+def test_an_overhead_line_released_in_a_mode_swings_as_its_spectrum_says() -> None:
+    """The stencil of motion is corrected for smooth waves; at droppers modes have kinks, which costs the first order."""
+    coarse, fine = released(1.0, "nonlinear"), released(0.5, "nonlinear")
+    assert abs(coarse) < 0.01
+    assert 1.7 < coarse / fine < 2.3
+    assert abs(2.0 * fine - coarse) < 5e-4
+    # Small motion knows nothing of how the wires stretch, and of what moves along x.
+    assert abs(released(1.0, "linearised")) < 0.03
 
 
 @pytest.mark.parametrize("geometry", ["nonlinear", "linearised"])
@@ -120,7 +131,7 @@ def test_small_motion_that_begins_at_rest_with_its_loads_stays_there(name) -> No
 
 
 def test_droppers_that_a_force_slackens_are_slack_from_the_beginning() -> None:
-    lift = {"kind": "force", "on": "line", "force": [0, 150.0], "travel": {"speed": 0.0, "from": 90.0}}
+    lift = {"kind": "force", "on": "line", "force": [0, 600.0], "travel": {"speed": 0.0, "from": 90.0}}
     tree = {"gravity": 9.81, "overhead_lines": {"line": OVERHEAD}, "loads": {"lift": lift}}
     result = run_of(tree, until=0.5, every=0.05, start={"with_loads": True}, geometry="linearised")
     slack = result.tie_force.values <= 1e-9
