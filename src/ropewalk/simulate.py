@@ -13,7 +13,7 @@ import numpy as np
 from ropewalk.errors import EquilibriumError, Problem, RopewalkError, ScenarioError
 from ropewalk.foreign.turns import Turns, begun, closing
 from ropewalk.mechanics.bodies import Bodies, are_weightless
-from ropewalk.mechanics.chain import Array, State
+from ropewalk.mechanics.chain import OFF, Array, State
 from ropewalk.model.load import MovingForce
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
@@ -149,7 +149,7 @@ def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
         from ropewalk import linear  # lazy: the closed forms take a while to import
 
         setting = setting_of(scenario, scenario.run.until)
-        _refuse_to_yield(setting, "run.kind: linear knows", "ask for kind: dynamic", moving=True)
+        _refuse_to_yield(setting, "run.kind: linear knows", "ask for kind: dynamic")
         times = output_times(scenario.run)
         account.method, account.reason = "linear theory", "as asked: superposition of small deflections about the chord"
         account.audit = "the linear theory superposes deflections and keeps no energies"
@@ -341,13 +341,14 @@ def _rest(setting: Setting, scenario: Scenario, account: Account) -> Iterator[Fr
     yield standing_frame(setting, stands, setting.xi, 0.0, given)
 
 
-def state_at(scenario: Scenario, t: float | None) -> tuple[Setting, State]:
-    """The model and its state at time t of a dynamic run (None: at rest, loads not on their lines)."""
-    run = scenario.run
-    until = run.until if isinstance(run, Dynamic) else 0.0
-    setting = setting_of(scenario, until)
-    if t is None or not isinstance(run, Dynamic):
-        return setting, start_state(setting, with_loads=t is not None)
+def state_at(scenario: Scenario, t: float) -> tuple[Setting, State, Bodies | None]:
+    """The model of a dynamic run, its state at time t in s, and all that has a mass.
+
+    Raises:
+        RopewalkError: the run does not come to the instant.
+    """
+    assert isinstance(scenario.run, Dynamic)
+    setting = setting_of(scenario, scenario.run.until)
     state, bodies = initial_state(setting, scenario)
     if t > 0.0:
         progress = Progress()
@@ -358,36 +359,67 @@ def state_at(scenario: Scenario, t: float | None) -> tuple[Setting, State]:
         if progress.status != RUNNING:
             outcome, advice = progress.told()
             raise RopewalkError(f"the run did not come to t = {t:g} s ({outcome}): {advice}")
-    return setting, state
+    return setting, state, bodies
 
 
-def _refuse_to_yield(setting: Setting, who: str, otherwise: str, *, moving: bool) -> None:
-    """Refuse supports that yield (or move) where they are not known, instead of passing over them.
+def _refuse_to_yield(setting: Setting, who: str, otherwise: str) -> None:
+    """Refuse supports that yield or move where they are not known, instead of passing over them.
 
     Raises:
         RopewalkError: there is such a support.
     """
     supports = setting.supports
     for number, free in enumerate(supports.free):
-        if free.any() or (moving and supports.motion_count[number] > 1):
+        if free.any() or supports.motion_count[number] > 1:
             name = f"lines: {setting.lines[number // 2]}: {('start', 'end')[number % 2]}_support"
-            kinds = "fixed" if moving else "fixed and moving"
-            raise RopewalkError(f"{name}: {who} only {kinds} supports so far; write kind: fixed, or {otherwise}")
+            raise RopewalkError(f"{name}: {who} only fixed supports so far; write kind: fixed, or {otherwise}")
 
 
-def _refuse_masses(scenario: Scenario) -> None:
-    """Refuse loads with a mass where the spectrum would leave it out.
+def _with_loads(scenario: Scenario) -> bool:
+    """Whether rest, where a spectrum is asked for, is with the loads at their start."""
+    return not isinstance(scenario.run, Dynamic) or scenario.run.start.with_loads
+
+
+def _check_instant(scenario: Scenario, at: float) -> Dynamic:
+    """Give the run that has an instant.
 
     Raises:
-        RopewalkError: there is such a load.
+        ScenarioError: it lies outside of the run, or that knows no time.
     """
-    for name, load in scenario.loads.items():
-        if not isinstance(load, MovingForce):
-            raise RopewalkError(
-                f"load {name}: the spectrum with loads in their places knows forces only, not kind: {load.kind}; ask "
-                "for that of the line alone (no instant, no start.with_loads), or write kind: force with its weight "
-                "as force"
-            )
+    run = scenario.run
+    if not isinstance(run, Dynamic):
+        wrong, remedy = f"a run of kind {run.kind} has no instants", "leave the time out"
+        raise ScenarioError([Problem("at", wrong, f"{at:g} s", remedy)])
+    if not 0.0 <= at <= run.until:
+        remedy = f"give a time from 0 s to run.until, {run.until:g} s"
+        raise ScenarioError([Problem("at", "the time lies outside the run", f"{at:g} s", remedy)])
+    return run
+
+
+def _spectrum_of_web(scenario: Scenario, at: float | None, how_many: int | None) -> Spectrum:
+    from ropewalk.webs import spectrum as of_webs  # lazy: a run does not need the eigenvalue solvers
+
+    if at is not None:
+        _check_instant(scenario, at)
+        return of_webs.spectrum_at(scenario, at, how_many)
+    if _with_loads(scenario) and scenario.loads:
+        return of_webs.spectrum_with_loads(scenario, how_many)
+    return of_webs.spectrum(scenario, how_many)
+
+
+def _spectrum_of_wires(scenario: Scenario, at: float | None, how_many: int | None) -> Spectrum:
+    from ropewalk.wires import spectrum as of_wires  # lazy: a run does not need the eigenvalue solvers
+    from ropewalk.wires.frames import SAMPLE
+    from ropewalk.wiring import task_of
+
+    if at is not None:
+        run = _check_instant(scenario, at)
+        sample = run.sample or max(SAMPLE, run.step or 0.0)
+        return of_wires.spectrum_at(task_of(scenario), at, sample=sample, step=run.step, how_many=how_many)
+    task = task_of(scenario)
+    if _with_loads(scenario) and task.journeys:
+        return of_wires.spectrum_with_loads(task, how_many)
+    return of_wires.spectrum(task, how_many)
 
 
 def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | None = None) -> Spectrum:
@@ -402,46 +434,45 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     Raises:
         EquilibriumError: there is no rest shape, or it is not determined without the loads.
         ScenarioError: the instant lies outside the run, or the run knows no time.
-        RopewalkError: the run does not come to the instant, or a support yields.
+        RopewalkError: the run does not come to the instant, or a load has no equations of motion.
     """
-    from ropewalk.solve.spectrum import in_space, spectrum  # lazy: a run does not need the eigenvalue solvers
-
-    run = scenario.run
     if scenario.is_web:
-        if at is not None:
-            raise RopewalkError("the spectrum of joined lines and nets is known at rest only; leave the time out")
-        from ropewalk.webs.spectrum import spectrum as spectrum_of_web  # lazy: as above
-
-        return spectrum_of_web(scenario, how_many)
+        return _spectrum_of_web(scenario, at, how_many)
     if scenario.is_stiff:
-        if at is not None:
-            raise RopewalkError("the spectrum of stiff and overhead lines is known at rest only; leave the time out")
-        from ropewalk.wires.spectrum import spectrum as spectrum_of_wires  # lazy: as above
-        from ropewalk.wiring import task_of
+        return _spectrum_of_wires(scenario, at, how_many)
+    return _spectrum_of_ropes(scenario, at, how_many)
 
-        return spectrum_of_wires(task_of(scenario), how_many)
-    if at is not None or (isinstance(run, Dynamic) and run.start.with_loads):
-        _refuse_masses(scenario)
-    if at is None:
+
+def _spectrum_of_ropes(scenario: Scenario, at: float | None, how_many: int | None) -> Spectrum:
+    from ropewalk.solve.chain_equations import equations_of, hang_down, refuse_minds  # lazy: as above
+    from ropewalk.solve.free_vibration import free_vibration
+    from ropewalk.solve.spectrum import in_space, spectrum
+
+    bodies: Bodies | None = None
+    if at is not None:
+        _check_instant(scenario, at)
+        refuse_minds(scenario)
+        setting, state, bodies = state_at(scenario, at)
+    elif _with_loads(scenario):
+        refuse_minds(scenario)
         setting = setting_of(scenario, 0.0)
-        _refuse_to_yield(setting, "the spectrum knows", "fix the end where it rests", moving=False)
-        if not isinstance(run, Dynamic) or run.start.with_loads:
-            state = start_state(setting, True)
-            return spectrum(setting.strands, (in_space(state.r), state.X), how_many=how_many, names=setting.lines)
+        state = start_state(setting, True, resting_forces(setting))
+        if setting.fleet is not None:
+            bodies = board(setting, state, True)
+            assert bodies is not None
+            hang_down(setting, state, bodies)
+    else:
+        setting = setting_of(scenario, 0.0)
         rests = [rest for rest in setting.bare if rest is not None]
         if len(rests) < len(setting.bare):
             name = setting.lines[setting.bare.index(None)]
             raise EquilibriumError(
                 f"line {name}: without loads its rest shape is not determined; ask for an instant of the run instead"
             )
-        r, X = np.concatenate([rest.position for rest in rests], axis=1), np.concatenate([rest.X for rest in rests])
-        return spectrum(setting.strands, (in_space(r), X), how_many=how_many, names=setting.lines)
-    if not isinstance(run, Dynamic):
-        wrong, remedy = f"a run of kind {run.kind} has no instants", "leave the time out"
-        raise ScenarioError([Problem("at", wrong, f"{at:g} s", remedy)])
-    if not 0.0 <= at <= run.until:
-        remedy = f"give a time from 0 s to run.until, {run.until:g} s"
-        raise ScenarioError([Problem("at", "the time lies outside the run", f"{at:g} s", remedy)])
-    _refuse_to_yield(setting_of(scenario, 0.0), "the spectrum knows", "fix the end where it is then", moving=False)
-    setting, state = state_at(scenario, at)
+        state = start_state(setting, False)
+        state.rider[:] = OFF
+        state.r[:] = np.concatenate([rest.position for rest in rests], axis=1)
+        state.X[:] = np.concatenate([rest.X for rest in rests])
+    if bodies is not None or setting.supports.free.any():
+        return free_vibration(equations_of(scenario, setting, state, bodies), how_many)
     return spectrum(setting.strands, (in_space(state.r), state.X), how_many=how_many, names=setting.lines)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -13,22 +13,29 @@ import numpy as np
 from ropewalk.foreign.models import turns_of
 from ropewalk.mechanics.assembly import speed_table, vector_table
 from ropewalk.mechanics.wheels import wheels_of
+from ropewalk.errors import RopewalkError
+from ropewalk.model.beginning import UP
+from ropewalk.model.line import spatial
 from ropewalk.model.load import AnyLoad, Foreign, MovingForce
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic, Quasistatic
+from ropewalk.model.run import Start as Beginning
 from ropewalk.model.scenario import Scenario
 from ropewalk.overhead.irregularity import read_irregularity
 from ropewalk.overhead.riding import expected_lift, push_of, rider_of, start_of
 from ropewalk.overhead.section import CONTACT, Section, in_space, joined, section_of
+from ropewalk.results.resume import stored_instant
 from ropewalk.solve.timetable import horizon
+from ropewalk.wires.beginning import in_mode
+from ropewalk.wires.equilibrium import movable
 from ropewalk.wires.journey import Journey, smooth, travelled
 from ropewalk.wires.lines import journey_of, settled, shown_of, wire_of
 from ropewalk.wires.mesh import links_of
 from ropewalk.wires.partners import Foreigner
 from ropewalk.wires.partners import rider_of as foreign_rider
 from ropewalk.wires.plan import Array, Contact, Plan, Rider
-from ropewalk.wires.task import Shown, Task, unstretched
+from ropewalk.wires.task import Shown, Start, Task, unstretched
 
 _HEAVY = 500.0  # N: droppers bear about 100 N
 _MASSES = {2: ("frame", "head"), 3: ("lower", "upper", "head")}
@@ -95,6 +102,11 @@ def task_of(scenario: Scenario) -> Task:
             "geometry": run.geometry, "inertia": run.axial_inertia,
             "window": run.window if run.window is not None else np.inf, "with_loads": run.start.with_loads,
         }  # fmt: skip
+        groups = {name: range(offsets[i], offsets[i] + len(s.plan.wires)) for i, (name, s) in enumerate(sections.items())}
+        groups |= {name: range(first + i, first + i + 1) for i, name in enumerate(scenario.lines)}
+        if run.start.kind != "rest":
+            begins = _in_mode if run.start.kind == "mode" else _as_stored
+            more["beginning"] = partial(begins, run.start, groups, space)
     if space:
         more |= {"space": True, "near": near}
     remarks = tuple(remark for section in sections.values() for remark in _remarks(section))
@@ -104,6 +116,35 @@ def task_of(scenario: Scenario) -> Task:
         plan, tuple(journeys), tuple(contacts), tuple(shown), elements, foreigners=tuple(foreigners), remarks=remarks,
         **more,
     )  # fmt: skip
+
+
+def _in_mode(start: Beginning, groups: Mapping[str, range], space: bool, rest: Start) -> tuple[Array, Array]:
+    """Positions and velocities of wires that are released in a mode, of each line or overhead line its own."""
+    assert start.amplitude is not None
+    position, way = rest.position.copy(), np.array(spatial(start.direction or UP))
+    for name, wires in groups.items():
+        if start.line in (None, name):
+            moved = in_mode(rest, wires, start.number or 1, start.amplitude, way)
+            for i in wires:
+                position[:, rest.mesh.of(i)] = moved[:, rest.mesh.of(i)]
+    return position, np.zeros_like(position)
+
+
+def _as_stored(start: Beginning, groups: Mapping[str, range], space: bool, rest: Start) -> tuple[Array, Array]:
+    """Positions and velocities of wires at a stored instant.
+
+    Raises:
+        RopewalkError: the file does not fit, or an end is held elsewhere.
+    """
+    axes = [0, 1, 2] if space else [0, 2]
+    found = stored_instant(start, rest.mesh.nodes, len(axes))
+    position, velocity = rest.position.copy(), np.zeros_like(rest.position)
+    position[axes], velocity[axes] = found
+    held = ~movable(rest.mesh, space=True)
+    away = float(np.abs(position - rest.position)[held].max(initial=0.0))
+    if away > 1e-9 * max(wire.length for wire in rest.mesh.plan.wires):
+        raise RopewalkError(f"{start.file}: an end stands {away:.3g} m elsewhere in the stored result; use the same lines")
+    return position, velocity
 
 
 def _near(section: Section) -> Array:

@@ -21,8 +21,9 @@ def check_beginning(parts: Parts) -> Iterator[Finding]:
     if not isinstance(parts.run, Dynamic) or parts.run.start.kind != "mode":
         return
     start = parts.run.start
-    if start.line is not None and start.line not in parts.lines:
-        remedy = did_you_mean(start.line, parts.lines, otherwise=f"lines here: {', '.join(parts.lines)}")
+    known = [*parts.lines, *parts.overhead]
+    if start.line is not None and start.line not in known:
+        remedy = did_you_mean(start.line, known, otherwise=f"lines here: {', '.join(known)}")
         yield Finding(("run", "start", "line"), "no such line", repr(start.line), remedy)
         return
     for name, line in parts.lines.items():
@@ -36,6 +37,8 @@ def check_beginning(parts: Parts) -> Iterator[Finding]:
         if start.amplitude is not None and start.amplitude > line.distance:
             wrong, remedy = f"the ends of {name} are only {line.distance:g} m apart", "write a smaller one"
             yield Finding(("run", "start", "amplitude"), wrong, f"{start.amplitude:g} m", remedy)
+        if parts.is_web:  # what moves in the direction is seen when modes are known
+            continue
         chord = np.subtract(spatial(line.end), spatial(line.start))
         given = start.direction or UP
         across = np.linalg.norm(np.cross(chord, spatial(given)))

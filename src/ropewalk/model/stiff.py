@@ -83,12 +83,13 @@ def _run(run: Dynamic) -> Iterator[Finding]:
     if run.method not in ("auto", "explicit"):
         remedy = "write auto, or leave it out"
         yield Finding(("run", "method"), "stiff lines and overhead lines move explicitly", run.method, remedy)
-    if run.start.kind != "rest":
-        wrong = "stiff lines and overhead lines start at rest"
-        yield Finding(("run", "start", "kind"), wrong, run.start.kind, "leave start out")
-    elif run.start.with_loads and run.geometry == "linearised":
-        wrong = "small motion of stiff lines and overhead lines starts at rest without loads"
-        yield Finding(("run", "start", "with_loads"), wrong, "true", "leave it out, or write geometry: nonlinear")
+    if run.start.whirl:
+        wrong, remedy = "stiff lines and overhead lines do not whirl, they move up and down", "leave it out"
+        yield Finding(("run", "start", "whirl"), wrong, "true", remedy)
+    if run.start.direction is not None and len(run.start.direction) == 3 and run.start.direction[1] != 0.0:
+        wrong = "modes of stiff lines and overhead lines lie in the x-z plane"
+        given = str([float(value) for value in run.start.direction])
+        yield Finding(("run", "start", "direction"), wrong, given, "write [x, z], or leave it out")
 
 
 def _line(line: Line) -> Iterator[_Lack]:

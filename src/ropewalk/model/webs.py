@@ -48,6 +48,9 @@ def check_webs(parts: Parts) -> Iterator[Finding]:
     if isinstance(parts.run, Dynamic):
         for key, wrong, given, remedy in _run(parts.run):
             yield Finding(("run", *key), wrong, given, remedy)
+        if parts.run.start.kind == "result" and any(line is not None and line.sheaves for line in parts.lines.values()):
+            wrong = "results do not hold how far lines have run over their sheaves"
+            yield Finding(("run", "start", "kind"), wrong, "result", "start at rest, or from a mode")
     for name, line in parts.lines.items():
         if line is not None:
             for key, wrong, given, remedy in _line(line):
@@ -124,8 +127,9 @@ def _joined(name: str, support: Joined, parts: Parts) -> Iterator[_Lack]:
 def _run(run: Dynamic) -> Iterator[_Lack]:
     if run.method in ("implicit", "rkn6"):
         yield ("method",), "webs move explicitly, by Verlet's method", run.method, "write auto, or leave it out"
-    if run.start.kind != "rest":
-        yield ("start", "kind"), "webs start at rest", run.start.kind, "write kind: rest, or leave start out"
+    if run.start.whirl:
+        wrong, remedy = "webs are released from a mode, they do not whirl", "leave it out, or compute one line by itself"
+        yield ("start", "whirl"), wrong, "true", remedy
 
 
 def _line(line: Line) -> Iterator[_Lack]:

@@ -3,13 +3,50 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.mechanics.chain import State
+from ropewalk.mechanics.chain import Array, State
 from ropewalk.model.run import Start
 from ropewalk.solve.start import Setting
+
+
+def stored_instant(start: Start, nodes: int, axes: int) -> tuple[Array, Array]:
+    """Positions and velocities of all nodes at a stored instant, (axis, node) m and m/s.
+
+    Args:
+        start: file and time (the last instant if None).
+        nodes, axes: how many the scenario has.
+
+    Raises:
+        RopewalkError: the file does not fit the scenario, or has no such time.
+    """
+    return _instant(start, nodes, axes)[:2]
+
+
+def _instant(start: Start, nodes: int, axes: int) -> tuple[Array, Array, int, Any]:
+    """The same, with the number of the instant and the stored result."""
+    from ropewalk.results.files import open_result
+
+    assert start.file is not None
+    stored = open_result(Path(start.file))
+    if "time" not in stored.dims:
+        raise RopewalkError(f"{start.file} holds no motion (it has no time): start from a dynamic result")
+    if stored.sizes["node"] != nodes or stored.sizes["axis"] != axes:
+        raise RopewalkError(
+            f"{start.file} has {stored.sizes['node']} nodes and {stored.sizes['axis']} axes, the scenario "
+            f"{nodes} and {axes}: use the same lines and elements"
+        )
+    times = stored["time"].values
+    index = int(np.argmin(np.abs(times - start.time))) if start.time is not None else times.size - 1
+    spacing = float(np.diff(times).min()) if times.size > 1 else 1.0
+    if start.time is not None and abs(times[index] - start.time) > 1e-6 * spacing:
+        raise RopewalkError(
+            f"{start.file} has no frame at t = {start.time:g} s, the nearest is at {times[index]:g} s: take that one"
+        )
+    return stored["position"].values[index].T, stored["velocity"].values[index].T, index, stored
 
 
 def take_up(setting: Setting, state: State, start: Start) -> None:
@@ -22,26 +59,8 @@ def take_up(setting: Setting, state: State, start: Start) -> None:
     Raises:
         RopewalkError: the file does not fit the lines, or has no such time.
     """
-    from ropewalk.results.files import open_result
-
-    assert start.file is not None
-    stored = open_result(Path(start.file))
-    if "time" not in stored.dims:
-        raise RopewalkError(f"{start.file} holds no motion (it has no time): start from a dynamic result")
-    if stored.sizes["node"] != state.X.size or stored.sizes["axis"] != state.r.shape[0]:
-        raise RopewalkError(
-            f"{start.file} has {stored.sizes['node']} nodes and {stored.sizes['axis']} axes, the scenario "
-            f"{state.X.size} and {state.r.shape[0]}: use the same lines and elements"
-        )
-    times = stored["time"].values
-    index = int(np.argmin(np.abs(times - start.time))) if start.time is not None else times.size - 1
-    spacing = float(np.diff(times).min()) if times.size > 1 else 1.0
-    if start.time is not None and abs(times[index] - start.time) > 1e-6 * spacing:
-        raise RopewalkError(
-            f"{start.file} has no frame at t = {start.time:g} s, the nearest is at {times[index]:g} s: take that one"
-        )
-    state.r[:] = stored["position"].values[index].T
-    state.w[:] = stored["velocity"].values[index].T
+    position, velocity, index, stored = _instant(start, state.X.size, state.r.shape[0])
+    state.r[:], state.w[:] = position, velocity
     strands = setting.strands
     for k, b in enumerate(state.rider):  # a riding node begins on the link that its load stands on
         if b < 0:

@@ -14,6 +14,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Account, Frame, Layout
 from ropewalk.solve.following import schedule, slow_motion
 from ropewalk.webs import motion
+from ropewalk.webs.beginning import begin_elsewhere
 from ropewalk.webs.contacts import neighbours
 from ropewalk.webs.fabric import tensions_of
 from ropewalk.webs.lengths import laid_at_rest
@@ -113,6 +114,7 @@ class Run:
             weight=self._weight(),
         )
         self._start_energy = np.nan
+        self.state: State | None = None  # of a motion, the present one
 
     def _weight(self) -> float:
         """What supports and sheaves carry at rest, N; unknown where the wind bears some of it."""
@@ -139,7 +141,9 @@ class Run:
         """Frames of a motion at the output instants, s."""
         run, web, account = self.scenario.run, self.web, self.account
         assert isinstance(run, Dynamic)
-        state = self._first(with_loads=run.start.with_loads)
+        self.state = state = self._first(with_loads=run.start.with_loads)
+        if run.start.kind != "rest":
+            begin_elsewhere(self.laid, state, run.start, self._shown, self._axes)
         room, stable = Room.of(web), largest_step(web)
         step = stable if run.step is None else run.step
         limit = stable / (SAFETY_OF_NETS if web.own_cells else SAFETY)
@@ -232,12 +236,16 @@ class Run:
             np.zeros(1), r, np.zeros_like(r), q, u, np.zeros(WORKS), np.zeros((contacts, 3)), np.zeros(contacts)
         )
 
+    def at_rest_with_loads(self) -> Array:
+        """Places (node, 3) in m at rest with the loads at their start, which stand there from now on."""
+        r = self.rest.copy()
+        stand(self.web, r, 0.0)
+        return self._settled(r, 0.0)
+
     def standing(self) -> Iterator[Frame]:
         """The only frame of an equilibrium: at rest with the loads at their start."""
         self.account.method, self.account.reason = "rest", "least potential energy"
-        r = self.rest.copy()
-        stand(self.web, r, 0.0)
-        r = self._settled(r, 0.0)
+        r = self.at_rest_with_loads()
         self._note_slack(r)
         yield self._still(r, 0.0, 0.0)
 

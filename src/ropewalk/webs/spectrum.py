@@ -1,21 +1,26 @@
-"""The spectrum of a web at rest: natural frequencies of its small free motions, loads and damping left out."""
+"""The spectrum of webs: small free motions about rest or an instant, damped, with what stands on them."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
+import scipy.sparse as sparse
 from scipy.sparse import csc_matrix
 
+from ropewalk.errors import RopewalkError
 from ropewalk.model.scenario import Scenario
-from ropewalk.solve.free_vibration import free_vibration, shaped
+from ropewalk.results.frame import Account
+from ropewalk.solve.equations import Equations, LinearBody
+from ropewalk.solve.free_vibration import free_vibration
 from ropewalk.solve.spectrum import Spectrum
 from ropewalk.solve.symmetric import modes
+from ropewalk.webs.damping import damping_of
+from ropewalk.webs.frames import Run
 from ropewalk.webs.laying import Laid
 from ropewalk.webs.lengths import laid_at_rest
 from ropewalk.webs.potential import Potential
 from ropewalk.webs.rest import leave
-from ropewalk.webs.web import Array
+from ropewalk.webs.seats import hold_on
+from ropewalk.webs.web import MASS, ON_LINE, Array
 
 
 def small_motion(scenario: Scenario) -> tuple[Laid, Array, csc_matrix, Array, csc_matrix]:
@@ -38,7 +43,7 @@ def frequencies(scenario: Scenario, how_many: int) -> Array:
 
 
 def spectrum(scenario: Scenario, how_many: int | None = None) -> Spectrum:
-    """Natural frequencies and shapes of a web at rest, the lowest ones, and the highest frequency.
+    """Natural frequencies, damping ratios and shapes of a web at rest without its loads, the lowest ones.
 
     Args:
         scenario: what is there.
@@ -47,11 +52,63 @@ def spectrum(scenario: Scenario, how_many: int | None = None) -> Spectrum:
     Raises:
         EquilibriumError: it has no rest.
     """
-    laid, rest, K, mass, free = small_motion(scenario)
-    found, shapes = free_vibration("web", K, mass, how_many=how_many)
+    laid, rest = laid_at_rest(scenario, 0.0)
+    leave(laid.web)
+    return free_vibration(equations_of(laid, rest, 0.0), how_many)
+
+
+def spectrum_with_loads(scenario: Scenario, how_many: int | None = None) -> Spectrum:
+    """The same at rest with the loads at their start, and with the wind as it blows then.
+
+    Raises:
+        RopewalkError: there is no such rest.
+    """
+    run = Run(scenario, Account(), 0.0)
+    rest = run.at_rest_with_loads()
+    return free_vibration(equations_of(run.laid, rest, 0.0), how_many)
+
+
+def spectrum_at(scenario: Scenario, t: float, how_many: int | None = None) -> Spectrum:
+    """The same at an instant of a motion in s, everything frozen as it is then: loads stay where they stand.
+
+    Raises:
+        RopewalkError: the motion does not come to the instant.
+    """
+    account = Account()
+    run = Run(scenario, account, t)
+    for _ in run.moving(np.array([0.0, t] if t > 0.0 else [0.0])):
+        pass
+    if account.outcome not in ("running", "completed"):
+        raise RopewalkError(f"the run did not come to t = {t:g} s ({account.outcome}): {account.advice}")
+    assert run.state is not None
+    return free_vibration(equations_of(run.laid, run.state.r, t), how_many)
+
+
+def equations_of(laid: Laid, r: Array, t: float) -> Equations:
+    """Equations of motion about places (node, 3) in m at time t in s; lines slip at sheaves without friction.
+
+    Masses are clamped to where they stand, contacts of forces have none.
+    """
+    web, potential = laid.web, Potential(laid.web)
+    free = potential.free
+    K = potential.stiffness(r)
+    M = (free.T @ sparse.diags(np.repeat(web.body.mass, 3)) @ free).tocsc()
+    C = (free.T @ damping_of(web, t, r) @ free).tocsc()
     parts = [(s.name, s.node) for s in laid.strands]
     parts += [(sheet.name, vertex) for sheet, vertex in zip(laid.sheets, laid.vertex, strict=True)]
     nodes = np.concatenate([nodes for _, nodes in parts])
-    moved = np.asarray((free @ shapes).T).reshape(shapes.shape[1], -1, 3)[:, nodes]
     names = tuple(name for name, nodes in parts for _ in nodes)
-    return replace(found, modes=shaped(found, moved, rest[nodes], names))
+    rows = free.tocsr()
+    moves = rows[(3 * nodes[:, None] + np.arange(3)).ravel()]
+    bodies, none, seats = [], np.zeros((3, 3)), web.seats
+    for k in np.flatnonzero(seats.kind == MASS):
+        hold_on(web, k)
+        at = sparse.lil_matrix((3, rows.shape[0]))
+        on_line, cell = seats.on[k] == ON_LINE, int(seats.divided[k])
+        corners = [web.links.one[cell], web.links.other[cell]] if on_line else list(web.cells.node[cell])
+        for node, share in zip([web.nodes + k, *corners], seats.hold[k], strict=False):
+            for a in range(3):
+                at[a, 3 * int(node) + a] += share
+        bodies.append(LinearBody(seats.mass[k] * np.eye(3), none, none, sparse.csr_matrix(at.tocsr() @ rows)))
+    K = (0.5 * (K + K.T)).tocsc()
+    return Equations("web", K, M, C, moves, r[nodes], names).with_bodies(bodies)

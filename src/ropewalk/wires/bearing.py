@@ -57,17 +57,17 @@ class Bearing:
         Raises:
             EquilibriumError: there is none.
         """
-        riders, station = self.riders, self._stations(t)
-        inside = np.array([0.0 <= s <= self._length(k) for k, s in enumerate(station)], dtype=np.bool_)
-        ground = np.where(inside, np.nan, self._ground(station))
+        riders, station = self.riders, self.stations(t)
+        inside = np.array([0.0 <= s <= self.length(k) for k, s in enumerate(station)], dtype=np.bool_)
+        ground = np.where(inside, np.nan, self.ground(station))
         touches, position = inside | np.isfinite(ground), near
         for _ in range(_MOST_ROUNDS):
             seats = [self._seat(k, station[k], position) if inside[k] else None for k in range(station.size)]
             local = np.array([seat.local if seat is not None else 0.0 for seat in seats])
             with np.errstate(divide="ignore"):
                 local = np.where(riders.spring > 0.0, np.maximum(local, -0.5 / riders.spring), local)
-            found = pressing(self.journeys, riders, t, local, self._rough(station), touches, ground)
-            self.potential.pressing = (self._rows(seats), found)
+            found = pressing(self.journeys, riders, t, local, self.rough(station), touches, ground)
+            self.potential.pressing = (self.rows(seats), found)
             before, position = position, settle(self.potential, position, space=self.space).position
             height = np.array([seat.value(position[2]) if seat is not None else 0.0 for seat in seats])
             force = found.given - found.stiffness @ height
@@ -83,12 +83,13 @@ class Bearing:
                 )  # fmt: skip
         raise EquilibriumError("no places were found at which the loads stand: the line gives way below them")
 
-    def _stations(self, t: float) -> Array:
+    def stations(self, t: float) -> Array:
+        """Stations of all contacts at an instant in s, (contact,) m."""
         behind = [c.behind for journey in self.journeys for c in journey.rider.contacts]
         places = [float(journey.place(np.array([t]))[0]) for journey in self.journeys for _ in journey.rider.contacts]
         return np.array(places, dtype=np.float64) - np.array(behind, dtype=np.float64)
 
-    def _ground(self, station: Array) -> Array:
+    def ground(self, station: Array) -> Array:
         """Heights of the level ground before and behind the wires, for loads that roll there; NaN for others, m."""
         owner = [journey for journey in self.journeys for _ in journey.rider.contacts]
         wires = [self.mesh.plan.wires[int(a)] for a in self.riders.wire]
@@ -97,11 +98,13 @@ class Bearing:
             for journey, wire, s in zip(owner, wires, station, strict=True)
         ]).reshape(-1)  # fmt: skip
 
-    def _rough(self, station: Array) -> Array:
+    def rough(self, station: Array) -> Array:
+        """Heights that are added to the wires at the contacts, (contact,) m."""
         owner = [journey for journey in self.journeys for _ in journey.rider.contacts]
         return np.array([float(j.rough(np.array([s]))[0]) for j, s in zip(owner, station, strict=True)]).reshape(-1)
 
-    def _length(self, k: int) -> float:
+    def length(self, k: int) -> float:
+        """What stations of contact k count up to, with room for rounding, m."""
         wire = self.mesh.plan.wires[int(self.riders.wire[k])]
         return wire.length * (1.0 + 1e-12)
 
@@ -113,7 +116,7 @@ class Bearing:
         begin, along = strands.across[a]
         return seat_below(self.mesh, a, position[0], float(begin + along * inside))
 
-    def _rows(self, seats: Sequence[Seat | None]) -> sparse.csr_matrix:
+    def rows(self, seats: Sequence[Seat | None]) -> sparse.csr_matrix:
         """Interpolation of heights at the contacts, (contact, node)."""
         found = sparse.lil_matrix((len(seats), self.mesh.nodes))
         for k, seat in enumerate(seats):

@@ -14,6 +14,7 @@ from ropewalk.foreign.turns import TravelEndedError, Turns
 from ropewalk.model.run import common_interval
 from ropewalk.results.exchanges import exchanged, exchanging
 from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
+from ropewalk.wires.beginning import along_moved, on_moved, small_under_loads
 from ropewalk.wires.bearing import at_rest_together
 from ropewalk.wires.drive import ON_WIRE, Drive, Record
 from ropewalk.wires.energy import Audit
@@ -56,10 +57,13 @@ class Run:
         self, task: Task, times: Array, account: Account, sample: float = SAMPLE, step: float | None = None
     ) -> None:
         self.task, start = ready(task)
-        if task.with_loads:
+        if task.with_loads and start.rest is None:
             self.task, start = at_rest_together(self.task, start)
+        begun = None if task.beginning is None else task.beginning(start)
+        if begun is not None:
+            self.task = replace(self.task, journeys=on_moved(start, self.task.journeys, *begun))
         account.warnings += task.remarks
-        self.mesh, self._at_rest = start.mesh, start.position
+        self.start, self.mesh, self._at_rest = start, start.mesh, start.position
         self.account = account
         self.riders = riders_of([journey.rider for journey in self.task.journeys])
         interval = float(np.diff(times).max()) if times.size > 1 else sample
@@ -101,6 +105,16 @@ class Run:
             self.motion = SmallMotion(
                 self.mesh, start.rest, self.riders, account.step, self._first("first"), task.window
             )
+            if task.with_loads:
+                u, journeys = small_under_loads(self.motion, self.task.journeys)
+                self.task = replace(self.task, journeys=along_moved(start, journeys, u))
+                self.motion.pace.q[:] = self.motion.pace.last[:] = self._first("first")
+                self.motion.begin(u, np.zeros_like(u))
+        if begun is not None and isinstance(self.motion, LargeMotion):
+            self.motion.begin(*begun)
+        elif begun is not None:
+            assert isinstance(self.motion, SmallMotion)
+            self.motion.begin(begun[0][2] - self.motion.level, begun[1][2])
         self.motion.pace.last[:] -= account.step * self._first("rate")
         self._audit = Audit(self.mesh, self.riders, self.motion, start.position, start.unstrained)
         self._in_air = np.zeros(self.riders.owner.size)

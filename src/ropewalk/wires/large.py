@@ -413,6 +413,13 @@ class LargeMotion:
         self._w = np.zeros((3, WIDTH))
         self._advance: Callable[..., object] | None = None
 
+    def begin(self, position: Array, velocity: Array) -> None:
+        """Go on from positions in m and velocities of half an inner step before in m/s, (3, node)."""
+        axes, step = _axes(self._r[0]), self.pace.step
+        self._r[0][:] = position[axes]
+        self._r[1][:] = self._r[0] - velocity[axes] * (step / self.inner)
+        self.strings.last[:] = strings_of(self.mesh, position - step * velocity).last
+
     @property
     def position(self) -> Array:
         """Positions of all nodes now, (3, node) m."""

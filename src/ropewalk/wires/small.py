@@ -329,6 +329,16 @@ class SmallMotion:
         self._whole = Window(np.zeros_like(mesh.strands.links), mesh.strands.links + 1, laden, *whole)
         self._advance: Callable[..., object] | None = None
 
+    def begin(self, u: Array, velocity: Array) -> None:
+        """Go on from displacements in m and velocities of half a step before in m/s, (node,) upwards."""
+        moves = self.stencil.gain > 0.0
+        self._u[0][moves] = u[moves]
+        self._u[1][moves] = self._u[0][moves] - velocity[moves] * self.pace.step
+        springs, grips, before, k = self.springs, self.grips, self._u[1], np.arange(WIDTH)
+        shares = before[springs.one[:, None] + k], before[springs.other[:, None] + k]
+        springs.last[:] = (springs.weight * np.concatenate(shares, axis=1)).sum(axis=1)
+        grips.now[:] = (grips.weight * before[grips.base[:, None] + k]).sum(axis=1)
+
     @property
     def position(self) -> Array:
         """Positions of all nodes now, (3, node) m."""

@@ -1,59 +1,215 @@
-"""The spectrum of wires at rest: natural frequencies of their small free motions in all directions, loads left out."""
+"""The spectrum of wires: small free motions in all directions, about rest or an instant, with what stands on them."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sparse
+from numpy.typing import NDArray
 
-from ropewalk.solve.free_vibration import free_vibration, shaped
+from ropewalk.errors import RopewalkError
+from ropewalk.results.frame import IN_AIR, OFF_LINE, Account
+from ropewalk.solve.equations import Equations, LinearBody, sprung
+from ropewalk.solve.free_vibration import free_vibration
 from ropewalk.solve.spectrum import Spectrum
+from ropewalk.wires.bearing import Bearing
 from ropewalk.wires.equilibrium import Potential, movable
-from ropewalk.wires.mesh import Mesh
+from ropewalk.wires.frames import SAMPLE, Run
+from ropewalk.wires.journey import ON_GROUND, Journey
+from ropewalk.wires.layout import axes_of
+from ropewalk.wires.mesh import Mesh, Riders, riders_of
 from ropewalk.wires.plan import Array
-from ropewalk.wires.rest import bending_stiffness, rows
-from ropewalk.wires.task import Task, ready
+from ropewalk.wires.rest import beds, rows, ties_springs, vertical_stiffness
+from ropewalk.wires.seat import Seat, seat_at
+from ropewalk.wires.task import Start, Task, ready
+
+
+@dataclass(frozen=True)
+class _State:
+    """Wires, and where the contacts of loads stand on them."""
+
+    mesh: Mesh
+    unstrained: Array  # (node,) m
+    position: Array  # (3, node) m, about which is linearised
+    shape: Array  # (3, node) m, which says whether ties are tight: in small motion another one
+    journeys: tuple[Journey, ...] = ()
+    seats: tuple[Seat | None, ...] = ()  # of each contact; None: it is on no wire
+    ground: NDArray[np.bool_] | None = None  # (contact,) whether it is on level ground instead
 
 
 def spectrum(task: Task, how_many: int | None = None) -> Spectrum:
-    """Natural frequencies, damping ratios and shapes of wires at rest, the lowest ones, and the highest frequency.
+    """Natural frequencies, damping ratios and shapes of wires at rest, without what travels on them.
 
     Args:
-        task: whose wires are meant; what travels on them is left out.
+        task: whose wires are meant.
         how_many: of the lowest modes.
 
     Raises:
         RopewalkError: there is no rest.
     """
-    _, start = ready(replace(task, journeys=(), contacts=(), shown=(), foreigners=()))
-    mesh, r = start.mesh, start.position
-    potential = Potential(mesh, start.unstrained)
+    _, start = ready(replace(task, journeys=(), contacts=(), shown=(), foreigners=(), with_loads=False))
+    return free_vibration(_equations(_bare(start)), how_many)
+
+
+def spectrum_with_loads(task: Task, how_many: int | None = None) -> Spectrum:
+    """The same at rest with what travels, where it begins.
+
+    Raises:
+        RopewalkError: there is no such rest, or a load is a model of one's own.
+    """
+    _refuse_models(task)
+    task, start = ready(task)
+    borne = Bearing(start.mesh, task.journeys, start.unstrained, space=task.space).stand(0.0, start.position)
+    seats = tuple(seat if on else None for seat, on in zip(borne.seats, borne.touches, strict=True))
+    beside = _beside(task)
+    ground = np.array([seat is None for seat in borne.seats], dtype=np.bool_) & beside
+    state = _State(start.mesh, start.unstrained, borne.position, borne.position, task.journeys, seats, ground)
+    return free_vibration(_equations(state), how_many)
+
+
+def spectrum_at(
+    task: Task, t: float, *, sample: float = SAMPLE, step: float | None = None, how_many: int | None = None
+) -> Spectrum:
+    """The same at an instant of a motion, everything frozen as it is then: loads stay where they stand.
+
+    Args:
+        task: what moves.
+        t: s.
+        sample, step: s, of the motion.
+        how_many: of the lowest modes.
+
+    Raises:
+        RopewalkError: the motion does not come to the instant, or a load is a model of one's own.
+    """
+    _refuse_models(task)
+    account = Account()
+    run = Run(task, np.array([0.0, t] if t > 0.0 else [0.0]), account, sample, step)
+    frame = None
+    for frame in run.frames():
+        pass
+    if frame is None or account.outcome not in ("running", "completed") or frame.path < t * (1.0 - 1e-12):
+        raise RopewalkError(f"the run did not come to t = {t:g} s ({account.outcome}): {account.advice}")
+    start, mesh = run.start, run.mesh
+    shape = start.position.copy()
+    shape[axes_of(task)] = frame.position.T
+    position = start.position if start.rest is not None else shape
+    wire, h = run.riders.wire, mesh.strands.h
+    off = np.isin(frame.contact_state, (OFF_LINE, IN_AIR))
+    seats = tuple(
+        None if off[k] else seat_at(mesh, int(wire[k]), float(frame.contact_xi[k]) / float(h[wire[k]]))
+        for k in range(off.size)
+    )
+    ground = (frame.contact_state == OFF_LINE) & _beside(run.task)
+    return free_vibration(
+        _equations(_State(mesh, start.unstrained, position, shape, run.task.journeys, seats, ground)), how_many
+    )
+
+
+def _refuse_models(task: Task) -> None:
+    for foreigner in task.foreigners:
+        raise RopewalkError(
+            f"load {task.journeys[foreigner.journey].rider.name}: a model of one's own has no matrices, and the "
+            "spectrum with loads needs them; ask for that of the line alone (no instant, no start.with_loads), or write "
+            "the load as kind: vehicle, given by matrices"
+        )
+
+
+def _beside(task: Task) -> NDArray[np.bool_]:
+    """Of each contact, whether there is level ground beside its wire."""
+    return np.array([j.beside == ON_GROUND for j in task.journeys for _ in j.rider.contacts], dtype=np.bool_)
+
+
+def _bare(start: Start) -> _State:
+    return _State(start.mesh, start.unstrained, start.position, start.position)
+
+
+def _equations(state: _State) -> Equations:
+    """Equations of motion of the wires, and of what stands on them."""
+    mesh, r = state.mesh, state.position
+    potential = Potential(mesh, state.unstrained)
     free = movable(mesh, space=True).ravel()
-    K, C = potential.stiffness(r)[free][:, free], damping_of(potential, mesh, r)[free][:, free]
-    mass = np.tile(mesh.mass, 3)[free]
-    found, shapes = free_vibration("wires", K, mass, C if C.nnz else None, how_many)
-    moved = np.zeros((shapes.shape[1], free.size))
-    moved[:, free] = shapes.T
+    K = potential.stiffness(r) + _loosened(potential, mesh, r, state.shape)
+    K, C = K.tocsc()[free][:, free], damping_of(potential, mesh, r, state.shape)[free][:, free]
     names = tuple(w.name for w, n in zip(mesh.plan.wires, mesh.strands.links, strict=True) for _ in range(int(n) + 1))
-    return replace(found, modes=shaped(found, moved.reshape(-1, 3, mesh.nodes).transpose(0, 2, 1), r.T, names))
+    # Displacements of one node after the other, from components one after the other.
+    whole = np.flatnonzero(free)
+    row = 3 * (whole % mesh.nodes) + whole // mesh.nodes
+    moves = sparse.csr_matrix((np.ones(whole.size), (row, np.arange(whole.size))), shape=(free.size, whole.size))
+    wires = Equations("wires", K, sparse.diags(np.tile(mesh.mass, 3)[free]).tocsc(), C, moves, r.T, names)
+    return wires.with_bodies(_bodies(state, free, float(np.abs(K.diagonal()).max(initial=0.0))))
 
 
-def damping_of(potential: Potential, mesh: Mesh, r: Array) -> sparse.csc_matrix:
-    """Damping of all components (3 node, 3 node), N s/m: drag, retarded bending, dampers of ties and holds."""
+def _bodies(state: _State, free: NDArray[np.bool_], stiffest: float) -> Sequence[LinearBody]:
+    """What stands on the wires; its contacts move up and down only, as in motion."""
+    if not state.journeys:
+        return []
+    riders: Riders = riders_of([journey.rider for journey in state.journeys])
+    assert state.ground is not None
+    found = []
+    for i, n in enumerate(riders.size):
+        touching = [k for k in np.flatnonzero(riders.owner == i) if state.seats[k] is not None]
+        resting = [k for k in np.flatnonzero((riders.owner == i) & state.ground) if state.seats[k] is None]
+        if not n or not touching:
+            continue
+        mine = np.array(sorted(touching + resting), dtype=np.int64)
+        at, local = sparse.lil_matrix((mine.size, free.size)), np.zeros(mine.size)
+        for j, k in enumerate(mine):
+            seat = state.seats[k]
+            if seat is not None:
+                first = 2 * state.mesh.nodes + seat.first
+                at[j, first : first + seat.weight.shape[1]] = seat.weight[0]
+                local[j] = seat.local
+        spring = riders.spring[mine]
+        with np.errstate(divide="ignore"):
+            yields = np.maximum(local, -0.5 / spring) + 1.0 / spring
+        found.append(
+            sprung(
+                riders.mass[i, :n, :n], riders.damping[i, :n, :n], riders.stiffness[i, :n, :n], riders.row[mine, :n],
+                (yields, riders.damper[mine]), at.tocsr()[:, np.flatnonzero(free)], stiffest,
+            )
+        )  # fmt: skip
+    return found
+
+
+def _stretched(potential: Potential, mesh: Mesh, r: Array) -> tuple[sparse.csr_matrix, Array, Array, Array]:
+    """Ties as rows of nodes, their directions (3, tie), lengths in m, and whether each is tight."""
+    ties = mesh.ties
+    tie = rows(ties.other, mesh.nodes) - rows(ties.one, mesh.nodes)
+    d = (tie @ r.T).T + np.where(np.isfinite(ties.ground), ties.ground, 0.0).T
+    far = np.sqrt((d**2).sum(axis=0))
+    return tie, d / far, far, potential.tie_forces(r) > 0.0
+
+
+def _loosened(potential: Potential, mesh: Mesh, r: Array, shape: Array) -> sparse.csc_matrix:
+    """What the stiffness at r changes by where ties are as tight or slack as in another shape, (3 node, 3 node)."""
+    tie, way, far, tight = _stretched(potential, mesh, r)
+    now = _stretched(potential, mesh, shape)[3]
+    pull, push = ties_springs(mesh)
+    k = np.where(now, pull, push) - np.where(tight, pull, push)
+    N = k * (far - mesh.ties.length) / np.where(far > 0.0, far, 1.0)
+    blocks = [
+        [tie.T @ sparse.diags((k - N) * way[a] * way[b] + (N if a == b else 0.0)) @ tie for b in range(3)]
+        for a in range(3)
+    ]
+    return sparse.bmat(blocks, format="csc")
+
+
+def damping_of(potential: Potential, mesh: Mesh, r: Array, shape: Array) -> sparse.csc_matrix:
+    """Damping of all components (3 node, 3 node), N s/m: drag, retardation, dampers of tight ties and of holds."""
     s, ties, holds = mesh.strands, mesh.ties, mesh.holds
     nodes = [int(n) + 1 for n in s.links]
     drag = np.repeat(s.drag * s.rho * s.h, nodes)
     late = sparse.diags(np.repeat(s.retardation, nodes))
-    bent = late @ bending_stiffness(mesh)
+    felt = late @ (vertical_stiffness(mesh) - sparse.diags(beds(mesh)))  # tension and bending, of all components alike
     hold = rows(holds.at, mesh.nodes)
-    tie = rows(ties.other, mesh.nodes) - rows(ties.one, mesh.nodes)
-    d = (tie @ r.T).T + np.where(np.isfinite(ties.ground), ties.ground, 0.0).T
-    way = d / np.sqrt((d**2).sum(axis=0))
+    tie, way = _stretched(potential, mesh, r)[:2]
+    c = np.where(_stretched(potential, mesh, shape)[3], ties.damping, 0.0)
     blocks = [
         [
-            tie.T @ sparse.diags(ties.damping * way[a] * way[b]) @ tie
-            + (sparse.diags(drag) + bent + hold.T @ sparse.diags(holds.damping[:, a]) @ hold if a == b else 0.0 * bent)
+            tie.T @ sparse.diags(c * way[a] * way[b]) @ tie
+            + (sparse.diags(drag) + felt + hold.T @ sparse.diags(holds.damping[:, a]) @ hold if a == b else 0.0 * felt)
             for b in range(3)
         ]
         for a in range(3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -54,7 +55,9 @@ class Task:
     foreigners: tuple[Foreigner, ...] = ()  # who of the journeys are models of somebody else's
     near: tuple[Array, ...] | None = None  # near rest, of each wire: (3, node) m; needed where wires run aside
     remarks: tuple[str, ...] = ()  # what one should know of it
-    with_loads: bool = False  # whether the wires begin at rest with what travels on them; nonlinear only
+    with_loads: bool = False  # whether the wires begin at rest with what travels on them
+    # From wires at rest without loads to positions and velocities (3, node) in m and m/s that they begin with.
+    beginning: Callable[[Start], tuple[Array, Array]] | None = None
 
 
 @dataclass(frozen=True)
@@ -203,7 +206,7 @@ def standing(start: Start, journey: Journey) -> Journey:
     stations = [float(journey.place(np.zeros(1))[0]) - c.behind for c in rider.contacts]
     found = [place_at(start, c.wire, s, material=c.material)[0] for c, s in zip(rider.contacts, stations, strict=True)]
     height = np.array(found) - [c.base for c in rider.contacts]
-    return along(start, replace(journey, first=_resting(rider, height)))
+    return along(start, replace(journey, first=resting(rider, height)))
 
 
 def along(start: Start, journey: Journey) -> Journey:
@@ -221,7 +224,7 @@ def along(start: Start, journey: Journey) -> Journey:
     rise = speed * np.array(slopes)
     lengths = [start.mesh.plan.wires[c.wire].length for c in rider.contacts]
     within = np.array([0.0 < s < length for s, length in zip(stations, lengths, strict=True)], dtype=np.bool_)
-    return replace(journey, rate=_struck(rider, _resting(rider, np.where(within, rise, 0.0)), rise))
+    return replace(journey, rate=_struck(rider, resting(rider, np.where(within, rise, 0.0)), rise))
 
 
 def _struck(rider: Rider, rate: Array, rise: Array) -> Array:
@@ -235,7 +238,7 @@ def _struck(rider: Rider, rate: Array, rise: Array) -> Array:
     return struck
 
 
-def _resting(rider: Rider, height: Array) -> Array:
+def resting(rider: Rider, height: Array) -> Array:
     """Coordinates of a rider at rest on contacts that are moved up by heights in m; or their rates, by rates."""
     size = rider.size
     rigid = np.array([np.isinf(contact.stiffness) for contact in rider.contacts], dtype=np.bool_)

@@ -1,0 +1,124 @@
+"""Natural frequencies of networks with a mass and with dampers against an assembly of their own; and at instants."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.linalg import eig, eigh
+
+from ropewalk.model import Scenario
+from ropewalk.simulate import spectrum_of
+from ropewalk.solve.spectrum import Modes
+
+Array = NDArray[np.float64]
+EA, N = 1e6, 8
+TENSION = {"west": 1000.0, "east": 1000.0, "south": 600.0, "north": 600.0}
+SPAN = {"west": [-10, 0, 0], "east": [10, 0, 0], "south": [0, -6, 0], "north": [0, 6, 0]}
+RHO = {"west": 0.5, "east": 0.5, "south": 0.3, "north": 0.3}
+
+
+def cross(load: dict[str, Any] | None = None, **more: Any) -> Scenario:
+    """Four taut lines that meet in a joint, in a horizontal plane."""
+    own = {"axial_stiffness": EA, "elements": N, "end": [0, 0, 0], "end_support": {"kind": "joined", "to": "knot"}}
+    damped = more.pop("damped", {})
+    lines = {
+        name: {**own, **damped, "start": SPAN[name], "tension": TENSION[name], "mass": RHO[name]} for name in SPAN
+    }
+    loads = {"loads": {"load": load}} if load is not None else {}
+    given = {"gravity": 0.0, "joints": {"knot": {}}, "lines": lines, **loads, "run": {"kind": "equilibrium"}, **more}
+    return Scenario.model_validate(given)
+
+
+def standing(place: float, mass: float) -> dict[str, Any]:
+    return {"kind": "mass", "on": "west", "mass": mass, "travel": {"speed": 0.0, "from": place}}
+
+
+def modes_of(scenario: Scenario, **more: Any) -> Modes:
+    found = spectrum_of(scenario, how_many=12, **more).modes
+    assert found is not None
+    return found
+
+
+def assembled(place: float | None, mass: float, damping: float = 0.0, drag: float = 0.0) -> tuple[Array, Array, Array]:
+    """K, C and M of the same cross: nodes of all lines, a node more where the mass divides a link; all ends held."""
+    points, links = [np.zeros(3)], []
+    masses = [0.0]
+    for name in SPAN:
+        start, T = np.array(SPAN[name], dtype=float), TENSION[name]
+        stretch, span = 1.0 + T / EA, float(np.linalg.norm(SPAN[name]))
+        rest = span / stretch / N
+        at = [(i * rest, RHO[name] * rest) for i in range(1, N)]
+        if place is not None and name == "west":
+            at = sorted([*at, (place, mass)])
+        begin, last = -1, 0.0  # -1: the fixed end
+        for x, m in [*at, (N * rest, 0.5 * RHO[name] * rest)]:
+            end = 0 if m == 0.5 * RHO[name] * rest and x == N * rest else len(points)
+            if end:
+                points.append(start * (1.0 - x * stretch / span))
+                masses.append(m)
+            else:
+                masses[0] += m
+            links.append((begin, end, x - last, -start / span, T))
+            begin, last = end, x
+    size = 3 * len(points)
+    K, C = np.zeros((size, size)), np.zeros((size, size))
+    for i, j, rest, e, T in links:
+        along = np.outer(e, e)
+        block = EA / rest * along + T / (rest * (1.0 + T / EA)) * (np.eye(3) - along)
+        for matrix, part in ((K, block), (C, damping / rest * along)):
+            for a, b, sign in ((i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)):
+                if a >= 0 and b >= 0:
+                    matrix[3 * a : 3 * a + 3, 3 * b : 3 * b + 3] += sign * part
+    M = np.repeat(masses, 3)
+    if place is None:
+        C += drag * np.diag(M)
+    return K, C, np.diag(M)
+
+
+@pytest.mark.parametrize(("place", "mass"), [(3.1, 4.0), (7.5, 0.4), (None, 0.0)])
+def test_a_network_that_carries_a_mass_has_the_frequencies_of_another_assembly(place, mass) -> None:
+    K, _, M = assembled(place, mass)
+    exact = np.sqrt(eigh(K, M, eigvals_only=True)[:12])
+    found = modes_of(cross(standing(place, mass) if place is not None else None)).frequency
+    print(found / exact - 1.0)
+    assert found == pytest.approx(exact, rel=1e-8)  # rounding: the largest of all squares is 1e6 times larger
+    bare = modes_of(cross()).frequency
+    assert place is None or np.abs(bare / exact - 1.0).max() > 0.05
+
+
+def test_axial_dampers_and_drag_damp_a_network_as_the_quadratic_eigenvalue_problem_says() -> None:
+    K, C, M = assembled(None, 0.0, damping=300.0, drag=0.6)
+    n = K.shape[0]
+    one, none = np.eye(n), np.zeros((n, n))
+    values = eig(np.block([[none, one], [-K, -C]]), np.block([[one, none], [none, M]]), right=False)
+    modes = spectrum_of(cross(damped={"axial_damping": 300.0, "drag": 0.6}), how_many=70).modes  # some of them axial
+    assert modes is not None
+    for w, ratio in zip(modes.frequency, modes.ratio, strict=True):
+        nearest = values[np.abs(values - complex(-ratio * w, w * np.sqrt(1.0 - ratio**2))).argmin()]
+        assert abs(nearest - complex(-ratio * w, w * np.sqrt(1.0 - ratio**2))) < 1e-5 * w  # |lambda| is not quite w
+    assert modes.ratio[0] == pytest.approx(0.3 / modes.frequency[0], rel=1e-6)  # transverse: drag alone
+    assert (modes.ratio > 1.2 * 0.3 / modes.frequency).any()
+
+
+HUNG = {
+    "lines": {
+        "rope": {"start": [0, 0], "end": [20, 0], "length": 20.3, "mass": 1.0, "axial_stiffness": 1e4, "elements": 24},
+        "hanger": {"start": [9, 6], "end": [9, 0], "length": 6.0, "mass": 0.2, "axial_stiffness": 1e4, "elements": 8,
+                   "end_support": {"kind": "joined", "to": "rope", "at": 8.5}},
+    }
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", [{"kind": "mass", "mass": 60.0}, {"kind": "force", "force": [0, -500]}])
+def test_an_instant_of_a_network_that_stands_still_has_the_spectrum_of_that_rest(kind) -> None:
+    load = {**kind, "on": "rope", "travel": {"speed": 0.0, "from": 14.2}}
+    dynamic = {"kind": "dynamic", "until": 0.1, "start": {"with_loads": True}}
+    rest = modes_of(Scenario.model_validate({**HUNG, "loads": {"load": load}, "run": {"kind": "equilibrium"}}))
+    still = Scenario.model_validate({**HUNG, "loads": {"load": load}, "run": dynamic})
+    assert modes_of(still, at=0.1).frequency == pytest.approx(rest.frequency, rel=1e-6)
+    assert modes_of(still).frequency == pytest.approx(rest.frequency, rel=1e-9)
+    bare = modes_of(Scenario.model_validate({**HUNG, "run": {"kind": "equilibrium"}}))
+    assert np.abs(bare.frequency / rest.frequency - 1.0).max() > 0.1
