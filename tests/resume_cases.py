@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import ropewalk
 from ropewalk.model import Scenario
@@ -30,7 +31,7 @@ lines:
 loads: {m: %s}
 run: {kind: dynamic, until: 0.4, every: 0.04%s}
 """
-STEPS = """{kind: footsteps, on: s, mass: 70, frequency: 4 Hz, step_length: 0.7 m, overlap: 0.2, from: 20 m}"""
+STEPS = """{kind: footsteps, on: s, mass: 70, frequency: 2.5 Hz, step_length: 0.7 m, overlap: 0.2, from: 20 m}"""
 OSCILLATOR = """{kind: oscillator, on: s, mass: 20, stiffness: 4 kN/m, damping: 50 N*s/m,
   travel: {speed: 20, from: 5 m}}"""
 STEPPER = """{kind: stepper, on: s, model: "foreign_cases:%s", every: 10 ms, exchange: {%s}}"""
@@ -56,3 +57,11 @@ def case(kind: str, *settings: str) -> Scenario:
     if kind in STIFF:
         text = text.replace("elements:", "bending_stiffness: 1e4, elements:")
     return loads(text, "rope.yaml", settings)
+
+
+class Stateless:
+    """A model that cannot tell its state."""
+
+    def step(self, t: float, h: float, line: Any) -> list[tuple[float, tuple[float, float], float]]:
+        """One contact that goes along the line."""
+        return [(5.0 + 20.0 * t, (0.0, -100.0), 20.0)]

@@ -66,7 +66,7 @@ class Run:
         self.mesh, self._at_rest = start.mesh, start.position
         self.account = account
         self.riders = riders_of([journey.rider for journey in self.task.journeys])
-        interval = float(np.diff(times).max()) if times.size > 1 else sample
+        interval = float(times[1] - times[0]) if times.size > 1 else sample  # none is longer
         self._axes = axes_of(task)
         self.turns = [
             foreigner.turns(len(self._axes), SLIDES * start.mesh.strands.h.max()) for foreigner in task.foreigners
