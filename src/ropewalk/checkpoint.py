@@ -156,10 +156,11 @@ def _tree(plain: Any, rest: memoryview) -> tuple[Tree, memoryview]:
         return values, rest
     if kind == "bytes":
         return bytes(_cut(rest, inner)), rest[inner:]
-    name, *shape = inner if kind == "array" else [""]
-    if not _TYPES.fullmatch(name) or not all(isinstance(n, int) and n >= 0 for n in shape):
+    if kind != "array" or not _TYPES.fullmatch(inner[0]):
         raise ValueError("an array of no known type")
-    dtype = np.dtype(name)
+    dtype, shape = np.dtype(inner[0]), tuple(int(n) for n in inner[1:])
+    if min(shape, default=0) < 0:
+        raise ValueError("an array of no size")
     size = math.prod(shape) * dtype.itemsize
     return np.frombuffer(_cut(rest, size), dtype).reshape(shape).copy(), rest[size:]
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
+from typer.testing import CliRunner
 
 import ropewalk
 from resume_cases import KINDS, case
@@ -274,3 +277,57 @@ def test_users_of_results_see_no_checkpoint(tmp_path):
     in_memory, in_file = ropewalk.simulate(case("force")), ropewalk.simulate(case("force"), file=tmp_path / "out.nc")
     assert_same(in_memory, in_file)
     assert not any("checkpoint" in str(name) for name in (*in_file.variables, *in_file.dims))
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("isolated", [False, True])
+@pytest.mark.parametrize("kind", ["stepper", "beam, stepper"])
+def test_a_line_with_an_fmu_goes_on(kind, version, isolated, tmp_path, at_once):
+    fmu = with_fmu(kind, tmp_path, version, "canGetAndSetFMU{} canSerializeFMU{}", isolated=isolated)
+    whole = killed(fmu, tmp_path / "out.nc", (1, 4, 11))
+    for count in (1, 4, 11):
+        assert_same(whole, ropewalk.resume(tmp_path / f"out.{count}.nc"))
+
+
+def test_an_fmu_that_gives_no_bytes_is_told(tmp_path, at_once):
+    for able, told in (("", "has no get_state"), ("canGetAndSetFMU{}", r"\(canSerializeFMUstate\)$")):
+        killed(with_fmu("stepper", tmp_path, 2, able), tmp_path / "out.nc", (4,))
+        with pytest.raises(ResultError, match=told):
+            ropewalk.resume(tmp_path / "out.4.nc")
+
+
+def with_fmu(kind: str, folder: Path, version: int, able: str, **keys: bool) -> Scenario:
+    """A line under an FMU that says what it is able to."""
+    pytest.importorskip("fmpy", reason="FMUs need FMPy")
+    from foreign.fmus import c_fmu
+
+    words = able.replace("{}", "state" if version == 2 else "State").split()
+    file = c_fmu(folder, version, " ".join(f'{word}="true"' for word in words))
+    told = {"force": "force", "height": "height", "velocity": "velocity", "place": "place"}
+    travel = {"speed": 20.0, "from": 5.0}
+    fmu = ropewalk.Fmu(on="s", file=str(file), contacts={"front": told}, travel=travel, every=0.01, **keys)
+    return case(kind).model_copy(update={"loads": {"m": fmu}})
+
+
+def test_the_command_goes_on_and_ends_as_run_does(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def stop(part: float) -> None:
+        if part > 0.5:
+            raise KeyboardInterrupt
+
+    ropewalk.simulate(case("force"), file=Path("out.nc"), progress=stop).close()
+    call = partial(CliRunner().invoke, app)
+    out = call(["resume", "out.nc"])
+    assert out.exit_code == 0, out.output
+    assert "largest tension" in out.stdout
+    assert out.stderr.startswith("going on from t = ")
+    assert out.stderr.endswith("result in out.nc\n")
+    out = call(["resume", "out.nc", "--until", "400 ms", "--json"])
+    assert (out.exit_code, json.loads(out.stdout)["outcome"]) == (0, "completed")
+    assert open_result("out.nc")["time"].values[-1] == pytest.approx(0.4)
+    out = call(["resume", "out.nc"])
+    assert (out.exit_code, out.stdout) == (2, "")
+    assert out.stderr == "out.nc: is complete, up to 0.4 s; give --until with a later time to go on\n"
+    assert call(["resume", "none.nc"]).stderr == "none.nc: there is no such file\n"
+    assert "3 parsecs" in call(["resume", "out.nc", "--until", "3 parsecs"]).stderr

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
 
-import ropewalk
 from ropewalk.checkpoint import Tree
 from ropewalk.results import contract
 from ropewalk.results.files import WriteError, check_target, open_result
@@ -73,7 +72,7 @@ class Recorder:
         if past is not None:
             for frame in past.frames(layout):
                 self._watch.see(frame)
-        kept = None if run is None else partial(_checkpoint, scenario, account, run)
+        kept = None if run is None or file is None else partial(_checkpoint, digests(scenario), account, run)
         self._store: _Store = _Memory(layout, fixed) if file is None else _File(layout, fixed, file, run, kept, past)
 
     @property
@@ -134,11 +133,13 @@ class Recorder:
                 self._store.finish(account)
 
 
-def _checkpoint(scenario: Scenario, account: Account, run: Run) -> Tree:
-    """What a run goes on from."""
+def _checkpoint(data: dict[str, str], account: Account, run: Run) -> Tree | None:
+    """What a run goes on from; None if there is nothing."""
+    state = run.get_state()
+    if state is None:
+        return None
     return {
-        "version": ropewalk.__version__, "data": digests(scenario), "run": run.get_state(),
-        "seconds": [account.wall_seconds, account.cpu_seconds],
+        "data": data, "run": state, "seconds": [account.wall_seconds, account.cpu_seconds],
     }  # fmt: skip
 
 
@@ -217,7 +218,7 @@ class _File:
         fixed: dict[str, contract.Attribute],
         file: Path,
         run: Run | None = None,
-        kept: Callable[[], Tree] | None = None,
+        kept: Callable[[], Tree | None] | None = None,
         past: Past | None = None,
     ) -> None:
         self.count = past.count if past is not None else 0

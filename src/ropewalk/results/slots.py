@@ -34,11 +34,11 @@ class Slots:
     """The checkpoints of a file that is being written.
 
     Args:
-        take: gives what is to be stored, with the number of `frames` before it.
+        take: gives what is to be stored, with the number of `frames` before it; None: there is nothing.
         number: of the last checkpoint that the file has.
     """
 
-    def __init__(self, take: Callable[[], Tree], number: int = 0) -> None:
+    def __init__(self, take: Callable[[], Tree | None], number: int = 0) -> None:
         self._take, self._number = take, number
         self._variable: Any = None
         self._first: bytes | None = None
@@ -56,6 +56,7 @@ class Slots:
             self._first = self._bytes()
         except RopewalkError as problem:
             self.lacking = str(problem)
+        if self._first is None:
             return
         size = (int(SPARE * len(self._first)) + SPARE_BYTES) // 8 * 8
         for name, length in zip(_DIMENSIONS, (_SLOTS, size), strict=True):
@@ -76,15 +77,16 @@ class Slots:
             data, self._first = self._first or self._bytes(), None
         except RopewalkError:
             return
-        if len(data) <= self._variable.shape[1]:
+        if data is not None and len(data) <= self._variable.shape[1]:
             self._number += 1
             self._variable[self._number % _SLOTS, : len(data)] = np.frombuffer(data, np.int8)
             file.sync()
         now = time.monotonic()
         self._next = now + max(SECONDS, (now - begun) / SHARE)
 
-    def _bytes(self) -> bytes:
-        return to_bytes({"number": self._number + 1, **self._take()})
+    def _bytes(self) -> bytes | None:
+        tree = self._take()
+        return None if tree is None else to_bytes({"number": self._number + 1, **tree})
 
 
 def newest(file: Any, frames: int) -> Tree | None:
