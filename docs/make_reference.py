@@ -58,6 +58,7 @@ SECTIONS = {
     "Files": ("load", "save", "open_result", "export_fmu"),
     "Answers": (
         "simulate",
+        "resume",
         "spectrum",
         "feedback",
         "Comparison",

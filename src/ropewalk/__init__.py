@@ -21,8 +21,8 @@ supports        `Fixed`, `Elastic`, `Guided`, `Moving`; `Joined` to a `Joint`, a
 nets            `Net` and `Membrane` with a `ClampedEdge`, a `SoftEdge` or a `CableEdge`; `Wind`
 what is asked   `Dynamic` (from a `Start`), `Quasistatic`, `Equilibrium`, `Linear`
 files           `load` and `save` a scenario, `open_result`; `export_fmu` writes a line or a vehicle as an FMU
-answers         `simulate`, `spectrum`; `feedback` gives a `Comparison` with a run `without_feedback`, `ladder` a
-                `Ladder` of simpler models, `adequacy` an `AdequacyMap` over two `Axis`es; `summary`,
+answers         `simulate`, `resume`, `spectrum`; `feedback` gives a `Comparison` with a run `without_feedback`,
+                `ladder` a `Ladder` of simpler models, `adequacy` an `AdequacyMap` over two `Axis`es; `summary`,
                 `figure` and `film` of a result; `contact_statistics` and `html_report` of overhead lines
 closed forms    `theory`: what the simulation is checked against
 errors          `RopewalkError`, and of its kind `ScenarioError`, `EquilibriumError`, `ResultError`
@@ -116,6 +116,7 @@ if TYPE_CHECKING:
     )
     from ropewalk.results import ResultError, figure, film, html_report, open_result, summary
     from ropewalk.results.contact_statistics import contact_statistics
+    from ropewalk.resuming import resume
     from ropewalk.scenario import load, save
     from ropewalk.simulate import simulate
     from ropewalk.simulate import spectrum_of as spectrum
@@ -205,6 +206,7 @@ __all__ = [
     "ladder",
     "load",
     "open_result",
+    "resume",
     "save",
     "simulate",
     "spectrum",
@@ -296,6 +298,7 @@ _HOME = {
     "ladder": "compare",
     "load": "scenario",
     "open_result": "results",
+    "resume": "resuming",
     "save": "scenario",
     "spectrum": "simulate",
     "summary": "results",

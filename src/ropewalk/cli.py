@@ -31,6 +31,7 @@ from ropewalk.console import (
     reported,
     save_figure,
     say,
+    time_of,
     write_text,
 )
 
@@ -133,6 +134,37 @@ def run(
         if not quiet:
             say(f"result in {target}{replaced}")
         finish(found, target)
+
+
+@app.command()
+def resume(
+    result: Annotated[Path, typer.Argument(metavar="OUT.nc", help="Result file of a motion.")],
+    until: Annotated[
+        str | None, typer.Option("--until", metavar="TIME", help="New end of the run, as 20s [default: as it was].")
+    ] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Go on with a run that was interrupted or killed, or is to be longer, in its result file."""
+    with reported(result):
+        from ropewalk.results import summary
+        from ropewalk.resuming import taken_up
+        from ropewalk.simulate import must_compile
+
+        end = None if until is None else time_of(until)
+        with taken_up(result, end) as rest:
+            if not quiet:
+                say(f"going on from t = {rest.begin:.6g} s")
+                if how_long := must_compile(rest.scenario):
+                    say(f"compiling (first run only, {how_long})")
+            with progress_bar("running", quiet) as progress:
+                dataset = rest.run(progress)
+        with dataset:
+            found = summary(dataset)
+        print_summary({"file": str(result), **found}, as_json, quiet)
+        if not quiet:
+            say(f"result in {result}")
+        finish(found, result)
 
 
 @app.command()

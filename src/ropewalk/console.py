@@ -98,6 +98,17 @@ def save_figure(drawn: Any, output: Path) -> None:
         fail(f"{output}: cannot be written ({problem.strerror or problem})")
 
 
+def time_of(text: str) -> float:
+    """A time in s, from a number or a text with a unit."""
+    from ropewalk.units import Refused, to_si
+
+    try:
+        return to_si(text, "s")
+    except Refused as problem:
+        fail(f"{text}: {problem}")
+        raise
+
+
 def say(message: str) -> None:
     typer.echo(message, err=True)
 

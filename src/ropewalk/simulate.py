@@ -4,32 +4,30 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ropewalk.chains import Chain
+from ropewalk.checkpoint import Tree
 from ropewalk.errors import EquilibriumError, Problem, RopewalkError, ScenarioError
-from ropewalk.foreign.turns import Turns, begun, closing
-from ropewalk.mechanics.bodies import Bodies, are_weightless
+from ropewalk.foreign.turns import closing
+from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import OFF, Array, State
 from ropewalk.model.load import MovingForce
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.exchanges import exchanged, exchanging, foreign_in
-from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
-from ropewalk.results.snapshot import Camera, layout_of, standing_frame
+from ropewalk.results.frame import Account, Frame, Layout, Run
+from ropewalk.results.snapshot import layout_of, standing_frame
 from ropewalk.solve.boarding import board
-from ropewalk.solve.choice import Choice, choose, cut_by_damping
 from ropewalk.solve.ends import ends_of, seat_ends
-from ropewalk.solve.guides import Partner, guides_of
 from ropewalk.solve.measure import shapes
 from ropewalk.solve.modes_at_start import deflect
-from ropewalk.solve.motion import STOPPED, Progress, move
 from ropewalk.solve.quasistatic import Place, walk
-from ropewalk.solve.remarks import Remarks, in_one_link, on_friction, on_parting, on_springing_up, who_met
-from ropewalk.solve.splitting import END_OF_LINE, MET, RUNNING
+from ropewalk.solve.remarks import Remarks
+from ropewalk.solve.splitting import RUNNING
 from ropewalk.solve.start import Setting, setting_of, start_state
 from ropewalk.solve.timetable import horizon
 from ropewalk.solve.vehicle_statics import resting_forces
@@ -37,16 +35,8 @@ from ropewalk.solve.vehicle_statics import resting_forces
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ropewalk.results.recorder import Recorder
     from ropewalk.solve.spectrum import Spectrum
-
-_SHORTENED = (
-    "lines.{line}.axial_damping makes the step {times:.2g} times shorter than it is without: lower it, or write fewer "
-    "elements"
-)
-_COMPRESSION = (
-    "at t = {time:.4g} s line {line} is in compression without any damping: a chain cannot carry that, and "
-    "disturbances of the size of rounding errors grow; use law {{kind: tension_only}} or a little axial_damping"
-)
 
 # Size of the compiled kernel of a motion in bytes from which on it is that with bodies.
 BODIED_KERNEL = 2_000_000
@@ -74,21 +64,39 @@ def simulate(
 
     if file is not None:
         _keep_apart(scenario, file)
-    account = Account()
-    wall, cpu = clock.perf_counter(), clock.process_time()
-    layout, frames, total = iterate(scenario, account)
-    with Recorder(layout, scenario, account, file) as recorder:
-        try:
-            for count, frame in enumerate(frames, start=1):
-                recorder.append(frame)
-                if progress is not None:
-                    progress(min(count / total, 1.0))
-        except KeyboardInterrupt:
-            if not recorder.frames:
-                raise
-            account.outcome, account.advice = "interrupted", "the result holds everything up to the interruption"
-        account.wall_seconds, account.cpu_seconds = clock.perf_counter() - wall, clock.process_time() - cpu
-        return recorder.close()
+    watch, account = Clock(), Account()
+    run = run_of(scenario, account)
+    with Recorder(run.layout, scenario, account, file, run=run) as recorder:
+        return record(run, recorder, account, watch, progress)
+
+
+class Clock:
+    """How long a run takes, on the wall and of the processor, what it took before it was taken up again included."""
+
+    def __init__(self, wall: float = 0.0, cpu: float = 0.0) -> None:
+        self._wall, self._cpu = clock.perf_counter() - wall, clock.process_time() - cpu
+
+    def read(self) -> tuple[float, float]:
+        """Seconds so far, on the wall and of the processor."""
+        return clock.perf_counter() - self._wall, clock.process_time() - self._cpu
+
+
+def record(
+    run: Run, recorder: Recorder, account: Account, watch: Clock, progress: Callable[[float], None] | None
+) -> xr.Dataset:
+    """Let a run go to its end, and record all that is still to come of it."""
+    try:
+        for frame in run.frames():
+            recorder.append(frame)
+            account.wall_seconds, account.cpu_seconds = watch.read()
+            if progress is not None:
+                progress(min(recorder.frames / run.total, 1.0))
+    except KeyboardInterrupt:
+        if not recorder.frames:
+            raise
+        account.outcome, account.advice = "interrupted", "the result holds everything up to the interruption"
+    account.wall_seconds, account.cpu_seconds = watch.read()
+    return recorder.close()
 
 
 def _keep_apart(scenario: Scenario, file: Path) -> None:
@@ -136,69 +144,97 @@ def _sizes(kernel: Any) -> list[int] | None:
 
 def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:
     """The frames of a run, one after the other, with their layout and their number; `account` is filled in."""
+    run = run_of(scenario, account)
+    return run.layout, run.frames(), run.total
+
+
+@dataclass(frozen=True)
+class _Still:
+    """Frames between which nothing is to be remembered."""
+
+    layout: Layout
+    given: Iterator[Frame]
+    total: int
+
+    def frames(self) -> Iterator[Frame]:
+        """All of them."""
+        return self.given
+
+    def get_state(self) -> None:
+        """Nothing."""
+
+
+def run_of(scenario: Scenario, account: Account, times: Array | None = None, past: Tree | None = None) -> Run:
+    """A scenario ready to run.
+
+    Args:
+        scenario: what is there and what is asked.
+        account: filled in.
+        times: of a motion, its output instants in s (default: those that it asks for).
+        past: what such a run has given as its state, to go on from there.
+    """
+    run = scenario.run
+    if isinstance(run, Dynamic):
+        return _moving(scenario, run, account, output_times(run) if times is None else times, past)
     if scenario.is_web:
         return _webbed(scenario, account)
-    if scenario.is_stiff and not isinstance(scenario.run, Linear):
+    if scenario.is_stiff and not isinstance(run, Linear):
         return _wired(scenario, account)
-    if isinstance(scenario.run, Dynamic):
-        setting = setting_of(scenario, scenario.run.until)
-        times = output_times(scenario.run)
-        layout = replace(layout_of(setting), foreign=foreign_in(scenario))
-        return layout, _motion(setting, scenario, times, account), times.size
-    if isinstance(scenario.run, Linear):
+    if isinstance(run, Linear):
         from ropewalk import linear  # lazy: the closed forms take a while to import
 
-        setting = setting_of(scenario, scenario.run.until)
+        setting = setting_of(scenario, run.until)
         _refuse_to_yield(setting, "run.kind: linear knows", "ask for kind: dynamic")
-        times = output_times(scenario.run)
+        times = output_times(run)
         account.method, account.reason = "linear theory", "as asked: superposition of small deflections about the chord"
         account.audit = "the linear theory superposes deflections and keeps no energies"
-        return layout_of(setting), linear.frames(setting, scenario, times, account), times.size
-    setting = setting_of(scenario, horizon(scenario) if isinstance(scenario.run, Quasistatic) else 0.0)
+        return _Still(layout_of(setting), linear.frames(setting, scenario, times, account), times.size)
+    setting = setting_of(scenario, horizon(scenario) if isinstance(run, Quasistatic) else 0.0)
     layout = layout_of(setting, "load_path")
     account.method = "rest"
     account.reason = "least potential energy"
-    if isinstance(scenario.run, Quasistatic):
-        return layout, _slowly(account, _slow(setting, scenario, account)), scenario.run.positions
-    assert isinstance(scenario.run, Equilibrium)
-    return layout, _rest(setting, scenario, account), 1
-
-
-def _webbed(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:
-    """The frames of joined lines, nets and membranes."""
-    from ropewalk.webs.frames import Run  # lazy: most runs do not need their kernels
-
-    run = scenario.run
-    if isinstance(run, Dynamic):
-        times = output_times(run)
-        found = Run(scenario, account, run.until)
-        return found.layout, found.moving(times), times.size
-    assert isinstance(run, Quasistatic | Equilibrium)
-    slow = isinstance(run, Quasistatic)
-    found = Run(scenario, account, horizon(scenario) if slow and not scenario.nets else 0.0, "load_path")
     if isinstance(run, Quasistatic):
-        return found.layout, _slowly(account, found.slowly(run.positions, run.turn)), run.positions
-    return found.layout, found.standing(), 1
+        return _Still(layout, _slowly(account, _slow(setting, scenario, account)), run.positions)
+    assert isinstance(run, Equilibrium)
+    return _Still(layout, _rest(setting, scenario, account), 1)
 
 
-def _wired(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:
-    """The frames of stiff lines and overhead lines."""
-    from ropewalk.wiring import task_of  # lazy: most runs do not need it
+def _moving(scenario: Scenario, run: Dynamic, account: Account, times: Array, past: Tree | None) -> Run:
+    """A motion, by the engine that its lines ask for."""
+    if scenario.is_web:
+        from ropewalk.webs.moving import Motion as Web  # lazy: most runs do not need their kernels
+
+        return Web(scenario, account, times, past)
+    if scenario.is_stiff:
+        from ropewalk.wires.frames import SAMPLE  # lazy: as above
+        from ropewalk.wires.frames import Run as Wires
+        from ropewalk.wiring import task_of
+
+        return Wires(task_of(scenario), times, account, run.sample or max(SAMPLE, run.step or 0.0), run.step, past)
+    return _chain(scenario, account, times, past)
+
+
+def _webbed(scenario: Scenario, account: Account) -> Run:
+    """Joined lines, nets and membranes at rest or in slow motion."""
+    from ropewalk.webs.frames import Run as Web  # lazy: most runs do not need their kernels
 
     run = scenario.run
-    if not isinstance(run, Dynamic):
-        from ropewalk.wires.still import Still
+    slow = isinstance(run, Quasistatic)
+    found = Web(scenario, account, horizon(scenario) if slow and not scenario.nets else 0.0, "load_path")
+    if isinstance(run, Quasistatic):
+        return _Still(found.layout, _slowly(account, found.slowly(run.positions, run.turn)), run.positions)
+    return _Still(found.layout, found.standing(), 1)
 
-        still = Still(task_of(scenario), account)
-        if isinstance(run, Quasistatic):
-            return still.layout, _slowly(account, still.slowly(run.positions, run.turn)), run.positions
-        return still.layout, still.standing(), 1
-    from ropewalk.wires.frames import SAMPLE, Run  # lazy: as above
 
-    times = output_times(run)
-    sample = run.sample or max(SAMPLE, run.step or 0.0)
-    found = Run(task_of(scenario), times, account, sample, run.step)
-    return found.layout, found.frames(), times.size
+def _wired(scenario: Scenario, account: Account) -> Run:
+    """Stiff lines and overhead lines at rest or in slow motion."""
+    from ropewalk.wires.still import Still  # lazy: most runs do not need it
+    from ropewalk.wiring import task_of
+
+    still, run = Still(task_of(scenario), account), scenario.run
+    if isinstance(run, Quasistatic):
+        return _Still(still.layout, _slowly(account, still.slowly(run.positions, run.turn)), run.positions)
+    return _Still(still.layout, still.standing(), 1)
 
 
 def output_times(run: Dynamic | Linear) -> Array:
@@ -243,74 +279,13 @@ def _check_ends(setting: Setting, state: State) -> None:
             )
 
 
-def _course(
-    setting: Setting, scenario: Scenario, state: State, bodies: Bodies | None
-) -> tuple[Choice, list[Turns], Callable[[Array, Progress], Iterator[State]]]:
-    """How a motion goes on from its first state: the method, what takes turns, and what gives the states later on."""
+def _chain(scenario: Scenario, account: Account, times: Array, past: Tree | None = None) -> Chain:
+    """A motion of plain lines, in its first state."""
     run = scenario.run
     assert isinstance(run, Dynamic)
-    strands, loads, supports = setting.strands, setting.loads, setting.supports
-    moving = None if bodies is None or are_weightless(bodies) else bodies
-    choice = choose(
-        strands, loads, state, method=run.method, step=run.step, accuracy=run.accuracy,
-        duration=run.until, supports=supports, bodies=moving, guided=bodies is not None,
-    )  # fmt: skip
-    guides = guides_of(setting, scenario, bodies)
-    turns = [guide.turns for guide in guides if isinstance(guide, Partner)]
-    with begun(turns):
-        for guide in guides:
-            guide.begin(state)
-
-    def states(times: Array, progress: Progress) -> Iterator[State]:
-        return move(strands, loads, state, choice, run.precision, times, progress, supports, moving, guides)
-
-    return choice, turns, states
-
-
-def _motion(setting: Setting, scenario: Scenario, times: Array, account: Account) -> Iterator[Frame]:
+    setting = setting_of(scenario, run.until)
     state, bodies = initial_state(setting, scenario)
-    choice, turns, states = _course(setting, scenario, state, bodies)
-    account.method, account.reason, account.step = choice.method, choice.reason, choice.step
-    account.warnings += in_one_link(setting)
-    if (cut := cut_by_damping(setting.strands, state, choice)) is not None:
-        account.warnings.append(_SHORTENED.format(line=setting.lines[cut[0]], times=cut[1]))
-    camera, progress = Camera(setting, bodies), Progress()
-    with exchanging(turns, account):
-        yield exchanged(camera.take(state), turns, account)
-        warned, parted, slipped = False, set[int](), set[int]()
-        for current in states(times[1:], progress):
-            account.steps = progress.steps
-            if progress.status != RUNNING:
-                if progress.status == MET:
-                    progress.message = who_met(setting, current)
-                account.outcome, advice = progress.told()
-                account.advice = f"stopped at t = {current.t[0]:.6g} s: {advice}"
-                if current.t[0] > 0.0 and progress.status in (END_OF_LINE, MET, STOPPED):
-                    yield exchanged(camera.take(current), turns, account)
-                return
-            frame = exchanged(camera.take(current), turns, account)
-            if not warned:
-                warned = _warn_of_compression(setting, frame, account)
-            account.warnings += on_friction(setting, frame.contact_friction, frame.path, slipped)
-            if bodies is not None:
-                moving = sum(
-                    float(frame.energy[ENERGY_FORMS.index(form)]) for form in ("kinetic", "elastic", "load_kinetic")
-                )
-                account.warnings += on_parting(setting, bodies, moving, parted)
-                for told in on_springing_up(setting, bodies, moving, parted):
-                    account.doubt(*told)
-            yield frame
-
-
-def _warn_of_compression(setting: Setting, frame: Frame, account: Account) -> bool:
-    begin = 0
-    for s, name in enumerate(setting.lines):
-        n = int(setting.strands.links[s])
-        if setting.strands.damping[s] == 0.0 and frame.tension[begin : begin + n].min() < 0.0:
-            account.warnings.append(_COMPRESSION.format(time=frame.path, line=name))
-            return True
-        begin += n
-    return False
+    return Chain(scenario, setting, state, bodies, account, times, past)
 
 
 def _slowly(account: Account, frames: Iterator[Frame]) -> Iterator[Frame]:
@@ -348,18 +323,16 @@ def state_at(scenario: Scenario, t: float) -> tuple[Setting, State, Bodies | Non
         RopewalkError: the run does not come to the instant.
     """
     assert isinstance(scenario.run, Dynamic)
-    setting = setting_of(scenario, scenario.run.until)
-    state, bodies = initial_state(setting, scenario)
-    if t > 0.0:
-        progress = Progress()
-        _, turns, states = _course(setting, scenario, state, bodies)
-        with closing(turns):
-            for _ in states(np.array([t]), progress):
-                pass
-        if progress.status != RUNNING:
-            outcome, advice = progress.told()
-            raise RopewalkError(f"the run did not come to t = {t:g} s ({outcome}): {advice}")
-    return setting, state, bodies
+    if t <= 0.0:
+        setting = setting_of(scenario, scenario.run.until)
+        return setting, *initial_state(setting, scenario)
+    chain = _chain(scenario, Account(), np.array([t]))
+    with closing(chain.turns):
+        chain.motion.to(t)
+    if chain.progress.status != RUNNING:
+        outcome, advice = chain.progress.told()
+        raise RopewalkError(f"the run did not come to t = {t:g} s ({outcome}): {advice}")
+    return chain.setting, chain.state, chain.bodies
 
 
 def _refuse_to_yield(setting: Setting, who: str, otherwise: str) -> None:

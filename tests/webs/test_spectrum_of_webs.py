@@ -24,9 +24,7 @@ def cross(load: dict[str, Any] | None = None, **more: Any) -> Scenario:
     """Four taut lines that meet in a joint, in a horizontal plane."""
     own = {"axial_stiffness": EA, "elements": N, "end": [0, 0, 0], "end_support": {"kind": "joined", "to": "knot"}}
     damped = more.pop("damped", {})
-    lines = {
-        name: {**own, **damped, "start": SPAN[name], "tension": TENSION[name], "mass": RHO[name]} for name in SPAN
-    }
+    lines = {name: {**own, **damped, "start": SPAN[name], "tension": TENSION[name], "mass": RHO[name]} for name in SPAN}
     loads = {"loads": {"load": load}} if load is not None else {}
     given = {"gravity": 0.0, "joints": {"knot": {}}, "lines": lines, **loads, "run": {"kind": "equilibrium"}, **more}
     return Scenario.model_validate(given)

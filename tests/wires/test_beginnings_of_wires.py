@@ -63,9 +63,7 @@ def released(element: float, geometry: str) -> float:
     tree = {"gravity": 9.81, "overhead_lines": {"line": {**OVERHEAD, "element": element}}}
     modes = spectrum_of(Scenario.model_validate({**tree, "run": {"kind": "equilibrium"}})).modes
     assert modes is not None
-    up = next(
-        w for w, s in zip(modes.frequency, modes.shape, strict=True) if (s[:, 2] ** 2).sum() > 0.5 * (s**2).sum()
-    )
+    up = next(w for w, s in zip(modes.frequency, modes.shape, strict=True) if (s[:, 2] ** 2).sum() > 0.5 * (s**2).sum())
     start = {"kind": "mode", "amplitude": AMPLITUDE, "line": "line"}
     result = run_of(tree, until=4.0, every=0.02, start=start, geometry=geometry)
     z = result.position.sel(axis="z").values

@@ -126,7 +126,10 @@ class Hermite:
                 rise = z[i + 1] - z[i]
                 L = float(np.hypot(h, rise))
                 c, s = h / L, rise / L
-                T, rho = wire.tension / c, wire.mass * c  # what is given is tension along x and mass for each metre of x
+                T, rho = (
+                    wire.tension / c,
+                    wire.mass * c,
+                )  # what is given is tension along x and mass for each metre of x
                 across = bending(L, wire.bending_stiffness) + tensed(L, T)
                 turn = np.zeros((6, 10))  # along, across, slope at both ends, from the degrees of freedom of the nodes
                 for end in range(2):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 
+from ropewalk.checkpoint import Tree, copied, put
 from ropewalk.cosim.outside import Hand, Outside, Sight, Stepwise
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import Push
@@ -23,8 +24,8 @@ from ropewalk.results.snapshot import Camera
 from ropewalk.simulate import initial_state
 from ropewalk.solve.choice import choose
 from ropewalk.solve.feet import Line, take_up
-from ropewalk.solve.guides import guides_of, lead, press
-from ropewalk.solve.motion import Progress, move
+from ropewalk.solve.guides import given, guides_of, lead, press
+from ropewalk.solve.motion import Motion, Progress
 from ropewalk.solve.splitting import RUNNING
 from ropewalk.solve.start import setting_of
 
@@ -65,16 +66,11 @@ class Chained(Stepwise):
         self._guides = guides_of(setting, scenario, self._bodies)
         for guide in self._guides:
             guide.begin(self._state)
-        self._progress, self._until = Progress(), 0.0
-        self._states = move(
-            setting.strands, setting.loads, self._state, self.choice, run.precision,
-            self._times(), self._progress, setting.supports, self._moving, self._guides,  # type: ignore[arg-type]
+        self._progress = Progress()
+        self._motion = Motion(
+            setting.strands, setting.loads, self._state, self.choice, run.precision, self._progress, setting.supports,
+            self._moving, self._guides, self._bodies,
         )  # fmt: skip
-
-    def _times(self) -> Iterator[float]:
-        """The instants to be moved to, as they are asked for."""
-        while True:
-            yield self._until
 
     @property
     def t(self) -> float:  # type: ignore[override]
@@ -94,8 +90,8 @@ class Chained(Stepwise):
         """
         for name, hand in self.hands.items():
             self._hold(name, hand, h)
-        self._until = self.t + h
-        if next(self._states, None) is None or self._progress.status != RUNNING:
+        self._motion.to(self.t + h)
+        if self._progress.status != RUNNING:
             outcome, advice = self._progress.told()
             raise RopewalkError(f"the motion stopped at t = {self.t:.6g} s ({outcome}): {advice}")
         for hand in self.hands.values():
@@ -156,30 +152,22 @@ class Chained(Stepwise):
         names = [f"{name}.{end}" for name in self.setting.lines for end in ("start", "end")]
         return dict(zip(names, frame.reaction, strict=True))
 
-    def get_state(self) -> Any:
+    def get_state(self) -> Tree:
         """All that changes, copied.
 
         Raises:
-            RopewalkError: a load walks or is a model of somebody else's.
+            RopewalkError: a load is a model of somebody else's that gives no state.
         """
-        if self._guides:
-            raise RopewalkError("loads with a gait or a will of their own cannot go back in time; leave them out")
-        loads = self.setting.loads
-        tables = [table.copy() for table in (loads.force_time, loads.force_value, loads.speed_value)]
-        hands = {name: replace(hand) for name, hand in self.hands.items()}
-        return self._state.copy(), self._bodies.copy() if self._bodies is not None else None, tables, hands
+        pressed = copied(given(self.setting.loads, self._contact.values()))
+        hands = {name: asdict(hand) for name, hand in self.hands.items()}
+        return {"motion": self._motion.get_state(), "given": pressed, "hands": hands, "status": self._progress.status}
 
-    def set_state(self, state: Any) -> None:
+    def set_state(self, state: Tree) -> None:
         """Go back to what `get_state` gave."""
-        then, bodies, tables, hands = state
-        loads = self.setting.loads
-        pairs = [*zip(self._state, then, strict=True)]
-        pairs += zip((loads.force_time, loads.force_value, loads.speed_value), tables, strict=True)
-        if self._bodies is not None:
-            pairs += zip(self._bodies, bodies, strict=True)
-        for array, value in pairs:  # in place: the compiled motion keeps the arrays it was given
-            array[...] = value
-        self.hands.update({name: replace(hand) for name, hand in hands.items()})
+        self._motion.set_state(state["motion"])
+        put(given(self.setting.loads, self._contact.values()), state["given"])
+        self._progress.status = state["status"]
+        self.hands.update({name: Hand(**hand) for name, hand in state["hands"].items()})
 
     def _line(self, name: str) -> Line:
         return Line(self.setting, self._state, self.setting.lines.index(name))

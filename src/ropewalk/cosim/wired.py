@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 
+from ropewalk.checkpoint import Tree, copied
 from ropewalk.cosim.outside import Hand, Outside, Sight, Stepwise
 from ropewalk.errors import RopewalkError
 from ropewalk.model.load import Foreign
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account
-from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive
+from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive, Record
 from ropewalk.wires.frames import SAMPLE, Run
 from ropewalk.wires.journey import Journey, drive_of
 from ropewalk.wires.mesh import places_of
@@ -186,21 +186,18 @@ class Wired(Stepwise):
         hold = self.motion.hold_at_rest + (self._record.hold[0] if self._record is not None else 0.0)
         return found | {h.name: force[axes] for h, force in zip(plan.holds, hold, strict=True)}
 
-    def get_state(self) -> Any:
+    def get_state(self) -> Tree:
         """All that changes, copied."""
-        hands = {name: replace(hand) for name, hand in self.hands.items()}
-        return self._twin(self.motion), self._steps, self._record, hands
+        hands = {name: asdict(hand) for name, hand in self.hands.items()}
+        record = None if self._record is None else copied(self._record._asdict())
+        return {"motion": self.motion.get_state(), "steps": self._steps, "record": record, "hands": hands}
 
-    def set_state(self, state: Any) -> None:
+    def set_state(self, state: Tree) -> None:
         """Go back to what `get_state` gave."""
-        motion, self._steps, self._record, hands = state
-        self.motion = self._run.motion = self._twin(motion)
-        self.hands.update({name: replace(hand) for name, hand in hands.items()})
-
-    def _twin(self, motion: Any) -> Any:
-        """A copy of a motion that shares with it what does not change."""
-        kept = {id(each): each for each in (motion.mesh, motion.riders, getattr(motion, "rest", None))}
-        return copy.deepcopy(motion, kept)
+        self.motion.set_state(state["motion"])
+        self._steps = state["steps"]
+        self._record = None if state["record"] is None else Record(**copied(state["record"]))
+        self.hands.update({name: Hand(**hand) for name, hand in state["hands"].items()})
 
 
 def _lines(scenario: Scenario) -> list[str]:

@@ -186,6 +186,7 @@ def _wiring(file: Path, parameters: Mapping[str, float], drives: tuple[str, ...]
         settings=tuple(Setting(name, references[name], "Real", float(value)) for name, value in parameters.items()),
         is_interpolating=False,
         can_go_back=False,
+        can_pack=False,
         goes_back=False,
         needs_tool=False,
     )

@@ -90,8 +90,8 @@ class _Reading:
             tuple(v.valueReference for v in inputs), tuple(v.valueReference for v in outputs),
             tuple(v.name for v in outputs), tuple(settings),
             is_interpolating=version == 2 and bool(slave.canInterpolateInputs),
-            can_go_back=bool(slave.canGetAndSetFMUstate), goes_back=goes_back,
-            needs_tool=bool(slave.needsExecutionTool),
+            can_go_back=bool(slave.canGetAndSetFMUstate), can_pack=bool(slave.canSerializeFMUstate),
+            goes_back=goes_back, needs_tool=bool(slave.needsExecutionTool),
         )  # fmt: skip
 
     # -- The file ------------------------------------------------------------------------------------------------

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from ropewalk.checkpoint import Tree
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.course import Course
 from ropewalk.foreign.description import answered, told, wiring_of
@@ -145,6 +146,24 @@ class FmuModel:
     def _restore(self, state: State) -> None:
         self._at_work.restore(state.number)
         self._t, self._pasts = state.t, list(state.pasts)
+
+    def pack_state(self, state: State) -> Tree:
+        """A state as data.
+
+        Raises:
+            RopewalkError: the FMU does not give it so.
+        """
+        if not self._wiring.can_pack:
+            raise RopewalkError(f"{self._wiring.who} does not give its state as data (canSerializeFMUstate)")
+        data, before = self._at_work.pack(state.number)
+        return {"fmu": data, "before": before, "t": state.t, "pasts": [tuple(past) for past in state.pasts],
+                "outputs": list(self._outputs)}  # fmt: skip
+
+    def unpack_state(self, data: Tree) -> State:
+        """The state that was packed as data."""
+        self._outputs = list(data["outputs"])
+        number = self._at_work.unpack((data["fmu"], data["before"]))
+        return State(number, data["t"], [_Past(*past) for past in data["pasts"]], self._at_work)
 
     # -- The line under the contacts -----------------------------------------------------------------------------
 

@@ -31,7 +31,8 @@ class Wiring:
     settings: tuple[Setting, ...]
     is_interpolating: bool  # takes the slopes of its inputs
     can_go_back: bool  # its state can be saved
-    goes_back: bool  # and it will be asked to
+    can_pack: bool  # and given as bytes
+    goes_back: bool  # and it will be asked to save it
     needs_tool: bool  # says that it needs the program that made it
 
     @property

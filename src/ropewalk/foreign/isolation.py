@@ -118,6 +118,15 @@ class Isolated:
         """Go back to a state that was kept."""
         self._ask("restore", number)
 
+    def pack(self, number: int) -> tuple[bytes, tuple[float, ...]]:
+        """A state that was kept, as data."""
+        data, before = self._ask("pack", number)
+        return data, before
+
+    def unpack(self, data: tuple[bytes, tuple[float, ...]]) -> int:
+        """Keep a state that was data, under a number."""
+        return int(self._ask("unpack", data))
+
     def forget(self, number: int) -> None:
         """Let go of a state that was kept: the child hears of it with the next question."""
         self._forgotten.append(number)

@@ -47,7 +47,9 @@ class Model(Protocol):
 
     `contacts` is the most contacts that it may have at a time (1 without it), and `reset(line)` is called once before
     the first step. `get_state()` gives anything from which `set_state(state)` makes the model what it was: the iterated
-    scheme needs both. `close()` is called when the run has ended, however it did.
+    scheme needs both, and so does a run that is to be taken up again from its file. For that the state must be data, or
+    `pack_state(state)` gives data and `unpack_state(data)` the state. `close()` is called when the run has ended,
+    however it did.
     """
 
     def step(self, t: float, h: float, line: SeenLine) -> Sequence[Any]:

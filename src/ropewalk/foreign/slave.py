@@ -43,6 +43,12 @@ class Worker(Protocol):
     def restore(self, number: int) -> None:
         """Go back to a state that was kept."""
 
+    def pack(self, number: int) -> tuple[bytes, tuple[float, ...]]:
+        """A state that was kept, as data."""
+
+    def unpack(self, data: tuple[bytes, tuple[float, ...]]) -> int:
+        """Keep a state that was data, under a number."""
+
     def forget(self, number: int) -> None:
         """Let go of a state that was kept."""
 
@@ -157,6 +163,19 @@ class Slave:
         state, self._before = self._states[number]
         with self._explained("cannot go back to a state"):
             self.binary.restore(state)
+
+    def pack(self, number: int) -> tuple[bytes, tuple[float, ...]]:
+        """A state that was kept, as data: its own bytes, and the inputs before."""
+        state, before = self._states[number]
+        with self._explained("cannot give its state as data"):
+            return self.binary.pack(state), before
+
+    def unpack(self, data: tuple[bytes, tuple[float, ...]]) -> int:
+        """Keep a state that was data, under a number."""
+        self._count += 1
+        with self._explained("cannot take its state from data"):
+            self._states[self._count] = self.binary.unpack(data[0]), tuple(data[1])
+        return self._count
 
     def forget(self, number: int) -> None:
         """Let go of a state that was kept."""

@@ -20,8 +20,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ropewalk.checkpoint import Tree, copied
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.protocol import Line, Touch, touches
+from ropewalk.foreign.seen import Course, Foreseen, Seen
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.travel import AtEnd
@@ -65,63 +67,6 @@ class Bearer:
 
 
 @dataclass(slots=True)
-class _Seen:
-    """A line at an instant, and the forces that the contacts of one model have exerted on it."""
-
-    line: Line
-    forces: Callable[[Line, int], Array]
-    looked: dict[float, tuple[Array, Array]] = field(default_factory=dict)  # a place is often looked at twice
-
-    @property
-    def length(self) -> float:
-        return self.line.length
-
-    def at(self, xi: float) -> tuple[Array, Array]:
-        found = self.looked.get(xi)
-        if found is None:
-            found = self.looked[xi] = self.line.at(xi)
-        return found
-
-    def below(self, x: float) -> float:
-        return self.line.below(x)
-
-    def force(self, number: int = 0) -> Array:
-        return self.forces(self, number)
-
-
-class _Course(NamedTuple):
-    """Where a contact is foreseen to be."""
-
-    xi: float  # m
-    place: Array  # (axis,) m
-
-
-@dataclass(frozen=True)
-class _Foreseen:
-    """A line as it would be a while later: contacts go on as they did, particles elsewhere keep their velocities."""
-
-    line: Line
-    later: float  # s
-    courses: list[_Course]
-    reach: float  # m, from a contact, within which its course tells
-
-    @property
-    def length(self) -> float:
-        return self.line.length
-
-    def at(self, xi: float) -> tuple[Array, Array]:
-        place, velocity = self.line.at(xi)
-        for course in self.courses:
-            # Beside a contact that moves along, particles jump in their velocity: theirs is not that of the contact.
-            if abs(xi - course.xi) <= self.reach:
-                return course.place, velocity
-        return place + self.later * velocity, velocity
-
-    def below(self, x: float) -> float:
-        return self.line.below(x)
-
-
-@dataclass(slots=True)
 class _Contact:
     """What is remembered of a contact that stays where it is or slides along."""
 
@@ -131,6 +76,17 @@ class _Contact:
     rates: list[Array]  # (axis,) m/s, its mean velocity in the last intervals, the newest first
     push: Push
     motion: tuple[float, float] | None
+
+    def get_state(self) -> Tree:
+        """All of it."""
+        own = {name: getattr(self, name) for name in ("place", "seen", "forces", "rates", "motion")}
+        return copied({**own, "push": self.push._asdict()})
+
+    @staticmethod
+    def of(tree: Tree) -> _Contact:
+        """The same once more."""
+        own = copied(tree)
+        return _Contact(**{**own, "push": Push(**own["push"])})
 
 
 @contextmanager
@@ -254,16 +210,56 @@ class Turns:
         if hasattr(self.model, "close"):
             self.model.close()
 
+    def get_state(self, stored: Callable[[Any], Tree]) -> Tree:
+        """All that changes, and the state of the model as data.
+
+        Args:
+            stored: what makes data of a line that is to be looked at later.
+
+        Raises:
+            RopewalkError: the model gives no state, or none that is data.
+        """
+        lacks = [name for name in ("get_state", "set_state") if not callable(getattr(self.model, name, None))]
+        if lacks:
+            raise RopewalkError(f"load {self.name}: its model has no {' and no '.join(lacks)}")
+        model = self._guarded("its state cannot be had", 0.0, self.model.get_state)
+        if callable(pack := getattr(self.model, "pack_state", None)):
+            model = self._guarded("its state cannot be had as data", 0.0, lambda: pack(model))
+        return {
+            "asked": self.asked, "work": self.work, "residual": self.residual, "peak": self.peak,
+            "contacts": [None if contact is None else contact.get_state() for contact in self._contacts],
+            "frozen": None if self._frozen is None else stored(self._frozen),
+            "agreed": None if self._agreed is None else [copied(touch._asdict()) for touch in self._agreed],
+            "disagreed": self._disagreed, "model": copied(model),
+        }  # fmt: skip
+
+    def set_state(self, tree: Tree, line: Callable[[Tree], Line]) -> None:
+        """Be what it was when `get_state` gave this.
+
+        Args:
+            tree: the state.
+            line: makes a line of what was stored of it.
+        """
+        self.asked, self._disagreed = tree["asked"], tree["disagreed"]
+        self.work, self.residual, self.peak = tree["work"], tree["residual"], tree["peak"]
+        self._contacts = [None if own is None else _Contact.of(own) for own in tree["contacts"]]
+        self._frozen = None if tree["frozen"] is None else line(tree["frozen"])
+        self._agreed = None if tree["agreed"] is None else [Touch(**copied(touch)) for touch in tree["agreed"]]
+        model = copied(tree["model"])
+        if callable(unpack := getattr(self.model, "unpack_state", None)):
+            model = self._guarded("it does not take its state", 0.0, lambda: unpack(model))
+        self._guarded("it does not take its state", 0.0, lambda: self.model.set_state(model))
+
     # -- Asking --------------------------------------------------------------------------------------------------
 
-    def _step(self, t: float, line: _Seen) -> list[Touch]:
+    def _step(self, t: float, line: Seen) -> list[Touch]:
         def step() -> Any:
             return self.model.step(t, self.every, line)
 
         return touches(self.name, self._guarded("its model failed", t, step), t, self.most, self.dim)
 
-    def _seen(self, line: Line) -> _Seen:
-        return _Seen(line, self._mean_force)
+    def _seen(self, line: Line) -> Seen:
+        return Seen(line, self._mean_force)
 
     def _guarded(self, wrong: str, t: float, act: Callable[[], Any]) -> Any:
         try:
@@ -287,7 +283,7 @@ class Turns:
 
     # -- Accounts ------------------------------------------------------------------------------------------------
 
-    def _settle(self, line: _Seen, seen: _Seen, answer: Sequence[Touch]) -> None:
+    def _settle(self, line: Seen, seen: Seen, answer: Sequence[Touch]) -> None:
         """Close the accounts of the interval that ends now, and note where all contacts are."""
         made = 0.0
         for number in range(self.most):
@@ -363,17 +359,17 @@ class Turns:
         rise = self._rate(contact, self._degree + 1)[-1] if contact.rates else 0.0
         return contact.push._replace(first=first, last=last, height=float(contact.place[-1]), rise=float(rise))
 
-    def _foreseen(self, frozen: Line) -> _Foreseen:
+    def _foreseen(self, frozen: Line) -> Foreseen:
         """The line at the end of the interval that is now over, as it could be foreseen at its beginning."""
         h, order = self.every, self._degree
         if self.exchange.stiffness or self.exchange.damping:  # a line that holds still would pull at its dampers
             order = max(order, 1)
         courses = [
-            _Course(c.push.xi + c.push.speed * h, c.place + h * self._rate(c, order))
+            Course(c.push.xi + c.push.speed * h, c.place + h * self._rate(c, order))
             for c in self._contacts
             if c is not None and c.rates
         ]
-        return _Foreseen(frozen, h if order else 0.0, courses, self.reach)
+        return Foreseen(frozen, h if order else 0.0, courses, self.reach)
 
     def _rate(self, contact: _Contact, order: int) -> Array:
         """Velocity of a contact in the interval after its last exchange, extrapolated."""

@@ -27,6 +27,8 @@ CONVENTIONS = "ropewalk-result-1"
 SIDES = ("behind", "ahead")
 CORNERS = ("first", "second", "third")
 DIRECTIONS = ("first", "second")
+CHECKPOINT = "checkpoint"  # variable of a result file that is no part of the result: see slots.py
+LACKING = "not_resumable"  # attribute of a result file that has none: why
 PATH = "path"  # stands for the leading dimension, `time` or `load_path`
 
 Attribute = str | int | float

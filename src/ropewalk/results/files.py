@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.results.contract import CONVENTIONS, COORDINATES, NUMBERS, VARIABLES, is_present, path_name
+from ropewalk.results.contract import CHECKPOINT, CONVENTIONS, COORDINATES, NUMBERS, VARIABLES, is_present, path_name
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -72,7 +72,7 @@ def open_result(path: str | Path, *, lazy: bool | None = None) -> xr.Dataset:
     if not path.is_file():
         raise ResultError(f"{path}: there is no such file")
     try:
-        dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False, cache=not lazy)
+        dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False, cache=not lazy, drop_variables=CHECKPOINT)
     except (OSError, ValueError, RuntimeError, KeyError) as problem:
         raise ResultError(f"{path}: {_why_unreadable(path, problem)}") from problem
     if dataset.attrs.get("Conventions") != CONVENTIONS:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ropewalk.checkpoint import Tree
 
 Array = NDArray[np.float64]
 
@@ -125,7 +129,41 @@ class Account:
         if (found := Doubt(what, cause, key, remedy)) not in self.doubts:
             self.doubts.append(found)
 
+    def get_state(self) -> Tree:
+        """What has been noted so far, but for the outcome and the time taken."""
+        doubts = [asdict(doubt) for doubt in self.doubts]
+        kept = {key: getattr(self, key) for key in ("method", "reason", "step", "steps", "audit")}
+        return {**kept, "warnings": list(self.warnings), "doubts": doubts}
+
+    def set_state(self, tree: Tree) -> None:
+        """Go on from there, whatever has been noted meanwhile."""
+        for key in ("method", "reason", "step", "steps", "audit"):
+            setattr(self, key, tree[key])
+        self.warnings[:] = tree["warnings"]
+        self.doubts[:] = [Doubt(**doubt) for doubt in tree["doubts"]]
+
     def conclude(self) -> None:
         """Name the outcome of a run that nothing has stopped."""
         if self.outcome == "running":
             self.outcome = "doubtful" if self.doubts else "completed"
+
+
+class Run(Protocol):
+    """A run under way, of whatever engine."""
+
+    @property
+    def layout(self) -> Layout:
+        """Names and coordinates of its frames."""
+
+    @property
+    def total(self) -> int:
+        """How many frames it will have."""
+
+    def frames(self) -> Iterator[Frame]:
+        """The frames that are still to come, one after the other."""
+
+    def get_state(self) -> Tree | None:
+        """All that changes, right after a frame was given, with the number of `frames` that need not be repeated.
+
+        At the end it is what the run may go on from, longer than it was to be. None: there is nothing to go on with.
+        """

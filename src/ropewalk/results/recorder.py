@@ -5,16 +5,21 @@ from __future__ import annotations
 import contextlib
 import math
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
 
+from ropewalk.checkpoint import Tree
 from ropewalk.results import contract
 from ropewalk.results.files import WriteError, check_target, open_result
-from ropewalk.results.frame import Account, Array, Frame, Layout
+from ropewalk.results.frame import Account, Array, Frame, Layout, Run
+from ropewalk.results.past import Past
+from ropewalk.results.slots import Slots, alone, cut, digests
 from ropewalk.results.verdict import Watch
 
 if TYPE_CHECKING:
@@ -26,6 +31,7 @@ SYNC_SECONDS = 1.0  # a killed run loses no more than this
 SLOW_FRAME = 0.1  # frames that come more slowly, in s, are written at once: it costs next to nothing then
 BLOCK_BYTES = 1_000_000  # frames wait in memory up to this size: fewer and larger writes
 BLOCK_ROWS = 512
+_CUT_SHORT = ("interrupted", "failed")  # outcomes of runs that did not come to where they were before
 RESERVE = 16 * 1024  # bytes kept free in the header for attributes that grow, or else the data would have to move
 
 
@@ -38,12 +44,23 @@ class Recorder:
         account: how the run goes; read again whenever the file is brought up to date, and at the end.
         file: stream to this NetCDF file, or keep everything in memory. An earlier one is replaced with the first
             frame: a run that never begins leaves it as it was.
+        run: whose state the file is to hold, so that it can be taken up again.
+        past: the frames that the file has already; what comes goes behind them.
 
     Raises:
         ResultError: a result cannot be written to `file`; nothing has been touched then.
     """
 
-    def __init__(self, layout: Layout, scenario: Scenario, account: Account, file: Path | None = None) -> None:
+    def __init__(
+        self,
+        layout: Layout,
+        scenario: Scenario,
+        account: Account,
+        file: Path | None = None,
+        *,
+        run: Run | None = None,
+        past: Past | None = None,
+    ) -> None:
         if layout.path not in contract.PATHS:
             raise ValueError(f"the leading dimension is one of {', '.join(contract.PATHS)}, not {layout.path!r}")
         self._account = account
@@ -52,7 +69,11 @@ class Recorder:
         self._result: xr.Dataset | None = None
         self._closed = False
         fixed = contract.scenario_attributes(scenario)
-        self._store: _Store = _Memory(layout, fixed) if file is None else _File(layout, fixed, file)
+        if past is not None:
+            for frame in past.frames(layout):
+                self._watch.see(frame)
+        kept = None if run is None or file is None else partial(_checkpoint, digests(scenario), account, run)
+        self._store: _Store = _Memory(layout, fixed) if file is None else _File(layout, fixed, file, run, kept, past)
 
     @property
     def frames(self) -> int:
@@ -110,6 +131,16 @@ class Recorder:
             self._watch.judge(account)
             with contextlib.suppress(WriteError):  # the problem under way is the one to report
                 self._store.finish(account)
+
+
+def _checkpoint(data: dict[str, str], account: Account, run: Run) -> Tree | None:
+    """What a run goes on from; None if there is nothing."""
+    state = run.get_state()
+    if state is None:
+        return None
+    return {
+        "data": data, "run": state, "seconds": [account.wall_seconds, account.cpu_seconds],
+    }  # fmt: skip
 
 
 class _Store(Protocol):
@@ -181,26 +212,55 @@ class _File:
     found unreadable after kills during a write (`docs/notes/result-file.md`).
     """
 
-    def __init__(self, layout: Layout, fixed: dict[str, contract.Attribute], file: Path) -> None:
-        self.count = 0
-        self._layout, self._fixed = layout, fixed
+    def __init__(
+        self,
+        layout: Layout,
+        fixed: dict[str, contract.Attribute],
+        file: Path,
+        run: Run | None = None,
+        kept: Callable[[], Tree | None] | None = None,
+        past: Past | None = None,
+    ) -> None:
+        self.count = past.count if past is not None else 0
+        self._layout, self._fixed, self._past = layout, fixed, past
         self.path = check_target(file)
+        self._total = run.total if run is not None else None
+        self._slots = Slots(kept, past.number if past is not None else 0) if kept is not None else None
+        self._lock = ExitStack()
         self._arrays = _rows(layout, block_rows(layout))
         self._file: Any = None
         self._begun = False
-        self._base = 0  # first frame in the block
-        self._written = 0
+        self._base = self._written = self.count  # first frame in the block, and first that is not in the file
         self._told: dict[str, contract.Attribute] = {}
         self._last_append = self._last_sync = time.monotonic()
 
     def _begin(self, account: Account) -> None:
         """Replace an earlier file: not before there is something to write."""
         self._begun = True
+        if self._past is not None:
+            self._reopen(account)
+            return
         try:
             self.path.unlink(missing_ok=True)  # a reader of the earlier result keeps what it has open
-            self._file = _create(self.path, self._layout, {**self._fixed, **contract.account_attributes(account)})
+            attributes = {**self._fixed, **contract.account_attributes(account)}
+            self._file = _create(self.path, self._layout, attributes, self._slots)
+            self._lock.enter_context(alone(self.path))
         except (OSError, RuntimeError) as problem:
             raise WriteError(f"{self.path}: cannot be created ({problem})") from problem
+
+    def _reopen(self, account: Account) -> None:
+        """Go on in a file: it tells from now on what is asked now."""
+        import netCDF4
+
+        try:
+            self._file = netCDF4.Dataset(self.path, "r+")
+            self._file.set_fill_off()
+            self._file.setncatts(_storable({**self._fixed, **contract.account_attributes(account)}))
+            self._file.sync()
+        except (OSError, RuntimeError) as problem:
+            raise WriteError(f"{self.path}: cannot be written ({problem})") from problem
+        if self._slots is not None:
+            self._slots.use(self._file)
 
     def append(self, frame: Frame, account: Account) -> None:
         if not self._begun:
@@ -212,8 +272,11 @@ class _File:
         slow = now - self._last_append >= SLOW_FRAME or self.count == 1
         full = row + 1 == len(self._arrays[contract.PATH])
         self._last_append = now
-        if full or slow or now - self._last_sync >= SYNC_SECONDS:
+        last = self.count == self._total
+        if full or slow or last or now - self._last_sync >= SYNC_SECONDS:
             self._flush(account, ("method", "reason", "step", "doubts", "warnings"))
+            if self._slots is not None and (last or self._slots.is_due):
+                self._keep()
 
     def _flush(self, account: Account, keys: Iterable[str]) -> None:
         """Write what is new and synchronise; harmless to repeat after an interrupt."""
@@ -236,6 +299,15 @@ class _File:
             self._base = last
         self._last_sync = time.monotonic()
 
+    def _keep(self) -> None:
+        """Write a checkpoint, of right after the last frame."""
+        assert self._slots is not None
+        try:
+            self._slots.write(self._file)
+        except (OSError, RuntimeError) as problem:
+            self._file = None
+            raise WriteError(f"{self.path}: cannot be written any further ({problem}); is the disk full?") from problem
+
     def _tell(self, account: Account, keys: Iterable[str]) -> None:
         values = contract.account_attributes(account)
         news = {key: values[key] for key in keys if values[key] != self._told.get(key)}
@@ -254,6 +326,10 @@ class _File:
         except (OSError, RuntimeError) as problem:
             self._file = None
             raise WriteError(f"{self.path}: cannot be completed ({problem}); is the disk full?") from problem
+        finally:
+            self._lock.close()
+        if self._past is not None and self.count < self._past.stored and account.outcome not in _CUT_SHORT:
+            cut(self.path, self.count)  # what is left of before was never to come
 
     def result(self, account: Account) -> xr.Dataset:
         return open_result(self.path)
@@ -273,7 +349,7 @@ def _storable(attributes: dict[str, contract.Attribute]) -> dict[str, Any]:
     }
 
 
-def _create(path: Path, layout: Layout, attributes: dict[str, contract.Attribute]) -> Any:
+def _create(path: Path, layout: Layout, attributes: dict[str, contract.Attribute], slots: Slots | None = None) -> Any:
     import netCDF4
 
     file = netCDF4.Dataset(path, "w", format="NETCDF3_64BIT_OFFSET")
@@ -287,6 +363,10 @@ def _create(path: Path, layout: Layout, attributes: dict[str, contract.Attribute
     for name, quantity in contract.COORDINATES.items():
         if all(size[d] for d in quantity.dims):
             _write_coordinate(file, name, quantity, contract.coordinate_values(layout)[name])
+    if slots is not None:
+        slots.define(file)
+        if slots.lacking:
+            file.setncattr(contract.LACKING, slots.lacking)
     variables = {layout.path: contract.PATHS[layout.path], **contract.VARIABLES}
     for name, quantity in variables.items():
         if all(size[d] for d in quantity.dims):

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropewalk.checkpoint import Tree, copied
 from ropewalk.mechanics.bodies import (
     ALONG_X,
     CARRIED,
@@ -201,6 +202,16 @@ class Camera:
         self._first: float | None = None
         self._work: Array = np.zeros(WORKS)
         self._held: tuple[float, Array] = (0.0, np.zeros(setting.xi.size))
+
+    def get_state(self) -> Tree:
+        """The origin of the audit, and when hold forces were looked at last."""
+        since, impulse = self._held
+        return copied({"first": self._first, "work": self._work, "since": since, "impulse": impulse})
+
+    def set_state(self, tree: Tree) -> None:
+        """Go on from there."""
+        own = copied(tree)
+        self._first, self._work, self._held = own["first"], own["work"], (own["since"], own["impulse"])
 
     def take(self, state: State) -> Frame:
         """The frame of the present state."""

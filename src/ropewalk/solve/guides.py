@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
 from ropewalk.foreign.models import turns_of
 from ropewalk.foreign.turns import Bearer, Push, Pushes, TravelEndedError, Turns
 from ropewalk.mechanics.bodies import Bodies
@@ -64,6 +66,14 @@ class Steps:
                 self.lifted += 1
             else:
                 self._land(state)
+
+    def get_state(self) -> Tree:
+        """How far the gait has come."""
+        return {"number": self.number, "lifted": self.lifted, "gone": self._gone}
+
+    def set_state(self, tree: Tree) -> None:
+        """Go on from there."""
+        self.number, self.lifted, self._gone = tree["number"], tree["lifted"], tree["gone"]
 
     def _land(self, state: State) -> None:
         foot, other = self.feet[self.number % 2], self.feet[(self.number + 1) % 2]
@@ -126,6 +136,25 @@ class Partner(Bearer):
         self._press(pushes, self.setting.loads, state, self.bodies)
         self._heights = [self._height(k) for k in self.contacts] if self.ghosts else []
 
+    def get_state(self) -> Tree:
+        """What is remembered of the exchange, and what the contacts are doing."""
+        return {
+            "turns": self.turns.get_state(lambda line: copied(arrays_of(line.state))), "looked": self._looked,
+            "heights": list(self._heights), "given": copied(given(self.setting.loads, self.contacts)),
+        }  # fmt: skip
+
+    def set_state(self, tree: Tree) -> None:
+        """Go on from there."""
+
+        def line(state: Tree) -> Line:
+            then = self.line.state.copy()
+            put(arrays_of(then), state)
+            return Line(self.setting, then, self.line.strand)
+
+        self.turns.set_state(tree["turns"], line)
+        self._looked, self._heights = tree["looked"], list(tree["heights"])
+        put(given(self.setting.loads, self.contacts), tree["given"])
+
     def _height(self, k: int) -> float:
         """Height of contact k, or where it was last, m."""
         if self.line.state.rider[k] == OFF:
@@ -186,6 +215,17 @@ def press(setting: Setting, loads: Loads, state: State, bodies: Bodies, k: int, 
     loads.force_time[first], loads.force_time[first + 1] = t, t + every
     loads.force_value[:, first], loads.force_value[:, first + 1] = push.first, push.last
     loads.speed_value[loads.speed_first[k]] = push.speed + away / every  # catches up until then
+
+
+def given(loads: Loads, contacts: Iterable[int]) -> Arrays:
+    """What `press` writes for some contacts."""
+    found: Arrays = {}
+    for k in contacts:
+        first, at = int(loads.force_first[k]), int(loads.speed_first[k])
+        found[f"{k}.time"] = loads.force_time[first : first + 2]
+        found[f"{k}.force"] = loads.force_value[:, first : first + 2]
+        found[f"{k}.speed"] = loads.speed_value[at : at + 1]
+    return found
 
 
 def reach_on(setting: Setting, k: int) -> float:

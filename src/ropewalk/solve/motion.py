@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 
+from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import TravelEndedError
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array, Buffers, Integers, Loads, State, Strands, Supports
 from ropewalk.mechanics.compiled import entry_of
-from ropewalk.solve.choice import RKN6_LIMIT, SAFETY_WITH_MASSES, Choice, bounds, is_compressed, verlet_step
+from ropewalk.solve.choice import RKN6_LIMIT, SAFETY_WITH_MASSES, Bounds, Choice, bounds, is_compressed, verlet_step
 from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.solve.ends import ends_of
 from ropewalk.solve.splitting import (
@@ -61,6 +61,12 @@ class Guide(Protocol):
 
     def act(self, state: State) -> None:
         """Decide, if it is time or something has happened."""
+
+    def get_state(self) -> Tree:
+        """All that changes in who decides, as data."""
+
+    def set_state(self, tree: Tree) -> None:
+        """Decide as who gave this."""
 
 
 @runtime_checkable
@@ -109,13 +115,151 @@ ADVICE = {
 }
 
 
+class Motion:
+    """A motion under way, moved from instant to instant.
+
+    Args:
+        strands, loads, state: the model; state is changed.
+        choice: method and largest step.
+        accuracy: wanted accuracy in time, m (for the adaptive method).
+        progress: filled in.
+        supports: what holds the ends; None: points that do not move.
+        bodies: what has a mass of its own; changed with the state.
+        guides: who decide on the way what loads do.
+        contacts: what guides put down and take up where nothing has a mass, and `bodies` is None.
+
+    Raises:
+        RopewalkError: the method does not know what the supports do.
+    """
+
+    def __init__(
+        self,
+        strands: Strands,
+        loads: Loads,
+        state: State,
+        choice: Choice,
+        accuracy: float,
+        progress: Progress,
+        supports: Supports | None = None,
+        bodies: Bodies | None = None,
+        guides: Sequence[Guide] = (),
+        contacts: Bodies | None = None,
+    ) -> None:
+        self.strands, self.loads, self.state, self.choice = strands, loads, state, choice
+        self.accuracy, self.progress, self.supports, self.bodies = accuracy, progress, supports, bodies
+        self.guides, self._contacts = guides, bodies if bodies is not None else contacts
+        self._ends = ends_of(strands, supports) if supports is not None else None
+        if self._ends is not None and choice.method == "implicit":
+            raise RopewalkError("the implicit method does not know supports that yield or move; use verlet")
+        self._room = _room_for(choice, loads, state)
+        knots = [_knots(loads.speed_time, loads.speed_count), _knots(loads.force_time, loads.force_count)]
+        if supports is not None:
+            knots.append(_knots(supports.motion_time, supports.motion_count))
+        self._corners = np.unique(np.concatenate(knots))
+        self._step, self._idle = choice.step, 0
+        self._entries: list[Callable[..., tuple[int, int]]] = []
+        self._limits = self._bounds()
+        for guide in guides:
+            if isinstance(guide, Foresighted):
+                guide.look = self._look
+
+    def to(self, time: float) -> None:
+        """Go on to a time in s; the progress is no longer RUNNING where that fails."""
+        state, progress = self.state, self.progress
+        for stop in [*self._corners[(self._corners > state.t[0]) & (self._corners < time)], time]:
+            while state.t[0] < stop:
+                if stop - state.t[0] < NEXT_TO_NOTHING * stop:  # corners of two tables: no step is so short
+                    state.t[0] = stop
+                    break
+                until = min([stop, *(guide.next(float(state.t[0])) for guide in self.guides)])
+                progress.status, taken = self._advance(self.loads, state, self._room, self.bodies, until)
+                progress.steps += int(taken)
+                if progress.status in (RUNNING, ASKED):
+                    self._idle = self._idle + 1 if taken == 0 else 0
+                    progress.status = _ask(self.guides, state, progress)
+                    if self._idle > MOST_QUESTIONS:
+                        progress.status, progress.message = STOPPED, "a load asks again and again without moving on"
+                if progress.status != RUNNING:
+                    return
+        if _is_torn(self.strands, state):
+            progress.status = NOT_FINITE
+            return
+        self._shorten()
+
+    def get_state(self) -> Tree:
+        """All that changes."""
+        own = {
+            "state": arrays_of(self.state), "bodies": self._of_bodies, "room": arrays_of(self._room),
+            "step": self._step, "idle": self._idle, "steps": self.progress.steps,
+        }  # fmt: skip
+        return {**copied(own), "guides": [guide.get_state() for guide in self.guides]}
+
+    def set_state(self, tree: Tree) -> None:
+        """Be what it was when `get_state` gave this."""
+        put(arrays_of(self.state), tree["state"])
+        put(self._of_bodies, tree["bodies"])
+        put(arrays_of(self._room), tree["room"])
+        self._step, self._idle, self.progress.steps = tree["step"], tree["idle"], tree["steps"]
+        for guide, own in zip(self.guides, tree["guides"], strict=True):
+            guide.set_state(own)
+
+    @property
+    def _of_bodies(self) -> Arrays:
+        """What of the bodies changes: masses and stiffnesses where walkers stop or stand on another foot."""
+        if self._contacts is None:
+            return {}
+        return arrays_of(self._contacts, "wheels", "order", "ordered", "coordinates", "tethers", "M", "K")
+
+    def _bounds(self) -> Bounds:
+        state, loads = self.state, self.loads
+        return bounds(self.strands, state.r, state.X, bool(loads.strand.size), self.supports, loads, self.bodies)
+
+    def _shorten(self) -> None:
+        """Keep the step in proportion where the line has stiffened, and small once it is in compression."""
+        choice, now = self.choice, self._bounds()
+        if now.frequency > 1.05 * self._limits.frequency and choice.method != "implicit":
+            own = RKN6_LIMIT / now.frequency
+            if choice.method == "verlet":
+                own = verlet_step(now) * (SAFETY_WITH_MASSES if self.bodies is not None else 1.0)
+            self._step = min(self._step, own)
+        fine = choice.step * choice.compressed
+        if fine < self._step and is_compressed(self.strands, self.state.r, self.state.X):
+            self._step = fine
+
+    def _look(self, own: Loads, twin: State, moving: Bodies, h: float) -> None:
+        """Go on with a copy."""
+        until, rest = float(twin.t[0]) + h, copied(self._room)
+        carried = None if self.bodies is None else moving
+        while twin.t[0] < until:
+            status, taken = self._advance(own, twin, rest, carried, until)
+            if status not in (RUNNING, ASKED) or (status == ASKED and taken == 0):
+                return  # what is in the way there will be said when it is reached
+
+    def _advance(
+        self, loads: Loads, state: State, room: Buffers | Workspace, bodies: Bodies | None, stop: float
+    ) -> tuple[int, int]:
+        if self.choice.method == "implicit":
+            from ropewalk.solve.radau import advance_implicit
+
+            found = advance_implicit(self.strands, loads, state, room, stop, self.accuracy, self._step, MOST_STEPS)
+            return int(found[0]), int(found[1])
+        kicks, drifts = RKN6 if self.choice.method == "rkn6" else VERLET
+        arguments = (
+            self.strands, loads, state, room, kicks, drifts, float(stop), float(self._step), MOST_STEPS, self._ends,
+            bodies,
+        )  # fmt: skip
+        if not self._entries:
+            self._entries.append(entry_of(advance, arguments))
+        return self._entries[0](*arguments)
+
+
 def move(
     strands: Strands,
     loads: Loads,
     state: State,
     choice: Choice,
     accuracy: float,
-    times: Array,
+    times: Iterable[float] | Array,
     progress: Progress,
     supports: Supports | None = None,
     bodies: Bodies | None = None,
@@ -124,77 +268,15 @@ def move(
     """Yield the state at each of the times; the same object every time, to be read before going on.
 
     Args:
-        strands, loads, state: the model; state is changed.
-        choice: method and largest step.
-        accuracy: wanted accuracy in time, m (for the adaptive method).
-        times: rising instants, s.
-        progress: filled in; the iteration ends early if its status is no longer RUNNING.
-        supports: what holds the ends; None: points that do not move.
-        bodies: what has a mass of its own; changed with the state.
-        guides: who decide on the way what loads do.
-
-    Raises:
-        RopewalkError: the method does not know what the supports do.
+        strands, loads, state, choice, accuracy, progress, supports, bodies, guides: see `Motion`.
+        times: rising instants, s; the iteration ends early if the progress is no longer RUNNING.
     """
-    ends = ends_of(strands, supports) if supports is not None else None
-    if ends is not None and choice.method == "implicit":
-        raise RopewalkError("the implicit method does not know supports that yield or move; use verlet")
-    room = _room_for(choice, loads, state)
-    knots = [_knots(loads.speed_time, loads.speed_count), _knots(loads.force_time, loads.force_count)]
-    if supports is not None:
-        knots.append(_knots(supports.motion_time, supports.motion_count))
-    corners = np.unique(np.concatenate(knots))
-    step, idle = choice.step, 0
-    entries: list[Callable[..., tuple[int, int]]] = []
-    limits = bounds(strands, state.r, state.X, bool(loads.strand.size), supports, loads, bodies)
-
-    def look(own: Loads, twin: State, moving: Bodies, h: float) -> None:
-        """Go on with a copy."""
-        until, rest = float(twin.t[0]) + h, _copied(room)
-        carried = None if bodies is None else moving
-        while twin.t[0] < until:
-            status, taken = _advance(strands, own, twin, rest, choice, accuracy, until, step, ends, carried, entries)
-            if status not in (RUNNING, ASKED) or (status == ASKED and taken == 0):
-                return  # what is in the way there will be said when it is reached
-
-    for guide in guides:
-        if isinstance(guide, Foresighted):
-            guide.look = look
+    motion = Motion(strands, loads, state, choice, accuracy, progress, supports, bodies, guides)
     for time in times:
-        stops = [*corners[(corners > state.t[0]) & (corners < time)], time]
-        for stop in stops:
-            while state.t[0] < stop:
-                if stop - state.t[0] < NEXT_TO_NOTHING * stop:  # corners of two tables: no step is so short
-                    state.t[0] = stop
-                    break
-                until = min([stop, *(guide.next(float(state.t[0])) for guide in guides)])
-                progress.status, taken = _advance(
-                    strands, loads, state, room, choice, accuracy, until, step, ends, bodies, entries
-                )
-                progress.steps += int(taken)
-                if progress.status in (RUNNING, ASKED):
-                    idle = idle + 1 if taken == 0 else 0
-                    progress.status = _ask(guides, state, progress)
-                    if idle > MOST_QUESTIONS:
-                        progress.status, progress.message = STOPPED, "a load asks again and again without moving on"
-                if progress.status != RUNNING:
-                    yield state
-                    return
-        if _is_torn(strands, state):
-            progress.status = NOT_FINITE
-            yield state
-            return
+        motion.to(float(time))
         yield state
-        now = bounds(strands, state.r, state.X, bool(loads.strand.size), supports, loads, bodies)
-        if now.frequency > 1.05 * limits.frequency and choice.method != "implicit":
-            # The line has stiffened: keep the step in proportion.
-            own = RKN6_LIMIT / now.frequency
-            if choice.method == "verlet":
-                own = verlet_step(now) * (SAFETY_WITH_MASSES if bodies is not None else 1.0)
-            step = min(step, own)
-        fine = choice.step * choice.compressed
-        if fine < step and is_compressed(strands, state.r, state.X):
-            step = fine
+        if progress.status != RUNNING:
+            return
 
 
 def _ask(guides: Sequence[Guide], state: State, progress: Progress) -> int:
@@ -218,11 +300,6 @@ def _is_torn(strands: Strands, state: State) -> bool:
     return False
 
 
-def _copied(room: Any) -> Any:
-    """The same room once more."""
-    return type(room)(*(array.copy() for array in room)) if isinstance(room, tuple) else copy.deepcopy(room)
-
-
 def _room_for(choice: Choice, loads: Loads, state: State) -> Buffers | Workspace:
     """Room for the steps of the chosen method."""
     if choice.method == "implicit":
@@ -230,18 +307,6 @@ def _room_for(choice: Choice, loads: Loads, state: State) -> Buffers | Workspace
 
         return workspace_for(loads, state)
     return Buffers.for_state(state)
-
-
-def _advance(strands, loads, state, room, choice, accuracy, stop, step, ends, bodies, entries):
-    if choice.method == "implicit":
-        from ropewalk.solve.radau import advance_implicit
-
-        return advance_implicit(strands, loads, state, room, stop, accuracy, step, MOST_STEPS)
-    kicks, drifts = RKN6 if choice.method == "rkn6" else VERLET
-    arguments = strands, loads, state, room, kicks, drifts, float(stop), float(step), MOST_STEPS, ends, bodies
-    if not entries:
-        entries.append(entry_of(advance, arguments))
-    return entries[0](*arguments)
 
 
 def _knots(times: Array, counts: Integers) -> Array:

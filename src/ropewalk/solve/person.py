@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ropewalk.checkpoint import Tree
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import TravelEndedError
 from ropewalk.mechanics.bodies import STANDS, SWINGS, Bodies
@@ -99,6 +100,19 @@ class Person:
                 self._land(state, foot)
         if not self.gone:
             self._look(state)
+
+    def get_state(self) -> Tree:
+        """Which feet stand, when she looked, and on which foot she balances."""
+        own = {"standing": list(self.standing), "energy": self.energy, "looked": self.looked, "gone": self.gone}
+        upright = self.upright
+        return own | ({"bears": upright.bears, "offsets": list(upright.offsets)} if upright is not None else {})
+
+    def set_state(self, tree: Tree) -> None:
+        """Walk on from there."""
+        self.standing, self.energy = list(tree["standing"]), tree["energy"]
+        self.looked, self.gone = tree["looked"], tree["gone"]
+        if self.upright is not None:
+            self.upright.bears, self.upright.offsets = tree["bears"], list(tree["offsets"])
 
     def _look(self, state: State) -> None:
         """Decide where the leg that swings will land, and which legs may take off."""

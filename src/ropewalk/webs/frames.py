@@ -3,27 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 
 import numpy as np
 
 from ropewalk.errors import EquilibriumError, RopewalkError
 from ropewalk.mechanics import law
-from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Account, Frame, Layout
 from ropewalk.solve.following import schedule, slow_motion
-from ropewalk.webs import motion
-from ropewalk.webs.beginning import begin_elsewhere
 from ropewalk.webs.contacts import neighbours
 from ropewalk.webs.fabric import tensions_of
 from ropewalk.webs.lengths import laid_at_rest
-from ropewalk.webs.motion import Room, advance, look_at_contacts
 from ropewalk.webs.potential import Potential
 from ropewalk.webs.pull import resistance
 from ropewalk.webs.rest import Slip, put_slip, settle, size_of, slip_of, stand
 from ropewalk.webs.seats import held_place, hold_on
-from ropewalk.webs.stability import SAFETY, SAFETY_OF_NETS, largest_step
 from ropewalk.webs.web import (
     CONTACTS,
     DAMPED,
@@ -37,26 +31,8 @@ from ropewalk.webs.web import (
     State,
 )
 
-_ENDS = {
-    motion.DIVERGED: ("diverged", "positions stopped being numbers; take a smaller run.step"),
-    motion.NOT_FOUND: (
-        "diverged",
-        "no place was found where the forces on a contact balance; take a smaller run.step, more elements or cells, or "
-        "a little damping",
-    ),
-    motion.AT_SHEAVE: ("travel ended", "a load has come to a sheave, which it cannot pass; let it turn back before"),
-    motion.AT_END: (
-        "travel ended",
-        "a load has come to an end of its line or path; write at_end: leave or stay, or end the run before",
-    ),
-    motion.LINE_OUT: ("line ran out", "a line has run over a sheave up to its end, or to another sheave or a load"),
-}
-
-
 # Part of the speed of transverse waves from which on masses on lines are doubtful: 1.7 % of the deflection at 0.8.
 _FAST = 0.8
-# Energy lost with the pieces beside a mass that leaves, over what moves, from which on it is told.
-_PARTING = 0.02
 # Rounds in which a web finds its rest in the wind, and the move over its size that is none any more.
 _ROUNDS, _NEAR = 100, 1e-10
 # Strain below which a line counts as slack.
@@ -114,7 +90,6 @@ class Run:
             weight=self._weight(),
         )
         self._start_energy = np.nan
-        self.state: State | None = None  # of a motion, the present one
 
     def _weight(self) -> float:
         """What supports and sheaves carry at rest, N; unknown where the wind bears some of it."""
@@ -136,45 +111,6 @@ class Run:
                     f"load {traveller.name} would begin {start:g} m along {traveller.on}, which ends at {length:g} m; "
                     "change its from"
                 )
-
-    def moving(self, times: Array) -> Iterator[Frame]:
-        """Frames of a motion at the output instants, s."""
-        run, web, account = self.scenario.run, self.web, self.account
-        assert isinstance(run, Dynamic)
-        self.state = state = self._first(with_loads=run.start.with_loads)
-        if run.start.kind != "rest":
-            begin_elsewhere(self.laid, state, run.start, self._shown, self._axes)
-        room, stable = Room.of(web), largest_step(web)
-        step = stable if run.step is None else run.step
-        limit = stable / (SAFETY_OF_NETS if web.own_cells else SAFETY)
-        if step > limit:
-            account.warnings.append(
-                f"the step of {step:.3g} s is larger than {limit:.3g} s, up to which the motion is stable for certain; "
-                "write a smaller run.step, or leave it out"
-            )
-        account.method, account.step = "explicit", step
-        account.reason = (
-            "Verlet's method for all nodes; the pieces of links and cells beside contacts by the implicit midpoint rule"
-        )
-        account.warnings += self._remarks()
-        self._note_slack(state.r)
-        if not look_at_contacts(web, state, room):
-            raise RopewalkError(f"the run cannot begin: {_ENDS[motion.NOT_FOUND][1]}")
-        state.work[:] = 0.0
-        yield self._frame(state, 0.0)
-        for before, t in pairwise(times):
-            state.pushed[:] = 0.0
-            status = advance(web, state, room, float(t), float(step))
-            if status == motion.RUNNING and not np.isfinite(state.r[self._shown]).all():
-                status = motion.DIVERGED
-            account.steps += int(np.ceil((t - before) / step))
-            self._note_parting(state)
-            if status != motion.RUNNING:
-                account.outcome, advice = _ENDS[status]
-                account.advice = f"stopped at t = {state.t[0]:.6g} s: {advice}"
-                return
-            look_at_contacts(web, state, room)
-            yield self._frame(state, float(t - before))
 
     def _remarks(self) -> Iterator[str]:
         """Masses on lines for which the coupling gets worse; where it is known to fail a doubt (docs/notes/webs.md)."""
@@ -204,19 +140,6 @@ class Run:
                     f"load {name}: {seats.mass[k]:.3g} kg is less than a link of its line ({link:.3g} kg) and may ring "
                     "until the run diverges; write more elements, or a force instead"
                 )
-
-    def _note_parting(self, state: State) -> None:
-        """Tell of masses that have torn at an end of their line when they left it, each of them once."""
-        moving = 0.5 * float((self.web.body.mass[:, None] * state.v**2).sum())
-        moving += 0.5 * float((self.web.seats.mass[:, None] * np.nan_to_num(state.u) ** 2).sum())
-        for k in np.flatnonzero(state.parting > _PARTING * moving):
-            t = self.laid.travellers[k]
-            self.account.warnings.append(
-                f"load {t.name} left {t.on} and took {state.parting[k]:.3g} J of the pieces beside it, which are lost: "
-                "the last piece before an end is stretched the more, the finer the mesh is; what follows depends on "
-                "it: let it leave earlier (travel.margin), or end the run before"
-            )
-        state.parting[:] = 0.0
 
     def _first(self, *, with_loads: bool) -> State:
         web, r = self.web, self.rest.copy()

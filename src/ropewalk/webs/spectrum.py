@@ -17,6 +17,7 @@ from ropewalk.webs.damping import damping_of
 from ropewalk.webs.frames import Run
 from ropewalk.webs.laying import Laid
 from ropewalk.webs.lengths import laid_at_rest
+from ropewalk.webs.moving import Motion
 from ropewalk.webs.potential import Potential
 from ropewalk.webs.rest import leave
 from ropewalk.webs.seats import hold_on
@@ -75,12 +76,11 @@ def spectrum_at(scenario: Scenario, t: float, how_many: int | None = None) -> Sp
         RopewalkError: the motion does not come to the instant.
     """
     account = Account()
-    run = Run(scenario, account, t)
-    for _ in run.moving(np.array([0.0, t] if t > 0.0 else [0.0])):
+    run = Motion(scenario, account, np.array([0.0, t] if t > 0.0 else [0.0]))
+    for _ in run.frames():
         pass
     if account.outcome not in ("running", "completed"):
         raise RopewalkError(f"the run did not come to t = {t:g} s ({account.outcome}): {account.advice}")
-    assert run.state is not None
     return free_vibration(equations_of(run.laid, run.state.r, t), how_many)
 
 

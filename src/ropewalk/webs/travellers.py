@@ -97,17 +97,18 @@ def _traveller(wheel: Wheel, load: Any, foot: int, line: Line | None, sheet: She
 
 
 def _course(start: float, speed: Any, until: float) -> Array:
-    """Knots of a travel whose speed is linear between the entries of a table."""
+    """Knots of a travel whose speed is linear between the entries of a table; up to `until`, which changes none."""
     times, values = speed_table(speed, until)
-    inside = (times > 0.0) & (times < until)
-    t = np.concatenate(([0.0], times[inside], [max(until, 1e-300)]))
-    v = np.concatenate(([np.interp(0.0, times, values)], values[inside], [np.interp(until, times, values)]))
-    if times[0] > 0.0:
-        v[0] = values[0]
+    later, end = times > 0.0, max(until, 1e-300)
+    t = np.concatenate(([0.0], times[later]))
+    v = np.concatenate((values[:1] if times[0] > 0.0 else [np.interp(0.0, times, values)], values[later]))
     gap = np.diff(t)
     slope = np.concatenate((np.divide(np.diff(v), gap, out=np.zeros_like(gap), where=gap > 0.0), [0.0]))
     place = start + np.concatenate(([0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * gap)))
-    return np.array([t, place, v, slope])
+    knots = np.array([t, place, v, slope])[:, t < end]
+    (_, there, rate, change), late = knots[:, -1], end - knots[0, -1]
+    last = [[end], [there + late * (rate + 0.5 * change * late)], [rate + change * late], [0.0]]
+    return np.concatenate([knots, last], axis=1)
 
 
 def _steps(load: Footsteps, foot: int, until: float) -> Array:

@@ -88,7 +88,9 @@ def on_moved(start: Start, journeys: Sequence[Journey], position: Array, velocit
         rates = replace(moved, position=np.stack([position[0], velocity[1], velocity[2]]))
         stations = [float(journey.place(np.zeros(1))[0]) - c.behind for c in journey.rider.contacts]
         own = [
-            place_at(rates, c.wire, s, material=c.material)[0] if 0.0 < s < start.mesh.plan.wires[c.wire].length else 0.0
+            place_at(rates, c.wire, s, material=c.material)[0]
+            if 0.0 < s < start.mesh.plan.wires[c.wire].length
+            else 0.0
             for c, s in zip(journey.rider.contacts, stations, strict=True)
         ]
         out.append(replace(there, rate=there.rate + resting(journey.rider, np.array(own))))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ropewalk.checkpoint import Tree
 from ropewalk.results.frame import ENERGY_FORMS
 from ropewalk.wires.equilibrium import Potential
 from ropewalk.wires.large import LargeMotion, correction
@@ -75,6 +76,15 @@ class Audit:
         energy[_FORM["imbalance"]] = total - self._first
         energy[np.abs(energy) < _NOTHING] = 0.0
         return energy
+
+    def get_state(self) -> Tree:
+        """The first energies."""
+        return {"first": self._first, "unsqueezed": self._unsqueezed.copy()}
+
+    def set_state(self, tree: Tree) -> None:
+        """Count from these."""
+        self._first = tree["first"]
+        self._unsqueezed[:] = tree["unsqueezed"]
 
     def _stored(self) -> tuple[float, float]:
         motion = self._motion

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import Literal
 
 import numpy as np
 
+from ropewalk.checkpoint import Tree, arrays_of, copied, put
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import TravelEndedError, Turns
 from ropewalk.model.run import common_interval
 from ropewalk.results.exchanges import exchanged, exchanging
 from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
-from ropewalk.wires.beginning import along_moved, on_moved, small_under_loads
 from ropewalk.wires.bearing import at_rest_together
+from ropewalk.wires.beginning import along_moved, on_moved, small_under_loads
 from ropewalk.wires.drive import ON_WIRE, Drive, Record
 from ropewalk.wires.energy import Audit
 from ropewalk.wires.equilibrium import Potential
@@ -48,14 +50,16 @@ class Run:
         account: filled in.
         sample: interval of samples in s; a part of the interval of outputs is taken that is no longer.
         step: largest step in s; None: as large as is stable.
+        past: what `get_state` gave, to go on from there.
 
     Raises:
         RopewalkError: there is no rest to begin with.
     """
 
     def __init__(
-        self, task: Task, times: Array, account: Account, sample: float = SAMPLE, step: float | None = None
-    ) -> None:
+        self, task: Task, times: Array, account: Account, sample: float = SAMPLE, step: float | None = None,
+        past: Tree | None = None,
+    ) -> None:  # fmt: skip
         self.task, start = ready(task)
         if task.with_loads and start.rest is None:
             self.task, start = at_rest_together(self.task, start)
@@ -66,7 +70,7 @@ class Run:
         self.start, self.mesh, self._at_rest = start, start.mesh, start.position
         self.account = account
         self.riders = riders_of([journey.rider for journey in self.task.journeys])
-        interval = float(np.diff(times).max()) if times.size > 1 else sample
+        interval = float(times[1] - times[0]) if times.size > 1 else sample  # none is longer
         self._axes = axes_of(task)
         self.turns = [
             foreigner.turns(len(self._axes), SLIDES * start.mesh.strands.h.max()) for foreigner in task.foreigners
@@ -122,6 +126,43 @@ class Run:
         self._partners = [self._partner(*pair) for pair in zip(task.foreigners, self.turns, strict=True)]
         watched = rows(self.motion.watched, self.mesh.nodes) @ self._at_rest[2]
         self._watched_at_rest = watched if start.rest is None else np.zeros_like(watched)
+        contacts = len(self.task.contacts)
+        self._nothing = Record.of(
+            self.rows, self.riders, len(task.plan.ties), len(task.plan.holds), self.motion.watched
+        ).turned()
+        self._stations = np.full((self.rows, contacts), np.nan)  # since the last frame, as is what was recorded
+        self._before = Record(*(np.full_like(array, np.nan) for array in self._nothing))
+        self._taken, self._last = 0, None
+        if past is not None:
+            self._set_state(past)
+
+    @property
+    def total(self) -> int:
+        """How many frames it will have."""
+        return int(self.times.size)
+
+    def get_state(self) -> Tree:
+        """All that changes; at the end, before the last frame, whose forces the step after it finds.
+
+        Raises:
+            RopewalkError: a load is a model of somebody else's that gives no state.
+        """
+        return self._last if self._last is not None else {
+            "frames": self._taken, "motion": self.motion.get_state(), "audit": self._audit.get_state(),
+            "account": self.account.get_state(), "partners": [partner.get_state() for partner in self._partners],
+            "stations": self._stations.copy(), "before": copied(arrays_of(self._before)),
+            "in_air": self._in_air.copy(), "steep": sorted(self._steep), "pushed": sorted(self._pushed),
+        }  # fmt: skip
+
+    def _set_state(self, tree: Tree) -> None:
+        self.motion.set_state(tree["motion"])
+        self._audit.set_state(tree["audit"])
+        self.account.set_state(tree["account"])
+        for partner, own in zip(self._partners, tree["partners"], strict=True):
+            partner.set_state(own)
+        put({"stations": self._stations, "in_air": self._in_air} | arrays_of(self._before),
+            {"stations": tree["stations"], "in_air": tree["in_air"]} | tree["before"])  # fmt: skip
+        self._steep, self._pushed, self._taken = set(tree["steep"]), set(tree["pushed"]), tree["frames"]
 
     def _doubt_sag(self, rest: Rest) -> None:
         """Small motion is about a rest that is nearly straight: nothing that sags stretches there."""
@@ -194,32 +235,39 @@ class Run:
                 yield exchanged(frame, self.turns, self.account)
 
     def _frames(self) -> Iterator[Frame]:
-        contacts = len(self.task.contacts)
-        plan = self.task.plan
-        nothing = Record.of(self.rows, self.riders, len(plan.ties), len(plan.holds), self.motion.watched).turned()
-        before = np.full((self.rows, contacts), np.nan), Record(*(np.full_like(array, np.nan) for array in nothing))
-        for i, t in enumerate(self.times):
-            count = max(1, round((self.times[i + 1] - t) / self.sample)) if i + 1 < self.times.size else 1
-            drive = self._drive(float(t), count)
-            frame = self._picture(float(t), drive)
+        times, final = self.times, self.times.size - 1
+        for i in range(self._taken, times.size):
+            t, count = float(times[i]), 1
+            if i < final:
+                count = max(1, round((times[i + 1] - t) / self.sample))
+            else:
+                with suppress(RopewalkError):  # a model that gives no state
+                    self._last = self.get_state()
+            drive = self._drive(t, count)
+            frame = self._picture(t, drive)
             try:
-                record = self._go(float(t), drive)
+                record = self._go(t, drive)
             except RopewalkError as error:
                 self.account.outcome = "travel ended" if isinstance(error, TravelEndedError) else "load failed"
                 self.account.advice = f"stopped after t = {t:.6g} s: {error}"
                 if i:
-                    yield self._with_forces(frame, drive, nothing, *before)
+                    yield self._with_forces(frame, drive, self._nothing)
                     return
                 raise
-            frame = self._with_forces(frame, drive, record, *before)
+            frame = self._with_forces(frame, drive, record)
             self._doubt_shape(frame)
-            yield frame
-            if not self._is_sane():
-                self.account.outcome, self.account.advice = "diverged", self._advice(float(t))
-                return
-            self.account.steps += count * self.steps if i + 1 < self.times.size else 0
             on = np.where(drive.where[:-1] == ON_WIRE, drive.station[:-1], np.nan)
-            before = _padded(on, self.rows), Record(*(_padded(array, self.rows) for array in record))
+            self._stations, self._before = (
+                _padded(on, self.rows),
+                Record(*(_padded(each, self.rows) for each in record)),
+            )
+            self.account.steps += count * self.steps if i < final else 0
+            self._taken = i + 1
+            sane = self._is_sane()
+            yield frame
+            if not sane:
+                self.account.outcome, self.account.advice = "diverged", self._advice(t)
+                return
 
     def _go(self, t: float, drive: Drive) -> Record:
         """Go on by the rows of a drive from t in s; foreign models are asked when it is time, and fill in theirs."""
@@ -272,8 +320,8 @@ class Run:
             reaction=self._reactions(position), energy=self._audit.now(), tie_force=none, sampled_station=none,
         )  # fmt: skip
 
-    def _with_forces(self, frame: Frame, drive: Drive, now: Record, stations: Array, before: Record) -> Frame:
-        motion, on = self.motion, drive.where[0] == ON_WIRE
+    def _with_forces(self, frame: Frame, drive: Drive, now: Record) -> Frame:
+        motion, on, before, stations = self.motion, drive.where[0] == ON_WIRE, self._before, self._stations
         station, place, force = drive.station[0], frame.contact_position.copy(), frame.contact_force.copy()
         place[on], force[on], hold = 0.0, 0.0, frame.hold_force.copy()
         hold[on] = 0.0

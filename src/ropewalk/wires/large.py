@@ -12,12 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
 from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
 from ropewalk.wires.damping import EVERY, dissipated
 from ropewalk.wires.drive import ABSENT, Drive, Record
 from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Riders, places_of
 from ropewalk.wires.plan import Array
 from ropewalk.wires.riders import (
+    CHANGES,
     DAMPED,
     begin,
     between,
@@ -441,6 +443,21 @@ class LargeMotion:
     def both(self) -> list[Array]:
         """Positions of all nodes now and an inner step ago, (3, node) m."""
         return [self._spread(r, self._side) for r in self._r]
+
+    def get_state(self) -> Tree:
+        """All that changes."""
+        return {name: copied(arrays) for name, arrays in self._changing().items()}
+
+    def set_state(self, tree: Tree) -> None:
+        """Be what it was when `get_state` gave this."""
+        for name, arrays in self._changing().items():
+            put(arrays, tree[name])
+
+    def _changing(self) -> dict[str, Arrays]:
+        """Arrays that change; the present and the last instant in this order, whichever array holds them."""
+        now, last = self._r
+        springs = arrays_of(self.strings, "last", "rate")
+        return {"pace": arrays_of(self.pace, *CHANGES), "springs": springs, "nodes": {"now": now, "last": last}}
 
     def _spread(self, values: Array, aside: Array) -> Array:
         return values.copy() if values.shape[0] == 3 else np.vstack([values[0], aside, values[1]])

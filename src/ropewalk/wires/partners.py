@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from ropewalk.checkpoint import Tree, copied
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import Bearer, Push, Pushes, Turns
 from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive
@@ -38,6 +39,18 @@ def rider_of(name: str, wire: int, contacts: int, stiffness: float, damping: flo
     spring = max(stiffness, _NEXT_TO_NOTHING) if damping else stiffness
     contact = Contact(wire, material=True, stiffness=spring, damping=damping)
     return Rider(name, none, none, none, (contact,) * contacts)
+
+
+@dataclass(frozen=True)
+class Still:
+    """Positions and velocities of all nodes as they were at an instant, (3, node) m and m/s."""
+
+    r: Array
+    v: Array
+
+    def __call__(self, part: slice) -> tuple[Array, Array]:
+        """Those of some nodes."""
+        return self.r[:, part], self.v[:, part]
 
 
 @dataclass
@@ -120,19 +133,39 @@ class Partner(Bearer):
 
     def frozen(self) -> WireLine:
         """The same, to be looked at later."""
-        r, v = self.motion.position, self.motion.velocity
-        return self._seen(lambda part: (r[:, part], v[:, part]))
+        return self._seen(Still(self.motion.position, self.motion.velocity))
+
+    def get_state(self) -> Tree:
+        """What is remembered of the exchange, and what the contacts are doing."""
+        pushes = [None if push is None else copied(push._asdict()) for push in self.pushes]
+
+        def stored(line: WireLine) -> Tree:
+            assert isinstance(line.piece, Still)
+            return {"soft": list(line.soft), "r": line.piece.r.copy(), "v": line.piece.v.copy()}
+
+        return {"turns": self.turns.get_state(stored), "pushes": pushes, "jumped": list(self._jumped)}
+
+    def set_state(self, tree: Tree) -> None:
+        """Go on from there."""
+
+        def line(stored: Tree) -> WireLine:
+            seen = self._seen(Still(stored["r"].copy(), stored["v"].copy()))
+            return replace(seen, soft=list(stored["soft"]))
+
+        self.turns.set_state(tree["turns"], line)
+        self.pushes = [None if push is None else Push(**copied(push)) for push in tree["pushes"]]
+        self._jumped = list(tree["jumped"])
 
     def ahead(self, pushes: Pushes, h: float) -> WireLine:
         """The wire as it would be after an interval with these forces; it stays where it is."""
         assert self.drive is not None
-        saved, drive = kept(self.motion), self.drive()
+        saved, drive = self.motion.get_state(), self.drive()
         before, self.pushes = self.pushes, pushes
         self.fill(drive, 0, self._jumps(before, pushes))
         self.send(drive)
         seen = self.frozen()
         self.pushes = before
-        restore(self.motion, saved)
+        self.motion.set_state(saved)
         return seen
 
     def exchange(self, t: float, drive: Callable[[], Drive]) -> None:
@@ -192,22 +225,3 @@ class Partner(Bearer):
             return float(push.last[-1])
         force = float(self.motion.pace.here[k, 4])
         return force if np.isfinite(force) else 0.0
-
-
-def kept(motion: Motion) -> list[Array]:
-    """Copies of all that changes while wires move."""
-    return [array.copy() for array in _changing(motion)]
-
-
-def restore(motion: Motion, saved: list[Array]) -> None:
-    """Put back what `kept` has copied."""
-    for array, old in zip(_changing(motion), saved, strict=True):
-        array[...] = old
-
-
-def _changing(motion: Motion) -> list[Array]:
-    """Arrays that change; the present and the last instant in this order, whichever array holds them."""
-    springs = motion.strings if isinstance(motion, LargeMotion) else motion.springs
-    groups: list[tuple[Any, ...]] = [motion.pace, motion.grips, springs]
-    arrays: list[Array] = [array for group in groups for array in group if isinstance(array, np.ndarray)]
-    return arrays + (motion._r if isinstance(motion, LargeMotion) else motion._u)

@@ -44,6 +44,10 @@ class Pace(NamedTuple):
     yields: Array  # (contact,) m/N by which a rigid contact gives way on the side of its rider, during a step
 
 
+# What of it changes from step to step, and is more than room.
+CHANGES = ("q", "last", "gap", "place", "joined", "here", "before", "work")
+
+
 def pace_of(riders: Riders, step: float, q: Array, place: Array) -> Pace:
     """Prepare steps of a length in s, from rest at coordinates q."""
     M, C = riders.mass / step**2, riders.damping / (2.0 * step)

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
 from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
 from ropewalk.wires.damping import EVERY, dissipated
 from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive, Record
@@ -17,6 +18,7 @@ from ropewalk.wires.mesh import CLAMPED, Mesh, Places, Riders, places_of
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.rest import Rest
 from ropewalk.wires.riders import (
+    CHANGES,
     DAMPED,
     begin,
     between,
@@ -361,6 +363,24 @@ class SmallMotion:
     def both(self) -> list[Array]:
         """Displacements of all nodes now and a step ago, (node,) m."""
         return self._u
+
+    def get_state(self) -> Tree:
+        """All that changes."""
+        return {name: copied(arrays) for name, arrays in self._changing().items()}
+
+    def set_state(self, tree: Tree) -> None:
+        """Be what it was when `get_state` gave this."""
+        for name, arrays in self._changing().items():
+            put(arrays, tree[name])
+
+    def _changing(self) -> dict[str, Arrays]:
+        """Arrays that change; the present and the last instant in this order, whichever array holds them."""
+        (now, last), springs = self._u, arrays_of(self.springs, "last", "rate")
+        grips = arrays_of(self.grips, "force", "now", "last")
+        return {
+            "pace": arrays_of(self.pace, *CHANGES), "springs": springs, "grips": grips,
+            "nodes": {"now": now, "last": last},
+        }  # fmt: skip
 
     def go(self, drive: Drive, steps: int = 1) -> Record:
         """Go on by the rows of the drive but the last, `steps` steps each."""

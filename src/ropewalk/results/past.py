@@ -1,0 +1,101 @@
+"""The past of a run that is taken up again: what its result file tells, and the frames that it holds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ropewalk.checkpoint import Tree
+from ropewalk.results import contract
+from ropewalk.results.files import ResultError
+from ropewalk.results.frame import Array, Frame, Layout
+from ropewalk.results.slots import newest
+
+_BLOCK = 64  # frames that are read at a time
+
+
+@dataclass(frozen=True)
+class Past:
+    """A result file as a run left it.
+
+    Args:
+        path: the file.
+        attributes: of the file.
+        times: (frame,) s of all frames that it holds, those after the checkpoint among them.
+        checkpoint: the last one; None: there is none.
+    """
+
+    path: Path
+    attributes: dict[str, Any]
+    times: Array
+    checkpoint: Tree | None
+
+    @property
+    def stored(self) -> int:
+        """How many frames the file holds."""
+        return int(self.times.size)
+
+    @property
+    def count(self) -> int:
+        """How many of them stand before the checkpoint."""
+        return int(self.checkpoint["run"]["frames"]) if self.checkpoint is not None else 0
+
+    @property
+    def number(self) -> int:
+        """Number of the checkpoint."""
+        return int(self.checkpoint["number"]) if self.checkpoint is not None else 0
+
+    @staticmethod
+    def of(path: Path) -> Past:
+        """Look into a result file.
+
+        Raises:
+            ResultError: there is no such file, it cannot be read, or it is no result of ropewalk.
+        """
+        import netCDF4
+
+        if not path.is_file():
+            raise ResultError(f"{path}: there is no such file")
+        try:
+            with netCDF4.Dataset(path) as file:
+                attributes = {name: file.getncattr(name) for name in file.ncattrs()}
+                times = np.asarray(file.variables["time"][:]) if "time" in file.variables else np.zeros(0)
+                return Past(path, attributes, np.ma.getdata(times).astype(np.float64), newest(file, times.size))
+        except (OSError, ValueError, RuntimeError) as problem:
+            raise ResultError(f"{path}: cannot be read ({problem})") from problem
+
+    def frames(self, layout: Layout) -> Iterator[Frame]:
+        """The frames before the checkpoint, one after the other.
+
+        Raises:
+            ResultError: they are of another layout.
+        """
+        import netCDF4
+
+        shapes = contract.shapes(layout)
+        with netCDF4.Dataset(self.path) as file:
+            file.set_auto_maskandscale(False)
+            for name, shape in shapes.items():
+                found = file.variables[name].shape[1:] if name in file.variables else None
+                if found != shape and not (found is None and 0 in shape):
+                    raise ResultError(f"{self.path}: {name} is of another size than the scenario in it says")
+            for first in range(0, self.count, _BLOCK):
+                last = min(first + _BLOCK, self.count)
+                block = {
+                    name: np.asarray(file.variables[name][first:last]) for name in shapes if name in file.variables
+                }
+                for row in range(last - first):
+                    yield _frame(float(self.times[first + row]), block, row, shapes)
+
+
+def _frame(path: float, block: dict[str, Array], row: int, shapes: dict[str, tuple[int, ...]]) -> Frame:
+    values = {
+        each.name: block[each.name][row] if each.name in block else np.zeros(shapes[each.name])
+        for each in fields(Frame)
+        if each.name != "path"
+    }
+    return Frame(path=path, **values)

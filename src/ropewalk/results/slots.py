@@ -1,0 +1,144 @@
+"""Checkpoints in a result file: two places that are written in turns, so that one is whole whenever the run is killed.
+
+They are a variable of bytes (slot, byte) before the frames (docs/notes/result-file.md). A checkpoint counts if its
+checksum is right and the file holds all frames before it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ropewalk.checkpoint import CheckpointError, Tree, from_bytes, to_bytes
+from ropewalk.errors import RopewalkError
+from ropewalk.results.contract import CHECKPOINT
+from ropewalk.results.files import ResultError
+
+if TYPE_CHECKING:
+    from ropewalk.model import Scenario
+
+SECONDS = 1.0  # between two checkpoints
+SHARE = 0.01  # of the time of a run that they may take
+SPARE, SPARE_BYTES = 1.25, 16 * 1024  # room in a slot for a state that grows
+_SLOTS = 2
+_DIMENSIONS = ("checkpoint_slot", "checkpoint_byte")
+
+
+class Slots:
+    """The checkpoints of a file that is being written.
+
+    Args:
+        take: gives what is to be stored, with the number of `frames` before it; None: there is nothing.
+        number: of the last checkpoint that the file has.
+    """
+
+    def __init__(self, take: Callable[[], Tree | None], number: int = 0) -> None:
+        self._take, self._number = take, number
+        self._variable: Any = None
+        self._first: bytes | None = None
+        self._next = time.monotonic()
+        self.lacking = ""  # why there are none
+
+    @property
+    def is_due(self) -> bool:
+        """Whether it is time for the next one."""
+        return self._variable is not None and time.monotonic() >= self._next
+
+    def define(self, file: Any) -> None:
+        """Make place in a file that is being created, if the run has a state that can be stored."""
+        try:
+            self._first = self._bytes()
+        except RopewalkError as problem:
+            self.lacking = str(problem)
+        if self._first is None:
+            return
+        size = (int(SPARE * len(self._first)) + SPARE_BYTES) // 8 * 8
+        for name, length in zip(_DIMENSIONS, (_SLOTS, size), strict=True):
+            file.createDimension(name, length)
+        file.createVariable(CHECKPOINT, "i1", _DIMENSIONS).long_name = "what `ropewalk resume` goes on from"
+        self.use(file)
+
+    def use(self, file: Any) -> None:
+        """Write into a file from now on."""
+        self._variable = file.variables.get(CHECKPOINT)
+        if self._variable is not None:
+            self._variable.set_auto_maskandscale(False)
+
+    def write(self, file: Any) -> None:
+        """Write a checkpoint over the older one of the two; one that does not fit is left out."""
+        begun = time.monotonic()
+        try:
+            data, self._first = self._first or self._bytes(), None
+        except RopewalkError:
+            return
+        if data is not None and len(data) <= self._variable.shape[1]:
+            self._number += 1
+            self._variable[self._number % _SLOTS, : len(data)] = np.frombuffer(data, np.int8)
+            file.sync()
+        now = time.monotonic()
+        self._next = now + max(SECONDS, (now - begun) / SHARE)
+
+    def _bytes(self) -> bytes | None:
+        tree = self._take()
+        return None if tree is None else to_bytes({"number": self._number + 1, **tree})
+
+
+def newest(file: Any, frames: int) -> Tree | None:
+    """The last whole checkpoint of an open file that has a number of frames; None: there is none."""
+    variable, found = file.variables.get(CHECKPOINT), None
+    if variable is None or variable.dimensions != _DIMENSIONS:
+        return None
+    variable.set_auto_maskandscale(False)
+    for slot in range(variable.shape[0]):
+        with suppress(CheckpointError, KeyError, TypeError):
+            tree = from_bytes(np.ascontiguousarray(variable[slot]).tobytes())
+            if 1 <= tree["run"]["frames"] <= frames and (found is None or tree["number"] > found["number"]):
+                found = tree
+    return found
+
+
+def digests(scenario: Scenario) -> dict[str, str]:
+    """SHA-256 of the files, beside stored results, that a scenario takes its data from, by the keys that name them."""
+    found = {}
+    for name, load in scenario.loads.items():
+        for key in ("file", "irregularity"):
+            file = getattr(load, key, None)
+            if file is not None:
+                with suppress(OSError):
+                    found[f"loads.{name}.{key}"] = hashlib.sha256(Path(file).read_bytes()).hexdigest()
+    return found
+
+
+@contextmanager
+def alone(path: Path) -> Iterator[None]:
+    """Keep a file to oneself, as long as nobody else does.
+
+    Raises:
+        ResultError: somebody does.
+    """
+    try:
+        import fcntl
+    except ImportError:  # not on Windows
+        yield
+        return
+    with path.open("rb") as stream:
+        try:
+            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise ResultError(f"{path}: is being written by another process; let that end first") from None
+        except OSError:  # some network folders know no locks
+            pass
+        yield
+
+
+def cut(path: Path, frames: int) -> None:
+    """Let a closed file end after a number of frames: that number stands behind the first four bytes."""
+    with path.open("r+b") as stream:
+        stream.seek(4)
+        stream.write(frames.to_bytes(4, "big"))

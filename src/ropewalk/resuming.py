@@ -1,0 +1,184 @@
+"""Runs that go on from where their result file ends: interrupted, killed, or complete and to be longer."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import ropewalk
+from ropewalk.checkpoint import CheckpointError
+from ropewalk.errors import ScenarioError
+from ropewalk.model.history import SpeedTable
+from ropewalk.model.pantograph import Pantograph
+from ropewalk.model.run import Dynamic, every_of
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.contract import CONVENTIONS, LACKING
+from ropewalk.results.files import ResultError
+from ropewalk.results.frame import Account, Array
+from ropewalk.results.past import Past
+from ropewalk.results.slots import alone, digests
+from ropewalk.scenario import loads
+from ropewalk.simulate import Clock, output_times, record, run_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_ENDED = ("completed", "doubtful")
+_CUT_SHORT = ("running", "interrupted", "failed")
+_SAME = 1e-6  # of the interval of output, by which instants that are meant to be the same differ
+
+
+def resume(
+    path: str | Path, until: float | None = None, *, progress: Callable[[float], None] | None = None
+) -> xr.Dataset:
+    """Go on with a run from the last checkpoint in its result file, and write on in that file.
+
+    What comes is to the last bit what comes of a run that was never interrupted.
+
+    Args:
+        path: the result file of a motion that was interrupted or killed, or is to be longer than it was.
+        until: new end of the run in s (default: the end that its scenario says).
+        progress: called with the part that is done, 0 to 1.
+
+    Returns:
+        The result, as from `simulate`.
+
+    Raises:
+        ResultError: there is nothing to go on with; the file is left as it is.
+        RopewalkError: a model of somebody else's cannot be put to work, or the file cannot be written.
+    """
+    with taken_up(Path(path), until) as rest:
+        return rest.run(progress)
+
+
+@dataclass(frozen=True)
+class Rest:
+    """What is still to be computed of a run."""
+
+    past: Past
+    scenario: Scenario
+    times: Array  # s, all output instants
+
+    @property
+    def begin(self) -> float:
+        """The instant of the last frame that need not be computed again, s."""
+        return float(self.times[max(self.past.count - 1, 0)])
+
+    def run(self, progress: Callable[[float], None] | None = None) -> xr.Dataset:
+        """Compute it."""
+        from ropewalk.results.recorder import Recorder
+
+        past, account = self.past, Account()
+        assert past.checkpoint is not None
+        wall, cpu = (float(s) if isfinite(s) else 0.0 for s in past.checkpoint["seconds"])
+        watch = Clock(wall, cpu)
+        try:
+            run = run_of(self.scenario, account, self.times, past.checkpoint["run"])
+        except (CheckpointError, KeyError, TypeError, IndexError) as problem:
+            raise ResultError(f"{past.path}: its checkpoint does not fit its scenario ({problem})") from problem
+        with Recorder(run.layout, self.scenario, account, past.path, run=run, past=past) as recorder:
+            return record(run, recorder, account, watch, progress)
+
+
+@contextmanager
+def taken_up(path: Path, until: float | None) -> Iterator[Rest]:
+    """Look into a result file and keep it to oneself: what is there to be computed?
+
+    Raises:
+        ResultError: nothing, or it cannot be done.
+    """
+    if not path.is_file():
+        raise ResultError(f"{path}: there is no such file")
+    with alone(path):
+        past = Past.of(path)
+        scenario = _checked(past)
+        run = scenario.run
+        assert isinstance(run, Dynamic)
+        complete = past.attributes["outcome"] in _ENDED
+        if complete and until is None:
+            raise ResultError(f"{path}: is complete, up to {run.until:g} s; give --until with a later time to go on")
+        if until is not None and not (run.until < until or (until == run.until and not complete)):
+            raise ResultError(f"{path}: goes up to {run.until:g} s; give --until with a later time, not {until:g} s")
+        if until is not None and until != run.until:
+            _refuse_histories(past, scenario)
+            longer = run.model_copy(update={"until": float(until), "every": min(every_of(run), run.until)})
+            scenario = scenario.model_copy(update={"run": longer})
+        yield Rest(past, scenario, _instants(scenario, past.times))
+
+
+def _checked(past: Past) -> Scenario:
+    """The scenario of a run that may go on.
+
+    Raises:
+        ResultError: why it may not.
+    """
+    path, told = past.path, past.attributes
+    if told.get("Conventions") != CONVENTIONS:
+        raise ResultError(f"{path}: no result of ropewalk (attribute Conventions is not {CONVENTIONS})")
+    text = str(told.get("scenario", ""))
+    try:
+        tree = json.loads(text)
+        kind = tree["run"]["kind"]
+    except (ValueError, TypeError, KeyError) as problem:
+        raise ResultError(f"{path}: its scenario cannot be read") from problem
+    if kind != "dynamic":
+        raise ResultError(f"{path}: a run of kind {kind} has nothing to go on from; run it again")
+    version = told.get("ropewalk_version")
+    if version != ropewalk.__version__:
+        raise ResultError(f"{path}: was written by ropewalk {version}, this is {ropewalk.__version__}; run it again")
+    if told.get("scenario_sha256") != hashlib.sha256(text.encode()).hexdigest():
+        raise ResultError(f"{path}: its scenario is not what was run (its digest is another); run it again")
+    if (named := _named_only(tree)) is not None:
+        raise ResultError(f"{path}: {named} is a function or an object of Python, which no file holds; run it again")
+    outcome = told.get("outcome")
+    if outcome not in (*_ENDED, *_CUT_SHORT):
+        raise ResultError(f"{path}: the run stopped by itself ({outcome}), there is nothing to go on with")
+    if past.checkpoint is None:
+        why = f": {told[LACKING]}" if LACKING in told else "; run it again"
+        raise ResultError(f"{path}: has no checkpoint to go on from{why}")
+    try:
+        scenario = loads(text, f"{path}.json")
+    except ScenarioError as problem:
+        raise ResultError(f"{path}: its scenario cannot be run any more: {problem}") from problem
+    was, now = past.checkpoint["data"], digests(scenario)
+    for key in {**was, **now}:
+        if was.get(key) != now.get(key):
+            raise ResultError(f"{path}: the file that {key} names is not there or not what it was; run it again")
+    return scenario
+
+
+def _named_only(tree: Any, where: str = "") -> str | None:
+    """The key of what a scenario in a file names, but does not hold; None if there is nothing."""
+    if isinstance(tree, str):
+        return where if tree.startswith("<") and tree.endswith(">") and where != "title" else None
+    inner = tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ()
+    found = (_named_only(value, f"{where}.{key}".lstrip(".")) for key, value in inner)
+    return next((each for each in found if each is not None), None)
+
+
+def _refuse_histories(past: Past, scenario: Scenario) -> None:
+    """Refuse a later end where what has been goes by the end: a mean force that is wanted while the speed changes."""
+    for name, load in scenario.loads.items():
+        if isinstance(load, Pantograph) and load.wanted_mean is not None:
+            speed = load.travel.speed
+            if isinstance(speed, SpeedTable) and len(set(speed.value)) > 1:
+                raise ResultError(
+                    f"{past.path}: load {name} is pressed up by what its mean force asks for in the middle of the run; "
+                    "with a speed that changes that moves with the end: run it again"
+                )
+
+
+def _instants(scenario: Scenario, stored: Array) -> Array:
+    """Output instants in s: those that are asked for, and those that have been an earlier end of the run."""
+    assert isinstance(scenario.run, Dynamic)
+    times, near = output_times(scenario.run), _SAME * every_of(scenario.run)
+    own = [t for t in stored if t - times[np.searchsorted(times, t + near, side="right") - 1] > near]
+    return np.sort(np.concatenate([times, own]))

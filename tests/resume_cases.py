@@ -1,0 +1,67 @@
+"""Small motions of every kind, for the tests of runs that are taken up again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import ropewalk
+from ropewalk.model import Scenario
+from ropewalk.scenario import loads
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+SMALL = {
+    "force": ("moving-force", "run.until=0.3 s", "run.every=20 ms", "lines.rope.elements=20"),
+    "mass": ("mass-approaching-support", "run.until=0.2 s", "run.every=20 ms"),
+    "trolley": ("zip-line", "run.until=1 s", "run.every=0.1 s"),
+    "walker": ("highline-walker", "run.until=1 s", "run.every=0.1 s"),
+    "coach on a beam": ("bedded-line-vehicle", "run.until=0.05 s", "run.every=5 ms"),
+    "pantograph, small motion": ("en50318-2002-250", "run.until=0.1 s", "run.every=10 ms"),
+    "pantograph, large motion": (
+        "en50318-2002-250", "run.until=0.02 s", "run.every=2 ms", "run.geometry=nonlinear", "run.axial_inertia=4",
+    ),
+    "sheaves": ("sheaves", "run.until=0.2 s", "run.every=20 ms"),
+    "net": ("trampoline-net", "run.until=0.1 s", "run.every=10 ms"),
+    "footbridge": ("suspension-footbridge", "run.until=0.4 s", "run.every=40 ms"),
+}  # fmt: skip
+
+ROPE = """
+lines:
+  s: {start: [0, 0], end: [100, 0], tension: 20 kN, mass: 1, axial_stiffness: 2 MN, elements: 40, axial_damping: %s}
+loads: {m: %s}
+run: {kind: dynamic, until: 0.4, every: 0.04%s}
+"""
+STEPS = """{kind: footsteps, on: s, mass: 70, frequency: 2.5 Hz, step_length: 0.7 m, overlap: 0.2, from: 20 m}"""
+OSCILLATOR = """{kind: oscillator, on: s, mass: 20, stiffness: 4 kN/m, damping: 50 N*s/m,
+  travel: {speed: 20, from: 5 m}}"""
+STEPPER = """{kind: stepper, on: s, model: "foreign_cases:%s", every: 10 ms, exchange: {%s}}"""
+WRITTEN = {
+    "footsteps": (0, STEPS, ""),
+    "oscillator": (0, OSCILLATOR, ""),
+    "force, implicit": (1e4, "{kind: force, on: s, force: [0, -500], travel: {speed: 20, from: 5 m}}",
+                        ", method: implicit"),
+    "stepper": (0, STEPPER % ("Sprung", "order: 2"), ""),
+    "stepper, parallel": (0, STEPPER % ("Sprung", "scheme: parallel, damping: 20"), ""),
+    "stepper, iterated": (0, STEPPER % ("Mass", "scheme: iterated, stiffness: 4e3"), ""),
+}  # fmt: skip
+STIFF = {"beam, stepper": "stepper", "beam, parallel": "stepper, parallel", "beam, iterated": "stepper, iterated"}
+KINDS = (*SMALL, *WRITTEN, *STIFF)
+
+
+def case(kind: str, *settings: str) -> Scenario:
+    """A small motion."""
+    if kind in SMALL:
+        name, *given = SMALL[kind]
+        return ropewalk.load(EXAMPLES / f"{name}.yaml", [*given, *settings])
+    text = ROPE % WRITTEN[STIFF.get(kind, kind)]
+    if kind in STIFF:
+        text = text.replace("elements:", "bending_stiffness: 1e4, elements:")
+    return loads(text, "rope.yaml", settings)
+
+
+class Stateless:
+    """A model that cannot tell its state."""
+
+    def step(self, t: float, h: float, line: Any) -> list[tuple[float, tuple[float, float], float]]:
+        """One contact that goes along the line."""
+        return [(5.0 + 20.0 * t, (0.0, -100.0), 20.0)]
