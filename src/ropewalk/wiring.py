@@ -22,6 +22,7 @@ from ropewalk.overhead.irregularity import read_irregularity
 from ropewalk.overhead.riding import expected_lift, push_of, rider_of, start_of
 from ropewalk.overhead.section import CONTACT, Section, in_space, joined, section_of
 from ropewalk.solve.timetable import horizon
+from ropewalk.wires.ends import holds_of, masses_of
 from ropewalk.wires.journey import Journey, smooth, travelled
 from ropewalk.wires.lines import journey_of, settled, shown_of, wire_of
 from ropewalk.wires.mesh import links_of
@@ -51,7 +52,12 @@ def task_of(scenario: Scenario) -> Task:
     plan, offsets = joined(laid) if sections else (Plan((), gravity=scenario.gravity), [])
     elements = [links_of(wire, section.element) for section in sections.values() for wire in section.plan.wires]
     first = len(plan.wires)
-    plan = replace(plan, wires=(*plan.wires, *(wire_of(name, line) for name, line in scenario.lines.items())))
+    lines = list(scenario.lines.values())
+    wires = [wire_of(name, line) for name, line in scenario.lines.items()]
+    own = list(enumerate(zip(lines, wires, strict=True), start=first))
+    holds = [hold for number, (line, wire) in own for hold in holds_of(line, wire, number, until)]
+    masses = [mass for number, (line, wire) in own for mass in masses_of(line, wire, number)]
+    plan = replace(plan, wires=(*plan.wires, *wires), holds=(*plan.holds, *holds), masses=(*plan.masses, *masses))
     elements += [line.elements for line in scenario.lines.values()]
     if nonlinear or slow:
         plan = unstretched(plan, elements)

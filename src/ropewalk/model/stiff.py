@@ -102,16 +102,6 @@ def _line(line: Line) -> Iterator[_Lack]:
         yield ("law",), "only law hooke is known", line.law.kind, "leave law out"
     if line.axial_damping:
         yield ("axial_damping",), "it is not known", f"{line.axial_damping:g} N*s", "leave it out, or use drag"
-    for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
-        known = "fixed ends, clamped or not, and ends guided along x by a constant force alone are known"
-        if isinstance(support, Guided):
-            if any(support.along[1:]):
-                yield (key, "along"), known, str(list(support.along)), "write [1, 0]"
-            for own in ("stiffness", "damping", "mass"):
-                if getattr(support, own):
-                    yield (key, own), known, f"{getattr(support, own):g}", "leave it out"
-        elif not isinstance(support, Fixed):
-            yield (key,), known, support.kind, "write kind: fixed"
     if any(len(point) == 3 and point[1] != 0.0 for point in (line.start, line.end)):
         yield ("start",), "lines in the x-z plane are known", "a point with y", "write [x, z]"
 

@@ -58,6 +58,7 @@ class Bearing:
             EquilibriumError: there is none.
         """
         riders, station = self.riders, self._stations(t)
+        self.potential.place, near = self.mesh.holds.places(t), self.mesh.led(near, t)
         inside = np.array([0.0 <= s <= self._length(k) for k, s in enumerate(station)], dtype=np.bool_)
         ground = np.where(inside, np.nan, self._ground(station))
         touches, position = inside | np.isfinite(ground), near

@@ -13,7 +13,7 @@ import scipy.sparse.linalg
 from numpy.typing import NDArray
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.wires.mesh import FREE, Mesh
+from ropewalk.wires.mesh import Mesh
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.pressing import Pressing
 from ropewalk.wires.rest import beds, bending_stiffness, rows, spring, ties_springs
@@ -40,6 +40,7 @@ class Potential:
     Attributes:
         pressing: what stands on the wires: interpolation (contact, node) of the heights there, and how it presses.
         share: part of all constant forces, and of what stands there, that is put on.
+        place: (hold, 3) m, where holds are without force.
     """
 
     def __init__(self, mesh: Mesh, rest: Array, force: Array | None = None) -> None:
@@ -60,14 +61,10 @@ class Potential:
         self._pull, self._push = ties_springs(mesh)
         self._hold = rows(mesh.holds.at, mesh.nodes)
         self._stiff = spring(mesh.holds.stiffness, mesh.holds.at.local[:, None])
+        self.place = mesh.holds.place
         self.force = np.zeros((3, mesh.nodes)) if force is None else force.copy()
         self.force[2] -= plan.gravity * mesh.mass
-        self.force[2] += self._hold.T @ mesh.holds.force
-        for i, wire in enumerate(plan.wires):
-            if wire.end_force is not None:
-                pulled = np.nan_to_num(wire.end_force)
-                self.force[0, s.first[i]] -= pulled[0]
-                self.force[0, s.first[i] + s.links[i]] += pulled[1]
+        self.force += (self._hold.T @ mesh.holds.force).T
 
     def tension(self, r: Array) -> Array:
         """Tension of all links, N."""
@@ -90,15 +87,23 @@ class Potential:
 
     def hold_forces(self, r: Array) -> Array:
         """Forces of all holds on their wires, (hold, 3) N."""
-        force = self._stiff * (self.mesh.holds.place - self._hold @ r.T)
-        force[:, 2] += self.mesh.holds.force
-        return np.asarray(force)
+        return self._held(r) + self.mesh.holds.force
+
+    def _stretched(self, r: Array) -> Array:
+        """By how much the springs of holds pull their wires along their axes, (hold, 3) m."""
+        found: Array = np.einsum("hja,ha->hj", self.mesh.holds.axes, self.place - self._hold @ r.T)
+        return found
+
+    def _held(self, r: Array) -> Array:
+        """Forces of the springs of all holds on their wires, (hold, 3) N."""
+        found: Array = np.einsum("hja,hj->ha", self.mesh.holds.axes, self._stiff * self._stretched(r))
+        return found
 
     def energy(self, r: Array) -> float:
         """Potential energy, J."""
         strain = self.tension(r) / self._EA
         *_, longer, k = self._ties(r)
-        held = self._stiff.T * (self.mesh.holds.place.T - (self._hold @ r.T).T) ** 2
+        held = self._stiff * self._stretched(r) ** 2
         bent = ((r - self._unbent) * (self._bend @ (r - self._unbent).T).T).sum()
         sunk = (self._bed * (r[2] - self._level) ** 2).sum()
         axial = (self._EA * self._rest * strain**2).sum()
@@ -122,8 +127,13 @@ class Potential:
         out[2] -= self._bed * (r[2] - self._level)
         d, length, longer, k = self._ties(r)
         out -= (self._tie.T @ (k * longer / length * d).T).T
-        held: Array = out + (self._hold.T @ (self._stiff * (self.mesh.holds.place - self._hold @ r.T))).T
+        held: Array = out + (self._hold.T @ self._held(r)).T
         return held
+
+    def bare_pull(self, r: Array) -> Array:
+        """The same without what holds do."""
+        bare: Array = self.pull(r) - (self._hold.T @ self.hold_forces(r)).T
+        return bare
 
     def stiffness(self, r: Array) -> sparse.csc_matrix:
         """Second derivatives, (3 node, 3 node), component by component."""
@@ -172,11 +182,15 @@ class Potential:
     @cached_property
     def _constant(self) -> sparse.csc_matrix:
         """What bending, beds and holds add, whatever the shape is."""
-        held = [self._hold.T @ sparse.diags(self._stiff[:, a]) @ self._hold for a in range(3)]
-        bed = [0.0 * self._bed, 0.0 * self._bed, self._bed]
-        return sparse.block_diag(
-            [self._bend + own + sparse.diags(more) for own, more in zip(held, bed, strict=True)], format="csc"
-        )
+        axes = self.mesh.holds.axes
+        held = np.einsum("hja,hj,hjb->abh", axes, self._stiff, axes)
+        blocks = [[self._hold.T @ sparse.diags(held[a, b]) @ self._hold for b in range(3)] for a in range(3)]
+        for a in range(3):
+            blocks[a][a] = blocks[a][a] + self._bend
+        blocks[2][2] = blocks[2][2] + sparse.diags(self._bed)
+        found: sparse.csc_matrix = sparse.bmat(blocks, format="csc")
+        found.eliminate_zeros()
+        return found
 
 
 def _unbent(mesh: Mesh) -> Array:
@@ -191,13 +205,7 @@ def _unbent(mesh: Mesh) -> Array:
 
 def movable(mesh: Mesh, *, space: bool) -> NDArray[np.bool_]:
     """Which components of which nodes may move, (3, node)."""
-    free = np.ones((3, mesh.nodes), dtype=np.bool_)
-    last = mesh.strands.first + mesh.strands.links
-    for i, wire in enumerate(mesh.plan.wires):
-        for side, node in enumerate((mesh.strands.first[i], last[i])):
-            if mesh.strands.end[i, side] != FREE:
-                free[:, node] = False
-                free[0, node] = wire.end_force is not None and np.isfinite(wire.end_force[side])
+    free = ~mesh.fixed
     if not space:
         free[1] = False
     return free

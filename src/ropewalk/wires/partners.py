@@ -208,6 +208,6 @@ def restore(motion: Motion, saved: list[Array]) -> None:
 def _changing(motion: Motion) -> list[Array]:
     """Arrays that change; the present and the last instant in this order, whichever array holds them."""
     springs = motion.strings if isinstance(motion, LargeMotion) else motion.springs
-    groups: list[tuple[Any, ...]] = [motion.pace, motion.grips, springs]
+    groups: list[tuple[Any, ...]] = [motion.pace, motion.holders, springs]
     arrays: list[Array] = [array for group in groups for array in group if isinstance(array, np.ndarray)]
     return arrays + (motion._r if isinstance(motion, LargeMotion) else motion._u)

@@ -43,17 +43,18 @@ def damping_of(potential: Potential, mesh: Mesh, r: Array) -> sparse.csc_matrix:
     """Damping of all components (3 node, 3 node), N s/m: drag, retarded bending, dampers of ties and holds."""
     s, ties, holds = mesh.strands, mesh.ties, mesh.holds
     nodes = [int(n) + 1 for n in s.links]
-    drag = np.repeat(s.drag * s.rho * s.h, nodes)
+    drag = np.repeat(s.drag, nodes) * mesh.own
     late = sparse.diags(np.repeat(s.retardation, nodes))
     bent = late @ bending_stiffness(mesh)
-    hold = rows(holds.at, mesh.nodes)
+    hold, held = rows(holds.at, mesh.nodes), np.einsum("hja,hj,hjb->abh", holds.axes, holds.damping, holds.axes)
     tie = rows(ties.other, mesh.nodes) - rows(ties.one, mesh.nodes)
     d = (tie @ r.T).T + np.where(np.isfinite(ties.ground), ties.ground, 0.0).T
     way = d / np.sqrt((d**2).sum(axis=0))
     blocks = [
         [
             tie.T @ sparse.diags(ties.damping * way[a] * way[b]) @ tie
-            + (sparse.diags(drag) + bent + hold.T @ sparse.diags(holds.damping[:, a]) @ hold if a == b else 0.0 * bent)
+            + hold.T @ sparse.diags(held[a, b]) @ hold
+            + (sparse.diags(drag) + bent if a == b else 0.0 * bent)
             for b in range(3)
         ]
         for a in range(3)

@@ -14,7 +14,7 @@ from ropewalk.wires.journey import Journey
 from ropewalk.wires.large import hung
 from ropewalk.wires.mesh import Mesh, mesh_of
 from ropewalk.wires.partners import Foreigner
-from ropewalk.wires.plan import Array, Plan, Rider, Wire
+from ropewalk.wires.plan import Array, Plan, Rider, Spot, Wire
 from ropewalk.wires.rest import Rest, moving, rest_of, vertical_stiffness
 from ropewalk.wires.seat import seat_at, seat_below
 
@@ -76,11 +76,19 @@ def unstretched(plan: Plan, element: float | list[int]) -> Plan:
         return plan
     mesh = mesh_of(plan, element)
     lengths = _guess(mesh)[1]
-    return replace(plan, wires=tuple(
+    wires = tuple(
         wire if wire.stretched or wire.unstrained is not None
         else replace(wire, unstrained=float(lengths[mesh.of(i)][:-1].sum()))
         for i, wire in enumerate(plan.wires)
-    ))  # fmt: skip
+    )  # fmt: skip
+
+    def there(spot: Spot) -> Spot:
+        return replace(spot, station=spot.station * wires[spot.wire].length / plan.wires[spot.wire].length)
+
+    return replace(
+        plan, wires=wires, holds=tuple(replace(hold, spot=there(hold.spot)) for hold in plan.holds),
+        masses=tuple(replace(mass, spot=there(mass.spot)) for mass in plan.masses),
+    )  # fmt: skip
 
 
 def ready(task: Task) -> tuple[Task, Start]:
@@ -142,16 +150,33 @@ def _guess(mesh: Mesh) -> tuple[Array, Array]:
     """Positions near rest, and unstrained lengths: of wires of given length, that; of others, what tension asks for."""
     wires = mesh.plan.wires
     tension = np.array([_stretched(wire, mesh.plan.gravity) for wire in wires])
-    position = rest_of(mesh._replace(strands=mesh.strands._replace(tension=tension))).position
+    position = yielded(mesh, rest_of(mesh._replace(strands=mesh.strands._replace(tension=tension))).position, tension)
     unstrained = hung(mesh, position)
     for i, wire in enumerate(wires):
         if wire.unstrained is None:
             continue
         part, links = mesh.of(i), int(mesh.strands.links[i])
         unstrained[part] = wire.unstrained / links
-        if wire.unstrained > (1.0 + 1e-9) * wire.chord and "free" not in wire.ends:
-            position[:, part] = hanging(np.array(wire.start), np.array(wire.end), wire.unstrained, links)
+        if wire.unstrained > (1.0 + 1e-9) * wire.chord:
+            start, end = position[:, part][:, 0], position[:, part][:, -1]
+            position[:, part] = hanging(start, end, wire.unstrained, links)
     return position, unstrained
+
+
+def yielded(mesh: Mesh, position: Array, tension: Array) -> Array:
+    """Positions near rest (3, node) m whose ends have given way along x to the tensions of straight wires, (wire,) N."""
+    out, s = position.copy(), mesh.strands
+    for i, node in enumerate(mesh.holds.node):
+        if node < 0 or mesh.fixed[0, node]:
+            continue
+        a, axes, stiff = int(mesh.holds.at.wire[i]), mesh.holds.axes[i], mesh.holds.stiffness[i]
+        way = np.subtract(mesh.plan.wires[a].end, mesh.plan.wires[a].start) / mesh.plan.wires[a].chord
+        pull = way * tension[a] * (1.0 if node == s.first[a] else -1.0) + mesh.holds.force[i]
+        held = np.isfinite(stiff) & (stiff > 0.0)
+        moved = float(axes[held, 0] @ (axes[held] @ pull / stiff[held]))
+        part, along = mesh.of(a), np.linspace(0.0, 1.0, int(s.links[a]) + 1)
+        out[0, part] += moved * (along if node != s.first[a] else 1.0 - along)
+    return out
 
 
 def _stretched(wire: Wire, gravity: float) -> float:
