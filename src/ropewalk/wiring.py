@@ -52,12 +52,12 @@ def task_of(scenario: Scenario) -> Task:
     plan, offsets = joined(laid) if sections else (Plan((), gravity=scenario.gravity), [])
     elements = [links_of(wire, section.element) for section in sections.values() for wire in section.plan.wires]
     first = len(plan.wires)
-    lines = list(scenario.lines.values())
-    wires = [wire_of(name, line) for name, line in scenario.lines.items()]
-    own = list(enumerate(zip(lines, wires, strict=True), start=first))
-    holds = [hold for number, (line, wire) in own for hold in holds_of(line, wire, number, until)]
-    masses = [mass for number, (line, wire) in own for mass in masses_of(line, wire, number)]
-    plan = replace(plan, wires=(*plan.wires, *wires), holds=(*plan.holds, *holds), masses=(*plan.masses, *masses))
+    for number, (name, line) in enumerate(scenario.lines.items(), start=first):
+        wire = wire_of(name, line)
+        held, mass = holds_of(line, wire, number, until), masses_of(line, wire, number)
+        plan = replace(
+            plan, wires=(*plan.wires, wire), holds=(*plan.holds, *held), masses=(*plan.masses, *mass)
+        )  # fmt: skip
     elements += [line.elements for line in scenario.lines.values()]
     if nonlinear or slow:
         plan = unstretched(plan, elements)

@@ -90,8 +90,8 @@ def _springs(support: Support) -> tuple[Array, Array, Array, Array]:
         stiffness[slides], damping[slides] = support.stiffness, support.damping
     if isinstance(support, Elastic):
         for values, given in ((stiffness, support.stiffness), (damping, support.damping)):
-            pair = isinstance(given, tuple)
-            values[:] = (given[0], np.inf if values is stiffness else 0.0, given[-1]) if pair else given
+            aside = np.inf if values is stiffness else 0.0
+            values[:] = (given[0], aside, given[-1]) if isinstance(given, tuple) else given
     return axes, stiffness, damping, force
 
 

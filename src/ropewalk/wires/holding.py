@@ -39,7 +39,7 @@ class Holders(NamedTuple):
     local: Array  # m/N beside its spline, of what holds fast
     x: Array  # m, to know whether it lies in a window
     first: Integers  # where the table of its displacement begins
-    count: Integers
+    instants: Integers
     time: Array  # s
     value: Array  # m along the way
     moved: Array  # (holder, 3) m, displacement A_STEP_AGO, NOW and AHEAD of a step; after it, AHEAD is the present
@@ -59,12 +59,12 @@ def holders_of(mesh: Mesh, gain: Array, axes: Sequence[int], position: Array, pl
     """
     holds = mesh.holds
     x = mesh.strands.across[holds.at.wire, 0] + mesh.strands.across[holds.at.wire, 1] * holds.at.station
-    begin = np.cumsum(holds.count) - holds.count
+    begin = np.cumsum(holds.instants) - holds.instants
     found = []
     for i, j in np.ndindex(holds.stiffness.shape):
         way, part = holds.axes[i, j][list(axes)], slice(int(holds.at.base[i]), int(holds.at.base[i]) + WIDTH)
         soft = float(way**2 @ gain[:, part] @ holds.at.weight[i] ** 2)
-        fast = bool(np.isinf(holds.stiffness[i, j]) or (holds.fixes[i, j] and holds.count[i] > 1))
+        fast = bool(np.isinf(holds.stiffness[i, j]) or (holds.fixes[i, j] and holds.instants[i] > 1))
         if soft > 0.0 and (fast or holds.stiffness[i, j] > 0.0 or holds.damping[i, j] > 0.0):
             found.append((not fast, float(x[i]), int(i), int(j), soft))
     found.sort()
@@ -72,16 +72,17 @@ def holders_of(mesh: Mesh, gain: Array, axes: Sequence[int], position: Array, pl
     elastic = np.array([elastic for elastic, *_ in found], dtype=np.bool_)
     way, weight = holds.axes[hold, axis], holds.at.weight[hold]
     local = np.where(elastic, 0.0, holds.at.local[hold])
-    tables = [way[e] @ holds.moved[:, b : b + n] for e, (b, n) in enumerate(zip(begin[hold], holds.count[hold], strict=True))]
-    times = [holds.time[b : b + n] for b, n in zip(begin[hold], holds.count[hold], strict=True)]
-    count, none = holds.count[hold], np.zeros(0)
+    instants, none = holds.instants[hold], np.zeros(0)
+    parts = [slice(int(b), int(b + n)) for b, n in zip(begin[hold], instants, strict=True)]
+    times = [none, *(holds.time[p] for p in parts)]
+    tables = [none, *(w @ holds.moved[:, p] for w, p in zip(way, parts, strict=True))]
     at = holds.at._replace(base=holds.at.base[hold], weight=weight)
     here = (rows(at, mesh.nodes) @ position.T * way[:, list(axes)]).sum(axis=1)
     return Holders(
         int((~elastic).sum()), hold, holds.at.base[hold], np.ascontiguousarray(weight),
         np.ascontiguousarray(way[:, list(axes)]), spring(holds.stiffness[hold, axis], holds.at.local[hold]),
         holds.damping[hold, axis], (way * place[hold]).sum(axis=1), np.array([s for *_, s in found]) + local, local,
-        x[hold], np.cumsum(count) - count, count, np.concatenate([none, *times]), np.concatenate([none, *tables]),
+        x[hold], np.cumsum(instants) - instants, instants, np.concatenate(times), np.concatenate(tables),
         np.zeros((hold.size, 3)), here, here.copy(), np.zeros(hold.size),
     )  # fmt: skip
 
@@ -89,10 +90,10 @@ def holders_of(mesh: Mesh, gain: Array, axes: Sequence[int], position: Array, pl
 @inlined
 def move_places(holders, t):
     """Begin a step that ends at time t in s."""
-    for e in range(holders.count.size):
-        if holders.count[e] > 1:
+    for e in range(holders.instants.size):
+        if holders.instants[e] > 1:
             holders.moved[e, A_STEP_AGO], holders.moved[e, NOW] = holders.moved[e, NOW], holders.moved[e, AHEAD]
-            holders.moved[e, AHEAD] = look_up(holders.time, holders.value, holders.first[e], holders.count[e], t)
+            holders.moved[e, AHEAD] = look_up(holders.time, holders.value, holders.first[e], holders.instants[e], t)
 
 
 @inlined

@@ -18,7 +18,7 @@ from ropewalk.wires.drive import ABSENT, Drive, Record
 from ropewalk.wires.holding import grip, holders_of, move_places, restrain
 from ropewalk.wires.mesh import Mesh, Riders, places_of
 from ropewalk.wires.plan import Array
-from ropewalk.wires.rest import without_supports, rows, slowed_ends
+from ropewalk.wires.rest import rows, slowed_ends, without_supports
 from ropewalk.wires.riders import (
     DAMPED,
     begin,
@@ -346,8 +346,8 @@ def advance(strands, threads, strings, holders, watched, riders, pace, level, sl
             for k in range(riders.owner.size):
                 _touch(strands, threads, riders, pace, now, other, drive, record, row, step, steps, k, w)
             ride(riders, pace)
-            restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, pace.work, record.hold, row,
-                     step == 0)  # fmt: skip
+            restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, pace.work, record.hold,
+                     row, step == 0)  # fmt: skip
             for _ in range(sweeps):
                 grip(holders, other, threads.gain, pace.work, record.hold, row, step == 0)
                 for k in range(riders.owner.size):

@@ -74,14 +74,14 @@ class Holds(NamedTuple):
     damping: Array  # (hold, 3) N s/m along its axes
     place: Array  # (hold, 3) m, at time zero
     force: Array  # (hold, 3) N along x, y and z, constant
-    count: Integers  # (hold,) instants of the table of its displacement, 1: it stays
+    instants: Integers  # (hold,) of the table of its displacement, 1: it stays
     time: Array  # (instant,) s, of all tables, one after the other
     moved: Array  # (3, instant) m, displacement from what it is at time zero
 
     def places(self, t: float) -> Array:
         """Where they are without force at an instant in s, (hold, 3) m."""
-        end = np.cumsum(self.count)
-        parts = [slice(int(e - n), int(e)) for e, n in zip(end, self.count, strict=True)]
+        end = np.cumsum(self.instants)
+        parts = [slice(int(e - n), int(e)) for e, n in zip(end, self.instants, strict=True)]
         moved = [[np.interp(t, self.time[part], row[part]) for row in self.moved] for part in parts]
         return self.place + np.array(moved, dtype=np.float64).reshape(-1, 3)
 
@@ -294,7 +294,7 @@ def _holds(strands: Strands, plan: Plan) -> Holds:
     def threes(key: str) -> Array:
         return np.array([getattr(hold, key) for hold in holds], dtype=np.float64).reshape(-1, 3)
 
-    tables = [_table(hold) for hold in holds]
+    tables, at_start = [_table(hold) for hold in holds], np.array([_at_start(hold) for hold in holds]).reshape(-1, 3)
     none = [(np.zeros(0), np.zeros((3, 0)))]
     at = clamped_at(strands, [hold.spot for hold in holds])
     station = at.station / strands.h[at.wire]
@@ -303,7 +303,8 @@ def _holds(strands: Strands, plan: Plan) -> Holds:
     return Holds(
         at, node,
         np.array([hold.axes for hold in holds], dtype=np.float64).reshape(-1, 3, 3),
-        threes("stiffness"), np.zeros((len(holds), 3), dtype=np.bool_), threes("damping"), threes("place") + np.array([_at_start(hold) for hold in holds]).reshape(-1, 3), threes("force"),
+        threes("stiffness"), np.zeros((len(holds), 3), dtype=np.bool_), threes("damping"), threes("place") + at_start,
+        threes("force"),
         np.array([time.size for time, _ in tables], dtype=np.int64),
         np.concatenate([time for time, _ in none + tables]), np.hstack([value for _, value in none + tables]),
     )  # fmt: skip
@@ -338,7 +339,7 @@ def _fixed(strands: Strands, plan: Plan, holds: Holds) -> tuple[NDArray[np.bool_
         for j, way in enumerate(np.abs(holds.axes[i])):
             if node >= 0 and np.isinf(holds.stiffness[i, j]) and way.max() == 1.0:
                 axis = int(np.argmax(way))
-                fixed[axis, node], driven[axis, node] = True, holds.count[i] > 1
+                fixed[axis, node], driven[axis, node] = True, holds.instants[i] > 1
                 holds.stiffness[i, j], holds.fixes[i, j] = 0.0, True
     return fixed, driven
 

@@ -91,7 +91,8 @@ def rows(places: Places, nodes: int) -> sparse.csr_matrix:
 
 def moving(mesh: Mesh) -> NDArray[np.bool_]:
     """Which control points may move up and down."""
-    return ~mesh.fixed[2]
+    free: NDArray[np.bool_] = ~mesh.fixed[2]
+    return free
 
 
 def held_shape(mesh: Mesh, places: Places, heights: Array, load: Array) -> tuple[Array, Array]:

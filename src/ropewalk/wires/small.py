@@ -370,8 +370,8 @@ class SmallMotion:
         rows, plan = drive.station.shape[0] - 1, self.mesh.plan
         record = Record.of(rows, self.riders, len(plan.ties), len(plan.holds), self.watched)
         arguments = (
-            self.mesh.strands, self.stencil, self.springs, self.holders, self._window(drive), self._watched, self.riders,
-            self.pace, self.level, *self._u, self._room, drive, record, steps, self._sweeps, self._w,
+            self.mesh.strands, self.stencil, self.springs, self.holders, self._window(drive), self._watched,
+            self.riders, self.pace, self.level, *self._u, self._room, drive, record, steps, self._sweeps, self._w,
         )  # fmt: skip
         if self._advance is None:
             self._advance = entry_of(advance, arguments)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ropewalk.wires.mesh import Mesh
 from ropewalk.wires.plan import Array, Integers
-from ropewalk.wires.rest import Rest, without_supports, slowed_ends, ties_springs
+from ropewalk.wires.rest import Rest, slowed_ends, ties_springs, without_supports
 from ropewalk.wires.spline import WIDTH
 
 _FEW = 0.1  # part of the nodes of a wire that may carry more than it and be seen to afterwards
@@ -118,6 +118,7 @@ def stencil_of(mesh: Mesh, step: float) -> Stencil:
         laden += own.tolist()
         first.append(len(laden))
     return Stencil(
-        bending, gain, (2.0 - slow) / slow, (2.0 - slow_end) / slow_end, bare, np.array(laden, dtype=np.int64), np.array(first, dtype=np.int64),
-        np.zeros(len(laden)), without_supports(mesh), bool(s.drag.any() or s.retardation.any()),
+        bending, gain, (2.0 - slow) / slow, (2.0 - slow_end) / slow_end, bare, np.array(laden, dtype=np.int64),
+        np.array(first, dtype=np.int64), np.zeros(len(laden)), without_supports(mesh),
+        bool(s.drag.any() or s.retardation.any()),
     )  # fmt: skip

@@ -44,7 +44,8 @@ def strings_of(mesh: Mesh, position: Array) -> Strings:
     pulls = np.where(longer > 0.0, pull, push) * longer / last
     return Strings(
         ties.one.base, ties.other.base, np.stack([ties.one.weight, ties.other.weight], axis=1), ties.ground,
-        away[:, 1].copy(), ties.length, pull, push, ties.damping, last, np.zeros_like(last), pulls[:, None] * away[:, 1:],
+        away[:, 1].copy(), ties.length, pull, push, ties.damping, last, np.zeros_like(last),
+        pulls[:, None] * away[:, 1:],
     )  # fmt: skip
 
 
