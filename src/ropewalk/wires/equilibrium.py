@@ -23,6 +23,7 @@ _FULL_STEPS, _MOST_STEPS = 40, 2000
 _PARTS = (1, 8)  # in which constant forces are put on
 _LONGEST = 0.1  # of the longest wire: longer steps are cut
 _ALMOST = 1e-8  # of the longest wire: steps this small are taken although rounding may hide that the energy falls
+_ROUNDS, _ON_RAIL = 5, 1e-14  # in which ends are brought onto their rails, and how closely, of the longest wire
 _ZERO = 1e-14  # of its diagonal: a smaller pivot is what rounding leaves of zero
 _NEUTRAL = 1e-12  # of the largest diagonal: less stiffness is none: overhead lines may be free to slide as a whole
 _LEAPS = 0.1, 1e-2, 1e-3, 1e-4  # of the longest wire, off a saddle
@@ -41,6 +42,7 @@ class Potential:
         pressing: what stands on the wires: interpolation (contact, node) of the heights there, and how it presses.
         share: part of all constant forces, and of what stands there, that is put on.
         place: (hold, 3) m, where holds are without force.
+        given: (hold, 3) m, by which what holds fast is moved against its force, so that it gives way to none.
     """
 
     def __init__(self, mesh: Mesh, rest: Array, force: Array | None = None) -> None:
@@ -61,7 +63,7 @@ class Potential:
         self._pull, self._push = ties_springs(mesh)
         self._hold = rows(mesh.holds.at, mesh.nodes)
         self._stiff = spring(mesh.holds.stiffness, mesh.holds.at.local[:, None])
-        self.place = mesh.holds.place
+        self.place, self.given = mesh.holds.place, np.zeros_like(mesh.holds.place)
         self.force = np.zeros((3, mesh.nodes)) if force is None else force.copy()
         self.force[2] -= plan.gravity * mesh.mass
         self.force += (self._hold.T @ mesh.holds.force).T
@@ -91,8 +93,14 @@ class Potential:
 
     def _stretched(self, r: Array) -> Array:
         """By how much the springs of holds pull their wires along their axes, (hold, 3) m."""
-        found: Array = np.einsum("hja,ha->hj", self.mesh.holds.axes, self.place - self._hold @ r.T)
+        found: Array = np.einsum("hja,ha->hj", self.mesh.holds.axes, self.place + self.given - self._hold @ r.T)
         return found
+
+    def off_rails(self, r: Array) -> Array:
+        """How far ends stand off the rails that hold them, against their forces, (hold, 3) m."""
+        holds = self.mesh.holds
+        across = np.isinf(holds.stiffness) & (holds.node >= 0)[:, None]
+        return np.asarray(np.einsum("hja,hj,hjb,hb->ha", holds.axes, across, holds.axes, self.place - self._hold @ r.T))
 
     def _held(self, r: Array) -> Array:
         """Forces of the springs of all holds on their wires, (hold, 3) N."""
@@ -211,6 +219,23 @@ def movable(mesh: Mesh, *, space: bool) -> NDArray[np.bool_]:
     return free
 
 
+def allowed(mesh: Mesh) -> sparse.csc_matrix:
+    """Directions in which nodes may move in space, unit vectors: (3 node, direction), along a rail where one holds."""
+    free, n, holds = movable(mesh, space=True), mesh.nodes, mesh.holds
+    columns = [(np.array([i]), np.ones(1)) for i in np.flatnonzero(free)]
+    for node, axes, stiffness in zip(holds.node, holds.axes, holds.stiffness, strict=True):
+        if node < 0 or not np.isinf(stiffness).any():
+            continue
+        own = node + n * np.arange(3)
+        columns = [column for column in columns if column[0][0] not in own]
+        columns += [(own, way) for way in axes[~np.isinf(stiffness)] if not (way[mesh.fixed[:, node]] != 0.0).any()]
+    row, column, value = (
+        np.concatenate(parts)
+        for parts in zip(*((at, np.full(at.size, j), way) for j, (at, way) in enumerate(columns)), strict=True)
+    )
+    return sparse.csc_matrix((value, (row, column)), shape=(3 * n, len(columns)))
+
+
 @dataclass(frozen=True)
 class Balance:
     """Wires at rest."""
@@ -247,6 +272,18 @@ def settle(potential: Potential, start: Array, *, space: bool = False) -> Balanc
         potential.share = 1.0
     r = _downhill(potential, start, free)
     return Balance(r, potential.tension(r))
+
+
+def settle_on_rails(potential: Potential, start: Array, *, space: bool = False) -> Balance:
+    """As `settle`; ends then stand on their rails exactly, and not but for what a stiff spring gives way."""
+    found = settle(potential, start, space=space)
+    for _ in range(_ROUNDS):
+        off = potential.off_rails(found.position)
+        if np.abs(off).max(initial=0.0) <= _ON_RAIL * _size(potential):
+            break
+        potential.given = potential.given + off
+        found = settle(potential, found.position, space=space)
+    return found
 
 
 def _size(potential: Potential) -> float:

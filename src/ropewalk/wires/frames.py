@@ -322,9 +322,11 @@ class Run:
 
     def holds_at_first(self) -> Array:
         """Forces of all holds on their wires at the beginning, (hold, 3) N."""
-        if isinstance(self.motion, LargeMotion):
-            return self._potential.hold_forces(self._at_rest)
-        return self.motion.hold_at_rest
+        if not isinstance(self.motion, LargeMotion):
+            return self.motion.hold_at_rest
+        node = self.mesh.holds.node
+        at_ends = -self._potential.bare_pull(self._at_rest)[:, np.maximum(node, 0)].T
+        return np.where((node < 0)[:, None], self._potential.hold_forces(self._at_rest), at_ends)
 
     def reactions(self, hold: Array, position: Array | None = None) -> Array:
         """Forces of all that holds wires on them, (support, axis) N.

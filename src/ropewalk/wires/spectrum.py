@@ -9,7 +9,7 @@ import scipy.sparse as sparse
 
 from ropewalk.solve.free_vibration import free_vibration, shaped
 from ropewalk.solve.spectrum import Spectrum
-from ropewalk.wires.equilibrium import Potential, movable
+from ropewalk.wires.equilibrium import Potential, allowed
 from ropewalk.wires.mesh import Mesh
 from ropewalk.wires.plan import Array
 from ropewalk.wires.rest import bending_stiffness, rows
@@ -29,12 +29,11 @@ def spectrum(task: Task, how_many: int | None = None) -> Spectrum:
     _, start = ready(replace(task, journeys=(), contacts=(), shown=(), foreigners=()))
     mesh, r = start.mesh, start.position
     potential = Potential(mesh, start.unstrained)
-    free = movable(mesh, space=True).ravel()
-    K, C = potential.stiffness(r)[free][:, free], damping_of(potential, mesh, r)[free][:, free]
-    mass = np.tile(mesh.mass, 3)[free]
+    way = allowed(mesh)
+    K, C = way.T @ potential.stiffness(r) @ way, way.T @ damping_of(potential, mesh, r) @ way
+    mass = way.power(2).T @ np.tile(mesh.mass, 3)
     found, shapes = free_vibration("wires", K, mass, C if C.nnz else None, how_many)
-    moved = np.zeros((shapes.shape[1], free.size))
-    moved[:, free] = shapes.T
+    moved = (way @ shapes).T
     names = tuple(w.name for w, n in zip(mesh.plan.wires, mesh.strands.links, strict=True) for _ in range(int(n) + 1))
     return replace(found, modes=shaped(found, moved.reshape(-1, 3, mesh.nodes).transpose(0, 2, 1), r.T, names))
 

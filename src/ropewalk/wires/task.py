@@ -10,7 +10,7 @@ import scipy.sparse as sparse
 from scipy.optimize import brentq
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.wires.equilibrium import Potential, factor_of, settle
+from ropewalk.wires.equilibrium import Potential, factor_of, settle_on_rails
 from ropewalk.wires.journey import Journey
 from ropewalk.wires.large import hung
 from ropewalk.wires.mesh import Mesh, mesh_of
@@ -84,7 +84,7 @@ def unstretched(plan: Plan, element: float | list[int]) -> Plan:
     for _ in range(_MOST_ROUNDS):  # where supports yield, the guess is none of the tension at rest
         mesh = mesh_of(found, element)
         position, unstrained = _guess(mesh)
-        rest = settle(Potential(mesh, unstrained), position) if yields.intersection(wanted) else None
+        rest = settle_on_rails(Potential(mesh, unstrained), position) if yields.intersection(wanted) else None
         if rest is None:
             break
         last, soft, more = np.cumsum(mesh.strands.links), _softness(mesh), dict[int, float]()
@@ -171,7 +171,7 @@ def _nonlinear(task: Task) -> Start:
     else:
         position, unstrained = _guess(mesh)
     for _ in range(2):
-        found = settle(Potential(mesh, unstrained), position, space=task.space)
+        found = settle_on_rails(Potential(mesh, unstrained), position, space=task.space)
         position = found.position
         if all(wire.unstrained is None for wire in plan.wires):
             break
