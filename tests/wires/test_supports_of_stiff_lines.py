@@ -356,3 +356,36 @@ def test_small_motion_refuses_supports_that_change_its_tensions(change: dict[str
     with pytest.raises(ValidationError, match=r"in small motion tensions are constant") as told:
         scenario({**STRING, **change}, {"kind": "dynamic", "until": 0.1, "geometry": "linearised"})
     assert f"lines.line.{key}" in str(told.value)
+
+
+def test_an_inclined_rail_holds_across_itself_and_nothing_more() -> None:
+    """A whole scene without weight may be turned: a rail across the line is inclined then, and its springs are too."""
+    found = []
+    for angle in (0.0, 0.6):
+        c, s = np.cos(angle), np.sin(angle)
+        rail = {"kind": "guided", "along": [-s, c], "stiffness": BEARING, "damping": 1e3, "mass": 30.0}
+        line = beam(20, end=[LENGTH * c, LENGTH * s], end_support=rail)
+        load = {"kind": "force", "on": "line", "force": [1e3 * s, -1e3 * c], "travel": {"speed": 0.0, "from": LENGTH}}
+        if angle == 0.0:
+            rest = simulate(scenario(line, {"kind": "equilibrium"}, force=load))
+            assert float(rest.position[0, -1, 1]) == pytest.approx(-1e3 / BEARING, rel=1e-5)
+        found.append(spectrum_of(scenario(line, {"kind": "equilibrium"}), how_many=8))
+    for level, turned in [found]:
+        assert level.modes is not None
+        assert turned.modes is not None
+        np.testing.assert_allclose(turned.modes.frequency, level.modes.frequency, rtol=1e-6)
+        np.testing.assert_allclose(turned.modes.ratio, level.modes.ratio, atol=1e-9)
+        assert turned.highest_frequency == pytest.approx(level.highest_frequency, rel=1e-6)
+
+
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+def test_an_end_on_a_spring_as_stiff_as_rock_stays_where_a_fixed_one_does(geometry: str) -> None:
+    """The step becomes as short as half a link on that spring asks for."""
+    load = {"kind": "force", "on": "line", "force": [0, -50.0], "travel": {"speed": 40.0, "from": 5.0}}
+    run = {"kind": "dynamic", "until": 0.05, "every": 0.01, "geometry": geometry}
+    rock, fixed = (
+        simulate(scenario({**STRING, "elements": 50, "end_support": support}, run, 9.81, force=load))
+        for support in ({"kind": "elastic", "stiffness": 1e8}, {"kind": "fixed"})
+    )
+    assert rock.attrs["outcome"] == "completed"
+    np.testing.assert_allclose(rock.position, fixed.position, atol=2e-4)  # steps of 0.3 ms in one of them
