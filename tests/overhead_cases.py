@@ -64,5 +64,5 @@ def rested(section: Section) -> tuple[Rest, NDArray[np.float64]]:
             pull[section.stations.size + i] = rest.tie_force[arm] * rest.tie_way[arm, 2]
     weights = [hold for hold in section.plan.holds if hold.name.endswith(".weight")]
     for hold in weights:
-        pull[section.stations.size :][np.isclose(section.supports[1:-1], hold.spot.station)] += hold.force
+        pull[section.stations.size :][np.isclose(section.supports[1:-1], hold.spot.station)] += hold.force[2]
     return rest, rows(at, mesh.nodes) @ rest.position[2] + at.local * pull

@@ -28,6 +28,7 @@ from ropewalk.overhead.section import CONTACT, Section, in_space, joined, sectio
 from ropewalk.results.resume import stored_instant
 from ropewalk.solve.timetable import horizon
 from ropewalk.wires.beginning import in_mode
+from ropewalk.wires.ends import holds_of, masses_of
 from ropewalk.wires.equilibrium import movable
 from ropewalk.wires.journey import Journey, smooth, travelled
 from ropewalk.wires.lines import journey_of, settled, shown_of, wire_of
@@ -58,7 +59,12 @@ def task_of(scenario: Scenario) -> Task:
     plan, offsets = joined(laid) if sections else (Plan((), gravity=scenario.gravity), [])
     elements = [links_of(wire, section.element) for section in sections.values() for wire in section.plan.wires]
     first = len(plan.wires)
-    plan = replace(plan, wires=(*plan.wires, *(wire_of(name, line) for name, line in scenario.lines.items())))
+    for number, (name, line) in enumerate(scenario.lines.items(), start=first):
+        wire = wire_of(name, line)
+        held, mass = holds_of(line, wire, number, until), masses_of(line, wire, number)
+        plan = replace(
+            plan, wires=(*plan.wires, wire), holds=(*plan.holds, *held), masses=(*plan.masses, *mass)
+        )  # fmt: skip
     elements += [line.elements for line in scenario.lines.values()]
     if nonlinear or slow:
         plan = unstretched(plan, elements)

@@ -207,7 +207,7 @@ def _rest(model: HermiteModel, lift: Array) -> Rest:
     for hold in plan.holds:
         i, k = model.node(hold.spot), hold.stiffness[2]
         gap = hold.place[2] - chord[i, 2]
-        load[2 * i] += hold.force
+        load[2 * i] += hold.force[2]
         if np.isinf(k):
             z[i, 0] = gap
         elif k:

@@ -39,7 +39,7 @@ def test_arms_pull_the_wire_into_its_kinks_and_hold_it_level() -> None:
     assert sideways == pytest.approx(
         -22e3 * 2 * 0.4 / 55.0, rel=1e-6
     )  # of two spans that go from one to the other side
-    assert up == pytest.approx(level.plan.holds[level.holds["section.arm.3"]].force, rel=1e-6)
+    assert up == pytest.approx(level.plan.holds[level.holds["section.arm.3"]].force[2], rel=1e-6)
     assert rest.tie_distance[arm] == pytest.approx(1.2 * (1.0 + rest.tie_force[arm] / 17e6), rel=1e-9)
     # The stiffness against small rises: the kink's pull over the arm's run, and the wire that yields sideways.
     z = elasticity(section, 1.0, stations=np.array([165.0]))[1][0]

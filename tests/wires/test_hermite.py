@@ -286,13 +286,13 @@ def overhead_line(pushes: float = 0.0) -> Plan:
     up = {x: float(reaction[2 * first.node(Spot(0, x))]) for x in AT + MASTS}
     masts = tuple(Hold("mast", Spot(1, x), FIXED, place=(0, 0, 1.2)) for x in MASTS)
     above = [dataclasses.replace(mast, spot=Spot(0, mast.spot.station)) for mast in masts]
-    pulled = [Hold("", Spot(0, x), (0, 0, 0), force=-up[x]) for x in AT]
+    pulled = [Hold("", Spot(0, x), (0, 0, 0), force=(0, 0, -up[x])) for x in AT]
     second = hermite.rest_of(Plan((messenger,), holds=(*above, *pulled)), 1.0)
     ties = tuple(
         Tie("", Spot(1, x), Spot(0, x), 1e5, z - up[x] / 1e5, pushes)
         for x, z in zip(AT, hermite.height(second, 0, AT), strict=True)
     )
-    steady = tuple(Hold("arm", Spot(0, x), (0, 0, 0), force=up[x]) for x in MASTS)
+    steady = tuple(Hold("arm", Spot(0, x), (0, 0, 0), force=(0, 0, up[x])) for x in MASTS)
     watched = {f"{x:g}": Spot(0, x) for x in MASTS}
     return Plan((contact, messenger), ties, masts + steady, arms, watched=watched)
 

@@ -18,6 +18,7 @@ from ropewalk.results.frame import Account
 from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive, Record
 from ropewalk.wires.frames import SAMPLE, Run
 from ropewalk.wires.journey import Journey, drive_of
+from ropewalk.wires.layout import supports_of
 from ropewalk.wires.mesh import places_of
 from ropewalk.wires.plan import Array, Contact, Rider, Spot
 from ropewalk.wiring import task_of
@@ -180,11 +181,9 @@ class Wired(Stepwise):
 
     def support_forces(self) -> dict[str, Array]:
         """Forces of the ends of all wires on them, by name, (axis,) N; of holds as at the last step's beginning."""
-        plan, axes = self._run.task.plan, self._run._axes
-        ends = [f"{wire.name}.{end}" for wire in plan.wires for end in ("start", "end")]
-        found = dict(zip(ends, self._run._reactions(self.motion.position), strict=True))
-        hold = self.motion.hold_at_rest + (self._record.hold[0] if self._record is not None else 0.0)
-        return found | {h.name: force[axes] for h, force in zip(plan.holds, hold, strict=True)}
+        known = self._record is not None
+        hold = self.motion.hold_at_rest + self._record.hold[0] if known else self._run.holds_at_first()
+        return dict(zip(supports_of(self._run.task.plan)[0], self._run.reactions(hold), strict=True))
 
     def get_state(self) -> Tree:
         """All that changes, copied."""

@@ -22,6 +22,7 @@ from ropewalk.model.vehicle import Vehicle
 
 # Euler's load of a strut over that on hinges, with none, one and both of its ends clamped.
 _BUCKLES = (1.0, 2.0457, 4.0)
+_LEVEL = 1e-9  # slope of a line that is level
 _Known = MovingForce | MovingMass | Oscillator | Vehicle | Matrices
 _Lack = tuple[tuple[str, ...], str, str, str]
 
@@ -97,16 +98,6 @@ def _line(line: Line) -> Iterator[_Lack]:
         yield ("law",), "only law hooke is known", line.law.kind, "leave law out"
     if line.axial_damping:
         yield ("axial_damping",), "it is not known", f"{line.axial_damping:g} N*s", "leave it out, or use drag"
-    for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
-        known = "fixed ends, clamped or not, and ends guided along x by a constant force alone are known"
-        if isinstance(support, Guided):
-            if any(support.along[1:]):
-                yield (key, "along"), known, str(list(support.along)), "write [1, 0]"
-            for own in ("stiffness", "damping", "mass"):
-                if getattr(support, own):
-                    yield (key, own), known, f"{getattr(support, own):g}", "leave it out"
-        elif not isinstance(support, Fixed):
-            yield (key,), known, support.kind, "write kind: fixed"
     if any(len(point) == 3 and point[1] != 0.0 for point in (line.start, line.end)):
         yield ("start",), "lines in the x-z plane are known", "a point with y", "write [x, z]"
 
@@ -114,7 +105,8 @@ def _line(line: Line) -> Iterator[_Lack]:
 def _slack(line: Line) -> Iterator[_Lack]:
     """What small motion about a straight line cannot be about: a line that is slack, or buckles."""
     supports = line.start_support, line.end_support
-    if line.length is None or not line.axial_stiffness or any(isinstance(support, Guided) for support in supports):
+    yield from _constant(line)
+    if line.length is None or not line.axial_stiffness or not all(isinstance(support, Fixed) for support in supports):
         return
     push = line.axial_stiffness * (1.0 - line.distance / line.length)
     clamped = sum(isinstance(support, Fixed) and support.clamped for support in supports)
@@ -125,6 +117,23 @@ def _slack(line: Line) -> Iterator[_Lack]:
     elif line.bending_stiffness and not line.foundation and push >= limit:
         wrong = f"a line longer than its chord is a strut, and this one buckles at {limit:.4g} N; it bears {push:.4g} N"
         yield ("length",), wrong, given, remedy
+
+
+def _constant(line: Line) -> Iterator[_Lack]:
+    """Supports that would change the tension to the first order, which small motion has constant."""
+    level, constant = abs(line.start[-1] - line.end[-1]) <= _LEVEL * line.distance, "tensions are constant"
+    for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
+        slides = isinstance(support, Guided) and not support.along[-1]
+        if isinstance(support, Guided) and support.along[0] and support.along[-1]:
+            wrong = f"{constant}, and an end on an inclined rail changes them"
+            yield (key, "along"), wrong, str(list(support.along)), "write [1, 0] or [0, 1], or geometry: nonlinear"
+        elif not (level or slides or isinstance(support, Fixed)):
+            wrong = f"{constant}, and an end of an inclined line that moves up and down stretches it"
+            yield (key,), wrong, support.kind, "write run.geometry: nonlinear, or kind: fixed"
+        history = getattr(support, "displacement", (0.0, 0.0))
+        if len({row[0] for row in rows(history)}) > 1:  # callables are looked at when they are tabulated
+            remedy = "write a table whose x does not change, or geometry: nonlinear"
+            yield (key, "displacement"), f"{constant}, and a support that moves along x changes them", "", remedy
 
 
 def _load(load: _Known) -> Iterator[_Lack]:

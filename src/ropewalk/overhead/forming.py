@@ -104,7 +104,7 @@ def form_by_heights(task: Task) -> Form:
     low, high = (clamped_at(mesh.strands, spots) for spots in _ends(hangers))
     level = clamped_at(mesh.strands, [spot for spot, _ in task.levels])
     at_low, at_high = rows(low, mesh.nodes), rows(high, mesh.nodes)
-    bare = rows(mesh.holds.at, mesh.nodes).T @ mesh.holds.force - task.plan.gravity * mesh.mass
+    bare = rows(mesh.holds.at, mesh.nodes).T @ mesh.holds.force[:, 2] - task.plan.gravity * mesh.mass
     # Each wire is led through its points; what stands above is not yet loaded, and is led through its supports.
     through = _together(low, _some(level, contact + above))
     points = np.concatenate([heights, wanted[contact + above]])

@@ -7,7 +7,7 @@ is kept beside it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -187,7 +187,7 @@ def elasticity(
     found = np.empty(stations.size)
     for i in range(stations.size):
         given = mesh.holds.force.copy()
-        given[own + i] = force
+        given[own + i, 2] = force
         z = rest_of(mesh._replace(holds=mesh.holds._replace(force=given))).position[2]
         found[i] = ((rows(at, mesh.nodes) @ (z - before))[i] + at.local[i] * force) / force
     return stations, found
@@ -196,18 +196,20 @@ def elasticity(
 def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagger: Array) -> Task:
     """What is wanted, in terms of wires."""
     x0, z0, end = line.start[0], line.start[-1], float(supports[-1])
+    kind: EndKind = "free" if line.ends == "weights" else "held"
     top = z0 + line.system_height
     wires = [
-        _wire(f"{name}.contact", line.contact_wire, (x0, z0), end, line.ends == "weights"),
-        _wire(f"{name}.messenger", line.messenger_wire, (x0, top), end, line.ends == "weights"),
+        _wire(f"{name}.contact", line.contact_wire, (x0, z0), end, kind),
+        _wire(f"{name}.messenger", line.messenger_wire, (x0, top), end, kind),
     ]
+    weighted = [hold for i, wire in enumerate(wires) if kind == "free" for hold in _tensioned(i, wire)]
     inner, links, masses = [float(s) for s in supports[1:-1]], [], []
     stitch, reach = line.stitch_wire, 0.0
     if stitch is not None:
         reach = 0.5 * stitch.length - line.element
         for i, s in enumerate(inner, start=1):
             own, at = f"{name}.stitch.{i}", (x0 + s - reach, top - 0.5)
-            wires.append(_wire(own, stitch, at, 2.0 * reach, False, "free"))
+            wires.append(_wire(own, stitch, at, 2.0 * reach, "free"))
             stiffness = min(stitch.axial_stiffness / line.element, _SOFT_LINK)
             for side, station, along in (("a", 0.0, -line.element), ("b", 2.0 * reach, line.element)):
                 clamp = Spot(MESSENGER, s - reach + station + along)
@@ -239,19 +241,24 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
     )
     # What an arm weighs at the wire beyond what moves with it.
     more = gravity * (arms.hanging_mass - arms.moving_mass)
-    weights = [Hold(f"{name}.arm.{i}.weight", Spot(CONTACT, s), (0.0, 0.0, 0.0), force=-more)
+    weights = [Hold(f"{name}.arm.{i}.weight", Spot(CONTACT, s), (0.0, 0.0, 0.0), force=(0.0, 0.0, -more))
                for i, s in enumerate(inner, start=1) if more]  # fmt: skip
-    plan = Plan(tuple(wires), holds=tuple(weights), masses=tuple(masses), gravity=gravity)
+    plan = Plan(tuple(wires), holds=(*weighted, *weights), masses=tuple(masses), gravity=gravity)
     return Task(plan, line.element, tuple(hangers), dropper, tuple(links), tuple(levels), hints)
 
 
-def _wire(
-    name: str, wire: OverheadWire, start: tuple[float, float], length: float, weights: bool, end: EndKind = "held"
-) -> Wire:
+def _tensioned(number: int, wire: Wire) -> Iterator[Hold]:
+    """What holds the ends of a wire that weights pull: they slide along x."""
+    for side, station, place, pull in (("start", 0.0, wire.start, -1.0), ("end", wire.length, wire.end, 1.0)):
+        slides, force = (0.0, np.inf, np.inf), (pull * wire.tension, 0.0, 0.0)
+        yield Hold(f"{wire.name}.{side}", Spot(number, station), slides, place=place, force=force)
+
+
+def _wire(name: str, wire: OverheadWire, start: tuple[float, float], length: float, end: EndKind) -> Wire:
     x, z = start
     return Wire(
         name, (x, 0.0, z), (x + length, 0.0, z), wire.tension, wire.mass, wire.bending_stiffness, wire.axial_stiffness,
-        wire.drag, wire.retardation, ends=(end, end), end_force=(wire.tension, wire.tension) if weights else None,
+        wire.drag, wire.retardation, ends=(end, end),
     )  # fmt: skip
 
 
@@ -274,7 +281,7 @@ def _finished(name: str, line: OverheadLine, task: Task, form: Form, supports: A
     arms = _arms(name, line, form, spots, lift, stagger) if line.staggers is not None else ()
     if not arms and not line.steady_arms.free:
         for i, spot in enumerate(spots):
-            own.append(Hold(f"{name}.arm.{i + 1}", spot, (0.0, 0.0, 0.0), force=float(lift[i])))
+            own.append(Hold(f"{name}.arm.{i + 1}", spot, (0.0, 0.0, 0.0), force=(0.0, 0.0, float(lift[i]))))
     ends = soft_holds(task.links, form.heights([link.low for link in task.links]))
     plan = replace(
         task.plan, ties=(*form.ties, *arms), holds=(*task.plan.holds, *own, *ends), masses=form.masses,

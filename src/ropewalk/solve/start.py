@@ -38,6 +38,9 @@ from ropewalk.solve.held import Held, ends_at
 from ropewalk.solve.holding import Contacts
 from ropewalk.solve.standing import NOTHING, Standing, contacts_on, stand
 
+# Parts of a length by which shorter ones are tried, at first; and of the distance of the ends, below which none is.
+_SHORTER, _SHORTEST = 1e-3, 1e-3
+
 
 @dataclass(frozen=True)
 class Setting:
@@ -130,10 +133,16 @@ def _length_for_tension(scenario: Scenario, name: str, line: Line) -> float:
     stretched = line.distance / (1.0 + float(strain(law, line.tension)))
     if not np.isfinite(stretched):
         raise EquilibriumError(f"line {name}: the axial law never reaches the tension of {line.tension:g} N")
-    if scenario.gravity == 0.0:
+    if scenario.gravity == 0.0 and held.is_fast:
         return stretched
-    # Weight adds sag, so that the length lies above that of the straight line; there, more length is less tension.
+    # Weight adds sag, so that the length lies above that of the straight line; supports that yield bring it below. More
+    # length is less tension.
     low = high = stretched * (1.0 + 1e-9) if law[0] == RIGID else stretched
+    shorter = _SHORTER
+    while not held.is_fast and mean_tension(low) < line.tension:
+        low, shorter = low * (1.0 - shorter), min(2.0 * shorter, 0.5)
+        if low < _SHORTEST * line.distance:
+            raise EquilibriumError(f"line {name}: its supports yield to less than {line.tension:g} N; give length")
     while mean_tension(high) > line.tension:
         high *= 1.1
         if high > 1e3 * line.distance:

@@ -10,7 +10,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.wires.equilibrium import Potential, settle
+from ropewalk.wires.equilibrium import Potential, settle_on_rails
 from ropewalk.wires.journey import ON_GROUND, Journey
 from ropewalk.wires.mesh import Mesh, riders_of
 from ropewalk.wires.plan import Array
@@ -58,6 +58,7 @@ class Bearing:
             EquilibriumError: there is none.
         """
         riders, station = self.riders, self.stations(t)
+        self.potential.place, near = self.mesh.holds.places(t), self.mesh.led(near, t)
         inside = np.array([0.0 <= s <= self.length(k) for k, s in enumerate(station)], dtype=np.bool_)
         ground = np.where(inside, np.nan, self.ground(station))
         touches, position = inside | np.isfinite(ground), near
@@ -68,7 +69,7 @@ class Bearing:
                 local = np.where(riders.spring > 0.0, np.maximum(local, -0.5 / riders.spring), local)
             found = pressing(self.journeys, riders, t, local, self.rough(station), touches, ground)
             self.potential.pressing = (self.rows(seats), found)
-            before, position = position, settle(self.potential, position, space=self.space).position
+            before, position = position, settle_on_rails(self.potential, position, space=self.space).position
             height = np.array([seat.value(position[2]) if seat is not None else 0.0 for seat in seats])
             force = found.given - found.stiffness @ height
             lifted = touches & inside & riders.lifts & (riders.sign * force < 0.0)

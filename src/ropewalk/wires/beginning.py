@@ -105,7 +105,7 @@ def small_under_loads(motion: SmallMotion, journeys: Sequence[Journey]) -> tuple
     Raises:
         EquilibriumError: there is no such rest.
     """
-    mesh, riders, springs, grips = motion.mesh, motion.riders, motion.springs, motion.grips
+    mesh, riders, springs, holders = motion.mesh, motion.riders, motion.springs, motion.holders
     corrected: Mesh = mesh._replace(strands=mesh.strands._replace(stiffness=motion.stencil.bending))
     K, free, n = vertical_stiffness(corrected), moving(mesh), mesh.nodes
     bearing = Bearing(mesh, journeys, np.ones(n), space=False)
@@ -125,7 +125,8 @@ def small_under_loads(motion: SmallMotion, journeys: Sequence[Journey]) -> tuple
     at = bearing.rows(seats)
     half = springs.weight.shape[1] // 2
     apart = _spread(springs.one, springs.weight[:, :half], n) + _spread(springs.other, springs.weight[:, half:], n)
-    hold = _spread(grips.base, grips.weight, n)
+    hold, fast = _spread(holders.base, holders.way * holders.weight, n), holders.fast
+    K = K + hold[fast:].T @ sparse.diags(holders.stiffness[fast:]) @ hold[fast:]
     tie, touches = springs.pull > 0.0, inside | np.isfinite(ground)
     u, tight, size = np.zeros(n), springs.rest > 0.0, max(w.length for w in mesh.plan.wires)
     ratio = np.divide(springs.push, springs.pull, out=np.zeros_like(springs.pull), where=tie)
@@ -140,7 +141,7 @@ def small_under_loads(motion: SmallMotion, journeys: Sequence[Journey]) -> tuple
         given -= apart.T @ np.where(tie, springs.way * (N - before), 0.0)
         A = K + apart.T @ sparse.diags(stiff) @ apart + at.T @ sparse.csr_matrix(found.stiffness) @ at
         last, u = u, np.zeros(n)
-        u[free] = _held(sparse.csc_matrix(A)[free][:, free], hold[:, free], grips.local, given[free])
+        u[free] = _held(sparse.csc_matrix(A)[free][:, free], hold[:fast][:, free], holders.local[:fast], given[free])
         was, tight = tight, springs.rest + springs.pull * springs.way * (apart @ u) > 0.0
         force = found.given - found.stiffness @ (at @ (motion.level + u))
         lifted = touches & inside & riders.lifts & (riders.sign * force < 0.0)

@@ -20,6 +20,7 @@ class Drive(NamedTuple):
     rough: Array  # (row, contact) m, irregularity: height that the contact feels beside that of the wire
     given: Array  # (row, contact) N upwards on the wire, beside what a rider does
     push: Array  # (row, rider, C) N on the coordinates
+    time: Array  # (row,) s
 
     def rows(self, begin: int, end: int) -> Drive:
         """Some of the rows, and that after them."""

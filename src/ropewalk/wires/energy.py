@@ -7,6 +7,7 @@ import numpy as np
 from ropewalk.checkpoint import Tree
 from ropewalk.results.frame import ENERGY_FORMS
 from ropewalk.wires.equilibrium import Potential
+from ropewalk.wires.holding import AHEAD, NOW
 from ropewalk.wires.large import LargeMotion, correction
 from ropewalk.wires.mesh import Mesh, Riders
 from ropewalk.wires.plan import Array
@@ -21,6 +22,7 @@ from ropewalk.wires.riders import (
     HELD,
     LOCAL,
     LOST,
+    MOVED,
     PLACE,
     ROUGH,
     SLOPE,
@@ -28,6 +30,7 @@ from ropewalk.wires.riders import (
     Pace,
 )
 from ropewalk.wires.small import SmallMotion
+from ropewalk.wires.spline import WIDTH
 
 _NOTHING = 1e-200  # J: small motion begins with 1e-150 m instead of nothing
 _FORM = {form: i for i, form in enumerate(ENERGY_FORMS)}
@@ -70,7 +73,8 @@ class Audit:
         energy[_FORM["load_work"]], energy[_FORM["hold_work"]] = given, held
         energy[_FORM["load_damping"]] = motion.pace.work[LOST]
         energy[_FORM["line_damping"]] = motion.pace.work[DAMPED]
-        total = float(energy.sum()) - 2.0 * (given + held)
+        energy[_FORM["support_work"]] = moved = float(motion.pace.work[MOVED])
+        total = float(energy.sum()) - 2.0 * (given + held + moved)
         if self._first is None:
             self._first = total
         energy[_FORM["imbalance"]] = total - self._first
@@ -90,16 +94,30 @@ class Audit:
         motion = self._motion
         if isinstance(motion, LargeMotion):
             parts = []
-            for r in motion.both:
+            for r, instant in zip(motion.both, (AHEAD, NOW), strict=True):
+                self._potential.place = self._places(motion, instant)
                 weights = float(((self._potential.force - self._more) * r).sum())
                 parts.append((self._potential.energy(r) + weights, -weights))
             elastic, gravitational = np.mean(parts, axis=0)
             return float(elastic), float(gravitational)
-        return float(np.mean([self._about_rest(motion, u) for u in motion.both])), 0.0
+        both = zip(motion.both, (AHEAD, NOW), strict=True)
+        return float(np.mean([self._about_rest(motion, u, instant) for u, instant in both])), 0.0
 
-    def _about_rest(self, motion: SmallMotion, u: Array) -> float:
+    def _places(self, motion: LargeMotion, instant: int) -> Array:
+        """Where holds are without force now, or a step ago, (hold, 3) m."""
+        holders, place = motion.holders, self._mesh.holds.place.copy()
+        axes = [0, 1, 2] if holders.way.shape[1] == 3 else [0, 2]
+        for hold, way, moved in zip(holders.hold, holders.way, holders.moved[:, instant], strict=True):
+            place[hold, axes] += way * moved
+        return place
+
+    def _about_rest(self, motion: SmallMotion, u: Array, instant: int) -> float:
         """Potential energy of small motion, zero at rest."""
-        s, ties, springs = motion.springs, len(self._mesh.plan.ties), 0.0
+        holders, elastic = motion.holders, slice(motion.holders.fast, None)
+        points = (holders.weight * u[holders.base[:, None] + np.arange(WIDTH)]).sum(axis=1)
+        stretched = (holders.moved[:, instant] - holders.way[:, 0] * points)[elastic]
+        held = 0.5 * float((holders.stiffness[elastic] * stretched**2).sum())
+        s, springs = motion.springs, 0.0
         apart = np.einsum("ek,ek->e", s.weight[:, : s.weight.shape[1] // 2], u[s.one[:, None] + _shares(s.weight)])
         apart += np.einsum("ek,ek->e", s.weight[:, s.weight.shape[1] // 2 :], u[s.other[:, None] + _shares(s.weight)])
         springs += 0.5 * float((s.across * apart**2).sum())
@@ -110,8 +128,7 @@ class Audit:
         stored = 0.5 * np.where(after > 0.0, after**2 / k, p * (after / k) ** 2)
         stored -= 0.5 * np.where(rest > 0.0, rest**2 / k, p * (rest / k) ** 2)
         springs += float((stored - before * along).sum())
-        assert ties == int(tie.sum())
-        return 0.5 * float(u @ (self._stiffness @ u)) + springs
+        return 0.5 * float(u @ (self._stiffness @ u)) + springs + held
 
     def _of_riders(self, pace: Pace) -> tuple[float, float]:
         """Kinetic and potential energy of all riders without their contacts, J; weights count from their bases."""

@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from ropewalk.solve import minimum
 from ropewalk.solve.minimum import newton
 from ropewalk.solve.symmetric import Way
-from ropewalk.wires.mesh import FREE, Mesh
+from ropewalk.wires.mesh import Mesh
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.pressing import Pressing
 from ropewalk.wires.rest import beds, bending_stiffness, rows, spring, ties_springs
 from ropewalk.wires.spline import WIDTH
 
 _PARTS = 8  # in which constant forces are put on, where rest is hard to find
+_ROUNDS, _ON_RAIL = 5, 1e-14  # in which ends are brought onto their rails, and how closely, of the longest wire
 
 
 class Potential:
@@ -33,6 +34,8 @@ class Potential:
     Attributes:
         pressing: what stands on the wires: interpolation (contact, node) of the heights there, and how it presses.
         share: part of all constant forces, and of what stands there, that is put on.
+        place: (hold, 3) m, where holds are without force.
+        given: (hold, 3) m, by which what holds fast is moved against its force, so that it gives way to none.
     """
 
     def __init__(self, mesh: Mesh, rest: Array, force: Array | None = None) -> None:
@@ -53,14 +56,10 @@ class Potential:
         self._pull, self._push = ties_springs(mesh)
         self._hold = rows(mesh.holds.at, mesh.nodes)
         self._stiff = spring(mesh.holds.stiffness, mesh.holds.at.local[:, None])
+        self.place, self.given = mesh.holds.place, np.zeros_like(mesh.holds.place)
         self.force = np.zeros((3, mesh.nodes)) if force is None else force.copy()
         self.force[2] -= plan.gravity * mesh.mass
-        self.force[2] += self._hold.T @ mesh.holds.force
-        for i, wire in enumerate(plan.wires):
-            if wire.end_force is not None:
-                pulled = np.nan_to_num(wire.end_force)
-                self.force[0, s.first[i]] -= pulled[0]
-                self.force[0, s.first[i] + s.links[i]] += pulled[1]
+        self.force += (self._hold.T @ mesh.holds.force).T
 
     def tension(self, r: Array) -> Array:
         """Tension of all links, N."""
@@ -83,15 +82,29 @@ class Potential:
 
     def hold_forces(self, r: Array) -> Array:
         """Forces of all holds on their wires, (hold, 3) N."""
-        force = self._stiff * (self.mesh.holds.place - self._hold @ r.T)
-        force[:, 2] += self.mesh.holds.force
-        return np.asarray(force)
+        return self._held(r) + self.mesh.holds.force
+
+    def _stretched(self, r: Array) -> Array:
+        """By how much the springs of holds pull their wires along their axes, (hold, 3) m."""
+        found: Array = np.einsum("hja,ha->hj", self.mesh.holds.axes, self.place + self.given - self._hold @ r.T)
+        return found
+
+    def off_rails(self, r: Array) -> Array:
+        """How far ends stand off the rails that hold them, against their forces, (hold, 3) m."""
+        holds = self.mesh.holds
+        across = np.isinf(holds.stiffness) & (holds.node >= 0)[:, None]
+        return np.asarray(np.einsum("hja,hj,hjb,hb->ha", holds.axes, across, holds.axes, self.place - self._hold @ r.T))
+
+    def _held(self, r: Array) -> Array:
+        """Forces of the springs of all holds on their wires, (hold, 3) N."""
+        found: Array = np.einsum("hja,hj->ha", self.mesh.holds.axes, self._stiff * self._stretched(r))
+        return found
 
     def energy(self, r: Array) -> float:
         """Potential energy, J."""
         strain = self.tension(r) / self._EA
         *_, longer, k = self._ties(r)
-        held = self._stiff.T * (self.mesh.holds.place.T - (self._hold @ r.T).T) ** 2
+        held = self._stiff * self._stretched(r) ** 2
         bent = ((r - self._unbent) * (self._bend @ (r - self._unbent).T).T).sum()
         sunk = (self._bed * (r[2] - self._level) ** 2).sum()
         axial = (self._EA * self._rest * strain**2).sum()
@@ -115,8 +128,13 @@ class Potential:
         out[2] -= self._bed * (r[2] - self._level)
         d, length, longer, k = self._ties(r)
         out -= (self._tie.T @ (k * longer / length * d).T).T
-        held: Array = out + (self._hold.T @ (self._stiff * (self.mesh.holds.place - self._hold @ r.T))).T
+        held: Array = out + (self._hold.T @ self._held(r)).T
         return held
+
+    def bare_pull(self, r: Array) -> Array:
+        """The same without what holds do."""
+        bare: Array = self.pull(r) - (self._hold.T @ self.hold_forces(r)).T
+        return bare
 
     def stiffness(self, r: Array) -> sparse.csc_matrix:
         """Second derivatives, (3 node, 3 node), component by component."""
@@ -183,11 +201,15 @@ class Potential:
     @cached_property
     def _constant(self) -> sparse.csc_matrix:
         """What bending, beds and holds add, whatever the shape is."""
-        held = [self._hold.T @ sparse.diags(self._stiff[:, a]) @ self._hold for a in range(3)]
-        bed = [0.0 * self._bed, 0.0 * self._bed, self._bed]
-        return sparse.block_diag(
-            [self._bend + own + sparse.diags(more) for own, more in zip(held, bed, strict=True)], format="csc"
-        )
+        axes = self.mesh.holds.axes
+        held = np.einsum("hja,hj,hjb->abh", axes, self._stiff, axes)
+        blocks = [[self._hold.T @ sparse.diags(held[a, b]) @ self._hold for b in range(3)] for a in range(3)]
+        for a in range(3):
+            blocks[a][a] = blocks[a][a] + self._bend
+        blocks[2][2] = blocks[2][2] + sparse.diags(self._bed)
+        found: sparse.csc_matrix = sparse.bmat(blocks, format="csc")
+        found.eliminate_zeros()
+        return found
 
 
 def _unbent(mesh: Mesh) -> Array:
@@ -202,16 +224,27 @@ def _unbent(mesh: Mesh) -> Array:
 
 def movable(mesh: Mesh, *, space: bool) -> NDArray[np.bool_]:
     """Which components of which nodes may move, (3, node)."""
-    free = np.ones((3, mesh.nodes), dtype=np.bool_)
-    last = mesh.strands.first + mesh.strands.links
-    for i, wire in enumerate(mesh.plan.wires):
-        for side, node in enumerate((mesh.strands.first[i], last[i])):
-            if mesh.strands.end[i, side] != FREE:
-                free[:, node] = False
-                free[0, node] = wire.end_force is not None and np.isfinite(wire.end_force[side])
+    free = ~mesh.fixed
     if not space:
         free[1] = False
     return free
+
+
+def allowed(mesh: Mesh) -> sparse.csc_matrix:
+    """Directions in which nodes may move in space, unit vectors: (3 node, direction), along a rail where one holds."""
+    free, n, holds = movable(mesh, space=True), mesh.nodes, mesh.holds
+    columns = [(np.array([i]), np.ones(1)) for i in np.flatnonzero(free)]
+    for node, axes, stiffness in zip(holds.node, holds.axes, holds.stiffness, strict=True):
+        if node < 0 or not np.isinf(stiffness).any():
+            continue
+        own = node + n * np.arange(3)
+        columns = [column for column in columns if column[0][0] not in own]
+        columns += [(own, way) for way in axes[~np.isinf(stiffness)] if not (way[mesh.fixed[:, node]] != 0.0).any()]
+    row, column, value = (
+        np.concatenate(parts)
+        for parts in zip(*((at, np.full(at.size, j), way) for j, (at, way) in enumerate(columns)), strict=True)
+    )
+    return sparse.csc_matrix((value, (row, column)), shape=(3 * n, len(columns)))
 
 
 @dataclass(frozen=True)
@@ -279,3 +312,16 @@ def settle(potential: Potential, start: Array, *, space: bool = False) -> Balanc
     """
     r = minimum.settle(_Shape(potential, space=space), start)
     return Balance(r, potential.tension(r))
+
+
+def settle_on_rails(potential: Potential, start: Array, *, space: bool = False) -> Balance:
+    """As `settle`; ends then stand on their rails exactly, and not but for what a stiff spring gives way."""
+    found = settle(potential, start, space=space)
+    size = max(wire.length for wire in potential.mesh.plan.wires)
+    for _ in range(_ROUNDS):
+        off = potential.off_rails(found.position)
+        if np.abs(off).max(initial=0.0) <= _ON_RAIL * size:
+            break
+        potential.given = potential.given + off
+        found = settle(potential, found.position, space=space)
+    return found

@@ -23,11 +23,11 @@ from ropewalk.wires.energy import Audit
 from ropewalk.wires.equilibrium import Potential
 from ropewalk.wires.journey import drive_of
 from ropewalk.wires.large import LargeMotion
-from ropewalk.wires.layout import axes_of, layout_of
+from ropewalk.wires.layout import axes_of, layout_of, reactions
 from ropewalk.wires.mesh import riders_of
 from ropewalk.wires.partners import SLIDES, Foreigner, Partner
 from ropewalk.wires.plan import Array
-from ropewalk.wires.rest import Rest, rows, vertical_stiffness
+from ropewalk.wires.rest import Rest, beds, rows, vertical_stiffness
 from ropewalk.wires.seat import Seat, seat_at, seat_below
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.stability import largest_step, largest_step_along
@@ -317,7 +317,7 @@ class Run:
             contact_xi=unknown, contact_speed=unknown, contact_tension=np.full((contacts, 2), np.nan),
             contact_friction=unknown, contact_state=np.full(contacts, OFF_LINE), contact_in_air=np.zeros(contacts),
             friction_power=np.zeros(contacts), body_position=bodies, body_velocity=rates,
-            reaction=self._reactions(position), energy=self._audit.now(), tie_force=none, sampled_station=none,
+            reaction=nowhere, energy=self._audit.now(), tie_force=none, sampled_station=none,
         )  # fmt: skip
 
     def _with_forces(self, frame: Frame, drive: Drive, now: Record) -> Frame:
@@ -341,7 +341,7 @@ class Run:
             frame, contact_position=place, contact_force=force, hold_force=hold, contact_tension=both,
             contact_xi=xi, contact_speed=np.where(on, counted * (drive.station[1] - station) / self.sample, np.nan),
             contact_state=np.where(on, np.where(in_air, IN_AIR, MOVES), OFF_LINE), contact_in_air=self._in_air.copy(),
-            reaction=np.vstack([frame.reaction, (now.hold[0] + motion.hold_at_rest)[:, self._axes]]),
+            reaction=self.reactions(motion.hold_at_rest + now.hold[0], position=frame.position),
             tie_force=now.tie[0] + motion.tie_at_rest,
             sampled_station=stations, sampled_force=before.force,
             sampled_height=before.height, sampled_tie_force=before.tie + motion.tie_at_rest,
@@ -382,16 +382,31 @@ class Run:
             speed[i, 0], speed[i, -1] = (x[1] - x[0]) / self.sample, body.row @ moved / pace.step
         return place, speed
 
-    def _reactions(self, position: Array) -> Array:
-        """Forces of the ends on their wires, (end, axis) N."""
-        strands, plan = self.mesh.strands, self.task.plan
-        ends = np.stack([strands.first, strands.first + strands.links], axis=1).ravel()
+    def holds_at_first(self) -> Array:
+        """Forces of all holds on their wires at the beginning, (hold, 3) N."""
+        if not isinstance(self.motion, LargeMotion):
+            return self.motion.hold_at_rest
+        node = self.mesh.holds.node
+        at_ends = -self._potential.bare_pull(self._at_rest)[:, np.maximum(node, 0)].T
+        return np.where((node < 0)[:, None], self._potential.hold_forces(self._at_rest), at_ends)
+
+    def reactions(self, hold: Array, position: Array | None = None) -> Array:
+        """Forces of all that holds wires on them, (support, axis) N.
+
+        Args:
+            hold: (hold, 3) N, those of holds.
+            position: (node, axis) m; None: of now.
+        """
+        r, strands, mesh = self.motion.position, self.mesh.strands, self.mesh
+        if position is not None:
+            r = r.copy()
+            r[self._axes] = position.T
         if isinstance(self.motion, LargeMotion):
-            force = -self._potential.pull(position)[:, ends].T
-        else:
-            force = np.zeros((ends.size, 3))
-            force[:, 2] = (self._stiffness @ position[2] + plan.gravity * self.mesh.mass)[ends]
-            force[0::2, 0], force[1::2, 0] = -strands.tension, strands.tension
+            return reactions(mesh, self._potential.bare_pull(r), hold)[:, self._axes]
+        bare = np.zeros((3, mesh.nodes))
+        bare[2] = beds(mesh) * mesh.straight()[2] - self._stiffness @ r[2] - mesh.plan.gravity * mesh.mass
+        force = reactions(mesh, bare, hold)
+        force[: 2 * strands.first.size, 0] = np.stack([-strands.tension, strands.tension], axis=1).ravel()
         return force[:, self._axes]
 
 

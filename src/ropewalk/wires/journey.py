@@ -68,6 +68,7 @@ def drive_of(plan: Plan, journeys: Sequence[Journey], times: Array) -> Drive:
     return Drive(
         np.column_stack([none, *station]), np.column_stack([none, *where]).astype(np.int64),
         np.column_stack([none, *rough]), np.column_stack([none, *given]), push,
+        np.array(times, dtype=np.float64),
     )  # fmt: skip
 
 

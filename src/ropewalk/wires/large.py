@@ -1,8 +1,8 @@
 """Large motion of wires, explicit: nodes move along, up and (in space) sideways; tensions follow from the stretch.
 
 Störmer's method for all components. The stencil corrects the dispersion of transverse waves as in small motion. Waves
-along the wires are tens of times faster than all else: the wires alone follow them by inner steps, while ties, holds
-and riders push once in each step (docs/notes/wires.md).
+along the wires are tens of times faster than all else: the wires and what holds them alone follow them by inner steps,
+while ties and riders push once in each step (docs/notes/wires.md).
 """
 
 from __future__ import annotations
@@ -16,13 +16,16 @@ from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
 from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
 from ropewalk.wires.damping import EVERY, dissipated
 from ropewalk.wires.drive import ABSENT, Drive, Record
-from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Riders, places_of
+from ropewalk.wires.holding import MOVES, coordinates, grip, holders_of, move_places, restrain
+from ropewalk.wires.mesh import Mesh, Riders, places_of
 from ropewalk.wires.plan import Array
+from ropewalk.wires.rest import rows, slowed_ends, without_supports
 from ropewalk.wires.riders import (
     CHANGES,
     DAMPED,
     begin,
     between,
+    between_rows,
     join,
     local_at,
     local_under,
@@ -34,7 +37,7 @@ from ropewalk.wires.riders import (
     sweeps_of,
 )
 from ropewalk.wires.spline import WIDTH, weights
-from ropewalk.wires.strings import grip, grips_of, hold, pull_ties, steady_of, strings_of
+from ropewalk.wires.strings import pull_ties, steady_of, strings_of
 
 # Strain up to which tension over length follows from a series: its error is 1e-11 of the tension there.
 SMALL_STRAIN = 5e-3
@@ -45,16 +48,14 @@ class Threads(NamedTuple):
     """What an inner step of a given length needs of the wires."""
 
     bending: Array  # (wire,) N m^2, corrected
-    gain: Array  # (node,) m/N, displacement by a force during a step
-    along: Array  # (node,) the same along x, less where axial inertia is scaled up
-    kick: Array  # (node,) m/N across, and
-    kick_along: Array  # (node,) along x, in the first inner step for a force of a whole step
+    gain: Array  # (axis, node) m/N, displacement by a force during a step, less where axial inertia is scaled up
+    kick: Array  # (axis, node) m/N, in the first inner step for a force of a whole step
     keep: Array  # (wire,) part of the last displacement that is kept, 1 without drag
-    fall: Array  # (axis, node) m during a step, by gravity; and what the correction would bend at rest, taken back
+    keep_end: Array  # (end,) the same of its last nodes, whose supports have a mass without drag
+    fall: Array  # (axis, node) m during a step, by weight and constant forces; what the correction bends at rest, back
     pull: Array  # (node,) N/m, axial stiffness over unstrained length of the link behind the node
     rest: Array  # (node,) 1/m^2, one over the square of that length
-    weight: Array  # (end, axis) N, of weights that pull at ends: they slide along x. NaN: held
-    mass: Array  # (axis, node) kg
+    mass: Array  # (axis, node) kg, of which drag takes its part
     damped: bool  # whether any wire is
 
 
@@ -72,24 +73,20 @@ def threads_of(mesh: Mesh, position: Array, rest: Array, step: float, inner: int
     s, plan = mesh.strands, mesh.plan
     T = np.maximum(s.tension, 0.0)
     bending = s.stiffness + T * (s.h**2 - T / s.rho * step**2) / 12.0
-    slow = 1.0 + 0.5 * step * s.drag
-    gain = step**2 / mesh.mass / np.repeat(slow, s.links + 1)
+    ends, axes = np.stack([s.first, s.first + s.links], axis=1).ravel(), _axes(position)
+    slow, slow_end = 1.0 + 0.5 * step * s.drag, slowed_ends(mesh, step)
+    slowed = np.repeat(slow, s.links + 1)
+    slowed[ends] = slow_end
+    gain = step**2 / mesh.mass / slowed / np.array([inertia, *np.ones(len(axes) - 1)])[:, None]
+    gain[(mesh.fixed & ~mesh.driven)[axes]] = 0.0
     EA = np.repeat([wire.axial_stiffness for wire in plan.wires], s.links + 1)
-    fall = correction(mesh, position, bending) * gain
-    fall[0] = 0.0  # only waves across are corrected
-    fall[-1] -= np.repeat(plan.gravity * step**2 / slow, s.links + 1)
-    weight = np.full((2 * s.first.size, 1), np.nan)
-    for i, wire in enumerate(plan.wires):
-        if wire.end_force is not None:
-            weight[2 * i : 2 * i + 2, 0] = -wire.end_force[0], wire.end_force[1]
-    along = gain / inertia
-    for side, end in enumerate((s.first, s.first + s.links)):
-        held = s.end[:, side] != FREE
-        gain[end[held]] = 0.0
-        along[end[held & ~np.isfinite(weight[side::2, 0])]] = 0.0
+    steady = correction(mesh, position, bending)
+    steady[0] = 0.0  # only waves across are corrected
+    steady[-1] -= plan.gravity * mesh.mass
+    steady += (rows(mesh.holds.at, mesh.nodes).T @ mesh.holds.force).T[axes]
     return Threads(
-        bending, gain, along, inner * gain, inner * along, (2.0 - slow) / slow, fall,
-        EA / rest, 1.0 / rest**2, weight[:, 0], np.outer([inertia, *np.ones(position.shape[0] - 1)], mesh.mass),
+        bending, gain, inner * gain, (2.0 - slow) / slow, (2.0 - slow_end) / slow_end, gain * steady,
+        EA / rest, 1.0 / rest**2, np.outer([inertia, *np.ones(len(axes) - 1)], without_supports(mesh)),
         bool(s.drag.any() or s.retardation.any()),
     )  # fmt: skip
 
@@ -104,7 +101,7 @@ def correction(mesh: Mesh, position: Array, bending: Array) -> Array:
         own[:, 1:-1] -= 2.0 * bent
         own[:, 2:] += bent
         for side, (end, i, d) in enumerate(((s.first[a], 0, 1), (s.first[a] + n, n, -1))):
-            if s.end[a, side] == CLAMPED:
+            if s.clamped[a, side]:
                 straight = mesh.straight()[:, end + d] - mesh.straight()[:, end]
                 turn = position[:, end + d] - position[:, end] - straight[_axes(position)]
                 turn *= 2.0 * (bending[a] - s.stiffness[a]) / s.h[a] ** 3
@@ -170,16 +167,15 @@ def _along(now, other, felt, q, gain, first, n, keep, b, t, falls, bed, level):
 
 
 @inlined
-def _end(now, other, felt, ql, qi, gain, e, d, keep, b, t, fall, bed, level, kind, slope, held, force):
+def _end(now, other, felt, ql, qi, gain, e, d, keep, keep_end, b, t, fall, bed, level, clamped, slope):
     """The same for the node e at an end, and for its neighbour e + d.
 
     Args:
         ql, qi: tension over length of the first link and of the second.
         slope: difference of nodes that a clamped end asks for.
-        held: whether the end stays. force: N on it.
     """
     i = e + d
-    m0 = 2.0 * (felt[i] - felt[e] - slope) if kind == CLAMPED else 0.0
+    m0 = 2.0 * (felt[i] - felt[e] - slope) if clamped else 0.0
     m1 = felt[e] - 2.0 * felt[i] + felt[i + d]
     m2 = felt[i] - 2.0 * felt[i + d] + felt[i + 2 * d]
     late = t * ((felt[i] - now[i]) - (felt[e] - now[e]))
@@ -187,11 +183,8 @@ def _end(now, other, felt, ql, qi, gain, e, d, keep, b, t, fall, bed, level, kin
     pull = qi * (now[i + d] - now[i]) - ql * (now[i] - now[e]) - b * (m0 - 2.0 * m1 + m2) - bed * (now[i] - level[i])
     pull += late_next - late
     other[i] = now[i] + keep * (now[i] - other[i]) + gain[i] * pull + fall[i]
-    if held:
-        other[e] = now[e]
-        return
-    pull = ql * (now[i] - now[e]) - b * (m1 - m0) - 0.5 * bed * (now[e] - level[e]) + late + force
-    other[e] = now[e] + keep * (now[e] - other[e]) + gain[e] * pull + fall[e]
+    pull = ql * (now[i] - now[e]) - b * (m1 - m0) - 0.5 * bed * (now[e] - level[e]) + late
+    other[e] = now[e] + keep_end * (now[e] - other[e]) + gain[e] * pull + fall[e]
 
 
 @inlined
@@ -207,7 +200,7 @@ def _move(strands, threads, now, other, room, q, level, slope, small, dt):
             _stretch(now[0], now[1], now[up], threads.rest, threads.pull, q, i, n, small)
         t = strands.tension[a] / h if late > 0.0 else 0.0
         for c in range(axes):
-            gain, fall = threads.along if c == 0 else threads.gain, threads.fall[c]
+            gain, fall = threads.gain[c], threads.fall[c]
             k, felt = bed if c == up else 0.0, now[c]
             b = (strands.stiffness[a] if c == 0 else threads.bending[a]) / (h * h * h)  # waves along are not corrected
             if late > 0.0:
@@ -223,10 +216,8 @@ def _move(strands, threads, now, other, room, q, level, slope, small, dt):
             for side in range(2):
                 e, d = (i, 1) if side == 0 else (i + n, -1)
                 ql, qi = (q[e], q[e + 1]) if side == 0 else (q[e - 1], q[e - 2])
-                force, kind = threads.weight[2 * a + side], strands.end[a, side]
-                slides = np.isfinite(force) and c == 0
-                _end(now[c], other[c], felt, ql, qi, gain, e, d, keep, b, t, fall, k, level, kind,
-                     slope[2 * a + side, c], kind != FREE and not slides, force if slides else 0.0)  # fmt: skip
+                _end(now[c], other[c], felt, ql, qi, gain, e, d, keep, threads.keep_end[2 * a + side], b, t, fall, k,
+                     level, strands.clamped[a, side], slope[2 * a + side, c])  # fmt: skip
 
 
 @lean_inner
@@ -242,7 +233,7 @@ def _lost(strands, threads, now, other, dt):
                 other[c, part], now[c, part], now[c, part], 1.0, threads.mass[c, part], strands.drag[a],
                 strands.retardation[a], strands.tension[a] / h,
                 (strands.stiffness[a] if c == 0 else threads.bending[a]) / (h * h * h), 0.0,
-                strands.end[a, 0] == CLAMPED, strands.end[a, 1] == CLAMPED,
+                strands.clamped[a, 0], strands.clamped[a, 1],
             )  # fmt: skip
     return lost / (dt * dt)
 
@@ -302,7 +293,7 @@ def _touch(strands, threads, riders, pace, now, other, drive, record, row, step,
     note(riders, pace, record, row, step, k, height, s, slope, given, force, local, rough)
     if on:
         for j in range(WIDTH):
-            other[up, base + j] += threads.kick[base + j] * w[0, j] * force
+            other[up, base + j] += threads.kick[up, base + j] * w[0, j] * force
 
 
 @inlined
@@ -315,17 +306,17 @@ def _join(strands, threads, riders, pace, other, drive, record, row, step, steps
     if on:
         local = max(local_at(strands, riders.wire[k], s), 0.0)
         for j in range(WIDTH):
-            soft += w[0, j] * w[0, j] * threads.gain[base + j]
+            soft += w[0, j] * w[0, j] * threads.gain[up, base + j]
     force = join(riders, pace, k, height + between(drive.rough, row, part, k), soft, local)
     if step == 0:
         record.force[row, k] += force
     if on:
         for j in range(WIDTH):
-            other[up, base + j] += threads.gain[base + j] * w[0, j] * force
+            other[up, base + j] += threads.gain[up, base + j] * w[0, j] * force
 
 
 @lean
-def advance(strands, threads, strings, grips, watched, riders, pace, level, slope, now, other, room, q, small, inner,
+def advance(strands, threads, strings, holders, watched, riders, pace, level, slope, now, other, room, q, small, inner,
             drive, record, steps, sweeps, w):  # fmt: skip
     """Go on by all rows of the record.
 
@@ -340,7 +331,7 @@ def advance(strands, threads, strings, grips, watched, riders, pace, level, slop
         sweeps: over all that is rigid, in each step.
         w: (3, WIDTH) room for weights of a spline.
     """
-    axes, whole = now.shape[0], record.force.shape[0] * steps
+    axes, whole, dt = now.shape[0], record.force.shape[0] * steps, pace.step / inner
     every = min(max(1, EVERY // inner), max(1, whole // 4))
     for row in range(record.force.shape[0]):
         for p in range(watched.base.size):
@@ -350,15 +341,17 @@ def advance(strands, threads, strings, grips, watched, riders, pace, level, slop
             for c in range(riders.size[i]):
                 record.body[row, i, c] = pace.q[i, c]
         for step in range(steps):
-            _move(strands, threads, now, other, room, q, level, slope, small, pace.step / inner)
-            pull_ties(strings, now, other, threads.kick, threads.kick_along, pace, record.tie, row, step)
-            hold(strings, now, other, threads.kick, threads.kick_along, pace, record.hold, row, step)
+            move_places(holders, between_rows(drive.time, row, (step + 1.0 / inner) / steps))
+            _move(strands, threads, now, other, room, q, level, slope, small, dt)
+            pull_ties(strings, now, other, threads.kick, pace, record.tie, row, step)
             begin(riders, pace, drive.push, row, step / steps)
             for k in range(riders.owner.size):
                 _touch(strands, threads, riders, pace, now, other, drive, record, row, step, steps, k, w)
             ride(riders, pace)
+            restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, pace.work, record.hold,
+                     row, step == 0)  # fmt: skip
             for _ in range(sweeps):
-                grip(grips, axes, other, threads.gain, threads.along, record, row, step)
+                grip(holders, other, threads.gain, pace.work, record.hold, row, step == 0)
                 for k in range(riders.owner.size):
                     if np.isinf(riders.spring[k]):
                         _join(strands, threads, riders, pace, other, drive, record, row, step, steps, k, w)
@@ -367,11 +360,14 @@ def advance(strands, threads, strings, grips, watched, riders, pace, level, slop
             now, other = other, now
             for part in range(inner):
                 if part > 0:
-                    _move(strands, threads, now, other, room, q, level, slope, small, pace.step / inner)
-                    grip(grips, axes, other, threads.gain, threads.along, record, row, steps)
+                    move_places(holders, between_rows(drive.time, row, (step + (part + 1.0) / inner) / steps))
+                    _move(strands, threads, now, other, room, q, level, slope, small, dt)
+                    restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, pace.work,
+                             record.hold, row, False)  # fmt: skip
+                    grip(holders, other, threads.gain, pace.work, record.hold, row, False)
                     now, other = other, now
                 if part == inner // 2 and threads.damped and gone % every == 0:  # in the middle between two pushes
-                    lost = _lost(strands, threads, now, other, pace.step / inner)
+                    lost = _lost(strands, threads, now, other, dt)
                     pace.work[DAMPED] += min(every, whole - gone) * pace.step * lost
 
 
@@ -398,9 +394,9 @@ class LargeMotion:
         self.inertia, self.inner = inertia, inner
         self.threads = threads_of(mesh, position[axes], rest, step / inner, inner, inertia)
         self.strings = strings_of(mesh, position)
-        steady = steady_of(self.strings, mesh.nodes) * self.threads.gain
-        self.threads.fall[1:] += steady if space else steady[1:]
-        self.grips = grips_of(mesh, self.threads.gain, self.threads.along, axes)
+        steady = steady_of(self.strings, mesh.nodes)
+        self.threads.fall[1:] += (steady if space else steady[1:]) * self.threads.gain[1:]
+        self.holders = holders_of(mesh, self.threads.gain, axes, position[axes], mesh.holds.place)
         self.pace = pace_of(riders, step, q, np.full(riders.owner.size, np.nan))
         self.watched = places_of(mesh.strands, list(mesh.plan.watched.values()))
         straight = mesh.straight()[axes]
@@ -411,7 +407,7 @@ class LargeMotion:
         self._r = [np.ascontiguousarray(position[axes]) for _ in range(2)]  # now, a step before
         self._side = position[1].copy()
         self._room = np.zeros(mesh.nodes), np.zeros(mesh.nodes)
-        self.tie_at_rest, self.hold_at_rest = np.zeros(len(mesh.plan.ties)), np.zeros((len(mesh.plan.holds), 3))
+        self.tie_at_rest, self.hold_at_rest = np.zeros(len(mesh.plan.ties)), mesh.holds.force
         self._w = np.zeros((3, WIDTH))
         self._advance: Callable[..., object] | None = None
 
@@ -421,6 +417,7 @@ class LargeMotion:
         self._r[0][:] = position[axes]
         self._r[1][:] = self._r[0] - velocity[axes] * (step / self.inner)
         self.strings.last[:] = strings_of(self.mesh, position - step * velocity).last
+        self.holders.here[:], self.holders.last[:] = (coordinates(self.holders, r) for r in self._r)
 
     @property
     def position(self) -> Array:
@@ -457,7 +454,10 @@ class LargeMotion:
         """Arrays that change; the present and the last instant in this order, whichever array holds them."""
         now, last = self._r
         springs = arrays_of(self.strings, "last", "rate")
-        return {"pace": arrays_of(self.pace, *CHANGES), "springs": springs, "nodes": {"now": now, "last": last}}
+        return {
+            "pace": arrays_of(self.pace, *CHANGES), "springs": springs, "holders": arrays_of(self.holders, *MOVES),
+            "nodes": {"now": now, "last": last},
+        }  # fmt: skip
 
     def _spread(self, values: Array, aside: Array) -> Array:
         return values.copy() if values.shape[0] == 3 else np.vstack([values[0], aside, values[1]])
@@ -476,9 +476,9 @@ class LargeMotion:
         strain[self.mesh.strands.first + self.mesh.strands.links] = 0.0
         small = bool(np.abs(strain).max() < 0.5 * SMALL_STRAIN)
         arguments = (
-            self.mesh.strands, self.threads, self.strings, self.grips, self.watched, self.riders, self.pace,
+            self.mesh.strands, self.threads, self.strings, self.holders, self.watched, self.riders, self.pace,
             self._level, self._slope, *self._r, *self._room, small, self.inner, drive, record, steps,
-            sweeps_of(self.riders, self.grips.base.size), self._w,
+            sweeps_of(self.riders, self.holders.fast), self._w,
         )  # fmt: skip
         if self._advance is None:
             self._advance = entry_of(advance, arguments)

@@ -15,11 +15,12 @@ from ropewalk.mechanics.wheels import wheels_of
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import AnyLoad, MovingForce
 from ropewalk.model.scenario import Scenario
-from ropewalk.model.support import Fixed, Guided
+from ropewalk.model.support import Guided
 from ropewalk.solve.multibody import Multibody, multibody_of
 from ropewalk.solve.start import Setting
+from ropewalk.wires.ends import compliance, kinds_of, lengthened
 from ropewalk.wires.journey import ON_GROUND, Journey, travelled
-from ropewalk.wires.plan import Array, Contact, EndKind, Rider, Wire
+from ropewalk.wires.plan import Array, Contact, Rider, Wire
 from ropewalk.wires.task import Shown
 
 # Loads are put together for a mesh so fine that nothing of them depends on it.
@@ -27,31 +28,29 @@ _FINE = 10_000_000
 
 
 def wire_of(name: str, line: Line) -> Wire:
-    """A line as a wire; its tension is that of the straight line of given length, or what pulls at a guided end."""
-    EA, pulled = line.axial_stiffness or 0.0, _pulled(line)
-    tension = line.tension if line.tension is not None else EA * (line.distance / (line.length or np.inf) - 1.0)
+    """A line as a wire; its tension is that of the straight line of given length, or what pulls at a guided end.
+
+    Supports that give way along the line, and their displacements there at the beginning, count.
+    """
+    EA, pulled, length = line.axial_stiffness or 0.0, _pulled(line), line.length or np.inf
+    reach = line.distance + lengthened(line)
+    tension = line.tension if line.tension is not None else EA * (reach - length) / (length + EA * compliance(line))
     if pulled is not None:
-        tension = float(np.nanmin(pulled))
-    kinds: list[EndKind] = [
-        "clamped" if isinstance(support, Fixed) and support.clamped else "held"
-        for support in (line.start_support, line.end_support)
-    ]
+        tension = pulled
     return Wire(
         name, spatial(line.start), spatial(line.end), tension, line.mass, line.bending_stiffness, EA, line.drag, 0.0,
-        line.foundation, (kinds[0], kinds[1]), pulled, line.length, stretched=False,
+        line.foundation, kinds_of(line), line.length, stretched=False,
     )  # fmt: skip
 
 
-def _pulled(line: Line) -> tuple[float, float] | None:
-    """Forces outwards along x on ends that are guided there, N."""
-    supports = line.start_support, line.end_support
-    if not any(isinstance(support, Guided) for support in supports):
-        return None
-    out = [
-        sign * support.force * float(np.sign(support.along[0])) if isinstance(support, Guided) else np.nan
-        for sign, support in zip((-1.0, 1.0), supports, strict=True)
+def _pulled(line: Line) -> float | None:
+    """What pulls outwards along x at an end that nothing else holds along it, N: the least of both."""
+    found = [
+        sign * support.force * float(np.sign(support.along[0]))
+        for sign, support in zip((-1.0, 1.0), (line.start_support, line.end_support), strict=True)
+        if isinstance(support, Guided) and support.along[0] and not support.stiffness
     ]
-    return out[0], out[1]
+    return min(found, default=None)
 
 
 def settled(scenario: Scenario, until: float, wires: Sequence[Wire] = ()) -> Setting:

@@ -14,11 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.errors import RopewalkError
-from ropewalk.wires.plan import Array, Integers, Plan, Rider, Spot, Wire
+from ropewalk.wires.plan import Array, Hold, Integers, Plan, Rider, Spot, Wire
 from ropewalk.wires.spline import WIDTH, points
 
-HELD, CLAMPED, FREE = 0, 1, 2
-_END = {"held": HELD, "clamped": CLAMPED, "free": FREE}
 FEWEST_LINKS = 8
 _CELL = 80  # links in which the local compliance is found; it decays within a few
 _FRACTIONS = np.linspace(0.0, 0.5, 6)  # of a link, where it is found
@@ -38,7 +36,7 @@ class Strands(NamedTuple):
     drag: Array  # 1/s
     retardation: Array  # s
     bed: Array  # N/m^2
-    end: Integers  # (wire, 2) HELD, CLAMPED or FREE
+    clamped: NDArray[np.bool_]  # (wire, 2) whether it cannot turn at its start, and at its end
     across: Array  # (wire, 2) x of the start in m, and x per station along the chord
     local: Array  # (wire, 3) m/N, of the compliance that a point has beside the spline's: see `local_compliance`
 
@@ -69,10 +67,23 @@ class Holds(NamedTuple):
     """Springs to the ground."""
 
     at: Places
-    stiffness: Array  # (hold, 3) N/m; inf: held fast
-    damping: Array  # (hold, 3)
-    place: Array  # (hold, 3)
-    force: Array  # (hold,)
+    node: Integers  # (hold,) where it is at the end of a wire, that; else -1
+    axes: Array  # (hold, 3, 3) of its springs, unit vectors
+    stiffness: Array  # (hold, 3) N/m along its axes; inf: held fast; 0 where the node itself is `fixed`
+    fixes: NDArray[np.bool_]  # (hold, 3) whether it does so along that axis, x, y or z
+    damping: Array  # (hold, 3) N s/m along its axes
+    place: Array  # (hold, 3) m, at time zero
+    force: Array  # (hold, 3) N along x, y and z, constant
+    instants: Integers  # (hold,) of the table of its displacement, 1: it stays
+    time: Array  # (instant,) s, of all tables, one after the other
+    moved: Array  # (3, instant) m, displacement from what it is at time zero
+
+    def places(self, t: float) -> Array:
+        """Where they are without force at an instant in s, (hold, 3) m."""
+        end = np.cumsum(self.instants)
+        parts = [slice(int(e - n), int(e)) for e, n in zip(end, self.instants, strict=True)]
+        moved = [[np.interp(t, self.time[part], row[part]) for row in self.moved] for part in parts]
+        return self.place + np.array(moved, dtype=np.float64).reshape(-1, 3)
 
 
 class Mesh(NamedTuple):
@@ -81,6 +92,9 @@ class Mesh(NamedTuple):
     plan: Plan
     strands: Strands
     mass: Array  # (node,) kg, with all that is clamped to the wires
+    own: Array  # (node,) kg, of the wires alone
+    fixed: NDArray[np.bool_]  # (3, node) whether a component stands where it is held, or goes as prescribed
+    driven: NDArray[np.bool_]  # (3, node) whether it goes as prescribed
     extra: Integers  # (special,) control points that carry more than their wire
     ties: Ties
     holds: Holds
@@ -102,6 +116,18 @@ class Mesh(NamedTuple):
             for wire, n in zip(self.plan.wires, self.strands.links, strict=True)
         ]
         return np.ascontiguousarray(np.concatenate(parts, axis=1))
+
+    def led(self, position: Array, t: float = 0.0) -> Array:
+        """Positions (3, node) m with what is fixed where it is at an instant in s, and all between led along evenly."""
+        wanted, out = position.copy(), position.copy()
+        for node, place in zip(self.holds.node, self.holds.places(t), strict=True):
+            if node >= 0:
+                wanted[:, node] = np.where(self.fixed[:, node], place, position[:, node])
+        for a, n in enumerate(self.strands.links):
+            part, along = self.of(a), np.linspace(0.0, 1.0, int(n) + 1)
+            shift = (wanted - position)[:, part][:, [0, -1]]
+            out[:, part] += shift[:, :1] * (1.0 - along) + shift[:, 1:] * along
+        return np.where(self.fixed, wanted, out)
 
 
 def links_of(wire: Wire, element: float) -> int:
@@ -129,7 +155,7 @@ def mesh_of(plan: Plan, element: float | list[int]) -> Mesh:
     strands = Strands(
         first, count, column["length"] / count, column["tension"], column["bending_stiffness"], column["mass"],
         column["drag"], column["retardation"], column["bed"],
-        np.array([[_END[end] for end in wire.ends] for wire in wires], dtype=np.int64),
+        np.array([[end == "clamped" for end in wire.ends] for wire in wires], dtype=np.bool_),
         np.array([(wire.start[0], (wire.end[0] - wire.start[0]) / wire.length) for wire in wires]),
         np.array([local_compliance(wire, wire.length / n) for wire, n in zip(wires, links, strict=True)]),
     )  # fmt: skip
@@ -137,16 +163,19 @@ def mesh_of(plan: Plan, element: float | list[int]) -> Mesh:
     mass[first] *= 0.5
     mass[first + count] *= 0.5
     _check(plan)
+    own = mass.copy()
     lumps = [(lump.spot, lump.mass) for lump in plan.masses if lump.mass]
     for tie in plan.ties:
         if tie.mass:
             lumps += [(spot, 0.5 * tie.mass) for spot in (tie.spot, tie.other) if isinstance(spot, Spot)]
-    at, special = clamped_at(strands, [spot for spot, _ in lumps]), set()
+    at, special = clamped_at(strands, [spot for spot, _ in lumps]), set[int]()
     for base, weight, (_, lump) in zip(at.base, at.weight, lumps, strict=True):
         mass[base : base + WIDTH] += weight * lump
         special |= set((int(base) + np.flatnonzero(weight)).tolist())
     extra = np.array(sorted(special), dtype=np.int64)
-    return Mesh(plan, strands, mass, extra, _ties(strands, plan), _holds(strands, plan))
+    holds = _holds(strands, plan)
+    fixed, driven = _fixed(strands, plan, holds)
+    return Mesh(plan, strands, mass, own, fixed, driven, extra, _ties(strands, plan), holds)
 
 
 def places_of(strands: Strands, spots: Sequence[Spot]) -> Places:
@@ -163,12 +192,13 @@ def places_of(strands: Strands, spots: Sequence[Spot]) -> Places:
 
 
 def clamped_at(strands: Strands, spots: Sequence[Spot]) -> Places:
-    """The same for what stays where it is: at a node of a string it takes hold of the node itself, which is exact."""
+    """The same for what stays where it is: at the ends and the nodes of strings it takes hold of the node itself."""
     places = places_of(strands, spots)
     wire = places.wire
     place = places.station / strands.h[wire] if len(spots) else places.station
     for k, s in enumerate(place):
-        if strands.stiffness[wire[k]] == 0.0 and abs(s - round(s)) < _AT_NODE:
+        at_end = min(abs(s), abs(s - strands.links[wire[k]])) < _AT_NODE
+        if at_end or (strands.stiffness[wire[k]] == 0.0 and abs(s - round(s)) < _AT_NODE):
             node = round(s) + int(strands.first[wire[k]]) - int(places.base[k])
             places.weight[k], places.local[k] = np.eye(WIDTH)[node], 0.0
     # On fine meshes a stiff wire yields less than its spline, by 1e-7 m/N; but a spring of negative stiffness there, in
@@ -260,11 +290,58 @@ def _ties(strands: Strands, plan: Plan) -> Ties:
 
 def _holds(strands: Strands, plan: Plan) -> Holds:
     holds = plan.holds
+
+    def threes(key: str) -> Array:
+        return np.array([getattr(hold, key) for hold in holds], dtype=np.float64).reshape(-1, 3)
+
+    tables, at_start = [_table(hold) for hold in holds], np.array([_at_start(hold) for hold in holds]).reshape(-1, 3)
+    none = [(np.zeros(0), np.zeros((3, 0)))]
+    at = clamped_at(strands, [hold.spot for hold in holds])
+    station = at.station / strands.h[at.wire]
+    side = np.where(abs(station) < _AT_NODE, 0, np.where(abs(station - strands.links[at.wire]) < _AT_NODE, 1, -1))
+    node = np.where(side < 0, -1, strands.first[at.wire] + np.maximum(side, 0) * strands.links[at.wire])
     return Holds(
-        clamped_at(strands, [hold.spot for hold in holds]), np.array([hold.stiffness for hold in holds]).reshape(-1, 3),
-        np.array([hold.damping for hold in holds]).reshape(-1, 3), np.array([h.place for h in holds]).reshape(-1, 3),
-        _column([hold.force for hold in holds]),
+        at, node,
+        np.array([hold.axes for hold in holds], dtype=np.float64).reshape(-1, 3, 3),
+        threes("stiffness"), np.zeros((len(holds), 3), dtype=np.bool_), threes("damping"), threes("place") + at_start,
+        threes("force"),
+        np.array([time.size for time, _ in tables], dtype=np.int64),
+        np.concatenate([time for time, _ in none + tables]), np.hstack([value for _, value in none + tables]),
     )  # fmt: skip
+
+
+def _table(hold: Hold) -> tuple[Array, Array]:
+    """Instants and displacements from what they are at time zero."""
+    if hold.moved is None:
+        return np.zeros(1), np.zeros((3, 1))
+    return hold.moved.time, hold.moved.value - _at_start(hold)[:, None]
+
+
+def _at_start(hold: Hold) -> Array:
+    """Displacement at time zero, (3,) m."""
+    if hold.moved is None:
+        return np.zeros(3)
+    return np.array([np.interp(0.0, hold.moved.time, row) for row in hold.moved.value])
+
+
+def _fixed(strands: Strands, plan: Plan, holds: Holds) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """What ends and the holds there fix, and what goes as prescribed, (3, node); such springs of holds are put to zero.
+
+    Only what a hold keeps along x, y and z at the node of an end: elsewhere its force keeps it.
+    """
+    nodes = int((strands.links + 1).sum())
+    fixed, driven = np.zeros((3, nodes), dtype=np.bool_), np.zeros((3, nodes), dtype=np.bool_)
+    ends = np.stack([strands.first, strands.first + strands.links], axis=1)
+    for wire, both in zip(plan.wires, ends, strict=True):
+        for kind, node in zip(wire.ends, both, strict=True):
+            fixed[:, node] = kind != "free"
+    for i, node in enumerate(holds.node):
+        for j, way in enumerate(np.abs(holds.axes[i])):
+            if node >= 0 and np.isinf(holds.stiffness[i, j]) and way.max() == 1.0:
+                axis = int(np.argmax(way))
+                fixed[axis, node], driven[axis, node] = True, holds.instants[i] > 1
+                holds.stiffness[i, j], holds.fixes[i, j] = 0.0, True
+    return fixed, driven
 
 
 class Riders(NamedTuple):

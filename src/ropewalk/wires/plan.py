@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Three = tuple[float, float, float]
 EndKind = Literal["held", "clamped", "free"]
 
 
@@ -21,7 +22,7 @@ EndKind = Literal["held", "clamped", "free"]
 class Wire:
     """A wire at rest.
 
-    `held`: the end stands still and may turn; `clamped`: it cannot turn either; `free`: nothing holds it.
+    `held`: the end stands still and may turn; `clamped`: it cannot turn either; `free`: nothing but holds holds it.
     """
 
     name: str
@@ -35,7 +36,6 @@ class Wire:
     retardation: float = 0.0  # s, beta of Rayleigh damping
     bed: float = 0.0  # N/m^2, of an elastic bed below
     ends: tuple[EndKind, EndKind] = ("held", "held")
-    end_force: tuple[float, float] | None = None  # N outwards along x on ends that slide along x (weights)
     unstrained: float | None = None  # m; None: what follows from the tension
     stretched: bool = True  # whether stations count metres of the stretched wire where only its tension is given
 
@@ -67,15 +67,29 @@ class PointMass:
 
 
 @dataclass(frozen=True)
+class History:
+    """A displacement over time: linear between its instants, constant outside."""
+
+    time: Array  # (instant,) s
+    value: Array  # (3, instant) m
+
+
+@dataclass(frozen=True)
 class Hold:
-    """Springs and dampers between a point of a wire and the ground, in x, y and z; infinitely stiff ones hold fast."""
+    """Springs and dampers between a point of a wire and the ground, along three axes; infinitely stiff ones hold fast.
+
+    One at the end of a wire that is `free` is the support there; if it has the name `WIRE.start` or `WIRE.end`, results
+    show it as that.
+    """
 
     name: str
     spot: Spot
-    stiffness: tuple[float, float, float]  # N/m
-    damping: tuple[float, float, float] = (0.0, 0.0, 0.0)  # N s/m
-    place: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m, where the springs are without force
-    force: float = 0.0  # N upwards, constant
+    stiffness: Three  # N/m
+    damping: Three = (0.0, 0.0, 0.0)  # N s/m
+    place: Three = (0.0, 0.0, 0.0)  # m, where the springs are without force
+    force: Three = (0.0, 0.0, 0.0)  # N on the wire along x, y and z, constant
+    axes: tuple[Three, Three, Three] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))  # orthogonal unit vectors
+    moved: History | None = None  # of its place
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import scipy.sparse.linalg
 from numpy.typing import NDArray
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.wires.mesh import CLAMPED, FREE, Mesh, Places
+from ropewalk.wires.mesh import Mesh, Places
 from ropewalk.wires.plan import Array
 from ropewalk.wires.spline import WIDTH
 
@@ -51,7 +51,7 @@ def bending_stiffness(mesh: Mesh) -> sparse.csr_matrix:
         bent = sparse.diags([one, -2.0 * one, one], [0, 1, 2], shape=(n - 1, n + 1))
         block = EI / h**3 * (bent.T @ bent)
         for side, (i, j) in enumerate(((0, 1), (n, n - 1))):
-            if mesh.strands.end[w, side] == CLAMPED:
+            if mesh.strands.clamped[w, side]:
                 turn = sparse.csr_matrix(([-1.0, 1.0], ([0, 0], [i, j])), shape=(1, n + 1))
                 block = block + 2.0 * EI / h**3 * (turn.T @ turn)
         blocks.append(block)
@@ -67,6 +67,21 @@ def beds(mesh: Mesh) -> Array:
     return bed
 
 
+def without_supports(mesh: Mesh) -> Array:
+    """Masses of all nodes but for those of supports at the ends of wires, (node,) kg."""
+    s, mass = mesh.strands, mesh.mass.copy()
+    ends = np.concatenate([s.first, s.first + s.links])
+    mass[ends] = mesh.own[ends]
+    return mass
+
+
+def slowed_ends(mesh: Mesh, step: float) -> Array:
+    """1 + drag dt m / (2 M) at the ends of all wires, for half a link of mass m and a support of mass M - m, (end,)."""
+    ends = np.stack([mesh.strands.first, mesh.strands.first + mesh.strands.links], axis=1)
+    slow: Array = 1.0 + 0.5 * step * mesh.strands.drag[:, None] * mesh.own[ends] / mesh.mass[ends]
+    return slow.ravel()
+
+
 def rows(places: Places, nodes: int) -> sparse.csr_matrix:
     """Interpolation: (point, node), the height of each point from those of the control points."""
     count = places.base.size
@@ -76,10 +91,7 @@ def rows(places: Places, nodes: int) -> sparse.csr_matrix:
 
 def moving(mesh: Mesh) -> NDArray[np.bool_]:
     """Which control points may move up and down."""
-    free = np.ones(mesh.nodes, dtype=np.bool_)
-    last = mesh.strands.first + mesh.strands.links
-    for side, nodes in enumerate((mesh.strands.first, last)):
-        free[nodes[mesh.strands.end[:, side] != FREE]] = False
+    free: NDArray[np.bool_] = ~mesh.fixed[2]
     return free
 
 
@@ -118,8 +130,8 @@ def rest_of(mesh: Mesh) -> Rest:
         EquilibriumError: there is no rest.
     """
     free, K = moving(mesh), vertical_stiffness(mesh)
-    position = mesh.straight()
-    chord, z = position[2].copy(), position[2].copy()
+    chord, position = mesh.straight()[2], mesh.led(mesh.straight())
+    z = position[2].copy()
     ties, holds = mesh.ties, mesh.holds
     A = rows(ties.other, mesh.nodes) - rows(ties.one, mesh.nodes)
     grounded = np.isfinite(ties.ground)
@@ -127,7 +139,7 @@ def rest_of(mesh: Mesh) -> Rest:
     ground = np.where(grounded[:, 2], ties.ground[:, 2], 0.0)
     H, fast = rows(holds.at, mesh.nodes), np.isinf(holds.stiffness[:, 2])
     stiff = np.where(fast, 0.0, spring(holds.stiffness[:, 2], holds.at.local))
-    load = -mesh.plan.gravity * mesh.mass + beds(mesh) * chord + H.T @ (holds.force + stiff * holds.place[:, 2])
+    load = -mesh.plan.gravity * mesh.mass + beds(mesh) * chord + H.T @ (holds.force[:, 2] + stiff * holds.place[:, 2])
     K = K + H.T @ sparse.diags(stiff) @ H
     size = float(mesh.strands.h @ mesh.strands.links)
     grip, local, level = H[fast], holds.at.local[fast], holds.place[fast, 2]
@@ -151,7 +163,7 @@ def rest_of(mesh: Mesh) -> Rest:
             "the droppers find no rest between tight and slack; check their lengths, or give them a little `pushes`"
         )
     position[2] = z
-    lift = holds.force + stiff * (holds.place[:, 2] - H @ z)
+    lift = holds.force[:, 2] + stiff * (holds.place[:, 2] - H @ z)
     lift[fast] += held
     return Rest(position, force, way, reach, lift)
 

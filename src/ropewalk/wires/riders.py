@@ -13,9 +13,9 @@ from ropewalk.wires.plan import Array
 _SWEEPS = 4
 # Entries of `work`: of given forces, pushes and foreign interfaces; of what holds riders at their places along the line
 # and drives them over its roughness; lost in dampers of riders; taken up by contacts, as they come closer; lost in
-# dampers and drag of wires, ties and holds.
-GIVEN, HELD, LOST, TAKEN, DAMPED = 0, 1, 2, 3, 4
-WORKS = 5
+# dampers and drag of wires, ties and holds; done by holds that move, at their far ends.
+GIVEN, HELD, LOST, TAKEN, DAMPED, MOVED = 0, 1, 2, 3, 4, 5
+WORKS = 6
 # Entries of what is known of a contact at an instant: height of the spline in m, place in links, slope in m per link,
 # given force and all force on the wire in N, by how much rider and spline overlap in m, compliance beside the spline in
 # m/N, roughness in m.
@@ -74,6 +74,12 @@ def sweeps_of(riders: Riders, grips: int) -> int:
 def between(table, row, part, k):
     """Entry k of a table between two of its rows."""
     return table[row, k] + part * (table[row + 1, k] - table[row, k])
+
+
+@inlined
+def between_rows(table, row, part):
+    """A table of one entry a row, between two of its rows."""
+    return table[row] + part * (table[row + 1] - table[row])
 
 
 @inlined

@@ -14,14 +14,29 @@ from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
 from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
 from ropewalk.wires.damping import EVERY, dissipated
 from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive, Record
-from ropewalk.wires.mesh import CLAMPED, Mesh, Places, Riders, places_of
+from ropewalk.wires.holding import (
+    A_STEP_AGO,
+    AHEAD,
+    MOVES,
+    NOW,
+    coordinate,
+    coordinates,
+    give_way,
+    holders_of,
+    move_places,
+    restrain,
+    write_force,
+)
+from ropewalk.wires.mesh import Mesh, Places, Riders, places_of
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.rest import Rest
 from ropewalk.wires.riders import (
     CHANGES,
     DAMPED,
+    MOVED,
     begin,
     between,
+    between_rows,
     join,
     local_at,
     local_under,
@@ -32,7 +47,7 @@ from ropewalk.wires.riders import (
     settle_accounts,
     sweeps_of,
 )
-from ropewalk.wires.small_arrays import Springs, Watched, Window, grips_of, springs_of, stencil_of, x_of
+from ropewalk.wires.small_arrays import Springs, Watched, Window, springs_of, stencil_of, x_of
 from ropewalk.wires.spline import WIDTH, weights
 
 _NOTHING = 1e-150  # m
@@ -65,20 +80,20 @@ def _along_bare(now, felt, other, g, e, low, high, keep, t, b, bed):
 
 
 @inlined
-def _end(now, felt, other, gain, e, d, keep, t, b, bed, kind):
+def _end(now, felt, other, gain, e, d, keep, keep_end, t, b, bed, clamped):
     """The same for the control point e at an end, and for its neighbour e + d."""
     i = e + d
-    m0 = 2.0 * (felt[i] - felt[e]) if kind == CLAMPED else 0.0
+    m0 = 2.0 * (felt[i] - felt[e]) if clamped else 0.0
     m1 = felt[e] - 2.0 * felt[i] + felt[i + d]
     m2 = felt[i] - 2.0 * felt[i + d] + felt[i + 2 * d]
     pull = t * m1 - b * (m0 - 2.0 * m1 + m2) - bed * felt[i]
     other[i] = now[i] + keep * (now[i] - other[i]) + gain[i] * pull
     pull = t * (felt[i] - felt[e]) - b * (m1 - m0) - 0.5 * bed * felt[e]
-    other[e] = now[e] + keep * (now[e] - other[e]) + gain[e] * pull
+    other[e] = now[e] + keep_end * (now[e] - other[e]) + gain[e] * pull
 
 
 @lean
-def advance(strands, stencil, springs, grips, window, watched, riders, pace, level, now, other, room, drive, record,
+def advance(strands, stencil, springs, holders, window, watched, riders, pace, level, now, other, room, drive, record,
             steps, sweeps, w):  # fmt: skip
     """Go on by all rows of the record.
 
@@ -98,14 +113,18 @@ def advance(strands, stencil, springs, grips, window, watched, riders, pace, lev
             for c in range(riders.size[i]):
                 record.body[row, i, c] = pace.q[i, c]
         for step in range(steps):
+            move_places(holders, between_rows(drive.time, row, (step + 1.0) / steps))
             _move(strands, stencil, window, now, other, room, pace.step)
             _pull(springs, window, now, other, stencil.gain, pace, record, row, step)
             begin(riders, pace, drive.push, row, step / steps)
             for k in range(riders.owner.size):
                 _touch(strands, riders, pace, level, now, other, stencil.gain, drive, record, row, step, steps, k, w)
             ride(riders, pace)
+            restrain(holders, window.elastic[0], window.elastic[1], now.reshape(1, -1), other.reshape(1, -1),
+                     stencil.gain.reshape(1, -1), pace.step, pace.work, record.hold, row, step == 0)  # fmt: skip
             for sweep in range(sweeps):
-                _grip(grips, window, now, other, stencil.gain, record, row, step, sweep == 0)
+                _grip(holders, window, now.reshape(1, -1), other.reshape(1, -1), stencil.gain.reshape(1, -1), pace.work,
+                      record, row, step, sweep == 0)  # fmt: skip
                 for k in range(riders.owner.size):
                     if np.isinf(riders.spring[k]):
                         _join(strands, riders, pace, level, other, stencil.gain, drive, record, row, step, steps, k, w)
@@ -151,9 +170,9 @@ def _move(strands, stencil, window, now, other, room, dt):
         else:
             _along(now, felt, other, gain, i, max(low, 2), min(high, n - 1), keep, t, b, bed)
         if low < 2:
-            _end(now, felt, other, gain, i, 1, keep, t, b, bed, strands.end[a, 0])
+            _end(now, felt, other, gain, i, 1, keep, stencil.keep_end[2 * a], t, b, bed, strands.clamped[a, 0])
         if high > n - 1:
-            _end(now, felt, other, gain, i + n, -1, keep, t, b, bed, strands.end[a, 1])
+            _end(now, felt, other, gain, i + n, -1, keep, stencil.keep_end[2 * a + 1], t, b, bed, strands.clamped[a, 1])
 
 
 @lean_inner
@@ -169,7 +188,7 @@ def _lost(strands, stencil, window, now, other, room, dt):
         lost += dissipated(
             now[part], other[part], felt, scale, stencil.mass[part], strands.drag[a], late, strands.tension[a] / h,
             stencil.bending[a] / (h * h * h), strands.bed[a] * h,
-            low == 0 and strands.end[a, 0] == CLAMPED, high > strands.links[a] and strands.end[a, 1] == CLAMPED,
+            low == 0 and strands.clamped[a, 0], high > strands.links[a] and strands.clamped[a, 1],
         )  # fmt: skip
     return lost / dt
 
@@ -209,23 +228,21 @@ def _touch(strands, riders, pace, level, now, other, gain, drive, record, row, s
 
 
 @inlined
-def _grip(grips, window, now, other, gain, record, row, step, begins):
+def _grip(holders, window, now, other, gain, work, record, row, step, begins):
     """What rigid holds do at the end of a step: they keep the mean over three instants, which costs no energy."""
-    for e in range(window.grips[0], window.grips[1]):
-        i, height = grips.base[e], 0.0
+    for e in range(window.fast[0], window.fast[1]):
         if begins:
-            grips.last[e], grips.now[e], grips.force[e] = grips.now[e], 0.0, 0.0
-            for k in range(WIDTH):
-                grips.now[e] += grips.weight[e, k] * now[i + k]
-        for k in range(WIDTH):
-            height += grips.weight[e, k] * other[i + k]
-        mean = _LATE * (height + grips.last[e]) + (1.0 - 2.0 * _LATE) * grips.now[e]
-        F = -(mean + grips.local[e] * grips.force[e]) / (grips.local[e] + _LATE * grips.soft[e])
-        grips.force[e] += F
+            holders.last[e], holders.here[e], holders.force[e] = holders.here[e], coordinate(holders, e, now), 0.0
+        moved = holders.moved[e]
+        late, height = moved[A_STEP_AGO] + moved[AHEAD], coordinate(holders, e, other)
+        mean = _LATE * (height + holders.last[e] - late) + (1.0 - 2.0 * _LATE) * (holders.here[e] - moved[NOW])
+        local = holders.local[e]
+        F = -(mean + local * holders.force[e]) / (local + _LATE * (holders.soft[e] - local))
+        holders.force[e] += F
+        work[MOVED] += 0.5 * F * (moved[AHEAD] - moved[A_STEP_AGO])
         if step == 0:
-            record.hold[grips.hold[e], 2, row] = grips.force[e]
-        for k in range(WIDTH):
-            other[i + k] += gain[i + k] * grips.weight[e, k] * F
+            write_force(holders, e, F, record.hold, row)
+        give_way(holders, e, other, gain, F)
 
 
 @inlined
@@ -249,7 +266,7 @@ def _join(strands, riders, pace, level, other, gain, drive, record, row, step, s
 
 @inlined
 def _pull(springs, window, now, other, gain, pace, record, row, step):
-    """What ties and holds do during a step."""
+    """What ties do during a step."""
     dt = pace.step
     one, two, weight, rest, pull = springs.one, springs.other, springs.weight, springs.rest, springs.pull
     push, across, damping, way, last = springs.push, springs.across, springs.damping, springs.way, springs.last
@@ -281,10 +298,6 @@ def _pull(springs, window, now, other, gain, pace, record, row, step):
             F += way[e] * (N - before)
             if step == 0:
                 record.tie[springs.number[e], row] = N - max(rest[e], 0.0)
-        else:
-            F += loss
-            if step == 0:
-                record.hold[springs.number[e], 2, row] = -F
         if m >= 0:
             other[m] += gain[m] * F
             if n != m:
@@ -314,8 +327,9 @@ class SmallMotion:
         springs = springs_of(mesh, rest)
         order = np.argsort(springs.x, kind="stable")
         self.springs = Springs(*(np.ascontiguousarray(array[order]) for array in springs))  # type: ignore[arg-type]
-        self.grips = grips_of(mesh, self.stencil.gain)
-        self._sweeps = sweeps_of(riders, self.grips.base.size)
+        blank = np.zeros((1, mesh.nodes))
+        self.holders = holders_of(mesh, self.stencil.gain[None], [2], blank, np.zeros_like(mesh.holds.place))
+        self._sweeps = sweeps_of(riders, self.holders.fast)
         self.level = np.ascontiguousarray(rest.position[2])
         self.watched = places_of(mesh.strands, list(mesh.plan.watched.values()))
         self._watched = _looked_at(mesh, self.watched)
@@ -326,7 +340,8 @@ class SmallMotion:
         nothing = np.where(self.stencil.gain > 0.0, _NOTHING, 0.0)
         self._u = _apart(nothing)  # now, a step before
         self._room, self._w = np.zeros(mesh.nodes), np.zeros((3, WIDTH))
-        whole = ((0, self.springs.x.size), (0, self.grips.x.size), (0, self._watched.x.size))
+        fast, count = self.holders.fast, self.holders.x.size
+        whole = (0, self.springs.x.size), (0, fast), (fast, count), (0, self._watched.x.size)
         laden = np.stack([self.stencil.first[:-1], self.stencil.first[1:]], axis=1)
         self._whole = Window(np.zeros_like(mesh.strands.links), mesh.strands.links + 1, laden, *whole)
         self._advance: Callable[..., object] | None = None
@@ -336,10 +351,10 @@ class SmallMotion:
         moves = self.stencil.gain > 0.0
         self._u[0][moves] = u[moves]
         self._u[1][moves] = self._u[0][moves] - velocity[moves] * self.pace.step
-        springs, grips, before, k = self.springs, self.grips, self._u[1], np.arange(WIDTH)
+        springs, before, k = self.springs, self._u[1], np.arange(WIDTH)
         shares = before[springs.one[:, None] + k], before[springs.other[:, None] + k]
         springs.last[:] = (springs.weight * np.concatenate(shares, axis=1)).sum(axis=1)
-        grips.now[:] = (grips.weight * before[grips.base[:, None] + k]).sum(axis=1)
+        self.holders.here[:], self.holders.last[:] = (coordinates(self.holders, u[None]) for u in self._u)
 
     @property
     def position(self) -> Array:
@@ -376,9 +391,8 @@ class SmallMotion:
     def _changing(self) -> dict[str, Arrays]:
         """Arrays that change; the present and the last instant in this order, whichever array holds them."""
         (now, last), springs = self._u, arrays_of(self.springs, "last", "rate")
-        grips = arrays_of(self.grips, "force", "now", "last")
         return {
-            "pace": arrays_of(self.pace, *CHANGES), "springs": springs, "grips": grips,
+            "pace": arrays_of(self.pace, *CHANGES), "springs": springs, "holders": arrays_of(self.holders, *MOVES),
             "nodes": {"now": now, "last": last},
         }  # fmt: skip
 
@@ -387,8 +401,8 @@ class SmallMotion:
         rows, plan = drive.station.shape[0] - 1, self.mesh.plan
         record = Record.of(rows, self.riders, len(plan.ties), len(plan.holds), self.watched)
         arguments = (
-            self.mesh.strands, self.stencil, self.springs, self.grips, self._window(drive), self._watched, self.riders,
-            self.pace, self.level, *self._u, self._room, drive, record, steps, self._sweeps, self._w,
+            self.mesh.strands, self.stencil, self.springs, self.holders, self._window(drive), self._watched,
+            self.riders, self.pace, self.level, *self._u, self._room, drive, record, steps, self._sweeps, self._w,
         )  # fmt: skip
         if self._advance is None:
             self._advance = entry_of(advance, arguments)
@@ -409,9 +423,10 @@ class SmallMotion:
         low = np.clip(np.floor((begin - strands.across[:, 0]) / each), 0, strands.links).astype(np.int64)
         high = np.clip(np.ceil((end - strands.across[:, 0]) / each), 0, strands.links + 1).astype(np.int64)
         high = np.maximum(low, high)
+        fast, x = self.holders.fast, self.holders.x
         parts = [
-            (int(np.searchsorted(x, begin + edge)), int(np.searchsorted(x, end - edge)))
-            for x in (self.springs.x, self.grips.x, self._watched.x)
+            (first + int(np.searchsorted(x, begin + edge)), first + int(np.searchsorted(x, end - edge)))
+            for x, first in ((self.springs.x, 0), (x[:fast], 0), (x[fast:], fast), (self._watched.x, 0))
         ]
         return Window(low, high, self._laden(low, high), *parts)
 

@@ -15,7 +15,7 @@ from ropewalk.solve.equations import Equations, LinearBody, sprung
 from ropewalk.solve.free_vibration import free_vibration
 from ropewalk.solve.spectrum import Spectrum
 from ropewalk.wires.bearing import Bearing
-from ropewalk.wires.equilibrium import Potential, movable
+from ropewalk.wires.equilibrium import Potential, allowed
 from ropewalk.wires.frames import SAMPLE, Run
 from ropewalk.wires.journey import ON_GROUND, Journey
 from ropewalk.wires.layout import axes_of
@@ -129,19 +129,18 @@ def _equations(state: _State) -> Equations:
     """Equations of motion of the wires, and of what stands on them."""
     mesh, r = state.mesh, state.position
     potential = Potential(mesh, state.unstrained)
-    free = movable(mesh, space=True).ravel()
-    K = potential.stiffness(r) + _loosened(potential, mesh, r, state.shape)
-    K, C = K.tocsc()[free][:, free], damping_of(potential, mesh, r, state.shape)[free][:, free]
+    way = allowed(mesh)
+    K = way.T @ (potential.stiffness(r) + _loosened(potential, mesh, r, state.shape)) @ way
+    C = way.T @ damping_of(potential, mesh, r, state.shape) @ way
+    M = way.T @ sparse.diags(np.tile(mesh.mass, 3)) @ way
     names = tuple(w.name for w, n in zip(mesh.plan.wires, mesh.strands.links, strict=True) for _ in range(int(n) + 1))
     # Displacements of one node after the other, from components one after the other.
-    whole = np.flatnonzero(free)
-    row = 3 * (whole % mesh.nodes) + whole // mesh.nodes
-    moves = sparse.csr_matrix((np.ones(whole.size), (row, np.arange(whole.size))), shape=(free.size, whole.size))
-    wires = Equations("wires", K, sparse.diags(np.tile(mesh.mass, 3)[free]).tocsc(), C, moves, r.T, names)
-    return wires.with_bodies(_bodies(state, free, float(np.abs(K.diagonal()).max(initial=0.0))))
+    order = np.arange(3 * mesh.nodes).reshape(3, mesh.nodes).T.ravel()
+    wires = Equations("wires", K.tocsc(), M.tocsc(), C.tocsc(), way.tocsr()[order], r.T, names)
+    return wires.with_bodies(_bodies(state, way, float(np.abs(K.diagonal()).max(initial=0.0))))
 
 
-def _bodies(state: _State, free: NDArray[np.bool_], stiffest: float) -> Sequence[LinearBody]:
+def _bodies(state: _State, way: sparse.csc_matrix, stiffest: float) -> Sequence[LinearBody]:
     """What stands on the wires; its contacts move up and down only, as in motion."""
     if not state.journeys:
         return []
@@ -154,7 +153,7 @@ def _bodies(state: _State, free: NDArray[np.bool_], stiffest: float) -> Sequence
         if not n or not touching:
             continue
         mine = np.array(sorted(touching + resting), dtype=np.int64)
-        at, local = sparse.lil_matrix((mine.size, free.size)), np.zeros(mine.size)
+        at, local = sparse.lil_matrix((mine.size, way.shape[0])), np.zeros(mine.size)
         for j, k in enumerate(mine):
             seat = state.seats[k]
             if seat is not None:
@@ -167,7 +166,7 @@ def _bodies(state: _State, free: NDArray[np.bool_], stiffest: float) -> Sequence
         found.append(
             sprung(
                 riders.mass[i, :n, :n], riders.damping[i, :n, :n], riders.stiffness[i, :n, :n], riders.row[mine, :n],
-                (yields, riders.damper[mine]), at.tocsr()[:, np.flatnonzero(free)], stiffest,
+                (yields, riders.damper[mine]), at.tocsr() @ way, stiffest,
             )
         )  # fmt: skip
     return found
@@ -200,16 +199,17 @@ def damping_of(potential: Potential, mesh: Mesh, r: Array, shape: Array) -> spar
     """Damping of all components (3 node, 3 node), N s/m: drag, retardation, dampers of tight ties and of holds."""
     s, ties, holds = mesh.strands, mesh.ties, mesh.holds
     nodes = [int(n) + 1 for n in s.links]
-    drag = np.repeat(s.drag * s.rho * s.h, nodes)
+    drag = np.repeat(s.drag, nodes) * mesh.own
     late = sparse.diags(np.repeat(s.retardation, nodes))
     felt = late @ (vertical_stiffness(mesh) - sparse.diags(beds(mesh)))  # tension and bending, of all components alike
-    hold = rows(holds.at, mesh.nodes)
+    hold, held = rows(holds.at, mesh.nodes), np.einsum("hja,hj,hjb->abh", holds.axes, holds.damping, holds.axes)
     tie, way = _stretched(potential, mesh, r)[:2]
     c = np.where(_stretched(potential, mesh, shape)[3], ties.damping, 0.0)
     blocks = [
         [
             tie.T @ sparse.diags(c * way[a] * way[b]) @ tie
-            + (sparse.diags(drag) + felt + hold.T @ sparse.diags(holds.damping[:, a]) @ hold if a == b else 0.0 * felt)
+            + hold.T @ sparse.diags(held[a, b]) @ hold
+            + (sparse.diags(drag) + felt if a == b else 0.0 * felt)
             for b in range(3)
         ]
         for a in range(3)

@@ -19,7 +19,7 @@ def largest_step(mesh: Mesh, riders: Riders) -> float:
     bending = s.stiffness + T * s.h**2 / 12.0
     across = (4.0 * T / s.h + 16.0 * bending / s.h**3 + s.bed * s.h) / m
     lightest = float(m.min())
-    total = across + _attached(mesh, lightest) + _ridden(mesh, riders, lightest)
+    total = across + _attached(mesh, lightest) + _at_ends(mesh) + _ridden(mesh, riders, lightest)
     # omega^2 (dt^2 + 2 beta dt) + 2 c / m dt < 4 for each wire
     late = s.retardation + _damped(mesh, riders, lightest) / total
     steps = np.sqrt(4.0 / total + late**2) - late
@@ -30,20 +30,28 @@ def largest_step_along(mesh: Mesh, inertia: float = 1.0) -> float:
     """A step in s that is stable for motion along wires; `inertia` is a factor on the mass for that."""
     s = mesh.strands
     EA = np.array([wire.axial_stiffness for wire in mesh.plan.wires])
-    square = (4.0 * EA / s.h + 16.0 * s.stiffness / s.h**3) / (s.rho * s.h) / inertia
+    square = (4.0 * EA / s.h + 16.0 * s.stiffness / s.h**3) / (s.rho * s.h) / inertia + _at_ends(mesh) / inertia
     return SAFETY_ALONG * float(2.0 / np.sqrt(square.max()))
 
 
 def _attached(mesh: Mesh, lightest: float) -> float:
     """Bound of what ties and holds add to the square of a frequency; two neighbours may share nodes."""
-    held = np.where(np.isinf(mesh.holds.stiffness), 0.0, spring(mesh.holds.stiffness, mesh.holds.at.local[:, None]))
+    inside = (mesh.holds.node < 0)[:, None] & ~np.isinf(mesh.holds.stiffness)
+    held = np.where(inside, spring(mesh.holds.stiffness, mesh.holds.at.local[:, None]), 0.0)
     stiff = [0.0, *ties_springs(mesh)[0], *held.ravel()]
     return 2.0 * _SQUARES * float(max(stiff)) / lightest
 
 
+def _at_ends(mesh: Mesh) -> float:
+    """The same of holds at ends, where half a link and a support move."""
+    at = mesh.holds.node >= 0
+    stiff = np.where(np.isinf(mesh.holds.stiffness[at]), 0.0, mesh.holds.stiffness[at]).max(axis=1, initial=0.0)
+    return float((stiff / mesh.mass[mesh.holds.node[at]]).max(initial=0.0))
+
+
 def _damped(mesh: Mesh, riders: Riders, lightest: float) -> float:
-    """Bound of the rates of dampers that act with the velocity of half a step ago, 1/s."""
-    tied = 2.0 * _SQUARES * float(max([0.0, *mesh.ties.damping, *mesh.holds.damping.ravel()])) / lightest
+    """Bound of the rates of dampers that act with the velocity of half a step ago, 1/s; those of holds do not."""
+    tied = 2.0 * _SQUARES * float(max([0.0, *mesh.ties.damping])) / lightest
     found = [0.0]
     for k, i in enumerate(riders.owner):
         n = riders.size[i]

@@ -10,7 +10,7 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
 from ropewalk.solve.following import schedule, slow_motion
 from ropewalk.wires.bearing import Bearing, Borne
-from ropewalk.wires.layout import axes_of, layout_of
+from ropewalk.wires.layout import axes_of, layout_of, reactions
 from ropewalk.wires.plan import Array
 from ropewalk.wires.task import Task, ready
 
@@ -130,9 +130,8 @@ class Still:
 
     def _reactions(self, r: Array) -> Array:
         """Forces of ends and holds on their wires, (support, 3) N."""
-        strands, potential = self.mesh.strands, self._bearing.potential
-        ends = np.stack([strands.first, strands.first + strands.links], axis=1).ravel()
-        return np.concatenate([-potential.pull(r)[:, ends].T, potential.hold_forces(r)])
+        potential = self._bearing.potential
+        return reactions(self.mesh, potential.bare_pull(r), potential.hold_forces(r))
 
     def _energy(self, found: Borne) -> Array:
         potential, r = self._bearing.potential, found.position

@@ -7,20 +7,22 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+import scipy.sparse as sparse
 from scipy.optimize import brentq
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.solve.minimum import is_definite
-from ropewalk.wires.equilibrium import Potential, settle
+from ropewalk.wires.equilibrium import Potential, settle_on_rails
 from ropewalk.wires.journey import Journey
 from ropewalk.wires.large import hung
 from ropewalk.wires.mesh import Mesh, mesh_of
 from ropewalk.wires.partners import Foreigner
-from ropewalk.wires.plan import Array, Plan, Rider, Wire
-from ropewalk.wires.rest import Rest, moving, rest_of, vertical_stiffness
+from ropewalk.wires.plan import Array, Plan, Rider, Spot, Wire
+from ropewalk.wires.rest import Rest, moving, rest_of, rows, spring, vertical_stiffness
 from ropewalk.wires.seat import seat_at, seat_below
 
 Geometry = Literal["nonlinear", "linearised"]
+_MOST_ROUNDS, _CLOSE = 20, 1e-6  # in which unstrained lengths are found, and how closely they give the tension
 _INSTANT = 1e-6  # s, in which a first speed is found
 _SLIGHT = 1e-6  # strain to guess with where there is no weight
 # Of the length of a hanging wire: its ends are as far from each other at least; and its steepest chord.
@@ -79,12 +81,52 @@ def unstretched(plan: Plan, element: float | list[int]) -> Plan:
     if all(wire.stretched or wire.unstrained is not None for wire in plan.wires):
         return plan
     mesh = mesh_of(plan, element)
+    wanted = [i for i, wire in enumerate(plan.wires) if not wire.stretched and wire.unstrained is None]
     lengths = _guess(mesh)[1]
-    return replace(plan, wires=tuple(
-        wire if wire.stretched or wire.unstrained is not None
-        else replace(wire, unstrained=float(lengths[mesh.of(i)][:-1].sum()))
-        for i, wire in enumerate(plan.wires)
-    ))  # fmt: skip
+    found = _with_lengths(plan, {i: float(lengths[mesh.of(i)][:-1].sum()) for i in wanted})
+    yields = {int(mesh.holds.at.wire[i]) for i, node in enumerate(mesh.holds.node) if not mesh.fixed[::2, node].all()}
+    for _ in range(_MOST_ROUNDS):  # where supports yield, the guess is none of the tension at rest
+        mesh = mesh_of(found, element)
+        position, unstrained = _guess(mesh)
+        rest = settle_on_rails(Potential(mesh, unstrained), position) if yields.intersection(wanted) else None
+        if rest is None:
+            break
+        last, soft, more = np.cumsum(mesh.strands.links), _softness(mesh), dict[int, float]()
+        for i in yields.intersection(wanted):
+            wire = found.wires[i]
+            missing = plan.wires[i].tension - float(rest.tension[last[i] - mesh.strands.links[i] : last[i]].mean())
+            if abs(missing) > _CLOSE * plan.wires[i].tension:
+                more[i] = wire.length - missing * (wire.length / wire.axial_stiffness + float(soft[i]))
+        if not more:
+            break
+        found = _with_lengths(found, more)
+    return found
+
+
+def _with_lengths(plan: Plan, lengths: dict[int, float]) -> Plan:
+    """The plan with other unstrained lengths of some wires, in m; what is attached to them goes along."""
+    wires = tuple(
+        replace(wire, unstrained=lengths[i]) if i in lengths else wire for i, wire in enumerate(plan.wires)
+    )  # fmt: skip
+
+    def there(spot: Spot) -> Spot:
+        return replace(spot, station=spot.station * wires[spot.wire].length / plan.wires[spot.wire].length)
+
+    return replace(
+        plan, wires=wires, holds=tuple(replace(hold, spot=there(hold.spot)) for hold in plan.holds),
+        masses=tuple(replace(mass, spot=there(mass.spot)) for mass in plan.masses),
+    )  # fmt: skip
+
+
+def _softness(mesh: Mesh) -> Array:
+    """By how much the holds at the ends of straight wires give way along them, (wire,) m/N."""
+    out, holds = np.zeros(len(mesh.plan.wires)), mesh.holds
+    for i in np.flatnonzero(holds.node >= 0):
+        a = int(holds.at.wire[i])
+        way = np.subtract(mesh.plan.wires[a].end, mesh.plan.wires[a].start) / mesh.plan.wires[a].chord
+        free = np.isfinite(holds.stiffness[i]) & (holds.stiffness[i] > 0.0)
+        out[a] += float(((holds.axes[i, free] @ way) ** 2 / holds.stiffness[i, free]).sum())
+    return out
 
 
 def ready(task: Task) -> tuple[Task, Start]:
@@ -104,8 +146,15 @@ def _linearised(task: Task) -> Start:
             raise EquilibriumError(
                 f"{wire.name} is slack, and small motion needs a tension: write geometry: nonlinear, or give tension"
             )
+    for hold in task.plan.holds:
+        if hold.moved is not None and np.ptp(hold.moved.value[0]) > 0.0:
+            raise EquilibriumError(
+                f"{hold.name} moves along x, and small motion has constant tensions: write geometry: nonlinear"
+            )
     mesh = mesh_of(task.plan, task.element)
-    K, free = vertical_stiffness(mesh), moving(mesh)
+    holds, free = mesh.holds, moving(mesh)
+    at, stiff = rows(holds.at, mesh.nodes), spring(holds.stiffness[:, 2], holds.at.local)
+    K = vertical_stiffness(mesh) + at.T @ sparse.diags(stiff) @ at
     for i, wire in enumerate(task.plan.wires):
         own = np.arange(mesh.nodes)[mesh.of(i)][free[mesh.of(i)]]
         if wire.tension < 0.0 and not is_definite(K[own][:, own].tocsc()):
@@ -126,7 +175,7 @@ def _nonlinear(task: Task) -> Start:
     else:
         position, unstrained = _guess(mesh)
     for _ in range(2):
-        found = settle(Potential(mesh, unstrained), position, space=task.space)
+        found = settle_on_rails(Potential(mesh, unstrained), position, space=task.space)
         position = found.position
         if all(wire.unstrained is None for wire in plan.wires):
             break
@@ -146,16 +195,33 @@ def _guess(mesh: Mesh) -> tuple[Array, Array]:
     """Positions near rest, and unstrained lengths: of wires of given length, that; of others, what tension asks for."""
     wires = mesh.plan.wires
     tension = np.array([_stretched(wire, mesh.plan.gravity) for wire in wires])
-    position = rest_of(mesh._replace(strands=mesh.strands._replace(tension=tension))).position
+    position = yielded(mesh, rest_of(mesh._replace(strands=mesh.strands._replace(tension=tension))).position, tension)
     unstrained = hung(mesh, position)
     for i, wire in enumerate(wires):
         if wire.unstrained is None:
             continue
         part, links = mesh.of(i), int(mesh.strands.links[i])
         unstrained[part] = wire.unstrained / links
-        if wire.unstrained > (1.0 + 1e-9) * wire.chord and "free" not in wire.ends:
-            position[:, part] = hanging(np.array(wire.start), np.array(wire.end), wire.unstrained, links)
+        if wire.unstrained > (1.0 + 1e-9) * wire.chord:
+            start, end = position[:, part][:, 0], position[:, part][:, -1]
+            position[:, part] = hanging(start, end, wire.unstrained, links)
     return position, unstrained
+
+
+def yielded(mesh: Mesh, position: Array, tension: Array) -> Array:
+    """Positions near rest (3, node) m whose ends have given way along x to tensions of straight wires, (wire,) N."""
+    out, s = position.copy(), mesh.strands
+    for i, node in enumerate(mesh.holds.node):
+        if node < 0 or mesh.fixed[0, node]:
+            continue
+        a, axes, stiff = int(mesh.holds.at.wire[i]), mesh.holds.axes[i], mesh.holds.stiffness[i]
+        way = np.subtract(mesh.plan.wires[a].end, mesh.plan.wires[a].start) / mesh.plan.wires[a].chord
+        pull = way * tension[a] * (1.0 if node == s.first[a] else -1.0) + mesh.holds.force[i]
+        held = np.isfinite(stiff) & (stiff > 0.0)
+        moved = float(axes[held, 0] @ (axes[held] @ pull / stiff[held]))
+        part, along = mesh.of(a), np.linspace(0.0, 1.0, int(s.links[a]) + 1)
+        out[0, part] += moved * (along if node != s.first[a] else 1.0 - along)
+    return out
 
 
 def _stretched(wire: Wire, gravity: float) -> float:
