@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from ropewalk.errors import RopewalkError
 from ropewalk.foreign.models import turns_of
 from ropewalk.mechanics.assembly import speed_table, vector_table
 from ropewalk.mechanics.wheels import wheels_of
-from ropewalk.errors import RopewalkError
 from ropewalk.model.beginning import UP
 from ropewalk.model.line import spatial
 from ropewalk.model.load import AnyLoad, Foreign, MovingForce
@@ -102,7 +102,9 @@ def task_of(scenario: Scenario) -> Task:
             "geometry": run.geometry, "inertia": run.axial_inertia,
             "window": run.window if run.window is not None else np.inf, "with_loads": run.start.with_loads,
         }  # fmt: skip
-        groups = {name: range(offsets[i], offsets[i] + len(s.plan.wires)) for i, (name, s) in enumerate(sections.items())}
+        groups = {
+            name: range(offsets[i], offsets[i] + len(s.plan.wires)) for i, (name, s) in enumerate(sections.items())
+        }
         groups |= {name: range(first + i, first + i + 1) for i, name in enumerate(scenario.lines)}
         if run.start.kind != "rest":
             begins = _in_mode if run.start.kind == "mode" else _as_stored
@@ -143,7 +145,9 @@ def _as_stored(start: Beginning, groups: Mapping[str, range], space: bool, rest:
     held = ~movable(rest.mesh, space=True)
     away = float(np.abs(position - rest.position)[held].max(initial=0.0))
     if away > 1e-9 * max(wire.length for wire in rest.mesh.plan.wires):
-        raise RopewalkError(f"{start.file}: an end stands {away:.3g} m elsewhere in the stored result; use the same lines")
+        raise RopewalkError(
+            f"{start.file}: an end stands {away:.3g} m elsewhere in the stored result; use the same lines"
+        )
     return position, velocity
 
 

@@ -43,7 +43,9 @@ def found(elements: int, line: dict[str, Any], load: dict[str, Any] | None, **mo
 )  # fmt: skip
 def test_a_string_that_carries_a_load_solves_its_frequency_equation_with_the_second_order(load, acts, place) -> None:
     exact = roots(of_string(LENGTH, place, TENSION, MASS), acts, 4, 60.0)
-    errors = np.array([np.abs(nearest(found(n, STRING, load, place=place), exact) / exact - 1.0) for n in (40, 80, 160)])
+    errors = np.array(
+        [np.abs(nearest(found(n, STRING, load, place=place), exact) / exact - 1.0) for n in (40, 80, 160)]
+    )
     print("exact", exact, "errors", errors, "orders", np.log2(errors[:-1] / errors[1:]))
     assert errors[-1].max() < 1e-3  # (n pi h / L)^2 / 24 with n = 7: 7.9e-4
     if place == 10.0:  # where it stands between two nodes the error jumps
@@ -53,14 +55,16 @@ def test_a_string_that_carries_a_load_solves_its_frequency_equation_with_the_sec
 def test_a_mass_in_the_middle_of_a_string_solves_the_tangent_equation_of_textbooks() -> None:
     """cot(k L / 2) = k m / (2 rho), up and down and sideways alike."""
     mass = 8.0
-    k = brentq(lambda k: np.cos(0.5 * k * LENGTH) - 0.5 * k * mass / MASS * np.sin(0.5 * k * LENGTH), 1e-6, np.pi / LENGTH)
+    k = brentq(
+        lambda k: np.cos(0.5 * k * LENGTH) - 0.5 * k * mass / MASS * np.sin(0.5 * k * LENGTH), 1e-6, np.pi / LENGTH
+    )
     w = k * np.sqrt(TENSION / MASS)
     frequency = found(200, STRING, {"kind": "mass", "mass": mass}).frequency
     assert frequency[:2] == pytest.approx([w, w], rel=2e-5)
 
 
 def test_a_trolley_on_a_string_swings_like_a_double_pendulum_of_springs() -> None:
-    """A payload below a mass on a massless string: sideways m1 x1'' = -k x1 + N (x2 - x1) / l, m2 x2'' = -N (x2 - x1) / l."""
+    """A payload below a mass on a light string: m1 x1'' = -k x1 + N (x2 - x1) / l, m2 x2'' = -N (x2 - x1) / l."""
     m1, m2, length, g = 20.0, 60.0, 2.0, 9.81
     light = {**STRING, "mass": 1e-3, "tension": 5e4, "axial_stiffness": 1e7}
     trolley = {"kind": "trolley", "mass": m1, "payload": {"mass": m2, "length": length, "stiffness": 1e9}}
@@ -114,8 +118,9 @@ def test_an_end_on_a_spring_solves_its_frequency_equation() -> None:
                    guess[0] * np.pi / LENGTH, guess[1] * np.pi / LENGTH)  # fmt: skip
         w = k * np.sqrt(TENSION / MASS)
         assert np.abs(modes.frequency - w).min() < 2e-4 * w
-        assert modes.frequency[np.abs(modes.frequency - np.pi / LENGTH * np.sqrt(TENSION / MASS)).argmin()] == pytest.approx(
-            np.pi / LENGTH * np.sqrt(TENSION / MASS), rel=1e-4)  # sideways it is held
+        assert modes.frequency[
+            np.abs(modes.frequency - np.pi / LENGTH * np.sqrt(TENSION / MASS)).argmin()
+        ] == pytest.approx(np.pi / LENGTH * np.sqrt(TENSION / MASS), rel=1e-4)  # sideways it is held
 
 
 def test_walkers_and_models_of_ones_own_have_no_matrices() -> None:

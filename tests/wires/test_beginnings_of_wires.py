@@ -63,9 +63,7 @@ def released(element: float, geometry: str) -> float:
     tree = {"gravity": 9.81, "overhead_lines": {"line": {**OVERHEAD, "element": element}}}
     modes = spectrum_of(Scenario.model_validate({**tree, "run": {"kind": "equilibrium"}})).modes
     assert modes is not None
-    up = next(
-        w for w, s in zip(modes.frequency, modes.shape, strict=True) if (s[:, 2] ** 2).sum() > 0.5 * (s**2).sum()
-    )
+    up = next(w for w, s in zip(modes.frequency, modes.shape, strict=True) if (s[:, 2] ** 2).sum() > 0.5 * (s**2).sum())
     start = {"kind": "mode", "amplitude": AMPLITUDE, "line": "line"}
     result = run_of(tree, until=4.0, every=0.02, start=start, geometry=geometry)
     z = result.position.sel(axis="z").values
@@ -78,7 +76,7 @@ def released(element: float, geometry: str) -> float:
 
 
 def test_an_overhead_line_released_in_a_mode_swings_as_its_spectrum_says() -> None:
-    """The stencil of motion is corrected for smooth waves; at droppers modes have kinks, which costs the first order."""
+    """The stencil of motion is corrected for smooth waves; modes have kinks at droppers: that costs the first order."""
     coarse, fine = released(1.0, "nonlinear"), released(0.5, "nonlinear")
     assert abs(coarse) < 0.01
     assert 1.7 < coarse / fine < 2.3

@@ -131,7 +131,10 @@ def _run(run: Dynamic) -> Iterator[_Lack]:
     if run.method in ("implicit", "rkn6"):
         yield ("method",), "webs move explicitly, by Verlet's method", run.method, "write auto, or leave it out"
     if run.start.whirl:
-        wrong, remedy = "webs are released from a mode, they do not whirl", "leave it out, or compute one line by itself"
+        wrong, remedy = (
+            "webs are released from a mode, they do not whirl",
+            "leave it out, or compute one line by itself",
+        )
         yield ("start", "whirl"), wrong, "true", remedy
 
 

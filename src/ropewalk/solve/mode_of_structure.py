@@ -17,9 +17,7 @@ _MOST, _FIRST = 4, 12  # modes that are looked at for each one wanted, and how m
 _PART = 0.5  # of its square that a mode has in the direction; of the largest displacement that it has on a line
 
 
-def mode_of(
-    K: Any, M: Any, moves: Any, number: int, direction: Array, on: NDArray[np.bool_] | None = None
-) -> Array:
+def mode_of(K: Any, M: Any, moves: Any, number: int, direction: Array, on: NDArray[np.bool_] | None = None) -> Array:
     """The shape of a mode at rest, (node, 3), whose largest displacement is 1 and goes towards the direction.
 
     Args:
@@ -50,9 +48,7 @@ def mode_of(
         wanted = min(count, 2 * wanted)
 
 
-def _towards(
-    K: Any, M: Any, moves: Any, wanted: int, along: Array, on: NDArray[np.bool_] | None
-) -> Iterator[Array]:
+def _towards(K: Any, M: Any, moves: Any, wanted: int, along: Array, on: NDArray[np.bool_] | None) -> Iterator[Array]:
     """Shapes (node, 3) of the lowest modes that move in a direction, of those alike the ones that do so most."""
     w, shapes = lowest(K, M, wanted)
     moved = np.asarray((moves @ shapes).T).reshape(w.size, -1, 3)

@@ -14,8 +14,8 @@ from ropewalk.foreign.turns import TravelEndedError, Turns
 from ropewalk.model.run import common_interval
 from ropewalk.results.exchanges import exchanged, exchanging
 from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
-from ropewalk.wires.beginning import along_moved, on_moved, small_under_loads
 from ropewalk.wires.bearing import at_rest_together
+from ropewalk.wires.beginning import along_moved, on_moved, small_under_loads
 from ropewalk.wires.drive import ON_WIRE, Drive, Record
 from ropewalk.wires.energy import Audit
 from ropewalk.wires.equilibrium import Potential
