@@ -20,6 +20,7 @@ _PATTERNS = {
         "without gravity nothing decides how a slack line hangs": r"without gravity the rest shape of a line longer",
         "an overhead line hangs by its weight": r"an overhead line hangs by its weight",
         "the mode has no part across the line": r"the direction has no part across",
+        "a window holds what a mode moves": r"with a window only what is near the contacts moves",
         "the key belongs to the other geometry": r"goes with (non)?linear(ised)? geometry only",
         "a slack rope has no transverse modes about its chord": r"deflected so far it would be pushed together",
         "a line without bending stiffness turns freely": r"a line without bending stiffness turns freely",

@@ -144,5 +144,7 @@ def test_modes_that_stiff_lines_do_not_have_are_refused() -> None:
         run_of(tree, until=0.1, start={"kind": "mode", "amplitude": 1e-3, "whirl": True})
     with pytest.raises(ValueError, match="lie in the x-z plane"):
         run_of(tree, until=0.1, start={"kind": "mode", "amplitude": 1e-3, "direction": [0, 1, 1]})
+    with pytest.raises(ValueError, match="with a window only what is near the contacts moves"):
+        run_of(tree, until=0.1, start={"kind": "mode", "amplitude": 1e-3}, geometry="linearised", window=5.0)
     with pytest.raises((ValueError, ScenarioError), match="no such line"):
         run_of(tree, until=0.1, start={"kind": "mode", "amplitude": 1e-3, "line": "bean"})

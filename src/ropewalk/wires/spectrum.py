@@ -60,6 +60,8 @@ def spectrum_with_loads(task: Task, how_many: int | None = None) -> Spectrum:
     Raises:
         RopewalkError: there is no such rest, or a load is a model of one's own.
     """
+    if task.geometry == "linearised":
+        return spectrum_at(task, 0.0, how_many=how_many)
     _refuse_models(task)
     task, start = ready(task)
     borne = Bearing(start.mesh, task.journeys, start.unstrained, space=task.space).stand(0.0, start.position)
