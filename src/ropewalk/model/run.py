@@ -20,9 +20,9 @@ ACCURACY = 1e-3
 class Start(Declaration):
     """What a motion begins with: rest under gravity with or without the loads, a stored result, or a mode.
 
-    A mode of a rope is the state of rest and, on top of it, `amplitude * sin(number pi xi / L)` across the line: released from
-    there, or whirling about the straight line through the supports, in a circle if it is taut. Along that line the
-    particles stand so that all links are longer by the same part than at rest.
+    A mode of a rope is the state of rest and, on top of it, `amplitude * sin(number pi xi / L)` across the line:
+    released from there, or whirling about the straight line through the supports, in a circle if it is taut. Along that
+    line the particles stand so that all links are longer by the same part than at rest.
 
     Lines with bending stiffness, overhead lines, joined lines and nets are released from a mode of their spectrum at
     rest without loads: the one of this number among those that move in the direction rather than across it. Each stiff
