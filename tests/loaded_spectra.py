@@ -1,4 +1,4 @@
-"""Frequency equations of strings and beams that carry a mass or an oscillator, and what of a spectrum goes with them."""
+"""Frequency equations of strings and beams that carry a mass or an oscillator."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ def test_a_mass_in_the_middle_of_a_string_solves_the_tangent_equation_of_textboo
 
 
 def test_a_trolley_on_a_string_swings_like_a_double_pendulum_of_springs() -> None:
-    """A payload below a mass on a massless string: sideways m1 x1'' = -k x1 + N (x2 - x1) / l, m2 x2'' = -N (x2 - x1) / l."""
+    """A payload below a mass on a light string: m1 x1'' = -k x1 + N (x2 - x1) / l, m2 x2'' = -N (x2 - x1) / l."""
     m1, m2, length, g = 20.0, 60.0, 2.0, 9.81
     light = {**STRING, "mass": 1e-3, "tension": 5e4, "axial_stiffness": 1e7}
     trolley = {"kind": "trolley", "mass": m1, "payload": {"mass": m2, "length": length, "stiffness": 1e9}}

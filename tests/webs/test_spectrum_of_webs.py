@@ -12,8 +12,10 @@ from scipy.linalg import eig, eigh
 from ropewalk.model import Scenario
 from ropewalk.simulate import spectrum_of
 from ropewalk.solve.spectrum import Modes
+from web_cases import EA, HUNG, RHO, SPAN, TENSION, N, cross
 
 Array = NDArray[np.float64]
+<<<<<<< HEAD
 EA, N = 1e6, 8
 TENSION = {"west": 1000.0, "east": 1000.0, "south": 600.0, "north": 600.0}
 SPAN = {"west": [-10, 0, 0], "east": [10, 0, 0], "south": [0, -6, 0], "north": [0, 6, 0]}
@@ -28,6 +30,8 @@ def cross(load: dict[str, Any] | None = None, **more: Any) -> Scenario:
     loads = {"loads": {"load": load}} if load is not None else {}
     given = {"gravity": 0.0, "joints": {"knot": {}}, "lines": lines, **loads, "run": {"kind": "equilibrium"}, **more}
     return Scenario.model_validate(given)
+=======
+>>>>>>> spectrum
 
 
 def standing(place: float, mass: float) -> dict[str, Any]:
@@ -99,15 +103,6 @@ def test_axial_dampers_and_drag_damp_a_network_as_the_quadratic_eigenvalue_probl
         assert abs(nearest - complex(-ratio * w, w * np.sqrt(1.0 - ratio**2))) < 1e-5 * w  # |lambda| is not quite w
     assert modes.ratio[0] == pytest.approx(0.3 / modes.frequency[0], rel=1e-6)  # transverse: drag alone
     assert (modes.ratio > 1.2 * 0.3 / modes.frequency).any()
-
-
-HUNG = {
-    "lines": {
-        "rope": {"start": [0, 0], "end": [20, 0], "length": 20.3, "mass": 1.0, "axial_stiffness": 1e4, "elements": 24},
-        "hanger": {"start": [9, 6], "end": [9, 0], "length": 6.0, "mass": 0.2, "axial_stiffness": 1e4, "elements": 8,
-                   "end_support": {"kind": "joined", "to": "rope", "at": 8.5}},
-    }
-}  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", [{"kind": "mass", "mass": 60.0}, {"kind": "force", "force": [0, -500]}])

@@ -30,7 +30,8 @@ MISTAKES = {
     "linear": ("kind: dynamic, until: 1 s", "kind: linear, until: 1 s", 9, "run.kind", "does not know joints"),
     "method": ("until: 1 s", "until: 1 s, method: rkn6", 9, "run.method", "Verlet"),
     "start": (
-        "until: 1 s", "until: 1 s, start: {kind: mode, amplitude: 0.1}", 9, "run.start.kind", "webs start at rest",
+        "until: 1 s", "until: 1 s, start: {kind: mode, amplitude: 0.1, whirl: true}", 9, "run.start.whirl",
+        "do not whirl",
     ),
     "moving support": (
         "length: 5, mass: 1, axial_stiffness: 1e5, end_support: {kind: joined, to: a",

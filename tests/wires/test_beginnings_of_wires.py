@@ -76,7 +76,7 @@ def released(element: float, geometry: str) -> float:
 
 
 def test_an_overhead_line_released_in_a_mode_swings_as_its_spectrum_says() -> None:
-    """The stencil of motion is corrected for smooth waves; at droppers modes have kinks, which costs the first order."""
+    """The stencil of motion is corrected for smooth waves; modes have kinks at droppers: that costs the first order."""
     coarse, fine = released(1.0, "nonlinear"), released(0.5, "nonlinear")
     assert abs(coarse) < 0.01
     assert 1.7 < coarse / fine < 2.3
@@ -144,5 +144,7 @@ def test_modes_that_stiff_lines_do_not_have_are_refused() -> None:
         run_of(tree, until=0.1, start={"kind": "mode", "amplitude": 1e-3, "whirl": True})
     with pytest.raises(ValueError, match="lie in the x-z plane"):
         run_of(tree, until=0.1, start={"kind": "mode", "amplitude": 1e-3, "direction": [0, 1, 1]})
+    with pytest.raises(ValueError, match="with a window only what is near the contacts moves"):
+        run_of(tree, until=0.1, start={"kind": "mode", "amplitude": 1e-3}, geometry="linearised", window=5.0)
     with pytest.raises((ValueError, ScenarioError), match="no such line"):
         run_of(tree, until=0.1, start={"kind": "mode", "amplitude": 1e-3, "line": "bean"})

@@ -73,7 +73,7 @@ class Riding:
 
 
 class Hermite:
-    """Two wires with droppers between them, all level spans, nodes every h metres at which all that is attached lies."""
+    """Two wires with droppers between them, level spans, nodes every h metres, where all that is attached lies."""
 
     def __init__(self, plan: Plan, h: float) -> None:
         self.plan, self.h, self.links = plan, h, round(plan.wires[0].length / h)
@@ -129,7 +129,7 @@ class Hermite:
                 T, rho = (
                     wire.tension / c,
                     wire.mass * c,
-                )  # what is given is tension along x and mass for each metre of x
+                )  # given are tension along x and mass per metre of x
                 across = bending(L, wire.bending_stiffness) + tensed(L, T)
                 turn = np.zeros((6, 10))  # along, across, slope at both ends, from the degrees of freedom of the nodes
                 for end in range(2):

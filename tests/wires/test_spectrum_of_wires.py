@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ropewalk.errors import RopewalkError
 from ropewalk.model import Scenario
 from ropewalk.results.mode_figure import mode_figure
 from ropewalk.simulate import spectrum_of
 from ropewalk.solve.spectrum import Modes
 from ropewalk.theory import beam
+from ropewalk.wires.plan import Plan
+from ropewalk.wires.spectrum import spectrum
+from ropewalk.wires.task import Task
+from wire_cases import straight
 
 LENGTH, MASS, EI = 10.0, 50.0, 2e6
 MESHES = (20, 40, 80)
@@ -84,8 +87,9 @@ def test_modes_are_drawn_a_panel_each_with_frequencies_in_hertz() -> None:
     assert titles[0] == f"1: {spectrum.modes.frequency[0] / (2 * np.pi):.4g} Hz"
 
 
-def test_an_instant_of_a_stiff_line_is_refused() -> None:
-    line = {"start": [0, 0], "end": [LENGTH, 0], "length": LENGTH, "mass": MASS, "axial_stiffness": 1e9}
-    scenario = {"lines": {"beam": {**line, "bending_stiffness": EI}}, "run": {"kind": "dynamic", "until": 1.0}}
-    with pytest.raises(RopewalkError, match="at rest only; leave the time out"):
-        spectrum_of(Scenario.model_validate(scenario), at=0.5)
+def test_retardation_damps_a_wire_under_tension_in_proportion_to_its_frequency() -> None:
+    """beta K of Rayleigh: the ratio is beta w / 2, of what tension and bending hold alike."""
+    wire = straight(60.0, 2e4, 1.35, 195.0, retardation=1e-3)
+    modes = spectrum(Task(Plan((wire,), gravity=0.0), (), (), element=[60])).modes
+    assert modes is not None
+    assert modes.ratio == pytest.approx(0.5e-3 * modes.frequency, rel=1e-4)  # the wire stretches by 1e-4

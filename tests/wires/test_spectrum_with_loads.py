@@ -117,6 +117,15 @@ def test_a_wheel_of_a_vehicle_given_by_matrices_may_have_no_mass_or_all_of_it() 
         assert given.frequency == pytest.approx(known.frequency, rel=1e-9)
 
 
+@pytest.mark.parametrize("at", [None, 0.02])
+def test_small_motion_with_its_loads_has_the_spectrum_of_the_line_that_does_not_sag(at) -> None:
+    """Tensions of rest stay: the mass hangs on the line as it does without gravity."""
+    run = {**DYNAMIC, "geometry": "linearised", "start": {"with_loads": True}}
+    small = found(20, TAUT, HEAVY, run=run, at=at, gravity=9.81)
+    weightless = found(20, TAUT, HEAVY)
+    assert small.frequency == pytest.approx(weightless.frequency, rel=1e-3)  # its own sag, 2.5 mm
+
+
 SAGGING = {**TAUT, "length": 10.02, "axial_stiffness": 1e5, "bending_stiffness": 2.0}
 del SAGGING["tension"]
 

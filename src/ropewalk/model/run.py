@@ -18,11 +18,15 @@ ACCURACY = 1e-3
 
 
 class Start(Declaration):
-    """What a motion begins with: rest under gravity with or without the loads, a stored result, or a mode of strings.
+    """What a motion begins with: rest under gravity with or without the loads, a stored result, or a mode.
 
-    A mode is the state of rest and, on top of it, `amplitude * sin(number pi xi / L)` across the line: released from
-    there, or whirling about the straight line through the supports, in a circle if it is taut. Along that line the
-    particles stand so that all links are longer by the same part than at rest.
+    A mode of a rope is the state of rest and, on top of it, `amplitude * sin(number pi xi / L)` across the line:
+    released from there, or whirling about the straight line through the supports, in a circle if it is taut. Along that
+    line the particles stand so that all links are longer by the same part than at rest.
+
+    Lines with bending stiffness, overhead lines, joined lines and nets are released from a mode of their spectrum at
+    rest without loads: the one of this number among those that move in the direction rather than across it. Each stiff
+    line and each overhead line has its own; of joined lines, a name counts the modes that move that line.
     """
 
     kind: Literal["rest", "result", "mode"] = Field(default="rest", description="what the motion begins with")
@@ -30,7 +34,7 @@ class Start(Declaration):
     file: str | None = Field(default=None, description="result: a NetCDF file written by an earlier run")
     time: TableTime | None = Field(default=None, description="result: the instant to start from (default: the last)")
     number: Annotated[int, Count(1, 1_000_000)] | None = Field(
-        default=None, description="mode: number of half waves (default: 1)"
+        default=None, description="mode: number of half waves, or of the mode (default: 1)"
     )
     amplitude: PositiveLength | None = Field(default=None, description="mode: the largest deflection")
     direction: Direction | None = Field(

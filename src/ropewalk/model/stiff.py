@@ -87,6 +87,9 @@ def _run(run: Dynamic) -> Iterator[Finding]:
     if run.start.whirl:
         wrong, remedy = "stiff lines and overhead lines do not whirl, they move up and down", "leave it out"
         yield Finding(("run", "start", "whirl"), wrong, "true", remedy)
+    if run.window is not None and run.start.kind != "rest":
+        wrong = "with a window only what is near the contacts moves, and a mode or a stored instant moves all"
+        yield Finding(("run", "window"), wrong, f"{run.window:g} m", "leave window out, or start at rest")
     if run.start.direction is not None and len(run.start.direction) == 3 and run.start.direction[1] != 0.0:
         wrong = "modes of stiff lines and overhead lines lie in the x-z plane"
         given = str([float(value) for value in run.start.direction])

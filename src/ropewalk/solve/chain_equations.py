@@ -24,7 +24,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.model.walker import Walker
 from ropewalk.solve.coupled_equilibrium import settle_together
 from ropewalk.solve.equations import Equations, LinearBody
-from ropewalk.solve.linearised import _link_blocks
+from ropewalk.solve.linearised import link_blocks
 from ropewalk.solve.spectrum import in_space
 from ropewalk.solve.start import Setting
 
@@ -41,8 +41,8 @@ def refuse_minds(scenario: Scenario) -> None:
         if isinstance(load, Walker | Foreign):
             what = "a walker" if isinstance(load, Walker) else "a model of one's own"
             raise RopewalkError(
-                f"load {name}: {what} has no matrices, and the spectrum with loads needs them; ask for that of the line "
-                "alone (no instant, no start.with_loads), or write the load as kind: vehicle, given by matrices"
+                f"load {name}: {what} has no matrices, and the spectrum with loads needs them; ask for that of the "
+                "line alone (no instant, no start.with_loads), or write the load as kind: vehicle, given by matrices"
             )
 
 
@@ -95,7 +95,7 @@ def equations_of(scenario: Scenario, setting: Setting, state: State, bodies: Bod
         if not (np.isfinite(own).all() and np.all(ell > 0.0)):
             raise RopewalkError("there is no spectrum: positions are not finite, or a link has no length")
         stiff, damp = np.zeros((ell.size, 3, 3)), np.zeros((ell.size, 3, 3))
-        _link_blocks(strands.law[s], float(strands.damping[s]), ell, own, stiff, damp)
+        link_blocks(strands.law[s], float(strands.damping[s]), ell, own, stiff, damp)
         blocks_K.append(_chained(stiff, begin, count))
         blocks_C.append(_chained(damp, begin, count))
         carries = np.array([points.at[int(i)] for i in range(int(first), int(first + strands.links[s]) + 1)])
@@ -137,7 +137,7 @@ def _points(
 ) -> tuple[Array, Array, _Points]:
     """Material coordinates (point,) and places (3, point) of nodes and heavy wheels, and what they are."""
     strands, r = setting.strands, in_space(state.r)
-    places, X, mass = [np.zeros((3, 0))], [], []
+    places, X, mass = [np.zeros((3, 0))], list[float](), list[Array]()
     at, own, line = dict[int, int](), dict[int, int](), list[str]()
     wheels = np.zeros((0, 3)) if bodies is None else _wheels(bodies, state.r.shape[0])
     for s, first in enumerate(strands.first):
@@ -270,44 +270,56 @@ class _Contacts:
         ]
 
 
+@dataclass(frozen=True)
+class _Spring:
+    """A spring and a damper between coordinates of a vehicle and a wheel."""
+
+    stiffness: Array  # (axis, axis) N/m
+    damping: Array  # N s/m
+    first: int  # of the coordinates
+    wheel: int
+    axes: tuple[int, ...]
+
+
+def _springs(bodies: Bodies, space: Bodies, place: Array, dim: int) -> list[_Spring]:
+    """Tethers that pull and buffers that push, as they are now."""
+    found = []
+    for tether, now in zip(space.tethers, bodies.tethers, strict=True):
+        q, k = int(now["first"]), int(tether["wheel"])
+        d = in_space(bodies.coordinates["q"][q : q + dim][:, None])[:, 0] - place[k]
+        length, stiff = float(np.linalg.norm(d)), float(tether["stiffness"])
+        longer = length - float(now["length"])
+        if not now["on"] or (now["way"] == PULLS and longer <= 0.0):
+            continue
+        along = np.outer(d, d) / length**2
+        K = stiff * along + stiff * longer / length * (np.eye(3) - along)
+        found.append(_Spring(K, float(tether["damping"]) * along, int(tether["first"]), k, (0, 1, 2)))
+    for buffer, now in zip(space.buffers, bodies.buffers, strict=True):
+        k = int(buffer["wheel"])
+        deep = float(now["side"]) * (place[k, 2] - float(bodies.coordinates["q"][int(now["coordinate"])]))
+        if deep > 0.0:
+            K = np.array([[float(buffer["stiffness"])]])
+            found.append(_Spring(K, np.zeros((1, 1)), int(buffer["coordinate"]), k, (2,)))
+    return found
+
+
 def _vehicles(bodies: Bodies, space: Bodies, on: _Contacts) -> list[LinearBody]:
     """What stands above the wheels, those vehicles that are on a line."""
     found, dim = [], 3 if space is bodies else 2
-    place = _wheels(bodies, dim)
-    for v, (vehicle, flat) in enumerate(zip(space.vehicles, bodies.vehicles, strict=True)):
+    springs = _springs(bodies, space, _wheels(bodies, dim), dim)
+    for v, vehicle in enumerate(space.vehicles):
         n, first, count = int(vehicle["coordinates"]), int(vehicle["first"]), int(vehicle["wheels"])
-        wheel, axis = list(space.wheel[v, :count]), list(space.axis[v, :count])
+        wheel, axis = space.wheel[v, :count].tolist(), space.axis[v, :count].tolist()
         M, C, K = (matrix[v, : n + count, : n + count] for matrix in (space.M, space.C, space.K))
-        extra: list[tuple[Array, Array, float, float, list[tuple[int, int]]]] = []
-        for tether, now in zip(space.tethers, bodies.tethers, strict=True):
-            i, k = int(tether["first"]) - first, int(tether["wheel"])
+        for spring in springs:
+            i, width, size = spring.first - first, len(spring.axes), M.shape[0]
             if not 0 <= i < n:
                 continue
-            q = int(now["first"])
-            d = in_space(bodies.coordinates["q"][q : q + dim][:, None])[:, 0] - place[k]
-            length = float(np.linalg.norm(d))
-            longer = length - float(now["length"])
-            if not now["on"] or (now["way"] == PULLS and longer <= 0.0):
-                continue
-            e, T = d / length, float(tether["stiffness"]) * longer
-            block = float(tether["stiffness"]) * np.outer(e, e) + T / length * (np.eye(3) - np.outer(e, e))
-            extra.append((block, float(tether["damping"]) * np.outer(e, e), i, 3, [(k, a) for a in range(3)]))
-        for buffer, now in zip(space.buffers, bodies.buffers, strict=True):
-            i, k = int(buffer["coordinate"]) - first, int(buffer["wheel"])
-            if not 0 <= i < n:
-                continue
-            deep = float(now["side"]) * (place[k, 2] - float(bodies.coordinates["q"][int(now["coordinate"])]))
-            if deep > 0.0:
-                extra.append((np.array([[float(buffer["stiffness"])]]), np.zeros((1, 1)), i, 1, [(k, 2)]))
-        for block, damp, i, width, seats in extra:
-            size = M.shape[0]
-            M, C, K = (np.pad(matrix, (0, width)) for matrix in (M, C, K))
             row = np.zeros((width, size + width))
             row[:, i : i + width], row[:, size:] = np.eye(width), -np.eye(width)
-            K, C = K + row.T @ block @ row, C + row.T @ damp @ row
-            wheel += [k for k, _ in seats]
-            axis += [a for _, a in seats]
-        if any(on.stands(int(k)) for k in wheel):
+            M, C, K = (np.pad(matrix, (0, width)) for matrix in (M, C, K))
+            K, C = K + row.T @ spring.stiffness @ row, C + row.T @ spring.damping @ row
+            wheel, axis = [*wheel, *(spring.wheel for _ in spring.axes)], [*axis, *spring.axes]
+        if any(on.stands(k) for k in wheel):
             found.append(LinearBody(M, C, K, on.rows(np.array(wheel, dtype=np.int64), np.array(axis, dtype=np.int64))))
-        assert int(flat["wheels"]) <= count
     return found

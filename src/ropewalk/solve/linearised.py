@@ -29,7 +29,8 @@ ZERO = 32.0 * EPS
 
 
 @kernel
-def _link_blocks(p: Array, c: float, ell: Array, r: Array, stiff: Array, damp: Array) -> None:
+def link_blocks(p: Array, c: float, ell: Array, r: Array, stiff: Array, damp: Array) -> None:
+    """Stiffness and damping (link, axis, axis) of links of unstrained lengths ell between points r (axis, point)."""
     for i in range(ell.size):
         link_stiffness(p, ell[i], r, i, stiff[i])
         link_damping(c, ell[i], r, i, damp[i])
@@ -217,7 +218,7 @@ def linearise(strands: Strands, s: int, r: Array, X: Array) -> Linearised:
         raise RopewalkError("there is no spectrum: positions are not finite, or a link has no length")
     dim, mass = part.shape[0], float(strands.rho[s] * strands.h[s])
     stiff, damp = np.zeros((ell.size, dim, dim)), np.zeros((ell.size, dim, dim))
-    _link_blocks(strands.law[s], float(strands.damping[s]), ell, part, stiff, damp)
+    link_blocks(strands.law[s], float(strands.damping[s]), ell, part, stiff, damp)
     return Linearised(stiff / mass, damp / mass, float(strands.drag[s]))
 
 

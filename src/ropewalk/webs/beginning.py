@@ -42,7 +42,8 @@ def begin_elsewhere(laid: Laid, state: State, start: Start, shown: Integers, axe
         away = float(np.abs(state.r - rest)[held].max(initial=0.0))
         if away > _AWAY * size_of(rest[:nodes]):
             raise RopewalkError(
-                f"{start.file}: a support stands {away:.3g} m elsewhere in the stored result; use the same lines and nets"
+                f"{start.file}: a support stands {away:.3g} m elsewhere in the stored result; use the same lines and "
+                "nets"
             )
         return
     assert start.amplitude is not None

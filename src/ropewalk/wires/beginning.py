@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +14,7 @@ from ropewalk.wires.bearing import Bearing
 from ropewalk.wires.equilibrium import Potential, movable
 from ropewalk.wires.journey import Journey
 from ropewalk.wires.mesh import Mesh
-from ropewalk.wires.plan import Array
+from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.pressing import Pressing, pressing
 from ropewalk.wires.rest import moving, rows, spring, vertical_stiffness
 from ropewalk.wires.seat import seat_at
@@ -152,11 +152,11 @@ def small_under_loads(motion: SmallMotion, journeys: Sequence[Journey]) -> tuple
     raise EquilibriumError("the droppers find no rest with the loads between tight and slack; check their lengths")
 
 
-def _spread(base: Array, weight: Array, nodes: int) -> sparse.csr_matrix:
+def _spread(base: Integers, weight: Array, nodes: int) -> sparse.csr_matrix:
     """Interpolation (point, node) from the first node that shares each point, and the shares."""
     count, width = weight.shape
     row, column = np.repeat(np.arange(count), width), (base[:, None] + np.arange(width)).ravel()
-    return sparse.csr_matrix((weight.ravel(), (row, column.astype(np.int64))), shape=(count, nodes))
+    return sparse.csr_matrix((weight.ravel(), (row, column)), shape=(count, nodes))
 
 
 def _held(A: sparse.csc_matrix, hold: sparse.csr_matrix, local: Array, given: Array) -> Array:
@@ -171,7 +171,3 @@ def along_moved(start: Start, journeys: Sequence[Journey], u: Array) -> tuple[Jo
     """Journeys with rates as of riders that go along wires displaced upwards by u (node,) m."""
     moved = replace(start, position=start.position + np.outer([0.0, 0.0, 1.0], u))
     return tuple(along(moved, journey) for journey in journeys)
-
-
-Groups = Mapping[str, Sequence[int]]
-"""Wires that vibrate together, by the name of their line or overhead line."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -59,6 +60,8 @@ def spectrum_with_loads(task: Task, how_many: int | None = None) -> Spectrum:
     Raises:
         RopewalkError: there is no such rest, or a load is a model of one's own.
     """
+    if task.geometry == "linearised":
+        return spectrum_at(task, 0.0, how_many=how_many)
     _refuse_models(task)
     task, start = ready(task)
     borne = Bearing(start.mesh, task.journeys, start.unstrained, space=task.space).stand(0.0, start.position)
@@ -86,12 +89,10 @@ def spectrum_at(
     _refuse_models(task)
     account = Account()
     run = Run(task, np.array([0.0, t] if t > 0.0 else [0.0]), account, sample, step)
-    frame = None
-    for frame in run.frames():
-        pass
-    if frame is None or account.outcome not in ("running", "completed") or frame.path < t * (1.0 - 1e-12):
+    last = deque(run.frames(), maxlen=1)
+    if not last or account.outcome not in ("running", "completed") or last[0].path < t * (1.0 - 1e-12):
         raise RopewalkError(f"the run did not come to t = {t:g} s ({account.outcome}): {account.advice}")
-    start, mesh = run.start, run.mesh
+    start, mesh, frame = run.start, run.mesh, last[0]
     shape = start.position.copy()
     shape[axes_of(task)] = frame.position.T
     position = start.position if start.rest is not None else shape
@@ -111,8 +112,8 @@ def _refuse_models(task: Task) -> None:
     for foreigner in task.foreigners:
         raise RopewalkError(
             f"load {task.journeys[foreigner.journey].rider.name}: a model of one's own has no matrices, and the "
-            "spectrum with loads needs them; ask for that of the line alone (no instant, no start.with_loads), or write "
-            "the load as kind: vehicle, given by matrices"
+            "spectrum with loads needs them; ask for that of the line alone (no instant, no start.with_loads), or "
+            "write the load as kind: vehicle, given by matrices"
         )
 
 
@@ -172,7 +173,7 @@ def _bodies(state: _State, way: sparse.csc_matrix, stiffest: float) -> Sequence[
     return found
 
 
-def _stretched(potential: Potential, mesh: Mesh, r: Array) -> tuple[sparse.csr_matrix, Array, Array, Array]:
+def _stretched(potential: Potential, mesh: Mesh, r: Array) -> tuple[sparse.csr_matrix, Array, Array, NDArray[np.bool_]]:
     """Ties as rows of nodes, their directions (3, tie), lengths in m, and whether each is tight."""
     ties = mesh.ties
     tie = rows(ties.other, mesh.nodes) - rows(ties.one, mesh.nodes)
