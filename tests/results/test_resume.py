@@ -20,6 +20,7 @@ from typer.testing import CliRunner
 
 import ropewalk
 from resume_cases import KINDS, case
+from ropewalk.cli import app
 from ropewalk.model import Scenario
 from ropewalk.results import ResultError, open_result, recorder, slots
 from ropewalk.results.past import Past
@@ -217,6 +218,14 @@ def test_what_cannot_go_on_is_refused_in_one_line_and_left_alone(given, until, t
         ropewalk.resume(file, until)
     assert "\n" not in str(problem.value)
     assert file.read_bytes() == before
+
+
+def test_what_is_no_result_is_told(tmp_path):
+    (tmp_path / "text.nc").write_text("no result")
+    xr.Dataset({"time": ("time", [1.0])}).to_netcdf(tmp_path / "other.nc", format="NETCDF3_64BIT")
+    for name, told in (("text", "cannot be read"), ("other", "no result of ropewalk"), ("none", "there is no such")):
+        with pytest.raises(ResultError, match=rf"{name}\.nc: {told}"):
+            ropewalk.resume(tmp_path / f"{name}.nc", 1.0)
 
 
 @pytest.mark.parametrize("kind", ["equilibrium", "linear"])
