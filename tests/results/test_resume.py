@@ -282,6 +282,20 @@ def test_a_checkpoint_of_another_run_is_refused(tmp_path):
         ropewalk.resume(tmp_path / "mass.nc", 1.0)
 
 
+def test_a_file_may_be_cut_after_some_frames(tmp_path):
+    whole = ropewalk.simulate(case("force"), file=tmp_path / "out.nc")
+    slots.cut(tmp_path / "out.nc", 7)
+    short = open_result(tmp_path / "out.nc")
+    assert short.sizes["time"] == 7
+    assert_same(short, whole, 7)
+
+
+def test_files_of_rest_have_no_checkpoint(tmp_path):
+    ropewalk.simulate(case("force", "run={kind: equilibrium}"), file=tmp_path / "out.nc")
+    with netCDF4.Dataset(tmp_path / "out.nc") as data:
+        assert "checkpoint" not in data.variables
+
+
 def test_users_of_results_see_no_checkpoint(tmp_path):
     in_memory, in_file = ropewalk.simulate(case("force")), ropewalk.simulate(case("force"), file=tmp_path / "out.nc")
     assert_same(in_memory, in_file)
