@@ -105,7 +105,7 @@ def from_bytes(data: bytes | memoryview) -> Tree:
     end = 8 + int.from_bytes(body[:8], "little")
     try:
         tree, _ = _tree(json.loads(bytes(body[8:end])), body[end:])
-    except (ValueError, TypeError, KeyError, RecursionError) as error:
+    except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
         raise CheckpointError("is no checkpoint") from error
     return tree
 

@@ -100,7 +100,8 @@ def save_figure(drawn: Any, output: Path) -> None:
 
 def time_of(text: str) -> float:
     """A time in s, from a number or a text with a unit."""
-    from ropewalk.units import Refused, to_si
+    from ropewalk.errors import Refused
+    from ropewalk.units import to_si
 
     try:
         return to_si(text, "s")

@@ -82,7 +82,7 @@ class Rest:
         watch = Clock(wall, cpu)
         try:
             run = run_of(self.scenario, account, self.times, past.checkpoint["run"])
-        except (CheckpointError, KeyError, TypeError, IndexError) as problem:
+        except (CheckpointError, TypeError, ValueError, LookupError, AttributeError) as problem:
             raise ResultError(f"{past.path}: its checkpoint does not fit its scenario ({problem})") from problem
         with Recorder(run.layout, self.scenario, account, past.path, run=run, past=past) as recorder:
             return record(run, recorder, account, watch, progress)

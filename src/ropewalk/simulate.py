@@ -60,9 +60,11 @@ def simulate(
         ScenarioError: the run would replace the result that it starts from.
         RopewalkError: the scenario has no rest shape to start from, or the file cannot be written.
     """
+    from ropewalk.results.files import check_target
     from ropewalk.results.recorder import Recorder
 
     if file is not None:
+        check_target(file)  # before anything is computed
         _keep_apart(scenario, file)
     watch, account = Clock(), Account()
     run = run_of(scenario, account)

@@ -128,7 +128,9 @@ int fmi2GetFMUstate(void *s, void **state) {
 int fmi2SetFMUstate(void *s, void *state) { memcpy(&((Self *)s)->now, state, sizeof(Values)); return 0; }
 int fmi2FreeFMUstate(void *s, void **state) { free(*state); *state = NULL; return 0; }
 int fmi2SerializedFMUstateSize(void *s, void *state, size_t *size) { *size = sizeof(Values); return 0; }
-int fmi2SerializeFMUstate(void *s, void *state, unsigned char *data, size_t size) { memcpy(data, state, size); return 0; }
+int fmi2SerializeFMUstate(void *s, void *state, unsigned char *data, size_t size) {
+    memcpy(data, state, size); return 0;
+}
 int fmi2DeSerializeFMUstate(void *s, const unsigned char *data, size_t size, void **state) {
     *state = malloc(sizeof(Values)); memcpy(*state, data, size); return 0;
 }
@@ -178,7 +180,9 @@ int fmi3GetFMUState(void *s, void **state) {
 int fmi3SetFMUState(void *s, void *state) { memcpy(&((Self *)s)->now, state, sizeof(Values)); return 0; }
 int fmi3FreeFMUState(void *s, void **state) { free(*state); *state = NULL; return 0; }
 int fmi3SerializedFMUStateSize(void *s, void *state, size_t *size) { *size = sizeof(Values); return 0; }
-int fmi3SerializeFMUState(void *s, void *state, unsigned char *data, size_t size) { memcpy(data, state, size); return 0; }
+int fmi3SerializeFMUState(void *s, void *state, unsigned char *data, size_t size) {
+    memcpy(data, state, size); return 0;
+}
 int fmi3DeserializeFMUState(void *s, const unsigned char *data, size_t size, void **state) {
     *state = malloc(sizeof(Values)); memcpy(*state, data, size); return 0;
 }

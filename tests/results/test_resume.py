@@ -20,6 +20,7 @@ from typer.testing import CliRunner
 
 import ropewalk
 from resume_cases import KINDS, case
+from ropewalk.cli import app
 from ropewalk.model import Scenario
 from ropewalk.results import ResultError, open_result, recorder, slots
 from ropewalk.results.past import Past
@@ -219,6 +220,14 @@ def test_what_cannot_go_on_is_refused_in_one_line_and_left_alone(given, until, t
     assert file.read_bytes() == before
 
 
+def test_what_is_no_result_is_told(tmp_path):
+    (tmp_path / "text.nc").write_text("no result")
+    xr.Dataset({"time": ("time", [1.0])}).to_netcdf(tmp_path / "other.nc", format="NETCDF3_64BIT")
+    for name, told in (("text", "cannot be read"), ("other", "no result of ropewalk"), ("none", "there is no such")):
+        with pytest.raises(ResultError, match=rf"{name}\.nc: {told}"):
+            ropewalk.resume(tmp_path / f"{name}.nc", 1.0)
+
+
 @pytest.mark.parametrize("kind", ["equilibrium", "linear"])
 def test_runs_without_a_motion_are_refused(kind, tmp_path):
     settings = ["run={kind: linear, until: 0.2 s}"] if kind == "linear" else ["run={kind: equilibrium}"]
@@ -271,6 +280,20 @@ def test_a_checkpoint_of_another_run_is_refused(tmp_path):
     attribute(tmp_path / "mass.nc", scenario=scenario["scenario"], scenario_sha256=scenario["scenario_sha256"])
     with pytest.raises(ResultError, match=r"its checkpoint does not fit its scenario \(.*\)$"):
         ropewalk.resume(tmp_path / "mass.nc", 1.0)
+
+
+def test_a_file_may_be_cut_after_some_frames(tmp_path):
+    whole = ropewalk.simulate(case("force"), file=tmp_path / "out.nc")
+    slots.cut(tmp_path / "out.nc", 7)
+    short = open_result(tmp_path / "out.nc")
+    assert short.sizes["time"] == 7
+    assert_same(short, whole, 7)
+
+
+def test_files_of_rest_have_no_checkpoint(tmp_path):
+    ropewalk.simulate(case("force", "run={kind: equilibrium}"), file=tmp_path / "out.nc")
+    with netCDF4.Dataset(tmp_path / "out.nc") as data:
+        assert "checkpoint" not in data.variables
 
 
 def test_users_of_results_see_no_checkpoint(tmp_path):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from ctypes import byref, c_double, c_int, c_size_t, c_ubyte, c_uint, c_void_p
+from ctypes import byref, c_char, c_double, c_int, c_size_t, c_ubyte, c_uint, c_void_p
 from functools import cache
 from itertools import count
 from typing import Any
@@ -35,6 +35,7 @@ class Binary:
     prefix = ""
     saving = ("", "", "")
     packing = ("", "", "")
+    byte: Any = c_ubyte
 
     def __init__(self, wiring: Wiring, fmu: Any) -> None:
         n, m = len(wiring.inputs), len(wiring.outputs)
@@ -89,14 +90,14 @@ class Binary:
         """A copied state as bytes."""
         size = c_size_t()
         self._call(self.packing[0], state, byref(size))
-        data = (c_ubyte * size.value)()
+        data = (self.byte * size.value)()
         self._call(self.packing[1], state, data, size)
         return bytes(data)
 
     def unpack(self, data: bytes) -> Any:
         """A state, to be taken and freed, from bytes."""
         state = c_void_p()
-        self._call(self.packing[2], (c_ubyte * len(data)).from_buffer_copy(data), c_size_t(len(data)), byref(state))
+        self._call(self.packing[2], (self.byte * len(data)).from_buffer_copy(data), c_size_t(len(data)), byref(state))
         return state
 
     def forget(self, state: Any) -> None:
@@ -130,6 +131,7 @@ class Binary2(Binary):
     prefix = "fmi2"
     saving = ("GetFMUstate", "SetFMUstate", "FreeFMUstate")
     packing = ("SerializedFMUstateSize", "SerializeFMUstate", "DeSerializeFMUstate")
+    byte = c_char
 
     def __init__(self, wiring: Wiring, folder: str, listen: Listener) -> None:
         from fmpy import calloc, fmi2, free

@@ -275,7 +275,7 @@ class _File:
         last = self.count == self._total
         if full or slow or last or now - self._last_sync >= SYNC_SECONDS:
             self._flush(account, ("method", "reason", "step", "doubts", "warnings"))
-            if self._slots is not None and (last or self._slots.is_due):
+            if self._slots is not None and self._slots.is_due(at_once=last):
                 self._keep()
 
     def _flush(self, account: Account, keys: Iterable[str]) -> None:

@@ -45,10 +45,9 @@ class Slots:
         self._next = time.monotonic()
         self.lacking = ""  # why there are none
 
-    @property
-    def is_due(self) -> bool:
-        """Whether it is time for the next one."""
-        return self._variable is not None and time.monotonic() >= self._next
+    def is_due(self, *, at_once: bool) -> bool:
+        """Whether there is place for the next one, and it is time for it."""
+        return self._variable is not None and (at_once or time.monotonic() >= self._next)
 
     def define(self, file: Any) -> None:
         """Make place in a file that is being created, if the run has a state that can be stored."""
