@@ -15,23 +15,6 @@ from ropewalk.solve.spectrum import Modes
 from web_cases import EA, HUNG, RHO, SPAN, TENSION, N, cross
 
 Array = NDArray[np.float64]
-<<<<<<< HEAD
-EA, N = 1e6, 8
-TENSION = {"west": 1000.0, "east": 1000.0, "south": 600.0, "north": 600.0}
-SPAN = {"west": [-10, 0, 0], "east": [10, 0, 0], "south": [0, -6, 0], "north": [0, 6, 0]}
-RHO = {"west": 0.5, "east": 0.5, "south": 0.3, "north": 0.3}
-
-
-def cross(load: dict[str, Any] | None = None, **more: Any) -> Scenario:
-    """Four taut lines that meet in a joint, in a horizontal plane."""
-    own = {"axial_stiffness": EA, "elements": N, "end": [0, 0, 0], "end_support": {"kind": "joined", "to": "knot"}}
-    damped = more.pop("damped", {})
-    lines = {name: {**own, **damped, "start": SPAN[name], "tension": TENSION[name], "mass": RHO[name]} for name in SPAN}
-    loads = {"loads": {"load": load}} if load is not None else {}
-    given = {"gravity": 0.0, "joints": {"knot": {}}, "lines": lines, **loads, "run": {"kind": "equilibrium"}, **more}
-    return Scenario.model_validate(given)
-=======
->>>>>>> spectrum
 
 
 def standing(place: float, mass: float) -> dict[str, Any]:
