@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -97,6 +98,8 @@ def taken_up(path: Path, until: float | None) -> Iterator[Rest]:
     """
     if not path.is_file():
         raise ResultError(f"{path}: there is no such file")
+    if not os.access(path, os.R_OK | os.W_OK):
+        raise ResultError(f"{path}: no permission to read and write it")
     with alone(path):
         past = Past.of(path)
         scenario = _checked(past)

@@ -103,6 +103,16 @@ def test_an_end_between_two_outputs_stays_in_a_longer_run(kind, tmp_path):
     assert np.abs(found["position"].values[beside] - whole["position"].values).max() < 1e-4
 
 
+def test_the_interval_of_output_stays_a_hundredth_of_the_first_end(tmp_path):
+    scenario = case("force")
+    short = scenario.model_copy(update={"run": scenario.run.model_copy(update={"until": 0.1, "every": None})})
+    ropewalk.simulate(short, file=tmp_path / "out.nc")
+    found = ropewalk.resume(tmp_path / "out.nc", 0.12)
+    assert found["time"].values == pytest.approx(np.linspace(0.0, 0.12, 121), abs=1e-12)
+    told = json.loads(found.attrs["scenario"])["run"]
+    assert (told["until"], told["every"]) == (0.12, pytest.approx(1e-3))
+
+
 def test_resumed_twice_and_made_longer_twice_is_the_same_as_at_once(tmp_path, at_once):
     scenario, file = case("mass"), tmp_path / "out.nc"
     run = scenario.run
