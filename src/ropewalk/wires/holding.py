@@ -101,7 +101,8 @@ def move_places(holders, t):
 
 def coordinates(holders: Holders, r: Array) -> Array:
     """Where the points of all holders are along their ways at positions r (axis, node) in m, (holder,) m."""
-    return np.einsum("ea,ek,aek->e", holders.way, holders.weight, r[:, holders.base[:, None] + np.arange(WIDTH)])
+    near = r[:, holders.base[:, None] + np.arange(WIDTH)]
+    return np.asarray(np.einsum("ea,ek,aek->e", holders.way, holders.weight, near))
 
 
 @inlined
