@@ -18,10 +18,14 @@ INSTALL = $(PIP) install $(if $(CONSTRAINTS),-c $(CONSTRAINTS))
 # Kernels are compiled once per worker; files that share kernels stay with one worker, so that little is done twice.
 TESTFLAGS ?= -n 2 --dist loadfile
 # What is tested as on another machine: all that searches and solves, for there the last bits decide where it ends; of
-# the motions those on wires and webs. Not how things are read, drawn and told.
-STATICS := rest chain_against_closed_forms coupled_equilibrium inextensible supports_at_rest slow_motion minimum \
+# the motions a part. Not how things are read, drawn and told.
+SOLVE := rest chain_against_closed_forms coupled_equilibrium inextensible supports_at_rest slow_motion minimum \
   bodies_in_slow_motion path_following friction_of_contacts self_similar_contact symmetric spectrum radau lift_off
-ELSEWHERE ?= tests/theory tests/mechanics tests/wires tests/webs $(STATICS:%=tests/solve/test_%.py)
+WIRES := equilibrium_of_wires loads_at_rest_on_wires small_motion_of_slack_lines spectrum_of_wires spline_of_wires \
+  doubts_of_stiff_lines first_state_of_loads supports_of_stiff_lines
+WEBS := networks sheaves membranes fabric surface wind
+ELSEWHERE ?= tests/theory tests/mechanics $(SOLVE:%=tests/solve/test_%.py) $(WIRES:%=tests/wires/test_%.py) \
+  $(WEBS:%=tests/webs/test_%.py)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
