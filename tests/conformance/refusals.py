@@ -41,7 +41,6 @@ _PATTERNS = {
         "no load stays at the end of a stiff line": r"on stiff lines loads run over the line",
         "only vertical forces": r"on stiff lines forces are vertical|contacts press vertically",
         "no air drag of loads there": r"drag of the air (on loads )?is not known",
-        "no moving supports in networks": r"supports do not move as prescribed|the far ends of supports do not move",
         "only clamped contacts in networks": r"loads are clamped to their place along the line",
         "masses on networks do not lift off": r"in webs masses stay in contact",
         "no lateral footsteps on nets": r"on nets feet press downwards only",

@@ -17,7 +17,6 @@ from ropewalk.model.load import AnyLoad, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Linear
-from ropewalk.model.support import Elastic, Moving
 from ropewalk.model.travel import FreeTravel
 
 _Known = MovingForce | MovingMass | Footsteps
@@ -138,12 +137,6 @@ def _run(run: Dynamic) -> Iterator[_Lack]:
 def _line(line: Line) -> Iterator[_Lack]:
     if isinstance(line.law, Inextensible):
         yield ("law",), "lines stretch", "inextensible", "give an axial_stiffness with law hooke"
-    for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
-        if isinstance(support, Moving):
-            yield (key, "kind"), "supports do not move as prescribed", "moving", "write fixed, elastic or guided"
-        if isinstance(support, Elastic) and not isinstance(support.displacement, tuple):
-            given, remedy = "a history", "write one displacement, for example [0, 0.1], or leave it out"
-            yield (key, "displacement"), "the far ends of supports do not move", given, remedy
 
 
 def _load(load: _Known) -> Iterator[_Lack]:

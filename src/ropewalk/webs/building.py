@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.mechanics.assembly import held_by, pack, speed_table
+from ropewalk.mechanics.assembly import held_by, pack, speed_table, vector_table
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import Hooke
 from ropewalk.model.line import Line, spatial
@@ -26,6 +26,7 @@ from ropewalk.webs.web import (
     Held,
     Integers,
     Links,
+    Moves,
     Seats,
     Sheaves,
     Web,
@@ -69,6 +70,7 @@ class Builder:
         self.springs: list[tuple[int, Array, Array, Array]] = []
         self.sheaves: list[tuple[int, int, int, int, float, float]] = []
         self.ends: list[End] = []
+        self.moves: list[tuple[int, int, Array, Array, Array]] = []
 
     def line(self, name: str, line: Line, mine: Integers, xi: Array) -> Strand:
         """Add the links and masses of a line."""
@@ -99,13 +101,18 @@ class Builder:
             self.mass[n] += mass
             self.force[n] += force
             rank = round(float(np.trace(free)))
+            time, moved = vector_table(getattr(support, "displacement", (0.0, 0.0)), self.until, _XYZ)
+            declared = np.array(spatial(line.start if side == "start" else line.end))
+            place = declared + [np.interp(0.0, time, row) for row in moved]
+            if time.size > 1:
+                spring = -1 if rank == 0 else len(self.springs)
+                self.moves.append((n if rank == 0 else -1, spring, declared, time, moved))
             if rank == 0:
                 self.fixed.add(n)
+                self.place[n] = place
                 continue
             if rank == 1:
                 self.rails.append((n, np.linalg.eigh(free)[1][:, -1]))
-            shift = np.array(spatial(getattr(support, "displacement", (0.0, 0.0))))
-            place = np.array(spatial(line.start if side == "start" else line.end)) + shift
             self.springs.append((n, place, stiffness, damping))
 
     def joint(self, name: str, n: int) -> None:
@@ -175,8 +182,8 @@ class Builder:
             np.array([i for i, *_ in self.springs], dtype=np.int64),
             np.array([place for _, place, *_ in self.springs]).reshape(-1, 3),
             np.array([k for *_, k, _ in self.springs]).reshape(-1, 3, 3),
-            np.array([c for *_, c in self.springs]).reshape(-1, 3, 3),
-        )
+            np.array([c for *_, c in self.springs]).reshape(-1, 3, 3), np.zeros((len(self.springs), 3)), self._moves(),
+        )  # fmt: skip
         gravity = np.array([0.0, 0.0, -self.scenario.gravity])
         mass = np.concatenate([self.mass, np.zeros(contacts)])
         force = np.concatenate([self.force, np.zeros((contacts, 3))]) + mass[:, None] * gravity
@@ -185,6 +192,15 @@ class Builder:
         return Web(
             self._links(contacts), self._cells(contacts), held, self._sheaves(), seats, course, self._wind(), body,
             gravity, len(self.links), self.cell_count, n,
+        )  # fmt: skip
+
+    def _moves(self) -> Moves:
+        count = whole(np.array([time.size for *_, time, _ in self.moves]))
+        return Moves(
+            whole(np.array([n for n, *_ in self.moves])), whole(np.array([k for _, k, *_ in self.moves])),
+            np.array([place for _, _, place, *_ in self.moves]).reshape(-1, 3), np.cumsum(count) - count, count,
+            np.concatenate([np.zeros(0), *(time for *_, time, _ in self.moves)]),
+            np.ascontiguousarray(np.hstack([np.zeros((3, 0)), *(value for *_, value in self.moves)])),
         )  # fmt: skip
 
     def _links(self, contacts: int) -> Links:

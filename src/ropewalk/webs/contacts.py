@@ -229,8 +229,9 @@ def solve(web, state, room, h, still):
     for p in range(web.own_links, web.links.on.size):
         if web.links.on[p] == 1:
             size = max(size, web.links.rest[p])
-            for a in range(3):
-                z[web.links.one[p], a], z[web.links.other[p], a] = r[web.links.one[p], a], r[web.links.other[p], a]
+            one, other, far = web.links.one[p], web.links.other[p], 0.0 if still else 0.5 * h
+            for a in range(3):  # nodes that are not solved for stand, or move as prescribed
+                z[one, a], z[other, a] = r[one, a] + far * v[one, a], r[other, a] + far * v[other, a]
     for e in range(web.own_cells, web.cells.on.size):
         if web.cells.on[e] == 1:
             size = max(size, np.sqrt(web.cells.area[e]))

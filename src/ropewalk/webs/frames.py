@@ -26,6 +26,7 @@ from ropewalk.webs.web import (
     OFF,
     ON_LINE,
     RUBBED,
+    SUPPORTS,
     WORKS,
     Array,
     State,
@@ -350,8 +351,9 @@ class Run:
         for n, along in zip(held.rail, held.along, strict=True):
             force[n] = (pull[n] @ along) * along - pull[n]
         sprung = np.zeros_like(pull)
-        for n, place, K, C in zip(held.spring, held.place, held.stiffness, held.damping, strict=True):
-            sprung[n] += K @ (place - state.r[n]) - C @ state.v[n]
+        springs = zip(held.spring, held.place, held.stiffness, held.damping, held.rate, strict=True)
+        for n, place, K, C, rate in springs:
+            sprung[n] += K @ (place - state.r[n]) - C @ (state.v[n] - rate)
         force += sprung
         ends = []
         for end in self.laid.ends:  # what is left of the support's own forces once its mass has had its share
@@ -380,7 +382,15 @@ class Run:
         stored = sum(forms.values())
         forms["line_damping"], forms["load_work"] = float(state.work[DAMPED]), float(state.work[LOADS])
         forms["contact_dissipation"], forms["friction"] = float(state.work[CONTACTS]), float(state.work[RUBBED])
-        total = stored - forms["load_work"] + forms["line_damping"] + forms["contact_dissipation"] + forms["friction"]
+        forms["support_work"] = float(state.work[SUPPORTS])
+        total = (
+            stored
+            - forms["load_work"]
+            - forms["support_work"]
+            + forms["line_damping"]
+            + forms["contact_dissipation"]
+            + forms["friction"]
+        )
         if np.isnan(self._start_energy):
             self._start_energy = total
         forms["imbalance"] = total - self._start_energy

@@ -12,7 +12,20 @@ from ropewalk.webs.contacts import neighbours, pass_node, pressed, solve
 from ropewalk.webs.pull import blow, pull_softly, resist
 from ropewalk.webs.seats import divide, extra_energy, hold_on, join, place_at, seat, weights_in
 from ropewalk.webs.sheaves import hop
-from ropewalk.webs.web import CONTACTS, DAMPED, FORCE, LOADS, MASS, OFF, ON_LINE, STOPPED, Array, Integers, Web
+from ropewalk.webs.web import (
+    CONTACTS,
+    DAMPED,
+    FORCE,
+    LOADS,
+    MASS,
+    OFF,
+    ON_LINE,
+    STOPPED,
+    SUPPORTS,
+    Array,
+    Integers,
+    Web,
+)
 
 # A step is no shorter than this part of the longest: speeds are differences of places over it.
 TINY = 1e-4
@@ -247,6 +260,66 @@ def _kick(web, state, room, h):
 
 
 @lean_inner
+def _drive(web, state, room, h):
+    """Give what moves as prescribed the velocities with which it comes to its places after a step of length h.
+
+    Dampers that have been looked at with the last ones follow.
+    """
+    held, moves, t = web.held, web.held.moves, state.t[0] + h
+    for i in range(moves.node.size):
+        n, k = moves.node[i], moves.spring[i]
+        for a in range(3):
+            place = moves.place[i, a] + look_up(moves.time, moves.value[a], moves.first[i], moves.entries[i], t)
+            if k >= 0:
+                old, held.rate[k, a] = held.rate[k, a], (place - held.place[k, a]) / h
+                for b in range(3):
+                    room.drag[held.spring[k], b] += held.damping[k, b, a] * (held.rate[k, a] - old)
+            else:
+                v, old = (place - state.r[n, a]) / h, state.v[n, a]
+                state.work[SUPPORTS] += 0.5 * web.body.mass[n] * (v * v - old * old)
+                state.v[n, a] = v
+
+
+@lean_inner
+def _push_supports(web, state, room, h):
+    """Works at what moves as prescribed, in a kick for the time h."""
+    held, moves, work = web.held, web.held.moves, state.work
+    for i in range(moves.node.size):
+        n, k = moves.node[i], moves.spring[i]
+        for a in range(3):
+            if k < 0:
+                v = state.v[n, a]
+                work[SUPPORTS] -= h * (room.soft[n, a] + room.drag[n, a] + room.gust[n, a]) * v
+                work[DAMPED] -= h * room.drag[n, a] * v
+                work[LOADS] += h * room.gust[n, a] * v
+                continue
+            m, F, lost = held.spring[k], 0.0, 0.0
+            for b in range(3):
+                F += held.stiffness[k, a, b] * (held.place[k, b] - state.r[m, b])
+                lost -= held.damping[k, a, b] * (room.guess[m, b] - held.rate[k, b])
+            work[SUPPORTS] += h * (F + lost) * held.rate[k, a]
+            work[DAMPED] += h * lost * held.rate[k, a]
+
+
+@lean_inner
+def _drag_supports(web, state, room, h):
+    """Works of nodes that move at the pieces beside contacts, in a step of length h; springs come to their places."""
+    held, moves, links = web.held, web.held.moves, web.links
+    for i in range(moves.node.size):
+        n, k = moves.node[i], moves.spring[i]
+        if k >= 0:
+            for a in range(3):
+                held.place[k, a] += h * held.rate[k, a]
+            continue
+        beside = False
+        for p in range(web.own_links, links.on.size):
+            beside = beside or (links.on[p] == 1 and (links.one[p] == n or links.other[p] == n))
+        for a in range(3):
+            if beside:
+                state.work[SUPPORTS] -= h * room.f[n, a] * state.v[n, a]
+
+
+@lean_inner
 def _drift(web, state, room, h, count):
     """Move all nodes for the time h; those next to contacts as they were solved for."""
     seats, r, v, work = web.seats, state.r, state.v, state.work
@@ -366,10 +439,13 @@ def advance(web, state, room, until, step):
                 for q in range(web.sheaves.link.size):
                     if web.sheaves.link[q] == seats.cell[k]:
                         return AT_SHEAVE
+        _drive(web, state, room, h)
+        _push_supports(web, state, room, 0.5 * h)
         _kick(web, state, room, 0.5 * h)
         count = solve(web, state, room, h, False)
         if count < 0:
             return NOT_FOUND
+        _drag_supports(web, state, room, h)
         _drift(web, state, room, h, count)
         if not np.isfinite(_balance(web, state, room, True)):
             return NOT_FOUND
@@ -378,6 +454,7 @@ def advance(web, state, room, until, step):
             return LINE_OUT
         _guess(state, room, 0.5 * h)
         _look(web, state, room, state.t[0])
+        _push_supports(web, state, room, 0.5 * h)
         _kick(web, state, room, 0.5 * h)
         for k in range(seats.kind.size):
             if room.passing[k] == 1 and seats.kind[k] != OFF:

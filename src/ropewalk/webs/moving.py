@@ -119,7 +119,7 @@ class Motion:
                 web.seats, "kind", "xi", "load", "speed", "cell", "divided", "last", "before", "weight", "beyond",
                 "hold", "plan",
             ),
-            "course": arrays_of(web.course, "at_end"),
+            "course": arrays_of(web.course, "at_end"), "held": arrays_of(web.held, "place", "rate"),
         }  # fmt: skip
 
     def frames(self) -> Iterator[Frame]:

@@ -83,7 +83,7 @@ def damp_springs(held, v, f):
         n = held.spring[k]
         for a in range(3):
             for b in range(3):
-                f[n, a] -= held.damping[k, a, b] * v[n, b]
+                f[n, a] -= held.damping[k, a, b] * (v[n, b] - held.rate[k, b])
 
 
 @lean_inner

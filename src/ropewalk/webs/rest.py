@@ -39,6 +39,7 @@ def stand(web: Web, r: Array, t: float) -> None:
         r: (node, 3) m; places of contacts change.
     """
     seats = web.seats
+    hold_at(web, r, t)
     join(web)
     seat(web, t)
     for k in range(seats.kind.size):
@@ -50,6 +51,18 @@ def stand(web: Web, r: Array, t: float) -> None:
         seats.last[k] = seats.cell[k]
     seats.before[:] = seats.weight
     divide(web)
+
+
+def hold_at(web: Web, r: Array, t: float) -> None:
+    """Put what moves as prescribed where it is at time t, in s; places r (node, 3) of fixed nodes change."""
+    moves = web.held.moves
+    for i, (n, k) in enumerate(zip(moves.node, moves.spring, strict=True)):
+        part = slice(int(moves.first[i]), int(moves.first[i] + moves.entries[i]))
+        place = moves.place[i] + [np.interp(t, moves.time[part], row[part]) for row in moves.value]
+        if k >= 0:
+            web.held.place[k] = place
+        else:
+            r[n] = place
 
 
 def leave(web: Web) -> None:

@@ -55,6 +55,20 @@ class Held(NamedTuple):
     place: Array  # (spring, 3) m, without force there
     stiffness: Array  # (spring, 3, 3) N/m
     damping: Array  # (spring, 3, 3) N s/m
+    rate: Array  # (spring, 3) m/s, of its place
+    moves: Moves
+
+
+class Moves(NamedTuple):
+    """Fixed nodes and places of springs that move as prescribed; tables one after the other."""
+
+    node: Integers  # (move,) the node, -1: a spring
+    spring: Integers  # (move,) the spring, -1: a node
+    place: Array  # (move, 3) m, without displacement
+    first: Integers
+    entries: Integers
+    time: Array  # s
+    value: Array  # (3, entry) m, displacement
 
 
 class Sheaves(NamedTuple):
@@ -166,8 +180,8 @@ class State(NamedTuple):
     parting: Array  # (contact,) J, lost with the pieces beside a mass that has left its line
 
 
-DAMPED, LOADS, CONTACTS, RUBBED, BLOWN = 0, 1, 2, 3, 4  # entries of `work`
-WORKS = 5
+DAMPED, LOADS, CONTACTS, RUBBED, BLOWN, SUPPORTS = 0, 1, 2, 3, 4, 5  # entries of `work`
+WORKS = 6
 
 
 def whole(values: Array) -> Integers:
