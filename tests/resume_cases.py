@@ -44,8 +44,16 @@ WRITTEN = {
     "stepper, parallel": (0, STEPPER % ("Sprung", "scheme: parallel, damping: 20"), ""),
     "stepper, iterated": (0, STEPPER % ("Mass", "scheme: iterated, stiffness: 4e3"), ""),
 }  # fmt: skip
+SHAKEN = """start_support: {kind: elastic, stiffness: 100 kN/m, damping: 50 N*s/m, displacement: {time: [0, 0.1, 0.5],
+    value: [[0, 0], [0, 0.05], [0, -0.05]]}}, end_support: {kind: moving, displacement: {time: [0, 0.5],
+    value: [[0, 0], [0, 0.1]]}}, elements:"""
+SUPPORTS = {
+    "network, moving supports": "wind_drag: 0.01, ",
+    "stiff line, moving supports": "bending_stiffness: 1e4, ",
+    "small motion, moving supports": "bending_stiffness: 1e4, ",
+}
 STIFF = {"beam, stepper": "stepper", "beam, parallel": "stepper, parallel", "beam, iterated": "stepper, iterated"}
-KINDS = (*SMALL, *WRITTEN, *STIFF)
+KINDS = (*SMALL, *WRITTEN, *STIFF, *SUPPORTS)
 
 
 def case(kind: str, *settings: str) -> Scenario:
@@ -53,6 +61,12 @@ def case(kind: str, *settings: str) -> Scenario:
     if kind in SMALL:
         name, *given = SMALL[kind]
         return ropewalk.load(EXAMPLES / f"{name}.yaml", [*given, *settings])
+    if kind in SUPPORTS:
+        damping, load, _ = WRITTEN["footsteps"] if kind.startswith("network") else WRITTEN["oscillator"]
+        more = ", geometry: linearised" if kind.startswith("small") else ""
+        text = (ROPE % (damping, load, more)).replace("elements:", SUPPORTS[kind] + SHAKEN)
+        text = text.replace("axial_damping: 0", "drag: 0.1")
+        return loads(text + ("wind: {speed: 5, direction: [1, 0]}" if kind[0] == "n" else ""), "rope.yaml", settings)
     text = ROPE % WRITTEN[STIFF.get(kind, kind)]
     if kind in STIFF:
         text = text.replace("elements:", "bending_stiffness: 1e4, elements:")

@@ -486,18 +486,3 @@ class LargeMotion:
         if record.force.shape[0] * steps * self.inner % 2:
             self._r.reverse()
         return record.turned()
-
-
-def hung(mesh: Mesh, position: Array) -> Array:
-    """Unstrained lengths of links with which wires of constant tension along x hang as they do, (node,) m.
-
-    Args:
-        position: (3, node) m at rest.
-    """
-    rest = np.ones(mesh.nodes)
-    for a, wire in enumerate(mesh.plan.wires):
-        part = mesh.of(a)
-        step = np.diff(position[:, part], axis=1)
-        length = np.sqrt((step**2).sum(axis=0))
-        rest[part][:-1] = length / (1.0 + wire.tension * length / step[0] / wire.axial_stiffness)
-    return rest

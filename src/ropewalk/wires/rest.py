@@ -180,3 +180,18 @@ def ties_springs(mesh: Mesh) -> tuple[Array, Array]:
     ties = mesh.ties
     local = ties.one.local + np.where(np.isfinite(ties.ground[:, 0]), 0.0, ties.other.local)
     return spring(ties.stiffness, local), spring(ties.pushes, local)
+
+
+def hung(mesh: Mesh, position: Array) -> Array:
+    """Unstrained lengths of links with which wires of constant tension along x hang as they do, (node,) m.
+
+    Args:
+        position: (3, node) m at rest.
+    """
+    rest = np.ones(mesh.nodes)
+    for a, wire in enumerate(mesh.plan.wires):
+        part = mesh.of(a)
+        step = np.diff(position[:, part], axis=1)
+        length = np.sqrt((step**2).sum(axis=0))
+        rest[part][:-1] = length / (1.0 + wire.tension * length / step[0] / wire.axial_stiffness)
+    return rest

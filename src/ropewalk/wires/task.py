@@ -14,11 +14,10 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.solve.minimum import is_definite
 from ropewalk.wires.equilibrium import Potential, settle_on_rails
 from ropewalk.wires.journey import Journey
-from ropewalk.wires.large import hung
 from ropewalk.wires.mesh import Mesh, mesh_of
 from ropewalk.wires.partners import Foreigner
 from ropewalk.wires.plan import Array, Plan, Rider, Spot, Wire
-from ropewalk.wires.rest import Rest, moving, rest_of, rows, spring, vertical_stiffness
+from ropewalk.wires.rest import Rest, hung, moving, rest_of, rows, spring, vertical_stiffness
 from ropewalk.wires.seat import seat_at, seat_below
 
 Geometry = Literal["nonlinear", "linearised"]
