@@ -12,7 +12,7 @@ import json
 import math
 import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,22 @@ def put(arrays: Arrays, values: Tree) -> None:
         if here.shape != there.shape or here.dtype != there.dtype:
             raise CheckpointError(f"the state is that of another run: {name} is of another size or type")
         here[...] = there
+
+
+class Changing(Protocol):
+    """What is in motion in some arrays of its own alone: they are all of its state."""
+
+    def _changing(self) -> dict[str, Arrays]:
+        """The arrays that change, in groups."""
+
+    def get_state(self) -> Tree:
+        """All that changes."""
+        return {name: copied(arrays) for name, arrays in self._changing().items()}
+
+    def set_state(self, tree: Tree) -> None:
+        """Be what it was when `get_state` gave this."""
+        for name, arrays in self._changing().items():
+            put(arrays, tree[name])
 
 
 def _bare(array: NDArray[Any]) -> NDArray[Any]:

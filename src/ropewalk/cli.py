@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -34,6 +34,9 @@ from ropewalk.console import (
     time_of,
     write_text,
 )
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 app = typer.Typer(
     name="ropewalk",
@@ -117,7 +120,7 @@ def run(
     """Compute a scenario, write the result, and print what an engineer asks first."""
     target = output if output is not None else Path(f"{file.stem}.nc")
     with reported(target):
-        from ropewalk.results import check_target, summary
+        from ropewalk.results import check_target
 
         scenario = load_scenario(file, settings)
         check_target(target)
@@ -128,12 +131,19 @@ def run(
             say(f"compiling (first run only, {how_long})")
         with progress_bar("running", quiet) as progress:
             dataset = simulate(scenario, file=target, progress=progress)
-        with dataset:
-            found = summary(dataset)
-        print_summary({"file": str(target), **found}, as_json, quiet)
-        if not quiet:
-            say(f"result in {target}{replaced}")
-        finish(found, target)
+        _close(dataset, target, replaced, as_json=as_json, quiet=quiet)
+
+
+def _close(dataset: xr.Dataset, file: Path, remark: str, *, as_json: bool, quiet: bool) -> None:
+    """Print the summary of a result that has just been written, and end as its outcome says."""
+    from ropewalk.results import summary
+
+    with dataset:
+        found = summary(dataset)
+    print_summary({"file": str(file), **found}, as_json, quiet)
+    if not quiet:
+        say(f"result in {file}{remark}")
+    finish(found, file)
 
 
 @app.command()
@@ -147,7 +157,6 @@ def resume(
 ) -> None:
     """Go on with a run that was interrupted or killed, or is to be longer, in its result file."""
     with reported(result):
-        from ropewalk.results import summary
         from ropewalk.resuming import taken_up
         from ropewalk.simulate import must_compile
 
@@ -159,12 +168,7 @@ def resume(
                     say(f"compiling (first run only, {how_long})")
             with progress_bar("running", quiet) as progress:
                 dataset = rest.run(progress)
-        with dataset:
-            found = summary(dataset)
-        print_summary({"file": str(result), **found}, as_json, quiet)
-        if not quiet:
-            say(f"result in {result}")
-        finish(found, result)
+        _close(dataset, result, "", as_json=as_json, quiet=quiet)
 
 
 @app.command()

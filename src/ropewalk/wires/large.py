@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
+from ropewalk.checkpoint import Arrays, Changing, arrays_of
 from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
 from ropewalk.wires.damping import EVERY, dissipated
 from ropewalk.wires.drive import ABSENT, Drive, Record
@@ -371,7 +371,7 @@ def advance(strands, threads, strings, holders, watched, riders, pace, level, sl
                     pace.work[DAMPED] += min(every, whole - gone) * pace.step * lost
 
 
-class LargeMotion:
+class LargeMotion(Changing):
     """A motion in the plane, or in space, under way.
 
     Args:
@@ -440,15 +440,6 @@ class LargeMotion:
     def both(self) -> list[Array]:
         """Positions of all nodes now and an inner step ago, (3, node) m."""
         return [self._spread(r, self._side) for r in self._r]
-
-    def get_state(self) -> Tree:
-        """All that changes."""
-        return {name: copied(arrays) for name, arrays in self._changing().items()}
-
-    def set_state(self, tree: Tree) -> None:
-        """Be what it was when `get_state` gave this."""
-        for name, arrays in self._changing().items():
-            put(arrays, tree[name])
 
     def _changing(self) -> dict[str, Arrays]:
         """Arrays that change; the present and the last instant in this order, whichever array holds them."""

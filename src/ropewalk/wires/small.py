@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
+from ropewalk.checkpoint import Arrays, Changing, arrays_of
 from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
 from ropewalk.wires.damping import EVERY, dissipated
 from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive, Record
@@ -308,7 +308,7 @@ def _pull(springs, window, now, other, gain, pace, record, row, step):
             other[j + k] -= gain[j + k] * weight[e, k + _WIDTH] * F
 
 
-class SmallMotion:
+class SmallMotion(Changing):
     """A motion about rest under way.
 
     Args:
@@ -378,15 +378,6 @@ class SmallMotion:
     def both(self) -> list[Array]:
         """Displacements of all nodes now and a step ago, (node,) m."""
         return self._u
-
-    def get_state(self) -> Tree:
-        """All that changes."""
-        return {name: copied(arrays) for name, arrays in self._changing().items()}
-
-    def set_state(self, tree: Tree) -> None:
-        """Be what it was when `get_state` gave this."""
-        for name, arrays in self._changing().items():
-            put(arrays, tree[name])
 
     def _changing(self) -> dict[str, Arrays]:
         """Arrays that change; the present and the last instant in this order, whichever array holds them."""
