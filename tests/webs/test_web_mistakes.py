@@ -33,18 +33,6 @@ MISTAKES = {
         "until: 1 s", "until: 1 s, start: {kind: mode, amplitude: 0.1, whirl: true}", 9, "run.start.whirl",
         "do not whirl",
     ),
-    "moving support": (
-        "length: 5, mass: 1, axial_stiffness: 1e5, end_support: {kind: joined, to: a",
-        "length: 5, mass: 1, axial_stiffness: 1e5, start_support: {kind: moving, displacement: [0, 1]}, "
-        "end_support: {kind: joined, to: a",
-        4, "lines.c.start_support.kind", "supports do not move as prescribed",
-    ),
-    "moving elastic support": (
-        "length: 5, mass: 1, axial_stiffness: 1e5, end_support: {kind: joined, to: a",
-        "length: 5, mass: 1, axial_stiffness: 1e5, start_support: {kind: elastic, stiffness: 1e4, displacement: "
-        "{time: [0, 1], value: [[0, 0], [0, 1]]}}, end_support: {kind: joined, to: a",
-        4, "lines.c.start_support.displacement", "the far ends of supports do not move",
-    ),
     "load": (
         "kind: force, on: a, force: [0, -9], travel: {speed: 1}",
         "kind: oscillator, on: a, mass: 8, stiffness: 10, travel: {speed: 1}",
