@@ -1,0 +1,1 @@
+"""One mechanical system: cable runs, joints and supports, contacts and bodies, moved by one loop."""

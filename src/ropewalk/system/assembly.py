@@ -1,0 +1,206 @@
+"""From a scenario to a structure and to what it carries."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from ropewalk.mechanics.assembly import axes_of, components, held_by, loads_of, pack, speed_table, strands_of, vector_table
+from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.compiled import records
+from ropewalk.mechanics.fleet import fleet_of
+from ropewalk.mechanics.wheels import wheels_of
+from ropewalk.model.joint import Joined
+from ropewalk.model.load import MovingForce
+from ropewalk.model.scenario import Scenario
+from ropewalk.model.support import Fixed
+from ropewalk.system.bodies import Bodies
+from ropewalk.system.contacts import BODY, CONTACT, FORCE
+from ropewalk.system.motion import Tables
+from ropewalk.system.structure import Holdings, Lines, Nodes, Runs, Structure, Wind
+from ropewalk.webs.lengths import laid_at_rest
+
+
+def structure_of(scenario: Scenario, until: float) -> tuple[Structure, Array]:
+    """A structure, and about where its nodes (axis, node) rest, in m.
+
+    Args:
+        scenario: what is there.
+        until: how long histories are needed, s.
+    """
+    laid, rest = laid_at_rest(scenario.model_copy(update={"loads": {}}), until)
+    axes = axes_of(scenario)
+    shown = [0, 2] if len(axes) == 2 else [0, 1, 2]
+    uses = np.bincount(np.concatenate([strand.node for strand in laid.strands]), minlength=rest.shape[0])
+    sections: list[tuple[str, Integers, Array]] = []
+    for strand in laid.strands:
+        ends = {0, strand.node.size - 1}
+        inner = [i for i in range(1, strand.node.size - 1) if uses[strand.node[i]] > 1]
+        for i, j in pairwise(sorted(ends | set(inner))):
+            sections.append((strand.name, strand.node[i : j + 1], strand.station[i : j + 1]))
+    links = np.array([node.size - 1 for _, node, _ in sections])
+    first = np.concatenate([[0], np.cumsum(links + 1)[:-1]]).astype(np.int64)
+    lines = [scenario.lines[name] for name, _, _ in sections]
+    h = np.array([(s[-1] - s[0]) / (s.size - 1) for *_, s in sections])
+    laws = [pack(line.law, line.axial_stiffness) for line in lines]
+    width = max(p.size for p in laws)
+    original = np.concatenate([node for _, node, _ in sections])
+    r = rest[original][:, shown].T.copy()
+    dim, n = len(axes), original.size
+    gravity = np.zeros(dim)
+    gravity[-1] = -scenario.gravity
+    mass, drag, level = np.zeros(n), np.zeros(n), np.zeros(n)
+    clamped, turned = np.zeros((links.size, 2), dtype=np.int64), np.zeros((links.size, 2, dim))
+    for s, line in enumerate(lines):
+        part = slice(first[s], first[s] + links[s] + 1)
+        m = np.full(links[s] + 1, line.mass * h[s])
+        m[[0, -1]] *= 0.5
+        mass[part], drag[part] = m, line.drag
+        begin, end = components(line.start, axes), components(line.end, axes)
+        level[part] = np.linspace(begin[-1], end[-1], links[s] + 1)
+        way = (end - begin) / np.linalg.norm(end - begin) * h[s]
+        for side, support in enumerate((line.start_support, line.end_support)):
+            at_end = sections[s][2][0] == 0.0 if side == 0 else s + 1 == len(lines) or sections[s + 1][0] != sections[s][0]
+            if at_end and isinstance(support, Fixed) and support.clamped:
+                clamped[s, side], turned[s, side] = 1, way if side == 0 else -way
+    runs = Runs(
+        first, links.astype(np.int64), h, np.array([line.mass for line in lines]),
+        np.array([np.pad(p, (0, width - p.size)) for p in laws]), np.array([line.axial_damping for line in lines]),
+        np.array([line.bending_stiffness or 0.0 for line in lines]),
+        np.array([line.foundation or 0.0 for line in lines]), np.array([line.wind_drag for line in lines]),
+        clamped, turned,
+    )  # fmt: skip
+    holdings = _holdings(scenario, sections, first, original, gravity, until, axes, {e.name: e.node for e in laid.ends})
+    light = np.divide(1.0, mass, out=np.zeros(n), where=mass > 0.0)
+    light[holdings.node] = 0.0
+    names = list(scenario.lines)
+    of = np.array([names.index(name) for name, _, _ in sections])
+    count = np.bincount(of, minlength=len(names))
+    structure = Structure(
+        runs, Nodes(mass, light, mass * gravity[:, None], drag, level),
+        Lines(
+            np.concatenate([[0], np.cumsum(count)[:-1]]).astype(np.int64), count.astype(np.int64),
+            np.array([s[0] for *_, s in sections]),
+            np.array([max(s[-1] for name, _, s in sections if name == own) for own in names]),
+        ),
+        holdings, _wind(scenario, until, axes),
+    )  # fmt: skip
+    return structure, r
+
+
+def _holdings(
+    scenario: Scenario, sections: list[tuple[str, Integers, Array]], first: Integers, original: Integers,
+    gravity: Array, until: float, axes: tuple[str, ...], supported: dict[str, int],
+) -> Holdings:  # fmt: skip
+    """Supports at the ends of lines, and what keeps nodes together."""
+    dim = gravity.size
+    members = {int(i): np.flatnonzero(original == i) for i in np.unique(original)}
+    found: dict[int, dict[str, object]] = {
+        i: {"node": nodes, "free": np.eye(dim)} for i, nodes in members.items() if nodes.size > 1
+    }
+    none = {
+        "mass": 0.0, "force": np.zeros(dim), "stiffness": np.zeros((dim, dim)), "damping": np.zeros((dim, dim)),
+        "place": np.zeros(dim), "table": (np.zeros(1), np.zeros((dim, 1))),
+    }  # fmt: skip
+    for name, line in scenario.lines.items():
+        mine = [(node, s) for (own, node, _), s in zip(sections, first, strict=True) if own == name]
+        for side, support in (("start", line.start_support), ("end", line.end_support)):
+            node = int(mine[0][0][0] if side == "start" else mine[-1][0][-1])
+            entry = found.setdefault(node, {"node": members[node], "free": np.eye(dim)})
+            if isinstance(support, Joined):
+                if support.to in scenario.joints:
+                    joint = scenario.joints[support.to]
+                    entry |= {"mass": joint.mass, "force": joint.mass * gravity + components(joint.force, axes)}
+                continue
+            free, stiffness, damping, force = held_by(support, axes)
+            mass = getattr(support, "mass", 0.0)
+            time, moved = vector_table(getattr(support, "displacement", (0.0,) * dim), until, axes)
+            entry |= {
+                "mass": mass, "force": force + mass * gravity, "free": free, "stiffness": stiffness,
+                "damping": damping, "place": components(line.start if side == "start" else line.end, axes),
+                "table": (time, moved),
+            }  # fmt: skip
+    entries = [none | entry for entry in found.values()]
+    counts = np.array([np.size(e["node"]) for e in entries], dtype=np.int64)
+    tables = [e["table"] for e in entries]
+    sizes = np.array([t[0].size for t in tables], dtype=np.int64)  # type: ignore[index]
+    return Holdings(
+        np.cumsum(counts) - counts, counts, np.concatenate([e["node"] for e in entries]).astype(np.int64),  # type: ignore[misc]
+        np.array([e["mass"] for e in entries]), *(np.array([e[key] for e in entries]) for key in ("force", "free", "stiffness", "damping", "place")),
+        np.cumsum(sizes) - sizes, sizes, np.concatenate([t[0] for t in tables]),  # type: ignore[index]
+        np.ascontiguousarray(np.hstack([t[1] for t in tables])),  # type: ignore[index]
+    )  # fmt: skip
+
+
+def _wind(scenario: Scenario, until: float, axes: tuple[str, ...]) -> Wind:
+    wind = scenario.wind
+    if wind is None:
+        return Wind(np.zeros(len(axes)), np.zeros(1), np.zeros(1), 1.0)
+    direction = components(wind.direction, axes)
+    time, speed = speed_table(wind.speed, until)
+    return Wind(direction / np.linalg.norm(direction), time, speed, wind.air_density)
+
+
+def loads_on(scenario: Scenario, structure: Structure, until: float) -> tuple[np.ndarray, Tables, Bodies]:
+    """Contacts of all loads, their histories and what has a mass above them."""
+    axes, wheels = axes_of(scenario), wheels_of(scenario)
+    dim = len(axes)
+    lengths = dict(zip(scenario.lines, structure.lines.length.tolist(), strict=True))
+    loads = loads_of(scenario, wheels, until)
+    contacts = records(len(wheels), CONTACT)
+    contacts["line"] = loads.strand
+    contacts["begin"] = [wheel.start for wheel in wheels]
+    for key in ("speed_first", "speed_count", "force_first", "force_count"):
+        contacts[key] = getattr(loads, key)
+    contacts["before"] = np.nan
+    tables = Tables(loads.speed_time, loads.speed_value, loads.speed_path, loads.force_time, loads.force_value)
+    heavy = [k for k, wheel in enumerate(wheels) if not isinstance(scenario.loads[wheel.load], MovingForce)]
+    contacts["kind"] = FORCE
+    contacts["kind"][heavy] = BODY
+    contacts["lift"] = [wheel.lift for wheel in wheels]
+    contacts["first"][heavy] = dim * np.arange(len(heavy))
+    places = dim * len(heavy)
+    if not heavy:
+        return contacts, tables, _bodies([], np.zeros(0), np.zeros(0), np.zeros((0, 2), dtype=np.int64), 0)
+    fleet = fleet_of(scenario, wheels, strands_of(scenario, lengths), axes, until).bodies
+    count = places + fleet.coordinates.size
+    mass, force, owner = np.zeros(count), np.zeros(count), np.full((count, 2), -1, dtype=np.int64)
+    for k in heavy:
+        own = contacts[k]["first"] + np.arange(dim)
+        mass[own] = fleet.wheels[k]["mass"][:dim]
+        force[own[-1]] = -scenario.gravity * mass[own[-1]]
+        owner[own, 0], owner[own, 1] = k, np.arange(dim)
+    parts = []
+    for v, vehicle in enumerate(fleet.vehicles):
+        own, n = int(vehicle["coordinates"]), int(vehicle["coordinates"] + vehicle["wheels"])
+        at = [places + int(vehicle["first"]) + i for i in range(own)]
+        at += [int(contacts[k]["first"] + a) for k, a in zip(fleet.wheel[v], fleet.axis[v], strict=True)][: n - own]
+        np.add.at(force, at, fleet.load[v, :n])
+        parts.append((np.array(at), fleet.M[v, :n, :n], fleet.C[v, :n, :n], fleet.K[v, :n, :n]))
+    return contacts, tables, _bodies(parts, mass, force, owner, places)
+
+
+def _bodies(
+    parts: list[tuple[np.ndarray, Array, Array, Array]], mass: Array, force: Array, owner: Integers, places: int
+) -> Bodies:
+    size = np.array([at.size for at, *_ in parts], dtype=np.int64)
+    most = int(size.max(initial=1))
+    at = np.zeros((len(parts), most), dtype=np.int64)
+    M, C, K = (np.zeros((len(parts), most, most)) for _ in range(3))
+    alone = np.ones(mass.size, dtype=np.int64)
+    per_mass = np.divide(1.0, mass, out=np.zeros_like(mass), where=mass > 0.0)
+    weightless = np.zeros(len(parts), dtype=np.int64)
+    for p, (own, m, c, k) in enumerate(parts):
+        n = own.size
+        at[p, :n], C[p, :n, :n], K[p, :n, :n] = own, c, k
+        M[p, :n, :n] = m + np.diag(mass[own])
+        alone[own] = 0
+        heavy = np.diag(M[p])[:n] > 0.0
+        weightless[p] = int((~heavy).sum())
+        per_mass[own] = np.divide(1.0, np.diag(M[p])[:n], out=np.zeros(n), where=heavy)
+    return Bodies(
+        mass, per_mass, force, owner[:, 0].copy(), owner[:, 1].copy(), alone, size, at, M, C, K,
+        np.zeros((2, len(parts), most, most)), weightless, np.zeros((most, most)), np.zeros(most), np.zeros(mass.size),
+        np.zeros(mass.size),
+    )  # fmt: skip

@@ -1,0 +1,206 @@
+"""Cable runs: links with their axial laws, bending and an elastic foundation, from one potential.
+
+    V = sum h W(e) + sum 1/2 EI/h^3 (|D|^2 + |D' - D|^2 / 6) + sum 1/2 bed h (z - level)^2,
+    e = |r(i+1) - r(i)| / h - 1 + (|D(i)|^2 + |D(i+1)|^2 + c |D(i+1) - D(i)|^2) / (48 h^2) + kinks,
+    D(i) = r(i-1) - 2 r(i) + r(i+1).
+
+A link is an arc, longer than its chord by what a circle through its neighbours is: waves across a run are right to the
+fourth order of the mesh, for tension as for bending; c stiffens the shortest ones. What contacts add to the strain of the links under them (kinks)
+comes from `contacts.py`. All forces are gradients of V, but for Kelvin-Voigt damping and wind.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropewalk.mechanics import law
+from ropewalk.mechanics.compiled import inlined, lean, lean_inner
+from ropewalk.mechanics.rider import look_up
+from ropewalk.system.compliance import CORRECTION, SHORT, SMOOTH
+
+ARC, SHORT_ARC = CORRECTION / 48.0, SHORT / 48.0
+
+
+@lean_inner
+def _bend(x, out, square, begin, n, axis, clamped, turned):
+    """Second differences of one component, and what they add to the arcs of links."""
+    a, d, q = x[begin : begin + n + 1], out[begin : begin + n + 1], square[begin : begin + n]
+    d[0] = 2.0 * (a[1] - a[0] - turned[0, axis]) if clamped[0] == 1 else 0.0
+    d[n] = 2.0 * (a[n - 1] - a[n] - turned[1, axis]) if clamped[1] == 1 else 0.0
+    for i in range(1, n):
+        d[i] = (a[i + 1] - a[i]) - (a[i] - a[i - 1])
+    if axis == 0:
+        for i in range(n):
+            q[i] = 0.0
+    for i in range(n):
+        change = d[i + 1] - d[i]
+        q[i] += ARC * (d[i] * d[i] + d[i + 1] * d[i + 1]) + SHORT_ARC * change * change
+
+
+@lean_inner
+def _stretch(x, y, z, strain, square, length, begin, n, h):
+    """Strain of all links of a run, arcs included, and the lengths of their chords."""
+    a, c = x[begin : begin + n + 1], z[begin : begin + n + 1]
+    e, q, c0 = strain[begin : begin + n], square[begin : begin + n], length[begin : begin + n]
+    if y is not None:
+        b = y[begin : begin + n + 1]
+    inverse = 1.0 / h
+    arc = inverse * inverse
+    for i in range(n):
+        dx, dz = a[i + 1] - a[i], c[i + 1] - c[i]
+        s = dx * dx + dz * dz
+        if y is not None:
+            dy = b[i + 1] - b[i]
+            s += dy * dy
+        c0[i] = np.sqrt(s)
+        e[i] = c0[i] * inverse - 1.0 + arc * q[i]
+
+
+@inlined
+def stretch_all(runs, room, r):
+    """Strain of all links without kinks; second differences of the nodes."""
+    last = r.shape[0] - 1
+    for s in range(runs.first.size):
+        begin, n, h = runs.first[s], runs.links[s], runs.h[s]
+        for a in range(last + 1):
+            _bend(r[a], room.bent[a], room.square, begin, n, a, runs.clamped[s], runs.turned[s])
+        if last == 1:
+            _stretch(r[0], None, r[1], room.strain, room.square, room.length, begin, n, h)
+        else:
+            _stretch(r[0], r[1], r[2], room.strain, room.square, room.length, begin, n, h)
+
+
+@lean_inner
+def _tensions(p, strain, tension, begin, n):
+    e, T = strain[begin : begin + n], tension[begin : begin + n]
+    if p[0] == law.CUBIC:
+        floor, c1, c2, c3 = p[1], p[2], p[3], p[4]
+        for i in range(n):
+            x = max(e[i], floor)
+            T[i] = x * (c1 + x * (c2 + x * c3))
+        return
+    for i in range(n):
+        T[i] = law.tension(p, e[i])
+
+
+@lean_inner
+def _resist(c, h, strain, before, rate, tension, begin, n, dt):
+    """Add Kelvin-Voigt tension c de/dt; returns the power it takes, W."""
+    e, o, u, T = (
+        strain[begin : begin + n], before[begin : begin + n], rate[begin : begin + n], tension[begin : begin + n],
+    )  # fmt: skip
+    lost = 0.0
+    for i in range(n):
+        if dt > 0.0:
+            u[i] = (e[i] - o[i]) / dt
+            o[i] = e[i]
+        T[i] += c * u[i]
+        lost += u[i] * u[i]
+    return c * h * lost
+
+
+@lean_inner
+def _pull(x, force, bent, moment, length, tension, begin, n, h, bending, clamp0, clamp1):
+    """Add the forces of links and bending to one component."""
+    a, f, d = x[begin : begin + n + 1], force[begin : begin + n + 1], bent[begin : begin + n + 1]
+    c, T, m = length[begin : begin + n], tension[begin : begin + n], moment[begin : begin + n + 1]
+    arc, short, stiff = 2.0 * ARC / h, 2.0 * SHORT_ARC / h, bending / (h * h * h)
+    smooth = stiff * SMOOTH
+    f[0] += T[0] / c[0] * (a[1] - a[0])
+    f[n] -= T[n - 1] / c[n - 1] * (a[n] - a[n - 1])
+    for i in range(1, n):
+        f[i] += T[i] / c[i] * (a[i + 1] - a[i]) - T[i - 1] / c[i - 1] * (a[i] - a[i - 1])
+    m[0] = m[n] = 0.0
+    for i in range(1, n):
+        m[i] = (
+            (stiff + arc * (T[i - 1] + T[i])) * d[i]
+            + (smooth + short * T[i - 1]) * (d[i] - d[i - 1])
+            + (smooth + short * T[i]) * (d[i] - d[i + 1])
+        )
+    for i in range(1, n):
+        f[i] -= m[i - 1] - 2.0 * m[i] + m[i + 1]
+    f[0] -= m[1]
+    f[n] -= m[n - 1]
+    if clamp0 == 1:
+        end = 2.0 * ((0.5 * stiff + arc * T[0]) * d[0] + (smooth + short * T[0]) * (d[0] - d[1]))
+        f[0] += end
+        f[1] -= end
+    if clamp1 == 1:
+        end = 2.0 * ((0.5 * stiff + arc * T[n - 1]) * d[n] + (smooth + short * T[n - 1]) * (d[n] - d[n - 1]))
+        f[n] += end
+        f[n - 1] -= end
+
+
+@inlined
+def pull_all(structure, room, r, dt):
+    """Add the forces of all runs, whose strains are known, to `room.force`.
+
+    Args:
+        dt: s, since strains were looked at before; 0: nothing has moved since.
+
+    Returns:
+        Power that Kelvin-Voigt damping takes, W.
+    """
+    runs, last, lost = structure.runs, r.shape[0] - 1, 0.0
+    for s in range(runs.first.size):
+        begin, n, h = runs.first[s], runs.links[s], runs.h[s]
+        _tensions(runs.law[s], room.strain, room.tension, begin, n)
+        if runs.damping[s] > 0.0:
+            lost += _resist(runs.damping[s], h, room.strain, room.before, room.rate, room.tension, begin, n, dt)
+        for a in range(last + 1):
+            _pull(r[a], room.force[a], room.bent[a], room.moment, room.length, room.tension, begin, n, h,
+                  runs.bending[s], runs.clamped[s, 0], runs.clamped[s, 1])  # fmt: skip
+        if runs.bed[s] > 0.0:
+            k = runs.bed[s] * h
+            for i in range(begin, begin + n + 1):
+                part = 0.5 if i in (begin, begin + n) else 1.0
+                room.force[last, i] -= part * k * (r[last, i] - structure.nodes.level[i])
+    return lost
+
+
+@lean
+def energy_of(structure, room, r):
+    """Energy stored in all runs, whose strains are known with kinks, J; `room.bent` holds second differences."""
+    runs, last, total = structure.runs, r.shape[0] - 1, 0.0
+    for s in range(runs.first.size):
+        begin, n, h = runs.first[s], runs.links[s], runs.h[s]
+        for i in range(begin, begin + n):
+            total += h * law.stored(runs.law[s], room.strain[i])
+        if runs.bending[s] > 0.0:
+            stiff = 0.5 * runs.bending[s] / h**3
+            for a in range(last + 1):
+                for i in range(begin, begin + n):
+                    d, e = room.bent[a, i], room.bent[a, i + 1]
+                    total += stiff * (0.5 * (d * d + e * e) + SMOOTH * (e - d) ** 2)
+        if runs.bed[s] > 0.0:
+            for i in range(begin, begin + n + 1):
+                part = 0.25 if i in (begin, begin + n) else 0.5
+                total += part * runs.bed[s] * h * (r[last, i] - structure.nodes.level[i]) ** 2
+    return total
+
+
+@lean_inner
+def blow(structure, room, r, v, t):
+    """Add the forces of the wind, half of each link's to each of its nodes; returns their power, W."""
+    runs, wind, axes, power = structure.runs, structure.wind, r.shape[0], 0.0
+    speed = look_up(wind.time, wind.speed, 0, wind.time.size, t)
+    for s in range(runs.first.size):
+        if runs.width[s] == 0.0:
+            continue
+        for i in range(runs.first[s], runs.first[s] + runs.links[s]):
+            along = square = length = 0.0
+            for a in range(axes):
+                length += (r[a, i + 1] - r[a, i]) ** 2
+            length = np.sqrt(length)
+            for a in range(axes):
+                u = speed * wind.direction[a] - 0.5 * (v[a, i] + v[a, i + 1])
+                along += u * (r[a, i + 1] - r[a, i]) / length
+                square += u * u
+            k = 0.25 * wind.density * runs.width[s] * length * np.sqrt(max(square - along * along, 0.0))
+            for a in range(axes):
+                u = speed * wind.direction[a] - 0.5 * (v[a, i] + v[a, i + 1])
+                F = k * (u - along * (r[a, i + 1] - r[a, i]) / length)
+                room.force[a, i] += F
+                room.force[a, i + 1] += F
+                power += F * (v[a, i] + v[a, i + 1])
+    return power

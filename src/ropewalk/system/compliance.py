@@ -1,0 +1,105 @@
+"""How a line gives way under a contact beside its spline: the Green's function of the line less that of its links.
+
+A point force P at x of a run moves it by P G(x), and the spline through its nodes by P g(x); the rest G - g is the tip
+of the kink that links of finite length round off. It depends on what lies within some links: on the place within a
+link, on a support close by and on zeta = (EI/h^2) / (T + EI/h^2), the part that bending has,
+
+    G - g = h / (T + EI/h^2) * kappa(x, zeta).
+
+Both are computed here, for a run of eighty links that is held at its ends and may turn there. Source of the exact one:
+a taut beam under a point force, x (L - x) / (L T) less the part of bending, with its length sqrt(EI/T).
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import scipy.linalg as linalg
+
+from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.compiled import lean
+from ropewalk.system.spline import WIDTH, share
+
+# The arc of a link above its chord, over the one that a circle through its neighbours has: the length of a
+# smooth curve is right to the fourth order of the mesh.
+CORRECTION = 1.0
+# The same of the change of the curvature between its ends. It would be 4/15 for waves that are right to the sixth order;
+# more of it lets no wave of the links be slower than a kink at nine tenths of the speed of waves, which would shed it.
+SHORT = 1.0
+# Bending energy of the change of the curvature, over h^2 times that of the curvature: exact to the fourth order.
+SMOOTH = 1.0 / 6.0
+CELL, NEAR, PARTS, SHARES = 80, 8, 64, 33  # links of the run, tabled ones, places in each, values of zeta
+# Factor of kappa under a contact at the part alpha of the speed of transverse waves, beside 1/(1 - alpha^2): from the
+# Fourier transforms of a line and of its links under a steadily moving force, at these squares of alpha; the test of
+# the table computes them anew. Beyond the last one links resolve no kink that is carried ahead of its waves.
+KINETIC = np.array([
+    (0.0, 0.04, 0.16, 0.25, 0.36, 0.49, 0.64, 0.7225, 0.81, 0.9025),
+    (1.0, 1.0017, 1.0077, 1.0133, 1.0222, 1.0373, 1.0669, 1.0954, 1.1483, 1.2802),
+])  # fmt: skip
+
+
+@lru_cache(maxsize=4)
+def compliances(correction: float = CORRECTION) -> Array:
+    """kappa (value of zeta, place): zeta evenly from 0 to 1, places evenly over the first links of a run.
+
+    Args:
+        correction: of the arc of links.
+    """
+    places = np.arange(NEAR * PARTS + 1) / PARTS
+    weights = np.zeros((places.size, CELL + 1))
+    slope = np.zeros(WIDTH)
+    for row, x in zip(weights, places, strict=True):
+        weight = np.zeros(WIDTH)
+        base = share(x, CELL, weight, slope)
+        row[base : base + WIDTH] = weight
+    one, two = np.diff(np.eye(CELL + 1), axis=0)[:, 1:-1], np.diff(np.eye(CELL + 1), 2, axis=0)[:, 1:-1]
+    three = np.diff(np.pad(two, ((1, 1), (0, 0))), axis=0)
+    inner = weights[:, 1:-1]
+    found = np.empty((SHARES, places.size))
+    for row, zeta in zip(found, np.linspace(0.0, 1.0, SHARES), strict=True):
+        taut = 1.0 - zeta  # T with T + EI/h^2 = 1
+        K = taut * one.T @ one + (zeta + taut * correction / 12.0) * two.T @ two
+        K = K + (zeta * SMOOTH + taut * SHORT / 24.0) * three.T @ three
+        chain = (inner * linalg.solve(K, inner.T, assume_a="pos").T).sum(axis=1)
+        row[:] = _exact(places, taut, zeta) - chain
+    return found
+
+
+def _exact(x: Array, taut: float, bending: float) -> Array:
+    """Displacement under a unit force of a taut beam of CELL links, which is held at its ends."""
+    L = float(CELL)
+    if bending == 0.0:
+        return x * (L - x) / (L * taut)
+    if taut < 1e-6:  # the difference of two large parts
+        beam: Array = x**2 * (L - x) ** 2 / (3.0 * bending * L)
+        return beam
+    reach = np.sqrt(bending / taut)
+    a, b, c = (1.0 - np.exp(-2.0 * d / reach) for d in (x, L - x, L))
+    return np.asarray((x * (L - x) / L - 0.5 * reach * a * b / c) / taut)
+
+
+@lean
+def compliance(x, n, zeta, table, out):
+    """kappa at x links along a run of n links, its change with zeta and with x, to out (3,)."""
+    y, side = (x, 1.0) if x <= 0.5 * n else (n - x, -1.0)
+    if y > NEAR - 1:  # from there on it is the same in all links
+        y = NEAR - 1 + (y - np.floor(y))
+    p, q = max(y, 0.0) * PARTS, min(max(zeta, 0.0), 1.0) * (SHARES - 1)
+    i, j = min(int(p), NEAR * PARTS - 1), min(int(q), SHARES - 2)
+    f, g = p - i, q - j
+    low = table[j, i] + f * (table[j, i + 1] - table[j, i])
+    high = table[j + 1, i] + f * (table[j + 1, i + 1] - table[j + 1, i])
+    out[0], out[1] = low + g * (high - low), (high - low) * (SHARES - 1)
+    near = (1.0 - g) * (table[j, i + 1] - table[j, i]) + g * (table[j + 1, i + 1] - table[j + 1, i])
+    out[2] = side * near * PARTS
+
+
+@lean
+def kinetic(square, table):
+    """Factor of kappa at a square of alpha, see KINETIC."""
+    i, last = 0, table.shape[1] - 2
+    while i < last and square > table[0, i + 1]:
+        i += 1
+    part = min((square - table[0, i]) / (table[0, i + 1] - table[0, i]), 1.0)
+    return table[1, i] + part * (table[1, i + 1] - table[1, i])

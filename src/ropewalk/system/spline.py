@@ -1,0 +1,93 @@
+"""Where a contact is on a run of links: a point of a quintic spline through the nodes, sharpened.
+
+The spline is four times differentiable along the run, so that a load passes nodes without an event. Its control points
+are c = r - D2 r / 4, which undoes to the fourth order of the mesh what a quintic B-spline smooths: 1 - (k h)^2 / 4 of a
+wave k. Beyond an end the run is continued by its point reflection, c(-j) = 2 c(0) - c(j): the curve ends in the end
+node, without curvature.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropewalk.mechanics.compiled import lean
+
+# Nodes that share a point, one after the other.
+WIDTH = 8
+SHARPENED = 0.25
+
+
+@lean
+def _basis(u):
+    """Quintic B-spline at a distance u >= 0 in links from its node, and its slope."""
+    if u < 1.0:
+        square = u * u
+        return 0.55 + square * (-0.5 + square * (0.25 - u / 12.0)), u * (-1.0 + square * (1.0 - u * 5.0 / 12.0))
+    if u < 2.0:
+        return (
+            0.425 + u * (0.625 + u * (-1.75 + u * (1.25 + u * (-0.375 + u / 24.0)))),
+            0.625 + u * (-3.5 + u * (3.75 + u * (-1.5 + u * 5.0 / 24.0))),
+        )
+    if u < 3.0:
+        rest = 3.0 - u
+        return rest**5 / 120.0, -(rest**4) / 24.0
+    return 0.0, 0.0
+
+
+@lean
+def share(x, n, weight, slope):
+    """How the nodes of a run share the point at x links along it.
+
+    Args:
+        x: 0 to n.
+        n: number of links.
+        weight, slope: (WIDTH,), overwritten: of the point and of its derivative per link.
+
+    Returns:
+        Number of the first of these nodes within the run; those beyond its end have the weight zero.
+    """
+    i = min(max(int(np.floor(x)), 0), n - 1)
+    base = max(min(i - 3, n + 1 - WIDTH), 0)
+    for k in range(WIDTH):
+        weight[k] = slope[k] = 0.0
+    for k in range(6):
+        j = i - 2 + k
+        w, d = _basis(abs(x - j))
+        if x < j:
+            d = -d
+        if j < 0:
+            _control(0, n, base, 2.0 * w, 2.0 * d, weight, slope)
+            w, d, j = -w, -d, min(-j, n)
+        elif j > n:
+            _control(n, n, base, 2.0 * w, 2.0 * d, weight, slope)
+            w, d, j = -w, -d, max(2 * n - j, 0)
+        _control(j, n, base, w, d, weight, slope)
+    return base
+
+
+@lean
+def _control(j, n, base, w, d, weight, slope):
+    """Add the control point of node j."""
+    own = 1.0 if j == 0 or j == n else 1.0 + 2.0 * SHARPENED
+    weight[j - base] += own * w
+    slope[j - base] += own * d
+    if 0 < j < n:
+        for k in range(j - 1, j + 2, 2):
+            weight[k - base] -= SHARPENED * w
+            slope[k - base] -= SHARPENED * d
+
+
+@lean
+def links_under(x, first, n, link, part, slope):
+    """The three links that bear the kink under a contact at x links along a run, with their parts and slopes of these.
+
+    Args:
+        link, part, slope: (3,), overwritten; parts are a quadratic B-spline over the middles of links.
+    """
+    y = x - 0.5
+    i = int(np.floor(y + 0.5))
+    f = y - i
+    part[0], part[1], part[2] = 0.5 * (0.5 - f) ** 2, 0.75 - f * f, 0.5 * (0.5 + f) ** 2
+    slope[0], slope[1], slope[2] = f - 0.5, -2.0 * f, 0.5 + f
+    for k in range(3):
+        link[k] = first + min(max(i - 1 + k, 0), n - 1)

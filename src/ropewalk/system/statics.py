@@ -1,0 +1,174 @@
+"""Potential energy of a structure at rest, without loads, as `solve/minimum.py` wants it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import scipy.sparse as sparse
+
+from ropewalk.mechanics import law
+from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.solve import minimum
+from ropewalk.solve.symmetric import Way
+from ropewalk.system.cables import ARC, SHORT_ARC, energy_of, pull_all, stretch_all
+from ropewalk.system.compliance import SMOOTH
+from ropewalk.mechanics.compiled import lean
+from ropewalk.system.structure import Room, Structure
+
+
+@lean
+def _energy(structure, room, r):
+    stretch_all(structure.runs, room, r)
+    return energy_of(structure, room, r)
+
+
+@lean
+def _forces(structure, room, r):
+    stretch_all(structure.runs, room, r)
+    pull_all(structure, room, r, 0.0)
+
+
+class Potential:
+    """Potential energy of a structure as a function of the places of its nodes, (axis, node)."""
+
+    is_symmetric = True
+
+    def __init__(self, structure: Structure, axes: int, size: float) -> None:
+        self.structure, self.axes, self.size = structure, axes, size
+        self.room = Room.of(structure, axes)
+        held, n = structure.holdings, structure.nodes.mass.size
+        moves = np.ones(n, dtype=np.bool_)
+        moves[held.node] = False
+        whole = np.flatnonzero(np.tile(moves, axes))
+        columns = [(np.array([i]), np.ones(1)) for i in whole]
+        for e in range(held.mass.size):
+            nodes = held.node[held.first[e] : held.first[e] + held.nodes[e]]
+            values, ways = np.linalg.eigh(held.free[e])
+            for way in ways.T[values > 0.5]:
+                at = (nodes[None, :] + n * np.arange(axes)[:, None]).ravel()
+                columns.append((at, np.repeat(way, nodes.size)))
+        row, column, value = (
+            np.concatenate(parts)
+            for parts in zip(*((at, np.full(at.size, j), v) for j, (at, v) in enumerate(columns)), strict=True)
+        )
+        self.free = sparse.csc_matrix((value, (row, column)), shape=(axes * n, len(columns)))
+        self._one, self._two, self._three, self._weight = self._operators()
+
+    def _operators(self) -> tuple[sparse.csr_matrix, sparse.csr_matrix, sparse.csr_matrix, Array]:
+        """Links (node, node), second differences and their differences, and weights of bending."""
+        runs, n = self.structure.runs, self.structure.nodes.mass.size
+        one, two, three = (sparse.lil_matrix((n, n)) for _ in range(3))
+        weight = np.ones(n)
+        for first, links, clamped in zip(runs.first, runs.links, runs.clamped, strict=True):
+            for i in range(first, first + links):
+                one[i, i], one[i, i + 1] = -1.0, 1.0
+                three[i, i], three[i, i + 1] = -1.0, 1.0
+            for i in range(first + 1, first + links):
+                two[i, i - 1], two[i, i], two[i, i + 1] = 1.0, -2.0, 1.0
+            for side, (e, i) in enumerate(((first, first + 1), (first + links, first + links - 1))):
+                weight[e] = 0.5
+                if clamped[side]:
+                    two[e, e], two[e, i] = -2.0, 2.0
+        return one.tocsr(), two.tocsr(), (three.tocsr() @ two.tocsr()).tocsr(), weight
+
+    def energy(self, r: Array) -> float:
+        """Potential energy, J."""
+        held, total = self.structure.holdings, float(_energy(self.structure, self.room, r))
+        total -= float((self.structure.nodes.force * r).sum())
+        for e in range(held.mass.size):
+            here = r[:, held.node[held.first[e]]]
+            away = here - self._place(e)
+            total += 0.5 * float(away @ held.stiffness[e] @ away) - float(held.force[e] @ here)
+        return total
+
+    def _place(self, e: int) -> Array:
+        held = self.structure.holdings
+        part = slice(int(held.table[e]), int(held.table[e] + held.entries[e]))
+        moved = [np.interp(0.0, held.time[part], row[part]) for row in held.moved]
+        return np.asarray(held.place[e] + moved)
+
+    def forces(self, r: Array) -> Array:
+        """Forces on all nodes (axis, node), N, those of springs of supports included."""
+        self.room.force[:] = self.structure.nodes.force
+        _forces(self.structure, self.room, r)
+        held, out = self.structure.holdings, self.room.force.copy()
+        for e in range(held.mass.size):
+            node = held.node[held.first[e]]
+            out[:, node] += held.force[e] + held.stiffness[e] @ (self._place(e) - r[:, node])
+        return out
+
+    def out_of_balance(self, r: Array) -> Array:
+        return np.asarray(self.free.T @ self.forces(r).ravel())
+
+    def stiffness(self, r: Array) -> sparse.csc_matrix:
+        """Second derivatives of the energy, (unknown, unknown) N/m."""
+        runs, n, axes = self.structure.runs, self.structure.nodes.mass.size, self.axes
+        self.room.force[:] = self.structure.nodes.force
+        _forces(self.structure, self.room, r)
+        tension, strain = self.room.tension.copy(), self.room.strain.copy()
+        h, slope, EI, bed = np.ones(n), np.zeros(n), np.zeros(n), np.zeros(n)
+        for s, (first, links) in enumerate(zip(runs.first, runs.links, strict=True)):
+            part = slice(first, first + links)
+            h[part] = runs.h[s]
+            slope[part] = law.tangents(runs.law[s], strain[part])
+            EI[first : first + links + 1] = runs.bending[s] / runs.h[s] ** 3
+            bed[first : first + links + 1] = runs.bed[s] * runs.h[s]
+            bed[[first, first + links]] *= 0.5
+            tension[first + links] = 0.0
+            h[first + links] = runs.h[s]
+        D = [self._two @ x for x in r]
+        chord = np.array([self._one @ x for x in r])
+        length = np.sqrt((chord**2).sum(axis=0))
+        length[length == 0.0] = 1.0
+        way, q = chord / length, tension / length
+        pair = sparse.diags([np.ones(n), np.ones(n - 1)], [0, 1])
+        rows = [
+            sparse.diags(way[a] / h) @ self._one + sparse.diags(2.0 * ARC / h**2) @ pair @ sparse.diags(D[a]) @ self._two
+            + sparse.diags(2.0 * SHORT_ARC / h**2 * (self._three @ r[a])) @ self._three
+            for a in range(axes)
+        ]
+        rise = sparse.diags(h * slope)
+        arcs = 2.0 * ARC / h * (tension + np.concatenate([[0.0], tension[:-1]]))
+        bent = self._two.T @ sparse.diags(arcs + EI * self._weight) @ self._two
+        bent = bent + self._three.T @ sparse.diags(SMOOTH * EI + 2.0 * SHORT_ARC / h * tension) @ self._three
+        blocks = [[rows[a].T @ rise @ rows[b] for b in range(axes)] for a in range(axes)]
+        for a in range(axes):
+            for b in range(axes):
+                across = q * ((1.0 if a == b else 0.0) - way[a] * way[b])
+                blocks[a][b] = blocks[a][b] + self._one.T @ sparse.diags(across) @ self._one
+            blocks[a][a] = blocks[a][a] + bent
+        blocks[-1][-1] = blocks[-1][-1] + sparse.diags(bed)
+        K = sparse.bmat(blocks, format="lil")
+        held = self.structure.holdings
+        for e in np.flatnonzero(held.stiffness.any(axis=(1, 2))):
+            at = held.node[held.first[e]] + n * np.arange(axes)
+            K[np.ix_(at, at)] += held.stiffness[e]
+        return (self.free.T @ K.tocsc() @ self.free).tocsc()
+
+    def pattern(self, r: Array) -> sparse.csc_matrix:
+        K = self.stiffness(r)
+        return abs(K)
+
+    def stability(self, r: Array) -> tuple[sparse.csc_matrix, Integers]:
+        K = self.stiffness(r)
+        return K, np.arange(K.shape[0])
+
+    def moved(self, r: Array, step: Array) -> Array:
+        return np.asarray(r + (self.free @ step).reshape(r.shape))
+
+    def arrived(self, r: Array) -> tuple[Array, bool]:
+        return r, False
+
+    def approaches(self, start: Array, way: Way) -> Iterator[Array]:
+        return iter(())
+
+
+def settle(structure: Structure, start: Array) -> Array:
+    """Places of all nodes at rest next to a shape (axis, node), m.
+
+    Raises:
+        EquilibriumError: no rest was found.
+    """
+    potential = Potential(structure, start.shape[0], float(np.ptp(start, axis=1).max()))
+    return minimum.settle(potential, start)
