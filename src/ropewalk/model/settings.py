@@ -23,7 +23,7 @@ def check_settings(parts: Parts) -> Iterator[Finding]:
     if parts.is_stiff and not parts.is_web:
         return
     if run.start.with_loads and all(isinstance(load, Foreign) for load in parts.loads.values()):
-        wrong = "there is no load whose rest is known" if parts.loads else "there are no loads"
+        wrong = "no load has a rest of its own" if parts.loads else "there are no loads"
         yield Finding(("run", "start", "with_loads"), wrong, "true", "leave it out")
 
 
