@@ -301,28 +301,28 @@ SLOPE = RIGID.replace("[1, 0]", "[1, 0.1]").replace("length: 1,", "length: 1.1,"
 @pytest.mark.parametrize(
     ("line", "load", "key", "says"),
     [
-        (RIGID, "kind: trolley, mass: 1, travel: {speed: 0.1}, payload: {mass: 1, length: 1}", "kind", "knows forces"),
-        (RIGID, "kind: mass, mass: 1, travel: {kind: free}", "travel.kind", "as prescribed, given free; ask for kind"),
+        (RIGID, "kind: trolley, mass: 1, travel: {speed: 0.1}, payload: {mass: 1, length: 1}", "kind", "not implemented"),
+        (RIGID, "kind: mass, mass: 1, travel: {kind: free}", "travel.kind", "given free; ask for kind: dynamic"),
         (RIGID, "kind: mass, mass: 1, travel: {speed: {time: [0, 1], value: [1, 2]}, at_end: leave}", "travel.speed",
-         "constant speed"),
-        (RIGID, "kind: mass, mass: 1, travel: {speed: 0, from: 0.5}", "travel.speed", "masses that travel, given 0"),
+         "a mass whose speed varies"),
+        (RIGID, "kind: mass, mass: 1, travel: {speed: 0, from: 0.5}", "travel.speed", "a mass that stands still"),
         (RIGID, "kind: mass, mass: 1, travel: {speed: 1, measured: arc, at_end: leave}", "travel.measured",
          "write material or horizontal"),
         (RIGID, "kind: mass, mass: 1, travel: {speed: 1, at_end: stay}", "travel.at_end", "write leave"),
-        (RIGID, "kind: mass, mass: 1, lift_off: true, side: below, travel: {speed: 0.1}", "side", "runs above"),
+        (RIGID, "kind: mass, mass: 1, lift_off: true, side: below, travel: {speed: 0.1}", "side", "write above"),
         (RIGID, "kind: mass, mass: 1, air_drag: 1, travel: {speed: 0.1}", "air_drag", "leave it out"),
-        (RIGID, "kind: mass, mass: 1, force: [1, 0], travel: {speed: 0.1}", "force", "constant vertical force"),
+        (RIGID, "kind: mass, mass: 1, force: [1, 0], travel: {speed: 0.1}", "force", "not constant and vertical"),
         (RIGID, "kind: mass, mass: 1, force: {time: [0, 1], value: [[0, 1], [0, 2]]}, travel: {speed: 0.1}", "force",
-         "constant vertical force"),
+         "not constant and vertical"),
         (RIGID, "kind: oscillator, mass: 1, stiffness: 1, lift_off: true, contact_stiffness: 9, travel: {speed: 0.1}",
-         "contact_stiffness", "rigid contact"),
+         "contact_stiffness", "given 9 N/m; leave it out"),
         (RIGID, "kind: vehicle, travel: {speed: 0.1}, lift_off: true, wheels: {w: {mass: 1, contact_stiffness: 9}}",
-         "wheels.w.contact_stiffness", "rigid contact"),
-        (SLOPE, "kind: mass, mass: 1, travel: {speed: 0.1}", "on", "ends have one height"),
+         "wheels.w.contact_stiffness", "given 9 N/m; leave it out"),
+        (SLOPE, "kind: mass, mass: 1, travel: {speed: 0.1}", "on", "ends differ in height"),
         (TAUT, "kind: vehicle, travel: {speed: 0.1}, wheels: {w: {mass: 1}}", "kind", "give the line a bending_stiff"),
-        (TAUT, "kind: mass, mass: 1, lift_off: true, travel: {speed: 0.1}", "lift_off", "no lift-off"),
-        (TAUT, "kind: mass, mass: 1, travel: {speed: 0.1, from: 0.5}", "travel.from", "enter at an end"),
-        (TAUT, "kind: mass, mass: 1, travel: {speed: -0.1, from: 0.5, measured: horizontal}", "travel.from", "enter"),
+        (TAUT, "kind: mass, mass: 1, lift_off: true, travel: {speed: 0.1}", "lift_off", "lift-off on a line"),
+        (TAUT, "kind: mass, mass: 1, travel: {speed: 0.1, from: 0.5}", "travel.from", "between the ends"),
+        (TAUT, "kind: mass, mass: 1, travel: {speed: -0.1, from: 0.5, measured: horizontal}", "travel.from", "between"),
         (RIGID, "kind: vehicle, travel: {speed: 0.1}, wheels: {f: {mass: 1}, r: {at: -1, mass: 1}}", "travel.at_end",
          "write at_end: leave"),
     ],
@@ -336,7 +336,7 @@ def test_what_is_not_known_is_refused_with_advice(line: str, load: str, key: str
 
 def test_a_mass_is_alone_on_its_line() -> None:
     other = "  b: {kind: force, on: line, force: [0, -1], travel: {speed: 0.1, from: 0.5}}\n"
-    with pytest.raises(ScenarioError, match=r"loads\.a\.on: .* alone on its line, given with b"):
+    with pytest.raises(ScenarioError, match=r"loads\.a\.on: a load with a mass beside other loads .*, given with b"):
         run(RIGID, "kind: mass, mass: 1, travel: {speed: 0.1}", "until: 1", others=other)
 
 

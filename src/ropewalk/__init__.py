@@ -39,6 +39,8 @@ from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from ropewalk import hooks
+
 if TYPE_CHECKING:
     from ropewalk import theory
     from ropewalk.compare import Ladder, ladder
@@ -305,6 +307,9 @@ _HOME = {
     "without_feedback": "decouple",
 }
 _NAME_AT_HOME = {"export_fmu": "export", "spectrum": "spectrum_of"}
+
+
+hooks.unsupported = lambda parts: import_module("ropewalk.capabilities").unsupported(parts)
 
 
 def __getattr__(name: str) -> Any:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ropewalk.capabilities import WEBS, WIRES, check_spectrum, engine_of
 from ropewalk.chains import Chain
 from ropewalk.checkpoint import Tree
 from ropewalk.errors import EquilibriumError, Problem, RopewalkError, ScenarioError
@@ -117,11 +118,12 @@ def must_compile(scenario: Scenario) -> str:
     """
     if not isinstance(scenario.run, Dynamic):
         return ""
-    if scenario.is_web:
+    engine = engine_of(scenario)
+    if engine is WEBS:
         from ropewalk.webs import motion
 
         return "about a minute" if _sizes(motion.advance) == [] else ""
-    if scenario.is_stiff:
+    if engine is WIRES:
         from ropewalk.wires import large, small
 
         kernel = large.advance if scenario.run.geometry == "nonlinear" else small.advance
@@ -175,22 +177,21 @@ def run_of(scenario: Scenario, account: Account, times: Array | None = None, pas
         times: of a motion, its output instants in s (default: those that it asks for).
         past: what such a run has given as its state, to go on from there.
     """
-    run = scenario.run
+    run, engine = scenario.run, engine_of(scenario)
     if isinstance(run, Dynamic):
         return _moving(scenario, run, account, output_times(run) if times is None else times, past)
-    if scenario.is_web:
+    if engine is WEBS:
         return _webbed(scenario, account)
-    if scenario.is_stiff and not isinstance(run, Linear):
+    if engine is WIRES:
         return _wired(scenario, account)
     if isinstance(run, Linear):
-        from ropewalk import linear  # lazy: the closed forms take a while to import
+        from ropewalk.linear.frames import frames  # lazy: the closed forms take a while to import
 
         setting = setting_of(scenario, run.until)
-        _refuse_to_yield(setting, "run.kind: linear knows", "ask for kind: dynamic")
         times = output_times(run)
         account.method, account.reason = "linear theory", "as asked: superposition of small deflections about the chord"
         account.audit = "the linear theory superposes deflections and keeps no energies"
-        return _Still(layout_of(setting), linear.frames(setting, scenario, times, account), times.size)
+        return _Still(layout_of(setting), frames(setting, scenario, times, account), times.size)
     setting = setting_of(scenario, horizon(scenario) if isinstance(run, Quasistatic) else 0.0)
     layout = layout_of(setting, "load_path")
     account.method = "rest"
@@ -203,11 +204,12 @@ def run_of(scenario: Scenario, account: Account, times: Array | None = None, pas
 
 def _moving(scenario: Scenario, run: Dynamic, account: Account, times: Array, past: Tree | None) -> Run:
     """A motion, by the engine that its lines ask for."""
-    if scenario.is_web:
+    engine = engine_of(scenario)
+    if engine is WEBS:
         from ropewalk.webs.moving import Motion as Web  # lazy: most runs do not need their kernels
 
         return Web(scenario, account, times, past)
-    if scenario.is_stiff:
+    if engine is WIRES:
         from ropewalk.wires.frames import SAMPLE  # lazy: as above
         from ropewalk.wires.frames import Run as Wires
         from ropewalk.wiring import task_of
@@ -337,19 +339,6 @@ def state_at(scenario: Scenario, t: float) -> tuple[Setting, State, Bodies | Non
     return chain.setting, chain.state, chain.bodies
 
 
-def _refuse_to_yield(setting: Setting, who: str, otherwise: str) -> None:
-    """Refuse supports that yield or move where they are not known, instead of passing over them.
-
-    Raises:
-        RopewalkError: there is such a support.
-    """
-    supports = setting.supports
-    for number, free in enumerate(supports.free):
-        if free.any() or supports.motion_count[number] > 1:
-            name = f"lines: {setting.lines[number // 2]}: {('start', 'end')[number % 2]}_support"
-            raise RopewalkError(f"{name}: {who} only fixed supports so far; write kind: fixed, or {otherwise}")
-
-
 def _with_loads(scenario: Scenario) -> bool:
     """Whether rest, where a spectrum is asked for, is with the loads at their start."""
     return not isinstance(scenario.run, Dynamic) or scenario.run.start.with_loads
@@ -408,9 +397,11 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
 
     Raises:
         EquilibriumError: there is no rest shape, or it is not determined without the loads.
-        ScenarioError: the instant lies outside the run, or the run knows no time.
-        RopewalkError: the run does not come to the instant, or a load has no equations of motion.
+        ScenarioError: the instant lies outside the run, the run knows no time, or a load has no equations of motion.
+        RopewalkError: the run does not come to the instant.
     """
+    if at is not None or _with_loads(scenario):
+        check_spectrum(scenario)
     if scenario.is_web:
         return _spectrum_of_web(scenario, at, how_many)
     if scenario.is_stiff:
@@ -419,17 +410,15 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
 
 
 def _spectrum_of_ropes(scenario: Scenario, at: float | None, how_many: int | None) -> Spectrum:
-    from ropewalk.solve.chain_equations import equations_of, hang_down, refuse_minds  # lazy: as above
+    from ropewalk.solve.chain_equations import equations_of, hang_down  # lazy: as above
     from ropewalk.solve.free_vibration import free_vibration
     from ropewalk.solve.spectrum import in_space, spectrum
 
     bodies: Bodies | None = None
     if at is not None:
         _check_instant(scenario, at)
-        refuse_minds(scenario)
         setting, state, bodies = state_at(scenario, at)
     elif _with_loads(scenario):
-        refuse_minds(scenario)
         setting = setting_of(scenario, 0.0)
         state = start_state(setting, True, resting_forces(setting))
         if setting.fleet is not None:

@@ -6,8 +6,3 @@ not stretch; deflections of all forces add up. A mass, an oscillator or a vehicl
 directions and travels over it alone, with constant speed. This is what the nonlinear answer is compared with: exact
 within the theory, and wrong where the theory is (near supports, at finite angles, beyond the wave speed).
 """
-
-from ropewalk.linear.chord import chords
-from ropewalk.linear.frames import frames
-
-__all__ = ["chords", "frames"]

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from ropewalk.errors import RopewalkError
+from ropewalk.linear.capabilities import force_inside, modes_of_a_force
 from ropewalk.linear.chord import Chord
 from ropewalk.mechanics.chain import HORIZONTAL, LEAVE, MATERIAL, Array
 from ropewalk.mechanics.rider import look_up_integral, speed_at
+from ropewalk.model.capabilities import refusal
 from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
 from ropewalk.solve.start import Setting
@@ -60,16 +61,10 @@ class Field:
             if from_end:
                 return string.moving_force(x, t, force=float(size), speed=abs(V), modes=self.modes, **line)
             if self.modes is not None:
-                raise RopewalkError(
-                    f"load {self.names[k]}: modes are for a constant force that enters at an end with constant speed; "
-                    "leave run.modes out"
-                )
+                raise refusal(modes_of_a_force(self.names[k]))
             return travelling_force(x if V > 0.0 else chord.length - x, t, path=self._way(k), force=size, **line)
         if not from_end:
-            raise RopewalkError(
-                f"load {self.names[k]}: on a beam the linear theory here knows a constant force that enters at an end "
-                "with constant speed"
-            )
+            raise refusal(force_inside(self.names[k]))
         return beam.moving_force(x, t, force=float(size), speed=abs(V), modes=self.modes, **chord.beam)
 
     def _way(self, k: int) -> Any:

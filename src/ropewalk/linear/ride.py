@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.errors import RopewalkError
+from ropewalk.linear.capabilities import mass_inside
 from ropewalk.linear.chord import Chord
 from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, Array, Integers
 from ropewalk.mechanics.rider import speed_at
+from ropewalk.model.capabilities import refusal
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
@@ -179,10 +181,7 @@ def _on_string(system: Multibody, way: _Way, nodes: Array, times: Array, name: s
     """By the delay equation of the contact force, which then travels along the string."""
     chord = way.chord
     if way.start != 0.0:
-        raise RopewalkError(
-            f"load {name}: on a string the linear theory knows a body that enters at an end; change travel.from, or "
-            "ask for kind: dynamic"
-        )
+        raise refusal(mass_inside(name, way.start))
     line = {"length": chord.length, "tension": chord.tension, "mass": chord.mass}
     passage = chord.length / way.speed
     left = np.concatenate([np.linspace(1.0, 0.0, 6001)[:-1], np.exp(np.arange(0.0, np.log(_LAST), np.log(_SHRINKS)))])

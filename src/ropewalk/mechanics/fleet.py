@@ -181,9 +181,6 @@ def _fit_to_mesh(
             record["room"] = h * np.clip(ROOM_PER_MASS * m / mass, LEAST_ROOM, MOST_ROOM)
         else:
             record["travel"] = GIVEN
-        if wheel.margin is not None and not mass:
-            wrong = "a line ends at its supports for a contact without mass of its own; leave margin out"
-            raise RopewalkError(f"loads.{wheel.load}.travel.margin: {wrong}")
         record["margin"] = wheel.margin if wheel.margin is not None else (MARGIN * h if record["heavy"] else 0.0)
         if wheel.free is not None and wheel.free.brake is not None:
             brake, length = wheel.free.brake, h * float(strands.links[s])

@@ -99,10 +99,14 @@ class Line(Declaration):
                 remedy = "add bending_stiffness (EI), or leave clamped out"
                 yield Finding((key, "clamped"), wrong, "true", remedy)
 
+    def supports(self) -> tuple[tuple[str, Support], ...]:
+        """The keys of its supports, with them."""
+        return ("start_support", self.start_support), ("end_support", self.end_support)
+
     @property
     def is_joined(self) -> bool:
         """Whether it is joined to something, or runs over sheaves."""
-        return bool(self.sheaves) or any(isinstance(s, Joined) for s in (self.start_support, self.end_support))
+        return bool(self.sheaves) or any(isinstance(support, Joined) for _, support in self.supports())
 
     @property
     def is_stiff(self) -> bool:

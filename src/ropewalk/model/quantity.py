@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import InitErrorDetails, core_schema
 
 from ropewalk.errors import Refused
@@ -337,3 +338,17 @@ Staggers = Annotated[float | tuple[float, ...], Listed("m", one=True)]
 Masses = Annotated[tuple[float, ...], Listed("kg", "positive")]
 StiffnessList = Annotated[tuple[float, ...], Listed("N/m", "not negative")]
 ViscosityList = Annotated[tuple[float, ...], Listed("N*s/m", "not negative")]
+
+
+def unit_of(field: FieldInfo) -> str:
+    """Find the unit of a quantity, empty for anything else."""
+    for mark in (*field.metadata, *marks_of(field.annotation)):
+        if isinstance(mark, Quantity | Components | Listed):
+            return mark.unit
+    return ""
+
+
+def marks_of(annotation: Any) -> list[Any]:
+    """List what annotations say, however deep."""
+    metadata = list(getattr(annotation, "__metadata__", ()))
+    return metadata + [mark for part in get_args(annotation) for mark in marks_of(part)]

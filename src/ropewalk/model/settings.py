@@ -1,4 +1,4 @@
-"""How a motion is computed: the keys of a run that its lines do not know."""
+"""How a motion is computed: keys of a run that its lines and loads leave no sense."""
 
 from __future__ import annotations
 
@@ -18,35 +18,13 @@ def check_settings(parts: Parts) -> Iterator[Finding]:
     run = parts.run
     if not isinstance(run, Dynamic) or not parts.is_complete or None in parts.lines.values():
         return
-    if parts.is_stiff:
-        yield from _without_accuracy(run, "lines with bending stiffness, beds and overhead lines")
-        return
-    if parts.is_web:
-        yield from _without_accuracy(run, "joined lines, nets and lines in wind")
-    else:
+    if not (parts.is_stiff or parts.is_web):
         yield from _accuracy(parts, run)
-    yield from _of_stiff_lines(run)
+    if parts.is_stiff and not parts.is_web:
+        return
     if run.start.with_loads and all(isinstance(load, Foreign) for load in parts.loads.values()):
-        wrong = "there is no load whose rest is known" if parts.loads else "there are no loads"
+        wrong = "no load has a rest of its own" if parts.loads else "there are no loads"
         yield Finding(("run", "start", "with_loads"), wrong, "true", "leave it out")
-
-
-def _of_stiff_lines(run: Dynamic) -> Iterator[Finding]:
-    """What is for lines with bending stiffness, beds and overhead lines only."""
-    own = "is for lines with bending stiffness, beds and overhead lines"
-    if run.geometry == "linearised":
-        remedy = "leave it out, give the lines a bending_stiffness, or ask for kind: linear"
-        yield Finding(("run", "geometry"), f"linearised motion {own}", run.geometry, remedy)
-    if run.sample is not None:
-        yield Finding(("run", "sample"), own, f"{run.sample:g} s", "write every, which is the interval of all output")
-    if run.axial_inertia != 1.0:
-        yield Finding(("run", "axial_inertia"), own, f"{run.axial_inertia:g}", "leave it out")
-
-
-def _without_accuracy(run: Dynamic, what: str) -> Iterator[Finding]:
-    if run.accuracy is not None:
-        wrong, remedy = f"the step of {what} goes by stability alone", "write step, or leave accuracy out"
-        yield Finding(("run", "accuracy"), wrong, f"{run.accuracy:g} m", remedy)
 
 
 def _accuracy(parts: Parts, run: Dynamic) -> Iterator[Finding]:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, Variants, report
-from ropewalk.model.history import DisplacementHistory
+from ropewalk.model.history import DisplacementHistory, rows
 from ropewalk.model.joint import Joined
 from ropewalk.model.quantity import Direction, Force, Mass, Stiffness, Stiffnesses, Viscosities, Viscosity
 
@@ -67,3 +67,10 @@ class Moving(Declaration):
 
 Support = Annotated[Fixed | Elastic | Guided | Moving | Joined, Variants("support")]
 """Any support."""
+
+
+def stands_still(support: Support) -> bool:
+    """Whether the end that it holds neither yields nor moves."""
+    if isinstance(support, Moving):
+        return not callable(support.displacement) and len(rows(support.displacement)) == 1
+    return isinstance(support, Fixed)

@@ -8,7 +8,7 @@ from pydantic.fields import FieldInfo
 
 from ropewalk.model import Scenario
 from ropewalk.model._base import Declaration, Variants, declarations_in
-from ropewalk.model.quantity import Components, Listed, Quantity
+from ropewalk.model.quantity import marks_of
 from ropewalk.scenario.source import Key
 
 
@@ -26,14 +26,6 @@ def is_block_of_names(key: Key, tree: Any) -> bool:
 def known_keys(block: type[Declaration]) -> dict[str, FieldInfo]:
     """List the keys of a block as they are written in a file."""
     return {field.alias or name: field for name, field in block.model_fields.items()}
-
-
-def unit_of(field: FieldInfo) -> str:
-    """Find the unit of a quantity, empty for anything else."""
-    for mark in (*field.metadata, *_marks(field.annotation)):
-        if isinstance(mark, Quantity | Components | Listed):
-            return mark.unit
-    return ""
 
 
 def choices_of(field: FieldInfo) -> list[str]:
@@ -67,7 +59,7 @@ def _annotation_at(key: Key, tree: Any, start: type[Declaration] = Scenario) -> 
 def _declaration(annotation: Any, value: Any) -> type[Declaration] | None:
     models = declarations_in(annotation)
     if len(models) > 1:
-        default = next((mark.default for mark in _marks(annotation) if isinstance(mark, Variants)), None)
+        default = next((mark.default for mark in marks_of(annotation) if isinstance(mark, Variants)), None)
         kind = value.get("kind", default) if isinstance(value, dict) else None
         models = [model for model in models if model.model_fields["kind"].default == kind]
     return models[0] if len(models) == 1 else None
@@ -77,8 +69,3 @@ def _value_at(key: Key, tree: Any) -> Any:
     for part in key:
         tree = tree.get(part) if isinstance(tree, dict) else None
     return tree
-
-
-def _marks(annotation: Any) -> list[Any]:
-    metadata = list(getattr(annotation, "__metadata__", ()))
-    return metadata + [mark for part in get_args(annotation) for mark in _marks(part)]

@@ -18,9 +18,9 @@ from ropewalk.model.line import contradictions
 from ropewalk.model.net import AnyNet
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.parts import Parts
-from ropewalk.model.quantity import Acceleration
+from ropewalk.model.quantity import Acceleration, unit_of
 from ropewalk.model.wind import Wind
-from ropewalk.scenario.fields import block_at, choices_of, known_keys, unit_of
+from ropewalk.scenario.fields import block_at, choices_of, known_keys
 from ropewalk.scenario.source import Key, Source, is_within, shown
 
 _LINE: TypeAdapter[Any] = TypeAdapter(Line)

@@ -18,10 +18,8 @@ from ropewalk.mechanics.chain import OFF, Array, Integers, State
 from ropewalk.mechanics.fleet import fleet_of
 from ropewalk.mechanics.rider import link_of, part_of
 from ropewalk.mechanics.wheels import wheels_of
-from ropewalk.model.load import Foreign
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.scenario import Scenario
-from ropewalk.model.walker import Walker
 from ropewalk.solve.coupled_equilibrium import settle_together
 from ropewalk.solve.equations import Equations, LinearBody
 from ropewalk.solve.linearised import link_blocks
@@ -29,21 +27,6 @@ from ropewalk.solve.spectrum import in_space
 from ropewalk.solve.start import Setting
 
 _SPACE = ("x", "y", "z")
-
-
-def refuse_minds(scenario: Scenario) -> None:
-    """Refuse loads that have no equations of motion of their own.
-
-    Raises:
-        RopewalkError: there is such a load.
-    """
-    for name, load in scenario.loads.items():
-        if isinstance(load, Walker | Foreign):
-            what = "a walker" if isinstance(load, Walker) else "a model of one's own"
-            raise RopewalkError(
-                f"load {name}: {what} has no matrices, and the spectrum with loads needs them; ask for that of the "
-                "line alone (no instant, no start.with_loads), or write the load as kind: vehicle, given by matrices"
-            )
 
 
 def hang_down(setting: Setting, state: State, bodies: Bodies) -> None:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import eigh
 
-from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import FRICTIONLESS, Array, Loads, State, Strands, Supports
 from ropewalk.mechanics.law import tangents, tensions
@@ -198,9 +197,6 @@ def choose(
         supports: what holds the ends; None: points that do not move.
         bodies: what has a mass of its own; None: nothing has.
         guided: whether loads decide on the way what they do.
-
-    Raises:
-        RopewalkError: the method asked for cannot do what the loads or the supports need.
     """
     limits = bounds(strands, state.r, state.X, bool(loads.strand.size), supports, loads, bodies)
     damped = limits.damping > 0.0
@@ -236,16 +232,6 @@ def choose(
             wanted, why = "rkn6", "undamped: the spectrum is imaginary, and the sixth order pays"
     else:
         why = "as asked"
-    if wanted == "implicit" and explicit_only:
-        remedy = "contact: clamped"
-        if bodies is not None or guided:
-            remedy = "kind: force"
-        elif "support" in explicit_only:
-            remedy = "fixed supports"
-        raise RopewalkError(f"run.method: implicit cannot do {explicit_only}; use auto or verlet, or {remedy}")
-    if wanted == "rkn6" and (damped or dampers or bodies is not None):
-        what = "Kelvin-Voigt damping" if damped else "dampers at supports" if dampers else "moving masses"
-        raise RopewalkError(f"run.method: rkn6 is of sixth order without {what} only; use auto or verlet")
     if wanted == "rkn6":
         own = rkn6_step(limits, relative) if step is None else RKN6_LIMIT / max(limits.frequency, 1e-300)
         compressed = COMPRESSED if step is None else 1.0

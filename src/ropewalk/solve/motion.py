@@ -149,8 +149,6 @@ class Motion:
         self.accuracy, self.progress, self.supports, self.bodies = accuracy, progress, supports, bodies
         self.guides, self._contacts = guides, bodies if bodies is not None else contacts
         self._ends = ends_of(strands, supports) if supports is not None else None
-        if self._ends is not None and choice.method == "implicit":
-            raise RopewalkError("the implicit method does not know supports that yield or move; use verlet")
         self._room = _room_for(choice, loads, state)
         knots = [_knots(loads.speed_time, loads.speed_count), _knots(loads.force_time, loads.force_count)]
         if supports is not None:

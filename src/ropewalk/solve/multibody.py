@@ -75,11 +75,6 @@ def multibody_of(setting: Setting, name: str, load: AnyLoad, axles: Array) -> Mu
         M, C, K, given = _matrices(bodies, i, own, wheels, dim - 1)
         M[np.arange(own.size, len(M)), np.arange(own.size, len(M))] += mass
     held = slice(0, own.size)
-    if not np.allclose(C, C.T, rtol=1e-9, atol=1e-12 * np.abs(C).max(initial=0.0)):
-        raise RopewalkError(
-            f"load {name}: its damping matrix is not symmetric, and gyroscopic forces are known on ropes alone; leave "
-            "that part out"
-        )
     if (np.linalg.eigvalsh(M[held, held]) <= 0.0).any():
         raise RopewalkError(f"load {name}: a coordinate of its bodies has no mass; check its mass matrix")
     gravity = -float(setting.strands.gravity[-1])

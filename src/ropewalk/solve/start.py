@@ -28,10 +28,12 @@ from ropewalk.mechanics.fleet import Fleet, fleet_of
 from ropewalk.mechanics.law import RIGID, strain
 from ropewalk.mechanics.rider import ROOM, force_at, link_of, part_of, speed_at
 from ropewalk.mechanics.wheels import Wheel, wheels_of
+from ropewalk.model.capabilities import refusal
 from ropewalk.model.line import Line
 from ropewalk.model.load import MovingForce
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.trolley import Payload, Trolley
+from ropewalk.solve.capabilities import margin_without_mass
 from ropewalk.solve.ends import seat_ends
 from ropewalk.solve.equilibrium import at_rest
 from ropewalk.solve.held import Held, ends_at
@@ -89,6 +91,7 @@ def setting_of(scenario: Scenario, until: float) -> Setting:
 
     Raises:
         EquilibriumError: a line has no rest shape, or a load would begin beyond the end of its line.
+        ScenarioError: a line ends before its support for a contact without mass.
     """
     axes = axes_of(scenario)
     lengths = {
@@ -99,6 +102,10 @@ def setting_of(scenario: Scenario, until: float) -> Setting:
     strands, loads = strands_of(scenario, lengths), loads_of(scenario, wheels, until)
     forces_only = all(isinstance(load, MovingForce) for load in scenario.loads.values())
     fleet = None if forces_only else fleet_of(scenario, wheels, strands, axes, until)
+    if fleet is not None:
+        for wheel, mass in zip(wheels, fleet.bodies.wheels["mass"][:, len(axes) - 1], strict=True):
+            if wheel.margin is not None and not mass:
+                raise refusal(margin_without_mass(wheel.load, wheel.margin))
     payloads = {name: load.payload for name, load in scenario.loads.items() if isinstance(load, Trolley)}
     supports = supports_of(scenario, until)
     ends = tuple(ends_at(supports, s, 0.0, strands.gravity) for s in range(len(scenario.lines)))

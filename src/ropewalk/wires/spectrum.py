@@ -58,11 +58,10 @@ def spectrum_with_loads(task: Task, how_many: int | None = None) -> Spectrum:
     """The same at rest with what travels, where it begins.
 
     Raises:
-        RopewalkError: there is no such rest, or a load is a model of one's own.
+        RopewalkError: there is no such rest.
     """
     if task.geometry == "linearised":
         return spectrum_at(task, 0.0, how_many=how_many)
-    _refuse_models(task)
     task, start = ready(task)
     borne = Bearing(start.mesh, task.journeys, start.unstrained, space=task.space).stand(0.0, start.position)
     seats = tuple(seat if on else None for seat, on in zip(borne.seats, borne.touches, strict=True))
@@ -84,9 +83,8 @@ def spectrum_at(
         how_many: of the lowest modes.
 
     Raises:
-        RopewalkError: the motion does not come to the instant, or a load is a model of one's own.
+        RopewalkError: the motion does not come to the instant.
     """
-    _refuse_models(task)
     account = Account()
     run = Run(task, np.array([0.0, t] if t > 0.0 else [0.0]), account, sample, step)
     last = deque(run.frames(), maxlen=1)
@@ -106,15 +104,6 @@ def spectrum_at(
     return free_vibration(
         _equations(_State(mesh, start.unstrained, position, shape, run.task.journeys, seats, ground)), how_many
     )
-
-
-def _refuse_models(task: Task) -> None:
-    for foreigner in task.foreigners:
-        raise RopewalkError(
-            f"load {task.journeys[foreigner.journey].rider.name}: a model of one's own has no matrices, and the "
-            "spectrum with loads needs them; ask for that of the line alone (no instant, no start.with_loads), or "
-            "write the load as kind: vehicle, given by matrices"
-        )
 
 
 def _beside(task: Task) -> NDArray[np.bool_]:

@@ -1,4 +1,4 @@
-"""What webs (joined lines, sheaves, nets, membranes, wind) need, and what they do not know of, yet."""
+"""Joints, nets and wind: what does not fit together of them, in whichever way it is computed."""
 
 from __future__ import annotations
 
@@ -11,60 +11,30 @@ from ropewalk.model._base import Finding
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
 from ropewalk.model.joint import Joined
-from ropewalk.model.law import Inextensible
-from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.parts import Parts
-from ropewalk.model.run import Dynamic, Linear
+from ropewalk.model.run import Dynamic
 from ropewalk.model.travel import FreeTravel
 
 _Known = MovingForce | MovingMass | Footsteps
 _Lack = tuple[tuple[str, ...], str, str, str]
 
 
-def check_webs(parts: Parts) -> Iterator[Finding]:
-    """Find what does not fit together in webs, and keys that only webs have."""
+def check_joints(parts: Parts) -> Iterator[Finding]:
+    """Find what does not fit together of joints, nets and wind."""
     yield from _names(parts)
     yield from _joints(parts)
     for name, load in parts.loads.items():
-        way = _way(load)
-        if load is not None and way is not None and load.on in parts.lines:
+        if load is not None and load.on in parts.lines and _way(load) is not None:
             remedy = "leave it out, or name a net"
             yield Finding(("loads", name, *_way_key(load)), "a path is for nets", repr(load.on), remedy)
+        if isinstance(load, _Known) and load.on in parts.nets:
+            yield from _on_net(name, load, parts)
     blows = parts.wind is not None and not parts.wind.is_calm
     if blows and not parts.is_airy and all(line is not None for line in parts.lines.values()):
         remedy = "give a line wind_drag (its drag coefficient times its width), or leave wind out"
         yield Finding(("wind",), "nothing feels it: no line has wind_drag", remedy=remedy)
-    if not parts.is_web:
-        return
-    if parts.overhead or any(line is not None and line.is_stiff for line in parts.lines.values()):
-        wrong = "lines with bending stiffness, beds and overhead lines are not known beside joints, nets and wind"
-        yield Finding((), wrong, remedy="compute them in a scenario of their own")
-    if isinstance(parts.run, Linear):
-        wrong, remedy = "the linear theory does not know joints, sheaves, nets and wind", "ask for kind: dynamic"
-        yield Finding(("run", "kind"), wrong, "linear", remedy)
-    if isinstance(parts.run, Dynamic):
-        for key, wrong, given, remedy in _run(parts.run):
-            yield Finding(("run", *key), wrong, given, remedy)
-        if parts.run.start.kind == "result" and any(line is not None and line.sheaves for line in parts.lines.values()):
-            wrong = "results do not hold how far lines have run over their sheaves"
-            yield Finding(("run", "start", "kind"), wrong, "result", "start at rest, or from a mode")
-    for name, line in parts.lines.items():
-        if line is not None:
-            for key, wrong, given, remedy in _line(line):
-                yield Finding(("lines", name, *key), f"in webs {wrong}", given, remedy)
-    for name, load in parts.loads.items():
-        if load is None:
-            continue
-        if not isinstance(load, _Known):
-            wrong = "joined lines and nets know forces, masses and footsteps only"
-            yield Finding(("loads", name, "kind"), wrong, load.kind, "write one of these")
-            continue
-        for key, wrong, given, remedy in _load(load):
-            yield Finding(("loads", name, *key), f"in webs {wrong}", given, remedy)
-        if load.on in parts.nets:
-            yield from _on_net(name, load, parts)
 
 
 def _names(parts: Parts) -> Iterator[Finding]:
@@ -83,7 +53,7 @@ def _joints(parts: Parts) -> Iterator[Finding]:
     for name, line in parts.lines.items():
         if line is None:
             continue
-        for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
+        for key, support in line.supports():
             if isinstance(support, Joined):
                 used.add(support.to)
                 for inner, wrong, given, remedy in _joined(name, support, parts):
@@ -121,41 +91,6 @@ def _joined(name: str, support: Joined, parts: Parts) -> Iterator[_Lack]:
         if support.at < 0.0 or (line is not None and line.length is not None and support.at > line.length):
             end = f" ({line.length:g} m long)" if line is not None and line.length is not None else ""
             yield ("at",), f"is off the line {support.to}{end}", f"{support.at:g} m", "stay within its length"
-
-
-def _run(run: Dynamic) -> Iterator[_Lack]:
-    if run.method in ("implicit", "rkn6"):
-        yield ("method",), "webs move explicitly, by Verlet's method", run.method, "write auto, or leave it out"
-    if run.start.whirl:
-        wrong, remedy = (
-            "webs are released from a mode, they do not whirl",
-            "leave it out, or compute one line by itself",
-        )
-        yield ("start", "whirl"), wrong, "true", remedy
-
-
-def _line(line: Line) -> Iterator[_Lack]:
-    if isinstance(line.law, Inextensible):
-        yield ("law",), "lines stretch", "inextensible", "give an axial_stiffness with law hooke"
-
-
-def _load(load: _Known) -> Iterator[_Lack]:
-    if isinstance(load, Footsteps):
-        if load.lateral and load.path is not None:
-            yield ("lateral",), "on nets feet press downwards only", str(load.lateral), "leave lateral out"
-        return
-    if isinstance(load.travel, FreeTravel):
-        yield ("travel", "kind"), "loads travel as prescribed", "free", "give a speed"
-        return
-    if load.contact != "clamped":
-        yield ("contact",), "loads are clamped to their place along the line", load.contact, "leave contact out"
-    if load.travel.measured != "material":
-        yield ("travel", "measured"), "travel is measured as material", load.travel.measured, "write material"
-    if isinstance(load, MovingMass):
-        if load.lift_off:
-            yield ("lift_off",), "masses stay in contact", "true", "leave it out"
-        if load.air_drag:
-            yield ("air_drag",), "drag of the air on loads is not known", f"{load.air_drag:g} kg/m", "leave it out"
 
 
 def _way_key(load: AnyLoad) -> tuple[str, ...]:

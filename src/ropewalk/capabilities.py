@@ -1,0 +1,66 @@
+"""Which engine computes a scenario, and what that one does not support."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from ropewalk.linear import capabilities as linear
+from ropewalk.model._base import Finding
+from ropewalk.model.capabilities import Capabilities, missing, refusal
+from ropewalk.model.load import Foreign
+from ropewalk.model.parts import Parts
+from ropewalk.model.run import Dynamic, Equilibrium, Linear
+from ropewalk.model.scenario import Scenario
+from ropewalk.model.walker import Walker
+from ropewalk.solve import capabilities as ropes
+from ropewalk.webs import capabilities as webs
+from ropewalk.wires import capabilities as wires
+
+
+@dataclass(frozen=True)
+class Engine:
+    """What computes scenarios, with what it supports in motion, and at rest or in slow motion."""
+
+    motion: Capabilities
+    at_rest: Capabilities
+
+
+ROPES = Engine(ropes.MOTION, ropes.AT_REST)
+WIRES = Engine(wires.MOTION, wires.AT_REST)
+WEBS = Engine(webs.MOTION, webs.AT_REST)
+LINEAR = Engine(linear.CAPABILITIES, linear.CAPABILITIES)
+
+
+def engine_of(asked: Parts | Scenario) -> Engine:
+    """Choose the engine that computes a scenario."""
+    if asked.is_web:
+        return WEBS
+    if isinstance(asked.run, Linear):
+        return LINEAR
+    return WIRES if asked.is_stiff else ROPES
+
+
+def unsupported(parts: Parts) -> Iterator[Finding]:
+    """Find what of a scenario its engine does not support, as far as its parts tell which one that is."""
+    if parts.run is None:  # what neither a motion nor rest could be computed with
+        motion, rest = (list(unsupported(replace(parts, run=run))) for run in (Dynamic(until=1.0), Equilibrium()))
+        yield from (found for found in motion if found.path[0] != "run" and found.path in {one.path for one in rest})
+        return
+    engine = engine_of(parts)
+    known = parts.is_complete and None not in parts.lines.values()
+    for found in (engine.motion if isinstance(parts.run, Dynamic | Linear) else engine.at_rest).unsupported(parts):
+        if known or engine is not ROPES or found.path[0] != "run":  # a line not known may have bending stiffness
+            yield found
+
+
+def check_spectrum(scenario: Scenario) -> None:
+    """Refuse loads without matrices in a spectrum with loads.
+
+    Raises:
+        ScenarioError: there is such a load.
+    """
+    remedy = "ask for that of the line alone (no instant, no start.with_loads), or write kind: matrices"
+    for name, load in scenario.loads.items():
+        if isinstance(load, Walker | Foreign):
+            raise refusal(missing(("loads", name, "kind"), "the spectrum with loads", load.kind, remedy))

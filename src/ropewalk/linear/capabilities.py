@@ -1,0 +1,173 @@
+"""What the linear theory supports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ropewalk.model._base import Finding
+from ropewalk.model.capabilities import Capabilities, missing
+from ropewalk.model.history import SpeedTable, rows
+from ropewalk.model.line import Line
+from ropewalk.model.load import MovingForce
+from ropewalk.model.mass import MovingMass
+from ropewalk.model.matrices import Matrices
+from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.parts import Parts
+from ropewalk.model.places import reach
+from ropewalk.model.run import Linear
+from ropewalk.model.support import stands_still
+from ropewalk.model.travel import FreeTravel
+from ropewalk.model.vehicle import Vehicle
+
+_LINEAR, _DYNAMIC = "kind: linear", "ask for kind: dynamic"
+_Body = MovingMass | Oscillator | Vehicle | Matrices
+_Lack = tuple[tuple[str, ...], str, str, str]
+"""Key, what of it is not implemented, what was given, remedy."""
+
+
+def _overhead_lines(parts: Parts) -> Iterator[Finding]:
+    if parts.overhead:
+        yield missing(("run", "kind"), "overhead lines", "linear", f"{_DYNAMIC} with geometry: linearised")
+
+
+def _supports(parts: Parts) -> Iterator[Finding]:
+    for name, line in parts.lines.items():
+        for key, support in line.supports() if line is not None else ():
+            if not stands_still(support):
+                feature, remedy = "a support that yields or moves", f"write kind: fixed, or {_DYNAMIC}"
+                yield missing(("lines", name, key), _LINEAR, support.kind, remedy, feature=feature)
+
+
+def _bodies(parts: Parts) -> Iterator[Finding]:
+    """Loads with a mass."""
+    for name, load in parts.loads.items():
+        if not isinstance(load, _Body):
+            continue
+        if others := [other for other in parts.loads_on(load.on) if other != name]:
+            feature, given = "a load with a mass beside other loads on its line", f"with {', '.join(others)}"
+            remedy = f"give it a line of its own, make one vehicle of all, or {_DYNAMIC}"
+            yield missing(("loads", name, "on"), _LINEAR, given, remedy, feature=feature)
+        line = parts.lines.get(load.on)
+        for key, feature, given, remedy in (*_own(load), *(_on(load, line, parts.run) if line is not None else ())):
+            yield missing(("loads", name, *key), _LINEAR, given, remedy, feature=feature)
+
+
+def _forces(parts: Parts) -> Iterator[Finding]:
+    """Forces on beams, or with a series of modes, as far as it is known beforehand that they are not supported."""
+    for name, load, _, line in parts.complete():
+        modes = isinstance(parts.run, Linear) and parts.run.modes is not None
+        if not isinstance(load, MovingForce) or not (line.bending_stiffness or modes):
+            continue
+        speed, force = load.travel.speed, load.force
+        varies = callable(speed) or callable(force) or len(rows(force)) > 1
+        varies = varies or (isinstance(speed, SpeedTable) and len(speed.value) > 1)
+        inside = isinstance(speed, float) and speed >= 0.0 and (speed == 0.0 or load.travel.start != 0.0)
+        if varies or inside:
+            yield force_inside(name) if line.bending_stiffness else modes_of_a_force(name)
+
+
+def _own(load: _Body) -> Iterator[_Lack]:
+    """What is not implemented of a load by itself."""
+    travel = load.travel
+    if isinstance(travel, FreeTravel):
+        return
+    if callable(travel.speed) or isinstance(travel.speed, SpeedTable):
+        remedy = f"write one number, or {_DYNAMIC}"
+        yield ("travel", "speed"), "a mass whose speed varies", "a speed that varies", remedy
+    elif travel.speed == 0.0:
+        yield ("travel", "speed"), "a mass that stands still", "0 m/s", f"write a speed, or {_DYNAMIC}"
+    if travel.measured in ("slip", "arc"):
+        remedy = "write material or horizontal: with a constant tension the difference is a factor"
+        yield ("travel", "measured"), "this measure for a mass", travel.measured, remedy
+    if travel.at_end == "stay":
+        yield ("travel", "at_end"), "a mass that stays on the line", "stay", "write leave, or end the run before"
+    if any(place.start < 0.0 for place in load.starts()) and travel.at_end == "refuse":
+        yield ("travel", "at_end"), "a vehicle that starts before its line", "refuse", "write at_end: leave"
+    if load.lift_off and load.side == "below":
+        yield ("side",), "lift_off from below", "below", f"write above, or {_DYNAMIC}"
+    if isinstance(load, Matrices) and load.has_gyroscopic_damping:
+        remedy = f"make it symmetric, or {_DYNAMIC}"
+        yield ("damping",), "gyroscopic damping", "a matrix that is not symmetric", remedy
+    if isinstance(load, MovingMass):
+        force = load.force
+        if callable(force) or len(set(rows(force))) > 1 or any(any(row[:-1]) for row in rows(force)):
+            remedy = f"write [0, Fz], or {_DYNAMIC}"
+            yield ("force",), "a force on a mass that is not constant and vertical", "another force", remedy
+    for wheel, its in load.wheels.items() if isinstance(load, Vehicle) else ():
+        if its.contact_stiffness is not None:
+            given, remedy = f"{its.contact_stiffness:g} N/m", f"leave it out, or {_DYNAMIC}"
+            yield ("wheels", wheel, "contact_stiffness"), "", given, remedy
+
+
+def _on(load: _Body, line: Line, run: object) -> Iterator[_Lack]:
+    """What is not implemented of a load on this line."""
+    if abs(line.end[-1] - line.start[-1]) > 1e-9 * line.distance:
+        given = f"heights {line.start[-1]:g} and {line.end[-1]:g} m"
+        yield ("on",), "a mass on a line whose ends differ in height", given, f"level the line, or {_DYNAMIC}"
+    if line.bending_stiffness or not isinstance(run, Linear) or run.modes is not None:
+        return
+    otherwise, on_string = f"give the line a bending_stiffness, or {_DYNAMIC}", "on a line without bending stiffness"
+    if isinstance(load, Vehicle | Matrices):
+        yield ("kind",), f"a load other than a mass or an oscillator {on_string}", load.kind, otherwise
+        return
+    if load.lift_off:
+        remedy = f"leave it out to be warned where contact would be lost, or {otherwise}"
+        yield ("lift_off",), f"lift-off {on_string}", "true", remedy
+    if isinstance(load.travel, FreeTravel) or callable(load.travel.speed) or isinstance(load.travel.speed, SpeedTable):
+        return
+    limit, start = reach(line, load.travel.measured), load.travel.start
+    if (load.travel.speed > 0.0 and start != 0.0) or (
+        load.travel.speed < 0.0 and limit is not None and abs(start - limit) > 1e-9 * limit
+    ):
+        yield ("travel", "from"), _INSIDE, f"{start:g} m", otherwise
+
+
+_INSIDE = "a mass that starts between the ends of a line without bending stiffness"
+
+
+def mass_inside(name: str, start: float) -> Finding:
+    """A mass on a string that does not run over all of it."""
+    remedy = f"let it start at an end, give the line a bending_stiffness, or {_DYNAMIC}"
+    return missing(("loads", name, "travel", "from"), _LINEAR, f"{start:g} m", remedy, feature=_INSIDE)
+
+
+def modes_of_a_force(name: str) -> Finding:
+    """A force on a string whose response is known without modes only."""
+    feature = f"a series of modes for {name}, which is no constant force that enters at an end with constant speed,"
+    return missing(("run", "modes"), _LINEAR, remedy="leave run.modes out", feature=feature)
+
+
+def force_inside(name: str) -> Finding:
+    """A force on a beam that does not run over all of it."""
+    feature = "on a beam, another load than a constant force that enters at an end with constant speed"
+    remedy = "let it start at an end with one speed and force, or ask for kind: dynamic"
+    return missing(("loads", name), _LINEAR, remedy=remedy, feature=feature)
+
+
+CAPABILITIES = Capabilities(
+    _LINEAR,
+    only={
+        "lines.law.kind": ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table"),
+        "lines.start_support.clamped": (False,),
+        "lines.end_support.clamped": (False,),
+        "loads.kind": ("force", "mass", "oscillator", "vehicle", "matrices"),
+        "loads.travel.kind": ("prescribed",),
+        "loads.travel.margin": (None,),
+        "loads.contact": ("clamped", "frictionless"),
+        "loads.friction": (None,),
+        "loads.friction_model": ("capstan",),
+        "loads.contact_stiffness": (None,),
+        "loads.air_drag": (0.0,),
+    },
+    instead={
+        "lines.law.kind": "ask for kind: quasistatic or equilibrium, or give an axial_stiffness with law hooke",
+        "lines.start_support.clamped": f"leave clamped out, or {_DYNAMIC}",
+        "lines.end_support.clamped": f"leave clamped out, or {_DYNAMIC}",
+        "loads.kind": f"{_DYNAMIC}, or write kind: force with its weight as force",
+        "loads.travel.kind": f"{_DYNAMIC}, or give the speed",
+        "loads.contact": "ask for kind: quasistatic, or write clamped or frictionless",
+        "loads.contact_stiffness": f"leave it out, or {_DYNAMIC}",
+        "loads.air_drag": f"leave it out, or {_DYNAMIC}",
+    },
+    more=(_overhead_lines, _supports, _forces, _bodies),
+)

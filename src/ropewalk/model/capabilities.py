@@ -1,0 +1,81 @@
+"""Capabilities: what an engine supports, declared by the engine in the words of scenarios."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from ropewalk.errors import Problem, ScenarioError
+from ropewalk.model._base import Declaration, Finding, Path
+from ropewalk.model.parts import Parts
+from ropewalk.model.quantity import unit_of
+
+_DECIDES = {"kind": "", "contact": "friction"}
+"""Keys without whose value other keys of the same block, which begin so, are not looked at."""
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """What an engine supports of what a scenario can say.
+
+    Args:
+        what: what it computes, as messages name it.
+        only: of a key, the values that it supports: `loads.travel.measured` is that key of every load that has it. Of
+            other keys it supports all values. `kind` stands before other keys of its block, `contact` before friction.
+        instead: of a key, what to write instead, where that is more than to leave it out or to write one of the values.
+        more: what is not a matter of one key.
+    """
+
+    what: str
+    only: Mapping[str, tuple[Any, ...]]
+    instead: Mapping[str, str] = field(default_factory=dict)
+    more: tuple[Callable[[Parts], Iterator[Finding]], ...] = ()
+
+    def unsupported(self, parts: Parts) -> Iterator[Finding]:
+        """Find what of a scenario is not implemented."""
+        yield from self._keys("run", ("run",), parts.run)
+        for block, members in (("lines", parts.lines), ("loads", parts.loads)):
+            for name, member in members.items():
+                yield from self._keys(block, (block, name), member)
+        for look in self.more:
+            yield from look(parts)
+
+    def _keys(self, block: str, path: Path, declaration: Declaration | None) -> Iterator[Finding]:
+        refused: list[str] = []
+        for key, values in self.only.items():
+            first, *inner = key.split(".")
+            if first != block or declaration is None or key.startswith(tuple(refused)):
+                continue
+            owner: Any = declaration
+            for part in inner[:-1]:
+                owner = getattr(owner, part, None)
+            if not hasattr(owner, inner[-1]) or (value := getattr(owner, inner[-1])) in values:
+                continue
+            if inner[-1] in _DECIDES:
+                refused.append(key.removesuffix(inner[-1]) + _DECIDES[inner[-1]])
+            known = type(owner).model_fields[inner[-1]]
+            remedy = self.instead.get(key) or (f"write {_or(values)}" if isinstance(value, str) else "leave it out")
+            yield missing((*path, *inner), self.what, _shown(value, unit_of(known)), remedy)
+
+
+def missing(path: Path, what: str, given: str = "", remedy: str = "", *, feature: str = "") -> Finding:
+    """Say that a key, or a feature that it asks for, is not implemented for what an engine computes."""
+    return Finding(path, f"{feature} is not implemented for {what}".strip(), given, remedy)
+
+
+def refusal(finding: Finding) -> ScenarioError:
+    """The error of what is found out only while a scenario is computed, to be raised."""
+    key = ".".join(map(str, finding.path))
+    return ScenarioError([Problem(key, finding.wrong, finding.given, finding.remedy)])
+
+
+def _or(values: tuple[Any, ...]) -> str:
+    *first, last = map(str, values)
+    return f"{', '.join(first)} or {last}" if first else last
+
+
+def _shown(value: Any, unit: str) -> str:
+    if isinstance(value, str | bool):
+        return str(value) if isinstance(value, str) else str(value).lower()
+    return f"{value:g}" if unit in ("", "dimensionless") else f"{value:g} {unit}"

@@ -1,0 +1,89 @@
+"""What the engine of plain ropes supports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ropewalk.model._base import Finding
+from ropewalk.model.capabilities import Capabilities, missing
+from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.load import Foreign, MovingForce
+from ropewalk.model.parts import Parts
+from ropewalk.model.run import Dynamic
+from ropewalk.model.support import Elastic, Guided, Support, stands_still
+
+_ROPES = "the motion of ropes"
+
+
+def _methods(parts: Parts) -> Iterator[Finding]:
+    """Methods that rest on what loads, supports or damping take away from them."""
+    if not isinstance(parts.run, Dynamic):
+        return
+    check = {"implicit": _not_implicit, "rkn6": _not_of_sixth_order}.get(parts.run.method)
+    if check is not None and (found := next(check(parts), None)) is not None:
+        feature, otherwise = found
+        given, remedy = parts.run.method, f"use auto or verlet, or {otherwise}"
+        yield missing(("run", "method"), _ROPES, given, remedy, feature=f"{given} with {feature}")
+
+
+def _supports(parts: Parts) -> list[Support]:
+    return [support for line in parts.lines.values() if line is not None for _, support in line.supports()]
+
+
+def _not_implicit(parts: Parts) -> Iterator[tuple[str, str]]:
+    for load in parts.loads.values():
+        if isinstance(load, Footsteps | Foreign):
+            yield "a load that decides on the way", "kind: force"
+        elif load is not None and not isinstance(load, MovingForce):
+            yield "a load with a mass", "kind: force"
+        elif load is not None and load.contact == "frictionless":
+            yield "a frictionless contact", "contact: clamped"
+    if not all(map(stands_still, _supports(parts))):
+        yield "a support that yields or moves", "fixed supports"
+
+
+def _not_of_sixth_order(parts: Parts) -> Iterator[tuple[str, str]]:
+    if any(line is not None and line.axial_damping for line in parts.lines.values()):
+        yield "Kelvin-Voigt damping", "leave axial_damping out"
+    if any(support.damping not in (0.0, (0.0, 0.0), (0.0, 0.0, 0.0)) for support in _supports(parts)
+           if isinstance(support, Elastic | Guided)):  # fmt: skip
+        yield "dampers at supports", "leave their damping out"
+    for load in parts.loads.values():
+        weightless = isinstance(load, MovingForce | Footsteps) or (
+            isinstance(load, Foreign) and not (load.exchange.stiffness or load.exchange.damping)
+        )
+        if load is not None and not weightless:
+            yield "moving masses", "kind: force"
+
+
+def margin_without_mass(load: str, margin: float) -> Finding:
+    """A margin for a contact that has no mass of its own beside loads that have one; some borrow of the mesh."""
+    feature, path = "a margin for a contact without mass", ("loads", load, "travel", "margin")
+    return missing(path, _ROPES, f"{margin:g} m", "leave margin out", feature=feature)
+
+
+MOTION = Capabilities(
+    _ROPES,
+    only={
+        "run.geometry": ("nonlinear",),
+        "run.sample": (None,),
+        "run.axial_inertia": (1.0,),
+        "lines.law.kind": ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table"),
+        "loads.contact": ("clamped", "frictionless"),
+    },
+    instead={
+        "run.geometry": "leave it out, give the lines a bending_stiffness, or ask for kind: linear",
+        "run.sample": "write every, which is the interval of all output",
+        "lines.law.kind": "ask for kind: quasistatic or equilibrium, or give an axial_stiffness with law hooke",
+        "loads.contact": "ask for kind: quasistatic, or write clamped or frictionless",
+    },
+    more=(_methods,),
+)
+AT_REST = Capabilities(
+    "ropes at rest or in slow motion",
+    only={
+        "loads.kind": ("force", "mass", "oscillator", "trolley", "vehicle", "matrices"),
+        "loads.travel.margin": (None,),
+    },
+    instead={"loads.kind": "ask for kind: dynamic, or write kind: force with its weight as force"},
+)

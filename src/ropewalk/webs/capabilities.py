@@ -1,0 +1,71 @@
+"""What the engine of joined lines, sheaves, nets, membranes and lines in wind supports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ropewalk.model._base import Finding
+from ropewalk.model.capabilities import Capabilities, missing
+from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.parts import Parts
+from ropewalk.model.run import Dynamic
+
+_NETWORKS = "joined lines, sheaves, nets and lines in wind"
+
+
+def _beside_others(parts: Parts) -> Iterator[Finding]:
+    if parts.overhead:
+        yield missing(("overhead_lines",), _NETWORKS, remedy="compute them in a scenario of their own")
+
+
+def _over_sheaves(parts: Parts) -> Iterator[Finding]:
+    """Results do not hold how far lines have run over their sheaves."""
+    runs_over = any(line is not None and line.sheaves for line in parts.lines.values())
+    if runs_over and isinstance(parts.run, Dynamic) and parts.run.start.kind == "result":
+        yield missing(("run", "start", "kind"), "lines over sheaves", "result", "start at rest, or from a mode")
+
+
+def _on_nets(parts: Parts) -> Iterator[Finding]:
+    for name, load in parts.loads.items():
+        if isinstance(load, Footsteps) and load.lateral and load.path is not None:
+            yield missing(("loads", name, "lateral"), "nets", str(load.lateral), "leave lateral out")
+
+
+MOTION = Capabilities(
+    _NETWORKS,
+    only={
+        "run.kind": ("dynamic", "quasistatic", "equilibrium"),
+        "run.method": ("auto", "explicit", "verlet"),
+        "run.start.whirl": (False,),
+        "run.accuracy": (None,),
+        "run.geometry": ("nonlinear",),
+        "run.sample": (None,),
+        "run.axial_inertia": (1.0,),
+        "lines.law.kind": ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table"),
+        "lines.bending_stiffness": (0.0,),
+        "lines.foundation": (0.0,),
+        "loads.kind": ("force", "mass", "footsteps"),
+        "loads.travel.kind": ("prescribed",),
+        "loads.travel.measured": ("material",),
+        "loads.contact": ("clamped",),
+        "loads.friction": (None,),
+        "loads.friction_model": ("capstan",),
+        "loads.lift_off": (False,),
+        "loads.air_drag": (0.0,),
+    },
+    instead={
+        "run.start.whirl": "leave it out, or compute one line by itself",
+        "run.accuracy": "write step, or leave accuracy out",
+        "run.sample": "write every, which is the interval of all output",
+        "lines.law.kind": "give an axial_stiffness with law hooke",
+        "loads.travel.kind": "give a speed",
+    },
+    more=(_beside_others, _over_sheaves, _on_nets),
+)
+AT_REST = replace(
+    MOTION,
+    what=f"{_NETWORKS}, at rest or in slow motion",
+    only={**MOTION.only, "loads.kind": ("force", "mass"), "loads.travel.margin": (None,)},
+    instead={**MOTION.instead, "loads.kind": "ask for kind: dynamic, or write kind: force with its weight as force"},
+)
