@@ -25,7 +25,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.overhead.irregularity import read_irregularity
 from ropewalk.overhead.riding import expected_lift, push_of, rider_of, start_of
 from ropewalk.overhead.section import CONTACT, Section, in_space, joined, section_of
-from ropewalk.results.resume import stored_instant
+from ropewalk.results.stored import stored_instant
 from ropewalk.solve.timetable import horizon
 from ropewalk.wires.beginning import in_mode
 from ropewalk.wires.ends import holds_of, masses_of

@@ -39,9 +39,9 @@ class Still:
         """Names and coordinates of the result."""
         return layout_of(self.task, self.mesh, path="load_path")
 
-    def standing(self) -> Iterator[Frame]:
+    def standing(self) -> Frame:
         """The only frame of an equilibrium."""
-        yield self._frame(self._bearing.stand(0.0, self._start.position), 0.0)
+        return self._frame(self._bearing.stand(0.0, self._start.position), 0.0)
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
         """Frames at equal steps of the path of the first load, until it has come to the end of its line.

@@ -6,6 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropewalk.chains.load_states import (
+    Points,
+    contact_state,
+    light_wheels,
+    load_energies,
+    points_of,
+    seated_nodes,
+    shown_bodies,
+)
 from ropewalk.checkpoint import Tree, copied
 from ropewalk.mechanics.bodies import (
     ALONG_X,
@@ -37,21 +46,10 @@ from ropewalk.mechanics.chain import (
 )
 from ropewalk.mechanics.law import stored_total, tensions
 from ropewalk.mechanics.rider import force_at, link_of, part_of, speed_at
-from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, STICKS, Frame, Layout
-from ropewalk.results.load_states import (
-    Points,
-    contact_state,
-    light_wheels,
-    load_energies,
-    points_of,
-    seated_nodes,
-    shown_bodies,
-)
+from ropewalk.results.frame import MOVES, OFF_LINE, STICKS, Frame, Layout
 from ropewalk.solve.ends import drives_at, ends_of
 from ropewalk.solve.holding import coefficient_used
-from ropewalk.solve.standing import Standing, View
 from ropewalk.solve.start import Setting, onward
-from ropewalk.solve.vehicle_statics import standing_bodies
 
 
 def layout_of(setting: Setting, path: str = "time") -> Layout:
@@ -193,8 +191,8 @@ def energies(setting: Setting, state: State, elastic: float, w: Array) -> Array:
     return np.array([kinetic, elastic, gravitational])
 
 
-class Camera:
-    """Takes frames of a motion; the energy at the first one is the origin of the audit."""
+class FrameBuilder:
+    """Builds frames of a motion; the energy at the first one is the origin of the audit."""
 
     def __init__(self, setting: Setting, bodies: Bodies | None = None) -> None:
         self.setting, self.bodies = setting, bodies
@@ -213,7 +211,7 @@ class Camera:
         own = copied(tree)
         self._first, self._work, self._held = own["first"], own["work"], (own["since"], own["impulse"])
 
-    def take(self, state: State) -> Frame:
+    def build(self, state: State) -> Frame:
         """The frame of the present state."""
         setting, loads, bodies = self.setting, self.setting.loads, self.bodies
         pieces = _pieces(setting, state, bodies)
@@ -381,71 +379,3 @@ def _friction_used(setting: Setting, state: State, pieces: _Pieces, k: int, b: i
         return float("inf")
     turn = np.arccos(np.clip(behind @ ahead / (sizes[0] * sizes[1]), -1.0, 1.0))
     return float(coefficient_used(setting.loads.friction_model[k], np.log(sizes[1] / sizes[0]), turn))
-
-
-def standing_frame(
-    setting: Setting, stands: list[Standing], xi: Array, path: float, given: Array, t: float = 0.0
-) -> Frame:
-    """The frame of loads standing still.
-
-    Args:
-        stands: every strand at rest with its loads, in order.
-        xi: (load,) material coordinates, m.
-        path: load path, m.
-        given: (load, axis) forces of the loads without hold forces, N.
-        t: instant for which supports that move are taken, s.
-    """
-    strands, dim, count = setting.strands, len(setting.axes), xi.size
-    place, force, both = np.zeros((count, dim)), np.zeros((count, dim)), np.zeros((count, 2))
-    friction = np.zeros(count)
-    position, tension, strain, reaction = [], [], [], []
-    elastic = gravitational = 0.0
-    for s, rest in enumerate(stands):
-        on, last = setting.on[s], rest.X.size - 1
-        view = View.of(rest, strands.law[s], float(strands.h[s]))
-        position.append(view.position)
-        tension.append(view.tension)
-        strain.append(view.strain)
-        elastic, gravitational = elastic + view.elastic, gravitational + view.gravitational
-        place[on], force[on], both[on] = rest.r[:, rest.contact].T, rest.force.T, rest.beside
-        friction[on] = rest.friction
-        left, right = -rest.pull[:, 0] - rest.weight[:, 0], rest.pull[:, -1] - rest.weight[:, -1]
-        for k, i in enumerate(rest.contact):
-            if i == 0:
-                left = left - rest.force[:, k]
-            elif i == last:
-                right = right - rest.force[:, k]
-        reaction += [left, right]
-        held = setting.held(s, t)
-        if not held.is_fast:
-            ends = rest.r[:, [0, -1]].T
-            moved = ends - held.place
-            elastic += 0.5 * float(np.einsum("ea,eab,eb", moved, held.stiffness, moved))
-            gravitational -= float((held.force * moved).sum())
-    nodes, bodies = np.concatenate(position), np.zeros((0, dim))
-    energy = dict.fromkeys(ENERGY_FORMS, 0.0) | {"elastic": elastic, "gravitational": gravitational}
-    if setting.fleet is not None:
-        standing = standing_bodies(setting, place.T)
-        bodies = shown_bodies(setting, nodes.T, standing)[0]
-        energy["load_potential"] = float(load_energies(setting, standing)[1])
-    return Frame(
-        path=path,
-        position=nodes,
-        velocity=np.zeros_like(nodes),
-        tension=np.concatenate(tension),
-        strain=np.concatenate(strain),
-        contact_position=place,
-        contact_force=force,
-        hold_force=force - given,
-        contact_xi=xi.copy(),
-        contact_speed=np.zeros(count),
-        contact_tension=both,
-        contact_friction=friction,
-        contact_state=np.full(count, STICKS),
-        contact_in_air=np.zeros(count),
-        friction_power=np.zeros(count),
-        body_position=bodies,
-        body_velocity=np.zeros_like(bodies),
-        reaction=np.array(reaction),
-        energy=np.array([energy[form] for form in ENERGY_FORMS]),
-    )

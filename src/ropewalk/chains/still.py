@@ -1,0 +1,121 @@
+"""Plain ropes at rest: equilibrium with the loads at their start, and slow motion of the loads along their ways."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ropewalk.chains.frames import layout_of
+from ropewalk.chains.load_states import load_energies, shown_bodies
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import ENERGY_FORMS, STICKS, Account, Frame, Layout
+from ropewalk.solve.measure import shapes
+from ropewalk.solve.quasistatic import Place, walk
+from ropewalk.solve.remarks import Remarks
+from ropewalk.solve.standing import View
+from ropewalk.solve.start import Setting, setting_of
+from ropewalk.solve.vehicle_statics import standing_bodies
+
+
+class Still:
+    """A run without inertia: its layout, and its frames.
+
+    Args:
+        scenario: what is computed.
+        account: filled in.
+        until: how long the histories of the loads are needed, s.
+
+    Raises:
+        EquilibriumError: a line has no rest shape.
+    """
+
+    def __init__(self, scenario: Scenario, account: Account, until: float) -> None:
+        self.setting, self.account = setting_of(scenario, until), account
+        account.method, account.reason = "rest", "least potential energy"
+        self._remarks = Remarks(self.setting, tuple(scenario.loads))
+
+    @property
+    def layout(self) -> Layout:
+        """Names and coordinates of the result."""
+        return layout_of(self.setting, "load_path")
+
+    def standing(self) -> Frame:
+        """The only frame of an equilibrium."""
+        xi = self.setting.xi
+        return self._frame(Place(0.0, 0.0, xi, np.zeros(xi.size), *shapes(self.setting, xi, 0.0)))
+
+    def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
+        """Frames at equal steps of the path of the first load, until a load has come to the end of its line.
+
+        Args:
+            positions: how many.
+            turn: rad, see `solve/following.py`.
+
+        Raises:
+            EquilibriumError: the first load has no way, or there is no rest with the loads somewhere on it.
+        """
+        for place in walk(self.setting, positions, turn):
+            yield self._frame(place)
+
+    def _frame(self, place: Place) -> Frame:
+        self.account.warnings += self._remarks.on(place)
+        return standing_frame(self.setting, place)
+
+
+def standing_frame(setting: Setting, at: Place) -> Frame:
+    """The frame of loads standing still; supports that move are taken at the time of the place."""
+    xi, strands, dim, count = at.xi, setting.strands, len(setting.axes), at.xi.size
+    place, force, both = np.zeros((count, dim)), np.zeros((count, dim)), np.zeros((count, 2))
+    friction = np.zeros(count)
+    position, tension, strain, reaction = [], [], [], []
+    elastic = gravitational = 0.0
+    for s, rest in enumerate(at.stands):
+        on, last = setting.on[s], rest.X.size - 1
+        view = View.of(rest, strands.law[s], float(strands.h[s]))
+        position.append(view.position)
+        tension.append(view.tension)
+        strain.append(view.strain)
+        elastic, gravitational = elastic + view.elastic, gravitational + view.gravitational
+        place[on], force[on], both[on] = rest.r[:, rest.contact].T, rest.force.T, rest.beside
+        friction[on] = rest.friction
+        left, right = -rest.pull[:, 0] - rest.weight[:, 0], rest.pull[:, -1] - rest.weight[:, -1]
+        for k, i in enumerate(rest.contact):
+            if i == 0:
+                left = left - rest.force[:, k]
+            elif i == last:
+                right = right - rest.force[:, k]
+        reaction += [left, right]
+        held = setting.held(s, at.t)
+        if not held.is_fast:
+            ends = rest.r[:, [0, -1]].T
+            moved = ends - held.place
+            elastic += 0.5 * float(np.einsum("ea,eab,eb", moved, held.stiffness, moved))
+            gravitational -= float((held.force * moved).sum())
+    nodes, bodies = np.concatenate(position), np.zeros((0, dim))
+    energy = dict.fromkeys(ENERGY_FORMS, 0.0) | {"elastic": elastic, "gravitational": gravitational}
+    if setting.fleet is not None:
+        standing = standing_bodies(setting, place.T)
+        bodies = shown_bodies(setting, nodes.T, standing)[0]
+        energy["load_potential"] = float(load_energies(setting, standing)[1])
+    return Frame(
+        path=at.path,
+        position=nodes,
+        velocity=np.zeros_like(nodes),
+        tension=np.concatenate(tension),
+        strain=np.concatenate(strain),
+        contact_position=place,
+        contact_force=force,
+        hold_force=force - at.given,
+        contact_xi=xi.copy(),
+        contact_speed=np.zeros(count),
+        contact_tension=both,
+        contact_friction=friction,
+        contact_state=np.full(count, STICKS),
+        contact_in_air=np.zeros(count),
+        friction_power=np.zeros(count),
+        body_position=bodies,
+        body_velocity=np.zeros_like(bodies),
+        reaction=np.array(reaction),
+        energy=np.array([energy[form] for form in ENERGY_FORMS]),
+    )
