@@ -40,12 +40,12 @@ from ropewalk.mechanics.chain import (
     LOAD_WORK,
     OFF,
     SUPPORT_WORK,
-    WORKS,
     Array,
     State,
 )
 from ropewalk.mechanics.law import stored_total, tensions
 from ropewalk.mechanics.rider import force_at, link_of, part_of, speed_at
+from ropewalk.results.audit import Audit
 from ropewalk.results.frame import MOVES, OFF_LINE, STICKS, Frame, Layout
 from ropewalk.solve.ends import drives_at, ends_of
 from ropewalk.solve.holding import coefficient_used
@@ -73,6 +73,12 @@ def layout_of(setting: Setting, path: str = "time") -> Layout:
         path=path,
         weight=-float((strands.rho * strands.h * strands.links).sum() * strands.gravity[-1]),
     )
+
+
+_WORKS = {
+    "line_damping": LINE_DAMPING, "contact_dissipation": CONTACT, "load_damping": LOAD_DAMPING, "friction": FRICTION,
+    "load_work": LOAD_WORK, "hold_work": HOLD_WORK, "support_work": SUPPORT_WORK, "drive_work": DRIVE,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -166,7 +172,7 @@ def _links_only(setting: Setting, values: Array) -> Array:
     return np.concatenate(keep)
 
 
-def energies(setting: Setting, state: State, elastic: float, w: Array) -> Array:
+def _of_lines(setting: Setting, state: State, elastic: float, w: Array) -> dict[str, float]:
     """Kinetic, elastic and gravitational energy of the lines and of what yields or moves with their ends, J.
 
     Args:
@@ -188,7 +194,7 @@ def energies(setting: Setting, state: State, elastic: float, w: Array) -> Array:
             moved = r[e] - setting.held(number // 2, t).place[number % 2]
             elastic += 0.5 * float(moved @ ends.stiffness[e] @ moved)
             gravitational -= float(ends.force[e] @ r[e])
-    return np.array([kinetic, elastic, gravitational])
+    return {"kinetic": kinetic, "elastic": elastic, "gravitational": gravitational}
 
 
 class FrameBuilder:
@@ -197,19 +203,19 @@ class FrameBuilder:
     def __init__(self, setting: Setting, bodies: Bodies | None = None) -> None:
         self.setting, self.bodies = setting, bodies
         self._weightless = bodies is not None and are_weightless(bodies)
-        self._first: float | None = None
-        self._work: Array = np.zeros(WORKS)
+        self._audit = Audit()
+        self._work: Array | None = None  # at the first frame, J
         self._held: tuple[float, Array] = (0.0, np.zeros(setting.xi.size))
 
     def get_state(self) -> Tree:
         """The origin of the audit, and when hold forces were looked at last."""
-        since, impulse = self._held
-        return copied({"first": self._first, "work": self._work, "since": since, "impulse": impulse})
+        return copied({"audit": self._audit.get_state(), "work": self._work, "held": self._held})
 
     def set_state(self, tree: Tree) -> None:
         """Go on from there."""
-        own = copied(tree)
-        self._first, self._work, self._held = own["first"], own["work"], (own["since"], own["impulse"])
+        self._audit.set_state(tree["audit"])
+        self._work, (since, impulse) = copied(tree["work"]), tree["held"]
+        self._held = since, impulse.copy()
 
     def build(self, state: State) -> Frame:
         """The frame of the present state."""
@@ -261,8 +267,7 @@ class FrameBuilder:
             force[k] = F + hold[k]
             xi[k], speed[k] = state.xi[k], speed_at(loads, k, t)
         _let_yield(setting, state, reaction)
-        energy = energies(setting, state, pieces.elastic, w)
-        in_air, power, of_loads = np.zeros(count), np.zeros(count), np.zeros(2)
+        in_air, power, of_loads = np.zeros(count), np.zeros(count), dict[str, float]()
         shown = np.zeros((0, dim)), np.zeros((0, dim))
         if bodies is not None:
             light_wheels(setting, state, bodies, place)
@@ -287,7 +292,7 @@ class FrameBuilder:
             body_position=shown[0],
             body_velocity=shown[1],
             reaction=reaction,
-            energy=self._audit(energy, of_loads, state.work),
+            energy=self._audit.of(**_of_lines(setting, state, pieces.elastic, w), **of_loads, **self._works(state)),
         )
 
     def _of_body(
@@ -321,16 +326,10 @@ class FrameBuilder:
             speed = U * float(np.linalg.norm(tangent, axis=0).mean())
         return place, force, hold, both, xi, speed
 
-    def _audit(self, energy: Array, of_loads: Array, work: Array) -> Array:
-        total = float(energy.sum() + of_loads.sum())
-        if self._first is None:
-            self._first, self._work = total, work.copy()
-        done = work - self._work
-        spent = done[LINE_DAMPING] + done[CONTACT] + done[FRICTION] + done[LOAD_DAMPING]
-        given = done[LOAD_WORK] + done[HOLD_WORK] + done[SUPPORT_WORK] + done[DRIVE]
-        works = done[[LINE_DAMPING, LOAD_WORK, HOLD_WORK, CONTACT, SUPPORT_WORK]]
-        spent_by_loads = done[[LOAD_DAMPING, FRICTION, DRIVE]]
-        return np.array([*energy, *works, *of_loads, *spent_by_loads, total - self._first + spent - given])
+    def _works(self, state: State) -> dict[str, float]:
+        """Works since the first frame, J."""
+        self._work = state.work.copy() if self._work is None else self._work
+        return {form: float(state.work[at] - self._work[at]) for form, at in _WORKS.items()}
 
 
 def _reactions(setting: Setting, f: Array) -> Array:

@@ -9,7 +9,8 @@ import numpy as np
 from ropewalk.chains.frames import layout_of
 from ropewalk.chains.load_states import load_energies, shown_bodies
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import ENERGY_FORMS, STICKS, Account, Frame, Layout
+from ropewalk.results.audit import energies
+from ropewalk.results.frame import STICKS, Account, Frame, Layout
 from ropewalk.solve.measure import shapes
 from ropewalk.solve.quasistatic import Place, walk
 from ropewalk.solve.remarks import Remarks
@@ -93,11 +94,11 @@ def standing_frame(setting: Setting, at: Place) -> Frame:
             elastic += 0.5 * float(np.einsum("ea,eab,eb", moved, held.stiffness, moved))
             gravitational -= float((held.force * moved).sum())
     nodes, bodies = np.concatenate(position), np.zeros((0, dim))
-    energy = dict.fromkeys(ENERGY_FORMS, 0.0) | {"elastic": elastic, "gravitational": gravitational}
+    potential = 0.0
     if setting.fleet is not None:
         standing = standing_bodies(setting, place.T)
         bodies = shown_bodies(setting, nodes.T, standing)[0]
-        energy["load_potential"] = float(load_energies(setting, standing)[1])
+        potential = load_energies(setting, standing)["load_potential"]
     return Frame(
         path=at.path,
         position=nodes,
@@ -117,5 +118,5 @@ def standing_frame(setting: Setting, at: Place) -> Frame:
         body_position=bodies,
         body_velocity=np.zeros_like(bodies),
         reaction=np.array(reaction),
-        energy=np.array([energy[form] for form in ENERGY_FORMS]),
+        energy=energies(elastic=elastic, gravitational=gravitational, load_potential=potential),
     )

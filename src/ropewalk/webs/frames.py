@@ -8,7 +8,8 @@ from ropewalk.checkpoint import Tree
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics import law
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Account, Frame, Layout
+from ropewalk.results.audit import Audit, energies
+from ropewalk.results.frame import MOVES, OFF_LINE, Account, Frame, Layout
 from ropewalk.webs.contacts import neighbours
 from ropewalk.webs.fabric import tensions_of
 from ropewalk.webs.lengths import laid_at_rest
@@ -30,6 +31,10 @@ from ropewalk.webs.web import (
 
 # Strain below which a line counts as slack.
 _SLACK = 1e-10
+_WORKS = {
+    "line_damping": DAMPED, "contact_dissipation": CONTACTS, "friction": RUBBED, "load_work": LOADS,
+    "support_work": SUPPORTS,
+}  # fmt: skip
 
 
 class FrameBuilder:
@@ -82,7 +87,7 @@ class FrameBuilder:
             path=path,
             weight=self._weight(),
         )
-        self._start_energy = np.nan
+        self._audit = Audit()
 
     def _weight(self) -> float:
         """What supports and sheaves carry at rest, N; unknown where the wind bears some of it."""
@@ -121,11 +126,11 @@ class FrameBuilder:
 
     def get_state(self) -> Tree:
         """The origin of the audit."""
-        return self._start_energy
+        return self._audit.get_state()
 
     def set_state(self, tree: Tree) -> None:
         """Go on from there."""
-        self._start_energy = tree
+        self._audit.set_state(tree)
 
     def build(self, state: State, interval: float = 0.0, *, still: float | None = None) -> Frame:
         """The frame of a state.
@@ -235,29 +240,16 @@ class FrameBuilder:
         # Of those that have left, too: as they were then.
         masses = np.flatnonzero((seats.wanted == MASS) & np.isfinite(state.q + state.u).all(axis=1))
         m, q = seats.mass[masses], state.q[masses]
-        forms = dict.fromkeys(ENERGY_FORMS, 0.0)
-        forms["kinetic"] = 0.5 * float((web.body.mass[:n, None] * state.v[:n] ** 2).sum())
-        forms["elastic"] = Potential(web).stored(state.r)
-        forms["gravitational"] = -float((web.body.force[:n] * state.r[:n]).sum())
-        forms["load_potential"] = -float((m[:, None] * web.gravity * q).sum())
+        stored = {
+            "kinetic": 0.5 * float((web.body.mass[:n, None] * state.v[:n] ** 2).sum()),
+            "elastic": Potential(web).stored(state.r),
+            "gravitational": -float((web.body.force[:n] * state.r[:n]).sum()),
+        }
+        potential = -float((m[:, None] * web.gravity * q).sum())
         if still:
-            return np.array([forms[form] for form in ENERGY_FORMS])
+            return energies(**stored, load_potential=potential)
         gap = (q - self._held(state.r)[masses]) * (seats.kind[masses, None] == MASS)
-        forms["load_potential"] += 0.5 * float((seats.grip[masses, None] * gap**2).sum())
-        forms["load_kinetic"] = 0.5 * float((m[:, None] * state.u[masses] ** 2).sum())
-        stored = sum(forms.values())
-        forms["line_damping"], forms["load_work"] = float(state.work[DAMPED]), float(state.work[LOADS])
-        forms["contact_dissipation"], forms["friction"] = float(state.work[CONTACTS]), float(state.work[RUBBED])
-        forms["support_work"] = float(state.work[SUPPORTS])
-        total = (
-            stored
-            - forms["load_work"]
-            - forms["support_work"]
-            + forms["line_damping"]
-            + forms["contact_dissipation"]
-            + forms["friction"]
-        )
-        if np.isnan(self._start_energy):
-            self._start_energy = total
-        forms["imbalance"] = total - self._start_energy
-        return np.array([forms[form] for form in ENERGY_FORMS])
+        potential += 0.5 * float((seats.grip[masses, None] * gap**2).sum())
+        moving = 0.5 * float((m[:, None] * state.u[masses] ** 2).sum())
+        works = {form: float(state.work[at]) for form, at in _WORKS.items()}
+        return self._audit.of(**stored, load_kinetic=moving, load_potential=potential, **works)

@@ -17,7 +17,7 @@ from ropewalk.results.running import Ending
 from ropewalk.wires.bearing import at_rest_together
 from ropewalk.wires.beginning import along_moved, on_moved, small_under_loads
 from ropewalk.wires.drive import ON_WIRE, Drive, Record
-from ropewalk.wires.energy import Audit
+from ropewalk.wires.energy import Energies
 from ropewalk.wires.equilibrium import Potential
 from ropewalk.wires.journey import drive_of
 from ropewalk.wires.large import LargeMotion
@@ -120,7 +120,7 @@ class Wires:
             assert isinstance(self.motion, SmallMotion)
             self.motion.begin(begun[0][2] - self.motion.level, begun[1][2])
         self.motion.pace.last[:] -= account.step * self._first("rate")
-        self._audit = Audit(self.mesh, self.riders, self.motion, start.position, start.unstrained)
+        self._energies = Energies(self.mesh, self.riders, self.motion, start.position, start.unstrained)
         self._in_air = np.zeros(self.riders.owner.size)
         self._steep, self._pushed = set[str](), set[str]()  # contacts and wires that have been doubted
         self._partners = [self._partner(*pair) for pair in zip(task.foreigners, self.turns, strict=True)]
@@ -142,7 +142,7 @@ class Wires:
             RopewalkError: a load is a model of somebody else's that gives no state.
         """
         return {
-            "motion": self.motion.get_state(), "audit": self._audit.get_state(),
+            "motion": self.motion.get_state(), "energies": self._energies.get_state(),
             "partners": [partner.get_state() for partner in self._partners],
             "stations": self._stations.copy(), "before": copied(arrays_of(self._before)),
             "in_air": self._in_air.copy(), "steep": sorted(self._steep), "pushed": sorted(self._pushed),
@@ -151,7 +151,7 @@ class Wires:
     def set_state(self, tree: Tree) -> None:
         """Go on from there."""
         self.motion.set_state(tree["motion"])
-        self._audit.set_state(tree["audit"])
+        self._energies.set_state(tree["energies"])
         for partner, own in zip(self._partners, tree["partners"], strict=True):
             partner.set_state(own)
         put({"stations": self._stations, "in_air": self._in_air} | arrays_of(self._before),
@@ -296,7 +296,7 @@ class Wires:
             contact_xi=unknown, contact_speed=unknown, contact_tension=np.full((contacts, 2), np.nan),
             contact_friction=unknown, contact_state=np.full(contacts, OFF_LINE), contact_in_air=np.zeros(contacts),
             friction_power=np.zeros(contacts), body_position=bodies, body_velocity=rates,
-            reaction=nowhere, energy=self._audit.now(), tie_force=none, sampled_station=none,
+            reaction=nowhere, energy=self._energies.now(), tie_force=none, sampled_station=none,
         )  # fmt: skip
 
     def _with_forces(self, frame: Frame, drive: Drive, now: Record) -> Frame:

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
+from ropewalk.results.audit import energies
+from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
 from ropewalk.solve.following import schedule, slow_motion
 from ropewalk.wires.bearing import Bearing, Borne
 from ropewalk.wires.layout import axes_of, layout_of, reactions
@@ -137,8 +138,7 @@ class Still:
         potential, r = self._bearing.potential, found.position
         loads, potential.pressing = potential.pressing, None
         weights = float((potential.force * r).sum())
-        energy = dict.fromkeys(ENERGY_FORMS, 0.0)
-        energy["elastic"], energy["gravitational"] = potential.energy(r) + weights, -weights
+        stored = potential.energy(r) + weights
         potential.pressing = loads
-        energy["load_potential"] = -float(self._bearing.riders.rest @ np.where(found.touches, found.height, 0.0))
-        return np.array([energy[form] for form in ENERGY_FORMS])
+        borne = -float(self._bearing.riders.rest @ np.where(found.touches, found.height, 0.0))
+        return energies(elastic=stored, gravitational=-weights, load_potential=borne)
