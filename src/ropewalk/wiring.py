@@ -13,6 +13,7 @@ import numpy as np
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.models import turns_of
 from ropewalk.mechanics.assembly import speed_table, vector_table
+from ropewalk.mechanics.loading import loading_of
 from ropewalk.mechanics.wheels import wheels_of
 from ropewalk.model.beginning import UP
 from ropewalk.model.line import spatial
@@ -31,7 +32,7 @@ from ropewalk.wires.beginning import in_mode
 from ropewalk.wires.ends import holds_of, masses_of
 from ropewalk.wires.equilibrium import movable
 from ropewalk.wires.journey import Journey, smooth, travelled
-from ropewalk.wires.lines import journey_of, settled, shown_of, wire_of
+from ropewalk.wires.lines import journey_of, shown_of, wire_of
 from ropewalk.wires.mesh import links_of
 from ropewalk.wires.partners import Foreigner
 from ropewalk.wires.partners import rider_of as foreign_rider
@@ -68,7 +69,7 @@ def task_of(scenario: Scenario) -> Task:
     elements += [line.elements for line in scenario.lines.values()]
     if nonlinear or slow:
         plan = unstretched(plan, elements)
-    setting = settled(scenario, until, plan.wires) if scenario.lines else None
+    loading = loading_of(scenario, until) if scenario.lines else None
     journeys: list[Journey] = []
     contacts: list[str] = []
     shown: list[Shown] = []
@@ -95,13 +96,13 @@ def task_of(scenario: Scenario) -> Task:
             journeys.append(_force(name, load, offsets[list(sections).index(load.on)] + CONTACT, until))
             contacts.append(name)
             continue
-        assert setting is not None
+        assert loading is not None
         line = scenario.lines[load.on]
         on = first + list(scenario.lines).index(load.on)
-        journey, system = journey_of(setting, name, load, on, line, plan.wires[on].length)
+        journey, system = journey_of(loading, name, load, on, line, plan.wires[on].length)
         journeys.append(journey)
-        contacts += [wheel.name for wheel in setting.wheels if wheel.load == name]
-        shown += shown_of(setting, system, number, line) if system is not None else []
+        contacts += [wheel.name for wheel in loading.wheels if wheel.load == name]
+        shown += shown_of(loading, system, number, line) if system is not None else []
     more: dict[str, Any] = {}
     if isinstance(run, Dynamic):
         more = {

@@ -21,7 +21,7 @@ def initial_state(setting: Setting, scenario: Scenario) -> tuple[State, Bodies |
     """The first state of a motion, and all that has a mass."""
     run = scenario.run
     assert isinstance(run, Dynamic)
-    state = start_state(setting, run.start.with_loads, resting_forces(setting))
+    state = start_state(setting, run.start.with_loads, resting_forces(setting.loading))
     if run.start.kind == "result":
         take_up(setting, state, run.start)
         _check_ends(setting, state)

@@ -51,7 +51,7 @@ def spectrum_of(scenario: Scenario, at: float | None, how_many: int | None, *, w
     elif with_loads:
         refuse_minds(scenario)
         setting = setting_of(scenario, 0.0)
-        state = start_state(setting, True, resting_forces(setting))
+        state = start_state(setting, True, resting_forces(setting.loading))
         if setting.fleet is not None:
             bodies = board(setting, state, True)
             assert bodies is not None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -178,7 +178,7 @@ def drive_table(drive: Any, until: float) -> tuple[Array, Array]:
     return np.zeros(1), np.array([float(drive)])
 
 
-def loads_of(scenario: Scenario, wheels: list[Wheel], until: float) -> Loads:
+def loads_of(scenario: Scenario, wheels: Sequence[Wheel], until: float) -> Loads:
     """All wheels of a scenario, with their histories tabulated up to the time `until`."""
     names, axes = list(scenario.lines), axes_of(scenario)
     speeds = [speed_table(wheel.speed, until) for wheel in wheels]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
@@ -17,7 +18,7 @@ MEASURED = 0.1
 
 
 def crowded(
-    wheels: list[Wheel], weightless: set[str], links: dict[str, float], lengths: dict[str, float], until: float
+    wheels: Sequence[Wheel], weightless: set[str], links: dict[str, float], lengths: dict[str, float], until: float
 ) -> set[int]:
     """Find the wheels that come close to another one.
 

@@ -100,14 +100,7 @@ class Still:
             late = np.maximum(times - time[i], 0.0)
             return np.asarray(start[i] + late * (speed[i] + 0.5 * slope[i] * late))
 
-        begin = float(place(np.zeros(1))[0])
-
-        def beyond(places: Array) -> Array:
-            ahead, back = places - end, low - places
-            gone: Array = np.where(places < begin, np.maximum(ahead, back), ahead) / end
-            return gone
-
-        return schedule(self.laid.travellers[0].name, place, beyond)
+        return schedule(self.laid.travellers[0].name, place, end, low)
 
     def _settled(self, r: Array, t: float) -> Array:
         """Rest (node, 3) in the wind as it blows at time t in s, next to the shape r: what it pushes at depends on it.

@@ -67,15 +67,8 @@ class Still:
             raise EquilibriumError("slow motion needs a load that travels")
         journey = self.task.journeys[0]
         length = self.task.plan.wires[journey.rider.contacts[0].wire].length
-        behind = np.array([contact.behind for contact in journey.rider.contacts])
-        begin = float(journey.place(np.zeros(1))[0])
-
-        def beyond(places: Array) -> Array:
-            ahead, back = places - behind.max() - length, behind.min() - places
-            gone: Array = np.where(places < begin, np.maximum(ahead, back), ahead) / length
-            return gone
-
-        return schedule(journey.rider.name, journey.place, beyond)
+        behind = [contact.behind for contact in journey.rider.contacts]
+        return schedule(journey.rider.name, journey.place, length, last=max(behind), first=min(behind))
 
     def _places(self, found: Borne) -> Array:
         """Where contacts are, (contact, 3) m; NaN of those off their wires."""
