@@ -14,6 +14,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.foreign.models import turns_of
 from ropewalk.mechanics.assembly import speed_table, vector_table
 from ropewalk.mechanics.loading import loading_of
+from ropewalk.mechanics.travelled import Travelled
 from ropewalk.mechanics.wheels import wheels_of
 from ropewalk.model.beginning import UP
 from ropewalk.model.line import spatial
@@ -31,7 +32,7 @@ from ropewalk.solve.timetable import horizon
 from ropewalk.wires.beginning import in_mode
 from ropewalk.wires.ends import holds_of, masses_of
 from ropewalk.wires.equilibrium import movable
-from ropewalk.wires.journey import Journey, smooth, travelled
+from ropewalk.wires.journey import Journey, smooth
 from ropewalk.wires.lines import journey_of, shown_of, wire_of
 from ropewalk.wires.mesh import links_of
 from ropewalk.wires.partners import Foreigner
@@ -195,17 +196,16 @@ def _force(name: str, load: MovingForce, wire: int, until: float) -> Journey:
     def given(times: Array) -> Array:
         return np.asarray(np.interp(times, time, value[-1]))[:, None]
 
-    place = travelled(load.travel.start, *speed_table(load.travel.speed, until))
+    place = partial(Travelled(*speed_table(load.travel.speed, until)).at, start=load.travel.start)
     return Journey(Rider(name, none, none, none, (contact,)), place, given=given)
 
 
 def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until: float, *, slow: bool) -> Journey:
     """The journey of a pantograph; `slow`: it presses with all of its force from the beginning."""
-    time, value = speed_table(load.travel.speed, until)
-    start = load.travel.start
+    course, start = Travelled(*speed_table(load.travel.speed, until)), load.travel.start
     lift = 0.0
     if load.wanted_mean is not None:
-        mean = push_of(load, section.level).wanted(np.interp([0.5 * until], time, value))
+        mean = push_of(load, section.level).wanted(course.speed(np.array([0.5 * until])))
         lift = expected_lift(section, float(mean[0]))
     push = push_of(load, section.level, lift)
     push = replace(push, ramp=0.0) if slow else push
@@ -214,9 +214,9 @@ def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until:
     rider = rider_of(name, load, wire)
 
     def pushed(times: Array) -> Array:
-        return push(times, np.interp(times, time, value))
+        return push(times, course.speed(times))
 
-    return Journey(rider, travelled(start, time, value), pushed, rough=rough, first=first)
+    return Journey(rider, partial(course.at, start=start), pushed, rough=rough, first=first)
 
 
 def _rough(name: str, load: Pantograph) -> Callable[[Array], Array]:

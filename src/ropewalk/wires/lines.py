@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -10,12 +11,13 @@ from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import MATERIAL, Loads
 from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.rider import force_at
+from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import AnyLoad, MovingForce
 from ropewalk.model.support import Guided
 from ropewalk.solve.multibody import Multibody, multibody_of
 from ropewalk.wires.ends import compliance, kinds_of, lengthened
-from ropewalk.wires.journey import ON_GROUND, Journey, travelled
+from ropewalk.wires.journey import ON_GROUND, Journey
 from ropewalk.wires.plan import Array, Contact, Rider, Wire
 from ropewalk.wires.task import Shown
 
@@ -82,7 +84,7 @@ def journey_of(
 def _place(loads: Loads, k: int, start: float, scale: float) -> Callable[[Array], Array]:
     """Times to stations of load k, m: at the start, and `scale` times as fast as its speed says."""
     part = slice(int(loads.speed_first[k]), int(loads.speed_first[k] + loads.speed_count[k]))
-    return travelled(start, loads.speed_time[part], scale * loads.speed_value[part])
+    return partial(Travelled(loads.speed_time[part], scale * loads.speed_value[part]).at, start=start)
 
 
 def _rider(
