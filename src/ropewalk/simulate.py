@@ -15,8 +15,8 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.model.load import MovingForce
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Account, Frame, Layout, Run
-from ropewalk.results.running import Engine, Statics, Still, TimeHistory, followed
+from ropewalk.results.frame import Account, Frame, Layout
+from ropewalk.results.running import Engine, Run, Statics, Still, TimeHistory, followed
 from ropewalk.solve.timetable import horizon
 
 if TYPE_CHECKING:

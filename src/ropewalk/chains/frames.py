@@ -46,7 +46,7 @@ from ropewalk.mechanics.chain import (
 from ropewalk.mechanics.law import stored_total, tensions
 from ropewalk.mechanics.rider import force_at, link_of, part_of, speed_at
 from ropewalk.results.audit import Audit
-from ropewalk.results.frame import MOVES, OFF_LINE, STICKS, Frame, Layout
+from ropewalk.results.frame import MOVES, STICKS, Contacts, Frame, Layout, uniform
 from ropewalk.solve.ends import drives_at, ends_of
 from ropewalk.solve.holding import coefficient_used
 from ropewalk.solve.start import Setting, onward
@@ -55,18 +55,9 @@ from ropewalk.solve.start import Setting, onward
 def layout_of(setting: Setting, path: str = "time") -> Layout:
     """Names and coordinates of the result of a run."""
     strands = setting.strands
-    node_line, link_line, node_xi, link_xi = [], [], [], []
-    for name, n, h in zip(setting.lines, strands.links, strands.h, strict=True):
-        node_line += [name] * (int(n) + 1)
-        link_line += [name] * int(n)
-        node_xi.append(np.arange(n + 1) * h)
-        link_xi.append((np.arange(n) + 0.5) * h)
     return Layout(
         axes=setting.axes,
-        node_line=tuple(node_line),
-        node_xi=np.concatenate(node_xi),
-        link_line=tuple(link_line),
-        link_xi=np.concatenate(link_xi),
+        **uniform(setting.lines, strands.links, strands.h),
         contact_load=tuple(wheel.name for wheel in setting.wheels),
         body=tuple(body.name for body in setting.fleet.shown) if setting.fleet is not None else (),
         support=tuple(f"{name}.{end}" for name in setting.lines for end in ("start", "end")),
@@ -223,10 +214,10 @@ class FrameBuilder:
         pieces = _pieces(setting, state, bodies)
         r, w = _material_nodes(setting, state, bodies)
         dim, count, t = r.shape[0], state.xi.size, float(state.t[0])
-        nowhere = np.full((count, dim), np.nan)
-        place, force, hold = nowhere, nowhere.copy(), nowhere.copy()
-        xi, speed, both = np.full(count, np.nan), np.full(count, np.nan), np.full((count, 2), np.nan)
-        friction, phase = np.full(count, np.nan), np.full(count, OFF_LINE)
+        seen = Contacts(count, dim)
+        place, force, hold, both, xi, speed = (
+            seen.position, seen.force, seen.hold, seen.tension, seen.xi, seen.speed
+        )  # fmt: skip
         reaction = _reactions(setting, pieces.f)
         # The hold force of a chain ripples while a load passes a node: its mean since the last frame is reported.
         since, impulse = self._held
@@ -235,7 +226,7 @@ class FrameBuilder:
         for k in range(count):
             b = int(state.rider[k])
             if bodies is not None:
-                phase[k] = contact_state(state, bodies, k)
+                seen.state[k] = contact_state(state, bodies, k)
                 if b == CARRIED:
                     at = self._of_body(state, bodies, pieces, k, float(mean_hold[k]), reaction)
                     place[k], force[k], hold[k], both[k], xi[k], speed[k] = at
@@ -247,11 +238,11 @@ class FrameBuilder:
             if bodies is not None and not self._weightless:
                 F = bodies.wheels["on_line"][k, :dim].copy()
             if bodies is None:
-                phase[k] = MOVES if state.speed[k] != 0.0 else STICKS
+                seen.state[k] = MOVES if state.speed[k] != 0.0 else STICKS
             hold[k] = 0.0
             if b >= 0:
                 place[k], both[k] = state.r[:, b], pieces.T[[b - 1, b]]
-                friction[k] = _friction_used(setting, state, pieces, k, b)
+                seen.friction[k] = _friction_used(setting, state, pieces, k, b)
                 if loads.contact[k] == FRICTIONLESS:
                     hold[k, 0] = mean_hold[k]
             else:
@@ -267,11 +258,11 @@ class FrameBuilder:
             force[k] = F + hold[k]
             xi[k], speed[k] = state.xi[k], speed_at(loads, k, t)
         _let_yield(setting, state, reaction)
-        in_air, power, of_loads = np.zeros(count), np.zeros(count), dict[str, float]()
+        of_loads = dict[str, float]()
         shown = np.zeros((0, dim)), np.zeros((0, dim))
         if bodies is not None:
             light_wheels(setting, state, bodies, place)
-            in_air, power = bodies.wheels["in_air"].copy(), bodies.wheels["power"].copy()
+            seen.in_air, seen.power = bodies.wheels["in_air"].copy(), bodies.wheels["power"].copy()
             of_loads, shown = load_energies(setting, bodies), shown_bodies(setting, state.r, bodies)
         return Frame(
             path=t,
@@ -279,16 +270,7 @@ class FrameBuilder:
             velocity=w.T,
             tension=_links_only(setting, pieces.T),
             strain=_links_only(setting, pieces.eps),
-            contact_position=place,
-            contact_force=force,
-            hold_force=hold,
-            contact_xi=xi,
-            contact_speed=speed,
-            contact_tension=both,
-            contact_friction=friction,
-            contact_state=phase,
-            contact_in_air=in_air,
-            friction_power=power,
+            **seen.told(),
             body_position=shown[0],
             body_velocity=shown[1],
             reaction=reaction,

@@ -10,7 +10,7 @@ from ropewalk.chains.frames import layout_of
 from ropewalk.chains.load_states import load_energies, shown_bodies
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.audit import energies
-from ropewalk.results.frame import STICKS, Account, Frame, Layout
+from ropewalk.results.frame import STICKS, Account, Contacts, Frame, Layout
 from ropewalk.solve.measure import shapes
 from ropewalk.solve.quasistatic import Place, walk
 from ropewalk.solve.remarks import Remarks
@@ -66,9 +66,8 @@ class Still:
 
 def standing_frame(setting: Setting, at: Place) -> Frame:
     """The frame of loads standing still; supports that move are taken at the time of the place."""
-    xi, strands, dim, count = at.xi, setting.strands, len(setting.axes), at.xi.size
-    place, force, both = np.zeros((count, dim)), np.zeros((count, dim)), np.zeros((count, 2))
-    friction = np.zeros(count)
+    strands, dim, count = setting.strands, len(setting.axes), at.xi.size
+    seen = Contacts(count, dim)
     position, tension, strain, reaction = [], [], [], []
     elastic = gravitational = 0.0
     for s, rest in enumerate(at.stands):
@@ -78,8 +77,8 @@ def standing_frame(setting: Setting, at: Place) -> Frame:
         tension.append(view.tension)
         strain.append(view.strain)
         elastic, gravitational = elastic + view.elastic, gravitational + view.gravitational
-        place[on], force[on], both[on] = rest.r[:, rest.contact].T, rest.force.T, rest.beside
-        friction[on] = rest.friction
+        seen.position[on], seen.force[on], seen.tension[on] = rest.r[:, rest.contact].T, rest.force.T, rest.beside
+        seen.friction[on] = rest.friction
         left, right = -rest.pull[:, 0] - rest.weight[:, 0], rest.pull[:, -1] - rest.weight[:, -1]
         for k, i in enumerate(rest.contact):
             if i == 0:
@@ -96,25 +95,18 @@ def standing_frame(setting: Setting, at: Place) -> Frame:
     nodes, bodies = np.concatenate(position), np.zeros((0, dim))
     potential = 0.0
     if setting.fleet is not None:
-        standing = standing_bodies(setting, place.T)
+        standing = standing_bodies(setting, seen.position.T)
         bodies = shown_bodies(setting, nodes.T, standing)[0]
         potential = load_energies(setting, standing)["load_potential"]
+    seen.hold, seen.xi, seen.speed = seen.force - at.given, at.xi.copy(), np.zeros(count)
+    seen.state[:] = STICKS
     return Frame(
         path=at.path,
         position=nodes,
         velocity=np.zeros_like(nodes),
         tension=np.concatenate(tension),
         strain=np.concatenate(strain),
-        contact_position=place,
-        contact_force=force,
-        hold_force=force - at.given,
-        contact_xi=xi.copy(),
-        contact_speed=np.zeros(count),
-        contact_tension=both,
-        contact_friction=friction,
-        contact_state=np.full(count, STICKS),
-        contact_in_air=np.zeros(count),
-        friction_power=np.zeros(count),
+        **seen.told(),
         body_position=bodies,
         body_velocity=np.zeros_like(bodies),
         reaction=np.array(reaction),

@@ -162,6 +162,10 @@ class Statics:
         """Nothing."""
 
 
+Run = TimeHistory | Statics
+"""Who gives frames, whatever they are of."""
+
+
 def followed(frames: Iterator[Frame], account: Account) -> Iterator[Frame]:
     """Frames of slow motion; one that ends where there is no equilibrium keeps those before.
 

@@ -9,7 +9,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.mechanics import law
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.audit import Audit, energies
-from ropewalk.results.frame import MOVES, OFF_LINE, Account, Frame, Layout
+from ropewalk.results.frame import MOVES, Account, Contacts, Frame, Layout
 from ropewalk.webs.contacts import neighbours
 from ropewalk.webs.fabric import tensions_of
 from ropewalk.webs.lengths import laid_at_rest
@@ -152,23 +152,18 @@ class FrameBuilder:
             gap = np.nan_to_num(state.q) - self._held(r)
             force = np.where((seats.kind == MASS)[:, None], seats.grip[:, None] * gap, seats.load)
         strain, tension = self.strain(r)
-        both = np.full((contacts, 2), np.nan)
+        seen = Contacts(contacts, len(axes))
         for k in np.flatnonzero(on & (seats.on == ON_LINE)):
             for side, p in enumerate(neighbours(web, int(k))):
-                both[k, side] = self._tension(p, r)
-        nan = np.full(contacts, np.nan)
-        xi = np.where(on, seats.xi, np.nan)
+                seen.tension[k, side] = self._tension(p, r)
+        seen.position[on], seen.force[on], seen.hold[on] = r[n:][on][:, axes], force[on][:, axes], 0.0
+        seen.xi[on], seen.speed[on], seen.state[on] = seats.xi[on], seats.speed[on], MOVES
         return Frame(
             path=float(state.t[0]) if still is None else still,
             position=r[self.shown][:, axes], velocity=state.v[self.shown][:, axes],
             tension=tension, strain=strain,
-            contact_position=np.where(on[:, None], r[n:], np.nan)[:, axes],
-            contact_force=np.where(on[:, None], force, np.nan)[:, axes],
-            hold_force=np.where(on[:, None], 0.0, np.full((contacts, 3), np.nan))[:, axes], contact_xi=xi,
-            contact_speed=np.where(on, seats.speed, np.nan), contact_tension=both, contact_friction=nan,
-            contact_state=np.where(on, MOVES, OFF_LINE), contact_in_air=np.zeros(contacts),
-            friction_power=np.zeros(contacts), body_position=np.zeros((0, len(axes))),
-            body_velocity=np.zeros((0, len(axes))), reaction=self._reactions(state)[:, axes],
+            **seen.told(), body_position=np.zeros((0, len(axes))), body_velocity=np.zeros((0, len(axes))),
+            reaction=self._reactions(state)[:, axes],
             energy=self._energy(state, still=still is not None),
             cell_tension=tensions_of(web.cells, web.own_cells, r) if self.layout.cell else None,
         )  # fmt: skip

@@ -12,7 +12,7 @@ from ropewalk.checkpoint import Tree, arrays_of, copied, put
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import TravelEndedError, Turns
 from ropewalk.model.run import common_interval
-from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
+from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, Account, Contacts, Frame, Layout
 from ropewalk.results.running import Ending
 from ropewalk.wires.bearing import at_rest_together
 from ropewalk.wires.beginning import along_moved, on_moved, small_under_loads
@@ -233,10 +233,10 @@ class Wires:
         except RopewalkError as error:
             if not i:
                 raise
-            self._now, self._failed = self._with_forces(picture, drive, self._nothing), True
+            self._now, self._failed = self._with_forces(*picture, drive, self._nothing), True
             outcome = "travel ended" if isinstance(error, TravelEndedError) else "load failed"
             return Ending(outcome, f"stopped after t = {t:.6g} s: {error}")
-        self._now = self._with_forces(picture, drive, record)
+        self._now = self._with_forces(*picture, drive, record)
         on = np.where(drive.where[:-1] == ON_WIRE, drive.station[:-1], np.nan)
         self._stations = _padded(on, self.rows)
         self._before = Record(*(_padded(each, self.rows) for each in record))
@@ -282,45 +282,38 @@ class Wires:
             return what + "write a smaller run.step, or leave it out"
         return what + "write a smaller run.step, and check masses, stiffnesses and what travels"
 
-    def _picture(self, t: float, drive: Drive) -> Frame:
-        """All of a frame but the forces of contacts and ties, which the next step finds."""
-        contacts, dim, none = len(self.task.contacts), len(self.axes), np.zeros(0)
-        position, velocity = self.motion.position, self.motion.velocity
-        strain = self._strain()
+    def _picture(self, t: float, drive: Drive) -> tuple[Frame, Contacts]:
+        """All of a frame but contacts, which are to be filled in, and ties: the next step finds their forces."""
+        position, velocity, strain = self.motion.position, self.motion.velocity, self._strain()
         EA = np.repeat([wire.axial_stiffness for wire in self.task.plan.wires], self.mesh.strands.links)
-        unknown, nowhere = np.full(contacts, np.nan), np.full((contacts, dim), np.nan)
         bodies, rates = self._bodies(drive, position[self.axes].T)
-        return Frame(
+        seen = Contacts(len(self.task.contacts), len(self.axes))
+        frame = Frame(
             path=t, position=position[self.axes].T, velocity=velocity[self.axes].T, tension=EA * strain,
-            strain=strain, contact_position=nowhere, contact_force=nowhere.copy(), hold_force=nowhere.copy(),
-            contact_xi=unknown, contact_speed=unknown, contact_tension=np.full((contacts, 2), np.nan),
-            contact_friction=unknown, contact_state=np.full(contacts, OFF_LINE), contact_in_air=np.zeros(contacts),
-            friction_power=np.zeros(contacts), body_position=bodies, body_velocity=rates,
-            reaction=nowhere, energy=self._energies.now(), tie_force=none, sampled_station=none,
+            strain=strain, **seen.told(), body_position=bodies,
+            body_velocity=rates, reaction=np.zeros(0), energy=self._energies.now(),
         )  # fmt: skip
+        return frame, seen
 
-    def _with_forces(self, frame: Frame, drive: Drive, now: Record) -> Frame:
+    def _with_forces(self, frame: Frame, seen: Contacts, drive: Drive, now: Record) -> Frame:
         motion, on, before, stations = self.motion, drive.where[0] == ON_WIRE, self._before, self._stations
-        station, place, force = drive.station[0], frame.contact_position.copy(), frame.contact_force.copy()
-        place[on], force[on], hold = 0.0, 0.0, frame.hold_force.copy()
-        hold[on] = 0.0
-        place[on, -1], force[on, -1] = now.height[0, on], now.force[0, on]
-        both, xi = frame.contact_tension.copy(), frame.contact_xi.copy()
+        station = drive.station[0]
+        seen.position[on], seen.force[on], seen.hold[on] = 0.0, 0.0, 0.0
+        seen.position[on, -1], seen.force[on, -1] = now.height[0, on], now.force[0, on]
         first = np.concatenate([[0], np.cumsum(self.mesh.strands.links)[:-1]])
         for k in np.flatnonzero(on):
             a = int(self.riders.wire[k])
             seat = self._seat(int(k), float(station[k]), frame.position)
-            place[k, :-1] = seat.value(frame.position.T)[:-1]
-            xi[k] = seat.links * self.mesh.strands.h[a]
-            both[k] = frame.tension[first[a] + min(int(seat.links), int(self.mesh.strands.links[a]) - 1)]
+            seen.position[k, :-1] = seat.value(frame.position.T)[:-1]
+            seen.xi[k] = seat.links * self.mesh.strands.h[a]
+            seen.tension[k] = frame.tension[first[a] + min(int(seat.links), int(self.mesh.strands.links[a]) - 1)]
         counted = np.where(self.riders.material, 1.0, np.abs(self.mesh.strands.across[self.riders.wire, 1]))
         in_air = self.riders.lifts & (now.force[0] == 0.0)
         self._in_air += self.sample * ((before.force == 0.0) & self.riders.lifts).sum(axis=0)
+        seen.speed[on] = (counted * (drive.station[1] - station) / self.sample)[on]
+        seen.state[on], seen.in_air[:] = np.where(in_air, IN_AIR, MOVES)[on], self._in_air
         return replace(
-            frame, contact_position=place, contact_force=force, hold_force=hold, contact_tension=both,
-            contact_xi=xi, contact_speed=np.where(on, counted * (drive.station[1] - station) / self.sample, np.nan),
-            contact_state=np.where(on, np.where(in_air, IN_AIR, MOVES), OFF_LINE), contact_in_air=self._in_air.copy(),
-            reaction=self.reactions(motion.hold_at_rest + now.hold[0], position=frame.position),
+            frame, reaction=self.reactions(motion.hold_at_rest + now.hold[0], position=frame.position),
             tie_force=now.tie[0] + motion.tie_at_rest,
             sampled_station=stations, sampled_force=before.force,
             sampled_height=before.height, sampled_tie_force=before.tie + motion.tie_at_rest,

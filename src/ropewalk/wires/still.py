@@ -8,7 +8,7 @@ import numpy as np
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.results.audit import energies
-from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
+from ropewalk.results.frame import IN_AIR, MOVES, Account, Contacts, Frame, Layout
 from ropewalk.solve.following import schedule, slow_motion
 from ropewalk.wires.bearing import Bearing, Borne
 from ropewalk.wires.layout import axes_of, layout_of, reactions
@@ -85,26 +85,22 @@ class Still:
         potential, riders = self._bearing.potential, self._bearing.riders
         tension = potential.tension(r)
         EA = np.repeat([wire.axial_stiffness for wire in self.task.plan.wires], strands.links)
-        place, force, both = self._places(found)[:, axes], np.full((count, dim), np.nan), np.full((count, 2), np.nan)
-        xi, state = np.full(count, np.nan), np.full(count, OFF_LINE)
+        seen = Contacts(count, dim)
+        seen.position = self._places(found)[:, axes]
         first = np.concatenate([[0], np.cumsum(strands.links)[:-1]])
         for k, seat in enumerate(found.seats):
             if seat is None:
                 continue
             a = int(riders.wire[k])
-            force[k], force[k, -1] = 0.0, found.force[k]
-            xi[k] = seat.links * strands.h[a]
-            both[k] = tension[first[a] + min(int(seat.links), int(strands.links[a]) - 1)]
-            state[k] = MOVES if found.touches[k] else IN_AIR
-        unknown, none = np.full(count, np.nan), np.zeros(count)
-        off = np.isnan(place)
+            seen.force[k], seen.force[k, -1] = 0.0, found.force[k]
+            seen.xi[k], seen.speed[k], seen.hold[k] = seat.links * strands.h[a], 0.0, 0.0
+            seen.tension[k] = tension[first[a] + min(int(seat.links), int(strands.links[a]) - 1)]
+            seen.state[k] = MOVES if found.touches[k] else IN_AIR
         bodies = self._bodies(found)
         return Frame(
             path=path, position=r[axes].T, velocity=np.zeros_like(r[axes].T), tension=tension, strain=tension / EA,
-            contact_position=place, contact_force=force, hold_force=np.where(off, np.nan, 0.0), contact_xi=xi,
-            contact_speed=np.where(np.isnan(xi), np.nan, 0.0), contact_tension=both, contact_friction=unknown,
-            contact_state=state, contact_in_air=none, friction_power=none.copy(), body_position=bodies,
-            body_velocity=np.zeros_like(bodies), reaction=self._reactions(r)[:, axes], energy=self._energy(found),
+            **seen.told(), body_position=bodies, body_velocity=np.zeros_like(bodies),
+            reaction=self._reactions(r)[:, axes], energy=self._energy(found),
             tie_force=potential.tie_forces(r),
         )  # fmt: skip
 
