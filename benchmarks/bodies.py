@@ -66,7 +66,7 @@ class _Timed:
 def ride(scenario: Scenario, timed: bool = False) -> Ride:
     """Move a scenario through its outputs, from rest; `timed`: count what its guides take, which costs a little."""
     run, setting = scenario.run, setting_of(scenario, 0.0)
-    state = start_state(setting, run.start.with_loads, resting_forces(setting))
+    state = start_state(setting, run.start.with_loads, resting_forces(setting.loading))
     bodies, progress = board(setting, state), Progress()
     guides: Sequence[Any] = guides_of(setting, scenario, bodies)
     if timed:

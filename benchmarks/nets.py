@@ -11,7 +11,8 @@ import numpy as np
 
 from ropewalk.model import Scenario
 from ropewalk.results.frame import Account
-from ropewalk.webs import frames
+from ropewalk.results.running import TimeHistory
+from ropewalk.webs.moving import Motion
 
 SIDES, MESH = (4.0, 3.0), 0.05  # m; of the net, and between its threads
 UNTIL, EVERY = 2.0, 0.02  # s
@@ -35,8 +36,8 @@ def go(nodes: int, until: float) -> tuple[float, float, int, str]:
     """CPU seconds until the first frame, and of the motion with its frames; steps and how it ended."""
     account, scenario = Account(), crossing(nodes, until)
     begin = clock.process_time()
-    run = frames.Run(scenario, account, until)
-    moving = run.moving(np.linspace(0.0, until, round(until / EVERY) + 1))
+    times = np.linspace(0.0, until, round(until / EVERY) + 1)
+    moving = TimeHistory(Motion(scenario, account, times), account).frames()
     next(moving)
     start = clock.process_time()
     for _ in moving:

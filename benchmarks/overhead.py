@@ -14,8 +14,9 @@ from tests import hermite
 
 from ropewalk.model import Scenario
 from ropewalk.results.frame import Account
+from ropewalk.results.running import TimeHistory
 from ropewalk.scenario import load
-from ropewalk.wires.frames import Run
+from ropewalk.wires.frames import Wires
 from ropewalk.wires.journey import drive_of
 from ropewalk.wiring import task_of
 
@@ -37,7 +38,7 @@ def reference(spans: int = 10, element: float = 0.25, **run: object) -> Scenario
 def motion_alone(scenario: Scenario, seconds: float = 2.0) -> tuple[float, float]:
     """CPU seconds for a second of motion, without set-up and output, the median of some turns; and the step in ms."""
     account, times = Account(), np.arange(0.0, scenario.run.until, 0.05)
-    run = Run(task_of(scenario), times, account)
+    run = Wires(task_of(scenario), times, account)
     rows = int(seconds / run.sample / TURNS)
     found, t = [], 0.0
     for turn in range(TURNS + 1):
@@ -55,14 +56,14 @@ def everything(scenario: Scenario) -> float:
     begin = clock.process_time()
     account = Account()
     times = np.arange(0.0, scenario.run.until, 0.05)
-    for _ in Run(task_of(scenario), times, account).frames():
+    for _ in TimeHistory(Wires(task_of(scenario), times, account), account).frames():
         pass
     return (clock.process_time() - begin) / float(times[-1])
 
 
 def by_hermite(element: float = 0.5, step: float = 1e-3, seconds: float = 2.0) -> float:
     """The same of the implicit reference."""
-    run = Run(task_of(reference(element=element)), np.array([0.0, 0.05]), Account())
+    run = Wires(task_of(reference(element=element)), np.array([0.0, 0.05]), Account())
     model = hermite.rest_of(run.task.plan, element)
     riders = [journey.rider for journey in run.task.journeys]
     rows = int(seconds / step)

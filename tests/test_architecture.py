@@ -16,7 +16,7 @@ import ropewalk
 HOUSE = Path(ropewalk.__file__).parent
 # From the ground up; a module imports from its own storey and from those before it.
 STOREYS = (("errors", "units", "hooks"), ("checkpoint",), ("model",), ("theory",), ("mechanics",), ("foreign",),
-           ("solve",), ("results",), ("linear",), ("wires",), ("overhead",), ("webs",), ("capabilities",),
+           ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("webs",), ("system",), ("capabilities",),
            ("chains", "wiring"), ("simulate",), ("decouple",), ("coupling",), ("scenario",), ("resuming",),
            ("console",), ("cli", "__main__"))  # fmt: skip
 # Wings above the house may look at everything; a wing not named here must be given its place first.
@@ -24,6 +24,8 @@ ABOVE = ("compare", "paper", "sweep", "cosim", "studio")
 # Who may set closed forms beside the discrete solution.
 USES_THEORY = ("theory", "linear", "compare", "paper")
 LONGEST_FILE = 500
+# Who computes.
+SOLVERS = ("solve", "linear", "wires", "overhead", "webs", "chains", "wiring", "simulate")
 
 
 def storey(name: str) -> int:
@@ -103,12 +105,21 @@ def reached_from(start: Path) -> set[str]:
     return seen
 
 
-@pytest.mark.parametrize("part", ["mechanics", "foreign", "solve", "results", "wires", "overhead", "webs", "wiring"])
+@pytest.mark.parametrize(
+    "part", ["mechanics", "foreign", "results", "solve", "wires", "overhead", "webs", "chains", "wiring"]
+)
 def test_the_machine_knows_no_theory_through_others_either(part: str) -> None:
     """What checks a result must not have made it."""
     found = {name for path in modules() if part_of(path) == part for name in reached_from(path)}
     assert found or part == "mechanics"
     assert {name for name in found if name.split(".")[0] in ("theory", "linear")} == set()
+
+
+def test_results_know_no_solver_through_others_either() -> None:
+    """What is shown of a run does not depend on who computed it."""
+    found = {name for path in modules() if part_of(path) == "results" for name in reached_from(path)}
+    assert "results.frame" in found
+    assert {name for name in found if name.split(".")[0] in SOLVERS} == set()
 
 
 def test_imports_run_downwards_only() -> None:
@@ -125,6 +136,7 @@ def test_imports_run_downwards_only() -> None:
         ("theory/rope.py", "from ropewalk.errors import RopewalkError"),
         ("solve/start.py", "from ropewalk.theory.rope import catenary"),
         ("results/frame.py", "from ropewalk.scenario import load"),
+        ("results/frame.py", "from ropewalk.solve.start import Setting"),
     ],
 )
 def test_an_upward_import_is_seen(where: str, source: str) -> None:
@@ -165,6 +177,6 @@ assert not heavy, heavy
 
 
 def test_the_storeys_are_in_the_order_of_the_plan() -> None:
-    levels = [storey(name) for name in ("errors", "model", "theory", "mechanics", "solve", "results", "simulate",
+    levels = [storey(name) for name in ("errors", "model", "theory", "mechanics", "results", "solve", "simulate",
                                         "scenario", "cli", "studio")]  # fmt: skip
     assert all(a < b for a, b in pairwise(levels))

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.results.frame import Account
+from ropewalk.results.running import TimeHistory
 from ropewalk.theory.beam_vehicle import Vehicle
-from ropewalk.wires.frames import Run
+from ropewalk.wires.frames import Wires
 from ropewalk.wires.journey import ON_GROUND, Journey
 from ropewalk.wires.plan import Contact, Plan, Rider, Spot, Wire
 from ropewalk.wires.task import Task
@@ -60,5 +61,5 @@ def course(wire, journeys, times, links, *, geometry="linearised", watched=None,
     task = Task(plan, tuple(journeys), tuple(j.rider.name for j in journeys for _ in j.rider.contacts),
                 element=[links] * len(plan.wires), geometry=geometry)  # fmt: skip
     account = Account()
-    run = Run(task, times, account, sample if sample is not None else float(times[1] - times[0]), step)
-    return list(run.frames()), account
+    wires = Wires(task, times, account, sample if sample is not None else float(times[1] - times[0]), step)
+    return list(TimeHistory(wires, account).frames()), account

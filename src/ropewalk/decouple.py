@@ -145,7 +145,7 @@ def _static_forces(scenario: Scenario, names: list[str]) -> dict[str, tuple[floa
     if not names:
         return {}
     setting = setting_of(scenario, 0.0)
-    forces = resting_forces(setting)
+    forces = resting_forces(setting.loading)
     return {wheel.name: tuple(forces[:, k].tolist()) for k, wheel in enumerate(setting.wheels) if wheel.load in names}
 
 

@@ -4,40 +4,28 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ropewalk.capabilities import WEBS, WIRES, check_spectrum, engine_of
-from ropewalk.chains import Chain
 from ropewalk.checkpoint import Tree
-from ropewalk.errors import EquilibriumError, Problem, RopewalkError, ScenarioError
-from ropewalk.foreign.turns import closing
-from ropewalk.mechanics.bodies import Bodies
-from ropewalk.mechanics.chain import OFF, Array, State
+from ropewalk.errors import Problem, RopewalkError, ScenarioError
+from ropewalk.mechanics.chain import Array
 from ropewalk.model.load import MovingForce
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Account, Frame, Layout, Run
-from ropewalk.results.snapshot import layout_of, standing_frame
-from ropewalk.solve.boarding import board
-from ropewalk.solve.ends import ends_of, seat_ends
-from ropewalk.solve.measure import shapes
-from ropewalk.solve.modes_at_start import deflect
-from ropewalk.solve.quasistatic import Place, walk
-from ropewalk.solve.remarks import Remarks
-from ropewalk.solve.splitting import RUNNING
-from ropewalk.solve.start import Setting, setting_of, start_state
+from ropewalk.results.frame import Account, Frame, Layout
+from ropewalk.results.running import Engine, Run, Statics, Still, TimeHistory, followed
 from ropewalk.solve.timetable import horizon
-from ropewalk.solve.vehicle_statics import resting_forces
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from ropewalk.results.recorder import Recorder
-    from ropewalk.solve.spectrum import Spectrum
+    from ropewalk.results.spectrum import Spectrum
+    from ropewalk.solve.start import Setting
 
 # Size of the compiled kernel of a motion in bytes from which on it is that with bodies.
 BODIED_KERNEL = 2_000_000
@@ -152,22 +140,6 @@ def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Fram
     return run.layout, run.frames(), run.total
 
 
-@dataclass(frozen=True)
-class _Still:
-    """Frames between which nothing is to be remembered."""
-
-    layout: Layout
-    given: Iterator[Frame]
-    total: int
-
-    def frames(self) -> Iterator[Frame]:
-        """All of them."""
-        return self.given
-
-    def get_state(self) -> None:
-        """Nothing."""
-
-
 def run_of(scenario: Scenario, account: Account, times: Array | None = None, past: Tree | None = None) -> Run:
     """A scenario ready to run.
 
@@ -177,68 +149,64 @@ def run_of(scenario: Scenario, account: Account, times: Array | None = None, pas
         times: of a motion, its output instants in s (default: those that it asks for).
         past: what such a run has given as its state, to go on from there.
     """
-    run, engine = scenario.run, engine_of(scenario)
+    run = scenario.run
     if isinstance(run, Dynamic):
-        return _moving(scenario, run, account, output_times(run) if times is None else times, past)
-    if engine is WEBS:
-        return _webbed(scenario, account)
-    if engine is WIRES:
-        return _wired(scenario, account)
+        times = output_times(run) if times is None else times
+        return TimeHistory(_motion(scenario, run, account, times, past), account, past)
     if isinstance(run, Linear):
-        from ropewalk.linear.frames import frames  # lazy: the closed forms take a while to import
-
-        setting = setting_of(scenario, run.until)
-        times = output_times(run)
-        account.method, account.reason = "linear theory", "as asked: superposition of small deflections about the chord"
-        account.audit = "the linear theory superposes deflections and keeps no energies"
-        return _Still(layout_of(setting), frames(setting, scenario, times, account), times.size)
-    setting = setting_of(scenario, horizon(scenario) if isinstance(run, Quasistatic) else 0.0)
-    layout = layout_of(setting, "load_path")
-    account.method = "rest"
-    account.reason = "least potential energy"
+        return _linear(scenario, run, account)
+    still = _still(scenario, account)
     if isinstance(run, Quasistatic):
-        return _Still(layout, _slowly(account, _slow(setting, scenario, account)), run.positions)
+        return Statics(still.layout, followed(still.slowly(run.positions, run.turn), account), run.positions)
     assert isinstance(run, Equilibrium)
-    return _Still(layout, _rest(setting, scenario, account), 1)
+    return Statics(still.layout, iter([still.standing()]), 1)
 
 
-def _moving(scenario: Scenario, run: Dynamic, account: Account, times: Array, past: Tree | None) -> Run:
+def _motion(scenario: Scenario, run: Dynamic, account: Account, times: Array, past: Tree | None) -> Engine:
     """A motion, by the engine that its lines ask for."""
     engine = engine_of(scenario)
     if engine is WEBS:
         from ropewalk.webs.moving import Motion as Web  # lazy: most runs do not need their kernels
 
-        return Web(scenario, account, times, past)
+        return Web(scenario, account, times, past=past is not None)
     if engine is WIRES:
-        from ropewalk.wires.frames import SAMPLE  # lazy: as above
-        from ropewalk.wires.frames import Run as Wires
+        from ropewalk.wires.frames import Wires  # lazy: as above
         from ropewalk.wiring import task_of
 
-        return Wires(task_of(scenario), times, account, run.sample or max(SAMPLE, run.step or 0.0), run.step, past)
-    return _chain(scenario, account, times, past)
+        return Wires(task_of(scenario), times, account, run.sample, run.step)
+    from ropewalk.chains.moving import Chain  # lazy: as above
+
+    return Chain(scenario, account, times, past and past["engine"])
 
 
-def _webbed(scenario: Scenario, account: Account) -> Run:
-    """Joined lines, nets and membranes at rest or in slow motion."""
-    from ropewalk.webs.frames import Run as Web  # lazy: most runs do not need their kernels
+def _still(scenario: Scenario, account: Account) -> Still:
+    """Rest and slow motion, by the engine that the lines ask for."""
+    until = horizon(scenario) if isinstance(scenario.run, Quasistatic) and not scenario.nets else 0.0
+    engine = engine_of(scenario)
+    if engine is WEBS:
+        from ropewalk.webs import still as webs  # lazy: most runs do not need it
 
-    run = scenario.run
-    slow = isinstance(run, Quasistatic)
-    found = Web(scenario, account, horizon(scenario) if slow and not scenario.nets else 0.0, "load_path")
-    if isinstance(run, Quasistatic):
-        return _Still(found.layout, _slowly(account, found.slowly(run.positions, run.turn)), run.positions)
-    return _Still(found.layout, found.standing(), 1)
+        return webs.Still(scenario, account, until)
+    if engine is WIRES:
+        from ropewalk.wires import still as wires  # lazy: as above
+        from ropewalk.wiring import task_of
+
+        return wires.Still(task_of(scenario), account)
+    from ropewalk.chains import still as chains  # lazy: as above
+
+    return chains.Still(scenario, account, until)
 
 
-def _wired(scenario: Scenario, account: Account) -> Run:
-    """Stiff lines and overhead lines at rest or in slow motion."""
-    from ropewalk.wires.still import Still  # lazy: most runs do not need it
-    from ropewalk.wiring import task_of
+def _linear(scenario: Scenario, run: Linear, account: Account) -> Run:
+    """The linear theory of plain lines."""
+    from ropewalk.chains.frames import layout_of
+    from ropewalk.linear.frames import frames  # lazy: the closed forms take a while to import
+    from ropewalk.solve.start import setting_of
 
-    still, run = Still(task_of(scenario), account), scenario.run
-    if isinstance(run, Quasistatic):
-        return _Still(still.layout, _slowly(account, still.slowly(run.positions, run.turn)), run.positions)
-    return _Still(still.layout, still.standing(), 1)
+    setting, times = setting_of(scenario, run.until), output_times(run)
+    account.method, account.reason = "linear theory", "as asked: superposition of small deflections about the chord"
+    account.audit = "the linear theory superposes deflections and keeps no energies"
+    return Statics(layout_of(setting), frames(setting, scenario, times, account), times.size)
 
 
 def output_times(run: Dynamic | Linear) -> Array:
@@ -251,92 +219,6 @@ def output_times(run: Dynamic | Linear) -> Array:
     else:
         times[-1] = run.until
     return times
-
-
-def initial_state(setting: Setting, scenario: Scenario) -> tuple[State, Bodies | None]:
-    run = scenario.run
-    assert isinstance(run, Dynamic)
-    state = start_state(setting, run.start.with_loads, resting_forces(setting))
-    if run.start.kind == "result":
-        from ropewalk.results.resume import take_up
-
-        take_up(setting, state, run.start)
-        _check_ends(setting, state)
-        seat_ends(setting.strands, setting.supports, state)
-    elif run.start.kind == "mode":
-        deflect(setting, state, run.start)
-    return state, board(setting, state, run.start.with_loads)
-
-
-def _check_ends(setting: Setting, state: State) -> None:
-    """Refuse to take up a motion at supports that are prescribed to stand elsewhere: the line would be torn there."""
-    ends = ends_of(setting.strands, setting.supports)
-    for number, node in zip(ends.number, ends.node, strict=True) if ends is not None else ():
-        s, side = divmod(int(number), 2)
-        held = setting.held(s, float(state.t[0]))
-        stuck = np.eye(len(setting.axes)) - held.free[side]
-        away = float(np.linalg.norm(stuck @ (state.r[:, node] - held.place[side])))
-        if away > 1e-9 * setting.strands.h[s] * setting.strands.links[s]:
-            name = f"lines: {setting.lines[s]}: {('start', 'end')[side]}_support"
-            raise RopewalkError(
-                f"{name} stands {away:.3g} m elsewhere in the stored result; let its place and displacement begin there"
-            )
-
-
-def _chain(scenario: Scenario, account: Account, times: Array, past: Tree | None = None) -> Chain:
-    """A motion of plain lines, in its first state."""
-    run = scenario.run
-    assert isinstance(run, Dynamic)
-    setting = setting_of(scenario, run.until)
-    state, bodies = initial_state(setting, scenario)
-    return Chain(scenario, setting, state, bodies, account, times, past)
-
-
-def _slowly(account: Account, frames: Iterator[Frame]) -> Iterator[Frame]:
-    """Frames of slow motion; one that ends where there is no equilibrium keeps those before."""
-    try:
-        for frame in frames:
-            account.steps += 1
-            yield frame
-    except RopewalkError as error:
-        if account.steps == 0:
-            raise
-        account.outcome, account.advice = "no rest shape", str(error)
-
-
-def _slow(setting: Setting, scenario: Scenario, account: Account) -> Iterator[Frame]:
-    run, remarks = scenario.run, Remarks(setting, tuple(scenario.loads))
-    assert isinstance(run, Quasistatic)
-    for place in walk(setting, run.positions, run.turn):
-        account.warnings += remarks.on(place)
-        yield standing_frame(setting, place.stands, place.xi, place.path, place.given, place.t)
-
-
-def _rest(setting: Setting, scenario: Scenario, account: Account) -> Iterator[Frame]:
-    stands, given = shapes(setting, setting.xi, 0.0)
-    account.warnings += Remarks(setting, tuple(scenario.loads)).on(
-        Place(0.0, 0.0, setting.xi, np.zeros(setting.xi.size), stands, given)
-    )
-    yield standing_frame(setting, stands, setting.xi, 0.0, given)
-
-
-def state_at(scenario: Scenario, t: float) -> tuple[Setting, State, Bodies | None]:
-    """The model of a dynamic run, its state at time t in s, and all that has a mass.
-
-    Raises:
-        RopewalkError: the run does not come to the instant.
-    """
-    assert isinstance(scenario.run, Dynamic)
-    if t <= 0.0:
-        setting = setting_of(scenario, scenario.run.until)
-        return setting, *initial_state(setting, scenario)
-    chain = _chain(scenario, Account(), np.array([t]))
-    with closing(chain.turns):
-        chain.motion.to(t)
-    if chain.progress.status != RUNNING:
-        outcome, advice = chain.progress.told()
-        raise RopewalkError(f"the run did not come to t = {t:g} s ({outcome}): {advice}")
-    return chain.setting, chain.state, chain.bodies
 
 
 def _with_loads(scenario: Scenario) -> bool:
@@ -360,32 +242,6 @@ def _check_instant(scenario: Scenario, at: float) -> Dynamic:
     return run
 
 
-def _spectrum_of_web(scenario: Scenario, at: float | None, how_many: int | None) -> Spectrum:
-    from ropewalk.webs import spectrum as of_webs  # lazy: a run does not need the eigenvalue solvers
-
-    if at is not None:
-        _check_instant(scenario, at)
-        return of_webs.spectrum_at(scenario, at, how_many)
-    if _with_loads(scenario) and scenario.loads:
-        return of_webs.spectrum_with_loads(scenario, how_many)
-    return of_webs.spectrum(scenario, how_many)
-
-
-def _spectrum_of_wires(scenario: Scenario, at: float | None, how_many: int | None) -> Spectrum:
-    from ropewalk.wires import spectrum as of_wires  # lazy: a run does not need the eigenvalue solvers
-    from ropewalk.wires.frames import SAMPLE
-    from ropewalk.wiring import task_of
-
-    if at is not None:
-        run = _check_instant(scenario, at)
-        sample = run.sample or max(SAMPLE, run.step or 0.0)
-        return of_wires.spectrum_at(task_of(scenario), at, sample=sample, step=run.step, how_many=how_many)
-    task = task_of(scenario)
-    if _with_loads(scenario) and task.journeys:
-        return of_wires.spectrum_with_loads(task, how_many)
-    return of_wires.spectrum(task, how_many)
-
-
 def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | None = None) -> Spectrum:
     """Find the spectrum of a scenario.
 
@@ -402,41 +258,23 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     """
     if at is not None or _with_loads(scenario):
         check_spectrum(scenario)
-    if scenario.is_web:
-        return _spectrum_of_web(scenario, at, how_many)
-    if scenario.is_stiff:
-        return _spectrum_of_wires(scenario, at, how_many)
-    return _spectrum_of_ropes(scenario, at, how_many)
-
-
-def _spectrum_of_ropes(scenario: Scenario, at: float | None, how_many: int | None) -> Spectrum:
-    from ropewalk.solve.chain_equations import equations_of, hang_down  # lazy: as above
-    from ropewalk.solve.free_vibration import free_vibration
-    from ropewalk.solve.spectrum import in_space, spectrum
-
-    bodies: Bodies | None = None
+    run, with_loads = scenario.run, _with_loads(scenario)
     if at is not None:
-        _check_instant(scenario, at)
-        setting, state, bodies = state_at(scenario, at)
-    elif _with_loads(scenario):
-        setting = setting_of(scenario, 0.0)
-        state = start_state(setting, True, resting_forces(setting))
-        if setting.fleet is not None:
-            bodies = board(setting, state, True)
-            assert bodies is not None
-            hang_down(setting, state, bodies)
-    else:
-        setting = setting_of(scenario, 0.0)
-        rests = [rest for rest in setting.bare if rest is not None]
-        if len(rests) < len(setting.bare):
-            name = setting.lines[setting.bare.index(None)]
-            raise EquilibriumError(
-                f"line {name}: without loads its rest shape is not determined; ask for an instant of the run instead"
-            )
-        state = start_state(setting, False)
-        state.rider[:] = OFF
-        state.r[:] = np.concatenate([rest.position for rest in rests], axis=1)
-        state.X[:] = np.concatenate([rest.X for rest in rests])
-    if bodies is not None or setting.supports.free.any():
-        return free_vibration(equations_of(scenario, setting, state, bodies), how_many)
-    return spectrum(setting.strands, (in_space(state.r), state.X), how_many=how_many, names=setting.lines)
+        run = _check_instant(scenario, at)
+    if scenario.is_web:
+        from ropewalk.webs import spectrum as webs  # lazy: a run does not need the eigenvalue solvers
+
+        if at is not None:
+            return webs.spectrum_at(scenario, at, how_many)
+        return (webs.spectrum_with_loads if with_loads and scenario.loads else webs.spectrum)(scenario, how_many)
+    if scenario.is_stiff:
+        from ropewalk.wires import spectrum as wires  # lazy: as above
+        from ropewalk.wiring import task_of
+
+        task = task_of(scenario)
+        if isinstance(run, Dynamic) and at is not None:
+            return wires.spectrum_at(task, at, sample=run.sample, step=run.step, how_many=how_many)
+        return (wires.spectrum_with_loads if with_loads and task.journeys else wires.spectrum)(task, how_many)
+    from ropewalk.chains import spectrum as chains  # lazy: as above
+
+    return chains.spectrum_of(scenario, at, how_many, with_loads=with_loads)

@@ -13,6 +13,8 @@ import numpy as np
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.models import turns_of
 from ropewalk.mechanics.assembly import speed_table, vector_table
+from ropewalk.mechanics.loading import loading_of
+from ropewalk.mechanics.travelled import Travelled
 from ropewalk.mechanics.wheels import wheels_of
 from ropewalk.model.beginning import UP
 from ropewalk.model.line import spatial
@@ -25,13 +27,13 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.overhead.irregularity import read_irregularity
 from ropewalk.overhead.riding import expected_lift, push_of, rider_of, start_of
 from ropewalk.overhead.section import CONTACT, Section, in_space, joined, section_of
-from ropewalk.results.resume import stored_instant
+from ropewalk.results.stored import stored_instant
 from ropewalk.solve.timetable import horizon
 from ropewalk.wires.beginning import in_mode
 from ropewalk.wires.ends import holds_of, masses_of
 from ropewalk.wires.equilibrium import movable
-from ropewalk.wires.journey import Journey, smooth, travelled
-from ropewalk.wires.lines import journey_of, settled, shown_of, wire_of
+from ropewalk.wires.journey import Journey, smooth
+from ropewalk.wires.lines import journey_of, shown_of, wire_of
 from ropewalk.wires.mesh import links_of
 from ropewalk.wires.partners import Foreigner
 from ropewalk.wires.partners import rider_of as foreign_rider
@@ -68,7 +70,7 @@ def task_of(scenario: Scenario) -> Task:
     elements += [line.elements for line in scenario.lines.values()]
     if nonlinear or slow:
         plan = unstretched(plan, elements)
-    setting = settled(scenario, until, plan.wires) if scenario.lines else None
+    loading = loading_of(scenario, until) if scenario.lines else None
     journeys: list[Journey] = []
     contacts: list[str] = []
     shown: list[Shown] = []
@@ -95,13 +97,13 @@ def task_of(scenario: Scenario) -> Task:
             journeys.append(_force(name, load, offsets[list(sections).index(load.on)] + CONTACT, until))
             contacts.append(name)
             continue
-        assert setting is not None
+        assert loading is not None
         line = scenario.lines[load.on]
         on = first + list(scenario.lines).index(load.on)
-        journey, system = journey_of(setting, name, load, on, line, plan.wires[on].length)
+        journey, system = journey_of(loading, name, load, on, line, plan.wires[on].length)
         journeys.append(journey)
-        contacts += [wheel.name for wheel in setting.wheels if wheel.load == name]
-        shown += shown_of(setting, system, number, line) if system is not None else []
+        contacts += [wheel.name for wheel in loading.wheels if wheel.load == name]
+        shown += shown_of(loading, system, number, line) if system is not None else []
     more: dict[str, Any] = {}
     if isinstance(run, Dynamic):
         more = {
@@ -194,17 +196,16 @@ def _force(name: str, load: MovingForce, wire: int, until: float) -> Journey:
     def given(times: Array) -> Array:
         return np.asarray(np.interp(times, time, value[-1]))[:, None]
 
-    place = travelled(load.travel.start, *speed_table(load.travel.speed, until))
+    place = partial(Travelled(*speed_table(load.travel.speed, until)).at, start=load.travel.start)
     return Journey(Rider(name, none, none, none, (contact,)), place, given=given)
 
 
 def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until: float, *, slow: bool) -> Journey:
     """The journey of a pantograph; `slow`: it presses with all of its force from the beginning."""
-    time, value = speed_table(load.travel.speed, until)
-    start = load.travel.start
+    course, start = Travelled(*speed_table(load.travel.speed, until)), load.travel.start
     lift = 0.0
     if load.wanted_mean is not None:
-        mean = push_of(load, section.level).wanted(np.interp([0.5 * until], time, value))
+        mean = push_of(load, section.level).wanted(course.speed(np.array([0.5 * until])))
         lift = expected_lift(section, float(mean[0]))
     push = push_of(load, section.level, lift)
     push = replace(push, ramp=0.0) if slow else push
@@ -213,9 +214,9 @@ def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until:
     rider = rider_of(name, load, wire)
 
     def pushed(times: Array) -> Array:
-        return push(times, np.interp(times, time, value))
+        return push(times, course.speed(times))
 
-    return Journey(rider, travelled(start, time, value), pushed, rough=rough, first=first)
+    return Journey(rider, partial(course.at, start=start), pushed, rough=rough, first=first)
 
 
 def _rough(name: str, load: Pantograph) -> Callable[[Array], Array]:

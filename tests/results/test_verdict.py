@@ -14,10 +14,10 @@ import xarray as xr
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model import Scenario
 from ropewalk.results import Recorder, summary, text
+from ropewalk.results.audit import turnover
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Account, Doubt, Frame, Layout
 from ropewalk.results.peaks import impulses, lonely
 from ropewalk.results.statistics import Summary
-from ropewalk.results.turnover import turnover
 from ropewalk.simulate import simulate
 
 AUDIT = ENERGY_FORMS.index("imbalance")

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from ropewalk.chains.beginning import initial_state
 from ropewalk.mechanics.bodies import FLYING, SEATED, Bodies
 from ropewalk.mechanics.chain import State
 from ropewalk.model import Dynamic, ForceTable, FreeTravel, Guided, Line, MovingMass, Scenario, Start, Travel
-from ropewalk.simulate import initial_state, simulate
+from ropewalk.simulate import simulate
 from ropewalk.solve.choice import choose
 from ropewalk.solve.motion import Progress, move
 from ropewalk.solve.start import setting_of

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from motion_cases import order, slack_rope
+from ropewalk.chains.spectrum import state_at
 from ropewalk.model import Scenario
-from ropewalk.simulate import simulate, state_at
+from ropewalk.simulate import simulate
 
 HALF_PASSAGE = 0.5 * 19.1 / 40 / 10.0  # s; seats change at odd multiples of it, so that its fractions are kept as steps
 UNTIL = 25 * HALF_PASSAGE

@@ -102,10 +102,10 @@ def test_who_stands_still_or_is_off_turns_nowhere() -> None:
 
 def test_a_load_is_on_its_way_until_the_end_of_its_line() -> None:
     """At 3 m/s 10 m are over after 10/3 s; at t^2 - 4 t from 6 m it turns at 2 m and has gone 12 m at 10 m."""
-    times, paths = schedule("p", lambda t: 3.0 * t, lambda x: x - 10.0)
+    times, paths = schedule("p", lambda t: 3.0 * t, 10.0)
     assert (times[-1], paths[-1]) == pytest.approx((10.0 / 3.0, 10.0), rel=1e-12)
-    times, paths = schedule("p", lambda t: 6.0 - 4.0 * t + t**2, lambda x: x - 10.0)
+    times, paths = schedule("p", lambda t: 6.0 - 4.0 * t + t**2, 10.0)
     assert (times[-1], paths[-1]) == pytest.approx((2.0 + 8.0**0.5, 12.0), rel=1e-7)  # 20001 instants, straight between
     assert np.interp(2.0, times, paths) == pytest.approx(4.0, rel=1e-7)
     with pytest.raises(EquilibriumError, match="load p has no path"):
-        schedule("p", lambda t: 0.0 * t + 10.0, lambda x: x - 10.0)
+        schedule("p", lambda t: 0.0 * t + 10.0, 10.0)

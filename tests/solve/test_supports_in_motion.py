@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from motion_cases import order
+from ropewalk.chains.spectrum import state_at
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import State
 from ropewalk.model import (
@@ -29,7 +30,7 @@ from ropewalk.model import (
     Travel,
 )
 from ropewalk.model.run import Linear
-from ropewalk.simulate import simulate, spectrum_of, state_at
+from ropewalk.simulate import simulate, spectrum_of
 from ropewalk.solve.choice import bounds, choose
 from ropewalk.solve.motion import Progress, move
 from ropewalk.solve.splitting import RUNNING

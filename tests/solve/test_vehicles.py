@@ -14,10 +14,11 @@ import xarray as xr
 from scipy.linalg import expm
 
 from motion_cases import order
+from ropewalk.chains.beginning import initial_state
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics import wheels
 from ropewalk.model import Dynamic, Line, Scenario
-from ropewalk.simulate import initial_state, simulate
+from ropewalk.simulate import simulate
 from ropewalk.solve.choice import choose
 from ropewalk.solve.motion import Progress, move
 from ropewalk.solve.start import setting_of

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from ropewalk.model import Scenario
 from ropewalk.overhead.section import elasticity, section_of
 from ropewalk.simulate import simulate
 from ropewalk.wires.bearing import Bearing
-from ropewalk.wires.journey import Journey, travelled
+from ropewalk.wires.journey import Journey
 from ropewalk.wires.mesh import mesh_of
 from ropewalk.wires.plan import Contact, Hold, Plan, Rider, Spot, Wire
 
@@ -201,7 +202,7 @@ def test_a_wheel_that_may_lift_off_does_not_pull() -> None:
     # a head on a spring from above whose rest length ends 1 mm above the wire: it does not touch, and must not hang on
     one = np.ones((1, 1))
     head = Rider("head", one, one, 1e3 * one, (Contact(0, (1.0,), stiffness=1e6, base=1e-3, lifts_off=True),))
-    place = travelled(5.0, np.zeros(1), np.zeros(1))
+    place = partial(np.full_like, fill_value=5.0)
     found = Bearing(mesh, [Journey(head, place)], np.full(mesh.nodes, 0.25), space=False).stand(0.0, mesh.straight())
     assert not found.touches[0]
     assert found.force[0] == 0.0

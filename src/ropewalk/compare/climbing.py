@@ -179,7 +179,8 @@ def _run(rung: Rung, top: Scenario, progress: Progress | None) -> xr.Dataset:
 def _on_wires(rung: Rung, progress: Callable[[float], None]) -> xr.Dataset:
     """The result of a task on wires, which no scenario says."""
     from ropewalk.results.recorder import Recorder
-    from ropewalk.wires.frames import SAMPLE, Run  # lazy: most runs do not need their kernels
+    from ropewalk.results.running import TimeHistory
+    from ropewalk.wires.frames import Wires  # lazy: most runs do not need their kernels
 
     scenario, account = rung.scenario, Account()
     assert scenario is not None
@@ -187,7 +188,7 @@ def _on_wires(rung: Rung, progress: Callable[[float], None]) -> xr.Dataset:
     run = scenario.run
     assert isinstance(run, Dynamic)
     times = output_times(run)
-    found = Run(rung.task, times, account, run.sample or max(SAMPLE, run.step or 0.0), run.step)
+    found = TimeHistory(Wires(rung.task, times, account, run.sample, run.step), account)
     with Recorder(found.layout, scenario, account, None) as recorder:
         for count, frame in enumerate(found.frames(), start=1):
             recorder.append(frame)

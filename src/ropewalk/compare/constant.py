@@ -11,6 +11,7 @@ import numpy as np
 from ropewalk.compare.trace import Trace
 from ropewalk.decouple import standing_force, steps
 from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.loading import loading_of
 from ropewalk.mechanics.wheels import Wheel, wheels_of
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import AnyLoad, MovingForce, Travelling
@@ -21,7 +22,6 @@ from ropewalk.model.travel import FreeTravel, Travel
 from ropewalk.model.walker import Walker
 from ropewalk.solve.start import setting_of
 from ropewalk.solve.vehicle_statics import resting_forces
-from ropewalk.wires.lines import settled
 
 PIECES = 400  # of constant speed, at most, with which a free travel is followed
 STANDARD_GRAVITY = 9.80665  # m/s^2, where a scenario has none and gives weights: what makes masses of them
@@ -163,9 +163,9 @@ class ConstantForces:
         if scenario.is_web:
             masses = {name: load for name, load in scenario.loads.items() if isinstance(load, MovingMass)}
             return {name: (0.0, -load.mass * scenario.gravity) for name, load in masses.items()}
-        setting = settled(scenario, 0.0) if scenario.is_stiff else setting_of(scenario, 0.0)
-        forces = resting_forces(setting)
-        return {wheel.name: tuple(forces[:, k].tolist()) for k, wheel in enumerate(setting.wheels)}
+        loading = loading_of(scenario, 0.0) if scenario.is_stiff else setting_of(scenario, 0.0).loading
+        forces = resting_forces(loading)
+        return {wheel.name: tuple(forces[:, k].tolist()) for k, wheel in enumerate(loading.wheels)}
 
     def _refuse_to_wait(self, wheel: Wheel) -> None:
         if wheel.start < 0.0 and not isinstance(wheel.speed, int | float):

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ropewalk.chains.beginning import initial_state
+from ropewalk.chains.frames import FrameBuilder
 from ropewalk.checkpoint import Tree, copied, put
 from ropewalk.cosim.outside import Hand, Outside, Sight, Stepwise
 from ropewalk.errors import RopewalkError
@@ -20,8 +22,6 @@ from ropewalk.model.exchange import Exchange
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
-from ropewalk.results.snapshot import Camera
-from ropewalk.simulate import initial_state
 from ropewalk.solve.choice import choose
 from ropewalk.solve.feet import Line, take_up
 from ropewalk.solve.guides import given, guides_of, lead, press
@@ -148,7 +148,7 @@ class Chained(Stepwise):
 
     def support_forces(self) -> dict[str, Array]:
         """Forces of all supports on their lines, by name, (axis,) N."""
-        frame = Camera(self.setting, self._bodies).take(self._state)
+        frame = FrameBuilder(self.setting, self._bodies).build(self._state)
         names = [f"{name}.{end}" for name in self.setting.lines for end in ("start", "end")]
         return dict(zip(names, frame.reaction, strict=True))
 

@@ -20,6 +20,7 @@ from scipy.linalg import expm
 
 from ropewalk.errors import RopewalkError, did_you_mean
 from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.loading import loading_of
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import MovingForce
 from ropewalk.model.mass import MovingMass
@@ -31,7 +32,7 @@ from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.wires.journey import Journey
-from ropewalk.wires.lines import journey_of, settled
+from ropewalk.wires.lines import journey_of
 from ropewalk.wiring import task_of
 
 Gives = Literal["force", "motion"]
@@ -122,7 +123,7 @@ def alone(scenario: Scenario, name: str, *, contact_stiffness: float | None = No
     else:
         line = scenario.lines.get(load.on) or _level(scenario.nets[load.on], load)
         lone = lone.model_copy(update={"lines": {load.on: line}, "nets": {}})
-        journey, _ = journey_of(settled(lone, until), name, load, 0, line)
+        journey, _ = journey_of(loading_of(lone, until), name, load, 0, line)
     if journey.rider.size and not np.all(np.linalg.eigvalsh(journey.rider.mass) > 0.0):
         raise RopewalkError(f"load {name}: a coordinate has no mass; give it one")
     touches = _touches(name, journey, contact_stiffness)

@@ -16,7 +16,7 @@ from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account
 from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive, Record
-from ropewalk.wires.frames import SAMPLE, Run
+from ropewalk.wires.frames import SAMPLE, Wires
 from ropewalk.wires.journey import Journey, drive_of
 from ropewalk.wires.layout import supports_of
 from ropewalk.wires.mesh import places_of
@@ -55,7 +55,7 @@ class Wired(Stepwise):
         journeys = tuple(self._journey(name, contact) for name, contact in self.outside.items())
         task = replace(task, journeys=(*task.journeys, *journeys), contacts=(*task.contacts, *self.outside))
         whole = step if step is not None else SAMPLE
-        self._run = Run(task, np.array([0.0, whole]), Account(), whole, run.step)
+        self._run = Wires(task, np.array([0.0, whole]), Account(), whole, run.step)
         self.inner = whole / self._run.steps
         self.motion = self._run.motion
         self._steps = 0
@@ -77,7 +77,7 @@ class Wired(Stepwise):
     @property
     def dim(self) -> int:
         """Number of axes."""
-        return len(self._run._axes)
+        return len(self._run.axes)
 
     def step(self, h: float) -> None:
         """Go on by h seconds.
@@ -93,7 +93,7 @@ class Wired(Stepwise):
             )
         record = self.motion.go(self._drive(count * self.inner), count)
         self._steps += count
-        if not self._run._is_sane():
+        if not self._run.is_sane():
             raise RopewalkError(f"the motion grew beyond all bounds at t = {self.t:.6g} s; write a smaller step")
         self._record = record
         for hand in self.hands.values():
@@ -136,7 +136,7 @@ class Wired(Stepwise):
     def _look(self, line: str, xi: float) -> tuple[Array, Array, Array]:
         """Position, velocity, and change of position per station."""
         mesh, a = self._run.mesh, self._wire[line]
-        h, axes = float(mesh.strands.h[a]), self._run._axes
+        h, axes = float(mesh.strands.h[a]), self._run.axes
         inside = min(max(xi, 0.0), self.length(line))
         ahead, behind = min(inside + 0.5 * h, self.length(line)), max(inside - 0.5 * h, 0.0)
         at = places_of(mesh.strands, [Spot(a, inside), Spot(a, behind), Spot(a, ahead)])

@@ -7,13 +7,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from ropewalk.checkpoint import Tree
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.course import Course
 from ropewalk.foreign.description import answered, told, wiring_of
 from ropewalk.foreign.isolation import Isolated
 from ropewalk.foreign.protocol import SeenLine, Touch
 from ropewalk.foreign.slave import Slave, Worker
+from ropewalk.mechanics.assembly import speed_table
+from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.fmu import Fmu, FmuContact
 
 # Part of a line, on both sides of a contact, over which its slope is taken at the beginning: about half a link.
@@ -71,7 +74,7 @@ class FmuModel:
     def __init__(self, name: str, load: Fmu, until: float, dim: int) -> None:
         self._wiring = wiring_of(name, load)
         self._load, self._until, self._dim = load, until, dim
-        self._course = Course(load.travel.speed, until)
+        self._travelled = Travelled(*speed_table(load.travel.speed, until))
         self._contacts: list[_Contact] = []
         inputs = outputs = 0
         for place, contact in zip(load.starts(), load.contacts.values(), strict=True):
@@ -169,8 +172,8 @@ class FmuModel:
 
     def _place(self, contact: _Contact, t: float, line: SeenLine) -> tuple[float, float]:
         """Where a contact is at time t, xi in m, beyond the ends of the line as far as it is from there; its speed."""
-        way, speed = self._course.at(t)
-        along = contact.start + way
+        now = np.array([t])
+        along, speed = float(self._travelled.at(now, contact.start)[0]), float(self._travelled.speed(now)[0])
         if self._load.travel.measured == "material":
             return along, speed
         if along < 0.0:

@@ -15,7 +15,7 @@ from ropewalk.mechanics.fleet import Body
 from ropewalk.mechanics.rider import force_at, speed_at
 from ropewalk.model.load import MovingForce
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, OFF_LINE, Account, Frame
+from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, Account, Contacts, Frame
 from ropewalk.solve.start import Setting
 
 _OF_LOADS = [ENERGY_FORMS.index(form) for form in ("load_kinetic", "load_potential")]
@@ -67,12 +67,9 @@ def _frame(
     setting: Setting, fields: list[Field], rides: list[Ride | None], nodes: list[tuple[Array, Array]], i: int, t: float
 ) -> Frame:
     loads, dim, count = setting.loads, len(setting.axes), setting.xi.size
-    nowhere = np.full((count, dim), np.nan)
-    place, force, hold = nowhere, nowhere.copy(), nowhere.copy()
-    xi, speed = np.full(count, np.nan), np.full(count, np.nan)
-    both, friction = np.full((count, 2), np.nan), np.full(count, np.nan)
+    seen = Contacts(count, dim)
+    place, force, hold, both, xi, speed = seen.position, seen.force, seen.hold, seen.tension, seen.xi, seen.speed
     position, velocity, tension, strain, reaction = [], [], [], [], []
-    state, in_air = np.full(count, np.nan), np.zeros(count)
     energy = np.full(len(ENERGY_FORMS), np.nan)
     energy[:3] = 0.0
     if any(ride is not None for ride in rides):
@@ -113,8 +110,8 @@ def _frame(
                     hold[k] = -ride.force[i, j] * ride.slope[i, j] * chord.along
                 force[k] = ride.force[i, j] * chord.across[0] + hold[k]
                 xi[k], speed[k], both[k] = x * chord.material / chord.length, speed_at(loads, int(k), t), chord.tension
-                state[k] = IN_AIR if ride.in_air[i, j] else MOVES
-            in_air[ride.system.wheels] = ride.time_in_air[i]
+                seen.state[k] = IN_AIR if ride.in_air[i, j] else MOVES
+            seen.in_air[ride.system.wheels] = ride.time_in_air[i]
             for b, body in enumerate(shown):
                 if body.wheel in ride.system.wheels:
                     body_place[b], body_speed[b] = _body(ride, chord, body, i)
@@ -128,7 +125,7 @@ def _frame(
             hold[k] = 0.0
             if loads.contact[k] == FRICTIONLESS:  # what the slope throws back, or pulls on
                 hold[k] = -float(given @ chord.across[0]) * slope * chord.along
-            force[k] = given + hold[k]
+            force[k], seen.state[k] = given + hold[k], MOVES
             xi[k], speed[k], both[k] = x * chord.material / chord.length, speed_at(loads, k, t), chord.tension
     return Frame(
         path=t,
@@ -136,16 +133,7 @@ def _frame(
         velocity=np.concatenate(velocity),
         tension=np.concatenate(tension),
         strain=np.concatenate(strain),
-        contact_position=place,
-        contact_force=force,
-        hold_force=hold,
-        contact_xi=xi,
-        contact_speed=speed,
-        contact_tension=both,
-        contact_friction=friction,
-        contact_state=np.where(np.isfinite(xi), np.where(np.isfinite(state), state, MOVES), OFF_LINE),
-        contact_in_air=in_air,
-        friction_power=np.zeros(xi.size),
+        **seen.told(),
         body_position=body_place,
         body_velocity=body_speed,
         reaction=np.array(reaction),

@@ -85,7 +85,7 @@ def ride_of(
     assert isinstance(scenario.run, Linear)
     load = scenario.loads[name]
     way = _way(setting, chord, np.flatnonzero([wheel.load == name for wheel in setting.wheels]))
-    system = multibody_of(setting, name, load, way.start - way.begin)
+    system = multibody_of(setting.loading, name, load, way.start - way.begin)
     _mention_sag(setting, name, way, account)
     nodes = np.linspace(0.0, chord.length, int(setting.strands.links[s]) + 1)
     lifts, modes = getattr(load, "lift_off", False), scenario.run.modes

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -30,6 +30,7 @@ from ropewalk.mechanics.chain import (
 )
 from ropewalk.mechanics.footfall import Footfall
 from ropewalk.mechanics.law import CUBIC, NO_FLOOR, RIGID, SERIES, TABLE
+from ropewalk.mechanics.travelled import Travelled
 from ropewalk.mechanics.wheels import Wheel
 from ropewalk.model.history import DisplacementTable, DriveTable, ForceTable, SpeedTable
 from ropewalk.model.law import Hooke, Inextensible, Law, Polynomial, SecondPiolaKirchhoff, Tabulated, TensionOnly
@@ -157,18 +158,6 @@ def vector_table(history: Any, until: float, axes: tuple[str, ...]) -> tuple[Arr
     return times, np.array([components(row, axes) for row in rows]).T
 
 
-def _integral_from_zero(times: Array, values: Array) -> Array:
-    """The integral of a table (linear between, constant outside its entries) from time 0 to each entry."""
-    path: Array = np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(times))))
-    if times[0] >= 0.0:
-        return np.asarray(path + values[0] * times[0])
-    if times[-1] <= 0.0:
-        return np.asarray(path - path[-1] + values[-1] * times[-1])
-    i = int(np.searchsorted(times, 0.0, side="right")) - 1
-    at_zero = np.interp(0.0, times, values)
-    return np.asarray(path - (path[i] + 0.5 * (values[i] + at_zero) * -times[i]))
-
-
 def drive_table(drive: Any, until: float) -> tuple[Array, Array]:
     """Times (n,) and values (n,) of a drive in N, up to the time `until`."""
     if isinstance(drive, DriveTable):
@@ -178,7 +167,7 @@ def drive_table(drive: Any, until: float) -> tuple[Array, Array]:
     return np.zeros(1), np.array([float(drive)])
 
 
-def loads_of(scenario: Scenario, wheels: list[Wheel], until: float) -> Loads:
+def loads_of(scenario: Scenario, wheels: Sequence[Wheel], until: float) -> Loads:
     """All wheels of a scenario, with their histories tabulated up to the time `until`."""
     names, axes = list(scenario.lines), axes_of(scenario)
     speeds = [speed_table(wheel.speed, until) for wheel in wheels]
@@ -198,7 +187,7 @@ def loads_of(scenario: Scenario, wheels: list[Wheel], until: float) -> Loads:
         speed_count=_count(speeds),
         speed_time=np.concatenate([none, *(t for t, _ in speeds)]),
         speed_value=np.concatenate([none, *(v for _, v in speeds)]),
-        speed_path=np.concatenate([none, *(_integral_from_zero(t, v) for t, v in speeds)]),
+        speed_path=np.concatenate([none, *(Travelled(t, v).path for t, v in speeds)]),
         force_first=_first(forces),
         force_count=_count(forces),
         force_time=np.concatenate([none, *(t for t, _ in forces)]),

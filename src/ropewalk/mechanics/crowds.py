@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
 
 from ropewalk.mechanics.assembly import speed_table
-from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.travelled import Travelled
 from ropewalk.mechanics.wheels import Wheel
 
 # Times at which the places of two wheels are compared, besides those at which a speed has a corner.
@@ -17,7 +18,7 @@ MEASURED = 0.1
 
 
 def crowded(
-    wheels: list[Wheel], weightless: set[str], links: dict[str, float], lengths: dict[str, float], until: float
+    wheels: Sequence[Wheel], weightless: set[str], links: dict[str, float], lengths: dict[str, float], until: float
 ) -> set[int]:
     """Find the wheels that come close to another one.
 
@@ -55,17 +56,10 @@ def _come_close(one: Wheel, two: Wheel, distance: float, length: float, until: f
     tables = [speed_table(wheel.speed, until) for wheel in (one, two)]
     times = np.linspace(0.0, until, INSTANTS)
     times = np.unique(np.concatenate([times, *(t[(t > 0.0) & (t < until)] for t, _ in tables)]))
-    a, b = (wheel.start + _way(table, times) for wheel, table in zip((one, two), tables, strict=True))
+    a, b = (Travelled(*table).at(times, wheel.start) for wheel, table in zip((one, two), tables, strict=True))
     slack = 0.0 if one.measured == two.measured else MEASURED * length
     on = np.minimum(a, b) > -distance
     on &= np.maximum(a, b) < length * (1.0 + MEASURED) + distance
     gap = np.abs(b - a) - slack
     passing = (np.sign(b[1:] - a[1:]) != np.sign(b[:-1] - a[:-1])) & on[1:] & on[:-1]
     return bool((gap[on] < distance).any() or passing.any())
-
-
-def _way(table: tuple[Array, Array], times: Array) -> Array:
-    """Way in m from the first of some times on, along which a speed is linear."""
-    middle = 0.5 * (times[1:] + times[:-1])  # speeds may jump at the times themselves
-    gone = np.interp(middle, *table) * np.diff(times)
-    return np.concatenate(([0.0], np.cumsum(gone)))

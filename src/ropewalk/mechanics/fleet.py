@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -98,13 +98,16 @@ class _Vehicle:
         self.C += damping * np.outer(row, row)
 
 
-def fleet_of(scenario: Scenario, wheels: list[Wheel], strands: Strands, axes: tuple[str, ...], until: float) -> Fleet:
+def fleet_of(
+    scenario: Scenario, wheels: Sequence[Wheel], strands: Strands | None, axes: tuple[str, ...], until: float
+) -> Fleet:
     """Put together all loads of a scenario.
 
     Args:
         scenario: what is there.
         wheels: its wheels, in order.
         strands: its lines; what depends on the mesh is which wheels are heavy, and how far from supports they stay.
+            None: nobody asks for that.
         axes: names of the axes.
         until: how long tables are needed, s.
 
@@ -130,13 +133,14 @@ def fleet_of(scenario: Scenario, wheels: list[Wheel], strands: Strands, axes: tu
             if isinstance(load, Foreign):
                 ghosts[name] = tuple(range(first, first + vehicle.coordinates))
     _fill_wheels(bodies, wheels, dim)
-    close = _crowd(scenario, wheels, strands, until)
-    _fit_to_mesh(bodies, wheels, strands, list(scenario.lines), vehicles, close)
+    close = _crowd(scenario, wheels, strands, until) if strands is not None else set[int]()
+    if strands is not None:
+        _fit_to_mesh(bodies, wheels, strands, list(scenario.lines), vehicles, close)
     bodies = _with_drives(bodies, wheels, until)
     return Fleet(_with_vehicles(bodies, vehicles), tuple(shown), ghosts)
 
 
-def _fill_wheels(bodies: Bodies, wheels: list[Wheel], dim: int) -> None:
+def _fill_wheels(bodies: Bodies, wheels: Sequence[Wheel], dim: int) -> None:
     for k, wheel in enumerate(wheels):
         record = bodies.wheels[k]
         record["mass"][: dim - 1] = wheel.mass + wheel.across
@@ -151,7 +155,7 @@ def _fill_wheels(bodies: Bodies, wheels: list[Wheel], dim: int) -> None:
             record["driver"] = free.driver.force if free.driver is not None else 0.0
 
 
-def _crowd(scenario: Scenario, wheels: list[Wheel], strands: Strands, until: float) -> set[int]:
+def _crowd(scenario: Scenario, wheels: Sequence[Wheel], strands: Strands, until: float) -> set[int]:
     """Wheels that come close to others."""
     forces = {name for name, load in scenario.loads.items() if isinstance(load, MovingForce)}
     h = dict(zip(scenario.lines, strands.h, strict=True))
@@ -160,8 +164,13 @@ def _crowd(scenario: Scenario, wheels: list[Wheel], strands: Strands, until: flo
 
 
 def _fit_to_mesh(
-    bodies: Bodies, wheels: list[Wheel], strands: Strands, lines: list[str], vehicles: list[_Vehicle], close: set[int]
-) -> None:
+    bodies: Bodies,
+    wheels: Sequence[Wheel],
+    strands: Strands,
+    lines: list[str],
+    vehicles: list[_Vehicle],
+    close: set[int],
+) -> None:  # fmt: skip
     for k, (record, wheel) in enumerate(zip(bodies.wheels, wheels, strict=True)):
         s = lines.index(wheel.on)
         h, m, mass = float(strands.h[s]), float(strands.rho[s] * strands.h[s]), wheel.mass
@@ -203,7 +212,7 @@ def _bear(vehicles: list[_Vehicle], k: int, force: Array) -> None:
                 vehicle.load[vehicle.coordinates + j] += force[axis]
 
 
-def _with_drives(bodies: Bodies, wheels: list[Wheel], until: float) -> Bodies:
+def _with_drives(bodies: Bodies, wheels: Sequence[Wheel], until: float) -> Bodies:
     tables = [drive_table(w.free.drive if w.free is not None else 0.0, until) for w in wheels]
     counts = np.array([t.size for t, _ in tables], dtype=np.int64)
     bodies.wheels["drive_count"] = counts

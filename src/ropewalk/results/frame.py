@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ropewalk.checkpoint import Tree
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 ENERGY_FORMS = (
     "kinetic",  # of the lines and of what moves with their ends
@@ -94,6 +95,40 @@ class Frame:
     exchange_peak: Array | None = None  # (foreign,) J, the most of it in one interval since the last frame
 
 
+class Contacts:
+    """What a frame tells of contacts, to be filled in: at first they are off the line."""
+
+    def __init__(self, count: int, dim: int) -> None:
+        self.position, self.force, self.hold = (np.full((count, dim), np.nan) for _ in range(3))
+        self.xi, self.speed, self.friction = (np.full(count, np.nan) for _ in range(3))
+        self.tension, self.state = np.full((count, 2), np.nan), np.full(count, OFF_LINE)
+        self.in_air, self.power = np.zeros(count), np.zeros(count)
+
+    def told(self) -> dict[str, Array]:
+        """The same by the names of `Frame`."""
+        return {
+            "contact_position": self.position, "contact_force": self.force, "hold_force": self.hold,
+            "contact_xi": self.xi, "contact_speed": self.speed, "contact_tension": self.tension,
+            "contact_friction": self.friction, "contact_state": self.state, "contact_in_air": self.in_air,
+            "friction_power": self.power,
+        }  # fmt: skip
+
+
+def uniform(names: Sequence[str], links: Integers, h: Array) -> dict[str, Any]:
+    """Names and coordinates of nodes and links of lines that are divided evenly, by the names of `Layout`.
+
+    Args:
+        links: (line,) their numbers.
+        h: (line,) m, their lengths.
+    """
+    return {
+        "node_line": tuple(name for name, n in zip(names, links, strict=True) for _ in range(int(n) + 1)),
+        "node_xi": np.concatenate([np.arange(n + 1) * each for n, each in zip(links, h, strict=True)]),
+        "link_line": tuple(name for name, n in zip(names, links, strict=True) for _ in range(int(n))),
+        "link_xi": np.concatenate([(np.arange(n) + 0.5) * each for n, each in zip(links, h, strict=True)]),
+    }
+
+
 @dataclass(frozen=True)
 class Doubt:
     """A reason not to trust a run that went through."""
@@ -146,24 +181,3 @@ class Account:
         """Name the outcome of a run that nothing has stopped."""
         if self.outcome == "running":
             self.outcome = "doubtful" if self.doubts else "completed"
-
-
-class Run(Protocol):
-    """A run under way, of whatever engine."""
-
-    @property
-    def layout(self) -> Layout:
-        """Names and coordinates of its frames."""
-
-    @property
-    def total(self) -> int:
-        """How many frames it will have."""
-
-    def frames(self) -> Iterator[Frame]:
-        """The frames that are still to come, one after the other."""
-
-    def get_state(self) -> Tree | None:
-        """All that changes, right after a frame was given, with the number of `frames` that need not be repeated.
-
-        At the end it is what the run may go on from, longer than it was to be. None: there is nothing to go on with.
-        """

@@ -13,7 +13,7 @@ from ropewalk.results import style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ropewalk.solve.spectrum import Modes, Spectrum
+    from ropewalk.results.spectrum import Modes, Spectrum
 
 SHOWN = 12  # modes
 COLUMNS = 3

@@ -17,7 +17,7 @@ import numpy as np
 from ropewalk.checkpoint import Tree
 from ropewalk.results import contract
 from ropewalk.results.files import WriteError, check_target, open_result
-from ropewalk.results.frame import Account, Array, Frame, Layout, Run
+from ropewalk.results.frame import Account, Array, Frame, Layout
 from ropewalk.results.past import Past
 from ropewalk.results.slots import Slots, alone, cut, digests
 from ropewalk.results.verdict import Watch
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ropewalk.model import Scenario
+    from ropewalk.results.running import Run
 
 SYNC_SECONDS = 1.0  # a killed run loses no more than this
 SLOW_FRAME = 0.1  # frames that come more slowly, in s, are written at once: it costs next to nothing then

@@ -14,6 +14,7 @@ from matplotlib.markers import CARETUP
 from numpy.typing import NDArray
 
 from ropewalk.results import style
+from ropewalk.results.audit import AUDIT
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import (
@@ -29,7 +30,6 @@ from ropewalk.results.scene import LONG, Scene, faces, segments
 from ropewalk.results.statistics import lines
 from ropewalk.results.table import number
 from ropewalk.results.ties import tied, ties
-from ropewalk.results.turnover import AUDIT
 from ropewalk.results.views import (
     POINTS,
     SHAPES,

@@ -13,7 +13,7 @@ from ropewalk.results import style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ropewalk.solve.spectrum import Spectrum
+    from ropewalk.results.spectrum import Spectrum
 
 TICKS = 4  # most powers of ten marked on each side of zero
 LINEAR = 0.6  # length of the linear part on each side of zero, in decades

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.contact_summary import contact_summary
 from ropewalk.results.contract import doubts_of, path_name
 from ropewalk.results.exchanges import exchange_summary
@@ -16,7 +17,6 @@ from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
 from ropewalk.results.net_statistics import net_summary
 from ropewalk.results.nets import net_names
 from ropewalk.results.peaks import impulses
-from ropewalk.results.turnover import AUDIT, turnover
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.calm import started_too_close
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Account, Array, Doubt, Frame, Layout
 from ropewalk.results.peaks import beside, lonely
-from ropewalk.results.turnover import AUDIT, turnover
 
 if TYPE_CHECKING:
     from ropewalk.model import Scenario

@@ -12,13 +12,13 @@ from matplotlib.markers import CARETUP
 from numpy.typing import NDArray
 
 from ropewalk.results import style
+from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import ENERGY_FORMS, Array
 from ropewalk.results.nets import line_ends, net_names
 from ropewalk.results.statistics import blocks, lines
 from ropewalk.results.table import ENERGY_LABELS, LARGEST, number
 from ropewalk.results.ties import tied, ties
-from ropewalk.results.turnover import AUDIT, turnover
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -152,7 +152,7 @@ def _rest_on_wheels(setting: Setting, state: State, bodies: Bodies) -> None:
 
 def _pressing(setting: Setting) -> Array:
     """Forces with which all loads at rest press on their lines, until a kick has found them, (wheel, axis) N."""
-    loads, press = setting.loads, resting_forces(setting).T
+    loads, press = setting.loads, resting_forces(setting.loading).T
     given = [[force_at(loads, k, 0.0, a) for a in range(press.shape[1])] for k in range(press.shape[0])]
     return np.asarray(press + np.array(given).reshape(press.shape))
 

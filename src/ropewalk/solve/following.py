@@ -129,23 +129,34 @@ def turns_less(angle: float, before: Array, here: Array, new: Array) -> bool:
     return bool(np.all(np.arccos(np.clip(cosine, -1.0, 1.0)) <= angle))
 
 
-def schedule(name: str, place: Callable[[Array], Array], beyond: Callable[[Array], Array]) -> tuple[Array, Array]:
+def schedule(
+    name: str, place: Callable[[Array], Array], end: float, begin: float = 0.0, last: float = 0.0, first: float = 0.0
+) -> tuple[Array, Array]:
     """Times at which a load is on its way until it has come to the end of its line, and its path then, which rises, m.
 
     Args:
         name: of the load.
         place: times in s to places in m.
-        beyond: places to how far they are beyond the end that the load goes to; negative: it is not there yet.
+        begin, end: of its line, m.
+        last, first: how far its last and its first contact are behind its place, m.
 
     Raises:
         EquilibriumError: it has no way.
     """
+    origin = float(place(np.zeros(1))[0])
+
+    def beyond(places: Array) -> Array:
+        """Whether and how far all contacts are beyond the end that the load goes to; negative: not there yet."""
+        ahead, back = places - last - end, begin - (places - first)
+        gone: Array = np.where(places < origin, np.maximum(ahead, back), ahead) / end
+        return gone
+
     until, before = 1.0, np.nan
     for _ in range(_MOST_DOUBLINGS):
-        last = place(np.array([until]))
-        if beyond(last)[0] >= 0.0 or last[0] == before:
+        now = place(np.array([until]))
+        if beyond(now)[0] >= 0.0 or now[0] == before:
             break
-        until, before = 2.0 * until, float(last[0])
+        until, before = 2.0 * until, float(now[0])
     times = np.linspace(0.0, until, _FINE)
     gone = beyond(place(times))
     if (gone >= 0.0).any():

@@ -11,8 +11,9 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array
+from ropewalk.results.spectrum import Modes, Spectrum
 from ropewalk.solve.equations import Equations
-from ropewalk.solve.spectrum import LOWEST, Modes, Spectrum, unit
+from ropewalk.solve.spectrum import LOWEST, unit
 from ropewalk.solve.symmetric import IndefiniteError, Solver, modes
 
 _DENSE = 400  # unknowns up to which the highest frequency is found with all others

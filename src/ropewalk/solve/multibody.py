@@ -9,10 +9,10 @@ import numpy as np
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.rider import force_at
 from ropewalk.model.load import AnyLoad
 from ropewalk.model.oscillator import Oscillator
-from ropewalk.solve.start import Setting
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Multibody:
         return kinetic, stored + float(self.weights @ height) + float(self.weights.sum()) * level
 
 
-def multibody_of(setting: Setting, name: str, load: AnyLoad, axles: Array) -> Multibody:
+def multibody_of(loading: Loading, name: str, load: AnyLoad, axles: Array) -> Multibody:
     """Put together the vehicle of a load: of an oscillator the height alone, of the rest everything.
 
     Args:
@@ -58,9 +58,9 @@ def multibody_of(setting: Setting, name: str, load: AnyLoad, axles: Array) -> Mu
     Raises:
         RopewalkError: the coordinates are not held by springs, or have no mass, or are turned by gyroscopic forces.
     """
-    assert setting.fleet is not None
-    bodies, dim = setting.fleet.bodies, len(setting.axes)
-    wheels = np.flatnonzero([wheel.load == name for wheel in setting.wheels])
+    assert loading.fleet is not None
+    bodies, dim = loading.fleet.bodies, len(loading.axes)
+    wheels = np.flatnonzero([wheel.load == name for wheel in loading.wheels])
     mass = bodies.wheels["mass"][wheels, dim - 1]
     carried = float(bodies.wheels["mass"][wheels, 0].sum())
     own = np.zeros(0, dtype=np.int64)
@@ -77,10 +77,10 @@ def multibody_of(setting: Setting, name: str, load: AnyLoad, axles: Array) -> Mu
     held = slice(0, own.size)
     if (np.linalg.eigvalsh(M[held, held]) <= 0.0).any():
         raise RopewalkError(f"load {name}: a coordinate of its bodies has no mass; check its mass matrix")
-    gravity = -float(setting.strands.gravity[-1])
+    gravity = -float(loading.gravity[-1])
     weights = np.concatenate([np.zeros(own.size), mass * gravity])
     weights[: given.size] += given
-    push = np.array([-force_at(setting.loads, int(k), 0.0, dim - 1) for k in wheels])
+    push = np.array([-force_at(loading.loads, int(k), 0.0, dim - 1) for k in wheels])
     try:
         rest = np.linalg.solve(K[held, held], -weights[held])
     except np.linalg.LinAlgError:

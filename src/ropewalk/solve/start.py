@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.mechanics.assembly import axes_of, loads_of, strands_of, supports_of
+from ropewalk.mechanics.assembly import strands_of, supports_of
 from ropewalk.mechanics.chain import (
     HORIZONTAL,
     MATERIAL,
@@ -24,13 +24,13 @@ from ropewalk.mechanics.chain import (
     Strands,
     Supports,
 )
-from ropewalk.mechanics.fleet import Fleet, fleet_of
+from ropewalk.mechanics.fleet import Fleet
 from ropewalk.mechanics.law import RIGID, strain
+from ropewalk.mechanics.loading import Loading, loading_of
 from ropewalk.mechanics.rider import ROOM, force_at, link_of, part_of, speed_at
-from ropewalk.mechanics.wheels import Wheel, wheels_of
+from ropewalk.mechanics.wheels import Wheel
 from ropewalk.model.capabilities import refusal
 from ropewalk.model.line import Line
-from ropewalk.model.load import MovingForce
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.solve.capabilities import margin_without_mass
@@ -59,6 +59,11 @@ class Setting:
     wheels: tuple[Wheel, ...]
     fleet: Fleet | None  # what has a mass; None if nothing has
     payloads: Mapping[str, Payload]  # of trolleys
+
+    @cached_property
+    def loading(self) -> Loading:
+        """What its loads are."""
+        return Loading(self.axes, self.strands.gravity, self.wheels, self.loads, self.fleet)
 
     @cached_property
     def on(self) -> tuple[Integers, ...]:
@@ -93,17 +98,15 @@ def setting_of(scenario: Scenario, until: float) -> Setting:
         EquilibriumError: a line has no rest shape, or a load would begin beyond the end of its line.
         ScenarioError: a line ends before its support for a contact without mass.
     """
-    axes = axes_of(scenario)
     lengths = {
         name: line.length if line.length is not None else _length_for_tension(scenario, name, line)
         for name, line in scenario.lines.items()
     }
-    wheels = wheels_of(scenario)
-    strands, loads = strands_of(scenario, lengths), loads_of(scenario, wheels, until)
-    forces_only = all(isinstance(load, MovingForce) for load in scenario.loads.values())
-    fleet = None if forces_only else fleet_of(scenario, wheels, strands, axes, until)
-    if fleet is not None:
-        for wheel, mass in zip(wheels, fleet.bodies.wheels["mass"][:, len(axes) - 1], strict=True):
+    strands = strands_of(scenario, lengths)
+    loading = loading_of(scenario, until, strands)
+    axes, wheels, loads = loading.axes, loading.wheels, loading.loads
+    if loading.fleet is not None:
+        for wheel, mass in zip(wheels, loading.fleet.bodies.wheels["mass"][:, len(axes) - 1], strict=True):
             if wheel.margin is not None and not mass:
                 raise refusal(margin_without_mass(wheel.load, wheel.margin))
     payloads = {name: load.payload for name, load in scenario.loads.items() if isinstance(load, Trolley)}
@@ -121,7 +124,7 @@ def setting_of(scenario: Scenario, until: float) -> Setting:
     xi = [_place(scenario, strands, bare, loads, k, wheel) for k, wheel in enumerate(wheels)]
     return Setting(
         axes, tuple(scenario.lines), strands, loads, supports, ends, tuple(bare), np.array(xi, dtype=float),
-        tuple(wheels), fleet, payloads,
+        wheels, loading.fleet, payloads,
     )  # fmt: skip
 
 

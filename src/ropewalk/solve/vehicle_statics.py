@@ -9,6 +9,7 @@ import numpy as np
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.loading import Loading
 from ropewalk.solve.start import Setting
 
 # Forces of vehicles agree with the heights of their wheels to this part of the largest force: well above the rounding
@@ -71,13 +72,13 @@ def weights_of_wheels(bodies: Bodies, gravity: Array) -> Array:
     return weight
 
 
-def resting_forces(setting: Setting) -> Array:
+def resting_forces(loading: Loading) -> Array:
     """Forces of all bodies at rest on lines on which all wheels are at one height, (axis, wheel) N."""
-    level = np.zeros((len(setting.axes), len(setting.wheels)))
-    if setting.fleet is None:
+    level = np.zeros((len(loading.axes), len(loading.wheels)))
+    if loading.fleet is None:
         return level
-    bodies = setting.fleet.bodies
-    return weights_of_wheels(bodies, setting.strands.gravity) + forces_of_vehicles(bodies, level)
+    bodies = loading.fleet.bodies
+    return weights_of_wheels(bodies, loading.gravity) + forces_of_vehicles(bodies, level)
 
 
 def agree(bodies: Bodies, give_way: Callable[[Array], Array], place: Array) -> Array:

@@ -9,7 +9,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.model.beginning import UP
 from ropewalk.model.line import spatial
 from ropewalk.model.run import Start
-from ropewalk.results.resume import stored_instant
+from ropewalk.results.stored import stored_instant
 from ropewalk.solve.mode_of_structure import mode_of
 from ropewalk.webs.laying import Laid
 from ropewalk.webs.potential import Potential

@@ -1,23 +1,21 @@
-"""Frames of a run on a web: motion, slow motion and rest."""
+"""From a state of a web to a frame of the result: tensions, contacts, reactions, energy."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
-from ropewalk.errors import EquilibriumError, RopewalkError
+from ropewalk.checkpoint import Tree
+from ropewalk.errors import RopewalkError
 from ropewalk.mechanics import law
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Account, Frame, Layout
-from ropewalk.solve.following import schedule, slow_motion
+from ropewalk.results.audit import Audit, energies
+from ropewalk.results.frame import MOVES, Account, Contacts, Frame, Layout
 from ropewalk.webs.contacts import neighbours
 from ropewalk.webs.fabric import tensions_of
 from ropewalk.webs.lengths import laid_at_rest
 from ropewalk.webs.potential import Potential
 from ropewalk.webs.pull import resistance
-from ropewalk.webs.rest import Slip, put_slip, settle, size_of, slip_of, stand
-from ropewalk.webs.seats import held_place, hold_on
+from ropewalk.webs.seats import held_place
 from ropewalk.webs.web import (
     CONTACTS,
     DAMPED,
@@ -27,21 +25,20 @@ from ropewalk.webs.web import (
     ON_LINE,
     RUBBED,
     SUPPORTS,
-    WORKS,
     Array,
     State,
 )
 
-# Part of the speed of transverse waves from which on masses on lines are doubtful: 1.7 % of the deflection at 0.8.
-_FAST = 0.8
-# Rounds in which a web finds its rest in the wind, and the move over its size that is none any more.
-_ROUNDS, _NEAR = 100, 1e-10
 # Strain below which a line counts as slack.
 _SLACK = 1e-10
+_WORKS = {
+    "line_damping": DAMPED, "contact_dissipation": CONTACTS, "friction": RUBBED, "load_work": LOADS,
+    "support_work": SUPPORTS,
+}  # fmt: skip
 
 
-class Run:
-    """A run under way: its layout, and its frames one after the other.
+class FrameBuilder:
+    """A web laid out, and what builds frames of it; the energy at the first one of a motion is the audit's origin.
 
     Args:
         scenario: what is computed.
@@ -59,10 +56,10 @@ class Run:
         account.warnings += self.laid.remarks
         self.web = self.laid.web
         self._refuse_beyond()
-        self._axes = [0, 2] if self.laid.plane else [0, 1, 2]
+        self.axes = [0, 2] if self.laid.plane else [0, 1, 2]
         strands, names = self.laid.strands, [sheet.name for sheet in self.laid.sheets]
         vertices = self.laid.vertex
-        self._shown = np.concatenate([np.zeros(0, dtype=np.int64), *(s.node for s in strands), *vertices])
+        self.shown = np.concatenate([np.zeros(0, dtype=np.int64), *(s.node for s in strands), *vertices])
         place = np.cumsum([0, *(s.node.size for s in strands), *(v.size for v in vertices)])[len(strands) :]
         nan = [np.full(v.size, np.nan) for v in vertices]
         middles = [0.5 * (s.station[1:] + s.station[:-1]) for s in strands]
@@ -71,7 +68,7 @@ class Run:
             for sheet, first in zip(self.laid.sheets, place, strict=False)
             for row in sheet.surface.triangle + first
         ]
-        self._links = np.concatenate(
+        self.links = np.concatenate(
             [np.zeros(0, dtype=np.int64), *(s.first + np.arange(s.node.size - 1) for s in strands)]
         )
         self.layout = Layout(
@@ -90,7 +87,7 @@ class Run:
             path=path,
             weight=self._weight(),
         )
-        self._start_energy = np.nan
+        self._audit = Audit()
 
     def _weight(self) -> float:
         """What supports and sheaves carry at rest, N; unknown where the wind bears some of it."""
@@ -113,142 +110,11 @@ class Run:
                     "change its from"
                 )
 
-    def _remarks(self) -> Iterator[str]:
-        """Masses on lines for which the coupling gets worse; where it is known to fail a doubt (docs/notes/webs.md)."""
-        web, seats, course = self.web, self.web.seats, self.web.course
-        strain, tension = self._strain(self.rest)
-        for k in np.flatnonzero((seats.wanted == MASS) & (seats.on == ON_LINE)):
-            name, mine = self.laid.travellers[k].name, self._links[:, None] - seats.first[k]
-            mine = ((mine >= 0) & (mine < seats.pieces[k])).ravel()
-            waves = np.sqrt(np.maximum(tension[mine] / (seats.density[k] * (1.0 + strain[mine])), 0.0))
-            wave, mean = float(waves.min()), float(waves.mean())
-            knots = slice(course.first[k], course.first[k] + course.knots[k])
-            fastest = float(np.abs(course.speed[knots]).max())
-            if fastest > mean:
-                self.account.doubt(
-                    f"load {name}: a mass at {fastest:.4g} m/s on a joined line whose waves have {mean:.4g} m/s",
-                    "its contact force is wrong once it is faster than the waves of its line",
-                    f"loads.{name}.travel.speed", "let it go slower, or compute that line by itself, without joints",
-                )  # fmt: skip
-            elif fastest > _FAST * wave:
-                yield (
-                    f"load {name}: a mass at {fastest:.4g} m/s on a joined line whose slowest waves have "
-                    f"{wave:.4g} m/s: its deflection misses 2 % and its contact force more; write more elements"
-                )
-            link = float(seats.density[k] * web.links.rest[self._links[mine]].max())
-            if seats.mass[k] < link:
-                yield (
-                    f"load {name}: {seats.mass[k]:.3g} kg is less than a link of its line ({link:.3g} kg) and may ring "
-                    "until the run diverges; write more elements, or a force instead"
-                )
-
-    def _first(self, *, with_loads: bool) -> State:
-        web, r = self.web, self.rest.copy()
-        contacts = web.seats.kind.size
-        q, u = np.full((contacts, 3), np.nan), np.full((contacts, 3), np.nan)
-        if with_loads:
-            stand(web, r, 0.0)
-            r = settle(web, r)
-            on = web.seats.kind == MASS
-            weight = web.seats.mass[on, None] * web.gravity + web.seats.load[on]
-            for k in np.flatnonzero(on):
-                hold_on(web, k)
-                q[k] = [held_place(web, r, k, a) for a in range(3)]
-            q[on] += weight / web.seats.grip[on, None]
-            web.seats.last[:] = -1
-        return State(
-            np.zeros(1), r, np.zeros_like(r), q, u, np.zeros(WORKS), np.zeros((contacts, 3)), np.zeros(contacts)
-        )
-
-    def at_rest_with_loads(self) -> Array:
-        """Places (node, 3) in m at rest with the loads at their start, which stand there from now on."""
-        r = self.rest.copy()
-        stand(self.web, r, 0.0)
-        return self._settled(r, 0.0)
-
-    def standing(self) -> Iterator[Frame]:
-        """The only frame of an equilibrium: at rest with the loads at their start."""
-        self.account.method, self.account.reason = "rest", "least potential energy"
-        r = self.at_rest_with_loads()
-        self._note_slack(r)
-        yield self._still(r, 0.0, 0.0)
-
-    def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
-        """Frames at equal steps of the path of the first load, until it comes to the end of its way.
-
-        Args:
-            positions: how many.
-            turn: rad, see `solve/following.py`.
-
-        Raises:
-            EquilibriumError: the first load has no way, or there is no rest with the loads somewhere on it.
-        """
-        self.account.method, self.account.reason = "rest", "least potential energy"
-        web, begin = self.web, (self.rest, slip_of(self.web))
-
-        def rest(t: float, near: tuple[Array, Slip] | None) -> tuple[Array, Slip]:
-            r, slip = near if near is not None else begin
-            r = r.copy()
-            put_slip(web, slip)
-            stand(web, r, t)
-            r = self._settled(r, t)
-            return r, slip_of(web)
-
-        def places(shape: tuple[Array, Slip]) -> Array:
-            return np.where((web.seats.kind != OFF)[:, None], shape[0][web.nodes :], np.nan)
-
-        for at in slow_motion(rest, places, *self._schedule(), positions, turn):
-            r, slip = at.shape
-            put_slip(web, slip)
-            stand(web, r, at.t)
-            yield self._still(r, at.path, at.t)
-
-    def _schedule(self) -> tuple[Array, Array]:
-        """Times and paths of the first load."""
-        course = self.web.course
-        low, end = float(course.low[0]), float(course.high[0])
-        own = slice(course.first[0], course.first[0] + course.knots[0])
-        time, start, speed, slope = (a[own] for a in (course.time, course.place, course.speed, course.slope))
-
-        def place(times: Array) -> Array:
-            i = np.maximum(np.searchsorted(time, times, side="right") - 1, 0)
-            late = np.maximum(times - time[i], 0.0)
-            return np.asarray(start[i] + late * (speed[i] + 0.5 * slope[i] * late))
-
-        begin = float(place(np.zeros(1))[0])
-
-        def beyond(places: Array) -> Array:
-            ahead, back = places - end, low - places
-            gone: Array = np.where(places < begin, np.maximum(ahead, back), ahead) / end
-            return gone
-
-        return schedule(self.laid.travellers[0].name, place, beyond)
-
-    def _settled(self, r: Array, t: float) -> Array:
-        """Rest (node, 3) in the wind as it blows at time t in s, next to the shape r: what it pushes at depends on it.
-
-        Raises:
-            EquilibriumError: there is none.
-        """
-        web = self.web
-        if not web.wind.direction.any():
-            return settle(web, r, rubs=True)
-        own, still = web.body.force.copy(), np.zeros_like(r)
-        try:
-            for _ in range(_ROUNDS):
-                web.body.force[:] = own + resistance(web, t, r, still)
-                last, r = r, settle(web, r, rubs=True)
-                if float(np.abs(r - last).max()) <= _NEAR * size_of(r):
-                    return r
-        finally:
-            web.body.force[:] = own
-        raise EquilibriumError("the web finds no rest in the wind: it flutters or lifts; give wind less speed")
-
-    def _note_slack(self, r: Array) -> None:
+    def note_slack(self, r: Array) -> None:
         """Doubt shapes of lines that nothing pulls at: without weight any other is as good."""
         if self.scenario.gravity != 0.0:
             return
-        tension = self._strain(r)[1]
+        tension = self.strain(r)[1]
         for name, line in self.scenario.lines.items():
             mine = np.array([on == name for on in self.layout.link_line])
             if np.abs(tension[mine]).max() < _SLACK * (line.axial_stiffness or 1.0):
@@ -258,17 +124,22 @@ class Run:
                     "give gravity, or make it shorter",
                 )  # fmt: skip
 
-    def _still(self, r: Array, path: float, t: float) -> Frame:
-        nothing = np.zeros((self.web.seats.kind.size, 3))
-        q = r[self.web.nodes :].copy()
-        state = State(
-            np.array([t]), r, np.zeros_like(r), q, nothing, np.zeros(WORKS), nothing.copy(), nothing[:, 0].copy()
-        )
-        return self._frame(state, 0.0, still=path)
+    def get_state(self) -> Tree:
+        """The origin of the audit."""
+        return self._audit.get_state()
 
-    def _frame(self, state: State, interval: float, *, still: float | None = None) -> Frame:
-        """The frame of a state; `still`: of a rest, its load path in m."""
-        web, seats, axes = self.web, self.web.seats, self._axes
+    def set_state(self, tree: Tree) -> None:
+        """Go on from there."""
+        self._audit.set_state(tree)
+
+    def build(self, state: State, interval: float = 0.0, *, still: float | None = None) -> Frame:
+        """The frame of a state.
+
+        Args:
+            interval: since the last frame, s: contact forces of masses are the mean over it.
+            still: of a rest, its load path in m.
+        """
+        web, seats, axes = self.web, self.web.seats, self.axes
         n, r = web.nodes, state.r
         contacts = seats.kind.size
         on = seats.kind != OFF
@@ -280,24 +151,19 @@ class Run:
         else:
             gap = np.nan_to_num(state.q) - self._held(r)
             force = np.where((seats.kind == MASS)[:, None], seats.grip[:, None] * gap, seats.load)
-        strain, tension = self._strain(r)
-        both = np.full((contacts, 2), np.nan)
+        strain, tension = self.strain(r)
+        seen = Contacts(contacts, len(axes))
         for k in np.flatnonzero(on & (seats.on == ON_LINE)):
             for side, p in enumerate(neighbours(web, int(k))):
-                both[k, side] = self._tension(p, r)
-        nan = np.full(contacts, np.nan)
-        xi = np.where(on, seats.xi, np.nan)
+                seen.tension[k, side] = self._tension(p, r)
+        seen.position[on], seen.force[on], seen.hold[on] = r[n:][on][:, axes], force[on][:, axes], 0.0
+        seen.xi[on], seen.speed[on], seen.state[on] = seats.xi[on], seats.speed[on], MOVES
         return Frame(
             path=float(state.t[0]) if still is None else still,
-            position=r[self._shown][:, axes], velocity=state.v[self._shown][:, axes],
+            position=r[self.shown][:, axes], velocity=state.v[self.shown][:, axes],
             tension=tension, strain=strain,
-            contact_position=np.where(on[:, None], r[n:], np.nan)[:, axes],
-            contact_force=np.where(on[:, None], force, np.nan)[:, axes],
-            hold_force=np.where(on[:, None], 0.0, np.full((contacts, 3), np.nan))[:, axes], contact_xi=xi,
-            contact_speed=np.where(on, seats.speed, np.nan), contact_tension=both, contact_friction=nan,
-            contact_state=np.where(on, MOVES, OFF_LINE), contact_in_air=np.zeros(contacts),
-            friction_power=np.zeros(contacts), body_position=np.zeros((0, len(axes))),
-            body_velocity=np.zeros((0, len(axes))), reaction=self._reactions(state)[:, axes],
+            **seen.told(), body_position=np.zeros((0, len(axes))), body_velocity=np.zeros((0, len(axes))),
+            reaction=self._reactions(state)[:, axes],
             energy=self._energy(state, still=still is not None),
             cell_tension=tensions_of(web.cells, web.own_cells, r) if self.layout.cell else None,
         )  # fmt: skip
@@ -315,10 +181,10 @@ class Run:
         length = float(np.linalg.norm(r[links.other[p]] - r[links.one[p]]))
         return float(law.tension(links.laws[links.law[p]], length / links.rest[p] - 1.0))
 
-    def _strain(self, r: Array) -> tuple[Array, Array]:
+    def strain(self, r: Array) -> tuple[Array, Array]:
         """Strain and tension of all links shown; where a contact or a sheave divides one, in the mean of both parts."""
         web, links = self.web, self.web.links
-        p = self._links
+        p = self.links
         length = np.linalg.norm(r[links.other[p]] - r[links.one[p]], axis=1)
         extra = np.zeros(web.own_links)
         for e, b in zip(web.sheaves.link.tolist(), web.sheaves.node.tolist(), strict=True):
@@ -369,29 +235,16 @@ class Run:
         # Of those that have left, too: as they were then.
         masses = np.flatnonzero((seats.wanted == MASS) & np.isfinite(state.q + state.u).all(axis=1))
         m, q = seats.mass[masses], state.q[masses]
-        forms = dict.fromkeys(ENERGY_FORMS, 0.0)
-        forms["kinetic"] = 0.5 * float((web.body.mass[:n, None] * state.v[:n] ** 2).sum())
-        forms["elastic"] = Potential(web).stored(state.r)
-        forms["gravitational"] = -float((web.body.force[:n] * state.r[:n]).sum())
-        forms["load_potential"] = -float((m[:, None] * web.gravity * q).sum())
+        stored = {
+            "kinetic": 0.5 * float((web.body.mass[:n, None] * state.v[:n] ** 2).sum()),
+            "elastic": Potential(web).stored(state.r),
+            "gravitational": -float((web.body.force[:n] * state.r[:n]).sum()),
+        }
+        potential = -float((m[:, None] * web.gravity * q).sum())
         if still:
-            return np.array([forms[form] for form in ENERGY_FORMS])
+            return energies(**stored, load_potential=potential)
         gap = (q - self._held(state.r)[masses]) * (seats.kind[masses, None] == MASS)
-        forms["load_potential"] += 0.5 * float((seats.grip[masses, None] * gap**2).sum())
-        forms["load_kinetic"] = 0.5 * float((m[:, None] * state.u[masses] ** 2).sum())
-        stored = sum(forms.values())
-        forms["line_damping"], forms["load_work"] = float(state.work[DAMPED]), float(state.work[LOADS])
-        forms["contact_dissipation"], forms["friction"] = float(state.work[CONTACTS]), float(state.work[RUBBED])
-        forms["support_work"] = float(state.work[SUPPORTS])
-        total = (
-            stored
-            - forms["load_work"]
-            - forms["support_work"]
-            + forms["line_damping"]
-            + forms["contact_dissipation"]
-            + forms["friction"]
-        )
-        if np.isnan(self._start_energy):
-            self._start_energy = total
-        forms["imbalance"] = total - self._start_energy
-        return np.array([forms[form] for form in ENERGY_FORMS])
+        potential += 0.5 * float((seats.grip[masses, None] * gap**2).sum())
+        moving = 0.5 * float((m[:, None] * state.u[masses] ** 2).sum())
+        works = {form: float(state.work[at]) for form, at in _WORKS.items()}
+        return self._audit.of(**stored, load_kinetic=moving, load_potential=potential, **works)

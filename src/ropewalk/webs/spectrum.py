@@ -6,21 +6,21 @@ import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse import csc_matrix
 
-from ropewalk.errors import RopewalkError
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account
+from ropewalk.results.running import TimeHistory
+from ropewalk.results.spectrum import Spectrum
 from ropewalk.solve.equations import Equations, LinearBody
 from ropewalk.solve.free_vibration import free_vibration
-from ropewalk.solve.spectrum import Spectrum
 from ropewalk.solve.symmetric import modes
 from ropewalk.webs.damping import damping_of
-from ropewalk.webs.frames import Run
 from ropewalk.webs.laying import Laid
 from ropewalk.webs.lengths import laid_at_rest
 from ropewalk.webs.moving import Motion
 from ropewalk.webs.potential import Potential
 from ropewalk.webs.rest import leave
 from ropewalk.webs.seats import hold_on
+from ropewalk.webs.still import Still
 from ropewalk.webs.web import MASS, ON_LINE, Array
 
 
@@ -64,9 +64,9 @@ def spectrum_with_loads(scenario: Scenario, how_many: int | None = None) -> Spec
     Raises:
         RopewalkError: there is no such rest.
     """
-    run = Run(scenario, Account(), 0.0)
-    rest = run.at_rest_with_loads()
-    return free_vibration(equations_of(run.laid, rest, 0.0), how_many)
+    still = Still(scenario, Account(), 0.0)
+    rest = still.at_rest_with_loads()
+    return free_vibration(equations_of(still.laid, rest, 0.0), how_many)
 
 
 def spectrum_at(scenario: Scenario, t: float, how_many: int | None = None) -> Spectrum:
@@ -75,13 +75,9 @@ def spectrum_at(scenario: Scenario, t: float, how_many: int | None = None) -> Sp
     Raises:
         RopewalkError: the motion does not come to the instant.
     """
-    account = Account()
-    run = Motion(scenario, account, np.array([0.0, t] if t > 0.0 else [0.0]))
-    for _ in run.frames():
-        pass
-    if account.outcome not in ("running", "completed"):
-        raise RopewalkError(f"the run did not come to t = {t:g} s ({account.outcome}): {account.advice}")
-    return free_vibration(equations_of(run.laid, run.state.r, t), how_many)
+    web = Motion(scenario, account := Account(), np.array([0.0, t] if t > 0.0 else [0.0]))
+    TimeHistory(web, account).last()
+    return free_vibration(equations_of(web.laid, web.state.r, t), how_many)
 
 
 def equations_of(laid: Laid, r: Array, t: float) -> Equations:

@@ -11,6 +11,7 @@ import numpy as np
 from ropewalk.mechanics.assembly import pack, speed_table, vector_table
 from ropewalk.mechanics.fleet import MARGIN
 from ropewalk.mechanics.law import tangent
+from ropewalk.mechanics.travelled import Travelled
 from ropewalk.mechanics.wheels import Wheel, wheels_of
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.line import Line
@@ -104,8 +105,7 @@ def _course(start: float, speed: Any, until: float) -> Array:
     v = np.concatenate((values[:1] if times[0] > 0.0 else [np.interp(0.0, times, values)], values[later]))
     gap = np.diff(t)
     slope = np.concatenate((np.divide(np.diff(v), gap, out=np.zeros_like(gap), where=gap > 0.0), [0.0]))
-    place = start + np.concatenate(([0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * gap)))
-    knots = np.array([t, place, v, slope])[:, t < end]
+    knots = np.array([t, start + Travelled(t, v).path, v, slope])[:, t < end]
     (_, there, rate, change), late = knots[:, -1], end - knots[0, -1]
     last = [[end], [there + late * (rate + 0.5 * change * late)], [rate + change * late], [0.0]]
     return np.concatenate([knots, last], axis=1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.checkpoint import Tree
-from ropewalk.results.frame import ENERGY_FORMS
+from ropewalk.results.audit import Audit
 from ropewalk.wires.equilibrium import Potential
 from ropewalk.wires.holding import AHEAD, NOW
 from ropewalk.wires.large import LargeMotion, correction
@@ -33,10 +33,9 @@ from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.spline import WIDTH
 
 _NOTHING = 1e-200  # J: small motion begins with 1e-150 m instead of nothing
-_FORM = {form: i for i, form in enumerate(ENERGY_FORMS)}
 
 
-class Audit:
+class Energies:
     """Energies and works of a motion; the first ones are the origin.
 
     In small motion `elastic` is all potential energy about rest, weights included.
@@ -46,7 +45,7 @@ class Audit:
         self, mesh: Mesh, riders: Riders, motion: LargeMotion | SmallMotion, start: Array, unstrained: Array
     ) -> None:
         self._mesh, self._riders, self._motion = mesh, riders, motion
-        self._first: float | None = None
+        self._audit = Audit()
         self._unsqueezed = np.full(riders.owner.size, np.nan)  # J, stored in each contact at first
         bending = (motion.threads if isinstance(motion, LargeMotion) else motion.stencil).bending
         corrected = mesh._replace(strands=mesh.strands._replace(stiffness=bending))
@@ -60,34 +59,29 @@ class Audit:
             self._ties = rows(mesh.ties.other, mesh.nodes) - rows(mesh.ties.one, mesh.nodes)
 
     def now(self) -> Array:
-        """The energies in the order of ENERGY_FORMS, J."""
-        motion, energy = self._motion, np.zeros(len(ENERGY_FORMS))
-        velocity, mass = motion.velocity, self._mesh.mass
+        """Those of now in the order of ENERGY_FORMS, J."""
+        motion, velocity = self._motion, self._motion.velocity
         along = np.array([motion.inertia if isinstance(motion, LargeMotion) else 1.0, 1.0, 1.0])
-        energy[_FORM["kinetic"]] = 0.5 * float((mass * (along[:, None] * velocity**2)).sum())
-        energy[_FORM["elastic"]], energy[_FORM["gravitational"]] = self._stored()
-        energy[_FORM["load_kinetic"]], potential = self._of_riders(motion.pace)
+        kinetic = 0.5 * float((self._mesh.mass * (along[:, None] * velocity**2)).sum())
+        elastic, gravitational = self._stored()
+        moving, potential = self._of_riders(motion.pace)
         squeezed, given, held, taken = self._at_contacts(motion.pace)
-        energy[_FORM["load_potential"]] = potential + squeezed
-        energy[_FORM["contact_dissipation"]] = taken - squeezed
-        energy[_FORM["load_work"]], energy[_FORM["hold_work"]] = given, held
-        energy[_FORM["load_damping"]] = motion.pace.work[LOST]
-        energy[_FORM["line_damping"]] = motion.pace.work[DAMPED]
-        energy[_FORM["support_work"]] = moved = float(motion.pace.work[MOVED])
-        total = float(energy.sum()) - 2.0 * (given + held + moved)
-        if self._first is None:
-            self._first = total
-        energy[_FORM["imbalance"]] = total - self._first
+        energy = self._audit.of(
+            kinetic=kinetic, elastic=elastic, gravitational=gravitational, load_kinetic=moving,
+            load_potential=potential + squeezed, line_damping=motion.pace.work[DAMPED],
+            contact_dissipation=taken - squeezed, load_damping=motion.pace.work[LOST], load_work=given, hold_work=held,
+            support_work=motion.pace.work[MOVED],
+        )  # fmt: skip
         energy[np.abs(energy) < _NOTHING] = 0.0
         return energy
 
     def get_state(self) -> Tree:
         """The first energies."""
-        return {"first": self._first, "unsqueezed": self._unsqueezed.copy()}
+        return {"audit": self._audit.get_state(), "unsqueezed": self._unsqueezed.copy()}
 
     def set_state(self, tree: Tree) -> None:
         """Count from these."""
-        self._first = tree["first"]
+        self._audit.set_state(tree["audit"])
         self._unsqueezed[:] = tree["unsqueezed"]
 
     def _stored(self) -> tuple[float, float]:

@@ -1,9 +1,7 @@
-"""Frames of a run on wires."""
+"""A motion of wires, from output to output, and its frames."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import Literal
@@ -14,12 +12,12 @@ from ropewalk.checkpoint import Tree, arrays_of, copied, put
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import TravelEndedError, Turns
 from ropewalk.model.run import common_interval
-from ropewalk.results.exchanges import exchanged, exchanging
-from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
+from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, Account, Contacts, Frame, Layout
+from ropewalk.results.running import Ending
 from ropewalk.wires.bearing import at_rest_together
 from ropewalk.wires.beginning import along_moved, on_moved, small_under_loads
 from ropewalk.wires.drive import ON_WIRE, Drive, Record
-from ropewalk.wires.energy import Audit
+from ropewalk.wires.energy import Energies
 from ropewalk.wires.equilibrium import Potential
 from ropewalk.wires.journey import drive_of
 from ropewalk.wires.large import LargeMotion
@@ -41,25 +39,27 @@ _STEEP = 0.2  # slope from which on loads miss their inertia along the line: 2 %
 _ESCAPED = 2.0  # lengths of the longest wire: a node of a wire that is held does not get further, unless a run blows up
 
 
-class Run:
-    """A run under way: its layout, and its frames one after the other.
+class Wires:
+    """Wires as the engine of a motion, in their first state.
 
     Args:
         task: what is computed.
         times: output instants in s, from 0.
         account: filled in.
-        sample: interval of samples in s; a part of the interval of outputs is taken that is no longer.
+        sample: interval of samples in s (default: 1 ms, or `step`); a part of the interval of outputs is taken that is
+            no longer.
         step: largest step in s; None: as large as is stable.
-        past: what `get_state` gave, to go on from there.
 
     Raises:
         RopewalkError: there is no rest to begin with.
     """
 
+    looks_ahead = True
+
     def __init__(
-        self, task: Task, times: Array, account: Account, sample: float = SAMPLE, step: float | None = None,
-        past: Tree | None = None,
-    ) -> None:  # fmt: skip
+        self, task: Task, times: Array, account: Account, sample: float | None = None, step: float | None = None
+    ) -> None:
+        sample = sample or max(SAMPLE, step or 0.0)
         self.task, start = ready(task)
         if task.with_loads and start.rest is None:
             self.task, start = at_rest_together(self.task, start)
@@ -71,9 +71,9 @@ class Run:
         self.account = account
         self.riders = riders_of([journey.rider for journey in self.task.journeys])
         interval = float(times[1] - times[0]) if times.size > 1 else sample  # none is longer
-        self._axes = axes_of(task)
+        self.axes = axes_of(task)
         self.turns = [
-            foreigner.turns(len(self._axes), SLIDES * start.mesh.strands.h.max()) for foreigner in task.foreigners
+            foreigner.turns(len(self.axes), SLIDES * start.mesh.strands.h.max()) for foreigner in task.foreigners
         ]
         shared = common_interval([interval, *(partner.every for partner in self.turns)]) if self.turns else interval
         assert shared is not None
@@ -120,7 +120,7 @@ class Run:
             assert isinstance(self.motion, SmallMotion)
             self.motion.begin(begun[0][2] - self.motion.level, begun[1][2])
         self.motion.pace.last[:] -= account.step * self._first("rate")
-        self._audit = Audit(self.mesh, self.riders, self.motion, start.position, start.unstrained)
+        self._energies = Energies(self.mesh, self.riders, self.motion, start.position, start.unstrained)
         self._in_air = np.zeros(self.riders.owner.size)
         self._steep, self._pushed = set[str](), set[str]()  # contacts and wires that have been doubted
         self._partners = [self._partner(*pair) for pair in zip(task.foreigners, self.turns, strict=True)]
@@ -132,37 +132,31 @@ class Run:
         ).turned()
         self._stations = np.full((self.rows, contacts), np.nan)  # since the last frame, as is what was recorded
         self._before = Record(*(np.full_like(array, np.nan) for array in self._nothing))
-        self._taken, self._last = 0, None
-        if past is not None:
-            self._set_state(past)
-
-    @property
-    def total(self) -> int:
-        """How many frames it will have."""
-        return int(self.times.size)
+        self._now: Frame | None = None
+        self._failed = False
 
     def get_state(self) -> Tree:
-        """All that changes; at the end, before the last frame, whose forces the step after it finds.
+        """All that changes.
 
         Raises:
             RopewalkError: a load is a model of somebody else's that gives no state.
         """
-        return self._last if self._last is not None else {
-            "frames": self._taken, "motion": self.motion.get_state(), "audit": self._audit.get_state(),
-            "account": self.account.get_state(), "partners": [partner.get_state() for partner in self._partners],
+        return {
+            "motion": self.motion.get_state(), "energies": self._energies.get_state(),
+            "partners": [partner.get_state() for partner in self._partners],
             "stations": self._stations.copy(), "before": copied(arrays_of(self._before)),
             "in_air": self._in_air.copy(), "steep": sorted(self._steep), "pushed": sorted(self._pushed),
         }  # fmt: skip
 
-    def _set_state(self, tree: Tree) -> None:
+    def set_state(self, tree: Tree) -> None:
+        """Go on from there."""
         self.motion.set_state(tree["motion"])
-        self._audit.set_state(tree["audit"])
-        self.account.set_state(tree["account"])
+        self._energies.set_state(tree["energies"])
         for partner, own in zip(self._partners, tree["partners"], strict=True):
             partner.set_state(own)
         put({"stations": self._stations, "in_air": self._in_air} | arrays_of(self._before),
             {"stations": tree["stations"], "in_air": tree["in_air"]} | tree["before"])  # fmt: skip
-        self._steep, self._pushed, self._taken = set(tree["steep"]), set(tree["pushed"]), tree["frames"]
+        self._steep, self._pushed = set(tree["steep"]), set(tree["pushed"])
 
     def _doubt_sag(self, rest: Rest) -> None:
         """Small motion is about a rest that is nearly straight: nothing that sags stretches there."""
@@ -176,9 +170,9 @@ class Run:
                     "write geometry: nonlinear, or give tension",
                 )  # fmt: skip
 
-    def _doubt_shape(self, frame: Frame) -> None:
-        """Loads on steep lines, and compression that no bending stiffness bears on the mesh."""
-        if not isinstance(self.motion, LargeMotion):
+    def remark(self, frame: Frame) -> None:
+        """Doubt loads on steep lines, and compression that no bending stiffness bears on the mesh."""
+        if self._failed or not isinstance(self.motion, LargeMotion):
             return
         strands, last, z, x = self.mesh.strands, 0, frame.position[:, -1], frame.position[:, 0]
         for k in np.flatnonzero((frame.contact_state != OFF_LINE) & (self.riders.size[self.riders.owner] > 0)):
@@ -210,7 +204,7 @@ class Run:
         columns = np.flatnonzero(self.riders.owner == foreigner.journey)
         return Partner(
             turns, range(int(columns[0]), int(columns[-1]) + 1), int(self.riders.wire[columns[0]]), self.mesh,
-            self.motion, self._axes, lambda drive: self.motion.go(drive, self.steps), self.sample,
+            self.motion, self.axes, lambda drive: self.motion.go(drive, self.steps), self.sample,
         )  # fmt: skip
 
     def _first(self, what: Literal["first", "rate"]) -> Array:
@@ -228,46 +222,30 @@ class Run:
         foreign = tuple(partner.name for partner in self.turns)
         return layout_of(self.task, self.mesh, foreign=foreign, sample=sample)
 
-    def frames(self) -> Iterator[Frame]:
-        """The frames; a run that blows up ends with the last one before, and the account says so."""
-        with exchanging(self.turns, self.account):
-            for frame in self._frames():
-                yield exchanged(frame, self.turns, self.account)
-
-    def _frames(self) -> Iterator[Frame]:
-        times, final = self.times, self.times.size - 1
-        for i in range(self._taken, times.size):
-            t, count = float(times[i]), 1
-            if i < final:
-                count = max(1, round((times[i + 1] - t) / self.sample))
-            else:
-                with suppress(RopewalkError):  # a model that gives no state
-                    self._last = self.get_state()
-            drive = self._drive(t, count)
-            frame = self._picture(t, drive)
-            try:
-                record = self._go(t, drive)
-            except RopewalkError as error:
-                self.account.outcome = "travel ended" if isinstance(error, TravelEndedError) else "load failed"
-                self.account.advice = f"stopped after t = {t:.6g} s: {error}"
-                if i:
-                    yield self._with_forces(frame, drive, self._nothing)
-                    return
+    def advance(self, i: int) -> Ending | None:
+        """Look at output instant i, and go on to the next one: forces at an instant are those of the step after it."""
+        t, final = float(self.times[i]), i == self.times.size - 1
+        count = 1 if final else max(1, round((self.times[i + 1] - t) / self.sample))
+        drive = self._drive(t, count)
+        picture = self._picture(t, drive)
+        try:
+            record = self._go(t, drive)
+        except RopewalkError as error:
+            if not i:
                 raise
-            frame = self._with_forces(frame, drive, record)
-            self._doubt_shape(frame)
-            on = np.where(drive.where[:-1] == ON_WIRE, drive.station[:-1], np.nan)
-            self._stations, self._before = (
-                _padded(on, self.rows),
-                Record(*(_padded(each, self.rows) for each in record)),
-            )
-            self.account.steps += count * self.steps if i < final else 0
-            self._taken = i + 1
-            sane = self._is_sane()
-            yield frame
-            if not sane:
-                self.account.outcome, self.account.advice = "diverged", self._advice(t)
-                return
+            self._now, self._failed = self._with_forces(*picture, drive, self._nothing), True
+            outcome = "travel ended" if isinstance(error, TravelEndedError) else "load failed"
+            return Ending(outcome, f"stopped after t = {t:.6g} s: {error}")
+        self._now = self._with_forces(*picture, drive, record)
+        on = np.where(drive.where[:-1] == ON_WIRE, drive.station[:-1], np.nan)
+        self._stations = _padded(on, self.rows)
+        self._before = Record(*(_padded(each, self.rows) for each in record))
+        self.account.steps += 0 if final else count * self.steps
+        return None if self.is_sane() else Ending("diverged", self._advice(t))
+
+    def frame(self) -> Frame | None:
+        """That of the instant looked at last."""
+        return self._now
 
     def _go(self, t: float, drive: Drive) -> Record:
         """Go on by the rows of a drive from t in s; foreign models are asked when it is time, and fill in theirs."""
@@ -291,7 +269,8 @@ class Run:
     def _drive(self, t: float, count: int) -> Drive:
         return drive_of(self.task.plan, self.task.journeys, t + self.sample * np.arange(count + 1.0))
 
-    def _is_sane(self) -> bool:
+    def is_sane(self) -> bool:
+        """Whether no node has got further away than a wire that is held can."""
         moved = self.motion.position - self._at_rest
         longest = max(wire.length for wire in self.task.plan.wires)
         return bool(np.isfinite(moved).all() and np.abs(moved).max() < _ESCAPED * longest)
@@ -303,45 +282,38 @@ class Run:
             return what + "write a smaller run.step, or leave it out"
         return what + "write a smaller run.step, and check masses, stiffnesses and what travels"
 
-    def _picture(self, t: float, drive: Drive) -> Frame:
-        """All of a frame but the forces of contacts and ties, which the next step finds."""
-        contacts, dim, none = len(self.task.contacts), len(self._axes), np.zeros(0)
-        position, velocity = self.motion.position, self.motion.velocity
-        strain = self._strain()
+    def _picture(self, t: float, drive: Drive) -> tuple[Frame, Contacts]:
+        """All of a frame but contacts, which are to be filled in, and ties: the next step finds their forces."""
+        position, velocity, strain = self.motion.position, self.motion.velocity, self._strain()
         EA = np.repeat([wire.axial_stiffness for wire in self.task.plan.wires], self.mesh.strands.links)
-        unknown, nowhere = np.full(contacts, np.nan), np.full((contacts, dim), np.nan)
-        bodies, rates = self._bodies(drive, position[self._axes].T)
-        return Frame(
-            path=t, position=position[self._axes].T, velocity=velocity[self._axes].T, tension=EA * strain,
-            strain=strain, contact_position=nowhere, contact_force=nowhere.copy(), hold_force=nowhere.copy(),
-            contact_xi=unknown, contact_speed=unknown, contact_tension=np.full((contacts, 2), np.nan),
-            contact_friction=unknown, contact_state=np.full(contacts, OFF_LINE), contact_in_air=np.zeros(contacts),
-            friction_power=np.zeros(contacts), body_position=bodies, body_velocity=rates,
-            reaction=nowhere, energy=self._audit.now(), tie_force=none, sampled_station=none,
+        bodies, rates = self._bodies(drive, position[self.axes].T)
+        seen = Contacts(len(self.task.contacts), len(self.axes))
+        frame = Frame(
+            path=t, position=position[self.axes].T, velocity=velocity[self.axes].T, tension=EA * strain,
+            strain=strain, **seen.told(), body_position=bodies,
+            body_velocity=rates, reaction=np.zeros(0), energy=self._energies.now(),
         )  # fmt: skip
+        return frame, seen
 
-    def _with_forces(self, frame: Frame, drive: Drive, now: Record) -> Frame:
+    def _with_forces(self, frame: Frame, seen: Contacts, drive: Drive, now: Record) -> Frame:
         motion, on, before, stations = self.motion, drive.where[0] == ON_WIRE, self._before, self._stations
-        station, place, force = drive.station[0], frame.contact_position.copy(), frame.contact_force.copy()
-        place[on], force[on], hold = 0.0, 0.0, frame.hold_force.copy()
-        hold[on] = 0.0
-        place[on, -1], force[on, -1] = now.height[0, on], now.force[0, on]
-        both, xi = frame.contact_tension.copy(), frame.contact_xi.copy()
+        station = drive.station[0]
+        seen.position[on], seen.force[on], seen.hold[on] = 0.0, 0.0, 0.0
+        seen.position[on, -1], seen.force[on, -1] = now.height[0, on], now.force[0, on]
         first = np.concatenate([[0], np.cumsum(self.mesh.strands.links)[:-1]])
         for k in np.flatnonzero(on):
             a = int(self.riders.wire[k])
             seat = self._seat(int(k), float(station[k]), frame.position)
-            place[k, :-1] = seat.value(frame.position.T)[:-1]
-            xi[k] = seat.links * self.mesh.strands.h[a]
-            both[k] = frame.tension[first[a] + min(int(seat.links), int(self.mesh.strands.links[a]) - 1)]
+            seen.position[k, :-1] = seat.value(frame.position.T)[:-1]
+            seen.xi[k] = seat.links * self.mesh.strands.h[a]
+            seen.tension[k] = frame.tension[first[a] + min(int(seat.links), int(self.mesh.strands.links[a]) - 1)]
         counted = np.where(self.riders.material, 1.0, np.abs(self.mesh.strands.across[self.riders.wire, 1]))
         in_air = self.riders.lifts & (now.force[0] == 0.0)
         self._in_air += self.sample * ((before.force == 0.0) & self.riders.lifts).sum(axis=0)
+        seen.speed[on] = (counted * (drive.station[1] - station) / self.sample)[on]
+        seen.state[on], seen.in_air[:] = np.where(in_air, IN_AIR, MOVES)[on], self._in_air
         return replace(
-            frame, contact_position=place, contact_force=force, hold_force=hold, contact_tension=both,
-            contact_xi=xi, contact_speed=np.where(on, counted * (drive.station[1] - station) / self.sample, np.nan),
-            contact_state=np.where(on, np.where(in_air, IN_AIR, MOVES), OFF_LINE), contact_in_air=self._in_air.copy(),
-            reaction=self.reactions(motion.hold_at_rest + now.hold[0], position=frame.position),
+            frame, reaction=self.reactions(motion.hold_at_rest + now.hold[0], position=frame.position),
             tie_force=now.tie[0] + motion.tie_at_rest,
             sampled_station=stations, sampled_force=before.force,
             sampled_height=before.height, sampled_tie_force=before.tie + motion.tie_at_rest,
@@ -365,7 +337,7 @@ class Run:
         return seat_at(self.mesh, a, inside / float(strands.h[a]))
 
     def _bodies(self, drive: Drive, position: Array) -> tuple[Array, Array]:
-        place, speed = (np.zeros((len(self.task.shown), len(self._axes))) for _ in range(2))
+        place, speed = (np.zeros((len(self.task.shown), len(self.axes))) for _ in range(2))
         pace, last = self.motion.pace, drive.station.shape[0] - 1
         for i, body in enumerate(self.task.shown):
             k = int(np.flatnonzero(self.riders.owner == body.journey)[body.wheel])
@@ -400,14 +372,14 @@ class Run:
         r, strands, mesh = self.motion.position, self.mesh.strands, self.mesh
         if position is not None:
             r = r.copy()
-            r[self._axes] = position.T
+            r[self.axes] = position.T
         if isinstance(self.motion, LargeMotion):
-            return reactions(mesh, self._potential.bare_pull(r), hold)[:, self._axes]
+            return reactions(mesh, self._potential.bare_pull(r), hold)[:, self.axes]
         bare = np.zeros((3, mesh.nodes))
         bare[2] = beds(mesh) * mesh.straight()[2] - self._stiffness @ r[2] - mesh.plan.gravity * mesh.mass
         force = reactions(mesh, bare, hold)
         force[: 2 * strands.first.size, 0] = np.stack([-strands.tension, strands.tension], axis=1).ravel()
-        return force[:, self._axes]
+        return force[:, self.axes]
 
 
 def _parts(whole: float, largest: float) -> int:

@@ -11,20 +11,6 @@ from ropewalk.wires.drive import ABSENT, ON_GROUND, ON_WIRE, Drive
 from ropewalk.wires.plan import Array, Plan, Rider
 
 
-def travelled(start: float, time: Array, speed: Array) -> Callable[[Array], Array]:
-    """Times in s to places in m, from a table of speeds: linear between its entries, constant outside."""
-    way = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
-
-    def integral(times: Array) -> Array:
-        """From the first entry."""
-        i = np.clip(np.searchsorted(time, times, side="right") - 1, 0, time.size - 1)
-        late, here = times - time[i], np.interp(times, time, speed)
-        return np.asarray(way[i] + 0.5 * late * (speed[i] + here))
-
-    begin = integral(np.zeros(1))[0]
-    return lambda times: np.asarray(start + integral(times) - begin)
-
-
 def _nothing(times: Array) -> Array:
     return np.zeros((times.size, 1))
 

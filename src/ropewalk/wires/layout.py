@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.results.frame import Layout
+from ropewalk.results.frame import Layout, uniform
 from ropewalk.wires.mesh import Mesh
 from ropewalk.wires.plan import Array, Integers, Plan
 from ropewalk.wires.rest import without_supports
@@ -55,17 +55,11 @@ def layout_of(
         sample: s, of samples, from an output instant back.
     """
     plan, strands = task.plan, mesh.strands
-    node_line, link_line, node_xi, link_xi = [], [], [], []
-    for wire, n, h in zip(plan.wires, strands.links, strands.h, strict=True):
-        node_line += [wire.name] * (int(n) + 1)
-        link_line += [wire.name] * int(n)
-        node_xi.append(np.arange(n + 1) * h)
-        link_xi.append((np.arange(n) + 0.5) * h)
     # Beds carry some of the weight: how much is unknown.
     bedded = any(wire.bed for wire in plan.wires)
     return Layout(
-        axes=tuple("xyz"[a] for a in axes_of(task)), node_line=tuple(node_line), node_xi=np.concatenate(node_xi),
-        link_line=tuple(link_line), link_xi=np.concatenate(link_xi), contact_load=task.contacts,
+        axes=tuple("xyz"[a] for a in axes_of(task)), contact_load=task.contacts,
+        **uniform([wire.name for wire in plan.wires], strands.links, strands.h),
         support=supports_of(plan)[0], body=tuple(body.name for body in task.shown),
         tie=tuple(tie.name for tie in plan.ties), tie_station=tuple(tie.spot.station for tie in plan.ties),
         foreign=foreign, watched=tuple(plan.watched),

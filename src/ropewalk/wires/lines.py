@@ -2,29 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.mechanics.assembly import axes_of, loads_of, strands_of, supports_of
 from ropewalk.mechanics.chain import MATERIAL, Loads
-from ropewalk.mechanics.fleet import fleet_of
+from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.rider import force_at
-from ropewalk.mechanics.wheels import wheels_of
+from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import AnyLoad, MovingForce
-from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Guided
 from ropewalk.solve.multibody import Multibody, multibody_of
-from ropewalk.solve.start import Setting
 from ropewalk.wires.ends import compliance, kinds_of, lengthened
-from ropewalk.wires.journey import ON_GROUND, Journey, travelled
+from ropewalk.wires.journey import ON_GROUND, Journey
 from ropewalk.wires.plan import Array, Contact, Rider, Wire
 from ropewalk.wires.task import Shown
-
-# Loads are put together for a mesh so fine that nothing of them depends on it.
-_FINE = 10_000_000
 
 
 def wire_of(name: str, line: Line) -> Wire:
@@ -53,24 +48,8 @@ def _pulled(line: Line) -> float | None:
     return min(found, default=None)
 
 
-def settled(scenario: Scenario, until: float, wires: Sequence[Wire] = ()) -> Setting:
-    """The loads of a scenario as arrays, without the mesh that chains need; lines are as long as their wires."""
-    fine = {name: line.model_copy(update={"elements": _FINE}) for name, line in scenario.lines.items()}
-    scenario = scenario.model_copy(update={"lines": fine})
-    axes, wheels = axes_of(scenario), wheels_of(scenario)
-    lengths = {name: line.length or line.distance for name, line in scenario.lines.items()}
-    lengths |= {wire.name: wire.length for wire in wires if wire.name in lengths}
-    strands, loads = strands_of(scenario, lengths), loads_of(scenario, wheels, until)
-    forces_only = all(isinstance(load, MovingForce) for load in scenario.loads.values())
-    fleet = None if forces_only else fleet_of(scenario, wheels, strands, axes, until)
-    return Setting(
-        axes, tuple(scenario.lines), strands, loads, supports_of(scenario, until), (), (), np.zeros(len(wheels)),
-        tuple(wheels), fleet, {},
-    )  # fmt: skip
-
-
 def journey_of(
-    setting: Setting, name: str, load: AnyLoad, wire: int, line: Line, length: float | None = None
+    loading: Loading, name: str, load: AnyLoad, wire: int, line: Line, length: float | None = None
 ) -> tuple[Journey, Multibody | None]:
     """The journey of a load on its line, and how it was put together if it has a mass.
 
@@ -81,23 +60,23 @@ def journey_of(
     Raises:
         RopewalkError: its matrices cannot be used.
     """
-    wheels = np.flatnonzero([wheel.load == name for wheel in setting.wheels])
-    starts = np.array([setting.wheels[int(k)].start for k in wheels])
+    wheels = np.flatnonzero([wheel.load == name for wheel in loading.wheels])
+    starts = np.array([loading.wheels[int(k)].start for k in wheels])
     behind = starts.max() - starts
-    material = bool(setting.loads.measure[wheels[0]] == MATERIAL)
+    material = bool(loading.loads.measure[wheels[0]] == MATERIAL)
     scale = 1.0 if material else (length or line.length or line.distance) / abs(line.end[0] - line.start[0])
-    place = _place(setting.loads, int(wheels[np.argmax(starts)]), scale * float(starts.max()), scale)
+    place = _place(loading.loads, int(wheels[np.argmax(starts)]), scale * float(starts.max()), scale)
     ground = spatial(line.start)[2]
     if isinstance(load, MovingForce):
-        k, up = int(wheels[0]), len(setting.axes) - 1
+        k, up = int(wheels[0]), len(loading.axes) - 1
         none = np.zeros((0, 0))
         rider = Rider(name, none, none, none, (Contact(wire, stiffness=0.0, material=material),))
 
         def given(times: Array) -> Array:
-            return np.array([[force_at(setting.loads, k, float(t), up)] for t in times])
+            return np.array([[force_at(loading.loads, k, float(t), up)] for t in times])
 
         return Journey(rider, place, given=given), None
-    system = multibody_of(setting, name, load, behind)
+    system = multibody_of(loading, name, load, behind)
     rider = _rider(system, name, load, wire, scale * behind, ground, material=material)
     return Journey(rider, place, beside=ON_GROUND, stands=True), system
 
@@ -105,7 +84,7 @@ def journey_of(
 def _place(loads: Loads, k: int, start: float, scale: float) -> Callable[[Array], Array]:
     """Times to stations of load k, m: at the start, and `scale` times as fast as its speed says."""
     part = slice(int(loads.speed_first[k]), int(loads.speed_first[k] + loads.speed_count[k]))
-    return travelled(start, loads.speed_time[part], scale * loads.speed_value[part])
+    return partial(Travelled(loads.speed_time[part], scale * loads.speed_value[part]).at, start=start)
 
 
 def _rider(
@@ -143,12 +122,12 @@ def _rider(
     return Rider(name, M[np.ix_(keep, keep)], reduced[1], reduced[0], tuple(contacts))
 
 
-def shown_of(setting: Setting, system: Multibody, journey: int, line: Line) -> list[Shown]:
+def shown_of(loading: Loading, system: Multibody, journey: int, line: Line) -> list[Shown]:
     """The bodies of a load that results show: what moves up and down."""
-    assert setting.fleet is not None
+    assert loading.fleet is not None
     heavy = int((np.diag(system.mass) > 0.0).sum())
     found = []
-    for body in setting.fleet.shown:
+    for body in loading.fleet.shown:
         if body.wheel in system.wheels and body.coordinates[-1] in system.coordinates:
             c = system.coordinates.index(body.coordinates[-1])
             base = spatial(line.start)[2] + float(system.rest[c])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -10,14 +9,14 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
-from ropewalk.errors import RopewalkError
 from ropewalk.results.frame import IN_AIR, OFF_LINE, Account
+from ropewalk.results.running import TimeHistory
+from ropewalk.results.spectrum import Spectrum
 from ropewalk.solve.equations import Equations, LinearBody, sprung
 from ropewalk.solve.free_vibration import free_vibration
-from ropewalk.solve.spectrum import Spectrum
 from ropewalk.wires.bearing import Bearing
 from ropewalk.wires.equilibrium import Potential, allowed
-from ropewalk.wires.frames import SAMPLE, Run
+from ropewalk.wires.frames import Wires
 from ropewalk.wires.journey import ON_GROUND, Journey
 from ropewalk.wires.layout import axes_of
 from ropewalk.wires.mesh import Mesh, Riders, riders_of
@@ -72,7 +71,7 @@ def spectrum_with_loads(task: Task, how_many: int | None = None) -> Spectrum:
 
 
 def spectrum_at(
-    task: Task, t: float, *, sample: float = SAMPLE, step: float | None = None, how_many: int | None = None
+    task: Task, t: float, *, sample: float | None = None, step: float | None = None, how_many: int | None = None
 ) -> Spectrum:
     """The same at an instant of a motion, everything frozen as it is then: loads stay where they stand.
 
@@ -85,12 +84,9 @@ def spectrum_at(
     Raises:
         RopewalkError: the motion does not come to the instant.
     """
-    account = Account()
-    run = Run(task, np.array([0.0, t] if t > 0.0 else [0.0]), account, sample, step)
-    last = deque(run.frames(), maxlen=1)
-    if not last or account.outcome not in ("running", "completed") or last[0].path < t * (1.0 - 1e-12):
-        raise RopewalkError(f"the run did not come to t = {t:g} s ({account.outcome}): {account.advice}")
-    start, mesh, frame = run.start, run.mesh, last[0]
+    run = Wires(task, np.array([0.0, t] if t > 0.0 else [0.0]), account := Account(), sample, step)
+    frame = TimeHistory(run, account).last()
+    start, mesh = run.start, run.mesh
     shape = start.position.copy()
     shape[axes_of(task)] = frame.position.T
     position = start.position if start.rest is not None else shape

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, OFF_LINE, Account, Frame, Layout
+from ropewalk.results.audit import energies
+from ropewalk.results.frame import IN_AIR, MOVES, Account, Contacts, Frame, Layout
 from ropewalk.solve.following import schedule, slow_motion
 from ropewalk.wires.bearing import Bearing, Borne
 from ropewalk.wires.layout import axes_of, layout_of, reactions
@@ -39,9 +40,9 @@ class Still:
         """Names and coordinates of the result."""
         return layout_of(self.task, self.mesh, path="load_path")
 
-    def standing(self) -> Iterator[Frame]:
+    def standing(self) -> Frame:
         """The only frame of an equilibrium."""
-        yield self._frame(self._bearing.stand(0.0, self._start.position), 0.0)
+        return self._frame(self._bearing.stand(0.0, self._start.position), 0.0)
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
         """Frames at equal steps of the path of the first load, until it has come to the end of its line.
@@ -66,15 +67,8 @@ class Still:
             raise EquilibriumError("slow motion needs a load that travels")
         journey = self.task.journeys[0]
         length = self.task.plan.wires[journey.rider.contacts[0].wire].length
-        behind = np.array([contact.behind for contact in journey.rider.contacts])
-        begin = float(journey.place(np.zeros(1))[0])
-
-        def beyond(places: Array) -> Array:
-            ahead, back = places - behind.max() - length, behind.min() - places
-            gone: Array = np.where(places < begin, np.maximum(ahead, back), ahead) / length
-            return gone
-
-        return schedule(journey.rider.name, journey.place, beyond)
+        behind = [contact.behind for contact in journey.rider.contacts]
+        return schedule(journey.rider.name, journey.place, length, last=max(behind), first=min(behind))
 
     def _places(self, found: Borne) -> Array:
         """Where contacts are, (contact, 3) m; NaN of those off their wires."""
@@ -91,26 +85,22 @@ class Still:
         potential, riders = self._bearing.potential, self._bearing.riders
         tension = potential.tension(r)
         EA = np.repeat([wire.axial_stiffness for wire in self.task.plan.wires], strands.links)
-        place, force, both = self._places(found)[:, axes], np.full((count, dim), np.nan), np.full((count, 2), np.nan)
-        xi, state = np.full(count, np.nan), np.full(count, OFF_LINE)
+        seen = Contacts(count, dim)
+        seen.position = self._places(found)[:, axes]
         first = np.concatenate([[0], np.cumsum(strands.links)[:-1]])
         for k, seat in enumerate(found.seats):
             if seat is None:
                 continue
             a = int(riders.wire[k])
-            force[k], force[k, -1] = 0.0, found.force[k]
-            xi[k] = seat.links * strands.h[a]
-            both[k] = tension[first[a] + min(int(seat.links), int(strands.links[a]) - 1)]
-            state[k] = MOVES if found.touches[k] else IN_AIR
-        unknown, none = np.full(count, np.nan), np.zeros(count)
-        off = np.isnan(place)
+            seen.force[k], seen.force[k, -1] = 0.0, found.force[k]
+            seen.xi[k], seen.speed[k], seen.hold[k] = seat.links * strands.h[a], 0.0, 0.0
+            seen.tension[k] = tension[first[a] + min(int(seat.links), int(strands.links[a]) - 1)]
+            seen.state[k] = MOVES if found.touches[k] else IN_AIR
         bodies = self._bodies(found)
         return Frame(
             path=path, position=r[axes].T, velocity=np.zeros_like(r[axes].T), tension=tension, strain=tension / EA,
-            contact_position=place, contact_force=force, hold_force=np.where(off, np.nan, 0.0), contact_xi=xi,
-            contact_speed=np.where(np.isnan(xi), np.nan, 0.0), contact_tension=both, contact_friction=unknown,
-            contact_state=state, contact_in_air=none, friction_power=none.copy(), body_position=bodies,
-            body_velocity=np.zeros_like(bodies), reaction=self._reactions(r)[:, axes], energy=self._energy(found),
+            **seen.told(), body_position=bodies, body_velocity=np.zeros_like(bodies),
+            reaction=self._reactions(r)[:, axes], energy=self._energy(found),
             tie_force=potential.tie_forces(r),
         )  # fmt: skip
 
@@ -137,8 +127,7 @@ class Still:
         potential, r = self._bearing.potential, found.position
         loads, potential.pressing = potential.pressing, None
         weights = float((potential.force * r).sum())
-        energy = dict.fromkeys(ENERGY_FORMS, 0.0)
-        energy["elastic"], energy["gravitational"] = potential.energy(r) + weights, -weights
+        stored = potential.energy(r) + weights
         potential.pressing = loads
-        energy["load_potential"] = -float(self._bearing.riders.rest @ np.where(found.touches, found.height, 0.0))
-        return np.array([energy[form] for form in ENERGY_FORMS])
+        borne = -float(self._bearing.riders.rest @ np.where(found.touches, found.height, 0.0))
+        return energies(elastic=stored, gravitational=-weights, load_potential=borne)

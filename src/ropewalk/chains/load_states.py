@@ -99,7 +99,7 @@ def shown_bodies(setting: Setting, r: Array, bodies: Bodies) -> tuple[Array, Arr
     return place, speed
 
 
-def load_energies(setting: Setting, bodies: Bodies) -> Array:
+def load_energies(setting: Setting, bodies: Bodies) -> dict[str, float]:
     """Kinetic and potential energy of all loads, J."""
     strands, dim = setting.strands, len(setting.axes)
     z = dim - 1
@@ -128,7 +128,7 @@ def load_energies(setting: Setting, bodies: Bodies) -> Array:
     for buffer in bodies.buffers:
         deep = buffer["side"] * (r[buffer["wheel"], z] - bodies.coordinates["q"][buffer["coordinate"]])
         potential += 0.5 * float(buffer["stiffness"]) * max(float(deep), 0.0) ** 2
-    return np.array([kinetic, potential])
+    return {"load_kinetic": kinetic, "load_potential": potential}
 
 
 def light_wheels(setting: Setting, state: State, bodies: Bodies, places: Array) -> None:

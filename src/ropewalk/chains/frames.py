@@ -6,6 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropewalk.chains.load_states import (
+    Points,
+    contact_state,
+    light_wheels,
+    load_energies,
+    points_of,
+    seated_nodes,
+    shown_bodies,
+)
 from ropewalk.checkpoint import Tree, copied
 from ropewalk.mechanics.bodies import (
     ALONG_X,
@@ -31,50 +40,36 @@ from ropewalk.mechanics.chain import (
     LOAD_WORK,
     OFF,
     SUPPORT_WORK,
-    WORKS,
     Array,
     State,
 )
 from ropewalk.mechanics.law import stored_total, tensions
 from ropewalk.mechanics.rider import force_at, link_of, part_of, speed_at
-from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, STICKS, Frame, Layout
-from ropewalk.results.load_states import (
-    Points,
-    contact_state,
-    light_wheels,
-    load_energies,
-    points_of,
-    seated_nodes,
-    shown_bodies,
-)
+from ropewalk.results.audit import Audit
+from ropewalk.results.frame import MOVES, STICKS, Contacts, Frame, Layout, uniform
 from ropewalk.solve.ends import drives_at, ends_of
 from ropewalk.solve.holding import coefficient_used
-from ropewalk.solve.standing import Standing, View
 from ropewalk.solve.start import Setting, onward
-from ropewalk.solve.vehicle_statics import standing_bodies
 
 
 def layout_of(setting: Setting, path: str = "time") -> Layout:
     """Names and coordinates of the result of a run."""
     strands = setting.strands
-    node_line, link_line, node_xi, link_xi = [], [], [], []
-    for name, n, h in zip(setting.lines, strands.links, strands.h, strict=True):
-        node_line += [name] * (int(n) + 1)
-        link_line += [name] * int(n)
-        node_xi.append(np.arange(n + 1) * h)
-        link_xi.append((np.arange(n) + 0.5) * h)
     return Layout(
         axes=setting.axes,
-        node_line=tuple(node_line),
-        node_xi=np.concatenate(node_xi),
-        link_line=tuple(link_line),
-        link_xi=np.concatenate(link_xi),
+        **uniform(setting.lines, strands.links, strands.h),
         contact_load=tuple(wheel.name for wheel in setting.wheels),
         body=tuple(body.name for body in setting.fleet.shown) if setting.fleet is not None else (),
         support=tuple(f"{name}.{end}" for name in setting.lines for end in ("start", "end")),
         path=path,
         weight=-float((strands.rho * strands.h * strands.links).sum() * strands.gravity[-1]),
     )
+
+
+_WORKS = {
+    "line_damping": LINE_DAMPING, "contact_dissipation": CONTACT, "load_damping": LOAD_DAMPING, "friction": FRICTION,
+    "load_work": LOAD_WORK, "hold_work": HOLD_WORK, "support_work": SUPPORT_WORK, "drive_work": DRIVE,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -168,7 +163,7 @@ def _links_only(setting: Setting, values: Array) -> Array:
     return np.concatenate(keep)
 
 
-def energies(setting: Setting, state: State, elastic: float, w: Array) -> Array:
+def _of_lines(setting: Setting, state: State, elastic: float, w: Array) -> dict[str, float]:
     """Kinetic, elastic and gravitational energy of the lines and of what yields or moves with their ends, J.
 
     Args:
@@ -190,39 +185,39 @@ def energies(setting: Setting, state: State, elastic: float, w: Array) -> Array:
             moved = r[e] - setting.held(number // 2, t).place[number % 2]
             elastic += 0.5 * float(moved @ ends.stiffness[e] @ moved)
             gravitational -= float(ends.force[e] @ r[e])
-    return np.array([kinetic, elastic, gravitational])
+    return {"kinetic": kinetic, "elastic": elastic, "gravitational": gravitational}
 
 
-class Camera:
-    """Takes frames of a motion; the energy at the first one is the origin of the audit."""
+class FrameBuilder:
+    """Builds frames of a motion; the energy at the first one is the origin of the audit."""
 
     def __init__(self, setting: Setting, bodies: Bodies | None = None) -> None:
         self.setting, self.bodies = setting, bodies
         self._weightless = bodies is not None and are_weightless(bodies)
-        self._first: float | None = None
-        self._work: Array = np.zeros(WORKS)
+        self._audit = Audit()
+        self._work: Array | None = None  # at the first frame, J
         self._held: tuple[float, Array] = (0.0, np.zeros(setting.xi.size))
 
     def get_state(self) -> Tree:
         """The origin of the audit, and when hold forces were looked at last."""
-        since, impulse = self._held
-        return copied({"first": self._first, "work": self._work, "since": since, "impulse": impulse})
+        return copied({"audit": self._audit.get_state(), "work": self._work, "held": self._held})
 
     def set_state(self, tree: Tree) -> None:
         """Go on from there."""
-        own = copied(tree)
-        self._first, self._work, self._held = own["first"], own["work"], (own["since"], own["impulse"])
+        self._audit.set_state(tree["audit"])
+        self._work, (since, impulse) = copied(tree["work"]), tree["held"]
+        self._held = since, impulse.copy()
 
-    def take(self, state: State) -> Frame:
+    def build(self, state: State) -> Frame:
         """The frame of the present state."""
         setting, loads, bodies = self.setting, self.setting.loads, self.bodies
         pieces = _pieces(setting, state, bodies)
         r, w = _material_nodes(setting, state, bodies)
         dim, count, t = r.shape[0], state.xi.size, float(state.t[0])
-        nowhere = np.full((count, dim), np.nan)
-        place, force, hold = nowhere, nowhere.copy(), nowhere.copy()
-        xi, speed, both = np.full(count, np.nan), np.full(count, np.nan), np.full((count, 2), np.nan)
-        friction, phase = np.full(count, np.nan), np.full(count, OFF_LINE)
+        seen = Contacts(count, dim)
+        place, force, hold, both, xi, speed = (
+            seen.position, seen.force, seen.hold, seen.tension, seen.xi, seen.speed
+        )  # fmt: skip
         reaction = _reactions(setting, pieces.f)
         # The hold force of a chain ripples while a load passes a node: its mean since the last frame is reported.
         since, impulse = self._held
@@ -231,7 +226,7 @@ class Camera:
         for k in range(count):
             b = int(state.rider[k])
             if bodies is not None:
-                phase[k] = contact_state(state, bodies, k)
+                seen.state[k] = contact_state(state, bodies, k)
                 if b == CARRIED:
                     at = self._of_body(state, bodies, pieces, k, float(mean_hold[k]), reaction)
                     place[k], force[k], hold[k], both[k], xi[k], speed[k] = at
@@ -243,11 +238,11 @@ class Camera:
             if bodies is not None and not self._weightless:
                 F = bodies.wheels["on_line"][k, :dim].copy()
             if bodies is None:
-                phase[k] = MOVES if state.speed[k] != 0.0 else STICKS
+                seen.state[k] = MOVES if state.speed[k] != 0.0 else STICKS
             hold[k] = 0.0
             if b >= 0:
                 place[k], both[k] = state.r[:, b], pieces.T[[b - 1, b]]
-                friction[k] = _friction_used(setting, state, pieces, k, b)
+                seen.friction[k] = _friction_used(setting, state, pieces, k, b)
                 if loads.contact[k] == FRICTIONLESS:
                     hold[k, 0] = mean_hold[k]
             else:
@@ -263,12 +258,11 @@ class Camera:
             force[k] = F + hold[k]
             xi[k], speed[k] = state.xi[k], speed_at(loads, k, t)
         _let_yield(setting, state, reaction)
-        energy = energies(setting, state, pieces.elastic, w)
-        in_air, power, of_loads = np.zeros(count), np.zeros(count), np.zeros(2)
+        of_loads = dict[str, float]()
         shown = np.zeros((0, dim)), np.zeros((0, dim))
         if bodies is not None:
             light_wheels(setting, state, bodies, place)
-            in_air, power = bodies.wheels["in_air"].copy(), bodies.wheels["power"].copy()
+            seen.in_air, seen.power = bodies.wheels["in_air"].copy(), bodies.wheels["power"].copy()
             of_loads, shown = load_energies(setting, bodies), shown_bodies(setting, state.r, bodies)
         return Frame(
             path=t,
@@ -276,20 +270,11 @@ class Camera:
             velocity=w.T,
             tension=_links_only(setting, pieces.T),
             strain=_links_only(setting, pieces.eps),
-            contact_position=place,
-            contact_force=force,
-            hold_force=hold,
-            contact_xi=xi,
-            contact_speed=speed,
-            contact_tension=both,
-            contact_friction=friction,
-            contact_state=phase,
-            contact_in_air=in_air,
-            friction_power=power,
+            **seen.told(),
             body_position=shown[0],
             body_velocity=shown[1],
             reaction=reaction,
-            energy=self._audit(energy, of_loads, state.work),
+            energy=self._audit.of(**_of_lines(setting, state, pieces.elastic, w), **of_loads, **self._works(state)),
         )
 
     def _of_body(
@@ -323,16 +308,10 @@ class Camera:
             speed = U * float(np.linalg.norm(tangent, axis=0).mean())
         return place, force, hold, both, xi, speed
 
-    def _audit(self, energy: Array, of_loads: Array, work: Array) -> Array:
-        total = float(energy.sum() + of_loads.sum())
-        if self._first is None:
-            self._first, self._work = total, work.copy()
-        done = work - self._work
-        spent = done[LINE_DAMPING] + done[CONTACT] + done[FRICTION] + done[LOAD_DAMPING]
-        given = done[LOAD_WORK] + done[HOLD_WORK] + done[SUPPORT_WORK] + done[DRIVE]
-        works = done[[LINE_DAMPING, LOAD_WORK, HOLD_WORK, CONTACT, SUPPORT_WORK]]
-        spent_by_loads = done[[LOAD_DAMPING, FRICTION, DRIVE]]
-        return np.array([*energy, *works, *of_loads, *spent_by_loads, total - self._first + spent - given])
+    def _works(self, state: State) -> dict[str, float]:
+        """Works since the first frame, J."""
+        self._work = state.work.copy() if self._work is None else self._work
+        return {form: float(state.work[at] - self._work[at]) for form, at in _WORKS.items()}
 
 
 def _reactions(setting: Setting, f: Array) -> Array:
@@ -381,71 +360,3 @@ def _friction_used(setting: Setting, state: State, pieces: _Pieces, k: int, b: i
         return float("inf")
     turn = np.arccos(np.clip(behind @ ahead / (sizes[0] * sizes[1]), -1.0, 1.0))
     return float(coefficient_used(setting.loads.friction_model[k], np.log(sizes[1] / sizes[0]), turn))
-
-
-def standing_frame(
-    setting: Setting, stands: list[Standing], xi: Array, path: float, given: Array, t: float = 0.0
-) -> Frame:
-    """The frame of loads standing still.
-
-    Args:
-        stands: every strand at rest with its loads, in order.
-        xi: (load,) material coordinates, m.
-        path: load path, m.
-        given: (load, axis) forces of the loads without hold forces, N.
-        t: instant for which supports that move are taken, s.
-    """
-    strands, dim, count = setting.strands, len(setting.axes), xi.size
-    place, force, both = np.zeros((count, dim)), np.zeros((count, dim)), np.zeros((count, 2))
-    friction = np.zeros(count)
-    position, tension, strain, reaction = [], [], [], []
-    elastic = gravitational = 0.0
-    for s, rest in enumerate(stands):
-        on, last = setting.on[s], rest.X.size - 1
-        view = View.of(rest, strands.law[s], float(strands.h[s]))
-        position.append(view.position)
-        tension.append(view.tension)
-        strain.append(view.strain)
-        elastic, gravitational = elastic + view.elastic, gravitational + view.gravitational
-        place[on], force[on], both[on] = rest.r[:, rest.contact].T, rest.force.T, rest.beside
-        friction[on] = rest.friction
-        left, right = -rest.pull[:, 0] - rest.weight[:, 0], rest.pull[:, -1] - rest.weight[:, -1]
-        for k, i in enumerate(rest.contact):
-            if i == 0:
-                left = left - rest.force[:, k]
-            elif i == last:
-                right = right - rest.force[:, k]
-        reaction += [left, right]
-        held = setting.held(s, t)
-        if not held.is_fast:
-            ends = rest.r[:, [0, -1]].T
-            moved = ends - held.place
-            elastic += 0.5 * float(np.einsum("ea,eab,eb", moved, held.stiffness, moved))
-            gravitational -= float((held.force * moved).sum())
-    nodes, bodies = np.concatenate(position), np.zeros((0, dim))
-    energy = dict.fromkeys(ENERGY_FORMS, 0.0) | {"elastic": elastic, "gravitational": gravitational}
-    if setting.fleet is not None:
-        standing = standing_bodies(setting, place.T)
-        bodies = shown_bodies(setting, nodes.T, standing)[0]
-        energy["load_potential"] = float(load_energies(setting, standing)[1])
-    return Frame(
-        path=path,
-        position=nodes,
-        velocity=np.zeros_like(nodes),
-        tension=np.concatenate(tension),
-        strain=np.concatenate(strain),
-        contact_position=place,
-        contact_force=force,
-        hold_force=force - given,
-        contact_xi=xi.copy(),
-        contact_speed=np.zeros(count),
-        contact_tension=both,
-        contact_friction=friction,
-        contact_state=np.full(count, STICKS),
-        contact_in_air=np.zeros(count),
-        friction_power=np.zeros(count),
-        body_position=bodies,
-        body_velocity=np.zeros_like(bodies),
-        reaction=np.array(reaction),
-        energy=np.array([energy[form] for form in ENERGY_FORMS]),
-    )

@@ -1,0 +1,114 @@
+"""Plain ropes at rest: equilibrium with the loads at their start, and slow motion of the loads along their ways."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ropewalk.chains.frames import layout_of
+from ropewalk.chains.load_states import load_energies, shown_bodies
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.audit import energies
+from ropewalk.results.frame import STICKS, Account, Contacts, Frame, Layout
+from ropewalk.solve.measure import shapes
+from ropewalk.solve.quasistatic import Place, walk
+from ropewalk.solve.remarks import Remarks
+from ropewalk.solve.standing import View
+from ropewalk.solve.start import Setting, setting_of
+from ropewalk.solve.vehicle_statics import standing_bodies
+
+
+class Still:
+    """A run without inertia: its layout, and its frames.
+
+    Args:
+        scenario: what is computed.
+        account: filled in.
+        until: how long the histories of the loads are needed, s.
+
+    Raises:
+        EquilibriumError: a line has no rest shape.
+    """
+
+    def __init__(self, scenario: Scenario, account: Account, until: float) -> None:
+        self.setting, self.account = setting_of(scenario, until), account
+        account.method, account.reason = "rest", "least potential energy"
+        self._remarks = Remarks(self.setting, tuple(scenario.loads))
+
+    @property
+    def layout(self) -> Layout:
+        """Names and coordinates of the result."""
+        return layout_of(self.setting, "load_path")
+
+    def standing(self) -> Frame:
+        """The only frame of an equilibrium."""
+        xi = self.setting.xi
+        return self._frame(Place(0.0, 0.0, xi, np.zeros(xi.size), *shapes(self.setting, xi, 0.0)))
+
+    def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
+        """Frames at equal steps of the path of the first load, until a load has come to the end of its line.
+
+        Args:
+            positions: how many.
+            turn: rad, see `solve/following.py`.
+
+        Raises:
+            EquilibriumError: the first load has no way, or there is no rest with the loads somewhere on it.
+        """
+        for place in walk(self.setting, positions, turn):
+            yield self._frame(place)
+
+    def _frame(self, place: Place) -> Frame:
+        self.account.warnings += self._remarks.on(place)
+        return standing_frame(self.setting, place)
+
+
+def standing_frame(setting: Setting, at: Place) -> Frame:
+    """The frame of loads standing still; supports that move are taken at the time of the place."""
+    strands, dim, count = setting.strands, len(setting.axes), at.xi.size
+    seen = Contacts(count, dim)
+    position, tension, strain, reaction = [], [], [], []
+    elastic = gravitational = 0.0
+    for s, rest in enumerate(at.stands):
+        on, last = setting.on[s], rest.X.size - 1
+        view = View.of(rest, strands.law[s], float(strands.h[s]))
+        position.append(view.position)
+        tension.append(view.tension)
+        strain.append(view.strain)
+        elastic, gravitational = elastic + view.elastic, gravitational + view.gravitational
+        seen.position[on], seen.force[on], seen.tension[on] = rest.r[:, rest.contact].T, rest.force.T, rest.beside
+        seen.friction[on] = rest.friction
+        left, right = -rest.pull[:, 0] - rest.weight[:, 0], rest.pull[:, -1] - rest.weight[:, -1]
+        for k, i in enumerate(rest.contact):
+            if i == 0:
+                left = left - rest.force[:, k]
+            elif i == last:
+                right = right - rest.force[:, k]
+        reaction += [left, right]
+        held = setting.held(s, at.t)
+        if not held.is_fast:
+            ends = rest.r[:, [0, -1]].T
+            moved = ends - held.place
+            elastic += 0.5 * float(np.einsum("ea,eab,eb", moved, held.stiffness, moved))
+            gravitational -= float((held.force * moved).sum())
+    nodes, bodies = np.concatenate(position), np.zeros((0, dim))
+    potential = 0.0
+    if setting.fleet is not None:
+        standing = standing_bodies(setting, seen.position.T)
+        bodies = shown_bodies(setting, nodes.T, standing)[0]
+        potential = load_energies(setting, standing)["load_potential"]
+    seen.hold, seen.xi, seen.speed = seen.force - at.given, at.xi.copy(), np.zeros(count)
+    seen.state[:] = STICKS
+    return Frame(
+        path=at.path,
+        position=nodes,
+        velocity=np.zeros_like(nodes),
+        tension=np.concatenate(tension),
+        strain=np.concatenate(strain),
+        **seen.told(),
+        body_position=bodies,
+        body_velocity=np.zeros_like(bodies),
+        reaction=np.array(reaction),
+        energy=energies(elastic=elastic, gravitational=gravitational, load_potential=potential),
+    )

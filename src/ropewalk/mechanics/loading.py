@@ -1,0 +1,44 @@
+"""The loads of a scenario as arrays, whatever mesh they travel on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropewalk.mechanics.assembly import axes_of, loads_of
+from ropewalk.mechanics.chain import Array, Loads, Strands
+from ropewalk.mechanics.fleet import Fleet, fleet_of
+from ropewalk.mechanics.wheels import Wheel, wheels_of
+from ropewalk.model.load import MovingForce
+from ropewalk.model.scenario import Scenario
+
+
+@dataclass(frozen=True)
+class Loading:
+    """All loads."""
+
+    axes: tuple[str, ...]
+    gravity: Array  # (axis,) m/s^2
+    wheels: tuple[Wheel, ...]
+    loads: Loads
+    fleet: Fleet | None  # what has a mass; None if nothing has
+
+
+def loading_of(scenario: Scenario, until: float, strands: Strands | None = None) -> Loading:
+    """Put together all loads of a scenario.
+
+    Args:
+        scenario: what is there.
+        until: how long their histories are needed, s.
+        strands: chains that they travel on, if they do; some of what they are there depends on the mesh.
+
+    Raises:
+        RopewalkError: the matrices of a load cannot be used.
+    """
+    axes, wheels = axes_of(scenario), tuple(wheels_of(scenario))
+    gravity = np.zeros(len(axes))
+    gravity[-1] = -scenario.gravity
+    forces_only = all(isinstance(load, MovingForce) for load in scenario.loads.values())
+    fleet = None if forces_only else fleet_of(scenario, wheels, strands, axes, until)
+    return Loading(axes, gravity, wheels, loads_of(scenario, wheels, until), fleet)

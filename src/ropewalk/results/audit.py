@@ -1,0 +1,58 @@
+"""The energy audit: what is stored, what works have been done, what is missing; and how much has changed its form."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropewalk.checkpoint import Tree
+from ropewalk.results.frame import ENERGY_FORMS, Array
+
+AUDIT = "imbalance"
+
+
+GIVEN = ("load_work", "hold_work", "support_work", "drive_work")
+
+
+def energies(**forms: float) -> Array:
+    """Energies stored and works since the start in the order of ENERGY_FORMS, J; what is not named is zero."""
+    found = np.zeros(len(ENERGY_FORMS))
+    for form, value in forms.items():
+        found[ENERGY_FORMS.index(form)] = value
+    return found
+
+
+class Audit:
+    """Whether energy is kept: stored and spent less given, as at the first frame. What differs is the imbalance."""
+
+    def __init__(self) -> None:
+        self._first: float | None = None
+
+    def of(self, **forms: float) -> Array:
+        """Energies of a frame in the order of ENERGY_FORMS, the imbalance with them, J."""
+        energy = energies(**forms)
+        total = float(energy.sum()) - 2.0 * sum(forms.get(form, 0.0) for form in GIVEN)
+        self._first = total if self._first is None else self._first
+        energy[ENERGY_FORMS.index(AUDIT)] = total - self._first
+        return energy
+
+    def get_state(self) -> Tree:
+        """The origin."""
+        return self._first
+
+    def set_state(self, tree: Tree) -> None:
+        """Count from there."""
+        self._first = tree
+
+
+def turnover(energy: Array) -> Array:
+    """Energy that has changed its form since the start, in J: half the sum of all changes.
+
+    Args:
+        energy: array (frame, form) in J, in the order of ENERGY_FORMS.
+
+    Returns:
+        Array (frame,).
+    """
+    forms = [k for k, form in enumerate(ENERGY_FORMS) if form != AUDIT]
+    moved: Array = np.nansum(np.abs(energy[:, forms] - energy[:1, forms]), axis=1) / 2
+    return moved

@@ -1,0 +1,182 @@
+"""A run under way, whatever computes it: one loop over the frames that are still to come."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+from ropewalk.checkpoint import Tree
+from ropewalk.errors import RopewalkError
+from ropewalk.foreign.turns import Turns, begun
+from ropewalk.results.exchanges import exchanged, exchanging
+from ropewalk.results.frame import Account, Array, Frame, Layout
+
+
+class Ending(NamedTuple):
+    """Why a motion has ended early."""
+
+    outcome: str
+    advice: str
+
+
+class Engine(Protocol):
+    """What computes a motion: it goes from one output instant to the next and can be looked at there."""
+
+    @property
+    def layout(self) -> Layout:
+        """Names and coordinates of its frames."""
+
+    @property
+    def times(self) -> Array:
+        """Output instants in s, from 0."""
+
+    @property
+    def turns(self) -> Sequence[Turns]:
+        """Exchanges with foreign models."""
+
+    @property
+    def looks_ahead(self) -> bool:
+        """Whether the frame of an instant needs the step after it: a longer run goes on from before the last one."""
+
+    def advance(self, i: int) -> Ending | None:
+        """Go on to output instant i, from that before it; why it has ended, if it has."""
+
+    def frame(self) -> Frame | None:
+        """The present frame; of a motion that has broken down there may be none."""
+
+    def remark(self, frame: Frame) -> None:
+        """Note what one should know of a frame."""
+
+    def get_state(self) -> Tree:
+        """All that changes."""
+
+    def set_state(self, tree: Tree) -> None:
+        """Go on from there."""
+
+
+class TimeHistory:
+    """A motion under way: its layout, and its frames one after the other.
+
+    Args:
+        engine: what computes it, in its first state.
+        account: filled in.
+        past: what `get_state` gave, to go on from there.
+    """
+
+    def __init__(self, engine: Engine, account: Account, past: Tree | None = None) -> None:
+        self.engine, self.account = engine, account
+        self._taken, self._last = 0, None
+        if past is not None:
+            with begun(engine.turns):
+                self._taken = past["frames"]
+                engine.set_state(past["engine"])
+                account.set_state(past["account"])
+
+    @property
+    def layout(self) -> Layout:
+        """Names and coordinates of its frames."""
+        return self.engine.layout
+
+    @property
+    def total(self) -> int:
+        """How many frames it will have."""
+        return int(self.engine.times.size)
+
+    def get_state(self) -> Tree:
+        """All that changes; of an engine that looks ahead, at the end, that before the last step.
+
+        Raises:
+            RopewalkError: a load is a model of somebody else's that gives no state.
+        """
+        if self._last is not None:
+            return self._last
+        return {"frames": self._taken, "engine": self.engine.get_state(), "account": self.account.get_state()}
+
+    def frames(self) -> Iterator[Frame]:
+        """The frames that are still to come; a motion that breaks down ends with the last one, and the account says so.
+
+        Raises:
+            RopewalkError: it cannot begin.
+        """
+        engine, account = self.engine, self.account
+        with exchanging(engine.turns, account):
+            for i in range(self._taken, self.total):
+                if engine.looks_ahead and i == self.total - 1:
+                    with suppress(RopewalkError):  # a model that gives no state
+                        self._last = self.get_state()
+                ending = engine.advance(i)
+                if ending is not None:
+                    account.outcome, account.advice = ending
+                frame = engine.frame()
+                self._taken = i + 1
+                if frame is not None:
+                    frame = exchanged(frame, engine.turns, account)
+                    engine.remark(frame)
+                    yield frame
+                if ending is not None:
+                    return
+
+    def last(self) -> Frame:
+        """The frame of the last instant.
+
+        Raises:
+            RopewalkError: the motion does not come to it.
+        """
+        found = deque(self.frames(), maxlen=1)
+        if not found or self.account.outcome not in ("running", "completed"):
+            outcome, advice = self.account.outcome, self.account.advice
+            raise RopewalkError(f"the run did not come to t = {self.engine.times[-1]:g} s ({outcome}): {advice}")
+        return found[0]
+
+
+class Still(Protocol):
+    """What computes equilibria."""
+
+    @property
+    def layout(self) -> Layout:
+        """Names and coordinates of its frames."""
+
+    def standing(self) -> Frame:
+        """With the loads at their start."""
+
+    def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
+        """At equal steps of the path of the first load, and where paths turn by more than an angle in rad between."""
+
+
+@dataclass(frozen=True)
+class Statics:
+    """Frames between which nothing is to be remembered."""
+
+    layout: Layout
+    given: Iterator[Frame]
+    total: int
+
+    def frames(self) -> Iterator[Frame]:
+        """All of them."""
+        return self.given
+
+    def get_state(self) -> None:
+        """Nothing."""
+
+
+Run = TimeHistory | Statics
+"""Who gives frames, whatever they are of."""
+
+
+def followed(frames: Iterator[Frame], account: Account) -> Iterator[Frame]:
+    """Frames of slow motion; one that ends where there is no equilibrium keeps those before.
+
+    Raises:
+        RopewalkError: there is not even the first one.
+    """
+    try:
+        for frame in frames:
+            account.steps += 1
+            yield frame
+    except RopewalkError as error:
+        if account.steps == 0:
+            raise
+        account.outcome, account.advice = "no rest shape", str(error)

@@ -1,0 +1,165 @@
+"""What is handed over of a spectrum: eigenvalues, frequencies, damping ratios, and the shapes of modes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ropewalk.results.frame import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """The lowest modes of a structure."""
+
+    frequency: Array
+    """(mode,) natural angular frequencies, rad/s, ascending."""
+    ratio: Array
+    """(mode,) damping ratios."""
+    shape: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    """(mode, node, 3) displacements in x, y, z; the largest is 1."""
+    position: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    """(node, 3) m, at rest."""
+    line: tuple[str, ...] = ()
+    """Line or net of each node."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """The spectrum of one line, or of several together (`lines` then holds that of each)."""
+
+    name: str
+    unknowns: int
+    """Size of J."""
+    lowest_frequency: float
+    """Smallest natural (undamped) angular frequency that is not zero, rad/s; 0 if there is none."""
+    highest_frequency: float
+    """Largest natural angular frequency, rad/s."""
+    slowest_damping_ratio: float
+    """Damping ratio of the mode of the lowest frequency; above 1 a mode does not oscillate."""
+    fastest_damping_ratio: float
+    """Damping ratio of the mode of the highest frequency."""
+    largest_damping_ratio: float
+    """Largest damping ratio of the modes computed."""
+    smallest_eigenvalue: float
+    """Smallest |lambda| that is not zero, 1/s."""
+    largest_eigenvalue: float
+    """Largest |lambda|, 1/s."""
+    imaginary: bool
+    """Whether nothing is damped: every eigenvalue is imaginary, but for those of an unstable line."""
+    real_branches: bool
+    """Whether some modes are damped beyond oscillation."""
+    unstable: int
+    """Number of eigenvalues with a positive real part: directions in which the line, in compression, gives way."""
+    growth_rate: float
+    """Largest positive real part, 1/s; 0 if stable."""
+    neutral: int
+    """Number of modes without any stiffness: slack."""
+    damping_rate: float
+    """Largest eigenvalue of (mass matrix)^-1 (Kelvin-Voigt matrix), 1/s."""
+    eigenvalues: NDArray[np.complex128]
+    """spec(J) in 1/s by size: all of it if `complete`, else the ends."""
+    complete: bool
+    """Whether `eigenvalues` is the whole of spec(J)."""
+    method: str
+    """How the eigenvalues were found."""
+    lines: tuple[Spectrum, ...] = ()
+    """The spectrum of each line, where this one is of several."""
+    modes: Modes | None = None
+    """The lowest modes with their shapes, where they were asked for."""
+
+    @property
+    def stiffness_ratio(self) -> float:
+        """Largest by smallest |lambda|; NaN if there is none."""
+        return self.largest_eigenvalue / self.smallest_eigenvalue if self.smallest_eigenvalue > 0.0 else math.nan
+
+    @property
+    def stable_step(self) -> float:
+        """Largest stable step of the Verlet method of splitting.py, s: (omega dt)^2 / 4 + damping_rate dt = 1.
+
+        That is 2 / omega without Kelvin-Voigt damping, whose force is taken at extrapolated velocities, and
+        1 / damping_rate where it prevails. Drag costs nothing. A load that comes to ride on a node makes links as short
+        as half a link, which raises omega by up to 13 % and the damping rate by up to 28 %.
+        """
+        rate = self.damping_rate + math.hypot(self.damping_rate, self.highest_frequency)
+        return 2.0 / rate if rate > 0.0 else math.inf
+
+    @property
+    def character(self) -> str:
+        """In a word: oscillatory-stiff, damped, dissipatively stiff; or unstable; or empty."""
+        if not self.unknowns:
+            return "empty"
+        if self.unstable:
+            return "unstable"
+        if self.imaginary:
+            return "oscillatory-stiff"
+        return "dissipatively stiff" if self.fastest_damping_ratio >= 1.0 else "damped"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Everything as plain numbers with units in the names, for JSON; what is not finite is None."""
+        ratio, step = self.stiffness_ratio, self.stable_step
+        out: dict[str, Any] = {
+            "line": self.name,
+            "unknowns": self.unknowns,
+            "character": self.character,
+            "lowest_frequency_rad_per_s": self.lowest_frequency,
+            "lowest_frequency_hz": self.lowest_frequency / math.tau,
+            "highest_frequency_rad_per_s": self.highest_frequency,
+            "highest_frequency_hz": self.highest_frequency / math.tau,
+            "slowest_damping_ratio": self.slowest_damping_ratio,
+            "fastest_damping_ratio": self.fastest_damping_ratio,
+            "largest_damping_ratio": self.largest_damping_ratio,
+            "smallest_eigenvalue_per_s": self.smallest_eigenvalue,
+            "largest_eigenvalue_per_s": self.largest_eigenvalue,
+            "stiffness_ratio": ratio if math.isfinite(ratio) else None,
+            "imaginary": self.imaginary,
+            "real_branches": self.real_branches,
+            "unstable_eigenvalues": self.unstable,
+            "growth_rate_per_s": self.growth_rate,
+            "neutral_modes": self.neutral,
+            "damping_rate_per_s": self.damping_rate,
+            "stable_verlet_step_s": step if math.isfinite(step) else None,
+            "eigenvalues_are_complete": self.complete,
+            "eigenvalues_per_s": {"real": self.eigenvalues.real.tolist(), "imaginary": self.eigenvalues.imag.tolist()},
+            "method": self.method,
+        }
+        if self.lines:
+            out["lines"] = [line.as_dict() for line in self.lines]
+        return out
+
+    def table(self) -> list[tuple[str, str]]:
+        """What to print: names and values with units."""
+        said = {
+            "unstable": f"unstable (compression): {self.unstable} growing, the fastest with {self.growth_rate:.5g} 1/s",
+            "oscillatory-stiff": "imaginary: undamped, oscillatory-stiff",
+            "damped": "damped oscillations" + (", some modes do not oscillate" if self.real_branches else ""),
+            "dissipatively stiff": "real negative branches: dissipatively stiff",
+            "empty": "empty: no node is free",
+        }
+        rows = [
+            ("line", self.name),
+            ("unknowns of J", f"{self.unknowns}"),
+            ("spectrum", said[self.character]),
+            ("lowest frequency", _frequency(self.lowest_frequency)),
+            ("highest frequency", _frequency(self.highest_frequency)),
+            ("damping ratio of the slowest mode", f"{self.slowest_damping_ratio:.5g}"),
+            ("damping ratio of the fastest mode", f"{self.fastest_damping_ratio:.5g}"),
+            ("largest damping ratio", f"{self.largest_damping_ratio:.5g}"),
+            ("stiffness ratio", f"{self.stiffness_ratio:.5g}"),
+            ("largest damping rate", f"{self.damping_rate:.5g} 1/s"),
+            ("stable Verlet step", f"{self.stable_step:.5g} s"),
+            ("method", self.method),
+        ]
+        if self.neutral:
+            rows.insert(3, ("modes without stiffness", f"{self.neutral}"))
+        for line in self.lines:
+            rows += [("", ""), *line.table()]
+        return rows
+
+
+def _frequency(omega: float) -> str:
+    return f"{omega:.6g} rad/s = {omega / math.tau:.6g} Hz"
