@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.capabilities import WEBS, WIRES, check_spectrum, engine_of
+from ropewalk.capabilities import SYSTEM, WEBS, WIRES, check_spectrum, engine_of
 from ropewalk.checkpoint import Tree
-from ropewalk.errors import Problem, RopewalkError, ScenarioError
+from ropewalk.errors import Problem, ScenarioError
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.load import MovingForce
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from ropewalk.results.recorder import Recorder
     from ropewalk.results.spectrum import Spectrum
-    from ropewalk.solve.start import Setting
 
 # Size of the compiled kernel of a motion in bytes from which on it is that with bodies.
 BODIED_KERNEL = 2_000_000
@@ -111,6 +110,10 @@ def must_compile(scenario: Scenario) -> str:
         from ropewalk.webs import motion
 
         return "about a minute" if _sizes(motion.advance) == [] else ""
+    if engine is SYSTEM:
+        from ropewalk.system import motion as loop
+
+        return "about half a minute" if _sizes(loop.advance) == [] else ""
     if engine is WIRES:
         from ropewalk.wires import large, small
 
@@ -169,6 +172,10 @@ def _motion(scenario: Scenario, run: Dynamic, account: Account, times: Array, pa
         from ropewalk.webs.moving import Motion as Web  # lazy: most runs do not need their kernels
 
         return Web(scenario, account, times, past=past is not None)
+    if engine is SYSTEM:
+        from ropewalk.system.moving import Motion as System  # lazy: as above
+
+        return System(scenario, account, times)
     if engine is WIRES:
         from ropewalk.wires.frames import Wires  # lazy: as above
         from ropewalk.wiring import task_of

@@ -37,11 +37,12 @@ class Scenario(Declaration):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        report("scenario", check(self._parts))
+        report("scenario", check(self.parts))
         return self
 
     @property
-    def _parts(self) -> Parts:
+    def parts(self) -> Parts:
+        """The same in parts, as checks see it."""
         on = {name: load.on for name, load in self.loads.items()}
         return Parts(
             self.lines, self.loads, self.run, self.gravity, on, self.overhead_lines, self.nets, self.joints, self.wind
@@ -50,7 +51,7 @@ class Scenario(Declaration):
     @property
     def is_web(self) -> bool:
         """Whether lines are joined or run over sheaves, there are nets, or air pushes at lines: these move as webs."""
-        return self._parts.is_web
+        return self.parts.is_web
 
     @property
     def is_stiff(self) -> bool:
@@ -60,4 +61,4 @@ class Scenario(Declaration):
     @property
     def is_plane(self) -> bool:
         """Whether nothing leaves the x-z plane."""
-        return not leaving(self._parts)
+        return not leaving(self.parts)

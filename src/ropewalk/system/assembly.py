@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from ropewalk.mechanics.assembly import axes_of, components, held_by, loads_of, pack, speed_table, strands_of, vector_table
+from ropewalk.mechanics.assembly import axes_of, components, held_by, pack, speed_table, vector_table
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import records
-from ropewalk.mechanics.fleet import fleet_of
-from ropewalk.mechanics.wheels import wheels_of
+from ropewalk.mechanics.loading import Loading
 from ropewalk.model.joint import Joined
 from ropewalk.model.load import MovingForce
 from ropewalk.model.scenario import Scenario
@@ -22,12 +23,27 @@ from ropewalk.system.structure import Holdings, Lines, Nodes, Runs, Structure, W
 from ropewalk.webs.lengths import laid_at_rest
 
 
-def structure_of(scenario: Scenario, until: float) -> tuple[Structure, Array]:
-    """A structure, and about where its nodes (axis, node) rest, in m.
+@dataclass(frozen=True, eq=False)
+class Assembled:
+    """A structure, and what results name of it."""
+
+    structure: Structure
+    axes: tuple[str, ...]
+    near: Array  # (axis, node) m, about where its nodes rest
+    station: Array  # (node,) m along the line of each
+    line: tuple[str, ...]  # (run,)
+    supports: tuple[tuple[str, int], ...]  # names of supports, and which holdings they are
+
+
+def structure_of(scenario: Scenario, until: float) -> Assembled:
+    """The structure of a scenario, without its loads.
 
     Args:
         scenario: what is there.
         until: how long histories are needed, s.
+
+    Raises:
+        EquilibriumError: its lines have no rest.
     """
     laid, rest = laid_at_rest(scenario.model_copy(update={"loads": {}}), until)
     axes = axes_of(scenario)
@@ -60,9 +76,10 @@ def structure_of(scenario: Scenario, until: float) -> tuple[Structure, Array]:
         begin, end = components(line.start, axes), components(line.end, axes)
         level[part] = np.linspace(begin[-1], end[-1], links[s] + 1)
         way = (end - begin) / np.linalg.norm(end - begin) * h[s]
+        before, after = (sections[i][0] if 0 <= i < len(sections) else None for i in (s - 1, s + 1))
+        ends = before != sections[s][0], after != sections[s][0]
         for side, support in enumerate((line.start_support, line.end_support)):
-            at_end = sections[s][2][0] == 0.0 if side == 0 else s + 1 == len(lines) or sections[s + 1][0] != sections[s][0]
-            if at_end and isinstance(support, Fixed) and support.clamped:
+            if ends[side] and isinstance(support, Fixed) and support.clamped:
                 clamped[s, side], turned[s, side] = 1, way if side == 0 else -way
     runs = Runs(
         first, links.astype(np.int64), h, np.array([line.mass for line in lines]),
@@ -71,7 +88,7 @@ def structure_of(scenario: Scenario, until: float) -> tuple[Structure, Array]:
         np.array([line.foundation or 0.0 for line in lines]), np.array([line.wind_drag for line in lines]),
         clamped, turned,
     )  # fmt: skip
-    holdings = _holdings(scenario, sections, first, original, gravity, until, axes, {e.name: e.node for e in laid.ends})
+    holdings = _holdings(scenario, sections, first, original, gravity, until, axes)
     light = np.divide(1.0, mass, out=np.zeros(n), where=mass > 0.0)
     light[holdings.node] = 0.0
     names = list(scenario.lines)
@@ -86,28 +103,36 @@ def structure_of(scenario: Scenario, until: float) -> tuple[Structure, Array]:
         ),
         holdings, _wind(scenario, until, axes),
     )  # fmt: skip
-    return structure, r
+    where = {int(n): e for e in range(holdings.mass.size) for n in _members(holdings, e)}
+    at_ends = {end.name: int(np.flatnonzero(original == end.node)[0]) for end in laid.ends}
+    supports = tuple((name, where[node]) for name, node in at_ends.items())
+    station = np.concatenate([station for *_, station in sections])
+    return Assembled(structure, axes, r, station, tuple(name for name, _, _ in sections), supports)
+
+
+def _members(holdings: Holdings, e: int) -> Integers:
+    return holdings.node[holdings.first[e] : holdings.first[e] + holdings.nodes[e]]
 
 
 def _holdings(
     scenario: Scenario, sections: list[tuple[str, Integers, Array]], first: Integers, original: Integers,
-    gravity: Array, until: float, axes: tuple[str, ...], supported: dict[str, int],
+    gravity: Array, until: float, axes: tuple[str, ...],
 ) -> Holdings:  # fmt: skip
     """Supports at the ends of lines, and what keeps nodes together."""
     dim = gravity.size
     members = {int(i): np.flatnonzero(original == i) for i in np.unique(original)}
-    found: dict[int, dict[str, object]] = {
+    found: dict[int, dict[str, Any]] = {
         i: {"node": nodes, "free": np.eye(dim)} for i, nodes in members.items() if nodes.size > 1
     }
-    none = {
+    none: dict[str, Any] = {
         "mass": 0.0, "force": np.zeros(dim), "stiffness": np.zeros((dim, dim)), "damping": np.zeros((dim, dim)),
         "place": np.zeros(dim), "table": (np.zeros(1), np.zeros((dim, 1))),
     }  # fmt: skip
     for name, line in scenario.lines.items():
-        mine = [(node, s) for (own, node, _), s in zip(sections, first, strict=True) if own == name]
-        for side, support in (("start", line.start_support), ("end", line.end_support)):
-            node = int(mine[0][0][0] if side == "start" else mine[-1][0][-1])
-            entry = found.setdefault(node, {"node": members[node], "free": np.eye(dim)})
+        mine = [node for own, node, _ in sections if own == name]
+        ends = ((mine[0][0], line.start, line.start_support), (mine[-1][-1], line.end, line.end_support))
+        for node, place, support in ends:
+            entry = found.setdefault(int(node), {"node": members[int(node)], "free": np.eye(dim)})
             if isinstance(support, Joined):
                 if support.to in scenario.joints:
                     joint = scenario.joints[support.to]
@@ -115,21 +140,23 @@ def _holdings(
                 continue
             free, stiffness, damping, force = held_by(support, axes)
             mass = getattr(support, "mass", 0.0)
-            time, moved = vector_table(getattr(support, "displacement", (0.0,) * dim), until, axes)
+            history = getattr(support, "displacement", (0.0,) * dim)
             entry |= {
                 "mass": mass, "force": force + mass * gravity, "free": free, "stiffness": stiffness,
-                "damping": damping, "place": components(line.start if side == "start" else line.end, axes),
-                "table": (time, moved),
+                "damping": damping, "place": components(place, axes), "table": vector_table(history, until, axes),
             }  # fmt: skip
     entries = [none | entry for entry in found.values()]
-    counts = np.array([np.size(e["node"]) for e in entries], dtype=np.int64)
-    tables = [e["table"] for e in entries]
-    sizes = np.array([t[0].size for t in tables], dtype=np.int64)  # type: ignore[index]
+
+    def column(key: str) -> Array:
+        return np.array([entry[key] for entry in entries], dtype=float)
+
+    counts = np.array([entry["node"].size for entry in entries], dtype=np.int64)
+    sizes = np.array([entry["table"][0].size for entry in entries], dtype=np.int64)
     return Holdings(
-        np.cumsum(counts) - counts, counts, np.concatenate([e["node"] for e in entries]).astype(np.int64),  # type: ignore[misc]
-        np.array([e["mass"] for e in entries]), *(np.array([e[key] for e in entries]) for key in ("force", "free", "stiffness", "damping", "place")),
-        np.cumsum(sizes) - sizes, sizes, np.concatenate([t[0] for t in tables]),  # type: ignore[index]
-        np.ascontiguousarray(np.hstack([t[1] for t in tables])),  # type: ignore[index]
+        np.cumsum(counts) - counts, counts, np.concatenate([e["node"] for e in entries]).astype(np.int64),
+        column("mass"), column("force"), column("free"), column("stiffness"), column("damping"), column("place"),
+        np.cumsum(sizes) - sizes, sizes, np.concatenate([e["table"][0] for e in entries]),
+        np.ascontiguousarray(np.hstack([e["table"][1] for e in entries])),
     )  # fmt: skip
 
 
@@ -142,28 +169,31 @@ def _wind(scenario: Scenario, until: float, axes: tuple[str, ...]) -> Wind:
     return Wind(direction / np.linalg.norm(direction), time, speed, wind.air_density)
 
 
-def loads_on(scenario: Scenario, structure: Structure, until: float) -> tuple[np.ndarray, Tables, Bodies]:
-    """Contacts of all loads, their histories and what has a mass above them."""
-    axes, wheels = axes_of(scenario), wheels_of(scenario)
-    dim = len(axes)
-    lengths = dict(zip(scenario.lines, structure.lines.length.tolist(), strict=True))
-    loads = loads_of(scenario, wheels, until)
+def contacts_of(scenario: Scenario, loading: Loading, lines: tuple[str, ...]) -> tuple[Any, Tables, Bodies]:
+    """Contacts of all loads, their histories, and what has a mass above them.
+
+    Args:
+        scenario: what is there.
+        loading: its loads.
+        lines: their names, as the structure numbers them.
+    """
+    wheels, loads, dim = loading.wheels, loading.loads, len(loading.axes)
     contacts = records(len(wheels), CONTACT)
-    contacts["line"] = loads.strand
+    contacts["line"] = [lines.index(wheel.on) for wheel in wheels]
     contacts["begin"] = [wheel.start for wheel in wheels]
     for key in ("speed_first", "speed_count", "force_first", "force_count"):
         contacts[key] = getattr(loads, key)
+    contacts["lift"] = [wheel.lift for wheel in wheels]
     contacts["before"] = np.nan
     tables = Tables(loads.speed_time, loads.speed_value, loads.speed_path, loads.force_time, loads.force_value)
     heavy = [k for k, wheel in enumerate(wheels) if not isinstance(scenario.loads[wheel.load], MovingForce)]
     contacts["kind"] = FORCE
     contacts["kind"][heavy] = BODY
-    contacts["lift"] = [wheel.lift for wheel in wheels]
     contacts["first"][heavy] = dim * np.arange(len(heavy))
     places = dim * len(heavy)
-    if not heavy:
-        return contacts, tables, _bodies([], np.zeros(0), np.zeros(0), np.zeros((0, 2), dtype=np.int64), 0)
-    fleet = fleet_of(scenario, wheels, strands_of(scenario, lengths), axes, until).bodies
+    if loading.fleet is None:
+        return contacts, tables, _bodies([], np.zeros(0), np.zeros(0), np.zeros((0, 2), dtype=np.int64))
+    fleet = loading.fleet.bodies
     count = places + fleet.coordinates.size
     mass, force, owner = np.zeros(count), np.zeros(count), np.full((count, 2), -1, dtype=np.int64)
     for k in heavy:
@@ -175,15 +205,14 @@ def loads_on(scenario: Scenario, structure: Structure, until: float) -> tuple[np
     for v, vehicle in enumerate(fleet.vehicles):
         own, n = int(vehicle["coordinates"]), int(vehicle["coordinates"] + vehicle["wheels"])
         at = [places + int(vehicle["first"]) + i for i in range(own)]
-        at += [int(contacts[k]["first"] + a) for k, a in zip(fleet.wheel[v], fleet.axis[v], strict=True)][: n - own]
+        seats = zip(fleet.wheel[v, : n - own], fleet.axis[v, : n - own], strict=True)
+        at += [int(contacts[k]["first"] + a) for k, a in seats]
         np.add.at(force, at, fleet.load[v, :n])
         parts.append((np.array(at), fleet.M[v, :n, :n], fleet.C[v, :n, :n], fleet.K[v, :n, :n]))
-    return contacts, tables, _bodies(parts, mass, force, owner, places)
+    return contacts, tables, _bodies(parts, mass, force, owner)
 
 
-def _bodies(
-    parts: list[tuple[np.ndarray, Array, Array, Array]], mass: Array, force: Array, owner: Integers, places: int
-) -> Bodies:
+def _bodies(parts: list[tuple[Integers, Array, Array, Array]], mass: Array, force: Array, owner: Integers) -> Bodies:
     size = np.array([at.size for at, *_ in parts], dtype=np.int64)
     most = int(size.max(initial=1))
     at = np.zeros((len(parts), most), dtype=np.int64)

@@ -17,7 +17,7 @@ from ropewalk.system.contacts import AWAY, ON, stiffen, yields
 from ropewalk.system.structure import IN_BODIES, STRUCK
 
 # Rounds of Newton's method for contacts without mass, and the part of a link to which their places are found.
-ROUNDS, SETTLED = 8, 1e-12
+ROUNDS, SETTLED = 40, 1e-11
 FIRM = 1e-12  # part of the compliance of its springs by which a contact at a support gives way
 
 
@@ -35,7 +35,7 @@ class Bodies(NamedTuple):
     M: Array  # (part, size, size) kg, with lumped masses
     C: Array  # N s/m
     K: Array  # N/m
-    inverse: Array  # (2, part, size, size) 1/kg, of M + h/2 C with the length h of a kick: of a step, and of half a step
+    inverse: Array  # (2, part, size, size) 1/kg, of M + h/2 C for kicks of the length h: a step, and half a step
     weightless: Integers  # (part,) number of its coordinates that have no mass
     A: Array  # (size, size) room
     b: Array  # (size,)
@@ -113,25 +113,32 @@ def balance(structure, room, contacts, bodies, state, table, out, dt, since):
                 if k >= 0:
                     stiffen(structure, room, contacts, state, table, out, k)
                     free = 0.5 * dt * dt * yields(structure, contacts, k) + FIRM / (bodies.K[p, i, i] + 1e-300)
-                    stiff = 1.0 / (1.0 / contacts[k].stiff[a] + free)
-                    contacts[k].N[a] = contacts[k].d[a] / (contacts[k].soft + free)
-                    A[i, i] += stiff
-                    b[i] += stiff * state.u[c] - contacts[k].N[a]
-                    contacts[k].firmness[a] = stiff
+                    contacts[k].hard = 1.0 / (contacts[k].soft + free)
+                    for j in range(n):  # N changes by 1/C and by the tension that the kink makes
+                        d = bodies.at[p, j]
+                        if bodies.contact[d] == k:
+                            stiff = contacts[k].rise * contacts[k].d[a] * contacts[k].d[bodies.axis[d]]
+                            stiff += contacts[k].hard if d == c else 0.0
+                            A[i, j] += stiff
+                            b[i] += stiff * state.u[d]
+                    b[i] -= contacts[k].hard * contacts[k].d[a]
             _solve(A, b, n)
             most = 0.0
             for i in range(n):
                 c = bodies.at[p, i]
-                k, a = bodies.contact[c], bodies.axis[c]
+                k = bodies.contact[c]
                 if bodies.per_mass[c] == 0.0:
                     if k >= 0 and contacts[k].state == ON:
-                        contacts[k].N[a] += contacts[k].firmness[a] * (b[i] - state.u[c])
                         most = max(most, abs(b[i] - state.u[c]) / structure.runs.h[contacts[k].run])
                     state.u[c] = b[i]
             if most < SETTLED:
                 break
         for i in range(n):
             c = bodies.at[p, i]
+            k, a = bodies.contact[c], bodies.axis[c]
+            if bodies.per_mass[c] == 0.0 and k >= 0 and contacts[k].state == ON:
+                stiffen(structure, room, contacts, state, table, out, k)
+                contacts[k].N[a] = contacts[k].d[a] * contacts[k].hard
             if bodies.per_mass[c] == 0.0 and rate > 0.0:
                 state.w[c] = (state.u[c] - bodies.old[c]) * rate
 

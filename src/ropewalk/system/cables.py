@@ -5,8 +5,9 @@
     D(i) = r(i-1) - 2 r(i) + r(i+1).
 
 A link is an arc, longer than its chord by what a circle through its neighbours is: waves across a run are right to the
-fourth order of the mesh, for tension as for bending; c stiffens the shortest ones. What contacts add to the strain of the links under them (kinks)
-comes from `contacts.py`. All forces are gradients of V, but for Kelvin-Voigt damping and wind.
+fourth order of the mesh, for tension as for bending; c stiffens the shortest ones. What contacts add to the strain of
+the links under them (kinks) comes from `contacts.py`. All forces are gradients of V, but for Kelvin-Voigt damping and
+wind.
 """
 
 from __future__ import annotations

@@ -24,8 +24,8 @@ from ropewalk.system.spline import WIDTH, share
 # The arc of a link above its chord, over the one that a circle through its neighbours has: the length of a
 # smooth curve is right to the fourth order of the mesh.
 CORRECTION = 1.0
-# The same of the change of the curvature between its ends. It would be 4/15 for waves that are right to the sixth order;
-# more of it lets no wave of the links be slower than a kink at nine tenths of the speed of waves, which would shed it.
+# The same of the change of the curvature between its ends. 4/15 would make waves right to the sixth order; more of it
+# lets no wave of the links be slower than a kink at nine tenths of the speed of waves, which would radiate it.
 SHORT = 1.0
 # Bending energy of the change of the curvature, over h^2 times that of the curvature: exact to the fourth order.
 SMOOTH = 1.0 / 6.0

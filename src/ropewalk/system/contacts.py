@@ -11,8 +11,6 @@ along the line a kink feels the tension T - rho U^2.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ropewalk.mechanics import law
@@ -66,8 +64,8 @@ CONTACT = np.dtype(
         ("carried", _REAL),  # N/m, by which 1/C is less since the contact moves
         ("was", *_VECTOR),  # m, d when it was last looked at
         ("lagged", *_VECTOR),  # N, `carried` times d then
-        ("stiff", *_VECTOR),  # N/m, change of N with d
-        ("firmness", *_VECTOR),  # N/m, the same with what gives way within a step
+        ("rise", _REAL),  # N/m^3, over the product of two components of d: what N changes by as the tension rises
+        ("hard", _REAL),  # N/m, 1/C with what gives way within a step
         ("firm", _REAL),  # part of 1/C that is not of the tension
         ("kink", _REAL),  # strain of the links below, all together
         ("turn", _REAL),  # J/m, change of the energy of the kink with s, beside that of p
@@ -175,9 +173,7 @@ def stiffen(structure, room, contacts, state, table, out, k):
         T, slope = _tension_under(structure, room, contacts, k, contacts[k].kink)
         part = _soften(structure, contacts, table, out, k, T)
     contacts[k].kink = part * square / (h * h)
-    for a in range(axes):
-        soft = contacts[k].soft
-        contacts[k].stiff[a] = (1.0 / soft if soft > 0.0 else np.inf) + (2.0 * part * contacts[k].d[a] / h) ** 2 * slope / h
+    contacts[k].rise = (2.0 * part / h) ** 2 * slope / h
 
 
 @lean_inner
@@ -264,7 +260,7 @@ def press(structure, room, contacts, state, bodies, table, out, dt):
     Args:
         dt: s, of a step: what gives way within it keeps a stiff contact stable.
     """
-    axes, light = state.r.shape[0], structure.nodes.light
+    axes = state.r.shape[0]
     for k in range(contacts.size):
         if contacts[k].state == AWAY:
             for a in range(axes):

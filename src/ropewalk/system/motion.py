@@ -11,10 +11,10 @@ from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.rider import look_up
 from ropewalk.system.bodies import balance, drift, kick
 from ropewalk.system.cables import blow, energy_of, pull_all, stretch_all
-from ropewalk.system.contacts import AWAY, BODY, FORCE, ON, bend, locate, press
+from ropewalk.system.contacts import AWAY, BODY, ON, bend, locate, press
 from ropewalk.system.structure import CARRIED, DAMPED, HELD, LOADED, MOVED
 
-RUNNING, NOT_FINITE = 0, 1
+RUNNING, NOT_FINITE, AT_END = 0, 1, 2
 
 
 class Tables(NamedTuple):
@@ -98,7 +98,7 @@ def _kick_holdings(structure, room, state, h, dt, A, b):
         for a in range(axes):
             rank += held.free[e, a, a]
         for a in range(axes):
-            room.reaction[e, a] = -b[a]
+            room.reaction[e, a] = held.force[e, a] - b[a]
         if rank == 0.0:
             if moves:  # places half a kick before and after
                 for a in range(axes):
@@ -106,19 +106,20 @@ def _kick_holdings(structure, room, state, h, dt, A, b):
                     state.work[MOVED] -= b[a] * way
             continue
         for a in range(axes):
-            F, away = b[a], 0.0
+            F = b[a]
             for c in range(axes):
                 far = _displaced(held, e, c, t)
                 rate = (_displaced(held, e, c, t + 0.5 * h) - _displaced(held, e, c, t - 0.5 * h)) / h if moves else 0.0
                 spring = held.stiffness[e, a, c] * (far - r[c, first])
                 F += spring - held.damping[e, a, c] * (v[c, first] - rate)
-                away += spring - held.damping[e, a, c] * (v[c, first] - rate)
                 if moves:
-                    state.work[MOVED] += h * (spring - held.damping[e, a, c] * (v[c, first] - rate)) * (
-                        _displaced(held, e, a, t + 0.5 * h) - _displaced(held, e, a, t - 0.5 * h)
-                    ) / h
+                    state.work[MOVED] += (
+                        h
+                        * (spring - held.damping[e, a, c] * (v[c, first] - rate))
+                        * (_displaced(held, e, a, t + 0.5 * h) - _displaced(held, e, a, t - 0.5 * h))
+                        / h
+                    )
             A[a, axes] = h * (F - drag * v[a, first])
-            room.reaction[e, a] = away + held.force[e, a]
         # within the free directions: P A P + (1 - P)
         for a in range(axes):
             b[a] = 0.0
@@ -140,6 +141,8 @@ def _kick_holdings(structure, room, state, h, dt, A, b):
                 lost += rate_a * held.damping[e, a, c] * rate_c
             lost += drag * (v[a, first] + 0.5 * b[a]) ** 2
         state.work[DAMPED] += h * lost
+        for a in range(axes):
+            room.reaction[e, a] += (M - held.mass[e]) * b[a] / h + drag * (v[a, first] + 0.5 * b[a])
         for i in range(held.first[e], held.first[e] + held.nodes[e]):
             for a in range(axes):
                 v[a, held.node[i]] += b[a]
@@ -182,7 +185,7 @@ def _drift(structure, state, h):
 
 
 @lean_inner
-def _book(structure, room, contacts, bodies, state, h, fresh):
+def _book(structure, room, contacts, state, h):
     """Works of given forces since the last look, and of what moves contacts along, for a kick of the time h."""
     axes = state.r.shape[0]
     for k in range(contacts.size):
@@ -200,7 +203,7 @@ def _book(structure, room, contacts, bodies, state, h, fresh):
                 state.work[CARRIED] += 0.5 * (push + contacts[k].lagged[a]) * (contacts[k].d[a] - contacts[k].was[a])
             contacts[k].was[a], contacts[k].lagged[a] = contacts[k].d[a], push
         if contacts[k].speed != 0.0:
-            length, pushed = structure.runs.h[contacts[k].run], 0.0
+            pushed = 0.0
             for a in range(axes):
                 pushed -= contacts[k].N[a] * contacts[k].along[a]
                 pushed -= 0.5 * contacts[k].N[a] * contacts[k].d[a] * contacts[k].turn
@@ -253,7 +256,7 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
         )
         state.work[DAMPED] += h * lost
         state.work[LOADED] += h * blown
-        _book(structure, room, contacts, bodies, state, h, step == 0)
+        _book(structure, room, contacts, state, h)
         state.work[DAMPED] += _kick_nodes(structure, room, state, h, dragged)
         _kick_holdings(structure, room, state, h, dt, A, b)
         kick(contacts, bodies, state, h, half)
@@ -268,7 +271,16 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
 
 
 @lean
-def stored(structure, room, contacts, tables, bodies, state, table, out, dt):
+def look(structure, room, contacts, tables, bodies, state, table, out, dt):
+    """Find all forces at the places of now, as nothing moved."""
+    windy = False
+    for a in range(state.r.shape[0]):
+        windy = windy or structure.wind.direction[a] != 0.0
+    _look(structure, room, contacts, tables, bodies, state, table, out, dt, 0.0, windy)
+
+
+@lean
+def stored(structure, room, contacts, tables, bodies, state, table, out):
     """Energy stored in all runs with their kinks, J."""
     stretch_all(structure.runs, room, state.r)
     locate(structure, contacts, tables, state, state.t[0])

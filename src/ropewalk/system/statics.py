@@ -9,11 +9,11 @@ import scipy.sparse as sparse
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.compiled import lean
 from ropewalk.solve import minimum
 from ropewalk.solve.symmetric import Way
 from ropewalk.system.cables import ARC, SHORT_ARC, energy_of, pull_all, stretch_all
 from ropewalk.system.compliance import SMOOTH
-from ropewalk.mechanics.compiled import lean
 from ropewalk.system.structure import Room, Structure
 
 
@@ -53,24 +53,24 @@ class Potential:
             for parts in zip(*((at, np.full(at.size, j), v) for j, (at, v) in enumerate(columns)), strict=True)
         )
         self.free = sparse.csc_matrix((value, (row, column)), shape=(axes * n, len(columns)))
-        self._one, self._two, self._three, self._weight = self._operators()
+        self._one, self._two, self._weight = self._operators()
+        self._three = self._one @ self._two  # links are between second differences as between nodes
 
-    def _operators(self) -> tuple[sparse.csr_matrix, sparse.csr_matrix, sparse.csr_matrix, Array]:
-        """Links (node, node), second differences and their differences, and weights of bending."""
+    def _operators(self) -> tuple[sparse.csr_matrix, sparse.csr_matrix, Array]:
+        """Links and second differences (node, node), and weights of the bending energy of these."""
         runs, n = self.structure.runs, self.structure.nodes.mass.size
-        one, two, three = (sparse.lil_matrix((n, n)) for _ in range(3))
+        one, two = (sparse.lil_matrix((n, n)) for _ in range(2))
         weight = np.ones(n)
         for first, links, clamped in zip(runs.first, runs.links, runs.clamped, strict=True):
             for i in range(first, first + links):
                 one[i, i], one[i, i + 1] = -1.0, 1.0
-                three[i, i], three[i, i + 1] = -1.0, 1.0
             for i in range(first + 1, first + links):
                 two[i, i - 1], two[i, i], two[i, i + 1] = 1.0, -2.0, 1.0
             for side, (e, i) in enumerate(((first, first + 1), (first + links, first + links - 1))):
                 weight[e] = 0.5
                 if clamped[side]:
                     two[e, e], two[e, i] = -2.0, 2.0
-        return one.tocsr(), two.tocsr(), (three.tocsr() @ two.tocsr()).tocsr(), weight
+        return one.tocsr(), two.tocsr(), weight
 
     def energy(self, r: Array) -> float:
         """Potential energy, J."""
@@ -117,15 +117,16 @@ class Potential:
             bed[[first, first + links]] *= 0.5
             tension[first + links] = 0.0
             h[first + links] = runs.h[s]
-        D = [self._two @ x for x in r]
+        D = self.room.bent.copy()
         chord = np.array([self._one @ x for x in r])
         length = np.sqrt((chord**2).sum(axis=0))
         length[length == 0.0] = 1.0
         way, q = chord / length, tension / length
         pair = sparse.diags([np.ones(n), np.ones(n - 1)], [0, 1])
         rows = [
-            sparse.diags(way[a] / h) @ self._one + sparse.diags(2.0 * ARC / h**2) @ pair @ sparse.diags(D[a]) @ self._two
-            + sparse.diags(2.0 * SHORT_ARC / h**2 * (self._three @ r[a])) @ self._three
+            sparse.diags(way[a] / h) @ self._one
+            + sparse.diags(2.0 * ARC / h**2) @ pair @ sparse.diags(D[a]) @ self._two
+            + sparse.diags(2.0 * SHORT_ARC / h**2 * (self._one @ D[a])) @ self._three
             for a in range(axes)
         ]
         rise = sparse.diags(h * slope)

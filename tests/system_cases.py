@@ -1,0 +1,43 @@
+"""Motions by the engine of the whole system, whichever engine would be chosen for them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ropewalk.model import Scenario
+from ropewalk.model.run import every_of
+from ropewalk.results.frame import ENERGY_FORMS, Account, Frame
+from ropewalk.results.running import TimeHistory
+from ropewalk.system.moving import Motion
+
+
+def frames_of(scenario: Scenario, times: np.ndarray | None = None) -> list[Frame]:
+    """All frames of a motion, which must come to its end."""
+    run = scenario.run
+    if times is None:
+        times = np.arange(0.0, run.until + 0.5 * every_of(run), every_of(run))
+    account = Account()
+    frames = list(TimeHistory(Motion(scenario, account, times), account).frames())
+    assert account.outcome == "running", account.advice
+    assert len(frames) == times.size
+    return frames
+
+
+def imbalance(frames: list[Frame]) -> float:
+    """What the energy audit misses at most, over the largest energy of loads and lines in motion."""
+    missed = max(abs(frame.energy[ENERGY_FORMS.index("imbalance")]) for frame in frames)
+    moving = [ENERGY_FORMS.index(form) for form in ("kinetic", "load_kinetic", "load_work", "hold_work")]
+    return float(missed / max(np.abs(frame.energy[moving]).max() for frame in frames))
+
+
+def line(**keys: Any) -> dict[str, Any]:
+    """A taut line of 1 m, 1 kg/m and 1 N."""
+    return {"start": [0, 0], "end": [1, 0], "tension": 1.0, "mass": 1.0, "axial_stiffness": 1e4} | keys
+
+
+def scenario(lines: dict[str, Any], loads: dict[str, Any], until: float, every: float, **keys: Any) -> Scenario:
+    """A motion of lines without weight."""
+    run = {"kind": "dynamic", "until": until, "every": every}
+    return Scenario.model_validate({"gravity": 0.0, "lines": lines, "loads": loads, "run": run} | keys)
