@@ -9,6 +9,8 @@ from ropewalk.linear import capabilities as linear
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import Capabilities, missing, refusal
 from ropewalk.model.load import Foreign
+from ropewalk.model.mass import MovingMass
+from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Equilibrium, Linear
 from ropewalk.model.scenario import Scenario
@@ -64,3 +66,19 @@ def check_spectrum(scenario: Scenario) -> None:
     for name, load in scenario.loads.items():
         if isinstance(load, Walker | Foreign):
             raise refusal(missing(("loads", name, "kind"), "the spectrum with loads", load.kind, remedy))
+
+
+def check_without_feedback(scenario: Scenario) -> None:
+    """Refuse loads of which it is not computed what force they exert on rigid ground.
+
+    Raises:
+        ScenarioError: there is such a load.
+    """
+    what = "a run without feedback"
+    for name, load in scenario.loads.items():
+        if isinstance(load, Pantograph) or (isinstance(load, Foreign) and engine_of(scenario) is WIRES):
+            path, where = ("loads", name, "kind"), "" if isinstance(load, Pantograph) else " of beams"
+            raise refusal(missing(path, what + where, load.kind, "leave it out, or ask for ropewalk compare"))
+        if load.on in scenario.nets and isinstance(load, MovingMass) and not isinstance(load.travel.speed, float):
+            feature, path = "a mass on a net whose speed varies", ("loads", name, "travel", "speed")
+            raise refusal(missing(path, what, "a speed that varies", "write one number", feature=feature))
