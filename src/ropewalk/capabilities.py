@@ -77,8 +77,9 @@ def check_without_feedback(scenario: Scenario) -> None:
     what = "a run without feedback"
     for name, load in scenario.loads.items():
         if isinstance(load, Pantograph) or (isinstance(load, Foreign) and engine_of(scenario) is WIRES):
-            path, where = ("loads", name, "kind"), "" if isinstance(load, Pantograph) else " of beams"
-            raise refusal(missing(path, what + where, load.kind, "leave it out, or ask for ropewalk compare"))
+            where = "" if isinstance(load, Pantograph) else " of beams"
+            remedy = "leave it out, or ask for ropewalk compare"
+            raise refusal(missing(("loads", name, "kind"), what + where, load.kind, remedy))
         if load.on in scenario.nets and isinstance(load, MovingMass) and not isinstance(load.travel.speed, float):
-            feature, path = "a mass on a net whose speed varies", ("loads", name, "travel", "speed")
-            raise refusal(missing(path, what, "a speed that varies", "write one number", feature=feature))
+            feature, given = "a mass on a net whose speed varies", "a speed that varies"
+            raise refusal(missing(("loads", name, "travel", "speed"), what, given, "write one number", feature=feature))
