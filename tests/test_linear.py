@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from ropewalk.errors import EquilibriumError
+from ropewalk.errors import EquilibriumError, RopewalkError
 from ropewalk.model import Dynamic, ForceTable, Line, Linear, MovingForce, Scenario, SpeedTable, Travel
 from ropewalk.simulate import simulate
 from ropewalk.theory import beam
