@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from ropewalk.errors import EquilibriumError
+from ropewalk.errors import EquilibriumError, RopewalkError
 from ropewalk.model import Dynamic, ForceTable, Line, Linear, MovingForce, Scenario, SpeedTable, Travel
 from ropewalk.simulate import simulate
 from ropewalk.theory import beam
@@ -164,5 +164,5 @@ def test_a_deep_rope_is_warned_of() -> None:
 
 
 def test_what_is_not_known_of_a_beam_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"enters at an end with constant speed is not implemented"):
+    with pytest.raises(RopewalkError, match=r"enters at an end with constant speed is not implemented"):
         linear(string(bending_stiffness=1.0), force(0.5, start=0.3))

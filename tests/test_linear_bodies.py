@@ -301,7 +301,8 @@ SLOPE = RIGID.replace("[1, 0]", "[1, 0.1]").replace("length: 1,", "length: 1.1,"
 @pytest.mark.parametrize(
     ("line", "load", "key", "says"),
     [
-        (RIGID, "kind: trolley, mass: 1, travel: {speed: 0.1}, payload: {mass: 1, length: 1}", "kind", "not implemented"),
+        (RIGID, "kind: trolley, mass: 1, travel: {speed: 0.1}, payload: {mass: 1, length: 1}", "kind",
+         "not implemented"),
         (RIGID, "kind: mass, mass: 1, travel: {kind: free}", "travel.kind", "given free; ask for kind: dynamic"),
         (RIGID, "kind: mass, mass: 1, travel: {speed: {time: [0, 1], value: [1, 2]}, at_end: leave}", "travel.speed",
          "a mass whose speed varies"),

@@ -9,6 +9,8 @@ from ropewalk.linear import capabilities as linear
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import Capabilities, missing, refusal
 from ropewalk.model.load import Foreign
+from ropewalk.model.mass import MovingMass
+from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Equilibrium, Linear
 from ropewalk.model.scenario import Scenario
@@ -75,3 +77,20 @@ def check_spectrum(scenario: Scenario) -> None:
     for name, load in scenario.loads.items():
         if isinstance(load, Walker | Foreign):
             raise refusal(missing(("loads", name, "kind"), "the spectrum with loads", load.kind, remedy))
+
+
+def check_without_feedback(scenario: Scenario) -> None:
+    """Refuse loads of which it is not computed what force they exert on rigid ground.
+
+    Raises:
+        ScenarioError: there is such a load.
+    """
+    what = "a run without feedback"
+    for name, load in scenario.loads.items():
+        if isinstance(load, Pantograph) or (isinstance(load, Foreign) and engine_of(scenario) is WIRES):
+            where = "" if isinstance(load, Pantograph) else " of beams"
+            remedy = "leave it out, or ask for ropewalk compare"
+            raise refusal(missing(("loads", name, "kind"), what + where, load.kind, remedy))
+        if load.on in scenario.nets and isinstance(load, MovingMass) and not isinstance(load.travel.speed, float):
+            feature, given = "a mass on a net whose speed varies", "a speed that varies"
+            raise refusal(missing(("loads", name, "travel", "speed"), what, given, "write one number", feature=feature))

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ropewalk.capabilities import ROPES, engine_of
 from ropewalk.decouple import cut
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array
-from ropewalk.model.run import Dynamic
+from ropewalk.model.run import Dynamic, Equilibrium
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.contract import doubts_of
+from ropewalk.results.nets import net_names
 from ropewalk.results.statistics import Summary, lines, summary
 from ropewalk.results.table import number
 from ropewalk.simulate import simulate
@@ -32,8 +34,8 @@ class Comparison:
 
     coupled: xr.Dataset
     without: xr.Dataset
-    lines: dict[str, Summary]  # of each line: largest deflection (m) and tension (N), of each support: largest force
-    supports: dict[str, Summary]
+    lines: dict[str, Summary]  # of each line: largest deflection (m) and tension (N), of each net the first
+    supports: dict[str, Summary]  # largest force
     wheels: dict[str, Summary]  # of each wheel: contact force (N), speed at which it leaves or stops (m/s)
 
     @property
@@ -53,11 +55,7 @@ class Comparison:
         name = max(self.wheels, key=lambda wheel: self.wheels[wheel]["contact_force"]["largest_difference"]["relative"])
         force = self.wheels[name]["contact_force"]
         most, typical = force["largest_difference"]["relative"], force["rms_difference"]["relative"]
-        changes = [
-            abs(line[what]["relative"] or 0.0)
-            for line in self.lines.values()
-            for what in ("largest_deflection", "largest_tension")
-        ]
+        changes = [abs(line[what]["relative"] or 0.0) for line in self.lines.values() for what in line]
         worst = max(changes)
         may = "may" if worst <= SMALL else "must not"
         return (
@@ -81,7 +79,8 @@ class Comparison:
         rows = [("", "with feedback", "without", "")]
         for line, found in self.lines.items():
             rows.append(_row(f"largest deflection of {line}", found["largest_deflection"], "m"))
-            rows.append(_row(f"largest tension of {line}", found["largest_tension"], "N"))
+            if "largest_tension" in found:
+                rows.append(_row(f"largest tension of {line}", found["largest_tension"], "N"))
         rows += [_row(f"largest force at {support}", found, "N") for support, found in self.supports.items()]
         for wheel, found in self.wheels.items():
             force = found["contact_force"]
@@ -125,24 +124,36 @@ def feedback(scenario: Scenario) -> Comparison:
 
 
 def _lines(scenario: Scenario, coupled: xr.Dataset, without: xr.Dataset) -> dict[str, Summary]:
-    setting = setting_of(scenario, 0.0)
-    found = {}
-    for s, line in enumerate(lines(coupled)):
-        bare = setting.bare[s] if isinstance(scenario.run, Dynamic) and scenario.run.start.with_loads else None
-        here = np.flatnonzero(coupled["line"].values == line)
-        level = coupled["position"].values[0, here, -1] if bare is None else bare.position[-1]
-        links = np.flatnonzero(coupled["link_line"].values == line)
-        xi, middle = coupled["xi"].values[here], coupled["link_xi"].values[links]
-        pairs = [
-            (
-                largest(level - result["position"].values[:, here, -1], xi, result["time"].values),
-                largest(result["tension"].values[:, links], middle, result["time"].values),
-            )
-            for result in (coupled, without)
-        ]
-        deflection, tension = zip(*pairs, strict=True)
-        found[line] = {"largest_deflection": _pair(*deflection), "largest_tension": _pair(*tension)}
+    found, bare = {}, _bare(scenario)
+    for name in (*lines(coupled), *net_names(coupled)):
+        here = np.flatnonzero(coupled["line"].values == name)
+        links = np.flatnonzero(coupled["link_line"].values == name)
+        level = bare.get(name, coupled["position"].values[0, here, -1])
+        xi, middle, time = (coupled[key].values for key in ("xi", "link_xi", "time"))
+        deflection, tension = [], []
+        for result in (coupled, without):
+            deflection.append(largest(level - result["position"].values[:, here, -1], xi[here], time))
+            if links.size:
+                tension.append(largest(result["tension"].values[:, links], middle[links], time))
+        if not links.size:  # a net: its nodes have no place along it, and it pulls per width
+            found[name] = {"largest_deflection": _pair(*({**one, "xi": None} for one in deflection))}
+            continue
+        found[name] = {"largest_deflection": _pair(*deflection), "largest_tension": _pair(*tension)}
     return found
+
+
+def _bare(scenario: Scenario) -> dict[str, Array]:
+    """Heights at rest without loads, by line; of other lines the run itself begins with them."""
+    if not isinstance(scenario.run, Dynamic) or not scenario.run.start.with_loads:
+        return {}
+    if engine_of(scenario) is ROPES:
+        setting = setting_of(scenario, 0.0)
+        pairs = zip(setting.lines, setting.bare, strict=True)
+        return {name: rest.position[-1] for name, rest in pairs if rest is not None}
+    rest = simulate(scenario.model_copy(update={"loads": {}, "run": Equilibrium()}))
+    return {
+        line: rest["position"].values[0, rest["line"].values == line, -1] for line in (*lines(rest), *net_names(rest))
+    }
 
 
 def largest(values: Array, xi: Array, time: Array) -> Summary:
@@ -211,7 +222,7 @@ def _row(what: str, pair: Summary, unit: str) -> tuple[str, str, str, str]:
 
 
 def _where(found: Summary) -> Iterator[str]:
-    if "xi" in found:
+    if found.get("xi") is not None:
         yield f"xi = {number(found['xi'])} m"
     if "time" in found:
         yield f"t = {number(found['time'])} s"

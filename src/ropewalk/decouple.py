@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ropewalk.capabilities import WEBS, WIRES, check_without_feedback, engine_of
 from ropewalk.errors import Problem, RopewalkError, ScenarioError
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.wheels import Wheel, wheels_of
@@ -28,7 +29,7 @@ from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.pantograph import Pantograph
-from ropewalk.model.run import Dynamic, Linear, Start, every_of
+from ropewalk.model.run import Dynamic, Equilibrium, Linear, Start, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
 from ropewalk.model.travel import FreeTravel, Travel
@@ -77,12 +78,7 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
     run = scenario.run
     if not isinstance(run, Dynamic | Linear):
         return scenario, {}
-    if scenario.is_web:
-        wrong, remedy = "joined lines, sheaves, nets and wind are not known here", "compare a line of its own"
-        raise ScenarioError([Problem("lines" if scenario.lines else "nets", wrong, remedy=remedy)])
-    if isinstance(run, Dynamic) and scenario.is_stiff:
-        wrong = "stiff lines and overhead lines in motion are not known here"
-        raise ScenarioError([Problem("run.kind", wrong, "dynamic", "ask for kind: linear, which knows beams")])
+    check_without_feedback(scenario)
     if isinstance(run, Dynamic) and run.start.kind == "result":
         wrong, remedy = "a stored result has other loads than a run without feedback", "start from rest"
         raise ScenarioError([Problem("run.start.kind", wrong, "result", remedy)])
@@ -108,7 +104,8 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
     order = [n for wheel in wheels_of(scenario) for n in names.get(wheel.name, (wheel.load,))]
     loads = {name: loads[name] for name in dict.fromkeys(order)}
     title = f"{scenario.title}, without feedback"
-    return Scenario(title=title, gravity=scenario.gravity, lines=scenario.lines, loads=loads, run=run), names
+    kept = {key: getattr(scenario, key) for key in Scenario.model_fields}
+    return Scenario(**{**kept, "title": title, "loads": loads}), names
 
 
 def _is_force(load: AnyLoad) -> bool:
@@ -144,8 +141,15 @@ def _static_forces(scenario: Scenario, names: list[str]) -> dict[str, tuple[floa
     """Forces [Fx, Fz] or [Fx, Fy, Fz] in N of loads at rest, by wheel."""
     if not names:
         return {}
+    engine = engine_of(scenario)
+    if engine in (WEBS, WIRES):
+        grounds = {name: _ground_of(scenario, name, 0.0) for name in names}
+        lines, loads = ({name: pair[i] for name, pair in grounds.items()} for i in (0, 1))
+        scenario = Scenario(gravity=scenario.gravity, lines=lines, loads=loads, run=Equilibrium())
     setting = setting_of(scenario, 0.0)
     forces = resting_forces(setting.loading)
+    if engine is WIRES:  # whose contacts press vertically; the rest is rounding
+        forces[:-1] = 0.0
     return {wheel.name: tuple(forces[:, k].tolist()) for k, wheel in enumerate(setting.wheels) if wheel.load in names}
 
 
@@ -192,6 +196,7 @@ class _Ground:
     result: xr.Dataset
     contacts: tuple[str, ...]  # names of the wheels, in order of the result
     scale: float  # m of ground for each m of its material coordinate
+    upright: bool  # whether the line feels vertical forces only
 
     @classmethod
     def run(cls, scenario: Scenario, name: str) -> _Ground:
@@ -202,10 +207,7 @@ class _Ground:
         """
         run, load = scenario.run, scenario.loads[name]
         assert isinstance(run, Dynamic)
-        setting = setting_of(scenario, 0.0)
-        s = setting.lines.index(load.on)
-        length = float(setting.strands.h[s] * setting.strands.links[s])
-        ground, load = _on_ground(name, load, scenario.lines[load.on], length, run.until, scenario.gravity)
+        ground, load = _ground_of(scenario, name, run.until)
         every = min(every_of(run), run.until / SAMPLES)
         falls = isinstance(load, Trolley) and load.payload.at is not None
         start = Start(with_loads=not (falls or isinstance(load, Foreign)))
@@ -216,13 +218,16 @@ class _Ground:
             told = f"{result.attrs['outcome']}: {'; '.join(doubts_of(result)) or result.attrs['advice']}"
             raise RopewalkError(f"the run of {name} on rigid ground did not come to its end ({told})")
         scale = ground.distance / float(result["xi"].values.max())
-        return cls(result, tuple(wheel.name for wheel in wheels_of(alone)), scale)
+        upright = engine_of(scenario) is WIRES
+        return cls(result, tuple(wheel.name for wheel in wheels_of(alone)), scale, upright)
 
     def forces(self, load: AnyLoad, wheel: Wheel) -> list[MovingForce]:
         """The forces that replace a wheel: one, or for a contact that is put down here and there one for each place."""
         k = self.contacts.index(wheel.name)
         time = self.result["time"].values
         force = np.nan_to_num(self.result["contact_force"].values[:, k])
+        if self.upright:
+            force[:, :-1] = 0.0
         place = self.result["contact_xi"].values[:, k] * self.scale
         if not isinstance(load, Travelling):
             return _put_down(load, time, place, force)
@@ -245,6 +250,22 @@ class _Ground:
         return [MovingForce(on=load.on, force=table, travel=travel)]
 
 
+def _ground_of(scenario: Scenario, name: str, until: float) -> tuple[Line, AnyLoad]:
+    """The ground for the load of that name, as long as its line, and the load on it."""
+    load = scenario.loads[name]
+    line = scenario.lines.get(load.on)
+    if line is None:  # a net: straight ahead, whichever way leads over it
+        length = 1.0
+        line = Line(start=(0.0, 0.0), end=(length, 0.0), length=length, mass=1.0, axial_stiffness=1.0)
+    elif engine_of(scenario) in (WEBS, WIRES):
+        length = line.length or line.distance
+    else:
+        setting = setting_of(scenario, 0.0)
+        s = setting.lines.index(load.on)
+        length = float(setting.strands.h[s] * setting.strands.links[s])
+    return _on_ground(name, load, line, length, until, scenario.gravity)
+
+
 def _on_ground(
     name: str, load: AnyLoad, line: Line, length: float, until: float, gravity: float
 ) -> tuple[Line, AnyLoad]:
@@ -264,7 +285,9 @@ def _on_ground(
         level = load.travel.measured == "horizontal"
         start = 0.5 * length * (abs(float(along[0])) if level else 1.0)
         measured = "horizontal" if level else "slip"
-        own["travel"] = load.travel.model_copy(update={"start": start, "measured": measured, "margin": None})
+        own["travel"] = load.travel.model_copy(
+            update={"start": start, "measured": measured, "margin": None, "path": None}
+        )
     elif isinstance(load, Travelling):
         travel = load.travel
         assert isinstance(travel, FreeTravel)

@@ -8,7 +8,6 @@ from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import Capabilities, missing
 from ropewalk.model.history import SpeedTable, rows
 from ropewalk.model.line import Line
-from ropewalk.model.load import MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
@@ -50,20 +49,6 @@ def _bodies(parts: Parts) -> Iterator[Finding]:
         line = parts.lines.get(load.on)
         for key, feature, given, remedy in (*_own(load), *(_on(load, line, parts.run) if line is not None else ())):
             yield missing(("loads", name, *key), _LINEAR, given, remedy, feature=feature)
-
-
-def _forces(parts: Parts) -> Iterator[Finding]:
-    """Forces on beams, or with a series of modes, as far as it is known beforehand that they are not supported."""
-    for name, load, _, line in parts.complete():
-        modes = isinstance(parts.run, Linear) and parts.run.modes is not None
-        if not isinstance(load, MovingForce) or not (line.bending_stiffness or modes):
-            continue
-        speed, force = load.travel.speed, load.force
-        varies = callable(speed) or callable(force) or len(rows(force)) > 1
-        varies = varies or (isinstance(speed, SpeedTable) and len(speed.value) > 1)
-        inside = isinstance(speed, float) and speed >= 0.0 and (speed == 0.0 or load.travel.start != 0.0)
-        if varies or inside:
-            yield force_inside(name) if line.bending_stiffness else modes_of_a_force(name)
 
 
 def _own(load: _Body) -> Iterator[_Lack]:
@@ -169,5 +154,5 @@ CAPABILITIES = Capabilities(
         "loads.contact_stiffness": f"leave it out, or {_DYNAMIC}",
         "loads.air_drag": f"leave it out, or {_DYNAMIC}",
     },
-    more=(_overhead_lines, _supports, _forces, _bodies),
+    more=(_overhead_lines, _supports, _bodies),
 )
