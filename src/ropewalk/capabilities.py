@@ -16,7 +16,6 @@ from ropewalk.model.run import Dynamic, Equilibrium, Linear
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.walker import Walker
 from ropewalk.solve import capabilities as ropes
-from ropewalk.system import capabilities as system
 from ropewalk.webs import capabilities as webs
 from ropewalk.wires import capabilities as wires
 
@@ -32,23 +31,13 @@ class Engine:
 ROPES = Engine(ropes.MOTION, ropes.AT_REST)
 WIRES = Engine(wires.MOTION, wires.AT_REST)
 WEBS = Engine(webs.MOTION, webs.AT_REST)
-SYSTEM = Engine(system.MOTION, system.MOTION)
 LINEAR = Engine(linear.CAPABILITIES, linear.CAPABILITIES)
 
 
 def engine_of(asked: Parts | Scenario) -> Engine:
-    """Choose the engine that computes a scenario.
-
-    Joined lines and lines in wind have two: the one of networks knows nets and sheaves, starts of every kind and
-    footsteps, that of the whole system bending stiffness and loads that have bodies.
-    """
+    """Choose the engine that computes a scenario."""
     if asked.is_web:
-        parts = asked.parts if isinstance(asked, Scenario) else asked
-        of_networks, of_system = (
-            list((engine.motion if isinstance(parts.run, Dynamic) else engine.at_rest).unsupported(parts))
-            for engine in (WEBS, SYSTEM)
-        )
-        return SYSTEM if of_networks and not of_system else WEBS
+        return WEBS
     if isinstance(asked.run, Linear):
         return LINEAR
     return WIRES if asked.is_stiff else ROPES

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.capabilities import SYSTEM, WEBS, WIRES, check_spectrum, engine_of
+from ropewalk.capabilities import WEBS, WIRES, check_spectrum, engine_of
 from ropewalk.checkpoint import Tree
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.mechanics.chain import Array
@@ -110,10 +110,6 @@ def must_compile(scenario: Scenario) -> str:
         from ropewalk.webs import motion
 
         return "about a minute" if _sizes(motion.advance) == [] else ""
-    if engine is SYSTEM:
-        from ropewalk.system import motion as loop
-
-        return "about half a minute" if _sizes(loop.advance) == [] else ""
     if engine is WIRES:
         from ropewalk.wires import large, small
 
@@ -172,10 +168,6 @@ def _motion(scenario: Scenario, run: Dynamic, account: Account, times: Array, pa
         from ropewalk.webs.moving import Motion as Web  # lazy: most runs do not need their kernels
 
         return Web(scenario, account, times, past=past is not None)
-    if engine is SYSTEM:
-        from ropewalk.system.moving import Motion as System  # lazy: as above
-
-        return System(scenario, account, times)
     if engine is WIRES:
         from ropewalk.wires.frames import Wires  # lazy: as above
         from ropewalk.wiring import task_of
