@@ -77,9 +77,9 @@ def structure_of(scenario: Scenario, until: float) -> Assembled:
         level[part] = np.linspace(begin[-1], end[-1], links[s] + 1)
         way = (end - begin) / np.linalg.norm(end - begin) * h[s]
         before, after = (sections[i][0] if 0 <= i < len(sections) else None for i in (s - 1, s + 1))
-        ends = before != sections[s][0], after != sections[s][0]
+        is_end = before != sections[s][0], after != sections[s][0]
         for side, support in enumerate((line.start_support, line.end_support)):
-            if ends[side] and isinstance(support, Fixed) and support.clamped:
+            if is_end[side] and isinstance(support, Fixed) and support.clamped:
                 clamped[s, side], turned[s, side] = 1, way if side == 0 else -way
     runs = Runs(
         first, links.astype(np.int64), h, np.array([line.mass for line in lines]),

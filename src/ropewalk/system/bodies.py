@@ -86,6 +86,9 @@ def balance(structure, room, contacts, bodies, state, table, out, dt, since):
         since: s, since this was done before; 0: nothing has moved since, and velocities are known.
     """
     A, b, rate = bodies.A, bodies.b, 1.0 / since if since > 0.0 else 0.0
+    for c in range(bodies.mass.size):
+        if bodies.alone[c] == 1 and bodies.per_mass[c] == 0.0 and contacts[bodies.contact[c]].state == ON:
+            state.u[c] = contacts[bodies.contact[c]].p[bodies.axis[c]]  # nothing above moves or holds it
     for p in range(bodies.size.size):
         if bodies.weightless[p] == 0:
             continue

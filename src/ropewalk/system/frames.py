@@ -60,7 +60,7 @@ class FrameBuilder:
         """The frame of a state whose forces are known; `elastic` is what its lines and contacts store, J."""
         seen = Contacts(contacts.size, len(self.assembled.axes))
         for k in np.flatnonzero(contacts["state"] == ON):
-            self._look_at(seen, k, contacts[k], state, room)
+            self._look_at(seen, int(k), contacts[k], state, room)
         places, velocities = self._shown_bodies(state)
         return Frame(
             path=float(state.t[0]), position=state.r[:, self._node].T.copy(), velocity=state.v[:, self._node].T.copy(),

@@ -104,9 +104,8 @@ class Room(NamedTuple):
     def of(structure: Structure, axes: int) -> Room:
         """Room of the right size."""
         n, held = structure.nodes.mass.size, structure.holdings.mass.size
-        return Room(
-            *(np.zeros(n) for _ in range(7)), np.zeros((axes, n)), np.zeros((axes, n)), np.zeros((held, axes)),
-        )  # fmt: skip
+        sizes = [(n,)] * 7 + [(axes, n), (axes, n), (held, axes)]
+        return Room(*(np.zeros(size) for size in sizes))
 
 
 class State(NamedTuple):
@@ -122,7 +121,7 @@ class State(NamedTuple):
 
     def copy(self) -> State:
         """An independent copy."""
-        return State(*(array.copy() for array in self))  # type: ignore[arg-type]
+        return State(*(array.copy() for array in self))
 
 
 # Entries of `work`.
