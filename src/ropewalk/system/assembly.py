@@ -23,6 +23,10 @@ from ropewalk.system.structure import Holdings, Lines, Nodes, Runs, Structure, W
 from ropewalk.webs.lengths import laid_at_rest
 
 
+# Part of the compliance of its springs by which a contact without mass gives way at a support.
+FIRM = 1e-12
+
+
 @dataclass(frozen=True, eq=False)
 class Assembled:
     """A structure, and what results name of it."""
@@ -209,7 +213,14 @@ def contacts_of(scenario: Scenario, loading: Loading, lines: tuple[str, ...]) ->
         at += [int(contacts[k]["first"] + a) for k, a in seats]
         np.add.at(force, at, fleet.load[v, :n])
         parts.append((np.array(at), fleet.M[v, :n, :n], fleet.C[v, :n, :n], fleet.K[v, :n, :n]))
-    return contacts, tables, _bodies(parts, mass, force, owner)
+    bodies = _bodies(parts, mass, force, owner)
+    for k in heavy:
+        own = contacts[k]["first"] + np.arange(dim)
+        contacts[k]["light"] = bodies.per_mass[own].max()
+        above = [bodies.K[p, i, i] for p, n in enumerate(bodies.size) for i in range(n) if bodies.at[p, i] in own]
+        stiffest = max(above, default=0.0)
+        contacts[k]["least"] = FIRM / stiffest if stiffest > 0.0 else 0.0
+    return contacts, tables, bodies
 
 
 def _bodies(parts: list[tuple[Integers, Array, Array, Array]], mass: Array, force: Array, owner: Integers) -> Bodies:

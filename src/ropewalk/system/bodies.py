@@ -13,12 +13,11 @@ import numpy as np
 
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean_inner
-from ropewalk.system.contacts import AWAY, ON, stiffen, yields
+from ropewalk.system.contacts import AWAY, ON, stiffen
 from ropewalk.system.structure import IN_BODIES, STRUCK
 
 # Rounds of Newton's method for contacts without mass, and the part of a link to which their places are found.
 ROUNDS, SETTLED = 40, 1e-11
-FIRM = 1e-12  # part of the compliance of its springs by which a contact at a support gives way
 
 
 class Bodies(NamedTuple):
@@ -78,11 +77,10 @@ def _solve(A, b, n):
 
 
 @lean_inner
-def balance(structure, room, contacts, bodies, state, table, out, dt, since):
+def balance(structure, room, contacts, bodies, state, table, out, since):
     """Put coordinates without mass where springs above and the line below are in balance, by Newton's method.
 
     Args:
-        dt: s, of a step.
         since: s, since this was done before; 0: nothing has moved since, and velocities are known.
     """
     A, b, rate = bodies.A, bodies.b, 1.0 / since if since > 0.0 else 0.0
@@ -115,16 +113,14 @@ def balance(structure, room, contacts, bodies, state, table, out, dt, since):
                         b[i] += bodies.C[p, i, j] * rate * bodies.old[d]
                 if k >= 0:
                     stiffen(structure, room, contacts, state, table, out, k)
-                    free = 0.5 * dt * dt * yields(structure, contacts, k) + FIRM / (bodies.K[p, i, i] + 1e-300)
-                    contacts[k].hard = 1.0 / (contacts[k].soft + free)
-                    for j in range(n):  # N changes by 1/C and by the tension that the kink makes
+                    for j in range(n):  # N changes by S and by the tension that the kink makes
                         d = bodies.at[p, j]
                         if bodies.contact[d] == k:
                             stiff = contacts[k].rise * contacts[k].d[a] * contacts[k].d[bodies.axis[d]]
-                            stiff += contacts[k].hard if d == c else 0.0
+                            stiff += contacts[k].moving if d == c else 0.0
                             A[i, j] += stiff
                             b[i] += stiff * state.u[d]
-                    b[i] -= contacts[k].hard * contacts[k].d[a]
+                    b[i] -= contacts[k].moving * contacts[k].d[a]
             _solve(A, b, n)
             most = 0.0
             for i in range(n):
@@ -138,10 +134,6 @@ def balance(structure, room, contacts, bodies, state, table, out, dt, since):
                 break
         for i in range(n):
             c = bodies.at[p, i]
-            k, a = bodies.contact[c], bodies.axis[c]
-            if bodies.per_mass[c] == 0.0 and k >= 0 and contacts[k].state == ON:
-                stiffen(structure, room, contacts, state, table, out, k)
-                contacts[k].N[a] = contacts[k].d[a] * contacts[k].hard
             if bodies.per_mass[c] == 0.0 and rate > 0.0:
                 state.w[c] = (state.u[c] - bodies.old[c]) * rate
 

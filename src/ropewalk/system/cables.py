@@ -1,13 +1,14 @@
 """Cable runs: links with their axial laws, bending and an elastic foundation, from one potential.
 
-    V = sum h W(e) + sum 1/2 EI/h^3 (|D|^2 + |D' - D|^2 / 6) + sum 1/2 bed h (z - level)^2,
-    e = |r(i+1) - r(i)| / h - 1 + (|D(i)|^2 + |D(i+1)|^2 + c |D(i+1) - D(i)|^2) / (48 h^2) + kinks,
+    V = sum h W(l/h - 1) + sum 1/2 EI/h^3 (|D|^2 + |D' - D|^2 / 6) + sum 1/2 bed h (z - level)^2,
+    l^2 = |r(i+1) - r(i)|^2 + (|D(i)|^2 + |D(i+1)|^2 + c |D(i+1) - D(i)|^2) / 24 + 2 K,
     D(i) = r(i-1) - 2 r(i) + r(i+1).
 
 A link is an arc, longer than its chord by what a circle through its neighbours is: waves across a run are right to the
-fourth order of the mesh, for tension as for bending; c stiffens the shortest ones. What contacts add to the strain of
-the links under them (kinks) comes from `contacts.py`. All forces are gradients of V, but for Kelvin-Voigt damping and
-wind.
+fourth order of the mesh, for tension as for bending; c stiffens the shortest ones. Squares of lengths are added and not
+lengths, so that a link has a direction of its force, T/l times its chord, also where it is slack and folded up. What
+contacts add to the links under them, K, comes from `contacts.py`. All forces are gradients of V, but for Kelvin-Voigt
+damping and wind.
 """
 
 from __future__ import annotations
@@ -40,21 +41,20 @@ def _bend(x, out, square, begin, n, axis, clamped, turned):
 
 @lean_inner
 def _stretch(x, y, z, strain, square, length, begin, n, h):
-    """Strain of all links of a run, arcs included, and the lengths of their chords."""
+    """Lengths and strains of all links of a run, arcs included."""
     a, c = x[begin : begin + n + 1], z[begin : begin + n + 1]
     e, q, c0 = strain[begin : begin + n], square[begin : begin + n], length[begin : begin + n]
     if y is not None:
         b = y[begin : begin + n + 1]
     inverse = 1.0 / h
-    arc = inverse * inverse
     for i in range(n):
         dx, dz = a[i + 1] - a[i], c[i + 1] - c[i]
         s = dx * dx + dz * dz
         if y is not None:
             dy = b[i + 1] - b[i]
             s += dy * dy
-        c0[i] = np.sqrt(s)
-        e[i] = c0[i] * inverse - 1.0 + arc * q[i]
+        c0[i] = np.sqrt(s + 2.0 * q[i])
+        e[i] = c0[i] * inverse - 1.0
 
 
 @inlined
@@ -101,33 +101,33 @@ def _resist(c, h, strain, before, rate, tension, begin, n, dt):
 
 
 @lean_inner
-def _pull(x, force, bent, moment, length, tension, begin, n, h, bending, clamp0, clamp1):
+def _pull(x, force, bent, moment, pull, begin, n, h, bending, clamp0, clamp1):
     """Add the forces of links and bending to one component."""
     a, f, d = x[begin : begin + n + 1], force[begin : begin + n + 1], bent[begin : begin + n + 1]
-    c, T, m = length[begin : begin + n], tension[begin : begin + n], moment[begin : begin + n + 1]
-    arc, short, stiff = 2.0 * ARC / h, 2.0 * SHORT_ARC / h, bending / (h * h * h)
+    q, m = pull[begin : begin + n], moment[begin : begin + n + 1]
+    arc, short, stiff = 2.0 * ARC, 2.0 * SHORT_ARC, bending / (h * h * h)
     smooth = stiff * SMOOTH
-    f[0] += T[0] / c[0] * (a[1] - a[0])
-    f[n] -= T[n - 1] / c[n - 1] * (a[n] - a[n - 1])
+    f[0] += q[0] * (a[1] - a[0])
+    f[n] -= q[n - 1] * (a[n] - a[n - 1])
     for i in range(1, n):
-        f[i] += T[i] / c[i] * (a[i + 1] - a[i]) - T[i - 1] / c[i - 1] * (a[i] - a[i - 1])
+        f[i] += q[i] * (a[i + 1] - a[i]) - q[i - 1] * (a[i] - a[i - 1])
     m[0] = m[n] = 0.0
     for i in range(1, n):
         m[i] = (
-            (stiff + arc * (T[i - 1] + T[i])) * d[i]
-            + (smooth + short * T[i - 1]) * (d[i] - d[i - 1])
-            + (smooth + short * T[i]) * (d[i] - d[i + 1])
+            (stiff + arc * (q[i - 1] + q[i])) * d[i]
+            + (smooth + short * q[i - 1]) * (d[i] - d[i - 1])
+            + (smooth + short * q[i]) * (d[i] - d[i + 1])
         )
     for i in range(1, n):
         f[i] -= m[i - 1] - 2.0 * m[i] + m[i + 1]
     f[0] -= m[1]
     f[n] -= m[n - 1]
     if clamp0 == 1:
-        end = 2.0 * ((0.5 * stiff + arc * T[0]) * d[0] + (smooth + short * T[0]) * (d[0] - d[1]))
+        end = 2.0 * ((0.5 * stiff + arc * q[0]) * d[0] + (smooth + short * q[0]) * (d[0] - d[1]))
         f[0] += end
         f[1] -= end
     if clamp1 == 1:
-        end = 2.0 * ((0.5 * stiff + arc * T[n - 1]) * d[n] + (smooth + short * T[n - 1]) * (d[n] - d[n - 1]))
+        end = 2.0 * ((0.5 * stiff + arc * q[n - 1]) * d[n] + (smooth + short * q[n - 1]) * (d[n] - d[n - 1]))
         f[n] += end
         f[n - 1] -= end
 
@@ -148,8 +148,10 @@ def pull_all(structure, room, r, dt):
         _tensions(runs.law[s], room.strain, room.tension, begin, n)
         if runs.damping[s] > 0.0:
             lost += _resist(runs.damping[s], h, room.strain, room.before, room.rate, room.tension, begin, n, dt)
+        for i in range(begin, begin + n):
+            room.pull[i] = room.tension[i] / max(room.length[i], 1e-300)
         for a in range(last + 1):
-            _pull(r[a], room.force[a], room.bent[a], room.moment, room.length, room.tension, begin, n, h,
+            _pull(r[a], room.force[a], room.bent[a], room.moment, room.pull, begin, n, h,
                   runs.bending[s], runs.clamped[s, 0], runs.clamped[s, 1])  # fmt: skip
         if runs.bed[s] > 0.0:
             k = runs.bed[s] * h

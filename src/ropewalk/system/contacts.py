@@ -1,12 +1,14 @@
 """Contacts: where loads touch their lines. One scheme, without events, for whatever touches and whatever line.
 
 A contact at s has the point p of the spline of its run. What touches has a place of its own; d, from p to there, is the
-tip of the kink that links of finite length round off, and gives way with the compliance C of `compliance.py`:
+tip of the kink that links of finite length round off, held by the stiffness S of `compliance.py` and lengthening the
+links below:
 
-    V = |d|^2 / (2 C),   N = d / C on the line,   kinks lengthen the three links below by  dV/dT = d^2/2 d(1/C)/dT.
+    N = S d on the line,   K = |d|^2/2 h dS/dT,   V = |d|^2/2 (S - T dS/dT),   T: mean of h T/l of the links below.
 
-Without a body the force is given and d follows; a body has its own place, N follows, and reaches it in turn. At speed U
-along the line a kink feels the tension T - rho U^2.
+Without a body the force is given and d follows; a body has its own place, N follows, and reaches it in turn. A kink
+that is carried along at the speed U feels the tension T - rho U^2. What makes it softer than a kink at rest is a push
+of its own, for only the latter has a potential with the links.
 """
 
 from __future__ import annotations
@@ -24,6 +26,8 @@ FASTEST = 0.9025
 
 # Rounds in which a kink and the tension that it makes find each other.
 AGAIN = 3
+
+LEAST = 1e-9  # of kappa, which is nothing at supports
 
 FORCE, BODY = 0, 1  # what touches: a given force, or coordinates that move
 AWAY, ON = 0, 1
@@ -60,15 +64,19 @@ CONTACT = np.dtype(
         ("given", *_VECTOR),  # N, given force
         ("N", *_VECTOR),  # N on the line
         ("tension", _REAL),  # N, mean of the links below
-        ("soft", _REAL),  # C, m/N
-        ("carried", _REAL),  # N/m, by which 1/C is less since the contact moves
+        ("stiff", _REAL),  # N/m, S of a kink at rest
+        ("by_tension", _REAL),  # 1/m, dS/dT of it
+        ("firm", _REAL),  # N/m, S - T dS/dT: what is not stored in links
+        ("moving", _REAL),  # N/m, S of the kink as it is carried along
+        ("rise", _REAL),  # N/m^3, what N changes by as the tension rises, over the product of two components of d
+        ("carried", _REAL),  # N/m, S at rest less S carried along
         ("was", *_VECTOR),  # m, d when it was last looked at
         ("lagged", *_VECTOR),  # N, `carried` times d then
-        ("rise", _REAL),  # N/m^3, over the product of two components of d: what N changes by as the tension rises
-        ("hard", _REAL),  # N/m, 1/C with what gives way within a step
-        ("firm", _REAL),  # part of 1/C that is not of the tension
-        ("kink", _REAL),  # strain of the links below, all together
+        ("kink", _REAL),  # m^2, K
         ("turn", _REAL),  # J/m, change of the energy of the kink with s, beside that of p
+        ("step", _REAL),  # s, of the motion: what gives way within it keeps a stiff contact stable
+        ("light", _REAL),  # 1/kg, about what a force accelerates above it
+        ("least", _REAL),  # m/N, by which a contact without mass gives way at a support
     ],
     align=True,
 )
@@ -119,44 +127,81 @@ def locate(structure, contacts, tables, state, t):
 
 @lean_inner
 def _tension_under(structure, room, contacts, k, kink):
-    """Mean tension of the links under a contact if a kink adds to their strain, and its change with that."""
-    p, T, slope = structure.runs.law[contacts[k].run], 0.0, 0.0
+    """Mean of h T/l of the links under a contact if a kink is added to them, and its change with that."""
+    run, T, slope = contacts[k].run, 0.0, 0.0
+    p, h = structure.runs.law[run], structure.runs.h[run]
     for j in range(3):
-        q, e = contacts[k].part[j], room.strain[contacts[k].link[j]]
-        T += q * law.tension(p, e + q * kink)
-        slope += q * q * law.tangent(p, e + q * kink)
+        q = contacts[k].part[j]
+        if q > 0.0:
+            length = np.sqrt(room.length[contacts[k].link[j]] ** 2 + 2.0 * q * kink)
+            strain = length / h - 1.0
+            own = h * law.tension(p, strain) / length
+            T += q * own
+            slope += q * q * (law.tangent(p, strain) - own) / (length * length)
     return T, slope
 
 
 @lean_inner
 def _soften(structure, contacts, table, out, k, T):
-    """Compliance of contact k under the tension T; returns the strain that a square of d/h makes, over that."""
+    """Stiffness of contact k under the tension T, at rest and carried along.
+
+    Returns:
+        dS/dT of the kink that is carried along.
+    """
     run = contacts[k].run
-    h, rho, U = structure.runs.h[run], structure.runs.rho[run], contacts[k].speed
+    h, n, U = structure.runs.h[run], structure.runs.links[run], contacts[k].speed
     bending = structure.runs.bending[run] / (h * h)
-    T = max(T, 0.0)
-    moving = min(rho * U * U, FASTEST * (T + bending))
-    square = moving / max(T + bending, 1e-300)
-    taut = max(T - moving, 0.0) if bending > 0.0 else T - moving
-    whole = taut + bending
-    if whole <= 0.0:
-        contacts[k].soft, contacts[k].turn, contacts[k].firm, contacts[k].carried = np.inf, 0.0, 0.0, 0.0
-        compliance(contacts[k].x, structure.runs.links[run], 0.0, table, out)
-        return 0.5 / max(out[0] * kinetic(FASTEST, KINETIC), 1e-9)
-    zeta = bending / whole
-    compliance(contacts[k].x, structure.runs.links[run], zeta, table, out)
-    kappa = max(out[0], 0.0) * (1.0 + (1.0 - zeta) * (kinetic(square, KINETIC) - 1.0))
-    contacts[k].soft = h / whole * kappa
-    contacts[k].carried = moving / (h * max(kappa, 1e-9))
-    contacts[k].turn = out[2] / (max(out[0], 1e-9) * h)
-    part = 1.0 + zeta * out[1] / max(out[0], 1e-9)
-    contacts[k].firm = 1.0 - part * (1.0 - zeta)
-    return 0.5 * part / max(kappa, 1e-9)
+    free = contacts[k].least
+    if contacts[k].kind == BODY:
+        free += 0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light)
+    whole = T + bending
+    S, slope, taken = _stiffness(whole, bending, h, n, 1.0, contacts[k].x, free, table, out)
+    contacts[k].stiff, contacts[k].by_tension, contacts[k].firm = S, slope, S - T * slope
+    contacts[k].turn = S * taken * out[2] / (max(out[0], LEAST) * h)
+    contacts[k].moving, contacts[k].carried = S, 0.0
+    if U == 0.0 or whole <= 0.0:
+        return slope
+    moving = min(structure.runs.rho[run] * U * U, FASTEST * whole)
+    less = max(T - moving, min(T, 0.0)) if bending > 0.0 else T - moving
+    factor = kinetic(moving / whole, KINETIC)
+    contacts[k].moving, slope, taken = _stiffness(
+        less + bending, bending, h, n, factor, contacts[k].x, free, table, out
+    )
+    contacts[k].carried = S - contacts[k].moving
+    return slope
+
+
+@lean_inner
+def _stiffness(whole, bending, h, n, factor, x, free, table, out):
+    """S = 1/(h kappa/whole + free), its change with the tension, and the part of it that is not `free`.
+
+    Args:
+        whole: N, tension and EI/h^2.
+        bending: N, EI/h^2.
+        h: m.
+        n: links of the run.
+        factor: of kappa in tension, of a kink that is carried along.
+        x: links along it.
+        free: m/N, what else gives way.
+        table, out: see `compliance`; out is left as it was at x.
+    """
+    zeta = 0.0
+    if bending > 0.0:
+        zeta = min(bending / whole, 1.0) if whole > 0.0 else 1.0
+    compliance(x, n, zeta, table, out)
+    kappa = max(out[0], LEAST)
+    slope = (1.0 + zeta * out[1] / kappa) if zeta < 1.0 else 1.0
+    kappa *= 1.0 + (1.0 - zeta) * (factor - 1.0)
+    S, slope = whole / (h * kappa), slope / (h * kappa)
+    taken = 1.0
+    if S > 0.0:
+        taken = 1.0 / (1.0 + free * S)
+    return S * taken, slope * taken * taken, taken
 
 
 @lean_inner
 def stiffen(structure, room, contacts, state, table, out, k):
-    """Compliance, kink and stiffness of the contact of a body, where the body is now."""
+    """Stiffness and kink of the contact of a body, where the body is now."""
     axes, h, square = state.r.shape[0], structure.runs.h[contacts[k].run], 0.0
     for a in range(axes):
         contacts[k].place[a] = state.u[contacts[k].first + a]
@@ -166,29 +211,30 @@ def stiffen(structure, room, contacts, state, table, out, k):
             contacts[k].d[a] = 0.0
     for a in range(axes):
         square += contacts[k].d[a] ** 2
-    T, slope = _tension_under(structure, room, contacts, k, 0.0)
-    part = _soften(structure, contacts, table, out, k, T)
-    for _ in range(AGAIN):  # the kink raises the tension, and is less under more of it
-        contacts[k].kink = part * square / (h * h)
-        T, slope = _tension_under(structure, room, contacts, k, contacts[k].kink)
-        part = _soften(structure, contacts, table, out, k, T)
-    contacts[k].kink = part * square / (h * h)
-    contacts[k].rise = (2.0 * part / h) ** 2 * slope / h
+    rounds = AGAIN if structure.runs.bending[contacts[k].run] > 0.0 else 1
+    T, change = _tension_under(structure, room, contacts, k, 0.0)
+    slope = _soften(structure, contacts, table, out, k, T)
+    for _ in range(rounds):  # a kink raises the tension; with bending it is less under more of it
+        contacts[k].kink = 0.5 * square * h * contacts[k].by_tension
+        T, change = _tension_under(structure, room, contacts, k, contacts[k].kink)
+        slope = _soften(structure, contacts, table, out, k, T)
+    contacts[k].kink = 0.5 * square * h * contacts[k].by_tension
+    contacts[k].rise = slope * change * h * contacts[k].by_tension
 
 
 @lean_inner
 def bend(structure, room, contacts, state, table, out):
-    """Find how far all contacts are from their splines, and add the kinks to the strains of the links below."""
+    """Find how far all contacts are from their splines, and let the kinks lengthen the links below."""
     axes = state.r.shape[0]
     for k in range(contacts.size):
-        if contacts[k].state == AWAY:
+        if contacts[k].state != ON:
             continue
         if contacts[k].kind == FORCE:
-            h, F = structure.runs.h[contacts[k].run], 0.0
+            F = 0.0
             for a in range(axes):
                 F += contacts[k].given[a] ** 2
             F = np.sqrt(F)
-            length = _yield(structure, room, contacts, k, table, out, F, h)
+            length = _yield(structure, room, contacts, k, table, out, F)
             for a in range(axes):
                 contacts[k].d[a] = length * contacts[k].given[a] / F if F > 0.0 else 0.0
                 contacts[k].place[a] = contacts[k].p[a] + contacts[k].d[a]
@@ -196,8 +242,11 @@ def bend(structure, room, contacts, state, table, out):
         stiffen(structure, room, contacts, state, table, out, k)
     for k in range(contacts.size):
         if contacts[k].state == ON:
+            h = structure.runs.h[contacts[k].run]
             for j in range(3):
-                room.strain[contacts[k].link[j]] += contacts[k].part[j] * contacts[k].kink
+                i = contacts[k].link[j]
+                room.length[i] = np.sqrt(room.length[i] ** 2 + 2.0 * contacts[k].part[j] * contacts[k].kink)
+                room.strain[i] = room.length[i] / h - 1.0
 
 
 @lean_inner
@@ -212,76 +261,68 @@ def _above(contacts, k, axes):
 
 
 @lean_inner
-def _yield(structure, room, contacts, k, table, out, F, h):
-    """Length of d under a given force F, where the kink itself raises the tension: d / C grows with d.
+def _yield(structure, room, contacts, k, table, out, F):
+    """Length of d under a given force F, where the kink itself raises the tension: S d grows with d.
 
     Newton's method within a bracket.
     """
+    h = structure.runs.h[contacts[k].run]
     contacts[k].kink = 0.0
-    if F == 0.0:
-        return 0.0
     low, high, length = 0.0, np.inf, 0.0
     for a in range(3):
         length += contacts[k].d[a] ** 2
-    length = np.sqrt(length)
-    if length == 0.0:
+    length = np.sqrt(length) if F > 0.0 else 0.0
+    if length == 0.0 and F > 0.0:
         length = 0.01 * h
+    T, change = _tension_under(structure, room, contacts, k, 0.0)
+    slope = _soften(structure, contacts, table, out, k, T)
+    if F == 0.0:
+        return 0.0
+    rounds = AGAIN if structure.runs.bending[contacts[k].run] > 0.0 else 1
     for _ in range(60):
-        part = 0.5 / max(out[0], 1e-9)
-        for _again in range(2):
-            contacts[k].kink = part * length * length / (h * h)
-            T, slope = _tension_under(structure, room, contacts, k, contacts[k].kink)
-            part = _soften(structure, contacts, table, out, k, T)
-        contacts[k].kink = part * length * length / (h * h)
-        soft = contacts[k].soft
-        if soft == 0.0:
-            contacts[k].kink = 0.0
-            return 0.0
-        miss = length / soft - F
+        for _again in range(rounds):
+            contacts[k].kink = 0.5 * length * length * h * contacts[k].by_tension
+            T, change = _tension_under(structure, room, contacts, k, contacts[k].kink)
+            slope = _soften(structure, contacts, table, out, k, T)
+        S = contacts[k].moving
+        miss = S * length - F
         if miss > 0.0:
             high = length
         else:
             low = length
-        rise = 1.0 / soft + (2.0 * part * length / h) ** 2 * slope / h
-        new = length - miss / rise if np.isfinite(rise) else np.inf
+        rise = S + slope * change * h * contacts[k].by_tension * length * length
+        new = length - miss / rise if rise > 0.0 else -1.0
         if not low < new < high:
-            new = 0.5 * (low + high) if np.isfinite(high) else 4.0 * length
+            new = 0.5 * (low + high) if high < np.inf else 4.0 * length
         step, length = abs(new - length), new
         if step <= 1e-12 * length or length > 1e3 * h:
             break
-    contacts[k].kink = part * length * length / (h * h)
+    contacts[k].kink = 0.5 * length * length * h * contacts[k].by_tension
     return length
 
 
 @lean_inner
-def press(structure, room, contacts, state, bodies, table, out, dt):
-    """Forces of all contacts on their lines, added to those of the nodes; `room.tension` is known.
-
-    Args:
-        dt: s, of a step: what gives way within it keeps a stiff contact stable.
-    """
+def press(structure, room, contacts, state, table, out):
+    """Forces of all contacts on their lines, added to those of the nodes; `room.pull` is known."""
     axes = state.r.shape[0]
     for k in range(contacts.size):
-        if contacts[k].state == AWAY:
+        if contacts[k].state != ON:
             for a in range(axes):
                 contacts[k].N[a] = 0.0
             continue
-        T, base, most = 0.0, contacts[k].near, min(WIDTH, structure.runs.links[contacts[k].run] + 1)
+        T, pull, base = 0.0, 0.0, contacts[k].near
+        run = contacts[k].run
+        most = min(WIDTH, structure.runs.links[run] + 1)
         for j in range(3):
             T += contacts[k].part[j] * room.tension[contacts[k].link[j]]
+            pull += contacts[k].part[j] * room.pull[contacts[k].link[j]]
         contacts[k].tension = T
-        if contacts[k].kind == FORCE:
-            for a in range(axes):
-                contacts[k].N[a] = contacts[k].given[a]
-        else:
-            give_way = yields(structure, contacts, k)
-            _soften(structure, contacts, table, out, k, T)
-            for a in range(axes):
-                per_mass = bodies.per_mass[contacts[k].first + a]
-                if per_mass > 0.0:
-                    free = 0.5 * dt * dt * (give_way + per_mass)
-                    contacts[k].N[a] = contacts[k].d[a] / (contacts[k].soft + free)
+        if contacts[k].kind == BODY:
+            _soften(structure, contacts, table, out, k, structure.runs.h[run] * pull)
         for a in range(axes):
+            contacts[k].N[a] = contacts[k].given[a]
+            if contacts[k].kind == BODY:
+                contacts[k].N[a] = contacts[k].moving * contacts[k].d[a]
             for j in range(most):
                 room.force[a, base + j] += contacts[k].weight[j] * contacts[k].N[a]
 

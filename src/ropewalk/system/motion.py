@@ -11,7 +11,7 @@ from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.rider import look_up
 from ropewalk.system.bodies import balance, drift, kick
 from ropewalk.system.cables import blow, energy_of, pull_all, stretch_all
-from ropewalk.system.contacts import AWAY, BODY, ON, bend, locate, press
+from ropewalk.system.contacts import BODY, ON, bend, locate, press
 from ropewalk.system.structure import CARRIED, DAMPED, HELD, LOADED, MOVED
 
 RUNNING, NOT_FINITE, AT_END = 0, 1, 2
@@ -34,7 +34,7 @@ def _displaced(holdings, e, a, t):
 
 
 @lean_inner
-def _look(structure, room, contacts, tables, bodies, state, table, out, dt, since, windy):
+def _look(structure, room, contacts, tables, bodies, state, table, out, since, windy):
     """All forces at the places of now: on nodes to `room.force`, of contacts to their records.
 
     Args:
@@ -48,10 +48,10 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
             room.force[a, i] = structure.nodes.force[a, i]
     stretch_all(structure.runs, room, state.r)
     locate(structure, contacts, tables, state, state.t[0])
-    balance(structure, room, contacts, bodies, state, table, out, dt, since)
+    balance(structure, room, contacts, bodies, state, table, out, since)
     bend(structure, room, contacts, state, table, out)
     lost, blown = pull_all(structure, room, state.r, since), 0.0
-    press(structure, room, contacts, state, bodies, table, out, dt)
+    press(structure, room, contacts, state, table, out)
     if windy:
         blown = blow(structure, room, state.r, state.v, state.t[0])
     return lost, blown
@@ -189,7 +189,7 @@ def _book(structure, room, contacts, state, h):
     """Works of given forces since the last look, and of what moves contacts along, for a kick of the time h."""
     axes = state.r.shape[0]
     for k in range(contacts.size):
-        if contacts[k].state == AWAY:
+        if contacts[k].state != ON:
             for a in range(axes):
                 contacts[k].before[a] = np.nan
             continue
@@ -206,9 +206,10 @@ def _book(structure, room, contacts, state, h):
             pushed = 0.0
             for a in range(axes):
                 pushed -= contacts[k].N[a] * contacts[k].along[a]
-                pushed -= 0.5 * contacts[k].N[a] * contacts[k].d[a] * contacts[k].turn
+                pushed -= 0.5 * contacts[k].d[a] ** 2 * contacts[k].turn
             for j in range(3):
-                pushed += contacts[k].change[j] * room.tension[contacts[k].link[j]] * contacts[k].kink
+                pull = room.pull[contacts[k].link[j]]
+                pushed += contacts[k].change[j] / structure.runs.h[contacts[k].run] * pull * contacts[k].kink
             contacts[k].hold = pushed
             state.work[HELD] += h * contacts[k].speed * pushed
 
@@ -251,9 +252,8 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
     for step in range(steps + 1):
         half = 1 if step in (0, steps) else 0
         h = 0.5 * dt if half == 1 else dt
-        lost, blown = _look(
-            structure, room, contacts, tables, bodies, state, table, out, dt, dt if step > 0 else 0.0, windy
-        )
+        since = dt if step > 0 else 0.0
+        lost, blown = _look(structure, room, contacts, tables, bodies, state, table, out, since, windy)
         state.work[DAMPED] += h * lost
         state.work[LOADED] += h * blown
         _book(structure, room, contacts, state, h)
@@ -271,12 +271,12 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
 
 
 @lean
-def look(structure, room, contacts, tables, bodies, state, table, out, dt):
+def look(structure, room, contacts, tables, bodies, state, table, out):
     """Find all forces at the places of now, as nothing moved."""
     windy = False
     for a in range(state.r.shape[0]):
         windy = windy or structure.wind.direction[a] != 0.0
-    _look(structure, room, contacts, tables, bodies, state, table, out, dt, 0.0, windy)
+    _look(structure, room, contacts, tables, bodies, state, table, out, 0.0, windy)
 
 
 @lean
@@ -287,9 +287,7 @@ def stored(structure, room, contacts, tables, bodies, state, table, out):
     bend(structure, room, contacts, state, table, out)
     total = energy_of(structure, room, state.r)
     for k in range(contacts.size):
-        if contacts[k].state == ON and contacts[k].soft > 0.0:
-            square = 0.0
+        if contacts[k].state == ON:
             for a in range(state.r.shape[0]):
-                square += contacts[k].d[a] ** 2
-            total += 0.5 * square / contacts[k].soft * contacts[k].firm
+                total += 0.5 * contacts[k].d[a] ** 2 * contacts[k].firm
     return total

@@ -74,6 +74,7 @@ class Motion:
                 f"the step of {self._step:.3g} s is larger than {stable / SAFETY:.3g} s, up to which the motion is "
                 "stable for certain; write a smaller run.step, or leave it out"
             )
+        self.contacts["step"] = self._step
         account.method, account.step = "explicit", self._step
         account.reason = "Verlet's method for all nodes and bodies; contacts on a spline of the fourth order"
         windy = scenario.wind is not None and not scenario.wind.is_calm
@@ -133,7 +134,7 @@ class Motion:
         return float(motion.stored(*self._arguments()))
 
     def _look(self) -> None:
-        motion.look(*self._arguments(), self._step)
+        motion.look(*self._arguments())
 
     def advance(self, i: int) -> Ending | None:
         """Go on to output instant i."""
@@ -142,6 +143,7 @@ class Motion:
         begin, end = float(self.times[i - 1]), float(self.times[i])
         steps = max(1, int(np.ceil((end - begin) / self._step - 1e-9)))
         dt = (end - begin) / steps
+        self.contacts["step"] = dt
         self.bodies = self._builder.bodies = with_step(self.bodies, dt)
         status = motion.advance(*self._arguments(), self._A, self._b, dt, steps)
         self.state.t[0] = end

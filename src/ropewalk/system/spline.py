@@ -89,5 +89,14 @@ def links_under(x, first, n, link, part, slope):
     f = y - i
     part[0], part[1], part[2] = 0.5 * (0.5 - f) ** 2, 0.75 - f * f, 0.5 * (0.5 + f) ** 2
     slope[0], slope[1], slope[2] = f - 0.5, -2.0 * f, 0.5 + f
+    if i == 0:  # what would be the part of links that do not exist goes to the last one
+        part[1], slope[1] = part[0] + part[1], slope[0] + slope[1]
+        part[0] = slope[0] = 0.0
+    elif i == n:
+        part[0], slope[0] = part[0] + part[1] + part[2], slope[0] + slope[1] + slope[2]
+        part[1] = part[2] = slope[1] = slope[2] = 0.0
+    elif i == n - 1:
+        part[1], slope[1] = part[1] + part[2], slope[1] + slope[2]
+        part[2] = slope[2] = 0.0
     for k in range(3):
         link[k] = first + min(max(i - 1 + k, 0), n - 1)

@@ -118,27 +118,24 @@ class Potential:
             tension[first + links] = 0.0
             h[first + links] = runs.h[s]
         D = self.room.bent.copy()
-        chord = np.array([self._one @ x for x in r])
-        length = np.sqrt((chord**2).sum(axis=0))
-        length[length == 0.0] = 1.0
-        way, q = chord / length, tension / length
+        length = self.room.length.copy()
+        length[runs.first + runs.links] = 1.0
+        q = tension / length
         pair = sparse.diags([np.ones(n), np.ones(n - 1)], [0, 1])
         rows = [
-            sparse.diags(way[a] / h) @ self._one
-            + sparse.diags(2.0 * ARC / h**2) @ pair @ sparse.diags(D[a]) @ self._two
-            + sparse.diags(2.0 * SHORT_ARC / h**2 * (self._one @ D[a])) @ self._three
+            sparse.diags(self._one @ r[a]) @ self._one
+            + 2.0 * ARC * pair @ sparse.diags(D[a]) @ self._two
+            + sparse.diags(2.0 * SHORT_ARC * (self._one @ D[a])) @ self._three
             for a in range(axes)
         ]
-        rise = sparse.diags(h * slope)
-        arcs = 2.0 * ARC / h * (tension + np.concatenate([[0.0], tension[:-1]]))
+        rise = sparse.diags((slope / h - q) / length**2)  # change of T/l with l^2/2
+        across = self._one.T @ sparse.diags(q) @ self._one
+        arcs = 2.0 * ARC * (q + np.concatenate([[0.0], q[:-1]]))
         bent = self._two.T @ sparse.diags(arcs + EI * self._weight) @ self._two
-        bent = bent + self._three.T @ sparse.diags(SMOOTH * EI + 2.0 * SHORT_ARC / h * tension) @ self._three
+        bent = bent + self._three.T @ sparse.diags(SMOOTH * EI + 2.0 * SHORT_ARC * q) @ self._three
         blocks = [[rows[a].T @ rise @ rows[b] for b in range(axes)] for a in range(axes)]
         for a in range(axes):
-            for b in range(axes):
-                across = q * ((1.0 if a == b else 0.0) - way[a] * way[b])
-                blocks[a][b] = blocks[a][b] + self._one.T @ sparse.diags(across) @ self._one
-            blocks[a][a] = blocks[a][a] + bent
+            blocks[a][a] = blocks[a][a] + across + bent
         blocks[-1][-1] = blocks[-1][-1] + sparse.diags(bed)
         K = sparse.bmat(blocks, format="lil")
         held = self.structure.holdings

@@ -93,8 +93,9 @@ class Room(NamedTuple):
     before: Array  # strain when it was last looked at
     rate: Array  # 1/s, of the strain then
     tension: Array  # N
-    length: Array  # m, of the chord
-    square: Array  # m^2, of the arc above it
+    length: Array  # m
+    square: Array  # m^2, half of what arcs add to the squares of lengths
+    pull: Array  # N/m, tension over length
     moment: Array  # N, of one component
     bent: Array  # (axis, node) m, second difference
     force: Array  # (axis, node) N
@@ -104,7 +105,7 @@ class Room(NamedTuple):
     def of(structure: Structure, axes: int) -> Room:
         """Room of the right size."""
         n, held = structure.nodes.mass.size, structure.holdings.mass.size
-        sizes = [(n,)] * 7 + [(axes, n), (axes, n), (held, axes)]
+        sizes = [(n,)] * 8 + [(axes, n), (axes, n), (held, axes)]
         return Room(*(np.zeros(size) for size in sizes))
 
 
