@@ -22,7 +22,6 @@ from ropewalk.system.motion import Tables
 from ropewalk.system.structure import Holdings, Lines, Nodes, Runs, Structure, Wind
 from ropewalk.webs.lengths import laid_at_rest
 
-
 # Part of the compliance of its springs by which a contact without mass gives way at a support.
 FIRM = 1e-12
 
