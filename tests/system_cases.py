@@ -13,6 +13,12 @@ from ropewalk.results.running import TimeHistory
 from ropewalk.system.moving import Motion
 
 
+def with_steps_of(scenario: Scenario, part: float) -> Scenario:
+    """The same in steps of a part of those that would be taken."""
+    step = part * Motion(scenario, Account(), np.array([0.0, scenario.run.until]))._step
+    return scenario.model_copy(update={"run": scenario.run.model_copy(update={"step": step})})
+
+
 def frames_of(scenario: Scenario, times: np.ndarray | None = None) -> list[Frame]:
     """All frames of a motion, which must come to its end."""
     run = scenario.run

@@ -24,8 +24,8 @@ from ropewalk.system.spline import WIDTH, links_under, share
 # Largest square of a speed over that of transverse waves with which a kink is carried along.
 FASTEST = 0.9025
 
-# Rounds in which a kink and the tension that it makes find each other.
-AGAIN = 3
+# Rounds in which a kink and the tension that it makes find each other, and the part of the kink to which they do.
+AGAIN, FOUND = 20, 1e-9
 
 LEAST = 1e-9  # of kappa, which is nothing at supports
 
@@ -200,6 +200,28 @@ def _stiffness(whole, bending, h, n, factor, x, free, table, out):
 
 
 @lean_inner
+def _kink(structure, room, contacts, table, out, k, square):
+    """Find the kink of contact k, and its stiffness under the tension that the kink makes.
+
+    Args:
+        square: m^2, of d.
+
+    Returns:
+        Changes of the stiffness with the tension, and of the tension with the kink.
+    """
+    h = structure.runs.h[contacts[k].run]
+    T, change = _tension_under(structure, room, contacts, k, contacts[k].kink)
+    slope = _soften(structure, contacts, table, out, k, T)
+    for _ in range(AGAIN):
+        before, contacts[k].kink = contacts[k].kink, 0.5 * square * h * contacts[k].by_tension
+        if abs(contacts[k].kink - before) <= FOUND * contacts[k].kink:
+            break
+        T, change = _tension_under(structure, room, contacts, k, contacts[k].kink)
+        slope = _soften(structure, contacts, table, out, k, T)
+    return slope, change
+
+
+@lean_inner
 def stiffen(structure, room, contacts, state, table, out, k):
     """Stiffness and kink of the contact of a body, where the body is now."""
     axes, h, square = state.r.shape[0], structure.runs.h[contacts[k].run], 0.0
@@ -211,14 +233,7 @@ def stiffen(structure, room, contacts, state, table, out, k):
             contacts[k].d[a] = 0.0
     for a in range(axes):
         square += contacts[k].d[a] ** 2
-    rounds = AGAIN if structure.runs.bending[contacts[k].run] > 0.0 else 1
-    T, change = _tension_under(structure, room, contacts, k, 0.0)
-    slope = _soften(structure, contacts, table, out, k, T)
-    for _ in range(rounds):  # a kink raises the tension; with bending it is less under more of it
-        contacts[k].kink = 0.5 * square * h * contacts[k].by_tension
-        T, change = _tension_under(structure, room, contacts, k, contacts[k].kink)
-        slope = _soften(structure, contacts, table, out, k, T)
-    contacts[k].kink = 0.5 * square * h * contacts[k].by_tension
+    slope, change = _kink(structure, room, contacts, table, out, k, square)
     contacts[k].rise = slope * change * h * contacts[k].by_tension
 
 
@@ -267,23 +282,15 @@ def _yield(structure, room, contacts, k, table, out, F):
     Newton's method within a bracket.
     """
     h = structure.runs.h[contacts[k].run]
-    contacts[k].kink = 0.0
+    if F == 0.0:
+        _kink(structure, room, contacts, table, out, k, 0.0)
+        return 0.0
     low, high, length = 0.0, np.inf, 0.0
     for a in range(3):
         length += contacts[k].d[a] ** 2
-    length = np.sqrt(length) if F > 0.0 else 0.0
-    if length == 0.0 and F > 0.0:
-        length = 0.01 * h
-    T, change = _tension_under(structure, room, contacts, k, 0.0)
-    slope = _soften(structure, contacts, table, out, k, T)
-    if F == 0.0:
-        return 0.0
-    rounds = AGAIN if structure.runs.bending[contacts[k].run] > 0.0 else 1
+    length = np.sqrt(length) if length > 0.0 else 0.01 * h
     for _ in range(60):
-        for _again in range(rounds):
-            contacts[k].kink = 0.5 * length * length * h * contacts[k].by_tension
-            T, change = _tension_under(structure, room, contacts, k, contacts[k].kink)
-            slope = _soften(structure, contacts, table, out, k, T)
+        slope, change = _kink(structure, room, contacts, table, out, k, length * length)
         S = contacts[k].moving
         miss = S * length - F
         if miss > 0.0:
@@ -297,7 +304,6 @@ def _yield(structure, room, contacts, k, table, out, F):
         step, length = abs(new - length), new
         if step <= 1e-12 * length or length > 1e3 * h:
             break
-    contacts[k].kink = 0.5 * length * length * h * contacts[k].by_tension
     return length
 
 
