@@ -33,7 +33,7 @@ from ropewalk.model.load import AnyLoad, Foreign, MovingForce
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.scenario import Scenario
-from ropewalk.model.trolley import Trolley
+from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 
@@ -138,6 +138,23 @@ def fleet_of(
         _fit_to_mesh(bodies, wheels, strands, list(scenario.lines), vehicles, close)
     bodies = _with_drives(bodies, wheels, until)
     return Fleet(_with_vehicles(bodies, vehicles), tuple(shown), ghosts)
+
+
+def hung(payload: Payload, stiffness: float, gravity: float, axes: tuple[str, ...]) -> Array:
+    """Where a payload hangs at the beginning, seen from its trolley, (axis,) m.
+
+    Args:
+        payload: what is declared of it.
+        stiffness: of its rope, N/m.
+        gravity: m/s^2.
+        axes: names of the axes.
+    """
+    if payload.at is not None:
+        return components(payload.at, axes)
+    length = payload.length + payload.mass * gravity * np.cos(payload.swing) / stiffness
+    way = np.zeros(len(axes))
+    way[0], way[-1] = np.sin(payload.swing), -np.cos(payload.swing)
+    return np.asarray(length * way)
 
 
 def _fill_wheels(bodies: Bodies, wheels: Sequence[Wheel], dim: int) -> None:

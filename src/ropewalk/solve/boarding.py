@@ -8,10 +8,9 @@ from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.bodies import AWAY, CARRIED, FREE, PARKED, RIDING, WAITING, Bodies
 from ropewalk.mechanics.carrying import land, on_straight, sort
 from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, OFF, Array, State
-from ropewalk.mechanics.fleet import MOST_ROOM
+from ropewalk.mechanics.fleet import MOST_ROOM, hung
 from ropewalk.mechanics.law import tangents
 from ropewalk.mechanics.rider import contact_point, force_at, seat_of, speed_at
-from ropewalk.model.trolley import Payload
 from ropewalk.solve.coupled_equilibrium import settle_together
 from ropewalk.solve.start import Setting, onward
 from ropewalk.solve.vehicle_statics import coordinates_at_rest, resting_forces
@@ -165,17 +164,6 @@ def _hang(setting: Setting, bodies: Bodies, dim: int) -> None:
         payload = setting.payloads.get(setting.wheels[k].load)
         if payload is None:
             continue
-        bodies.coordinates["q"][own] = bodies.wheels["r"][k, :dim] + _below(payload, tether, setting, dim)
+        below = hung(payload, float(tether["stiffness"]), -float(setting.strands.gravity[-1]), setting.axes)
+        bodies.coordinates["q"][own] = bodies.wheels["r"][k, :dim] + below
         bodies.coordinates["v"][own] = bodies.coordinates["ahead"][own] = bodies.wheels["v"][k, :dim]
-
-
-def _below(payload: Payload, tether: np.void, setting: Setting, dim: int) -> Array:
-    from ropewalk.mechanics.assembly import components
-
-    if payload.at is not None:
-        return components(payload.at, setting.axes)
-    g = -float(setting.strands.gravity[-1])
-    length = payload.length + payload.mass * g * np.cos(payload.swing) / float(tether["stiffness"])
-    way = np.zeros(dim)
-    way[0], way[-1] = np.sin(payload.swing), -np.cos(payload.swing)
-    return np.asarray(length * way)

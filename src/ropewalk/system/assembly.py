@@ -9,14 +9,16 @@ from typing import Any
 import numpy as np
 
 from ropewalk.mechanics.assembly import axes_of, components, held_by, pack, speed_table, vector_table
+from ropewalk.mechanics.bodies import Bodies as FleetBodies
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import records
+from ropewalk.mechanics.fleet import MARGIN
 from ropewalk.mechanics.loading import Loading
 from ropewalk.model.joint import Joined
 from ropewalk.model.load import MovingForce
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed
-from ropewalk.system.bodies import Bodies
+from ropewalk.system.bodies import BLOWN, TETHER, Bodies
 from ropewalk.system.contacts import BODY, CONTACT, FORCE
 from ropewalk.system.motion import Tables
 from ropewalk.system.structure import Holdings, Lines, Nodes, Runs, Structure, Wind
@@ -172,30 +174,39 @@ def _wind(scenario: Scenario, until: float, axes: tuple[str, ...]) -> Wind:
     return Wind(direction / np.linalg.norm(direction), time, speed, wind.air_density)
 
 
-def contacts_of(scenario: Scenario, loading: Loading, lines: tuple[str, ...]) -> tuple[Any, Tables, Bodies]:
+def contacts_of(
+    scenario: Scenario, loading: Loading, structure: Structure, lines: tuple[str, ...]
+) -> tuple[Any, Tables, Bodies]:
     """Contacts of all loads, their histories, and what has a mass above them.
 
     Args:
         scenario: what is there.
         loading: its loads.
-        lines: their names, as the structure numbers them.
+        structure: what they travel on.
+        lines: names of its lines, as it numbers them.
     """
     wheels, loads, dim = loading.wheels, loading.loads, len(loading.axes)
     contacts = records(len(wheels), CONTACT)
+    names = list(scenario.loads)
     contacts["line"] = [lines.index(wheel.on) for wheel in wheels]
+    contacts["load"] = [names.index(wheel.load) for wheel in wheels]
     contacts["begin"] = [wheel.start for wheel in wheels]
     for key in ("speed_first", "speed_count", "force_first", "force_count"):
         contacts[key] = getattr(loads, key)
     contacts["lift"] = [wheel.lift for wheel in wheels]
+    contacts["stays"] = [wheel.at_end == "stay" for wheel in wheels]
     contacts["before"] = np.nan
     tables = Tables(loads.speed_time, loads.speed_value, loads.speed_path, loads.force_time, loads.force_value)
     heavy = [k for k, wheel in enumerate(wheels) if not isinstance(scenario.loads[wheel.load], MovingForce)]
     contacts["kind"] = FORCE
     contacts["kind"][heavy] = BODY
     contacts["first"][heavy] = dim * np.arange(len(heavy))
+    h = structure.runs.h[structure.lines.first[contacts["line"]]]
+    contacts["margin"][heavy] = [MARGIN * h[k] if wheels[k].margin is None else wheels[k].margin for k in heavy]
     places = dim * len(heavy)
     if loading.fleet is None:
-        return contacts, tables, _bodies([], np.zeros(0), np.zeros(0), np.zeros((0, 2), dtype=np.int64))
+        none = np.zeros((0, 2), dtype=np.int64)
+        return contacts, tables, _bodies([], np.zeros(0), np.zeros(0), none, none[:, 0], len(names))
     fleet = loading.fleet.bodies
     count = places + fleet.coordinates.size
     mass, force, owner = np.zeros(count), np.zeros(count), np.full((count, 2), -1, dtype=np.int64)
@@ -205,14 +216,19 @@ def contacts_of(scenario: Scenario, loading: Loading, lines: tuple[str, ...]) ->
         force[own[-1]] = -scenario.gravity * mass[own[-1]]
         owner[own, 0], owner[own, 1] = k, np.arange(dim)
     parts = []
+    load = np.zeros(count, dtype=np.int64)
+    load[:places] = np.repeat(contacts["load"][heavy], dim)
     for v, vehicle in enumerate(fleet.vehicles):
         own, n = int(vehicle["coordinates"]), int(vehicle["coordinates"] + vehicle["wheels"])
         at = [places + int(vehicle["first"]) + i for i in range(own)]
-        seats = zip(fleet.wheel[v, : n - own], fleet.axis[v, : n - own], strict=True)
+        seats = list(zip(fleet.wheel[v, : n - own], fleet.axis[v, : n - own], strict=True))
         at += [int(contacts[k]["first"] + a) for k, a in seats]
         np.add.at(force, at, fleet.load[v, :n])
         parts.append((np.array(at), fleet.M[v, :n, :n], fleet.C[v, :n, :n], fleet.K[v, :n, :n]))
-    bodies = _bodies(parts, mass, force, owner)
+        hangs = fleet.tethers["wheel"][fleet.tethers["first"] == vehicle["first"]]
+        load[at[:own]] = contacts["load"][seats[0][0] if seats else hangs[0]]
+    bodies = _bodies(parts, mass, force, owner, load, len(names))
+    bodies = bodies._replace(tethers=_tethers(fleet, contacts, places), blown=_blown(fleet, contacts, heavy, places))
     for k in heavy:
         own = contacts[k]["first"] + np.arange(dim)
         contacts[k]["light"] = bodies.per_mass[own].max()
@@ -222,7 +238,25 @@ def contacts_of(scenario: Scenario, loading: Loading, lines: tuple[str, ...]) ->
     return contacts, tables, bodies
 
 
-def _bodies(parts: list[tuple[Integers, Array, Array, Array]], mass: Array, force: Array, owner: Integers) -> Bodies:
+def _tethers(fleet: FleetBodies, contacts: Any, places: int) -> Any:
+    found = records(len(fleet.tethers), TETHER)
+    found["contact"], found["first"] = fleet.tethers["wheel"], places + fleet.tethers["first"]
+    for key in ("length", "stiffness", "damping"):
+        found[key] = fleet.tethers[key]
+    return found
+
+
+def _blown(fleet: FleetBodies, contacts: Any, heavy: list[int], places: int) -> Any:
+    drags = [(int(contacts[k]["first"]), float(fleet.wheels[k]["air_drag"])) for k in heavy]
+    drags += [(places + c, float(drag)) for c, drag in enumerate(fleet.coordinates["drag"])]
+    found = [pair for pair in drags if pair[1] > 0.0]
+    return np.array(found, dtype=BLOWN) if found else records(0, BLOWN)
+
+
+def _bodies(
+    parts: list[tuple[Integers, Array, Array, Array]], mass: Array, force: Array, owner: Integers, load: Integers,
+    loads: int,
+) -> Bodies:  # fmt: skip
     size = np.array([at.size for at, *_ in parts], dtype=np.int64)
     most = int(size.max(initial=1))
     at = np.zeros((len(parts), most), dtype=np.int64)
@@ -241,5 +275,6 @@ def _bodies(parts: list[tuple[Integers, Array, Array, Array]], mass: Array, forc
     return Bodies(
         mass, per_mass, force, owner[:, 0].copy(), owner[:, 1].copy(), alone, size, at, M, C, K,
         np.zeros((2, len(parts), most, most)), weightless, np.zeros((most, most)), np.zeros(most), np.zeros(mass.size),
-        np.zeros(mass.size),
+        np.zeros(mass.size), load.astype(np.int64), np.zeros(loads, dtype=np.int64), records(0, TETHER),
+        records(0, BLOWN),
     )  # fmt: skip

@@ -2,7 +2,8 @@
 
     M u'' + C u' + K u = force - N,   u = (places of contacts, coordinates).
 
-A contact without mass has no equation of motion: there the springs above are in balance with the line below.
+A contact without mass has no equation of motion: there the springs above are in balance with the line below. A tether
+is a spring that turns: payloads hang from trolleys by it.
 """
 
 from __future__ import annotations
@@ -11,13 +12,31 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean_inner
-from ropewalk.system.contacts import AWAY, ON, stiffen
-from ropewalk.system.structure import IN_BODIES, STRUCK
+from ropewalk.system.contacts import AWAY, FORCE, ON, stiffen
+from ropewalk.system.structure import HELD, IN_BODIES, STRUCK
 
 # Rounds of Newton's method for contacts without mass, and the part of a link to which their places are found.
 ROUNDS, SETTLED = 40, 1e-11
+
+
+# A load: some of its contacts are still to come or on their lines; all have left them since the step before; for good.
+STAYS, LEAVES, GONE_FOR_GOOD = 0, 1, 2
+
+TETHER = np.dtype(
+    [
+        ("contact", "i8"),  # from which it hangs
+        ("first", "i8"),  # first of the coordinates of the particle at its end
+        ("length", "f8"),  # m
+        ("stiffness", "f8"),  # N/m, of its pull; it does not push
+        ("damping", "f8"),  # N s/m, while it pulls
+        ("pull", "f8", (3,)),  # N, of the damping, on the contact
+    ],
+    align=True,
+)
+BLOWN = np.dtype([("first", "i8"), ("drag", "f8")], align=True)  # a particle, and kg/m, force over speed squared
 
 
 class Bodies(NamedTuple):
@@ -40,6 +59,10 @@ class Bodies(NamedTuple):
     b: Array  # (size,)
     f: Array  # (coordinate,) N
     old: Array  # (coordinate,) m
+    load: Integers  # (coordinate,) the load whose it is
+    gone: Integers  # (load,) STAYS, LEAVES or GONE_FOR_GOOD
+    tethers: Records
+    blown: Records
 
 
 def with_step(bodies: Bodies, dt: float) -> Bodies:
@@ -88,9 +111,9 @@ def balance(structure, room, contacts, bodies, state, table, out, since):
         if bodies.alone[c] == 1 and bodies.per_mass[c] == 0.0 and contacts[bodies.contact[c]].state == ON:
             state.u[c] = contacts[bodies.contact[c]].p[bodies.axis[c]]  # nothing above moves or holds it
     for p in range(bodies.size.size):
-        if bodies.weightless[p] == 0:
-            continue
         n = bodies.size[p]
+        if bodies.weightless[p] == 0 or bodies.gone[bodies.load[bodies.at[p, 0]]] != STAYS:
+            continue
         for i in range(n):
             bodies.old[bodies.at[p, i]] = state.u[bodies.at[p, i]]
         for _ in range(ROUNDS):
@@ -99,7 +122,7 @@ def balance(structure, room, contacts, bodies, state, table, out, since):
                 k, a = bodies.contact[c], bodies.axis[c]
                 for j in range(n):
                     A[i, j] = 0.0
-                if bodies.per_mass[c] > 0.0 or (k >= 0 and contacts[k].state == AWAY):
+                if bodies.per_mass[c] > 0.0 or (k >= 0 and contacts[k].state != ON):
                     A[i, i], b[i] = 1.0, state.u[c]
                     continue
                 b[i] = bodies.force[c] + (contacts[k].given[a] if k >= 0 else 0.0)
@@ -140,19 +163,25 @@ def balance(structure, room, contacts, bodies, state, table, out, since):
 
 @lean_inner
 def kick(contacts, bodies, state, h, half):
-    """Kick all bodies for the time h.
+    """Kick all bodies for the time h; those of a load that has just left its line, up to now.
 
     Args:
         half: 1 for half a step, 0 for a whole one.
     """
-    f, u, w = bodies.f, state.u, state.w
+    f, u, w, old = bodies.f, state.u, state.w, bodies.old
     for c in range(f.size):
         k = bodies.contact[c]
-        f[c] = bodies.force[c]
+        f[c], old[c] = bodies.force[c], w[c]
         if k >= 0:
             f[c] += contacts[k].given[bodies.axis[c]] - contacts[k].N[bodies.axis[c]]
+    _hang(contacts, bodies, state)
     for p in range(bodies.size.size):
         n, lost = bodies.size[p], 0.0
+        stage = bodies.gone[bodies.load[bodies.at[p, 0]]]
+        if stage == GONE_FOR_GOOD:
+            continue
+        shorter = 1 if stage == LEAVES else half
+        own = h if shorter == half else 0.5 * h
         for i in range(n):
             c = bodies.at[p, i]
             for j in range(n):
@@ -161,8 +190,8 @@ def kick(contacts, bodies, state, h, half):
         for i in range(n):
             gain = 0.0
             for j in range(n):
-                gain += bodies.inverse[half, p, i, j] * f[bodies.at[p, j]]
-            bodies.b[i] = h * gain
+                gain += bodies.inverse[shorter, p, i, j] * f[bodies.at[p, j]]
+            bodies.b[i] = own * gain
         for i in range(n):
             c = bodies.at[p, i]
             for j in range(n):
@@ -170,19 +199,111 @@ def kick(contacts, bodies, state, h, half):
                 lost += (w[c] + 0.5 * bodies.b[i]) * bodies.C[p, i, j] * (w[d] + 0.5 * bodies.b[j])
         for i in range(n):
             w[bodies.at[p, i]] += bodies.b[i]
-        state.work[IN_BODIES] += h * lost
+        state.work[IN_BODIES] += own * lost
     for c in range(f.size):
+        stage, k = bodies.gone[bodies.load[c]], bodies.contact[c]
+        if stage == GONE_FOR_GOOD:
+            continue
         if bodies.alone[c] == 1:
-            w[c] += h * f[c] * bodies.per_mass[c]
-        k = bodies.contact[c]
+            w[c] += (h if stage == STAYS or half == 1 else 0.5 * h) * f[c] * bodies.per_mass[c]
         if k >= 0 and contacts[k].state == AWAY:  # on level ground
             state.work[STRUCK] += 0.5 * bodies.mass[c] * w[c] * w[c]
             w[c] = 0.0
+    for e in range(bodies.tethers.size):
+        first, own = bodies.tethers[e].first, contacts[bodies.tethers[e].contact].first
+        if bodies.gone[bodies.load[first]] == STAYS:
+            for a in range(state.r.shape[0]):
+                rate = 0.5 * (w[first + a] + old[first + a] - w[own + a] - old[own + a])
+                state.work[IN_BODIES] += h * bodies.tethers[e].pull[a] * rate
+    _slow(bodies, state, h)
+    for i in range(bodies.gone.size):
+        if bodies.gone[i] == LEAVES:
+            bodies.gone[i] = GONE_FOR_GOOD
+
+
+@lean_inner
+def _hang(contacts, bodies, state):
+    """Add the forces of tethers."""
+    axes, f, u, w = state.r.shape[0], bodies.f, state.u, state.w
+    for e in range(bodies.tethers.size):
+        first, own = bodies.tethers[e].first, contacts[bodies.tethers[e].contact].first
+        square, rate = 0.0, 0.0
+        for a in range(axes):
+            way = u[first + a] - u[own + a]
+            square += way * way
+            rate += way * (w[first + a] - w[own + a])
+        length = np.sqrt(square)
+        spring = bodies.tethers[e].stiffness * (length - bodies.tethers[e].length)
+        damper = bodies.tethers[e].damping * rate / max(length, 1e-300)
+        if spring <= 0.0:
+            spring = damper = 0.0
+        damper = max(damper, -spring)
+        for a in range(axes):
+            way = (u[first + a] - u[own + a]) / max(length, 1e-300)
+            bodies.tethers[e].pull[a] = damper * way
+            f[first + a] -= (spring + damper) * way
+            f[own + a] += (spring + damper) * way
+
+
+@lean_inner
+def _slow(bodies, state, h):
+    """Let the air slow down what it drags, along the way of each."""
+    for e in range(bodies.blown.size):
+        first, square = bodies.blown[e].first, 0.0
+        if bodies.gone[bodies.load[first]] != STAYS:
+            continue
+        m = 1.0 / bodies.per_mass[first]
+        for a in range(state.r.shape[0]):
+            square += state.w[first + a] ** 2
+        slower = 1.0 / (1.0 + h * bodies.blown[e].drag * np.sqrt(square) / m)
+        for a in range(state.r.shape[0]):
+            state.w[first + a] *= slower
+        state.work[IN_BODIES] += 0.5 * m * square * (1.0 - slower * slower)
+
+
+@lean_inner
+def arrive(contacts, bodies, state):
+    """Put bodies that come to their lines on these, with the speed along them, and stop those that come to an end.
+
+    What moves contacts along does the work.
+    """
+    axes = state.r.shape[0]
+    for k in range(contacts.size):
+        stopped, comes = contacts[k].stopped, contacts[k].comes == 1
+        contacts[k].comes, contacts[k].stopped = 0, 0.0
+        if contacts[k].kind == FORCE or not (comes or stopped != 0.0):
+            continue
+        before = energy_of_bodies(bodies, state)
+        for a in range(axes):
+            c = contacts[k].first + a
+            if comes:
+                state.u[c] = contacts[k].p[a]
+                state.w[c] = contacts[k].speed * contacts[k].along[a]
+            else:
+                state.w[c] -= stopped * contacts[k].along[a]
+        state.work[HELD] += energy_of_bodies(bodies, state) - before
+
+
+@lean_inner
+def energy_of_bodies(bodies, state):
+    """Kinetic energy of all bodies, their springs' and that of their weights, but for tethers, J."""
+    total, u, w = 0.0, state.u, state.w
+    for c in range(u.size):
+        total -= bodies.force[c] * u[c]
+        if bodies.alone[c] == 1:
+            total += 0.5 * bodies.mass[c] * w[c] * w[c]
+    for p in range(bodies.size.size):
+        for i in range(bodies.size[p]):
+            c = bodies.at[p, i]
+            for j in range(bodies.size[p]):
+                d = bodies.at[p, j]
+                total += 0.5 * (w[c] * bodies.M[p, i, j] * w[d] + u[c] * bodies.K[p, i, j] * u[d])
+    return total
 
 
 @lean_inner
 def drift(bodies, state, h):
-    """Move all bodies for the time h."""
+    """Move all bodies for the time h, but those of loads that are gone."""
     for c in range(state.u.size):
-        if bodies.per_mass[c] > 0.0:
+        if bodies.per_mass[c] > 0.0 and bodies.gone[bodies.load[c]] == STAYS:
             state.u[c] += h * state.w[c]

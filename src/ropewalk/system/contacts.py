@@ -30,12 +30,13 @@ AGAIN, FOUND = 20, 1e-9
 LEAST = 1e-9  # of kappa, which is nothing at supports
 
 FORCE, BODY = 0, 1  # what touches: a given force, or coordinates that move
-AWAY, ON = 0, 1
+AWAY, ON, GONE = 0, 1, 2  # not on its line, on it, off it with all of its load, for good
 
 _REAL, _CODE, _VECTOR = "f8", "i8", ("f8", (3,))
 CONTACT = np.dtype(
     [
         ("line", _CODE),
+        ("load", _CODE),
         ("kind", _CODE),
         ("first", _CODE),  # of a body: its first coordinate, one for each axis
         ("lift", _CODE),  # 0: it cannot leave its line; 1: it runs above it, -1: below
@@ -44,7 +45,13 @@ CONTACT = np.dtype(
         ("speed_count", _CODE),
         ("force_first", _CODE),
         ("force_count", _CODE),
-        ("state", _CODE),  # AWAY or ON
+        ("margin", _REAL),  # m, that is left of the line where it leaves
+        ("state", _CODE),
+        ("stays", _CODE),  # 1: it stops at an end of its line, 0: it leaves there
+        ("been", _CODE),  # 1: it has been on its line
+        ("held", _CODE),  # 1: it is stopped at an end
+        ("comes", _CODE),  # 1: it has just come there
+        ("stopped", _REAL),  # m/s, that it had when it was stopped
         ("run", _CODE),
         ("near", _CODE),  # first node that shares its point
         ("x", _REAL),  # links along its run
@@ -103,10 +110,25 @@ def locate(structure, contacts, tables, state, t):
         )
         state.s[k] = s
         give(tables, contacts, k, t, r.shape[0])
-        line = contacts[k].line
-        contacts[k].state = ON if 0.0 <= s <= lines.length[line] else AWAY
+        line, was, U = contacts[k].line, contacts[k].state, contacts[k].speed
+        low = contacts[k].margin if U < 0.0 else 0.0
+        high = lines.length[line] - (contacts[k].margin if U > 0.0 else 0.0)
+        if was == GONE:
+            continue
+        if contacts[k].stays == 1 and (s > high or (s < low and contacts[k].been == 1)):
+            end = high if s > high else low
+            if contacts[k].been == 1 and contacts[k].held == 0:
+                contacts[k].stopped = U
+            contacts[k].held, contacts[k].speed, s = 1, 0.0, end
+            state.s[k] = s
+        else:
+            contacts[k].held = 0
+        contacts[k].state = ON if low <= s <= high else AWAY
         if contacts[k].state == AWAY:
             continue
+        contacts[k].been = 1
+        if was == AWAY:
+            contacts[k].comes = 1
         run = lines.first[line]
         while run < lines.first[line] + lines.runs[line] - 1 and s >= lines.begin[run + 1]:
             run += 1
@@ -299,8 +321,8 @@ def _yield(structure, room, contacts, k, table, out, F):
             low = length
         rise = S + slope * change * h * contacts[k].by_tension * length * length
         new = length - miss / rise if rise > 0.0 else -1.0
-        if not low < new < high:
-            new = 0.5 * (low + high) if high < np.inf else 4.0 * length
+        if not low < new < min(high, 4.0 * length):  # where links are slack, the first steps are wild
+            new = min(0.5 * (low + high), 4.0 * length)
         step, length = abs(new - length), new
         if step <= 1e-12 * length or length > 1e3 * h:
             break
@@ -312,9 +334,10 @@ def press(structure, room, contacts, state, table, out):
     """Forces of all contacts on their lines, added to those of the nodes; `room.pull` is known."""
     axes = state.r.shape[0]
     for k in range(contacts.size):
-        if contacts[k].state != ON:
+        if contacts[k].state == AWAY:
             for a in range(axes):
                 contacts[k].N[a] = 0.0
+        if contacts[k].state != ON:
             continue
         T, pull, base = 0.0, 0.0, contacts[k].near
         run = contacts[k].run

@@ -32,8 +32,9 @@ class FrameBuilder:
             links.append(first + np.arange(n))
         self._node, self._link = np.concatenate(nodes), np.concatenate(links)
         station = assembled.station
-        held = assembled.structure.holdings
-        weight = -float(assembled.structure.nodes.force[-1].sum() + held.force[:, -1].sum())
+        held, supports = assembled.structure.holdings, [e for _, e in assembled.supports]
+        joints = np.setdiff1d(np.arange(held.mass.size), supports)
+        weight = -float(assembled.structure.nodes.force[-1].sum() + held.force[joints, -1].sum())
         shown = () if loading.fleet is None else loading.fleet.shown
         self.layout = Layout(
             axes=assembled.axes,
@@ -115,6 +116,10 @@ class FrameBuilder:
             at = bodies.at[p, :n]
             moving += 0.5 * float(state.w[at] @ bodies.M[p, :n, :n] @ state.w[at])
             potential += 0.5 * float(state.u[at] @ bodies.K[p, :n, :n] @ state.u[at])
+        for tether in bodies.tethers:
+            dim, above = state.r.shape[0], int(contacts[tether["contact"]]["first"])
+            way = state.u[int(tether["first"]) :][:dim] - state.u[above : above + dim]
+            potential += 0.5 * float(tether["stiffness"] * max(np.linalg.norm(way) - tether["length"], 0.0) ** 2)
         work = state.work
         return self._audit.of(
             kinetic=kinetic + swept, elastic=elastic, gravitational=-weight, load_kinetic=moving,

@@ -9,9 +9,9 @@ import numpy as np
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.rider import look_up
-from ropewalk.system.bodies import balance, drift, kick
+from ropewalk.system.bodies import LEAVES, STAYS, arrive, balance, drift, kick
 from ropewalk.system.cables import blow, energy_of, pull_all, stretch_all
-from ropewalk.system.contacts import BODY, ON, bend, locate, press
+from ropewalk.system.contacts import AWAY, BODY, GONE, ON, bend, locate, press
 from ropewalk.system.structure import CARRIED, DAMPED, HELD, LOADED, MOVED
 
 RUNNING, NOT_FINITE, AT_END = 0, 1, 2
@@ -48,6 +48,8 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, since, w
             room.force[a, i] = structure.nodes.force[a, i]
     stretch_all(structure.runs, room, state.r)
     locate(structure, contacts, tables, state, state.t[0])
+    _let_go(contacts, bodies)
+    arrive(contacts, bodies, state)
     balance(structure, room, contacts, bodies, state, table, out, since)
     bend(structure, room, contacts, state, table, out)
     lost, blown = pull_all(structure, room, state.r, since), 0.0
@@ -185,6 +187,23 @@ def _drift(structure, state, h):
 
 
 @lean_inner
+def _let_go(contacts, bodies):
+    """Note loads all of whose contacts have left their lines."""
+    for i in range(bodies.gone.size):
+        if bodies.gone[i] != STAYS:
+            continue
+        leaves = True
+        for k in range(contacts.size):
+            if contacts[k].load == i and (contacts[k].state != AWAY or contacts[k].been == 0):
+                leaves = False
+        if leaves:
+            bodies.gone[i] = LEAVES
+            for k in range(contacts.size):
+                if contacts[k].load == i:
+                    contacts[k].state = GONE
+
+
+@lean_inner
 def _book(structure, room, contacts, state, h):
     """Works of given forces since the last look, and of what moves contacts along, for a kick of the time h."""
     axes = state.r.shape[0]
@@ -219,7 +238,7 @@ def _ground(structure, contacts, state):
     """Put bodies that are not on their lines on level ground beside them."""
     lines, axes = structure.lines, state.r.shape[0]
     for k in range(contacts.size):
-        if contacts[k].kind != BODY or contacts[k].state == ON:
+        if contacts[k].kind != BODY or contacts[k].state != AWAY:
             continue
         line = contacts[k].line
         run, node = lines.first[line], structure.runs.first[lines.first[line]]

@@ -10,9 +10,11 @@ import numpy as np
 from ropewalk.checkpoint import Tree, arrays_of, copied, put
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.fleet import hung
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.trolley import Trolley
 from ropewalk.results.frame import Account, Frame, Layout
 from ropewalk.results.running import Ending
 from ropewalk.system import motion
@@ -25,11 +27,14 @@ from ropewalk.system.stability import SAFETY, largest_step
 from ropewalk.system.statics import settle
 from ropewalk.system.structure import WORKS, Room, State
 
+# Part of a run for which a load may be faster than the waves of its line, as where that is slack for a while.
+LONG = 0.2
+
 _ENDS = {
     motion.NOT_FINITE: ("diverged", "positions stopped being numbers; take a smaller run.step"),
     motion.AT_END: (
         "travel ended",
-        "a load has come to an end of its line; write at_end: leave, or end the run before",
+        "a load has come to an end of its line; write at_end: leave or stay, or end the run before",
     ),
 }
 
@@ -58,7 +63,8 @@ class Motion:
         self.rest = settle(self.structure, self.assembled.near)
         loading = loading_of(scenario, asked.until)
         self.loading = loading
-        self.contacts, self._tables, self.bodies = contacts_of(scenario, loading, tuple(scenario.lines))
+        self.contacts, self._tables, self.bodies = contacts_of(scenario, loading, self.structure, tuple(scenario.lines))
+        self._scenario = scenario
         self._refuse_beyond(scenario)
         axes, n = self.rest.shape
         self.state = State(
@@ -67,7 +73,7 @@ class Motion:
         )  # fmt: skip
         self._room, self._table, self._out = Room.of(self.structure, axes), compliances(), np.zeros(3)
         self._A, self._b = np.zeros((3, 4)), np.zeros(3)
-        stable = largest_step(self.structure, self.bodies, self.rest)
+        stable = largest_step(self.structure, self.contacts, self.bodies, self.rest)
         self._step = stable if asked.step is None else asked.step
         if self._step > stable / SAFETY:
             account.warnings.append(
@@ -79,6 +85,7 @@ class Motion:
         account.reason = "Verlet's method for all nodes and bodies; contacts on a spline of the fourth order"
         windy = scenario.wind is not None and not scenario.wind.is_calm
         self._builder = FrameBuilder(self.assembled, loading, self.bodies, windy)
+        self._fast = np.zeros(self.contacts.size, dtype=np.int64)  # frames in which each was faster than waves
         self._refuses = [getattr(wheel, "at_end", "leave") == "refuse" for wheel in loading.wheels]
         self._stand()
 
@@ -116,11 +123,19 @@ class Motion:
                 state.u[own] = state.r[:, node]
         for p, n in enumerate(bodies.size):
             at, K = bodies.at[p, :n], bodies.K[p, :n, :n]
-            free, below = bodies.contact[at] < 0, bodies.contact[at] >= 0
-            inner, across = K[np.ix_(free, free)], K[np.ix_(free, below)]
+            free, on = bodies.contact[at] < 0, bodies.contact[at] >= 0
+            inner, across = K[np.ix_(free, free)], K[np.ix_(free, on)]
             solve = np.linalg.pinv(inner)
-            state.u[at[free]] = solve @ (bodies.force[at[free]] - across @ state.u[at[below]])
-            state.w[at[free]] = -solve @ across @ state.w[at[below]]
+            state.u[at[free]] = solve @ (bodies.force[at[free]] - across @ state.u[at[on]])
+            state.w[at[free]] = -solve @ across @ state.w[at[on]]
+        for tether in self.bodies.tethers:
+            first, above = int(tether["first"]), int(self.contacts[tether["contact"]]["first"])
+            load = self._scenario.loads[self.loading.wheels[tether["contact"]].load]
+            assert isinstance(load, Trolley)
+            below = hung(load.payload, float(tether["stiffness"]), self._scenario.gravity, self.loading.axes)
+            state.u[first : first + axes] = state.u[above : above + axes] + below
+            state.w[first : first + axes] = state.w[above : above + axes]
+        self.contacts["comes"] = 0
         self._stored()
         self._room.before[:] = self._room.strain
         self._look()
@@ -178,12 +193,14 @@ class Motion:
     def remark(self, frame: Frame) -> None:
         """Doubt kinks that are carried along faster than transverse waves."""
         runs = self.structure.runs
-        for wheel, contact in zip(self.loading.wheels, self.contacts, strict=True):
+        for k, (wheel, contact) in enumerate(zip(self.loading.wheels, self.contacts, strict=True)):
             if contact["state"] != ON or contact["kind"] != BODY or runs.bending[contact["run"]] > 0.0:
                 continue
             square = float(runs.rho[contact["run"]] * contact["speed"] ** 2)
             if square > FASTEST * max(float(contact["tension"]), 0.0) and square > 0.0:
-                self._doubt(wheel.name, wheel.load, float(contact["speed"]), frame.path)
+                self._fast[k] += 1
+                if self._fast[k] > LONG * self.times.size:
+                    self._doubt(wheel.name, wheel.load, float(contact["speed"]), frame.path)
 
     def _doubt(self, name: str, load: str, speed: float, t: float) -> None:
         if any(doubt.key == f"loads.{load}.travel.speed" for doubt in self.account.doubts):
@@ -209,3 +226,4 @@ class Motion:
         yield "state", arrays_of(self.state)
         yield "room", arrays_of(self._room)
         yield "contacts", {"records": self.contacts}
+        yield "loads", {"gone": self.bodies.gone, "fast": self._fast}

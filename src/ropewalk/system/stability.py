@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import numpy as np
 
 from ropewalk.mechanics import law
@@ -17,11 +20,12 @@ _BENDING = 80.0 / 3.0
 _ARCS = 1.0 + CORRECTION / 3.0 + 2.0 * SHORT / 3.0
 
 
-def largest_step(structure: Structure, bodies: Bodies, r: Array) -> float:
+def largest_step(structure: Structure, contacts: Any, bodies: Bodies, r: Array) -> float:
     """The step that is used at most, s: 2/omega (sqrt(1 + zeta^2) - zeta) with bounds of frequency and damping.
 
     Args:
         structure: what moves.
+        contacts: of what it carries.
         bodies: what it carries.
         r: (axis, node) m, at rest.
     """
@@ -44,6 +48,10 @@ def largest_step(structure: Structure, bodies: Bodies, r: Array) -> float:
             light = np.linalg.inv(M[np.ix_(heavy, heavy)])
             square = float(np.abs(np.linalg.eigvals(light @ K[np.ix_(heavy, heavy)])).max())
             rate = 0.5 * float(np.abs(np.linalg.eigvals(light @ C[np.ix_(heavy, heavy)])).max())
-            omega = np.sqrt(max(square, 1e-300))
-            steps.append(2.0 / omega * (np.sqrt(1.0 + (rate / omega) ** 2) - rate / omega))
+            omega = math.sqrt(max(square, 1e-300))
+            steps.append(2.0 / omega * (math.hypot(1.0, rate / omega) - rate / omega))
+    for tether in bodies.tethers:  # at its end, and at the contact with no more than the mass of its own
+        mobility = float(bodies.per_mass[int(tether["first"])] + contacts[tether["contact"]]["light"])
+        pulled, taken = math.sqrt(float(tether["stiffness"]) * mobility), 0.5 * float(tether["damping"]) * mobility
+        steps.append(2.0 / pulled * (math.hypot(1.0, taken / pulled) - taken / pulled))
     return SAFETY * float(min(steps))

@@ -1,0 +1,72 @@
+"""What the engine of cable runs and joints supports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ropewalk.model._base import Finding
+from ropewalk.model.capabilities import Capabilities, missing
+from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.parts import Parts
+from ropewalk.model.vehicle import Vehicle
+
+_SYSTEM = "joined lines and lines in wind"
+
+
+def _only_lines(parts: Parts) -> Iterator[Finding]:
+    if parts.overhead:
+        yield missing(("overhead_lines",), _SYSTEM, remedy="compute them in a scenario of their own")
+    for name in parts.nets:
+        yield missing(("nets", name), _SYSTEM, remedy="compute nets in a scenario of their own")
+    for name, line in parts.lines.items():
+        if line is not None and line.sheaves:
+            yield missing(("lines", name, "sheaves"), _SYSTEM, remedy="end the line at the sheave")
+
+
+def _contact_stiffness(parts: Parts) -> Iterator[Finding]:
+    feature, remedy = "a contact stiffness", "leave it out"
+    for name, load in parts.loads.items():
+        if isinstance(load, Oscillator) and load.contact_stiffness is not None:
+            given = f"{load.contact_stiffness:g} N/m"
+            yield missing(("loads", name, "contact_stiffness"), _SYSTEM, given, remedy, feature=feature)
+        if isinstance(load, Vehicle):
+            for part, wheel in load.wheels.items():
+                if wheel.contact_stiffness is not None:
+                    given, path = (
+                        f"{wheel.contact_stiffness:g} N/m",
+                        ("loads", name, "wheels", part, "contact_stiffness"),
+                    )
+                    yield missing(path, _SYSTEM, given, remedy, feature=feature)
+
+
+MOTION = Capabilities(
+    _SYSTEM,
+    only={
+        "run.kind": ("dynamic",),
+        "run.method": ("auto", "explicit", "verlet"),
+        "run.start.kind": ("rest",),
+        "run.start.with_loads": (False,),
+        "run.start.whirl": (False,),
+        "run.accuracy": (None,),
+        "run.geometry": ("nonlinear",),
+        "run.sample": (None,),
+        "run.axial_inertia": (1.0,),
+        "lines.law.kind": ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table"),
+        "loads.kind": ("force", "mass", "oscillator", "trolley", "vehicle", "matrices"),
+        "loads.travel.kind": ("prescribed",),
+        "loads.travel.measured": ("material",),
+        "loads.contact": ("clamped",),
+        "loads.friction": (None,),
+        "loads.friction_model": ("capstan",),
+        "loads.lift_off": (False,),
+    },
+    instead={
+        "run.start.with_loads": "leave it out, or write kind: force with its weight as force",
+        "run.start.whirl": "leave it out, or compute one line by itself",
+        "run.accuracy": "write step, or leave accuracy out",
+        "run.sample": "write every, which is the interval of all output",
+        "lines.law.kind": "give an axial_stiffness with law hooke",
+        "loads.travel.kind": "give a speed",
+    },
+    more=(_only_lines, _contact_stiffness),
+)
