@@ -16,6 +16,7 @@ from ropewalk.model.run import Dynamic, Equilibrium, Linear
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.walker import Walker
 from ropewalk.solve import capabilities as ropes
+from ropewalk.system import capabilities as system
 from ropewalk.webs import capabilities as webs
 from ropewalk.wires import capabilities as wires
 
@@ -31,16 +32,25 @@ class Engine:
 ROPES = Engine(ropes.MOTION, ropes.AT_REST)
 WIRES = Engine(wires.MOTION, wires.AT_REST)
 WEBS = Engine(webs.MOTION, webs.AT_REST)
+SYSTEM = Engine(system.MOTION, webs.AT_REST)
 LINEAR = Engine(linear.CAPABILITIES, linear.CAPABILITIES)
 
 
 def engine_of(asked: Parts | Scenario) -> Engine:
     """Choose the engine that computes a scenario."""
     if asked.is_web:
-        return WEBS
+        return _of_networks(asked if isinstance(asked, Parts) else asked.parts)
     if isinstance(asked.run, Linear):
         return LINEAR
     return WIRES if asked.is_stiff else ROPES
+
+
+def _of_networks(parts: Parts) -> Engine:
+    """The engine of the system where it supports a motion, or more of it than that of networks."""
+    if not isinstance(parts.run, Dynamic):
+        return WEBS
+    refused = [len(list(engine.motion.unsupported(parts))) for engine in (SYSTEM, WEBS)]
+    return SYSTEM if not refused[0] or refused[0] < refused[1] else WEBS
 
 
 def unsupported(parts: Parts) -> Iterator[Finding]:

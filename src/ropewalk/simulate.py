@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.capabilities import WEBS, WIRES, check_spectrum, engine_of
+from ropewalk.capabilities import SYSTEM, WEBS, WIRES, check_spectrum, engine_of
 from ropewalk.checkpoint import Tree
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.mechanics.chain import Array
@@ -106,6 +106,10 @@ def must_compile(scenario: Scenario) -> str:
     if not isinstance(scenario.run, Dynamic):
         return ""
     engine = engine_of(scenario)
+    if engine is SYSTEM:
+        from ropewalk.system import motion as system
+
+        return "about half a minute" if _sizes(system.advance) == [] else ""
     if engine is WEBS:
         from ropewalk.webs import motion
 
@@ -164,8 +168,12 @@ def run_of(scenario: Scenario, account: Account, times: Array | None = None, pas
 def _motion(scenario: Scenario, run: Dynamic, account: Account, times: Array, past: Tree | None) -> Engine:
     """A motion, by the engine that its lines ask for."""
     engine = engine_of(scenario)
+    if engine is SYSTEM:
+        from ropewalk.system.moving import Motion  # lazy: most runs do not need their kernels
+
+        return Motion(scenario, account, times)
     if engine is WEBS:
-        from ropewalk.webs.moving import Motion as Web  # lazy: most runs do not need their kernels
+        from ropewalk.webs.moving import Motion as Web  # lazy: as above
 
         return Web(scenario, account, times, past=past is not None)
     if engine is WIRES:

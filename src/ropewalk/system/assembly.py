@@ -195,6 +195,7 @@ def contacts_of(
         contacts[key] = getattr(loads, key)
     contacts["lift"] = [wheel.lift for wheel in wheels]
     contacts["stays"] = [wheel.at_end == "stay" for wheel in wheels]
+    contacts["refuses"] = [wheel.at_end == "refuse" for wheel in wheels]
     contacts["before"] = np.nan
     tables = Tables(loads.speed_time, loads.speed_value, loads.speed_path, loads.force_time, loads.force_value)
     heavy = [k for k, wheel in enumerate(wheels) if not isinstance(scenario.loads[wheel.load], MovingForce)]

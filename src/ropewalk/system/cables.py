@@ -183,7 +183,29 @@ def energy_of(structure, room, r):
 
 
 @lean_inner
-def blow(structure, room, r, v, t):
+def blow(structure, room, r, v, t, h):
+    """Add the forces of the wind at the velocities in the middle of a kick of the length h; returns their power, W."""
+    axes, light, power = r.shape[0], structure.nodes.light, 0.0
+    for a in range(axes):
+        for i in range(r.shape[1]):
+            room.guess[a, i] = v[a, i]
+    for again in range(2):
+        for a in range(axes):
+            for i in range(r.shape[1]):
+                room.air[a, i] = 0.0
+        power = _push(structure, r, room.guess, t, room.air)
+        if again == 0:
+            for a in range(axes):
+                for i in range(r.shape[1]):
+                    room.guess[a, i] = v[a, i] + 0.5 * h * light[i] * (room.force[a, i] + room.air[a, i])
+    for a in range(axes):
+        for i in range(r.shape[1]):
+            room.force[a, i] += room.air[a, i]
+    return power
+
+
+@lean_inner
+def _push(structure, r, v, t, air):
     """Add the forces of the wind, half of each link's to each of its nodes; returns their power, W."""
     runs, wind, axes, power = structure.runs, structure.wind, r.shape[0], 0.0
     speed = look_up(wind.time, wind.speed, 0, wind.time.size, t)
@@ -203,7 +225,7 @@ def blow(structure, room, r, v, t):
             for a in range(axes):
                 u = speed * wind.direction[a] - 0.5 * (v[a, i] + v[a, i + 1])
                 F = k * (u - along * (r[a, i + 1] - r[a, i]) / length)
-                room.force[a, i] += F
-                room.force[a, i + 1] += F
+                air[a, i] += F
+                air[a, i + 1] += F
                 power += F * (v[a, i] + v[a, i + 1])
     return power

@@ -48,6 +48,7 @@ CONTACT = np.dtype(
         ("margin", _REAL),  # m, that is left of the line where it leaves
         ("state", _CODE),
         ("stays", _CODE),  # 1: it stops at an end of its line, 0: it leaves there
+        ("refuses", _CODE),  # 1: the motion ends where it would leave
         ("been", _CODE),  # 1: it has been on its line
         ("held", _CODE),  # 1: it is stopped at an end
         ("comes", _CODE),  # 1: it has just come there

@@ -30,7 +30,7 @@ class FrameBuilder:
             goes_on = s > 0 and line[s - 1] == line[s]  # its first node is the last one before
             nodes.append(first + np.arange(int(goes_on), n + 1))
             links.append(first + np.arange(n))
-        self._node, self._link = np.concatenate(nodes), np.concatenate(links)
+        self._node, self.link = np.concatenate(nodes), np.concatenate(links)
         station = assembled.station
         held, supports = assembled.structure.holdings, [e for _, e in assembled.supports]
         joints = np.setdiff1d(np.arange(held.mass.size), supports)
@@ -41,7 +41,7 @@ class FrameBuilder:
             node_line=tuple(name for name, own in zip(line, nodes, strict=True) for _ in own),
             node_xi=station[self._node],
             link_line=tuple(name for name, own in zip(line, links, strict=True) for _ in own),
-            link_xi=0.5 * (station[self._link] + station[self._link + 1]),
+            link_xi=0.5 * (station[self.link] + station[self.link + 1]),
             contact_load=tuple(wheel.name for wheel in loading.wheels),
             support=tuple(name for name, _ in assembled.supports),
             body=tuple(body.name for body in shown),
@@ -65,7 +65,7 @@ class FrameBuilder:
         places, velocities = self._shown_bodies(state)
         return Frame(
             path=float(state.t[0]), position=state.r[:, self._node].T.copy(), velocity=state.v[:, self._node].T.copy(),
-            tension=room.tension[self._link], strain=room.strain[self._link], **seen.told(),
+            tension=room.tension[self.link], strain=room.strain[self.link], **seen.told(),
             body_position=places, body_velocity=velocities,
             reaction=np.array([room.reaction[e] for _, e in self.assembled.supports]).reshape(-1, state.r.shape[0]),
             energy=self._energy(state, contacts, elastic),

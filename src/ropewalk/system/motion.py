@@ -12,7 +12,7 @@ from ropewalk.mechanics.rider import look_up
 from ropewalk.system.bodies import LEAVES, STAYS, arrive, balance, drift, kick
 from ropewalk.system.cables import blow, energy_of, pull_all, stretch_all
 from ropewalk.system.contacts import AWAY, BODY, GONE, ON, bend, locate, press
-from ropewalk.system.structure import CARRIED, DAMPED, HELD, LOADED, MOVED
+from ropewalk.system.structure import CARRIED, DAMPED, HELD, LOADED, MOVED, STRUCK
 
 RUNNING, NOT_FINITE, AT_END = 0, 1, 2
 
@@ -34,10 +34,11 @@ def _displaced(holdings, e, a, t):
 
 
 @lean_inner
-def _look(structure, room, contacts, tables, bodies, state, table, out, since, windy):
+def _look(structure, room, contacts, tables, bodies, state, table, out, dt, since, windy):
     """All forces at the places of now: on nodes to `room.force`, of contacts to their records.
 
     Args:
+        dt: s, for which the wind will kick.
         since: s, since they were looked at before; 0: what damps does not act.
 
     Returns:
@@ -55,7 +56,7 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, since, w
     lost, blown = pull_all(structure, room, state.r, since), 0.0
     press(structure, room, contacts, state, table, out)
     if windy:
-        blown = blow(structure, room, state.r, state.v, state.t[0])
+        blown = blow(structure, room, state.r, state.v, state.t[0], dt)
     return lost, blown
 
 
@@ -230,7 +231,10 @@ def _book(structure, room, contacts, state, h):
                 pull = room.pull[contacts[k].link[j]]
                 pushed += contacts[k].change[j] / structure.runs.h[contacts[k].run] * pull * contacts[k].kink
             contacts[k].hold = pushed
-            state.work[HELD] += h * contacts[k].speed * pushed
+            if contacts[k].kind == BODY:
+                state.work[HELD] += h * contacts[k].speed * pushed
+            else:  # nobody holds a given force: what its contact draws from the line is lost, or gained
+                state.work[STRUCK] -= h * contacts[k].speed * pushed
 
 
 @lean_inner
@@ -247,6 +251,15 @@ def _ground(structure, contacts, state):
             node = structure.runs.first[run] + structure.runs.links[run]
         for a in range(axes):
             state.u[contacts[k].first + a] = state.r[a, node]
+
+
+@lean_inner
+def _is_refused(contacts):
+    """Whether a load that was to stay on its line has come to an end of it."""
+    found = False
+    for k in range(contacts.size):
+        found = found or (contacts[k].refuses == 1 and contacts[k].been == 1 and contacts[k].state != ON)
+    return found
 
 
 @lean_inner
@@ -272,7 +285,10 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
         half = 1 if step in (0, steps) else 0
         h = 0.5 * dt if half == 1 else dt
         since = dt if step > 0 else 0.0
-        lost, blown = _look(structure, room, contacts, tables, bodies, state, table, out, since, windy)
+        lost, blown = _look(structure, room, contacts, tables, bodies, state, table, out, h, since, windy)
+        ends = step > 0 and _is_refused(contacts)
+        if ends:
+            half, h = 1, 0.5 * dt
         state.work[DAMPED] += h * lost
         state.work[LOADED] += h * blown
         _book(structure, room, contacts, state, h)
@@ -286,6 +302,8 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
             _ground(structure, contacts, state)
         if step % 64 == 0 and not _is_finite(state.r, state.v):
             return NOT_FINITE
+        if ends:
+            return AT_END
     return RUNNING if _is_finite(state.r, state.v) else NOT_FINITE
 
 
@@ -295,7 +313,7 @@ def look(structure, room, contacts, tables, bodies, state, table, out):
     windy = False
     for a in range(state.r.shape[0]):
         windy = windy or structure.wind.direction[a] != 0.0
-    _look(structure, room, contacts, tables, bodies, state, table, out, 0.0, windy)
+    _look(structure, room, contacts, tables, bodies, state, table, out, 0.0, 0.0, windy)
 
 
 @lean

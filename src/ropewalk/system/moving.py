@@ -24,8 +24,9 @@ from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON
 from ropewalk.system.frames import FrameBuilder
 from ropewalk.system.stability import SAFETY, largest_step
-from ropewalk.system.statics import settle
+from ropewalk.system.statics import settle, tensions
 from ropewalk.system.structure import WORKS, Room, State
+from ropewalk.webs.lengths import doubt_slack
 
 # Part of a run for which a load may be faster than the waves of its line, as where that is slack for a while.
 LONG = 0.2
@@ -86,8 +87,9 @@ class Motion:
         windy = scenario.wind is not None and not scenario.wind.is_calm
         self._builder = FrameBuilder(self.assembled, loading, self.bodies, windy)
         self._fast = np.zeros(self.contacts.size, dtype=np.int64)  # frames in which each was faster than waves
-        self._refuses = [getattr(wheel, "at_end", "leave") == "refuse" for wheel in loading.wheels]
         self._stand()
+        tension = tensions(self.structure, self.rest)
+        doubt_slack(scenario, account, self.layout.link_line, tension[self._builder.link])
 
     @property
     def layout(self) -> Layout:
@@ -161,15 +163,13 @@ class Motion:
         self.contacts["step"] = dt
         self.bodies = self._builder.bodies = with_step(self.bodies, dt)
         status = motion.advance(*self._arguments(), self._A, self._b, dt, steps)
-        self.state.t[0] = end
+        if status != motion.AT_END:
+            self.state.t[0] = end
         self.account.steps += steps
-        for k in np.flatnonzero(self._refuses):
-            if self.contacts[k]["state"] != ON and self.state.s[k] > 0.0:
-                status = motion.AT_END
         if status == motion.RUNNING:
             return None
         outcome, advice = _ENDS[status]
-        return Ending(outcome, f"stopped at t = {end:.6g} s: {advice}")
+        return Ending(outcome, f"stopped at t = {self.state.t[0]:.6g} s: {advice}")
 
     def frame(self) -> Frame | None:
         """The present frame; none of a motion that is no longer finite."""

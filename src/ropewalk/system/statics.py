@@ -170,3 +170,10 @@ def settle(structure: Structure, start: Array) -> Array:
     """
     potential = Potential(structure, start.shape[0], float(np.ptp(start, axis=1).max()))
     return minimum.settle(potential, start)
+
+
+def tensions(structure: Structure, r: Array) -> Array:
+    """Tensions of all links, each by its first node, at places of the nodes (axis, node) in m; N."""
+    room = Room.of(structure, r.shape[0])
+    _forces(structure, room, r)
+    return room.tension

@@ -99,13 +99,15 @@ class Room(NamedTuple):
     moment: Array  # N, of one component
     bent: Array  # (axis, node) m, second difference
     force: Array  # (axis, node) N
+    air: Array  # (axis, node) N, of the wind
+    guess: Array  # (axis, node) m/s, in the middle of a kick
     reaction: Array  # (holding, axis) N, of the support on the structure
 
     @staticmethod
     def of(structure: Structure, axes: int) -> Room:
         """Room of the right size."""
         n, held = structure.nodes.mass.size, structure.holdings.mass.size
-        sizes = [(n,)] * 8 + [(axes, n), (axes, n), (held, axes)]
+        sizes = [(n,)] * 8 + [(axes, n)] * 4 + [(held, axes)]
         return Room(*(np.zeros(size) for size in sizes))
 
 

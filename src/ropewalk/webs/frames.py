@@ -12,7 +12,7 @@ from ropewalk.results.audit import Audit, energies
 from ropewalk.results.frame import MOVES, Account, Contacts, Frame, Layout
 from ropewalk.webs.contacts import neighbours
 from ropewalk.webs.fabric import tensions_of
-from ropewalk.webs.lengths import laid_at_rest
+from ropewalk.webs.lengths import doubt_slack, laid_at_rest
 from ropewalk.webs.potential import Potential
 from ropewalk.webs.pull import resistance
 from ropewalk.webs.seats import held_place
@@ -29,8 +29,6 @@ from ropewalk.webs.web import (
     State,
 )
 
-# Strain below which a line counts as slack.
-_SLACK = 1e-10
 _WORKS = {
     "line_damping": DAMPED, "contact_dissipation": CONTACTS, "friction": RUBBED, "load_work": LOADS,
     "support_work": SUPPORTS,
@@ -111,18 +109,8 @@ class FrameBuilder:
                 )
 
     def note_slack(self, r: Array) -> None:
-        """Doubt shapes of lines that nothing pulls at: without weight any other is as good."""
-        if self.scenario.gravity != 0.0:
-            return
-        tension = self.strain(r)[1]
-        for name, line in self.scenario.lines.items():
-            mine = np.array([on == name for on in self.layout.link_line])
-            if np.abs(tension[mine]).max() < _SLACK * (line.axial_stiffness or 1.0):
-                self.account.doubt(
-                    f"line {name} is slack and has no weight: its shape at rest is one of many",
-                    "it is longer than the way between what holds it, and gravity is 0", f"lines.{name}.length",
-                    "give gravity, or make it shorter",
-                )  # fmt: skip
+        """Doubt shapes of lines that nothing pulls at."""
+        doubt_slack(self.scenario, self.account, self.layout.link_line, self.strain(r)[1])
 
     def get_state(self) -> Tree:
         """The origin of the audit."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,11 +13,13 @@ from ropewalk.mechanics.assembly import pack
 from ropewalk.model.joint import Joined
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Guided
+from ropewalk.results.frame import Account
 from ropewalk.webs.laying import Laid, lay
 from ropewalk.webs.rest import leave, settle
 from ropewalk.webs.web import Array
 
 _ROUNDS, _NEAR = 60, 1e-9
+_SLACK = 1e-10  # tension over EA of a line at rest that nothing pulls at
 _FAR = 0.02  # of its length, by which a line is cut shorter or longer at once
 
 
@@ -107,3 +109,24 @@ def _not_found(scenario: Scenario, last: Mapping[str, tuple[float, float]], give
     tried = f"{len(given)} lines with a given tension do not come to rest with it" if len(given) > 1 else (
         f"line {name} does not come to rest with its tension")  # fmt: skip
     return f"lines.{name}.tension: {tried}: {last[name][1]:.5g} N instead of {wanted:g} N; {remedy}"
+
+
+def doubt_slack(scenario: Scenario, account: Account, on: Sequence[str], tension: Array) -> None:
+    """Doubt shapes of lines that nothing pulls at: without weight any other is as good.
+
+    Args:
+        scenario: what is there.
+        account: takes the doubts.
+        on: (link,) names of the lines of links.
+        tension: (link,) N, at rest.
+    """
+    if scenario.gravity != 0.0:
+        return
+    for name, line in scenario.lines.items():
+        mine = np.array([own == name for own in on])
+        if np.abs(tension[mine]).max() < _SLACK * (line.axial_stiffness or 1.0):
+            account.doubt(
+                f"line {name} is slack and has no weight: its shape at rest is one of many",
+                "it is longer than the way between what holds it, and gravity is 0", f"lines.{name}.length",
+                "give gravity, or make it shorter",
+            )  # fmt: skip
