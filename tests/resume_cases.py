@@ -35,11 +35,19 @@ STEPS = """{kind: footsteps, on: s, mass: 70, frequency: 2.5 Hz, step_length: 0.
 OSCILLATOR = """{kind: oscillator, on: s, mass: 20, stiffness: 4 kN/m, damping: 50 N*s/m,
   travel: {speed: 20, from: 5 m}}"""
 STEPPER = """{kind: stepper, on: s, model: "foreign_cases:%s", every: 10 ms, exchange: {%s}}"""
+VEHICLE = """{kind: vehicle, on: s, bodies: {box: {mass: 60, inertia: 20}}, wheels: {front: {at: 1 m},
+  rear: {at: -1 m, mass: 5}}, springs: {front: {between: [box, front], stiffness: 9 kN/m, damping: 200},
+  rear: {between: [box, rear], stiffness: 9 kN/m, damping: 200}}, travel: {speed: 20, from: 8 m}%s}"""
+FREE = """{kind: mass, on: s, mass: 40, air_drag: 0.2, travel: {kind: free, speed: 6, from: 5 m, friction: 0.02,
+  brake: {force: 200 N, within: 93 m}}}"""
+MASS = "{kind: mass, on: s, mass: 20, travel: {speed: 20, from: 5 m}}"
 WRITTEN = {
     "footsteps": (0, STEPS, ""),
     "oscillator": (0, OSCILLATOR, ""),
     "force, implicit": (1e4, "{kind: force, on: s, force: [0, -500], travel: {speed: 20, from: 5 m}}",
                         ", method: implicit"),
+    "vehicle": (0, VEHICLE % "", ""),
+    "free mass": (0, FREE, ""),
     "stepper": (0, STEPPER % ("Sprung", "order: 2"), ""),
     "stepper, parallel": (0, STEPPER % ("Sprung", "scheme: parallel, damping: 20"), ""),
     "stepper, iterated": (0, STEPPER % ("Mass", "scheme: iterated, stiffness: 4e3"), ""),
@@ -47,13 +55,28 @@ WRITTEN = {
 SHAKEN = """start_support: {kind: elastic, stiffness: 100 kN/m, damping: 50 N*s/m, displacement: {time: [0, 0.1, 0.5],
     value: [[0, 0], [0, 0.05], [0, -0.05]]}}, end_support: {kind: moving, displacement: {time: [0, 0.5],
     value: [[0, 0], [0, 0.1]]}}, elements:"""
+THROWN = """start_support: {kind: moving, displacement: {time: [0, 0.1, 0.2, 0.3], value: [[0, 0], [0, 0.3], [0, -0.3],
+    [0, 0]]}}, elements:"""
 SUPPORTS = {
     "network, moving supports": "wind_drag: 0.01, ",
+    "network, mass": "wind_drag: 0.01, ",
     "stiff line, moving supports": "bending_stiffness: 1e4, ",
     "small motion, moving supports": "bending_stiffness: 1e4, ",
 }
-STIFF = {"beam, stepper": "stepper", "beam, parallel": "stepper, parallel", "beam, iterated": "stepper, iterated"}
-KINDS = (*SMALL, *WRITTEN, *STIFF, *SUPPORTS)
+STIFF = {
+    "beam, vehicle": "vehicle", "beam, oscillator": "oscillator",
+    "beam, stepper": "stepper", "beam, parallel": "stepper, parallel", "beam, iterated": "stepper, iterated",
+}  # fmt: skip
+LEAVES = {"vehicle that lifts off": "", "beam, vehicle that lifts off": "bending_stiffness: 1e4, "}
+AWNING = """
+nets:
+  awning: {kind: membrane, boundary: [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]], spacing: 0.4, stiffness: 3e4,
+    mass: 0.8, tension: 500, damping: 5, edge: {kind: clamped}}
+loads: {m: {kind: mass, on: awning, mass: 8, travel: {speed: 3, path: [[0.5, 0.5], [1.6, 1.4]], at_end: stay}}}
+run: {kind: dynamic, until: 0.1, every: 0.01}
+"""
+NETS = {"membrane, mass": AWNING}
+KINDS = (*SMALL, *WRITTEN, *STIFF, *SUPPORTS, *LEAVES, *NETS)
 
 
 def case(kind: str, *settings: str) -> Scenario:
@@ -63,10 +86,16 @@ def case(kind: str, *settings: str) -> Scenario:
         return ropewalk.load(EXAMPLES / f"{name}.yaml", [*given, *settings])
     if kind in SUPPORTS:
         damping, load, _ = WRITTEN["footsteps"] if kind.startswith("network") else WRITTEN["oscillator"]
+        load = MASS if kind.endswith("mass") else load
         more = ", geometry: linearised" if kind.startswith("small") else ""
         text = (ROPE % (damping, load, more)).replace("elements:", SUPPORTS[kind] + SHAKEN)
         text = text.replace("axial_damping: 0", "drag: 0.1")
         return loads(text + ("wind: {speed: 5, direction: [1, 0]}" if kind[0] == "n" else ""), "rope.yaml", settings)
+    if kind in NETS:
+        return loads(NETS[kind], "net.yaml", settings)
+    if kind in LEAVES:
+        text = ROPE % (0, VEHICLE % ", lift_off: true", "")
+        return loads(text.replace("elements:", LEAVES[kind] + THROWN), "rope.yaml", settings)
     text = ROPE % WRITTEN[STIFF.get(kind, kind)]
     if kind in STIFF:
         text = text.replace("elements:", "bending_stiffness: 1e4, elements:")

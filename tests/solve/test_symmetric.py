@@ -193,6 +193,15 @@ def test_free_and_buckled_webs_have_zeros_and_negative_numbers(count: int) -> No
     assert frequencies == pytest.approx(np.sign(squares) * np.sqrt(np.abs(squares)), rel=1e-8)
 
 
+def test_the_first_mode_of_a_fine_mesh_is_not_taken_for_none() -> None:
+    """A string of 4000 links that is 2e5 times softer across than along: squares of 9e-12 beside 12."""
+    count, soft = 4000, 5e-6
+    K = sparse.csr_array(sparse.block_diag([string(count), soft * string(count)]))
+    frequencies, _ = modes(K, np.ones(2 * count), 3)
+    exact = np.sqrt(12.0 * soft) * np.sin(0.5 * np.pi * np.arange(1, 4) / (count + 1))
+    assert frequencies == pytest.approx(exact, rel=1e-3)  # rounding of 12
+
+
 def test_impossible_systems_are_refused() -> None:
     K = string(5)
     for way in WAYS:

@@ -268,7 +268,8 @@ def modes(K: Any, mass: ArrayLike, how_many: int) -> tuple[Array, Array]:
         squares, vectors = linalg.eigh(scaled.toarray(), subset_by_index=(0, how_many - 1))
     else:
         squares, vectors = _lowest(scaled, bound, how_many)
-    squares = np.where(np.abs(squares) <= count * np.finfo(np.float64).eps * bound, 0.0, squares)
+    # Roundings add up like random steps; count instead of its root would take the first mode of a fine mesh for none.
+    squares = np.where(np.abs(squares) <= np.sqrt(count) * np.finfo(np.float64).eps * bound, 0.0, squares)
     largest = np.take_along_axis(vectors, np.abs(vectors).argmax(axis=0)[np.newaxis], axis=0)
     shapes = vectors * np.sign(largest) / root[:, np.newaxis]
     return np.sign(squares) * np.sqrt(np.abs(squares)), shapes
