@@ -198,10 +198,30 @@ def blow(structure, room, r, v, t, h):
             for a in range(axes):
                 for i in range(r.shape[1]):
                     room.guess[a, i] = v[a, i] + 0.5 * h * light[i] * (room.force[a, i] + room.air[a, i])
+            _guess_held(structure, room, h)
     for a in range(axes):
         for i in range(r.shape[1]):
             room.force[a, i] += room.air[a, i]
     return power
+
+
+@lean_inner
+def _guess_held(structure, room, h):
+    """Guess how fast what is held is in the middle of a kick."""
+    held, nodes, axes = structure.holdings, structure.nodes, room.force.shape[0]
+    for e in range(held.mass.size):
+        mine = held.node[held.first[e] : held.first[e] + held.nodes[e]]
+        for a in range(axes):
+            M, gained = held.mass[e], 0.0
+            for n in mine:
+                M += nodes.mass[n]
+            for c in range(axes):
+                F = held.force[e, c]
+                for n in mine:
+                    F += room.force[c, n] + room.air[c, n]
+                gained += 0.5 * h * held.free[e, a, c] * F / M
+            for n in mine:
+                room.guess[a, n] += gained
 
 
 @lean_inner
