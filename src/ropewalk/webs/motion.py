@@ -417,6 +417,7 @@ def advance(web, state, room, until, step):
         RUNNING, or why it came to an end before.
     """
     seats, links = web.seats, web.links
+    led = web.held.moves.node.size > 0  # asked here: a call hands over all arrays, which costs in each step
     if not look_at_contacts(web, state, room):
         return NOT_FOUND
     _guess(state, room, 0.0)
@@ -439,13 +440,15 @@ def advance(web, state, room, until, step):
                 for q in range(web.sheaves.link.size):
                     if web.sheaves.link[q] == seats.cell[k]:
                         return AT_SHEAVE
-        _drive(web, state, room, h)
-        _push_supports(web, state, room, 0.5 * h)
+        if led:
+            _drive(web, state, room, h)
+            _push_supports(web, state, room, 0.5 * h)
         _kick(web, state, room, 0.5 * h)
         count = solve(web, state, room, h, False)
         if count < 0:
             return NOT_FOUND
-        _drag_supports(web, state, room, h)
+        if led:
+            _drag_supports(web, state, room, h)
         _drift(web, state, room, h, count)
         if not np.isfinite(_balance(web, state, room, True)):
             return NOT_FOUND
@@ -454,7 +457,8 @@ def advance(web, state, room, until, step):
             return LINE_OUT
         _guess(state, room, 0.5 * h)
         _look(web, state, room, state.t[0])
-        _push_supports(web, state, room, 0.5 * h)
+        if led:
+            _push_supports(web, state, room, 0.5 * h)
         _kick(web, state, room, 0.5 * h)
         for k in range(seats.kind.size):
             if room.passing[k] == 1 and seats.kind[k] != OFF:

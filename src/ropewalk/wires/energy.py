@@ -107,10 +107,12 @@ class Energies:
 
     def _about_rest(self, motion: SmallMotion, u: Array, instant: int) -> float:
         """Potential energy of small motion, zero at rest."""
-        holders, elastic = motion.holders, slice(motion.holders.fast, None)
-        points = (holders.weight * u[holders.base[:, None] + np.arange(WIDTH)]).sum(axis=1)
-        stretched = (holders.moved[:, instant] - holders.way[:, 0] * points)[elastic]
-        held = 0.5 * float((holders.stiffness[elastic] * stretched**2).sum())
+        holders, held = motion.holders, 0.0
+        if holders.fast < holders.hold.size:
+            elastic = slice(holders.fast, None)
+            points = (holders.weight * u[holders.base[:, None] + np.arange(WIDTH)]).sum(axis=1)
+            stretched = (holders.moved[:, instant] - holders.way[:, 0] * points)[elastic]
+            held = 0.5 * float((holders.stiffness[elastic] * stretched**2).sum())
         s, springs = motion.springs, 0.0
         apart = np.einsum("ek,ek->e", s.weight[:, : s.weight.shape[1] // 2], u[s.one[:, None] + _shares(s.weight)])
         apart += np.einsum("ek,ek->e", s.weight[:, s.weight.shape[1] // 2 :], u[s.other[:, None] + _shares(s.weight)])

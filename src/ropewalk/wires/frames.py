@@ -21,7 +21,7 @@ from ropewalk.wires.energy import Energies
 from ropewalk.wires.equilibrium import Potential
 from ropewalk.wires.journey import drive_of
 from ropewalk.wires.large import LargeMotion
-from ropewalk.wires.layout import axes_of, layout_of, reactions
+from ropewalk.wires.layout import Reactions, axes_of, layout_of
 from ropewalk.wires.mesh import riders_of
 from ropewalk.wires.partners import SLIDES, Foreigner, Partner
 from ropewalk.wires.plan import Array
@@ -71,7 +71,7 @@ class Wires:
         self.account = account
         self.riders = riders_of([journey.rider for journey in self.task.journeys])
         interval = float(times[1] - times[0]) if times.size > 1 else sample  # none is longer
-        self.axes = axes_of(task)
+        self.axes, self._supports = axes_of(task), Reactions(self.mesh)
         self.turns = [
             foreigner.turns(len(self.axes), SLIDES * start.mesh.strands.h.max()) for foreigner in task.foreigners
         ]
@@ -104,7 +104,10 @@ class Wires:
             )  # fmt: skip
         else:
             account.reason = "Stoermer's method for small vertical motion about rest, with constant tensions"
-            self._stiffness = vertical_stiffness(self.mesh)
+            ends = self._supports.ends
+            self._end_stiffness = vertical_stiffness(self.mesh)[ends]
+            self._risen = (beds(self.mesh) * self.mesh.straight()[2])[ends]
+            self._end_weight = self.task.plan.gravity * self.mesh.mass[ends]
             self._doubt_sag(start.rest)
             self.motion = SmallMotion(
                 self.mesh, start.rest, self.riders, account.step, self._first("first"), task.window
@@ -369,15 +372,16 @@ class Wires:
             hold: (hold, 3) N, those of holds.
             position: (node, axis) m; None: of now.
         """
-        r, strands, mesh = self.motion.position, self.mesh.strands, self.mesh
-        if position is not None:
-            r = r.copy()
-            r[self.axes] = position.T
+        strands, supports = self.mesh.strands, self._supports
         if isinstance(self.motion, LargeMotion):
-            return reactions(mesh, self._potential.bare_pull(r), hold)[:, self.axes]
-        bare = np.zeros((3, mesh.nodes))
-        bare[2] = beds(mesh) * mesh.straight()[2] - self._stiffness @ r[2] - mesh.plan.gravity * mesh.mass
-        force = reactions(mesh, bare, hold)
+            r = self.motion.position
+            if position is not None:
+                r[self.axes] = position.T
+            return supports.of(self._potential.bare_pull(r)[:, supports.ends].T, hold)[:, self.axes]
+        height = self.motion.position[2] if position is None else position[:, -1]
+        bare = np.zeros((supports.ends.size, 3))
+        bare[:, 2] = self._risen - self._end_stiffness @ height - self._end_weight
+        force = supports.of(bare, hold)
         force[: 2 * strands.first.size, 0] = np.stack([-strands.tension, strands.tension], axis=1).ravel()
         return force[:, self.axes]
 

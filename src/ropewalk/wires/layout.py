@@ -20,28 +20,38 @@ def supports_of(plan: Plan) -> tuple[tuple[str, ...], Integers]:
     """Names of all that holds wires, ends first, and which of them each hold is."""
     ends = [f"{wire.name}.{end}" for wire in plan.wires for end in ("start", "end")]
     names = tuple(dict.fromkeys([*ends, *(hold.name for hold in plan.holds)]))
-    return names, np.array([names.index(hold.name) for hold in plan.holds], dtype=np.int64)
+    number = {name: i for i, name in enumerate(names)}
+    return names, np.array([number[hold.name] for hold in plan.holds], dtype=np.int64)
 
 
-def reactions(mesh: Mesh, bare: Array, hold: Array) -> Array:
-    """Forces of all that holds wires on them, (support, 3) N.
+class Reactions:
+    """Forces of all that holds wires on them.
 
     A mass at the end of a wire is part of the support there: what accelerates and carries it is no reaction.
-
-    Args:
-        bare: (3, node) N on all nodes but for what holds do.
-        hold: (hold, 3) N.
     """
-    names, which = supports_of(mesh.plan)
-    out = np.zeros((len(names), 3))
-    np.add.at(out, which, hold)
-    ends = np.stack([mesh.strands.first, mesh.strands.first + mesh.strands.links], axis=1).ravel()
-    mass, weight = mesh.mass[ends] - mesh.own[ends], np.zeros((ends.size, 3))
-    weight[:, 2] = -mesh.plan.gravity * mass
-    given, held = bare[:, ends].T, out[: ends.size]
-    inertia = (mass / mesh.mass[ends])[:, None] * (given + held)
-    out[: ends.size] = np.where(mesh.fixed[:, ends].T, weight - given, held + weight - inertia)
-    return out
+
+    def __init__(self, mesh: Mesh) -> None:
+        names, self._which = supports_of(mesh.plan)
+        self.ends: Integers = np.stack([mesh.strands.first, mesh.strands.first + mesh.strands.links], axis=1).ravel()
+        mass = mesh.mass[self.ends] - mesh.own[self.ends]
+        self._weight = np.zeros((self.ends.size, 3))
+        self._weight[:, 2] = -mesh.plan.gravity * mass
+        self._share = (mass / mesh.mass[self.ends])[:, None]  # of the mass of an end that is its support's
+        self._supports, self._fixed = len(names), mesh.fixed[:, self.ends].T
+
+    def of(self, bare: Array, hold: Array) -> Array:
+        """Find them, (support, 3) N.
+
+        Args:
+            bare: (end, 3) N on the ends of wires but for what holds do.
+            hold: (hold, 3) N.
+        """
+        out = np.zeros((self._supports, 3))
+        np.add.at(out, self._which, hold)
+        held = out[: self.ends.size]
+        inertia = self._share * (bare + held)
+        out[: self.ends.size] = np.where(self._fixed, self._weight - bare, held + self._weight - inertia)
+        return out
 
 
 def layout_of(

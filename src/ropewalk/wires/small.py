@@ -107,6 +107,8 @@ def advance(strands, stencil, springs, holders, window, watched, riders, pace, l
     """
     whole = record.force.shape[0] * steps
     every = min(EVERY, max(1, whole // 4))
+    # What holds do is written for several axes; here it is one. Arrays take this shape once: in each step it costs.
+    here, ahead, gain = now.reshape(1, -1), other.reshape(1, -1), stencil.gain.reshape(1, -1)
     for row in range(record.force.shape[0]):
         _look(watched, window, now, record.watched, row)
         for i in range(riders.size.size):
@@ -120,11 +122,10 @@ def advance(strands, stencil, springs, holders, window, watched, riders, pace, l
             for k in range(riders.owner.size):
                 _touch(strands, riders, pace, level, now, other, stencil.gain, drive, record, row, step, steps, k, w)
             ride(riders, pace)
-            restrain(holders, window.elastic[0], window.elastic[1], now.reshape(1, -1), other.reshape(1, -1),
-                     stencil.gain.reshape(1, -1), pace.step, pace.work, record.hold, row, step == 0)  # fmt: skip
+            restrain(holders, window.elastic[0], window.elastic[1], here, ahead, gain, pace.step, pace.work,
+                     record.hold, row, step == 0)  # fmt: skip
             for sweep in range(sweeps):
-                _grip(holders, window, now.reshape(1, -1), other.reshape(1, -1), stencil.gain.reshape(1, -1), pace.work,
-                      record, row, step, sweep == 0)  # fmt: skip
+                _grip(holders, window, here, ahead, gain, pace.work, record, row, step, sweep == 0)
                 for k in range(riders.owner.size):
                     if np.isinf(riders.spring[k]):
                         _join(strands, riders, pace, level, other, stencil.gain, drive, record, row, step, steps, k, w)
@@ -134,6 +135,7 @@ def advance(strands, stencil, springs, holders, window, watched, riders, pace, l
                 lost = _lost(strands, stencil, window, now, other, room, pace.step)
                 pace.work[DAMPED] += min(every, whole - gone) * lost
             now, other = other, now
+            here, ahead = ahead, here
 
 
 @inlined

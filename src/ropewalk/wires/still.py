@@ -11,7 +11,7 @@ from ropewalk.results.audit import energies
 from ropewalk.results.frame import IN_AIR, MOVES, Account, Contacts, Frame, Layout
 from ropewalk.solve.following import schedule, slow_motion
 from ropewalk.wires.bearing import Bearing, Borne
-from ropewalk.wires.layout import axes_of, layout_of, reactions
+from ropewalk.wires.layout import Reactions, axes_of, layout_of
 from ropewalk.wires.plan import Array
 from ropewalk.wires.task import Task, ready
 
@@ -32,7 +32,7 @@ class Still:
         account.warnings += task.remarks
         account.method, account.reason = "rest", "least potential energy"
         self.account, self.mesh = account, self._start.mesh
-        self._axes = axes_of(task)
+        self._axes, self._supports = axes_of(task), Reactions(self.mesh)
         self._bearing = Bearing(self.mesh, self.task.journeys, self._start.unstrained, space=task.space)
 
     @property
@@ -121,7 +121,7 @@ class Still:
     def _reactions(self, r: Array) -> Array:
         """Forces of ends and holds on their wires, (support, 3) N."""
         potential = self._bearing.potential
-        return reactions(self.mesh, potential.bare_pull(r), potential.hold_forces(r))
+        return self._supports.of(potential.bare_pull(r)[:, self._supports.ends].T, potential.hold_forces(r))
 
     def _energy(self, found: Borne) -> Array:
         potential, r = self._bearing.potential, found.position
