@@ -96,6 +96,11 @@ class FrameBuilder:
                 out[0, i, 0] += body.ahead
         return out[0], out[1]
 
+    def _held(self, e: int) -> Array:
+        """Nodes of a holding."""
+        held = self.assembled.structure.holdings
+        return held.node[held.first[e] : held.first[e] + held.nodes[e]]
+
     def _energy(self, state: State, contacts: Any, elastic: float) -> Array:
         nodes, held, bodies = self.assembled.structure.nodes, self.assembled.structure.holdings, self.bodies
         first = held.node[held.first]
@@ -109,6 +114,10 @@ class FrameBuilder:
             moved = [np.interp(state.t[0], held.time[part], row[part]) for row in held.moved]
             away = state.r[:, first[e]] - held.place[e] - moved
             elastic += 0.5 * float(away @ held.stiffness[e] @ away)
+        # What moves as prescribed has its kinetic energy from there.
+        driven = (held.entries > 1) & (np.einsum("eaa->e", held.free) == 0.0)
+        mass = held.mass + np.array([nodes.mass[self._held(e)].sum() for e in range(held.mass.size)])
+        moved_by = 0.5 * float((mass * (state.v[:, first] ** 2).sum(axis=0))[driven].sum())
         alone = bodies.alone == 1
         moving = 0.5 * float((bodies.mass * state.w**2)[alone].sum())
         potential = -float(bodies.force @ state.u)
@@ -124,7 +133,7 @@ class FrameBuilder:
         return self._audit.of(
             kinetic=kinetic + swept, elastic=elastic, gravitational=-weight, load_kinetic=moving,
             load_potential=potential, line_damping=float(work[DAMPED]), load_work=float(work[LOADED]),
-            hold_work=float(work[HELD]) + 2.0 * swept, support_work=float(work[MOVED]),
+            hold_work=float(work[HELD]) + 2.0 * swept, support_work=float(work[MOVED]) + moved_by,
             load_damping=float(work[IN_BODIES]),
             contact_dissipation=float(work[STRUCK] - work[CARRIED]) + swept,
         )  # fmt: skip

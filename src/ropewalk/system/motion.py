@@ -115,13 +115,6 @@ def _kick_holdings(structure, room, state, h, dt, A, b):
                 rate = (_displaced(held, e, c, t + 0.5 * h) - _displaced(held, e, c, t - 0.5 * h)) / h if moves else 0.0
                 spring = held.stiffness[e, a, c] * (far - r[c, first])
                 F += spring - held.damping[e, a, c] * (v[c, first] - rate)
-                if moves:
-                    state.work[MOVED] += (
-                        h
-                        * (spring - held.damping[e, a, c] * (v[c, first] - rate))
-                        * (_displaced(held, e, a, t + 0.5 * h) - _displaced(held, e, a, t - 0.5 * h))
-                        / h
-                    )
             A[a, axes] = h * (F - drag * v[a, first])
         # within the free directions: P A P + (1 - P)
         for a in range(axes):
@@ -135,13 +128,18 @@ def _kick_holdings(structure, room, state, h, dt, A, b):
         _cramer(A, b, axes)
         lost = 0.0
         for a in range(axes):
+            rate_a, way = v[a, first] + 0.5 * b[a], 0.0
+            if moves:
+                way = _displaced(held, e, a, t + 0.5 * h) - _displaced(held, e, a, t - 0.5 * h)
+                rate_a -= way / h
             for c in range(axes):
-                rate_a = v[a, first] + 0.5 * b[a]
-                rate_c = v[c, first] + 0.5 * b[c]
+                rate_c, far = v[c, first] + 0.5 * b[c], _displaced(held, e, c, t)
                 if moves:
-                    rate_a -= (_displaced(held, e, a, t + 0.5 * h) - _displaced(held, e, a, t - 0.5 * h)) / h
                     rate_c -= (_displaced(held, e, c, t + 0.5 * h) - _displaced(held, e, c, t - 0.5 * h)) / h
                 lost += rate_a * held.damping[e, a, c] * rate_c
+                state.work[MOVED] += way * (
+                    held.stiffness[e, a, c] * (far - r[c, first]) - held.damping[e, a, c] * rate_c
+                )
             lost += drag * (v[a, first] + 0.5 * b[a]) ** 2
         state.work[DAMPED] += h * lost
         for a in range(axes):
