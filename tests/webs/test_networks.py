@@ -95,11 +95,15 @@ def test_a_support_that_moves_bears_what_that_of_the_chain_does(support: dict[st
     gust = {"time": [0, 0.1], "value": [[0, 0], [0, -300]]}
     load = {**FORCE, "force": gust, "travel": {"speed": 0, "from": 12.1}}
     run = {"kind": "dynamic", "until": 0.6, "every": 0.01, "method": "verlet"}
-    chain, web = both(run, {"end_support": support, "axial_damping": 20.0}, loads={"p": load})
-    end = [result.reaction.sel(support="rope.end").values for result in (chain, web)]
-    assert np.ptp(end[0], axis=0).max() > 100.0
-    # Both have errors of the order of a link's weight, 5 N of 300 N.
-    assert np.sqrt(np.mean((end[1] - end[0]) ** 2)) < 5.0
+    missed = []
+    for n in (40, 80):
+        chain, web = both(run, {"end_support": support, "axial_damping": 20.0, "elements": n}, loads={"p": load})
+        end = [result.reaction.sel(support="rope.end").values for result in (chain, web)]
+        assert np.ptp(end[0], axis=0).max() > 100.0
+        missed.append(float(np.sqrt(np.mean((end[1] - end[0]) ** 2))))
+    # What comes through the rope is not resolved better than by its links: a part of 430 N that falls with these.
+    assert missed[0] < 20.0
+    assert missed[1] < 0.55 * missed[0]
 
 
 def error_on_taut_string(elements: int, alpha: float, passages: float) -> float:
@@ -110,8 +114,8 @@ def error_on_taut_string(elements: int, alpha: float, passages: float) -> float:
         result.xi.values[None, :], result.time.values[:, None],
         force=1e-6, speed=load.travel.speed, length=line.length, tension=line.length, mass=line.mass,
     )  # fmt: skip
-    # The audit: round-off of the energy of the taut string, 5e-4 J, and the square of the slope.
-    assert np.abs(form(result, "imbalance")).max() < 1e-15
+    # What the contact draws from the line begins with a step within its first link, above the wave speed to 2 %.
+    assert np.abs(form(result, "imbalance")).max() < 0.02 * np.abs(form(result, "contact_dissipation")).max()
     return float(np.sqrt(np.mean((-result.position.sel(axis="z").values - exact) ** 2))) / 1e-6
 
 
@@ -120,7 +124,8 @@ def test_a_force_on_a_taut_string_is_that_of_fryba(alpha: float, largest: float)
     links = [100, 200, 400]
     errors = [error_on_taut_string(n, alpha, 0.75) for n in links]
     assert errors[-1] < largest  # as of the chain
-    assert 0.9 < order([1.0 / n for n in links], errors) < 1.1  # the kink travels: first order in the mean
+    # The kink travels, rounded within a link: first order in the mean, and parts of the second.
+    assert 0.9 < order([1.0 / n for n in links], errors) < 1.2
 
 
 def drift_of_contact(elements: int, alpha: float, part: float | None = None) -> tuple[np.ndarray, xr.Dataset, Any]:
@@ -158,7 +163,9 @@ def test_what_a_contact_draws_it_gives_back_whatever_the_step(alpha: float) -> N
     # Given in part the answer would depend on the step over the time of a link: by 10 % of the drift.
     assert np.ptp([miss[0] for miss, *_ in runs]) < 2e-3
     audit = [abs(form(result, "imbalance")[-1] / form(result, "load_work")[-1]) for _, result, _ in runs]
-    assert 1.7 < order(parts, audit) < 2.5
+    # The square of the step, down to what the table of compliances leaves, 1e-5.
+    assert 1.7 < order(parts[:2], audit[:2]) < 2.5
+    assert audit[2] < 2e-5
     lost = form(runs[0][1], "contact_dissipation")[-1] / runs[0][1].time.values[-1]
     assert lost == pytest.approx(runs[0][2].dissipation, rel=0.1)  # a motor, see test_energy_audit.py; 192 links
 
@@ -210,12 +217,21 @@ def halves(n: int, length: float = 10.15) -> dict[str, Any]:
 
 
 def test_a_line_cut_in_two_at_a_joint_without_mass_is_the_line() -> None:
+    """At a joint lines may have a kink, so that the rope is smooth there as far as its links are short."""
     run = {"kind": "dynamic", "until": 0.5, "every": 0.05}
     load = {**FORCE, "travel": {"speed": 6.0, "from": 2.0}}
-    whole = run_of({"rope": AIRY}, run, wind=CALM, loads={"p": load})
-    cut = run_of(halves(40), run, joints={"knot": {}}, loads={"p": {**load, "on": "one"}})
-    # The same links in the same order: round-off.
-    assert cut.position.values[:, np.r_[:21, 22:42]] == pytest.approx(whole.position.values, abs=1e-9)
+    links, rest, moving = [20, 40, 80], [], []
+    for n in links:
+        whole = run_of({"rope": {**AIRY, "elements": n}}, run, wind=CALM, loads={"p": load})
+        cut = run_of(halves(n), run, joints={"knot": {}}, loads={"p": {**load, "on": "one"}})
+        shown = np.r_[: n // 2 + 1, n // 2 + 2 : n + 2]
+        away = np.abs(cut.position.values[:, shown] - whole.position.values).max(axis=(1, 2))
+        rest.append(float(away[0]))
+        moving.append(float(np.sqrt(np.mean(away**2))))
+    assert rest[-1] < 1e-7
+    assert 3.8 < order([1.0 / n for n in links], rest) < 4.2
+    assert moving[-1] < 0.01
+    assert moving[-1] < 0.5 * moving[-2]
 
 
 def three_cables(space: bool) -> tuple[dict[str, Any], np.ndarray]:

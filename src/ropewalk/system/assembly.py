@@ -14,11 +14,13 @@ from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import records
 from ropewalk.mechanics.fleet import MARGIN
 from ropewalk.mechanics.loading import Loading
+from ropewalk.model.capabilities import refusal
 from ropewalk.model.joint import Joined
 from ropewalk.model.load import MovingForce
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed
 from ropewalk.system.bodies import BLOWN, TETHER, Bodies
+from ropewalk.system.capabilities import between_nodes
 from ropewalk.system.contacts import BODY, CONTACT, FORCE
 from ropewalk.system.motion import Tables
 from ropewalk.system.structure import Holdings, Lines, Nodes, Runs, Structure, Wind
@@ -58,6 +60,10 @@ def structure_of(scenario: Scenario, until: float) -> Assembled:
     for strand in laid.strands:
         ends = {0, strand.node.size - 1}
         inner = [i for i in range(1, strand.node.size - 1) if uses[strand.node[i]] > 1]
+        if scenario.lines[strand.name].bending_stiffness:  # it does not end where something is joined to it
+            if np.ptp(np.diff(strand.station)) > 1e-9 * strand.station[-1]:
+                raise refusal(between_nodes(strand.name, scenario.lines[strand.name].elements))
+            inner = []
         for i, j in pairwise(sorted(ends | set(inner))):
             sections.append((strand.name, strand.node[i : j + 1], strand.station[i : j + 1]))
     links = np.array([node.size - 1 for _, node, _ in sections])
@@ -91,7 +97,7 @@ def structure_of(scenario: Scenario, until: float) -> Assembled:
         np.array([np.pad(p, (0, width - p.size)) for p in laws]), np.array([line.axial_damping for line in lines]),
         np.array([line.bending_stiffness or 0.0 for line in lines]),
         np.array([line.foundation or 0.0 for line in lines]), np.array([line.wind_drag for line in lines]),
-        clamped, turned,
+        clamped, turned, np.zeros((links.size, 2, 2)),
     )  # fmt: skip
     holdings = _holdings(scenario, sections, first, original, gravity, until, axes)
     light = np.divide(1.0, mass, out=np.zeros(n), where=mass > 0.0)

@@ -224,6 +224,15 @@ def _guess_held(structure, room, h):
                 room.guess[a, n] += gained
 
 
+@inlined
+def _share(v, air, end, way, F, shift):
+    """Let the nodes beside an end bear some of the load F on its link; returns what that adds to its power, W."""
+    air[end] -= (shift[0] + shift[1]) * F
+    air[end + way] += shift[0] * F
+    air[end + 2 * way] += shift[1] * F
+    return F * (shift[0] * (v[end + way] - v[end]) + shift[1] * (v[end + 2 * way] - v[end]))
+
+
 @lean_inner
 def _push(structure, r, v, t, air):
     """Add the forces of the wind, half of each link's to each of its nodes; returns their power, W."""
@@ -232,7 +241,8 @@ def _push(structure, r, v, t, air):
     for s in range(runs.first.size):
         if runs.width[s] == 0.0:
             continue
-        for i in range(runs.first[s], runs.first[s] + runs.links[s]):
+        last = runs.first[s] + runs.links[s] - 1
+        for i in range(runs.first[s], last + 1):
             along = square = length = 0.0
             for a in range(axes):
                 length += (r[a, i + 1] - r[a, i]) ** 2
@@ -248,4 +258,8 @@ def _push(structure, r, v, t, air):
                 air[a, i] += F
                 air[a, i + 1] += F
                 power += F * (v[a, i] + v[a, i + 1])
+                if i == runs.first[s]:
+                    power += _share(v[a], air[a], i, 1, 2.0 * F, runs.shift[s, 0])
+                if i == last:
+                    power += _share(v[a], air[a], i + 1, -1, 2.0 * F, runs.shift[s, 1])
     return power

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import Capabilities, missing
+from ropewalk.model.joint import Joined
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
 from ropewalk.model.vehicle import Vehicle
@@ -21,6 +22,25 @@ def _only_lines(parts: Parts) -> Iterator[Finding]:
     for name, line in parts.lines.items():
         if line is not None and line.sheaves:
             yield missing(("lines", name, "sheaves"), _SYSTEM, remedy="end the line at the sheave")
+
+
+def between_nodes(name: str, elements: int) -> Finding:
+    """Say that something is joined between nodes to a line that bends there."""
+    feature, remedy = "a line joined between two nodes of another", "choose elements so that one of its nodes is there"
+    return missing(("lines", name, "elements"), "lines with bending stiffness", str(elements), remedy, feature=feature)
+
+
+def _joined_between_nodes(parts: Parts) -> Iterator[Finding]:
+    for name, line in parts.lines.items():
+        if line is None or not line.bending_stiffness:
+            continue
+        length = line.length or line.distance
+        for other in parts.lines.values():
+            for _, support in other.supports() if other is not None else ():
+                if isinstance(support, Joined) and support.to == name and isinstance(support.at, float):
+                    place = support.at / length * line.elements
+                    if abs(place - round(place)) > 1e-9 * line.elements:
+                        yield between_nodes(name, line.elements)
 
 
 def _contact_stiffness(parts: Parts) -> Iterator[Finding]:
@@ -68,5 +88,5 @@ MOTION = Capabilities(
         "lines.law.kind": "give an axial_stiffness with law hooke",
         "loads.travel.kind": "give a speed",
     },
-    more=(_only_lines, _contact_stiffness),
+    more=(_only_lines, _joined_between_nodes, _contact_stiffness),
 )

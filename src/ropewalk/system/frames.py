@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ropewalk.checkpoint import Tree
-from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.loading import Loading
 from ropewalk.results.audit import Audit
 from ropewalk.results.frame import MOVES, STICKS, Contacts, Frame, Layout
@@ -96,7 +96,7 @@ class FrameBuilder:
                 out[0, i, 0] += body.ahead
         return out[0], out[1]
 
-    def _held(self, e: int) -> Array:
+    def _held(self, e: int) -> Integers:
         """Nodes of a holding."""
         held = self.assembled.structure.holdings
         return held.node[held.first[e] : held.first[e] + held.nodes[e]]

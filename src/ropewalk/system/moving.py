@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON
 from ropewalk.system.frames import FrameBuilder
 from ropewalk.system.stability import SAFETY, largest_step
-from ropewalk.system.statics import settle, tensions
+from ropewalk.system.statics import at_rest, tensions
 from ropewalk.system.structure import WORKS, Room, State
 from ropewalk.webs.lengths import doubt_slack
 
@@ -60,8 +61,10 @@ class Motion:
         assert isinstance(asked, Dynamic)
         self.account, self.times = account, times
         self.assembled = structure_of(scenario, asked.until)
-        self.structure = self.assembled.structure
-        self.rest = settle(self.structure, self.assembled.near)
+        gravity = np.zeros(len(self.assembled.axes))
+        gravity[-1] = -scenario.gravity
+        self.structure, self.rest = at_rest(self.assembled.structure, gravity, self.assembled.near)
+        self.assembled = replace(self.assembled, structure=self.structure)
         loading = loading_of(scenario, asked.until)
         self.loading = loading
         self.contacts, self._tables, self.bodies = contacts_of(scenario, loading, self.structure, tuple(scenario.lines))

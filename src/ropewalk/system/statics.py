@@ -172,6 +172,38 @@ def settle(structure: Structure, start: Array) -> Array:
     return minimum.settle(potential, start)
 
 
+def at_rest(structure: Structure, gravity: Array, start: Array) -> tuple[Structure, Array]:
+    """A structure with the loads on its links shared among nodes as at rest, and the places of all nodes there.
+
+    Where a run ends free to turn, its point reflection takes the load on it for one that jumps to its opposite there.
+    Arcs and bending, right to the fourth order, see that jump two nodes further: with the load w on a link, the rows of
+    the first nodes are (1 + 2/12) w, (1 - 1/24) w under tension and (1 + 1/18) w, (1 + 1/72) w in bending for the shape
+    of a constant load. They get as much of what the end node would bear.
+
+    Args:
+        structure: with each node bearing half of the links beside it.
+        gravity: (axis,) m/s^2.
+        start: (axis, node) m, about where its nodes rest.
+
+    Raises:
+        EquilibriumError: no rest was found.
+    """
+    rest, runs = settle(structure, start), structure.runs
+    T, shift, force = tensions(structure, rest), np.zeros_like(runs.shift), structure.nodes.force.copy()
+    for s, (first, links, h) in enumerate(zip(runs.first, runs.links, runs.h, strict=True)):
+        for side, (end, way, link) in enumerate(((first, 1, first), (first + links, -1, first + links - 1))):
+            bending = runs.bending[s] / h**2
+            whole = max(T[link], 0.0) + bending
+            if runs.clamped[s, side] or whole == 0.0:
+                continue
+            zeta = bending / whole
+            shift[s, side] = (1.0 - zeta) / 6.0 + zeta / 18.0, (zeta - 1.0) / 24.0 + zeta / 72.0
+            for part, node in zip((-shift[s, side].sum(), *shift[s, side]), (0, 1, 2), strict=True):
+                force[:, end + way * node] += part * runs.rho[s] * h * gravity
+    shared = structure._replace(runs=runs._replace(shift=shift), nodes=structure.nodes._replace(force=force))
+    return shared, settle(shared, rest)
+
+
 def tensions(structure: Structure, r: Array) -> Array:
     """Tensions of all links, each by its first node, at places of the nodes (axis, node) in m; N."""
     room = Room.of(structure, r.shape[0])
