@@ -59,26 +59,35 @@ class FrameBuilder:
 
     def build(self, state: State, room: Room, contacts: Any, elastic: float) -> Frame:
         """The frame of a state whose forces are known; `elastic` is what its lines and contacts store, J."""
-        seen = Contacts(contacts.size, len(self.assembled.axes))
+        seen, tension = Contacts(contacts.size, len(self.assembled.axes)), self._axial_force(room)
         for k in np.flatnonzero(contacts["state"] == ON):
-            self._look_at(seen, int(k), contacts[k], state, room)
+            self._look_at(seen, int(k), contacts[k], state, tension)
         places, velocities = self._shown_bodies(state)
         return Frame(
             path=float(state.t[0]), position=state.r[:, self._node].T.copy(), velocity=state.v[:, self._node].T.copy(),
-            tension=room.tension[self.link], strain=room.strain[self.link], **seen.told(),
+            tension=tension[self.link], strain=room.strain[self.link], **seen.told(),
             body_position=places, body_velocity=velocities,
             reaction=np.array([room.reaction[e] for _, e in self.assembled.supports]).reshape(-1, state.r.shape[0]),
             energy=self._energy(state, contacts, elastic),
         )  # fmt: skip
 
-    def _look_at(self, seen: Contacts, k: int, contact: Any, state: State, room: Room) -> None:
+    def _axial_force(self, room: Room) -> Array:
+        """Force along the tangent in links, by their first node, N: what stretches them, and EI kappa^2."""
+        runs, out = self.assembled.structure.runs, room.tension.copy()
+        for s in np.flatnonzero(runs.bending > 0.0):
+            first, n = int(runs.first[s]), int(runs.links[s])
+            square = (room.bent[:, first : first + n + 1] ** 2).sum(axis=0) / runs.h[s] ** 4
+            out[first : first + n] += 0.5 * runs.bending[s] * (square[1:] + square[:-1])
+        return out
+
+    def _look_at(self, seen: Contacts, k: int, contact: Any, state: State, tension: Array) -> None:
         runs, dim, run = self.assembled.structure.runs, state.r.shape[0], int(contact["run"])
         seen.position[k], seen.force[k], seen.hold[k] = contact["place"][:dim], contact["N"][:dim], 0.0
         seen.xi[k], seen.speed[k] = state.s[k], contact["speed"]
         seen.state[k] = MOVES if contact["speed"] != 0.0 else STICKS
         for side, way in enumerate((-_BESIDE, _BESIDE)):
             link = min(max(int(np.floor(contact["x"] + way)), 0), int(runs.links[run]) - 1)
-            seen.tension[k, side] = room.tension[runs.first[run] + link]
+            seen.tension[k, side] = tension[runs.first[run] + link]
 
     def _shown_bodies(self, state: State) -> tuple[Array, Array]:
         """Places and velocities of bodies (body, axis), m and m/s; along what has no coordinate above their wheels."""

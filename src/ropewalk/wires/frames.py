@@ -21,7 +21,7 @@ from ropewalk.wires.energy import Energies
 from ropewalk.wires.equilibrium import Potential
 from ropewalk.wires.journey import drive_of
 from ropewalk.wires.large import LargeMotion
-from ropewalk.wires.layout import Reactions, axes_of, layout_of
+from ropewalk.wires.layout import Reactions, axes_of, axial_force, layout_of
 from ropewalk.wires.mesh import riders_of
 from ropewalk.wires.partners import SLIDES, Foreigner, Partner
 from ropewalk.wires.plan import Array
@@ -290,9 +290,11 @@ class Wires:
         position, velocity, strain = self.motion.position, self.motion.velocity, self._strain()
         EA = np.repeat([wire.axial_stiffness for wire in self.task.plan.wires], self.mesh.strands.links)
         bodies, rates = self._bodies(drive, position[self.axes].T)
-        seen = Contacts(len(self.task.contacts), len(self.axes))
+        seen, tension = Contacts(len(self.task.contacts), len(self.axes)), EA * strain
+        if isinstance(self.motion, LargeMotion):
+            tension = axial_force(self.mesh, tension, position)
         frame = Frame(
-            path=t, position=position[self.axes].T, velocity=velocity[self.axes].T, tension=EA * strain,
+            path=t, position=position[self.axes].T, velocity=velocity[self.axes].T, tension=tension,
             strain=strain, **seen.told(), body_position=bodies,
             body_velocity=rates, reaction=np.zeros(0), energy=self._energies.now(),
         )  # fmt: skip

@@ -76,3 +76,25 @@ def layout_of(
         watched_station=tuple(spot.station for spot in plan.watched.values()), sample=sample, path=path,
         weight=float("nan") if bedded else float(plan.gravity * without_supports(mesh).sum()),
     )  # fmt: skip
+
+
+def axial_force(mesh: Mesh, stretched: Array, r: Array) -> Array:
+    """Force along the tangent in all links, N: what stretches them, and EI kappa^2.
+
+    The bending energy is that of r'', whose force turns with the line: EA times the strain is the force along the
+    tangent but for that part, on a line that hardly stretches -EI r' . d3r/ds3 = EI |r''|^2.
+
+    Args:
+        mesh: of the wires.
+        stretched: (link,) N, EA times the strain.
+        r: (axis, node) m.
+    """
+    strands, parts = mesh.strands, []
+    for a, (stiffness, h, clamped) in enumerate(zip(strands.stiffness, strands.h, strands.clamped, strict=True)):
+        square = (np.diff(r[:, mesh.of(a)], 2, axis=1) ** 2).sum(axis=0) / h**4
+        last = square.size - 1
+        beside = ((0, min(1, last)), (last, max(last - 1, 0)))
+        ends = [max(2.0 * square[i] - square[j], 0.0) for i, j in beside] * clamped  # a hinge does not bend
+        square = np.concatenate([ends[:1], square, ends[1:]])
+        parts.append(0.5 * stiffness * (square[1:] + square[:-1]))
+    return np.asarray(stretched + np.concatenate(parts))

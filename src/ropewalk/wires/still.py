@@ -11,7 +11,7 @@ from ropewalk.results.audit import energies
 from ropewalk.results.frame import IN_AIR, MOVES, Account, Contacts, Frame, Layout
 from ropewalk.solve.following import schedule, slow_motion
 from ropewalk.wires.bearing import Bearing, Borne
-from ropewalk.wires.layout import Reactions, axes_of, layout_of
+from ropewalk.wires.layout import Reactions, axes_of, axial_force, layout_of
 from ropewalk.wires.plan import Array
 from ropewalk.wires.task import Task, ready
 
@@ -83,7 +83,8 @@ class Still:
         axes, mesh, count, dim = self._axes, self.mesh, found.station.size, len(self._axes)
         r, strands = found.position, mesh.strands
         potential, riders = self._bearing.potential, self._bearing.riders
-        tension = potential.tension(r)
+        stretched = potential.tension(r)
+        tension = axial_force(mesh, stretched, r)
         EA = np.repeat([wire.axial_stiffness for wire in self.task.plan.wires], strands.links)
         seen = Contacts(count, dim)
         seen.position = self._places(found)[:, axes]
@@ -98,7 +99,7 @@ class Still:
             seen.state[k] = MOVES if found.touches[k] else IN_AIR
         bodies = self._bodies(found)
         return Frame(
-            path=path, position=r[axes].T, velocity=np.zeros_like(r[axes].T), tension=tension, strain=tension / EA,
+            path=path, position=r[axes].T, velocity=np.zeros_like(r[axes].T), tension=tension, strain=stretched / EA,
             **seen.told(), body_position=bodies, body_velocity=np.zeros_like(bodies),
             reaction=self._reactions(r)[:, axes], energy=self._energy(found),
             tie_force=potential.tie_forces(r),
