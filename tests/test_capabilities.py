@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 import ropewalk
-from ropewalk.capabilities import LINEAR, ROPES, WEBS, WIRES, engine_of
+from ropewalk.capabilities import LINEAR, ROPES, SYSTEM, WEBS, WIRES, engine_of
 from ropewalk.model import Scenario
 from ropewalk.model._base import Declaration
 from ropewalk.model.capabilities import Capabilities
@@ -23,10 +23,15 @@ SAYS_SO = re.compile(r"not implemented|\bnot know\b|\b(not|are|is) known\b|\bkno
 # Physics, input and advice that use such words of other things than features of the program.
 OTHERWISE = {"results", "theory", "compare", "cosim", "foreign", "paper"}
 ROPE = {"start": [0, 0], "end": [20, 0], "tension": 1e4, "mass": 1, "axial_stiffness": 1e6}
-SCENARIOS = {
+WINDY = {
+    "lines": {"a": {**ROPE, "wind_drag": 0.1}}, "wind": {"direction": [1, 0], "speed": 1},
+    "run": {"kind": "dynamic", "until": 1},
+}  # fmt: skip
+SCENARIOS: dict[str, tuple[dict[str, Any], Any]] = {
     "ropes": ({"lines": {"a": ROPE}}, ROPES),
     "wires": ({"lines": {"a": {**ROPE, "bending_stiffness": 10}}}, WIRES),
-    "webs": ({"lines": {"a": {**ROPE, "wind_drag": 0.1}}, "wind": {"direction": [1, 0], "speed": 1}}, WEBS),
+    "system": (WINDY, SYSTEM),
+    "webs": ({**WINDY, "run": {"kind": "equilibrium"}}, WEBS),
     "linear": ({"lines": {"a": ROPE}, "run": {"kind": "linear", "until": 1}}, LINEAR),
 }
 

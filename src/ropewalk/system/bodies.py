@@ -15,8 +15,8 @@ import numpy as np
 from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean_inner
-from ropewalk.system.contacts import AWAY, FORCE, ON, stiffen
-from ropewalk.system.structure import HELD, IN_BODIES, STRUCK
+from ropewalk.system.contacts import AWAY, FORCE, GONE, ON, stiffen
+from ropewalk.system.structure import HELD, IN_BODIES
 
 # Rounds of Newton's method for contacts without mass, and the part of a link to which their places are found.
 ROUNDS, SETTLED = 40, 1e-11
@@ -191,7 +191,8 @@ def kick(contacts, bodies, state, h, half):
             gain = 0.0
             for j in range(n):
                 gain += bodies.inverse[shorter, p, i, j] * f[bodies.at[p, j]]
-            bodies.b[i] = own * gain
+            k = bodies.contact[bodies.at[p, i]]
+            bodies.b[i] = own * gain if k < 0 or contacts[k].state != AWAY else 0.0  # on level ground it stays
         for i in range(n):
             c = bodies.at[p, i]
             for j in range(n):
@@ -202,13 +203,10 @@ def kick(contacts, bodies, state, h, half):
         state.work[IN_BODIES] += own * lost
     for c in range(f.size):
         stage, k = bodies.gone[bodies.load[c]], bodies.contact[c]
-        if stage == GONE_FOR_GOOD:
+        if stage == GONE_FOR_GOOD or (k >= 0 and contacts[k].state == AWAY):
             continue
         if bodies.alone[c] == 1:
             w[c] += (h if stage == STAYS or half == 1 else 0.5 * h) * f[c] * bodies.per_mass[c]
-        if k >= 0 and contacts[k].state == AWAY:  # on level ground
-            state.work[STRUCK] += 0.5 * bodies.mass[c] * w[c] * w[c]
-            w[c] = 0.0
     for e in range(bodies.tethers.size):
         first, own = bodies.tethers[e].first, contacts[bodies.tethers[e].contact].first
         if bodies.gone[bodies.load[first]] == STAYS:
@@ -262,25 +260,42 @@ def _slow(bodies, state, h):
 
 
 @lean_inner
-def arrive(contacts, bodies, state):
-    """Put bodies that come to their lines on these, with the speed along them, and stop those that come to an end.
+def ground(structure, contacts, state, k):
+    """Put contact k, which is off its line, on firm ground where that ends now."""
+    lines, runs, line = structure.lines, structure.runs, contacts[k].line
+    run = lines.first[line]
+    node = runs.first[run]
+    if state.s[k] > 0.0:
+        run += lines.runs[line] - 1
+        node = runs.first[run] + runs.links[run]
+    for a in range(state.r.shape[0]):
+        state.u[contacts[k].first + a] = state.r[a, node]
+
+
+@lean_inner
+def arrive(structure, contacts, bodies, state):
+    """Put what comes to its line on it, with the speed along it, what leaves it on the ground; stop what is to stay.
 
     What moves contacts along does the work.
     """
     axes = state.r.shape[0]
     for k in range(contacts.size):
-        stopped, comes = contacts[k].stopped, contacts[k].comes == 1
+        stopped, comes = contacts[k].stopped, contacts[k].comes
         contacts[k].comes, contacts[k].stopped = 0, 0.0
-        if contacts[k].kind == FORCE or not (comes or stopped != 0.0):
+        if contacts[k].kind == FORCE or contacts[k].state == GONE or (comes == 0 and stopped == 0.0):
             continue
         before = energy_of_bodies(bodies, state)
         for a in range(axes):
             c = contacts[k].first + a
-            if comes:
+            if comes < 0:
+                state.w[c] = 0.0
+            elif comes > 0:
                 state.u[c] = contacts[k].p[a]
                 state.w[c] = contacts[k].speed * contacts[k].along[a]
             else:
                 state.w[c] -= stopped * contacts[k].along[a]
+        if comes < 0:
+            ground(structure, contacts, state, k)
         state.work[HELD] += energy_of_bodies(bodies, state) - before
 
 

@@ -51,7 +51,7 @@ CONTACT = np.dtype(
         ("refuses", _CODE),  # 1: the motion ends where it would leave
         ("been", _CODE),  # 1: it has been on its line
         ("held", _CODE),  # 1: it is stopped at an end
-        ("comes", _CODE),  # 1: it has just come there
+        ("comes", _CODE),  # 1: it has just come there, -1: left
         ("stopped", _REAL),  # m/s, that it had when it was stopped
         ("run", _CODE),
         ("near", _CODE),  # first node that shares its point
@@ -126,6 +126,8 @@ def locate(structure, contacts, tables, state, t):
             contacts[k].held = 0
         contacts[k].state = ON if low <= s <= high else AWAY
         if contacts[k].state == AWAY:
+            if was == ON:
+                contacts[k].comes = -1
             continue
         contacts[k].been = 1
         if was == AWAY:

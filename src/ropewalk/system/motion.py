@@ -9,7 +9,7 @@ import numpy as np
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.rider import look_up
-from ropewalk.system.bodies import LEAVES, STAYS, arrive, balance, drift, kick
+from ropewalk.system.bodies import LEAVES, STAYS, arrive, balance, drift, ground, kick
 from ropewalk.system.cables import blow, energy_of, pull_all, stretch_all
 from ropewalk.system.contacts import AWAY, BODY, GONE, ON, bend, locate, press
 from ropewalk.system.structure import CARRIED, DAMPED, HELD, LOADED, MOVED, STRUCK
@@ -50,7 +50,7 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
     stretch_all(structure.runs, room, state.r)
     locate(structure, contacts, tables, state, state.t[0])
     _let_go(contacts, bodies)
-    arrive(contacts, bodies, state)
+    arrive(structure, contacts, bodies, state)
     balance(structure, room, contacts, bodies, state, table, out, since)
     bend(structure, room, contacts, state, table, out)
     lost, blown = pull_all(structure, room, state.r, since), 0.0
@@ -236,22 +236,6 @@ def _book(structure, room, contacts, state, h):
 
 
 @lean_inner
-def _ground(structure, contacts, state):
-    """Put bodies that are not on their lines on level ground beside them."""
-    lines, axes = structure.lines, state.r.shape[0]
-    for k in range(contacts.size):
-        if contacts[k].kind != BODY or contacts[k].state != AWAY:
-            continue
-        line = contacts[k].line
-        run, node = lines.first[line], structure.runs.first[lines.first[line]]
-        if state.s[k] > 0.0:
-            run = lines.first[line] + lines.runs[line] - 1
-            node = structure.runs.first[run] + structure.runs.links[run]
-        for a in range(axes):
-            state.u[contacts[k].first + a] = state.r[a, node]
-
-
-@lean_inner
 def _is_refused(contacts):
     """Whether a load that was to stay on its line has come to an end of it."""
     found = False
@@ -267,6 +251,14 @@ def _is_finite(r, v):
         for i in range(r.shape[1]):
             total += abs(r[a, i]) + abs(v[a, i])
     return np.isfinite(total)
+
+
+@lean
+def stand(structure, contacts, state):
+    """Let bodies that are not on their lines stand on level ground beside them."""
+    for k in range(contacts.size):
+        if contacts[k].kind == BODY and contacts[k].state == AWAY:
+            ground(structure, contacts, state, k)
 
 
 @lean
@@ -297,7 +289,6 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
             _drift(structure, state, dt)
             drift(bodies, state, dt)
             state.t[0] = begin + (step + 1) * dt
-            _ground(structure, contacts, state)
         if step % 64 == 0 and not _is_finite(state.r, state.v):
             return NOT_FINITE
         if ends:

@@ -112,20 +112,13 @@ class Motion:
         """Put bodies on the line at rest and moving along with it, their springs without force but for weights."""
         self._stored()
         axes, state, bodies = self.rest.shape[0], self.state, self.bodies
-        for k, contact in enumerate(self.contacts):
+        motion.stand(self.structure, self.contacts, state)
+        for contact in self.contacts:
             if contact["kind"] != BODY:
                 continue
             own = contact["first"] + np.arange(axes)
             if contact["state"] == ON:
                 state.u[own], state.w[own] = contact["p"][:axes], contact["speed"] * contact["along"][:axes]
-            else:
-                lines, runs = self.structure.lines, self.structure.runs
-                run = lines.first[contact["line"]]
-                node = runs.first[run]
-                if state.s[k] > 0.0:
-                    run += lines.runs[contact["line"]] - 1
-                    node = runs.first[run] + runs.links[run]
-                state.u[own] = state.r[:, node]
         for p, n in enumerate(bodies.size):
             at, K = bodies.at[p, :n], bodies.K[p, :n, :n]
             free, on = bodies.contact[at] < 0, bodies.contact[at] >= 0

@@ -189,6 +189,11 @@ def at_rest(structure: Structure, gravity: Array, start: Array) -> tuple[Structu
         EquilibriumError: no rest was found.
     """
     rest, runs = settle(structure, start), structure.runs
+    held = structure.holdings
+    fast = {
+        int(node) for e in range(held.mass.size) if not held.free[e].any()
+        for node in held.node[held.first[e] : held.first[e] + held.nodes[e]]
+    }  # fmt: skip
     T, shift, force = tensions(structure, rest), np.zeros_like(runs.shift), structure.nodes.force.copy()
     for s, (first, links, h) in enumerate(zip(runs.first, runs.links, runs.h, strict=True)):
         for side, (end, way, link) in enumerate(((first, 1, first), (first + links, -1, first + links - 1))):
@@ -197,9 +202,11 @@ def at_rest(structure: Structure, gravity: Array, start: Array) -> tuple[Structu
             if runs.clamped[s, side] or whole == 0.0:
                 continue
             zeta = bending / whole
-            shift[s, side] = (1.0 - zeta) / 6.0 + zeta / 18.0, (zeta - 1.0) / 24.0 + zeta / 72.0
-            for part, node in zip((-shift[s, side].sum(), *shift[s, side]), (0, 1, 2), strict=True):
+            parts = np.array([(1.0 - zeta) / 6.0 + zeta / 18.0, (zeta - 1.0) / 24.0 + zeta / 72.0])
+            for part, node in zip((-parts.sum(), *parts), (0, 1, 2), strict=True):
                 force[:, end + way * node] += part * runs.rho[s] * h * gravity
+            if end in fast:  # elsewhere the inertia of links acts as the wind does, and is lumped
+                shift[s, side] = parts
     shared = structure._replace(runs=runs._replace(shift=shift), nodes=structure.nodes._replace(force=force))
     return shared, settle(shared, rest)
 

@@ -28,7 +28,7 @@ class Runs(NamedTuple):
     width: Array  # m, drag coefficient times width
     clamped: Integers  # (run, side) 1: it cannot turn there
     turned: Array  # (run, side, axis) m, difference of the first two nodes and of the last two where it is clamped
-    shift: Array  # (run, side, 2) parts of the load on a link, borne by the next two nodes for an end node
+    shift: Array  # (run, side, 2) parts of the wind on a link that the next two nodes bear for an end
 
 
 class Nodes(NamedTuple):
