@@ -66,12 +66,18 @@ def unsupported(parts: Parts) -> Iterator[Finding]:
             yield found
 
 
-def check_spectrum(scenario: Scenario) -> None:
-    """Refuse loads without matrices in a spectrum with loads.
+def check_spectrum(scenario: Scenario, *, with_loads: bool) -> None:
+    """Refuse what networks do not bear at rest, and loads without matrices in a spectrum with loads.
 
     Raises:
-        ScenarioError: there is such a load.
+        ScenarioError: there is such a thing.
     """
+    if scenario.is_web:
+        for found in WEBS.at_rest.unsupported(scenario.parts):
+            if found.path[0] == "lines" or (found.path[0] == "loads" and with_loads):
+                raise refusal(found)
+    if not with_loads:
+        return
     remedy = "ask for that of the line alone (no instant, no start.with_loads), or write kind: matrices"
     for name, load in scenario.loads.items():
         if isinstance(load, Walker | Foreign):

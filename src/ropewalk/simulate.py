@@ -263,8 +263,7 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
         ScenarioError: the instant lies outside the run, the run knows no time, or a load has no equations of motion.
         RopewalkError: the run does not come to the instant.
     """
-    if at is not None or _with_loads(scenario):
-        check_spectrum(scenario)
+    check_spectrum(scenario, with_loads=at is not None or _with_loads(scenario))
     run, with_loads = scenario.run, _with_loads(scenario)
     if at is not None:
         run = _check_instant(scenario, at)

@@ -35,7 +35,7 @@ def main() -> None:
     asked = _arguments()
     asked.store.parent.mkdir(parents=True, exist_ok=True)
     every = cases()
-    wanted = [case for case in every if asked.only in case.name]
+    wanted = [case for case in every if any(part in case.name for part in asked.only)]
     state = digest([*program(), *(Path(__file__).with_name(f"{name}.py") for name in DECIDE)])
     done = stored(asked.store, state)
     missing = [case for case in wanted if case.name not in done]
@@ -46,8 +46,11 @@ def main() -> None:
         compute(missing, folder, asked.workers, asked.store, state, done)
     found = compared({case.name: done[case.name] for case in wanted})
     report(wanted, found)
-    if len(wanted) == len(every):
-        capabilities.FILE.write_text(capabilities.page(every, verdicts.write(every, found)), encoding="utf-8")
+    if len(wanted) == len(every) or asked.carry:
+        words = verdicts.read() if asked.carry else {}
+        words |= {name: verdicts.verdict_of(answer) for name, answer in found.items()}
+        verdicts.write(every, words)
+        capabilities.FILE.write_text(capabilities.page(every, words), encoding="utf-8")
         differences.write()
         print(f"\n{verdicts.FILE}, {differences.FILE} and {capabilities.FILE} are written")
 
@@ -56,7 +59,10 @@ def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m tests.conformance", description=__doc__)
     parser.add_argument("--store", type=Path, default=Path("out/matrix.jsonl"), help="finished cases, one a line")
     parser.add_argument("--workers", type=int, default=len(os.sched_getaffinity(0)), help="processes")
-    parser.add_argument("--only", default="", help="cases whose names contain this; writes no page")
+    parser.add_argument(
+        "--only", nargs="+", default=[""], help="cases whose names contain one of these; writes no page"
+    )
+    parser.add_argument("--carry", action="store_true", help="write it all the same, other verdicts stay as they are")
     return parser.parse_args()
 
 

@@ -37,9 +37,8 @@ def reason_of(verdict: str) -> Refusal | None:
     return next((refusal for refusal in REFUSALS if refusal.reason == reason), None)
 
 
-def write(cases: Iterable[Case], found: Mapping[str, Tree], file: Path = FILE) -> Verdicts:
+def write(cases: Iterable[Case], verdicts: Mapping[str, str], file: Path = FILE) -> None:
     """Write the verdicts, a line for each structure in each row of each table."""
-    verdicts = {case.name: verdict_of(found[case.name]) for case in cases}
     words = sorted(set(verdicts.values()))
     rows: dict[str, dict[str, int]] = defaultdict(dict)
     for case in cases:
@@ -47,7 +46,6 @@ def write(cases: Iterable[Case], found: Mapping[str, Tree], file: Path = FILE) -
     lines = [f"  {json.dumps(row)}: {json.dumps(entries)}" for row, entries in rows.items()]
     head = ",\n".join(f"  {json.dumps(word)}" for word in words)
     file.write_text(f'{{"words": [\n{head}\n],\n"rows": {{\n' + ",\n".join(lines) + "\n}}\n", encoding="utf-8")
-    return verdicts
 
 
 def read(file: Path = FILE) -> Verdicts:

@@ -160,10 +160,11 @@ class ConstantForces:
 
     def _at_rest(self) -> dict[str, tuple[float, ...]]:
         scenario = self.scenario
-        if scenario.is_web:
+        if scenario.nets:
             masses = {name: load for name, load in scenario.loads.items() if isinstance(load, MovingMass)}
             return {name: (0.0, -load.mass * scenario.gravity) for name, load in masses.items()}
-        loading = loading_of(scenario, 0.0) if scenario.is_stiff else setting_of(scenario, 0.0).loading
+        is_chain = not (scenario.is_stiff or scenario.is_web)
+        loading = setting_of(scenario, 0.0).loading if is_chain else loading_of(scenario, 0.0)
         forces = resting_forces(loading)
         return {wheel.name: tuple(forces[:, k].tolist()) for k, wheel in enumerate(loading.wheels)}
 

@@ -106,7 +106,7 @@ def structure_of(scenario: Scenario, until: float) -> Assembled:
     of = np.array([names.index(name) for name, _, _ in sections])
     count = np.bincount(of, minlength=len(names))
     structure = Structure(
-        runs, Nodes(mass, light, mass * gravity[:, None], drag, level),
+        runs, Nodes(mass, light, _mobile(mass, light, holdings), mass * gravity[:, None], drag, level),
         Lines(
             np.concatenate([[0], np.cumsum(count)[:-1]]).astype(np.int64), count.astype(np.int64),
             np.array([s[0] for *_, s in sections]),
@@ -123,6 +123,14 @@ def structure_of(scenario: Scenario, until: float) -> Assembled:
 
 def _members(holdings: Holdings, e: int) -> Integers:
     return holdings.node[holdings.first[e] : holdings.first[e] + holdings.nodes[e]]
+
+
+def _mobile(mass: Array, light: Array, holdings: Holdings) -> Array:
+    found = light.copy()
+    for e in range(holdings.mass.size):
+        nodes = _members(holdings, e)
+        found[nodes] = float(holdings.free[e].any()) / (holdings.mass[e] + mass[nodes].sum())
+    return found
 
 
 def _holdings(

@@ -29,6 +29,9 @@ CORRECTION = 1.0
 SHORT = 1.0
 # Bending energy of the change of the curvature, over h^2 times that of the curvature: exact to the fourth order.
 SMOOTH = 1.0 / 6.0
+# Part of kappa within a run, below which it is kept from vanishing at ends: there a kink would be as stiff as the end,
+# and what passes a joint or a support would meet it within a step. It is softer within a third of a link from them.
+PART = 0.5
 CELL, NEAR, PARTS, SHARES = 80, 8, 64, 33  # links of the run, tabled ones, places in each, values of zeta
 # Factor of kappa under a contact at the part alpha of the speed of transverse waves, beside 1/(1 - alpha^2): from the
 # Fourier transforms of a line and of its links under a steadily moving force, at these squares of alpha; the test of
@@ -63,6 +66,8 @@ def compliances(correction: float = CORRECTION) -> Array:
         K = K + (zeta * SMOOTH + taut * SHORT / 24.0) * three.T @ three
         chain = (inner * linalg.solve(K, inner.T, assume_a="pos").T).sum(axis=1)
         row[:] = _exact(places, taut, zeta) - chain
+        limit = PART * row[(NEAR - 1) * PARTS :].mean()
+        row[:] = np.where(row < limit, 0.5 * limit * (1.0 + (row / limit) ** 2), row)
     return found
 
 

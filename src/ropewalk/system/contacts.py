@@ -60,6 +60,7 @@ CONTACT = np.dtype(
         ("weight", "f8", (WIDTH,)),
         ("slope", "f8", (WIDTH,)),  # per link
         ("link", "i8", (3,)),
+        ("h", "f8", (3,)),  # m, of these
         ("part", "f8", (3,)),
         ("change", "f8", (3,)),  # of the parts, per link
         ("p", *_VECTOR),  # m, point of the spline
@@ -81,6 +82,7 @@ CONTACT = np.dtype(
         ("was", *_VECTOR),  # m, d when it was last looked at
         ("lagged", *_VECTOR),  # N, `carried` times d then
         ("kink", _REAL),  # m^2, K
+        ("fade", _REAL),  # m^2/s, by which it straightens after the contact has left
         ("turn", _REAL),  # J/m, change of the energy of the kink with s, beside that of p
         ("step", _REAL),  # s, of the motion: what gives way within it keeps a stiff contact stable
         ("light", _REAL),  # 1/kg, about what a force accelerates above it
@@ -128,6 +130,8 @@ def locate(structure, contacts, tables, state, t):
         if contacts[k].state == AWAY:
             if was == ON:
                 contacts[k].comes = -1
+                # As if it went on over a quarter of a link: a kink that went at once would push its links together.
+                contacts[k].fade = 4.0 * contacts[k].kink * abs(U) / runs.h[contacts[k].run]
             continue
         contacts[k].been = 1
         if was == AWAY:
@@ -140,7 +144,18 @@ def locate(structure, contacts, tables, state, t):
         contacts[k].run, contacts[k].x = run, x
         base = runs.first[run] + share(x, n, contacts[k].weight, contacts[k].slope)
         contacts[k].near = base
-        links_under(x, runs.first[run], n, contacts[k].link, contacts[k].part, contacts[k].change)
+        before = after = -1
+        contacts[k].h[0] = contacts[k].h[1] = contacts[k].h[2] = h
+        if run > lines.first[line]:
+            before = runs.first[run - 1] + runs.links[run - 1] - 1
+        if run < lines.first[line] + lines.runs[line] - 1:
+            after = runs.first[run + 1]
+        links_under(x, runs.first[run], n, before, after, contacts[k].link, contacts[k].part, contacts[k].change)
+        for j in range(3):
+            if contacts[k].link[j] < runs.first[run]:
+                contacts[k].h[j] = runs.h[run - 1]
+            elif contacts[k].link[j] >= runs.first[run] + n:
+                contacts[k].h[j] = runs.h[run + 1]
         most = min(WIDTH, n + 1)
         for a in range(r.shape[0]):
             here, slope = 0.0, 0.0
@@ -148,6 +163,20 @@ def locate(structure, contacts, tables, state, t):
                 here += contacts[k].weight[j] * r[a, base + j]
                 slope += contacts[k].slope[j] * r[a, base + j]
             contacts[k].p[a], contacts[k].along[a] = here, slope / h
+
+
+@lean_inner
+def fade(room, contacts, since):
+    """Let the kinks of contacts that have left straighten for a time in s; returns what their links lose by it, J."""
+    lost = 0.0
+    for k in range(contacts.size):
+        if contacts[k].state == ON or contacts[k].kink == 0.0:
+            continue
+        less = min(contacts[k].fade * since, contacts[k].kink)
+        contacts[k].kink -= less
+        for j in range(3):
+            lost += room.pull[contacts[k].link[j]] * contacts[k].part[j] * less
+    return lost
 
 
 @lean_inner
@@ -159,10 +188,10 @@ def _tension_under(structure, room, contacts, k, kink):
         q = contacts[k].part[j]
         if q > 0.0:
             length = np.sqrt(room.length[contacts[k].link[j]] ** 2 + 2.0 * q * kink)
-            strain = length / h - 1.0
+            strain = length / contacts[k].h[j] - 1.0
             own = h * law.tension(p, strain) / length
             T += q * own
-            slope += q * q * (law.tangent(p, strain) - own) / (length * length)
+            slope += q * q * (law.tangent(p, strain) * h / contacts[k].h[j] - own) / (length * length)
     return T, slope
 
 
@@ -281,12 +310,12 @@ def bend(structure, room, contacts, state, table, out):
             continue
         stiffen(structure, room, contacts, state, table, out, k)
     for k in range(contacts.size):
-        if contacts[k].state == ON:
-            h = structure.runs.h[contacts[k].run]
+        if contacts[k].state == ON or contacts[k].kink > 0.0:
             for j in range(3):
                 i = contacts[k].link[j]
-                room.length[i] = np.sqrt(room.length[i] ** 2 + 2.0 * contacts[k].part[j] * contacts[k].kink)
-                room.strain[i] = room.length[i] / h - 1.0
+                if contacts[k].part[j] > 0.0:
+                    room.length[i] = np.sqrt(room.length[i] ** 2 + 2.0 * contacts[k].part[j] * contacts[k].kink)
+                    room.strain[i] = room.length[i] / contacts[k].h[j] - 1.0
 
 
 @lean_inner
@@ -364,5 +393,5 @@ def yields(structure, contacts, k):
     """Displacement of the point of contact k by an impulse there, over the impulse and a time, 1/kg."""
     total, base = 0.0, contacts[k].near
     for j in range(min(WIDTH, structure.runs.links[contacts[k].run] + 1)):
-        total += contacts[k].weight[j] ** 2 * structure.nodes.light[base + j]
+        total += contacts[k].weight[j] ** 2 * structure.nodes.mobile[base + j]
     return total

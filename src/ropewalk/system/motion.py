@@ -11,7 +11,7 @@ from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.rider import look_up
 from ropewalk.system.bodies import LEAVES, STAYS, arrive, balance, drift, ground, kick
 from ropewalk.system.cables import blow, energy_of, pull_all, stretch_all
-from ropewalk.system.contacts import AWAY, BODY, GONE, ON, bend, locate, press
+from ropewalk.system.contacts import AWAY, BODY, GONE, ON, bend, fade, locate, press
 from ropewalk.system.structure import CARRIED, DAMPED, HELD, LOADED, MOVED, STRUCK
 
 RUNNING, NOT_FINITE, AT_END = 0, 1, 2
@@ -49,6 +49,8 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
             room.force[a, i] = structure.nodes.force[a, i]
     stretch_all(structure.runs, room, state.r)
     locate(structure, contacts, tables, state, state.t[0])
+    if since > 0.0:
+        state.work[STRUCK] += fade(room, contacts, since)
     _let_go(contacts, bodies)
     arrive(structure, contacts, bodies, state)
     balance(structure, room, contacts, bodies, state, table, out, since)

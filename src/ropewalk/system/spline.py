@@ -78,10 +78,12 @@ def _control(j, n, base, w, d, weight, slope):
 
 
 @lean
-def links_under(x, first, n, link, part, slope):
+def links_under(x, first, n, before, after, link, part, slope):
     """The three links that bear the kink under a contact at x links along a run, with their parts and slopes of these.
 
     Args:
+        first: first link of the run.
+        before, after: the links that a line goes on with at both ends of the run; -1: it ends there.
         link, part, slope: (3,), overwritten; parts are a quadratic B-spline over the middles of links.
     """
     y = x - 0.5
@@ -89,14 +91,14 @@ def links_under(x, first, n, link, part, slope):
     f = y - i
     part[0], part[1], part[2] = 0.5 * (0.5 - f) ** 2, 0.75 - f * f, 0.5 * (0.5 + f) ** 2
     slope[0], slope[1], slope[2] = f - 0.5, -2.0 * f, 0.5 + f
-    if i == 0:  # what would be the part of links that do not exist goes to the last one
-        part[1], slope[1] = part[0] + part[1], slope[0] + slope[1]
-        part[0] = slope[0] = 0.0
-    elif i == n:
-        part[0], slope[0] = part[0] + part[1] + part[2], slope[0] + slope[1] + slope[2]
-        part[1] = part[2] = slope[1] = slope[2] = 0.0
-    elif i == n - 1:
-        part[1], slope[1] = part[1] + part[2], slope[1] + slope[2]
-        part[2] = slope[2] = 0.0
     for k in range(3):
-        link[k] = first + min(max(i - 1 + k, 0), n - 1)
+        j = i - 1 + k
+        link[k] = first + min(max(j, 0), n - 1)
+        if j < 0 and before >= 0:
+            link[k] = before
+        if j >= n and after >= 0:
+            link[k] = after + min(j - n, 1)
+    for k in range(3):  # parts of links that do not exist go to the last one
+        if k != 1 and link[k] == link[1]:
+            part[1], slope[1] = part[1] + part[k], slope[1] + slope[k]
+            part[k] = slope[k] = 0.0

@@ -36,6 +36,7 @@ class Nodes(NamedTuple):
 
     mass: Array  # kg
     light: Array  # 1/kg, what a force accelerates; 0 for nodes that a holding moves
+    mobile: Array  # 1/kg, the same, with what holdings let move
     force: Array  # (axis, node) N, weight and constant forces
     drag: Array  # 1/s, force over momentum
     level: Array  # m, height at which the foundation is without force
