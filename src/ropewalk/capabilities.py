@@ -46,8 +46,9 @@ def engine_of(asked: Parts | Scenario) -> Engine:
 
 
 def _of_networks(parts: Parts) -> Engine:
-    """The engine of the system where it supports a motion, or more of it than that of networks."""
-    if not isinstance(parts.run, Dynamic):
+    """The engine of the system where it supports a motion of lines, or more of it than that of networks."""
+    over_sheaves = any(line is not None and line.sheaves for line in parts.lines.values())
+    if not isinstance(parts.run, Dynamic) or parts.nets or over_sheaves:
         return WEBS
     refused = [len(list(engine.motion.unsupported(parts))) for engine in (SYSTEM, WEBS)]
     return SYSTEM if not refused[0] or refused[0] < refused[1] else WEBS

@@ -43,6 +43,7 @@ _PATTERNS = {
         "masses on networks do not lift off": rf"\.lift_off: {_NOT} joined",
         "no lateral footsteps on nets": rf"\.lateral: {_NOT} nets",
         "stiff lines and networks do not whirl": rf"\.whirl: {_NOT}|a mode outside the x-z plane {_NOT}",
+        "vehicles and the like on networks begin at rest": rf"run\.start\.kind: {_NOT} joined",
         "results do not hold the slip over sheaves": rf"run\.start\.kind: {_NOT} lines over sheaves",
         "stiff lines and networks move explicitly": rf"run\.method: {_NOT} (beams|joined)",
         "friction of prescribed travel on ropes alone": rf"\.friction(_model)?: {_NOT}",
