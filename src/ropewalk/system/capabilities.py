@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import Capabilities, missing
+from ropewalk.model.capabilities import missing
 from ropewalk.model.joint import Joined
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
 from ropewalk.model.vehicle import Vehicle
+from ropewalk.webs import capabilities as webs
 
 _SYSTEM = "joined lines and lines in wind"
 
@@ -59,34 +61,26 @@ def _contact_stiffness(parts: Parts) -> Iterator[Finding]:
                     yield missing(path, _SYSTEM, given, remedy, feature=feature)
 
 
-MOTION = Capabilities(
-    _SYSTEM,
+# What the engine of networks supports of motions, but for what this one supports as well, or otherwise.
+_ALIKE = {
+    key: values
+    for key, values in webs.MOTION.only.items()
+    if key not in ("run.kind", "run.method", "lines.bending_stiffness", "lines.foundation", "loads.air_drag")
+}
+MOTION = replace(
+    webs.MOTION,
+    what=_SYSTEM,
     only={
         "run.kind": ("dynamic",),
-        "run.method": ("auto", "explicit", "verlet"),
+        "run.method": webs.MOTION.only["run.method"],
         "run.start.kind": ("rest",),
         "run.start.with_loads": (False,),
-        "run.start.whirl": (False,),
-        "run.accuracy": (None,),
-        "run.geometry": ("nonlinear",),
-        "run.sample": (None,),
-        "run.axial_inertia": (1.0,),
-        "lines.law.kind": ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table"),
+        **_ALIKE,
         "loads.kind": ("force", "mass", "oscillator", "trolley", "vehicle", "matrices"),
-        "loads.travel.kind": ("prescribed",),
-        "loads.travel.measured": ("material",),
-        "loads.contact": ("clamped",),
-        "loads.friction": (None,),
-        "loads.friction_model": ("capstan",),
-        "loads.lift_off": (False,),
     },
     instead={
+        **webs.MOTION.instead,
         "run.start.with_loads": "leave it out, or write kind: force with its weight as force",
-        "run.start.whirl": "leave it out, or compute one line by itself",
-        "run.accuracy": "write step, or leave accuracy out",
-        "run.sample": "write every, which is the interval of all output",
-        "lines.law.kind": "give an axial_stiffness with law hooke",
-        "loads.travel.kind": "give a speed",
     },
     more=(_only_lines, _joined_between_nodes, _contact_stiffness),
 )
