@@ -68,13 +68,11 @@ CONTACT = np.dtype(
         ("place", *_VECTOR),  # m, of what touches
         ("before", *_VECTOR),  # m, when it was last looked at
         ("last", *_VECTOR),  # N, given force then
-        ("hold", _REAL),  # N, force along the line that moves it
         ("d", *_VECTOR),  # m
         ("given", *_VECTOR),  # N, given force
         ("N", *_VECTOR),  # N on the line
         ("tension", _REAL),  # N, mean of the links below
-        ("stiff", _REAL),  # N/m, S of a kink at rest
-        ("by_tension", _REAL),  # 1/m, dS/dT of it
+        ("by_tension", _REAL),  # 1/m, dS/dT of a kink at rest
         ("firm", _REAL),  # N/m, S - T dS/dT: what is not stored in links
         ("moving", _REAL),  # N/m, S of the kink as it is carried along
         ("rise", _REAL),  # N/m^3, what N changes by as the tension rises, over the product of two components of d
@@ -210,7 +208,7 @@ def _soften(structure, contacts, table, out, k, T):
         free += 0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light)
     whole = T + bending
     S, slope, taken = _stiffness(whole, bending, h, n, 1.0, contacts[k].x, free, table, out)
-    contacts[k].stiff, contacts[k].by_tension, contacts[k].firm = S, slope, S - T * slope
+    contacts[k].by_tension, contacts[k].firm = slope, S - T * slope
     contacts[k].turn = S * taken * out[2] / (max(out[0], LEAST) * h)
     contacts[k].moving, contacts[k].carried = S, 0.0
     if U == 0.0 or whole <= 0.0:

@@ -230,7 +230,6 @@ def _book(structure, room, contacts, state, h):
             for j in range(3):
                 pull = room.pull[contacts[k].link[j]]
                 pushed += contacts[k].change[j] / structure.runs.h[contacts[k].run] * pull * contacts[k].kink
-            contacts[k].hold = pushed
             if contacts[k].kind == BODY:
                 state.work[HELD] += h * contacts[k].speed * pushed
             else:  # nobody holds a given force: what its contact draws from the line is lost, or gained
