@@ -16,13 +16,14 @@ from typing import Any
 import numpy as np
 
 import ropewalk
+from ropewalk.guides.assembly import guides_of
 from ropewalk.mechanics.chain import State
 from ropewalk.model import Dynamic, FreeTravel, Line, MovingForce, MovingMass, Scenario, Start, Travel
 from ropewalk.model.stepper import Stepper
 from ropewalk.simulate import output_times
 from ropewalk.solve.boarding import board, resting_forces
+from ropewalk.solve.carrier import RopeCarrier
 from ropewalk.solve.choice import choose
-from ropewalk.solve.guides import guides_of
 from ropewalk.solve.motion import Progress, move
 from ropewalk.solve.splitting import RUNNING
 from ropewalk.solve.start import setting_of, start_state
@@ -51,15 +52,15 @@ class _Timed:
     def __init__(self, guide: Any) -> None:
         self.guide, self.seconds = guide, 0.0
 
-    def begin(self, state: State) -> None:
-        self.guide.begin(state)
+    def begin(self) -> None:
+        self.guide.begin()
 
     def next(self, t: float) -> float:
         return float(self.guide.next(t))
 
-    def act(self, state: State) -> None:
+    def act(self) -> None:
         begin = clock.process_time()
-        self.guide.act(state)
+        self.guide.act()
         self.seconds += clock.process_time() - begin
 
 
@@ -68,11 +69,13 @@ def ride(scenario: Scenario, timed: bool = False) -> Ride:
     run, setting = scenario.run, setting_of(scenario, 0.0)
     state = start_state(setting, run.start.with_loads, resting_forces(setting.loading))
     bodies, progress = board(setting, state), Progress()
-    guides: Sequence[Any] = guides_of(setting, scenario, bodies)
+    guides: Sequence[Any] = []
+    if bodies is not None:
+        guides = guides_of(RopeCarrier(setting, state, bodies, setting.loads), setting.loading, scenario)
     if timed:
         guides = [_Timed(guide) for guide in guides]
     for guide in guides:
-        guide.begin(state)
+        guide.begin()
     path, dim = [_place(bodies, state)], state.r.shape[0]
     begin = clock.process_time()
     choice = choose(

@@ -52,6 +52,7 @@ SECTIONS = {
     "Travel": ("Travel", "FreeTravel", "Driver", "Brake"),
     "Axial laws": ("Hooke", "TensionOnly", "SecondPiolaKirchhoff", "Polynomial", "Tabulated", "Inextensible"),
     "Supports": ("Fixed", "Elastic", "Guided", "Moving"),
+    "Inner supports": ("InnerFixed", "InnerElastic", "InnerGuided", "InnerMoving"),
     "Joints and sheaves": ("Joined", "Joint", "Sheave"),
     "Nets, membranes and wind": ("Net", "Membrane", "ClampedEdge", "SoftEdge", "CableEdge", "Wind"),
     "What is asked": ("Dynamic", "Start", "Quasistatic", "Equilibrium", "Linear"),

@@ -10,7 +10,6 @@ from ropewalk.simulate import simulate
 from ropewalk.webs.laying import Laid
 from ropewalk.webs.lengths import laid_at_rest
 from ropewalk.webs.potential import Potential
-from ropewalk.webs.rest import settle, stand
 from ropewalk.webs.web import Array
 
 FLAT = {"corner": [0.0, 0.0, 0.0], "sides": [[4.0, 0.0, 0.0], [0.0, 3.0, 0.0]]}
@@ -54,16 +53,9 @@ def rested(sheet, loads=None, gravity=0.0, kind="equilibrium", **run):
     return result
 
 
-def standing(sheet, loads=None, gravity=0.0) -> tuple[Laid, Array]:
-    """A net at rest without loads, its contacts standing on it without force yet."""
-    laid, r = laid_at_rest(scenario(sheet, loads, gravity=gravity), 0.0)
-    stand(laid.web, r, 0.0)
-    if laid.travellers:
-        forces = laid.web.seats.load.copy()
-        laid.web.seats.load[:] = 0.0
-        r = settle(laid.web, r)
-        laid.web.seats.load[:] = forces
-    return laid, r
+def standing(sheet, gravity=0.0) -> tuple[Laid, Array]:
+    """A net at rest without loads."""
+    return laid_at_rest(scenario(sheet, gravity=gravity), 0.0)
 
 
 def small_deflection(laid: Laid, r: Array, force: Array) -> Array:

@@ -67,6 +67,13 @@ STIFF = {
     "beam, vehicle": "vehicle", "beam, oscillator": "oscillator",
     "beam, stepper": "stepper", "beam, parallel": "stepper, parallel", "beam, iterated": "stepper, iterated",
 }  # fmt: skip
+WALKER = "{kind: walker, on: s, mass: 70, foot_mass: 1, leg_damping: 100, from: 20 m}"
+AIRY = {
+    "network, walker": WALKER, "network, walker on weightless feet": WALKER.replace("foot_mass: 1", "foot_mass: 0"),
+    "network, balance": WALKER.replace("from", "balance: {}, from"),
+    "network, stepper": WRITTEN["stepper"][1], "network, parallel": WRITTEN["stepper, parallel"][1],
+    "network, iterated": WRITTEN["stepper, iterated"][1],
+}  # fmt: skip
 LEAVES = {"vehicle that lifts off": "", "beam, vehicle that lifts off": "bending_stiffness: 1e4, "}
 AWNING = """
 nets:
@@ -76,7 +83,7 @@ loads: {m: {kind: mass, on: awning, mass: 8, travel: {speed: 3, path: [[0.5, 0.5
 run: {kind: dynamic, until: 0.1, every: 0.01}
 """
 NETS = {"membrane, mass": AWNING}
-KINDS = (*SMALL, *WRITTEN, *STIFF, *SUPPORTS, *LEAVES, *NETS)
+KINDS = (*SMALL, *WRITTEN, *STIFF, *SUPPORTS, *AIRY, *LEAVES, *NETS)
 
 
 def case(kind: str, *settings: str) -> Scenario:
@@ -91,6 +98,9 @@ def case(kind: str, *settings: str) -> Scenario:
         text = (ROPE % (damping, load, more)).replace("elements:", SUPPORTS[kind] + SHAKEN)
         text = text.replace("axial_damping: 0", "drag: 0.1")
         return loads(text + ("wind: {speed: 5, direction: [1, 0]}" if kind[0] == "n" else ""), "rope.yaml", settings)
+    if kind in AIRY:
+        text = (ROPE % (10, AIRY[kind], "")).replace("elements:", "wind_drag: 0.01, elements:")
+        return loads(text + "wind: {speed: 5, direction: [1, 0]}", "rope.yaml", settings)
     if kind in NETS:
         return loads(NETS[kind], "net.yaml", settings)
     if kind in LEAVES:

@@ -47,3 +47,35 @@ def scenario(lines: dict[str, Any], loads: dict[str, Any], until: float, every: 
     """A motion of lines without weight."""
     run = {"kind": "dynamic", "until": until, "every": every}
     return Scenario.model_validate({"gravity": 0.0, "lines": lines, "loads": loads, "run": run} | keys)
+
+
+HELD_TAUT: dict[str, Any] = {
+    "start": [0, 0, 0], "end": [20, 0, 0], "tension": 8e3, "mass": 2.0, "axial_stiffness": 1e9, "elements": 20,
+}  # fmt: skip
+
+
+def deck_on_a_hanger(elements: int) -> dict[str, Any]:
+    """A stiff deck that hangs from a rope by one hanger in the middle."""
+    hanger = {
+        "start": [10, 0, 3], "end": [10, 0, 0], "length": 1.2, "mass": 0.2, "axial_stiffness": 1e6, "elements": 4,
+        "start_support": {"kind": "joined", "to": "cable", "at": 10.2},
+        "end_support": {"kind": "joined", "to": "deck", "at": 10.0},
+    }  # fmt: skip
+    cable = {
+        **HELD_TAUT,
+        "axial_stiffness": 1e6,
+        "tension": None,
+        "length": 20.4,
+        "start": [0, 0, 3],
+        "end": [20, 0, 3],
+        "elements": elements,
+    }
+    deck = {
+        **HELD_TAUT,
+        "axial_stiffness": 1e6,
+        "tension": None,
+        "length": 20.0,
+        "bending_stiffness": 5e4,
+        "elements": elements,
+    }
+    return {"cable": cable, "deck": deck, "hanger": hanger}

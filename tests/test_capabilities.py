@@ -120,7 +120,8 @@ def test_all_mistakes_are_told_at_once_even_where_others_hide_the_run() -> None:
     from ropewalk.scenario import loads
 
     text = """lines:
-  a: {start: [0, 0], end: [20, 0], tension: 1e4, mass: 1, axial_stiffness: 1e6, bending_stiffness: 10, axial_damping: 9}
+  a: {start: [0, 0], end: [20, 0], length: 19.9, mass: 1, axial_stiffness: 1e6, bending_stiffness: 10,
+      sheaves: {s: {at: [12, 1]}}}
 loads:
   p: {kind: trolley, mass: 1, on: a, travel: {speed: 1}, payload: {mass: 1, length: 1}}
 run: {kind: dynamic, untill: 1}
@@ -128,4 +129,4 @@ run: {kind: dynamic, untill: 1}
     with pytest.raises(ScenarioError) as caught:
         loads(text, "case.yaml")
     found = [(problem.line, problem.key) for problem in caught.value.problems]
-    assert found == [(2, "lines.a.axial_damping"), (4, "loads.p.kind"), (5, "run.untill")]
+    assert found == [(2, "lines.a.bending_stiffness"), (5, "loads.p.kind"), (6, "run.untill")]

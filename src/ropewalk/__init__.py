@@ -17,7 +17,8 @@ overhead lines  `OverheadLine` of `ContactWire`, `MessengerWire`, `StitchWire`, 
                 `MessengerSupports` and `Spans`; `Pantograph` with its `PantographTravel`
 travel          `Travel` as prescribed, `FreeTravel` with `Driver` and `Brake`
 axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `Tabulated`, `Inextensible`
-supports        `Fixed`, `Elastic`, `Guided`, `Moving`; `Joined` to a `Joint`, a line or a net; `Sheave`s on the way
+supports        `Fixed`, `Elastic`, `Guided`, `Moving`; `Joined` to a `Joint`, a line or a net; `Sheave`s on the way;
+                between the ends `InnerFixed`, `InnerElastic`, `InnerGuided`, `InnerMoving`
 nets            `Net` and `Membrane` with a `ClampedEdge`, a `SoftEdge` or a `CableEdge`; `Wind`
 what is asked   `Dynamic` (from a `Start`), `Quasistatic`, `Equilibrium`, `Linear`
 files           `load` and `save` a scenario, `open_result`; `export_fmu` writes a line or a vehicle as an FMU
@@ -75,6 +76,10 @@ if TYPE_CHECKING:
         Harmonic,
         Hooke,
         Inextensible,
+        InnerElastic,
+        InnerFixed,
+        InnerGuided,
+        InnerMoving,
         Joined,
         Joint,
         Line,
@@ -154,6 +159,10 @@ __all__ = [
     "Harmonic",
     "Hooke",
     "Inextensible",
+    "InnerElastic",
+    "InnerFixed",
+    "InnerGuided",
+    "InnerMoving",
     "Joined",
     "Joint",
     "Ladder",
@@ -246,6 +255,10 @@ _HOME = {
     "Harmonic": "model",
     "Hooke": "model",
     "Inextensible": "model",
+    "InnerElastic": "model",
+    "InnerFixed": "model",
+    "InnerGuided": "model",
+    "InnerMoving": "model",
     "Joined": "model",
     "Joint": "model",
     "Ladder": "compare",

@@ -32,26 +32,64 @@ class Engine:
 ROPES = Engine(ropes.MOTION, ropes.AT_REST)
 WIRES = Engine(wires.MOTION, wires.AT_REST)
 WEBS = Engine(webs.MOTION, webs.AT_REST)
-SYSTEM = Engine(system.MOTION, webs.AT_REST)
+SYSTEM = Engine(system.MOTION, system.AT_REST)
 LINEAR = Engine(linear.CAPABILITIES, linear.CAPABILITIES)
 
 
 def engine_of(asked: Parts | Scenario) -> Engine:
     """Choose the engine that computes a scenario."""
-    if asked.is_web:
-        return _of_networks(asked if isinstance(asked, Parts) else asked.parts)
-    if isinstance(asked.run, Linear):
+    parts = asked if isinstance(asked, Parts) else asked.parts
+    if parts.is_web:
+        return _of_networks(parts)
+    if isinstance(parts.run, Linear):
         return LINEAR
-    return WIRES if asked.is_stiff else ROPES
+    return _of_beams(parts) if parts.is_stiff else SYSTEM if _is_linearised(parts) else ROPES
+
+
+def is_system_linearised(scenario: Scenario) -> bool:
+    """Whether the engine of the system moves a scenario linearised about rest."""
+    return _is_linearised(scenario.parts) and engine_of(scenario) is SYSTEM
+
+
+def _is_linearised(parts: Parts) -> bool:
+    return isinstance(parts.run, Dynamic) and parts.run.geometry == "linearised"
 
 
 def _of_networks(parts: Parts) -> Engine:
-    """The engine of the system where it supports a motion of lines, or more of it than that of networks."""
-    over_sheaves = any(line is not None and line.sheaves for line in parts.lines.values())
-    if not isinstance(parts.run, Dynamic) or parts.nets or over_sheaves:
+    """The engine that supports what is asked of lines, or more of it than the other one.
+
+    Motions go to the system if both do. At rest point loads are exact on the polygons of networks, and right to the
+    first order of the mesh on splines, where these bend sharply.
+    """
+    if _for_webs_only(parts):
         return WEBS
-    refused = [len(list(engine.motion.unsupported(parts))) for engine in (SYSTEM, WEBS)]
-    return SYSTEM if not refused[0] or refused[0] < refused[1] else WEBS
+    refused, moves = _refused(SYSTEM, parts), isinstance(parts.run, Dynamic)
+    better = (moves and not refused) or _is_linearised(parts) or bool(parts.nets)
+    return SYSTEM if better or refused < _refused(WEBS, parts) else WEBS
+
+
+def _for_webs_only(parts: Parts) -> bool:
+    return any(line is not None and line.sheaves for line in parts.lines.values())
+
+
+def _of_beams(parts: Parts) -> Engine:
+    """The engine of the system for motions of lines that are slack or have inner supports, or if it supports more.
+
+    Linearised motions of straight lines are vertical only with the other one, which is faster for it.
+    """
+    if parts.overhead:
+        return WIRES
+    refused, slack = _refused(SYSTEM, parts), False
+    for line in parts.lines.values():
+        slack = slack or (line is not None and (line.length or 0.0) > line.distance)
+    better = isinstance(parts.run, Dynamic) and (slack or (parts.is_supported and not _is_linearised(parts)))
+    return SYSTEM if refused < _refused(WIRES, parts) or (better and not refused) else WIRES
+
+
+def _refused(engine: Engine, parts: Parts) -> int:
+    """How much of what is asked an engine does not support."""
+    table = engine.motion if isinstance(parts.run, Dynamic) else engine.at_rest
+    return sum(1 for _ in table.unsupported(parts))
 
 
 def unsupported(parts: Parts) -> Iterator[Finding]:
@@ -63,20 +101,68 @@ def unsupported(parts: Parts) -> Iterator[Finding]:
     engine = engine_of(parts)
     known = parts.is_complete and None not in parts.lines.values()
     for found in (engine.motion if isinstance(parts.run, Dynamic | Linear) else engine.at_rest).unsupported(parts):
-        if known or engine is not ROPES or found.path[0] != "run":  # a line not known may have bending stiffness
+        a_rope = not (parts.is_web or parts.is_stiff or isinstance(parts.run, Linear))
+        if known or not a_rope or found.path[0] != "run":  # a line not known may have bending stiffness
             yield found
 
 
-def check_spectrum(scenario: Scenario, *, with_loads: bool) -> None:
-    """Refuse what networks do not bear at rest, and loads without matrices in a spectrum with loads.
+def _of_rest(engine: Engine, scenario: Scenario, *, with_loads: bool) -> list[Finding]:
+    """What of lines, and of loads if they stand there, an engine does not support at rest."""
+    found = engine.at_rest.unsupported(scenario.parts)
+    return [one for one in found if one.path[0] == "lines" or (one.path[0] == "loads" and with_loads)]
+
+
+def engine_of_spectrum(scenario: Scenario, *, with_loads: bool) -> Engine:
+    """Choose the engine that finds the spectrum of a network at rest: that of its motion, but for damping by wind.
+
+    With loads, the one that is exact at rest.
+    """
+    if _for_webs_only(scenario.parts):
+        return WEBS
+    refused = _of_rest(SYSTEM, scenario, with_loads=with_loads) or list(_blown(scenario))
+    if not refused and not (with_loads and scenario.loads):
+        return SYSTEM
+    return SYSTEM if _of_rest(WEBS, scenario, with_loads=with_loads) else WEBS
+
+
+def engine_at(scenario: Scenario) -> Engine:
+    """Choose the engine that finds the spectrum of a network at an instant of its motion."""
+    only = _for_webs_only(scenario.parts)
+    return WEBS if only or not _of_rest(WEBS, scenario, with_loads=True) else SYSTEM
+
+
+def _blown(scenario: Scenario) -> Iterator[Finding]:
+    wind = scenario.wind
+    if wind is not None and not wind.is_calm:
+        feature, remedy = "wind", "give wind a speed of 0, or lines no bending stiffness, foundation or such loads"
+        yield missing(("wind", "speed"), "spectra of lines with bending stiffness, foundations or springs", "wind that "
+                      "blows", remedy, feature=feature)  # fmt: skip
+
+
+def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True) -> None:
+    """Refuse what networks and lines with inner supports do not bear at rest, and loads without matrices with loads.
+
+    Args:
+        scenario: whose spectrum is asked for.
+        with_loads: whether that is with its loads.
+        at_rest: whether it is about rest, not about an instant of a motion.
 
     Raises:
         ScenarioError: there is such a thing.
     """
+    if not at_rest and is_system_linearised(scenario):
+        feature, remedy = "linearised geometry", "leave the time out: small motion is about rest"
+        what = "the spectrum at an instant of ropes, of joined lines and of what only moves with them"
+        raise refusal(missing(("run", "geometry"), what, "linearised", remedy, feature=feature))
     if scenario.is_web:
-        for found in WEBS.at_rest.unsupported(scenario.parts):
-            if found.path[0] == "lines" or (found.path[0] == "loads" and with_loads):
-                raise refusal(found)
+        engine = engine_of_spectrum(scenario, with_loads=with_loads) if at_rest else engine_at(scenario)
+        for found in _of_rest(engine, scenario, with_loads=with_loads) if at_rest or engine is WEBS else ():
+            raise refusal(found)
+        for found in _blown(scenario) if engine is SYSTEM else ():
+            raise refusal(found)
+    elif scenario.parts.is_supported:
+        for found in _of_rest(WIRES, scenario, with_loads=with_loads):
+            raise refusal(found)
     if not with_loads:
         return
     remedy = "ask for that of the line alone (no instant, no start.with_loads), or write kind: matrices"

@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.capabilities import SYSTEM, WEBS, WIRES, check_spectrum, engine_of
+from ropewalk.capabilities import (
+    SYSTEM,
+    WEBS,
+    WIRES,
+    check_spectrum,
+    engine_at,
+    engine_of,
+    engine_of_spectrum,
+    is_system_linearised,
+)
 from ropewalk.checkpoint import Tree
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.mechanics.chain import Array
@@ -171,7 +180,7 @@ def _motion(scenario: Scenario, run: Dynamic, account: Account, times: Array, pa
     if engine is SYSTEM:
         from ropewalk.system.moving import Motion  # lazy: most runs do not need their kernels
 
-        return Motion(scenario, account, times)
+        return Motion(scenario, account, times, past=past is not None)
     if engine is WEBS:
         from ropewalk.webs.moving import Motion as Web  # lazy: as above
 
@@ -190,6 +199,10 @@ def _still(scenario: Scenario, account: Account) -> Still:
     """Rest and slow motion, by the engine that the lines ask for."""
     until = horizon(scenario) if isinstance(scenario.run, Quasistatic) and not scenario.nets else 0.0
     engine = engine_of(scenario)
+    if engine is SYSTEM:
+        from ropewalk.system import still as system  # lazy: most runs do not need it
+
+        return system.Still(scenario, account, until)
     if engine is WEBS:
         from ropewalk.webs import still as webs  # lazy: most runs do not need it
 
@@ -263,12 +276,20 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
         ScenarioError: the instant lies outside the run, the run knows no time, or a load has no equations of motion.
         RopewalkError: the run does not come to the instant.
     """
-    check_spectrum(scenario, with_loads=at is not None or _with_loads(scenario))
+    check_spectrum(scenario, with_loads=at is not None or _with_loads(scenario), at_rest=at is None)
     run, with_loads = scenario.run, _with_loads(scenario)
+    if is_system_linearised(scenario):  # about the rest of all geometry
+        scenario = scenario.model_copy(update={"run": run.model_copy(update={"geometry": "nonlinear"})})
     if at is not None:
         run = _check_instant(scenario, at)
     if scenario.is_web:
-        from ropewalk.webs import spectrum as webs  # lazy: a run does not need the eigenvalue solvers
+        if (engine_of_spectrum(scenario, with_loads=with_loads) if at is None else engine_at(scenario)) is SYSTEM:
+            from ropewalk.system import spectrum as system  # lazy: a run does not need the eigenvalue solvers
+
+            if at is not None:
+                return system.spectrum_at(scenario, at, how_many)
+            return system.spectrum(scenario, how_many, with_loads=with_loads)
+        from ropewalk.webs import spectrum as webs  # lazy: as above
 
         if at is not None:
             return webs.spectrum_at(scenario, at, how_many)

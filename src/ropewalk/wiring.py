@@ -17,6 +17,7 @@ from ropewalk.mechanics.loading import loading_of
 from ropewalk.mechanics.travelled import Travelled
 from ropewalk.mechanics.wheels import wheels_of
 from ropewalk.model.beginning import UP
+from ropewalk.model.division import links_of_line
 from ropewalk.model.line import spatial
 from ropewalk.model.load import AnyLoad, Foreign, MovingForce
 from ropewalk.model.overhead import OverheadLine
@@ -67,7 +68,7 @@ def task_of(scenario: Scenario) -> Task:
         plan = replace(
             plan, wires=(*plan.wires, wire), holds=(*plan.holds, *held), masses=(*plan.masses, *mass)
         )  # fmt: skip
-    elements += [line.elements for line in scenario.lines.values()]
+    elements += [links_of_line(line) for line in scenario.lines.values()]
     if nonlinear or slow:
         plan = unstretched(plan, elements)
     loading = loading_of(scenario, until) if scenario.lines else None

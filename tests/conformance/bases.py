@@ -186,6 +186,16 @@ BASES: dict[str, Tree] = {
          "messenger_supports": {"stiffness": [1e6, 1e6], "damping": 100.0}},
         {**_OWN, "travel": way(30.0, 22.0)},
     ),
+    # Lines held between their ends.
+    "held": one(
+        {**LONG, "elements": 21, "supports": {
+            "saddle": {"at": 4.0, "kind": "fixed"},
+            "bearing": {"at": 8.0, "kind": "elastic", "stiffness": [0.0, "200 kN/m"]},
+            "slider": {"at": 12.0, "kind": "guided", "along": [1.0, 0.0]},
+            "shaker": {"at": 16.0, "kind": "moving", "displacement": shaken()},
+        }},
+        load("force", way()),
+    ),
     # Webs.
     "joined": {"lines": {"rope": TAUT, "hanger": _HANGER}, "loads": {"load": load("mass", way(), air_drag=0.0)},
                "run": moves()},

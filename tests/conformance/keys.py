@@ -29,7 +29,7 @@ from .working import read_scenario
 FELT, REFUSED, UNFELT, WRONG = "felt", "refused", "UNFELT", "WRONG"
 ENGINES = {
     "Scenario.overhead_lines", "Scenario.nets", "Scenario.run", "Line.bending_stiffness", "Line.foundation",
-    "Line.sheaves",
+    "Line.sheaves", "Line.supports",
 }  # fmt: skip
 """Keys that ask for another engine: what it does not know is refused by its own name."""
 PART = 5

@@ -71,19 +71,23 @@ def matrices(s: Structure, **more: Any) -> Tree:
     }  # fmt: skip
 
 
+def way(s: Structure) -> Tree:
+    """Where loads without a travel begin."""
+    return {"path": PATH} if s.is_surface else {"from": s.start}
+
+
 def footsteps(s: Structure, **more: Any) -> Tree:
-    way = {"path": PATH} if s.is_surface else {"from": s.start}
-    return {"kind": "footsteps", "mass": s.mass, **way, **more}
+    return {"kind": "footsteps", "mass": s.mass, **way(s), **more}
 
 
 def walker(s: Structure, **more: Any) -> Tree:
     return {"kind": "walker", "mass": s.mass, "leg_stiffness": 175.0 * s.mass, "foot_mass": 0.02 * s.mass,
-            "leg_damping": 2.0 * s.mass, "from": s.start, **more}  # fmt: skip
+            "leg_damping": 2.0 * s.mass, **way(s), **more}  # fmt: skip
 
 
 def stepper(s: Structure, **more: Any) -> Tree:
-    options = {"force": s.mass * DOWN, "start": s.start, "speed": s.speed}
-    return {"kind": "stepper", "model": STEPPER, "options": options, "every": 1e-3, "from": s.start, **more}
+    options = {"force": s.mass * DOWN, "start": way(s).get("from", 0.0), "speed": s.speed}
+    return {"kind": "stepper", "model": STEPPER, "options": options, "every": 1e-3, **way(s), **more}
 
 
 def fmu(s: Structure, **more: Any) -> Tree:

@@ -105,6 +105,11 @@ _STILL = {"direction": [1.0, 0.0], "speed": 0.0}
 _BESIDE: Tree = {**STIFF, "start": [0.0, 20.0], "end": [20.0, 20.0]}
 _SLOW = {"mass": 5.0, "speed": 3.0, "until": 0.4}
 _HEAVY = {"mass": 2000.0, "speed": 20.0, "until": 0.24, "family": "stiff"}
+_PIERS: Tree = {
+    "pier": {"at": 10.0, "kind": "guided", "along": [1.0, 0.0]},
+    "bearing": {"at": 15.0, "kind": "elastic", "stiffness": [0.0, "100 MN/m"], "damping": "10 kN*s/m"},
+}
+"""One stands fast; the other one yields by a tenth of what the span does."""
 _CABLE = {"family": "stiff"}
 _SPANS = {
     "on": "section", "length": 120.0, "start": 50.0, "speed": 30.0, "mass": 10.0, "until": 0.4, "family": "overhead",
@@ -142,6 +147,7 @@ STRUCTURES: tuple[Structure, ...] = (
     Structure("beam", "beam", rope(BEAM), **_HEAVY),
     Structure("beam-linearised", "beam, linearised", rope(BEAM), run=_LINEARISED, **_HEAVY),
     Structure("beam-damped", "beam, damped, linearised", rope({**BEAM, "drag": 0.6}), run=_LINEARISED, **_HEAVY),
+    Structure("piers", "beam on piers", rope({**BEAM, "supports": _PIERS}), **_HEAVY),
     Structure("bed", "line on a bed", rope(BED), **_HEAVY),
     Structure("bed-linearised", "line on a bed, linearised", rope(BED), run=_LINEARISED, **_HEAVY),
     Structure("overhead", "overhead line", {"overhead_lines": {"section": OVERHEAD}}, **_SPANS),
@@ -173,6 +179,10 @@ STRUCTURES: tuple[Structure, ...] = (
         "sheave", "rope over a sheave",
         rope(taut(sheaves={"tower": {"at": [12.0, 1.0], "friction": 0.05}}, tension=None, length=19.9)), length=19.9,
         start=2.0, family="joined",
+    ),
+    Structure(
+        "saddle", "rope over a saddle that holds it",
+        rope(taut(supports={"saddle": {"at": 16.83, "kind": "fixed", "position": [17.0, 0.1]}})), family="joined",
     ),
     Structure(
         "wind", "rope in wind", rope(slack(wind_drag=0.02), wind={"direction": [1.0, 0.0], "speed": 15.0}), **_SLOW,

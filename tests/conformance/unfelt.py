@@ -10,6 +10,7 @@ NEVER: dict[str, str] = {
     "Fmu.patience": "is waited for only when an FMU does not answer",
     "OverheadLine.analysed_spans": "says what statistics speak of, which are made from a result later",
     "Stepper.from": "is handed to a model that asks for it; the model of the bases says itself where it presses",
+    "InnerFixed.clamped": "an inner support lets the line turn, and says so where it is to be clamped",
     "Sheave.to": "the joint of the base hangs on its sheave alone, and is refused without it",
     "Exchange.warn": "no exchange of the bases makes energy that could be warned of",
     "FmuContact.gives": "the FMU of the bases gives a force; what it would need to give its motion is refused",
@@ -17,6 +18,10 @@ NEVER: dict[str, str] = {
     "PantographTravel.at_end": "no pantograph of the bases comes to the end; what would pass it is refused",
     "Matrices.lift_off": "nothing leaves the line in the bases that have it",
     "Trolley.lift_off": "nothing leaves the line in the bases that have it",
+    "FmuTravel.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
+    "FreeTravel.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
+    "Stepper.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
+    "Walker.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
 }
 """Keys that change no number in any base, by nature or because the bases are too small for it."""
 
@@ -24,6 +29,7 @@ UNFELT: Reasons = {
     "Dynamic.method": {
         "auto has chosen an explicit method already, that of Verlet": (
             "plain",
+            "held",
             "earlier",
             "force in time",
             "free mass",
@@ -222,6 +228,7 @@ UNFELT: Reasons = {
     "Travel.at_end": {
         "nothing comes to an end of the line": (
             "plain",
+            "held",
             "earlier",
             "force in time",
             "oscillator",

@@ -402,9 +402,9 @@ run: {kind: dynamic, until: 1 s}
 """
 
 
-def said(load: str, more: str = "") -> list[str]:
+def said(load: str, more: str = "", run: str = "") -> list[str]:
     """What a load on a taut line is refused with; nothing, if it is fine."""
-    text = TAUT.replace("LOAD", f"{{{load}}}").replace(", MORE", more)
+    text = TAUT.replace("LOAD", f"{{{load}}}").replace(", MORE", more).replace("until: 1 s", f"until: 1 s{run}")
     try:
         loads(text)
     except ScenarioError as error:
@@ -451,10 +451,12 @@ def test_a_tension_does_not_go_with_a_counterweight(key: str, support: str, refu
         assert f"lines.rope.{key}.force" in problems[0]
 
 
-def test_gyroscopic_damping_is_for_ropes() -> None:
+def test_gyroscopic_damping_is_for_small_motion_but_in_a_window() -> None:
     spins = f"{PAIR}, damping: [[1, 5], [-5, 1]]"
     assert not said(spins)
-    (problem,) = said(spins, ", bending_stiffness: 1")
+    assert not said(spins, ", bending_stiffness: 1")
+    assert not said(spins, ", bending_stiffness: 1", ", geometry: linearised")
+    (problem,) = said(spins, ", bending_stiffness: 1", ", geometry: linearised, window: 1 m")
     assert "loads.a.damping" in problem
     assert not said(f"{PAIR}, damping: [[1, 5], [5, 1]]", ", bending_stiffness: 1")
 

@@ -90,16 +90,21 @@ def modes_of(structure: dict[str, Any]) -> Modes:
     return found
 
 
-@pytest.mark.parametrize("build", STRUCTURES.values(), ids=STRUCTURES)
-def test_a_cable_has_the_frequencies_of_small_motions_about_the_catenary(build: Any) -> None:
-    known, errors = exact(), []
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_a_cable_has_the_frequencies_of_small_motions_about_the_catenary(name: str) -> None:
+    known, errors, build = exact(), [], STRUCTURES[name]
     for elements in (20, 40, 80):
         errors.append(modes_of(build(elements)).frequency[:MODES] / known - 1.0)
     order = np.log2(np.abs(np.divide(errors[:-1], errors[1:])))
     print("exact", known, "errors", np.array(errors), "orders", order)
     assert known[1] > 1.5 * known[0]  # what would be taken for the lowest without the motion sideways
-    assert np.abs(errors[-1]).max() < 1.2e-3
-    assert np.abs(order - 2.0).max() < 0.02
+    if name == "network":  # on splines: of fourth order but near held ends, where it is of third
+        assert np.abs(errors[-1]).max() < 1e-5
+        assert np.abs(order[:, 0] - 3.0).max() < 0.12
+        assert order[:, 1:3].min() > 3.9  # modes that end in errors of either sign have no order on these meshes
+    else:
+        assert np.abs(errors[-1]).max() < 1.2e-3
+        assert np.abs(order - 2.0).max() < 0.02
 
 
 @pytest.mark.parametrize("build", STRUCTURES.values(), ids=STRUCTURES)

@@ -1,5 +1,7 @@
 """Masses that travel freely: on the ellipse, with friction, drives, drivers and brakes, and at the end of the line.
 
+Each of them on ropes, and in still air, which the engine of the system computes.
+
 Exact values: `ropewalk.theory.bead` (a bead on a weightless inextensible rope) and the motion on an inclined plane,
 which a very taut line is.
 """
@@ -15,12 +17,28 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 from ropewalk.model import Dynamic, FreeTravel, Guided, Line, MovingMass, Scenario, Start
+from ropewalk.model.wind import Wind
 from ropewalk.simulate import simulate
 from ropewalk.theory import bead
 
 SPAN, LENGTH, MASS, G = 20.0, 22.0, 10.0, 9.81
 RISE, RUN = 5.0, 20.0
 SINE, COSINE = RISE / np.hypot(RISE, RUN), RUN / np.hypot(RISE, RUN)
+STILL_AIR = Wind.model_validate({"speed": 0.0, "direction": [1, 0]})
+
+
+def in_still_air(scenario: Scenario) -> xr.Dataset:
+    return simulate(scenario.model_copy(update={"wind": STILL_AIR}))
+
+
+run = simulate
+
+
+@pytest.fixture(params=["ropes", "system"], autouse=True)
+def engine(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let everything be computed by one engine."""
+    if request.param == "system":
+        monkeypatch.setitem(globals(), "run", in_still_air)
 
 
 def form(result: xr.Dataset, name: str) -> np.ndarray:
@@ -37,8 +55,8 @@ def slide(start: float, until: float, *, elements: int = 25, **travel: Any) -> x
         law={"kind": "tension_only"},
     )  # fmt: skip
     load = MovingMass(on="rope", mass=MASS, travel=FreeTravel.model_validate({"from": place, **travel}))
-    run = Dynamic(until=until, every=0.05, start=Start(with_loads=True))
-    return simulate(Scenario(lines={"rope": line}, loads={"bead": load}, run=run))
+    motion = Dynamic(until=until, every=0.05, start=Start(with_loads=True))
+    return run(Scenario(lines={"rope": line}, loads={"bead": load}, run=motion))
 
 
 def incline(
@@ -49,8 +67,8 @@ def incline(
     load = MovingMass(
         on="line", mass=MASS, air_drag=air_drag, travel=FreeTravel.model_validate({"from": start, **travel})
     )
-    run = Dynamic(until=until, every=0.05, start=Start(with_loads=True))
-    return simulate(Scenario(lines={"line": line}, loads={"load": load}, run=run))
+    motion = Dynamic(until=until, every=0.05, start=Start(with_loads=True))
+    return run(Scenario(lines={"line": line}, loads={"load": load}, run=motion))
 
 
 def way(result: xr.Dataset) -> np.ndarray:
@@ -169,8 +187,8 @@ def test_on_a_line_that_nothing_holds_along_x_momentum_is_kept(drive: float, vis
     line = Line(start=(0, 0), end=(20.2, 0), length=length, mass=1.0, axial_stiffness=1e5, elements=n, **ends)
     travel = FreeTravel.model_validate({"from": 3.0, "speed": 4.0, "drive": drive, "viscous": viscous})
     load = MovingMass(on="line", mass=10.0, travel=travel)
-    run = Dynamic(until=1.5, every=0.05)
-    result = simulate(Scenario(gravity=0.0, lines={"line": line}, loads={"mass": load}, run=run))
+    motion = Dynamic(until=1.5, every=0.05)
+    result = run(Scenario(gravity=0.0, lines={"line": line}, loads={"mass": load}, run=motion))
     w, h = result.velocity.values[:, :, 0], length / n
     momentum = h * w[:, 1:-1].sum(axis=1) + 0.5 * h * (w[:, 0] + w[:, -1])
     momentum += 10.0 * np.sqrt(2.0 * form(result, "load_kinetic") / 10.0)  # it moves along x only
@@ -204,7 +222,7 @@ def test_without_anything_that_pulls_it_stays() -> None:
     line = Line(start=(0, 0), end=(20, 0), tension=1e4, mass=0.5, axial_stiffness=1e6, elements=20)
     load = MovingMass(on="line", mass=MASS, travel=FreeTravel.model_validate({"from": 10.0}))
     tension = Dynamic(until=1.0, every=0.05, start=Start(with_loads=True))
-    result = simulate(Scenario(lines={"line": line}, loads={"m": load}, run=tension))
+    result = run(Scenario(lines={"line": line}, loads={"m": load}, run=tension))
     mid = 0.5 * float(result.xi.values[-1])
     start = abs(float(result.contact_xi.values[0, 0]) - mid)
     assert start < 0.1

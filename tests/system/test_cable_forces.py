@@ -11,6 +11,7 @@ import pytest
 from motion_cases import order
 from ropewalk.model import Scenario
 from ropewalk.system.assembly import structure_of
+from ropewalk.system.standing import Standing
 from ropewalk.system.statics import Potential, settle
 
 CLAMPED = {"kind": "fixed", "clamped": True}
@@ -32,8 +33,8 @@ def beam(elements: int, support: dict[str, object] | None = None, **keys: object
 )  # fmt: skip
 def test_forces_and_stiffness_are_derivatives_of_the_energy(scenario: Scenario) -> None:
     found = structure_of(scenario, 0.0)
-    r = found.near + 0.05 * np.random.default_rng(1).standard_normal(found.near.shape)
-    potential, step = Potential(found.structure, 2, 4.0), 1e-5
+    r = (found.near + 0.05 * np.random.default_rng(1).standard_normal(found.near.shape)).ravel()
+    potential, step = Potential(found.structure, Standing(found.structure, found.near), 4.0), 1e-5
     unknowns = potential.free.shape[1]
     for i in range(unknowns):
         way = np.zeros(unknowns)

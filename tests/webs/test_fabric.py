@@ -12,7 +12,7 @@ from net_cases import membrane, net, scenario
 from ropewalk.webs.fabric import tensions_of
 from ropewalk.webs.laying import lay
 from ropewalk.webs.potential import Potential
-from ropewalk.webs.web import Array, Web
+from ropewalk.webs.web import SHEET, Array, Web
 
 NU, ET, EA = 0.3, 1e5, 1e4
 SIZE = 0.75  # m, of the cells
@@ -34,13 +34,20 @@ def loose(kind: str) -> Web:
     return web._replace(held=web.held._replace(fixed=np.zeros(0, dtype=np.int64)))
 
 
+def plan_of(web: Web) -> Array:
+    """Places of all nodes as laid out, (node, 2) m: three along x, twice."""
+    skew = 0.3 if web.cells.fabrics[0, 0] == SHEET else 0.0
+    i, j = np.tile(np.arange(3), 2), np.repeat(np.arange(2), 3)
+    return np.stack([SIZE * i + skew * j, SIZE * j], axis=1)
+
+
 def places(
     web: Web, stretches: tuple[float, float], angle: float, turn: Array, disturbed: Array | float = 0.0
 ) -> Array:
     """All nodes after a stretch along two axes at an angle, a turn in space, and small changes of each."""
     c, s = np.cos(angle), np.sin(angle)
     axes = np.array([[c, s], [-s, c]])
-    plan = web.seats.plan[: web.nodes] @ (axes.T @ np.diag(stretches) @ axes)
+    plan = plan_of(web) @ (axes.T @ np.diag(stretches) @ axes)
     flat = np.column_stack([plan, np.zeros(web.nodes)]) + disturbed
     away = np.array([1.0, -2.0, 3.0])
     return np.asarray(Rotation.from_rotvec(turn).apply(flat) + away)
@@ -101,8 +108,8 @@ def test_a_slack_fabric_pulls_nowhere() -> None:
 
 def sheet_tensions(F: Array) -> Array:
     web = loose("sheet")
-    r = np.column_stack([web.seats.plan[: web.nodes] @ F.T, np.zeros(web.nodes)])
-    found = tensions_of(web.cells, web.own_cells, r)
+    r = np.column_stack([plan_of(web) @ F.T, np.zeros(web.nodes)])
+    found = tensions_of(web.cells, web.cells.area.size, r)
     # Every cell is deformed alike.
     assert found == pytest.approx(np.broadcast_to(found[0], found.shape), abs=1e-8)
     return np.asarray(found[0])
@@ -112,8 +119,8 @@ def test_threads_have_the_tension_of_their_own_stretch() -> None:
     web = loose("threads")
     r = places(web, (1.02, 0.99), 0.0, np.zeros(3))
     # Each of the three threads across stands for a width of SIZE, as does each of the two along.
-    assert tensions_of(web.cells, web.own_cells, r) == pytest.approx(
-        np.tile([EA * 0.02 / SIZE, 0.0], (web.own_cells, 1)), abs=1e-8
+    assert tensions_of(web.cells, web.cells.area.size, r) == pytest.approx(
+        np.tile([EA * 0.02 / SIZE, 0.0], (web.cells.area.size, 1)), abs=1e-8
     )
 
 

@@ -14,11 +14,10 @@ from scipy.spatial.transform import Rotation
 
 from net_cases import load, membrane, moved, net, order, rested, scenario, small_deflection, standing
 from ropewalk.results import recorder
+from ropewalk.results.frame import Account
 from ropewalk.simulate import simulate
+from ropewalk.system.still import Still
 from ropewalk.theory import membrane as theory
-from ropewalk.webs.potential import Potential
-from ropewalk.webs.rest import stand
-from ropewalk.webs.seats import CLEAR
 from ropewalk.webs.spectrum import frequencies
 from ropewalk.webs.stability import largest_step
 
@@ -76,11 +75,11 @@ def test_modes_under_a_moving_force_converge_to_the_closed_form() -> None:
             exact = theory.moving_force_mode(p, q, found.time.values, **known)
             error.append(np.abs(amplitude - exact).max() / np.abs(exact).max())
         errors.append(error)
-    # Second order in the mesh; passages of edges leave some scatter, so both halvings together. Seen 1.96 ... 2.67.
-    both = np.log2(np.array(errors[0]) / errors[2]) / 2.0
-    print("errors", errors, "orders", both)
-    assert np.all((both > 1.85) & (both < 2.8))
-    assert max(errors[2]) < 0.015
+    # Second order in the mesh, whose waves are too slow: seen 1.88 to 1.98 in the last halving.
+    last = np.log2(np.array(errors[1]) / errors[2])
+    print("errors", errors, "orders", last)
+    assert np.all((last > 1.85) & (last < 2.05))
+    assert max(errors[2]) < 0.018
 
 
 @pytest.mark.parametrize("sheet", [net([12, 8]), membrane([12, 8])], ids=["net", "membrane"])
@@ -95,13 +94,12 @@ def test_a_symmetric_net_under_symmetric_loads_stays_symmetric(sheet, kind) -> N
     assert place == pytest.approx(mirror, abs=1e-10)
 
 
-def test_a_load_on_an_edge_between_cells_is_symmetric_but_for_the_hop_over_it() -> None:
+def test_a_load_on_an_edge_between_cells_is_symmetric() -> None:
     sheet = net([12, 8])
     found = rested(sheet, {"p": load([[1.4, 1.5], [2.0, 1.5]], force=[0.0, 0.0, -600.0])})
     place = found.position.values.reshape(9, 13, 3)
     mirror = place[::-1] * [1.0, -1.0, 1.0] + [0.0, 3.0, 0.0]
-    # The contact stands beside the edge by this part of a cell of 0.33 x 0.375 m.
-    assert np.abs(place - mirror).max() < 2.0 * CLEAR * 0.375
+    assert np.abs(place - mirror).max() < 1e-9  # to which rest is found
 
 
 @given(st.tuples(*[st.floats(-3.0, 3.0)] * 3))
@@ -142,9 +140,10 @@ def test_forces_at_the_edge_the_load_and_the_weight_change_the_momentum(kind) ->
     found = moved(sheet, {"p": crossing(kind)}, 200 * step, gravity=9.81, step=step, every=step)
     momentum = (found.velocity.values * weight[:, None]).sum(axis=1)
     edge = found.reaction.values[:, 0]
-    force = 0.5 * (edge[1:] + edge[:-1]) + found.contact_force.values[1:, 0] - [0.0, 0.0, 9.81 * weight.sum()]
-    # Exact for every step, to the tolerance of contacts of 1e-11 of a cell times 1e5 N/m over the step: seen 6e-10 N.
-    assert np.diff(momentum, axis=0) / step == pytest.approx(force, abs=1e-7)
+    pushed = found.contact_force.values[:, 0]
+    force = 0.5 * (edge[1:] + edge[:-1] + pushed[1:] + pushed[:-1]) - [0.0, 0.0, 9.81 * weight.sum()]
+    # Exact for every step but for rounding, a kick by half of the forces before it and one by half of those after it.
+    assert np.diff(momentum, axis=0) / step == pytest.approx(force, abs=1e-8)
 
 
 @pytest.mark.parametrize("kind", ["force", "mass"])
@@ -161,54 +160,30 @@ def test_a_load_that_rests_on_a_net_stays_where_it_is(kind) -> None:
 def test_a_mass_bounces_as_the_lattice_with_a_mass_on_it() -> None:
     mass, gravity, sheet = 1.0, 1e-3, net([8, 6])  # so light that small motion is what counts
     someone = {"p": load([[1.3, 1.1], [3.0, 1.2]], kind="mass", mass=mass)}
-    laid, r = standing(sheet, someone)
-    potential = Potential(laid.web)
-    masses = np.repeat(laid.web.body.mass, 3)
-    masses[-3:] = mass
-    squares, shapes = linalg.eigh(potential.stiffness(r).toarray(), np.diag(potential.free.T @ masses))
-    own = (potential.free.T @ np.eye(masses.size)[-1]) @ shapes  # of the contact, down
-    begin = laid.web.seats.weight[0] @ rested(sheet, gravity=gravity).position.values[0, laid.web.cells.node[laid.web.seats.divided[0]], 2]  # fmt: skip  # noqa: E501
+    still = Still(scenario(sheet, someone, {"kind": "equilibrium"}, gravity), Account(), 0.0)
+    shape, potential = still.at_rest_with_loads(), still.potential
+    squares, shapes = linalg.eigh(potential.stiffness(shape).toarray(), potential.masses().toarray())
+    own = potential.free.toarray()[-1] @ shapes  # of the mass, up
     errors = []
-    for step in (4e-4, 1e-4):
+    for step in (4e-4, 2e-4):
         found = moved(sheet, someone, 0.2, gravity=gravity, step=step, every=0.01)
         swing = 1.0 - np.cos(np.sqrt(squares)[:, None] * found.time.values)
-        exact = begin - mass * gravity * (own**2 / squares) @ swing
+        exact = found.contact_position.values[0, 0, 2] - mass * gravity * (own**2 / squares) @ swing
         errors.append(np.abs(found.contact_position.values[:, 0, 2] - exact).max() / np.ptp(exact))
     print("errors", errors)
-    # The spring between a mass and its contact gives by some 1/500 of what the net does; seen 1.6e-3.
-    assert max(errors) < 3e-3
+    # Of second order in the step, in which the contact gives way a little; seen 9e-4 and 2e-4.
+    assert errors[0] < 2e-3
+    assert 1.8 < order(errors)[0] < 2.1  # what is not small in the motion is left at a tenth of that
 
 
-def test_a_contact_crosses_edges_of_cells_without_a_jump() -> None:
-    sheet = net([8, 6])
-    laid, r = standing(sheet, {"p": load([[0.3, 0.2], [3.7, 2.7]], speed=1.0)})
-    web = laid.web
-
-    def stands(way: float) -> int:
-        stand(web, r, way)
-        r[-1] = web.seats.weight[0] @ r[web.cells.node[web.seats.cell[0]]]
-        return int(web.seats.cell[0])
-
-    def deflection(way: float) -> float:
-        stands(way)
-        force = np.zeros_like(r)
-        force[-1, 2] = 1.0
-        return float(small_deflection(laid, r, force)[-1, 2])
-
-    ways = np.linspace(0.0, 4.2, 841)
-    cells = [stands(way) for way in ways]
-    crossed = [k for k in range(840) if cells[k] != cells[k + 1]]
-    assert len(crossed) > 15
-    jumps = []
-    for k in crossed:
-        low, high = float(ways[k]), float(ways[k + 1])
-        while high - low > 1e-9:
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if stands(middle) == cells[k] else (low, middle)
-        jumps.append(abs(deflection(high) - deflection(low)))
-    print("largest jump", max(jumps) * 500.0, "F/N")
-    # A hop over the edge changes the place by CLEAR of a cell, there and back.
-    assert max(jumps) * 500.0 < 2.0 * CLEAR
+def test_a_contact_crosses_edges_of_cells_smoothly() -> None:
+    """Second differences of its deflection are a quarter on half the way: neither jumps nor kinks at edges."""
+    sheet, bends = net([8, 6]), []
+    for positions in (81, 161):
+        crossing = load([[0.3, 0.2], [3.7, 2.7]], speed=1.0, force=[0.0, 0.0, -1e-3])
+        found = rested(sheet, {"p": crossing}, kind="quasistatic", positions=positions)
+        bends.append(float(np.abs(np.diff(found.contact_position.values[:, 0, 2], 2)).max()))
+    assert order(bends)[0] == pytest.approx(2.0, abs=0.25)
 
 
 def slack(**more):

@@ -29,25 +29,6 @@ MISTAKES = {
     "path on a line": ("speed: 1}", "speed: 1, path: [[0, 1], [1, 1]]}", 8, "loads.p.travel.path", "is for nets"),
     "linear": ("kind: dynamic, until: 1 s", "kind: linear, until: 1 s", 9, "run.kind", "not implemented for joined"),
     "method": ("until: 1 s", "until: 1 s, method: rkn6", 9, "run.method", "write auto, explicit or verlet"),
-    "start": (
-        "until: 1 s", "until: 1 s, start: {kind: mode, amplitude: 0.1, whirl: true}", 9, "run.start.whirl",
-        "compute one line by itself",
-    ),
-    "load": (
-        "kind: force, on: a, force: [0, -9], travel: {speed: 1}",
-        "kind: stepper, on: a, model: own.py:Model, every: 0.1",
-        8, "loads.p.kind", "given stepper; write force, mass or footsteps",
-    ),
-    "contact": ("travel: {speed: 1}", "contact: frictionless, travel: {speed: 1}", 8, "loads.p.contact", "clamped"),
-    "measured": ("speed: 1}", "speed: 1, measured: slip}", 8, "loads.p.travel.measured", "given slip; write material"),
-    "free": (
-        "kind: force, on: a, force: [0, -9], travel: {speed: 1}", "kind: mass, on: a, mass: 1, travel: {kind: free}",
-        8, "loads.p.travel.kind", "give a speed",
-    ),
-    "lift-off": (
-        "kind: force, on: a, force: [0, -9]", "kind: mass, on: a, mass: 1, lift_off: true",
-        8, "loads.p.lift_off", "not implemented",
-    ),
     "wind that nothing feels": (
         "run: {kind: dynamic", "wind: {direction: [1, 0], speed: 5}\nrun: {kind: dynamic",
         9, "wind", "no line has wind_drag",
@@ -64,6 +45,7 @@ MISTAKES = {
     ),
 }  # fmt: skip
 ON_NETS = {
+    "contact": ("force: [0, 0, -9],", "contact: frictionless, force: [0, 0, -9],", 4, "loads.p.contact", "clamped"),
     "no path": (", path: [[1, 1], [3, 1]]", "", 4, "loads.p.travel.path", "a load on a net needs it"),
     "no length": ("[[1, 1], [3, 1]]", "[[1, 1], [1, 1]]", 4, "loads.p.travel.path", "the path has no length"),
     "beyond the end": ("speed: 1,", "speed: 5,", 4, "loads.p.travel.speed", "5 m along its path of 2 m"),
@@ -102,10 +84,9 @@ def test_inextensible_lines_are_refused() -> None:
     assert any(key == "lines.c.law.kind" and "not implemented" in row for _, key, row in problems_of(text))
 
 
-def test_a_stiff_line_is_no_part_of_a_web_at_rest() -> None:
+def test_a_stiff_line_may_rest_in_a_web_without_nets() -> None:
     text = WEB.replace("[3, 0], length: 5,", "[3, 0], length: 5, bending_stiffness: 10,")
-    text = text.replace("kind: dynamic, until: 1 s", "kind: equilibrium")
-    assert any(key == "lines.c.bending_stiffness" and "not implemented" in row for _, key, row in problems_of(text))
+    loads(text.replace("kind: dynamic, until: 1 s", "kind: equilibrium"), "web.yaml")
 
 
 def test_a_line_is_not_joined_to_a_net_without_a_place_on_it() -> None:

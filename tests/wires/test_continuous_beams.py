@@ -7,13 +7,12 @@ spans that vibrate (Timoshenko and Young, Vibration problems in engineering).
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from continuous_beams import EI, MASS, SPANS, Array, influence, over_unlike_spans, sunk, three_moments
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
 from ropewalk.wires.bearing import Bearing
@@ -23,10 +22,7 @@ from ropewalk.wires.plan import Contact, Hold, Plan, Rider, Spot, Wire
 from ropewalk.wires.spectrum import spectrum
 from ropewalk.wires.task import Task
 
-Array = NDArray[np.float64]
-MASS, EI = 50.0, 2e6  # kg/m, N m^2
 GRAVITY = 1e-3  # m/s^2: so little that beams between fixed ends do not stretch
-SPANS = [(8.0, 12.0), (8.0, 12.0, 10.0)]
 NONE = np.zeros((0, 0))
 
 
@@ -49,31 +45,6 @@ def reactions(given: Plan, per_metre: int, force: float = 0.0, place: float = 0.
     found = bearing.stand(0.0, mesh.straight()).position
     ends = -bearing.potential.pull(found)[2, [0, -1]]
     return np.array([ends[0], *bearing.potential.hold_forces(found)[:, 2], ends[1]])
-
-
-def three_moments(spans: tuple[float, ...], weight: float) -> Array:
-    """Support forces under an even weight, from M' l' + 2 M (l' + l) + M'' l = -w (l'^3 + l^3) / 4."""
-    own = np.array(spans)
-    pairs = own[:-1] + own[1:]
-    system = np.diag(2.0 * pairs) + np.diag(own[1:-1], 1) + np.diag(own[1:-1], -1)
-    moments = np.linalg.solve(system, -0.25 * weight * (own[:-1] ** 3 + own[1:] ** 3))
-    slope = np.diff([0.0, *moments, 0.0]) / own  # shear forces that the moments make
-    left, right = 0.5 * weight * own + slope, 0.5 * weight * own - slope
-    shares: Array = np.append(left, 0.0) + np.append(0.0, right)
-    return shares
-
-
-def sunk(x: Any, at: Any, whole: float) -> Any:
-    """Deflection at x of a beam on its two ends under a unit load, m/N."""
-    a, b = np.minimum(x, at), whole - np.maximum(x, at)
-    return a * b * (whole**2 - a**2 - b**2) / (6.0 * EI * whole)
-
-
-def influence(spans: tuple[float, ...], x: Array, stiffness: float = np.inf) -> Array:
-    """Forces of the inner supports under a unit load at x, (place, support): what closes their gaps."""
-    at, whole = np.cumsum(spans)[:-1], sum(spans)
-    flexible = sunk(at[:, None], at, whole) + np.eye(at.size) / stiffness
-    return np.linalg.solve(flexible, sunk(at[:, None], x, whole)).T
 
 
 def orders(errors: list[float]) -> Array:
@@ -114,25 +85,6 @@ def test_two_equal_spans_have_the_influence_line_of_the_handbook() -> None:
     """x (3 l^2 - x^2) / (2 l^3) up to the middle support."""
     x = np.linspace(0.0, 10.0, 11)
     assert influence((10.0, 10.0), x)[:, 0] == pytest.approx(x * (300.0 - x**2) / 2e3)
-
-
-def over_unlike_spans(spans: tuple[float, ...], count: int) -> Array:
-    """Frequencies from the moments M over the supports of vibrating spans, rad/s.
-
-    With p = b l, f(p) = coth p - cot p and g(p) = 1 / sinh p - 1 / sin p: g(p') M' + (f(p') + f(p)) M + g(p) M'' = 0.
-    """
-    own = np.array(spans)
-
-    def determinant(b: float) -> float:
-        p = b * own
-        f, g = 1.0 / np.tanh(p) - 1.0 / np.tan(p), 1.0 / np.sinh(p) - 1.0 / np.sin(p)
-        system = np.diag(f[:-1] + f[1:]) + np.diag(g[1:-1], 1) + np.diag(g[1:-1], -1)
-        return float(np.linalg.det(system) * np.prod(np.sin(p)))  # poles are taken away
-
-    b = np.linspace(0.05, 1.0, 4001)
-    signs = np.sign([determinant(v) for v in b])
-    found = [brentq(determinant, b[i], b[i + 1]) for i in np.flatnonzero(signs[:-1] != signs[1:])]
-    return np.square(found)[:count] * np.sqrt(EI / MASS)
 
 
 @pytest.mark.parametrize("spans", SPANS, ids=str)

@@ -20,7 +20,7 @@ FORCE = {"kind": "force", "force": [0.0, -49.05]}
 
 def doubts(line: dict[str, Any], load: dict[str, Any], start: float, until: float = 0.05) -> str:
     own = {**load, "on": "line", "travel": {"speed": 3.0, "from": start}}
-    run = {"kind": "dynamic", "until": until, "every": 0.01}
+    run = {"kind": "dynamic", "until": until, "every": 0.01, "sample": 0.005}  # samples are of the engine of beams
     found = simulate(Scenario.model_validate({"lines": {"line": line}, "loads": {"load": own}, "run": run}))
     return str(found.attrs["doubts"])
 

@@ -8,6 +8,8 @@ from ropewalk.chains.beginning import initial_state
 from ropewalk.chains.frames import FrameBuilder, layout_of
 from ropewalk.checkpoint import Tree
 from ropewalk.foreign.turns import begun
+from ropewalk.guides.assembly import guides_of
+from ropewalk.guides.partner import Partner
 from ropewalk.mechanics.bodies import are_weightless
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.run import Dynamic
@@ -15,8 +17,8 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.results.exchanges import foreign_in
 from ropewalk.results.frame import ENERGY_FORMS, Account, Frame
 from ropewalk.results.running import Ending
+from ropewalk.solve.carrier import RopeCarrier
 from ropewalk.solve.choice import Choice, choose, cut_by_damping
-from ropewalk.solve.guides import Partner, guides_of
 from ropewalk.solve.motion import STOPPED, Motion, Progress
 from ropewalk.solve.remarks import in_one_link, on_friction, on_parting, on_springing_up, who_met
 from ropewalk.solve.splitting import END_OF_LINE, MET, RUNNING
@@ -63,15 +65,18 @@ class Chain:
         if (cut := cut_by_damping(setting.strands, self.state, self.choice)) is not None:
             account.warnings.append(_SHORTENED.format(line=setting.lines[cut[0]], times=cut[1]))
         self._builder, self.progress = FrameBuilder(setting, self.bodies), Progress()
-        guides = guides_of(setting, scenario, self.bodies)
+        carrier = None if bodies is None else RopeCarrier(setting, state, bodies, setting.loads)
+        guides = [] if carrier is None else guides_of(carrier, setting.loading, scenario)
         self.turns = [guide.turns for guide in guides if isinstance(guide, Partner)]
         with begun(self.turns):
             for guide in guides:
-                guide.begin(self.state)
+                guide.begin()
             self.motion = Motion(
                 setting.strands, setting.loads, self.state, self.choice, run.precision, self.progress,
                 setting.supports, moving, guides, self.bodies,
             )  # fmt: skip
+        if carrier is not None:
+            carrier.look = self.motion.look
         self._warned, self._parted, self._slipped = False, set[int](), set[int]()
         self.layout = replace(layout_of(setting), foreign=foreign_in(scenario))
 

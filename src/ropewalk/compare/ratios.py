@@ -102,8 +102,9 @@ class Pair:
             wire, spans = scenario.overhead_lines[name].contact_wire, scenario.overhead_lines[name].span_lengths
             return wire.tension, wire.mass * sum(spans), sum(spans)
         line = scenario.lines[name]
-        if line.is_joined:
-            _refuse(ratio, f"{name} is joined to other lines, or runs over sheaves", "", _plain_key(ratio, self.load))
+        if line.is_joined or line.supports:
+            why = f"{name} is joined to other lines, runs over sheaves, or has inner supports"
+            _refuse(ratio, why, "", _plain_key(ratio, self.load))
         start, end = spatial(line.start), spatial(line.end)
         chord = math.dist(start, end)
         length, tension = _at_rest(scenario, name, line)

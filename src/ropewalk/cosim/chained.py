@@ -14,6 +14,7 @@ from ropewalk.checkpoint import Tree, copied, put
 from ropewalk.cosim.outside import Hand, Outside, Sight, Stepwise
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import Push
+from ropewalk.guides.assembly import guides_of
 from ropewalk.mechanics.bodies import are_weightless
 from ropewalk.mechanics.chain import OFF, Array
 from ropewalk.mechanics.fleet import Fleet
@@ -22,9 +23,8 @@ from ropewalk.model.exchange import Exchange
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
+from ropewalk.solve.carrier import Line, RopeCarrier
 from ropewalk.solve.choice import choose
-from ropewalk.solve.feet import Line, take_up
-from ropewalk.solve.guides import given, guides_of, lead, press
 from ropewalk.solve.motion import Motion, Progress
 from ropewalk.solve.splitting import RUNNING
 from ropewalk.solve.start import setting_of
@@ -63,14 +63,17 @@ class Chained(Stepwise):
             setting.strands, setting.loads, self._state, method=run.method, step=run.step, accuracy=run.accuracy,
             duration=run.until, supports=setting.supports, bodies=self._moving, guided=self._bodies is not None,
         )  # fmt: skip
-        self._guides = guides_of(setting, scenario, self._bodies)
+        assert self._bodies is not None
+        self._carrier = RopeCarrier(setting, self._state, self._bodies, setting.loads)
+        self._guides = guides_of(self._carrier, setting.loading, scenario)
         for guide in self._guides:
-            guide.begin(self._state)
+            guide.begin()
         self._progress = Progress()
         self._motion = Motion(
             setting.strands, setting.loads, self._state, self.choice, run.precision, self._progress, setting.supports,
             self._moving, self._guides, self._bodies,
         )  # fmt: skip
+        self._carrier.look = self._motion.look
 
     @property
     def t(self) -> float:  # type: ignore[override]
@@ -101,19 +104,18 @@ class Chained(Stepwise):
 
     def _hold(self, name: str, hand: Hand, h: float) -> None:
         """Let a contact do what it is told, from now on."""
-        k, state, bodies = self._contact[name], self._state, self._bodies
-        assert bodies is not None
+        k = self._contact[name]
         length = self.length(self.outside[name].on)
         if not 0.0 <= hand.xi <= length:  # NaN is not, either
-            if state.rider[k] != OFF:
-                take_up(self.setting, state, bodies, k)
+            if self._carrier.is_on(k):
+                self._carrier.take_up(k)
             return
         # The contact stops at an end of the line: what goes on beyond it is lifted with the next step.
         end = min(max(hand.xi + hand.speed * h, 0.0), length)
         push = Push(hand.xi, (end - hand.xi) / h, np.array(hand.first), np.array(hand.last))
-        press(self.setting, self.setting.loads, state, bodies, k, push, h)
+        self._carrier.press(k, push, h)
         for ghost in self._ghost.get(name, ()):
-            lead(bodies, ghost, hand.height, hand.rise)
+            self._carrier.lead(ghost, hand.height, hand.rise)
 
     def length(self, line: str) -> float:
         """Unstrained length of a line, m."""
@@ -158,14 +160,14 @@ class Chained(Stepwise):
         Raises:
             RopewalkError: a load is a model of somebody else's that gives no state.
         """
-        pressed = copied(given(self.setting.loads, self._contact.values()))
+        pressed = copied(self._carrier.given(self._contact.values()))
         hands = {name: asdict(hand) for name, hand in self.hands.items()}
         return {"motion": self._motion.get_state(), "given": pressed, "hands": hands, "status": self._progress.status}
 
     def set_state(self, state: Tree) -> None:
         """Go back to what `get_state` gave."""
         self._motion.set_state(state["motion"])
-        put(given(self.setting.loads, self._contact.values()), state["given"])
+        put(self._carrier.given(self._contact.values()), state["given"])
         self._progress.status = state["status"]
         self.hands.update({name: Hand(**hand) for name, hand in state["hands"].items()})
 

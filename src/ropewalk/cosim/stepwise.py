@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from ropewalk.capabilities import ROPES, WIRES
 from ropewalk.cosim.chained import Chained
 from ropewalk.cosim.outside import Outside, Stepwise
 from ropewalk.errors import Problem, ScenarioError, did_you_mean
+from ropewalk.model.capabilities import refusal
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 
@@ -24,8 +26,8 @@ def stepwise(scenario: Scenario, outside: Mapping[str, Outside], *, step: float 
         RopewalkError: it has no rest to begin with.
     """
     if not isinstance(scenario.run, Dynamic) or scenario.is_web:
-        wrong = "joined lines and nets" if scenario.is_web else "a run without a motion"
-        remedy = "leave nets and joints out" if scenario.is_web else "write kind: dynamic"
+        wrong = "joined lines, ropes on inner supports and nets" if scenario.is_web else "a run without a motion"
+        remedy = "leave nets, joints and inner supports out" if scenario.is_web else "write kind: dynamic"
         raise ScenarioError([Problem("run.kind", f"{wrong} cannot be moved from outside", scenario.run.kind, remedy)])
     lines = [*scenario.lines, *scenario.overhead_lines]
     for name, contact in outside.items():
@@ -35,7 +37,11 @@ def stepwise(scenario: Scenario, outside: Mapping[str, Outside], *, step: float 
         if name in scenario.loads:
             raise ScenarioError([Problem(f"contact {name}", "a load has that name", name, "give it another")])
     if scenario.is_stiff:
+        for found in WIRES.motion.unsupported(scenario.parts):
+            raise refusal(found)
         from ropewalk.cosim.wired import Wired  # lazy: it needs kernels of its own
 
         return Wired(scenario, outside, step)
+    for found in ROPES.motion.unsupported(scenario.parts):  # what the system moves
+        raise refusal(found)
     return Chained(scenario, outside)

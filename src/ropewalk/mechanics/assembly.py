@@ -167,9 +167,13 @@ def drive_table(drive: Any, until: float) -> tuple[Array, Array]:
     return np.zeros(1), np.array([float(drive)])
 
 
-def loads_of(scenario: Scenario, wheels: Sequence[Wheel], until: float) -> Loads:
-    """All wheels of a scenario, with their histories tabulated up to the time `until`."""
-    names, axes = list(scenario.lines), axes_of(scenario)
+def loads_of(scenario: Scenario, wheels: Sequence[Wheel], until: float, axes: tuple[str, ...] | None = None) -> Loads:
+    """All wheels of a scenario, with their histories tabulated up to the time `until`.
+
+    Args:
+        axes: names of the axes, if not those that the scenario needs.
+    """
+    names, axes = list(scenario.lines), axes or axes_of(scenario)
     speeds = [speed_table(wheel.speed, until) for wheel in wheels]
     forces = [vector_table(wheel.force, until, axes) for wheel in wheels]
 
@@ -178,7 +182,7 @@ def loads_of(scenario: Scenario, wheels: Sequence[Wheel], until: float) -> Loads
 
     none = np.zeros(0)
     return Loads(
-        strand=codes([names.index(wheel.on) for wheel in wheels]),
+        strand=codes([names.index(wheel.on) if wheel.on in names else -1 for wheel in wheels]),
         measure=codes([_MEASURES[wheel.measured] for wheel in wheels]),
         contact=codes([_CONTACTS[wheel.contact] for wheel in wheels]),
         at_end=codes([_ENDS[wheel.at_end] for wheel in wheels]),

@@ -27,6 +27,36 @@ def outwards(line: Line, towards: str, foot: FirstFoot) -> Array:
     return left if foot == "left" else -left
 
 
+def footfalls(gait: Footsteps, foot: int, length: float, until: float) -> tuple[Array, Array]:
+    """Times in s at which a foot lands or is taken up, and where along a line of a length in m it stands from then on.
+
+    In the air it stands nowhere, which is not a number. Who would step off an end stays there, leaves the line with
+    both feet, or, if that is to be refused, stands beyond it.
+
+    Args:
+        gait: of the person.
+        foot: 0: that of steps 0, 2, 4, ...; 1: that of steps 1, 3, 5, ...
+        length: m.
+        until: s.
+
+    Returns:
+        Times (landing or take-off,) from 0, and places, m.
+    """
+    period, ahead = 1.0 / gait.frequency, 1.0 if gait.towards == "end" else -1.0
+    number = np.arange(int(np.ceil(until / period)) + 2)
+    place = gait.start + ahead * gait.step_length * number
+    beyond = np.flatnonzero((place < 0.0) | (place > length))
+    if gait.at_end == "stay":
+        place = np.clip(place, 0.0, length)
+    own = number[foot::2]
+    times = np.column_stack([own, own + 1.0 + gait.overlap]).ravel() * period
+    places = np.column_stack([place[own], np.full(own.size, np.nan)]).ravel()
+    if gait.at_end == "leave" and beyond.size:
+        left = beyond[0] * period
+        times, places = np.append(times[times < left], left), np.append(places[times < left], np.nan)
+    return (times, places) if foot == 0 else (np.append(0.0, times), np.append(np.nan, places))
+
+
 @dataclass(frozen=True)
 class Footfall:
     """The force of one foot of a person, every second step of hers.

@@ -25,20 +25,23 @@ class Loading:
     fleet: Fleet | None  # what has a mass; None if nothing has
 
 
-def loading_of(scenario: Scenario, until: float, strands: Strands | None = None) -> Loading:
+def loading_of(
+    scenario: Scenario, until: float, strands: Strands | None = None, axes: tuple[str, ...] | None = None
+) -> Loading:
     """Put together all loads of a scenario.
 
     Args:
         scenario: what is there.
         until: how long their histories are needed, s.
         strands: chains that they travel on, if they do; some of what they are there depends on the mesh.
+        axes: names of the axes, if not those that the scenario needs.
 
     Raises:
         RopewalkError: the matrices of a load cannot be used.
     """
-    axes, wheels = axes_of(scenario), tuple(wheels_of(scenario))
+    axes, wheels = axes or axes_of(scenario), tuple(wheels_of(scenario))
     gravity = np.zeros(len(axes))
     gravity[-1] = -scenario.gravity
     forces_only = all(isinstance(load, MovingForce) for load in scenario.loads.values())
     fleet = None if forces_only else fleet_of(scenario, wheels, strands, axes, until)
-    return Loading(axes, gravity, wheels, loads_of(scenario, wheels, until), fleet)
+    return Loading(axes, gravity, wheels, loads_of(scenario, wheels, until, axes), fleet)

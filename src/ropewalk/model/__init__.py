@@ -4,6 +4,7 @@ from ropewalk.model.exchange import Exchange
 from ropewalk.model.fmu import Fmu, FmuContact, FmuTravel
 from ropewalk.model.footsteps import Footsteps, Harmonic
 from ropewalk.model.history import DisplacementTable, DriveTable, ForceTable, SpeedTable
+from ropewalk.model.inner_support import InnerElastic, InnerFixed, InnerGuided, InnerMoving
 from ropewalk.model.joint import Joined, Joint, Sheave
 from ropewalk.model.law import Hooke, Inextensible, Law, Polynomial, SecondPiolaKirchhoff, Tabulated, TensionOnly
 from ropewalk.model.line import Line
@@ -61,6 +62,10 @@ __all__ = [
     "Harmonic",
     "Hooke",
     "Inextensible",
+    "InnerElastic",
+    "InnerFixed",
+    "InnerGuided",
+    "InnerMoving",
     "Joined",
     "Joint",
     "Law",

@@ -64,6 +64,15 @@ def missing(path: Path, what: str, given: str = "", remedy: str = "", *, feature
     return Finding(path, f"{feature} is not implemented for {what}".strip(), given, remedy)
 
 
+def supported_by_tension(parts: Parts) -> Iterator[Finding]:
+    """Find stiff lines on inner supports whose length is still to be found: where their nodes are is not known."""
+    for name, line in parts.lines.items():
+        if line is not None and line.supports and line.length is None and (line.is_stiff or parts.is_stiff):
+            feature, remedy = "a tension instead of the length", "give length (unstrained, in m)"
+            what = "lines with bending stiffness or foundation on inner supports"
+            yield missing(("lines", name, "tension"), what, f"{line.tension:g} N", remedy, feature=feature)
+
+
 def refusal(finding: Finding) -> ScenarioError:
     """The error of what is found out only while a scenario is computed, to be raised."""
     key = ".".join(map(str, finding.path))

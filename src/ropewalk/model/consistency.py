@@ -23,7 +23,7 @@ from ropewalk.model.parts import Parts
 from ropewalk.model.places import meetings, reach, travels
 from ropewalk.model.run import Dynamic, Linear, Quasistatic, every_of
 from ropewalk.model.settings import check_settings
-from ropewalk.model.small import check_overhead, check_small
+from ropewalk.model.small import check_overhead
 from ropewalk.model.space import check_space
 from ropewalk.model.support import Guided
 from ropewalk.model.travel import FreeTravel
@@ -46,7 +46,6 @@ def check(parts: Parts) -> list[Finding]:
             _something,
             _unknown_lines,
             check_overhead,
-            check_small,
             check_joints,
             check_settings,
             check_space,
@@ -137,7 +136,7 @@ def _counterweights(parts: Parts) -> Iterator[Finding]:
         if line is None or line.tension is None or line.sheaves:
             continue
         chord = [b - a for a, b in zip(spatial(line.start), spatial(line.end), strict=True)]
-        for key, support in line.supports():
+        for key, support in line.ends():
             if not isinstance(support, Guided) or not support.force or support.stiffness:
                 continue
             size = math.hypot(*support.along) * math.hypot(*chord)

@@ -13,8 +13,8 @@ from ropewalk.errors import Refused
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.history import SpeedHistory
-from ropewalk.model.quantity import Name, Number, Offset, PositiveTime, Station
-from ropewalk.model.travel import AtEnd, Place
+from ropewalk.model.quantity import Name, Number, Offset, PositiveTime, Station, Way
+from ropewalk.model.travel import ON_NETS, AtEnd, Place
 from ropewalk.units import LARGEST
 
 Value = bool | int | float | str
@@ -61,6 +61,7 @@ class FmuTravel(Declaration):
     at_end: AtEnd = Field(
         default="leave", description="a contact that comes to an end of the line leaves it, stays there, or is refused"
     )
+    path: Way | None = Field(default=None, description=ON_NETS)
 
 
 class FmuContact(Declaration):

@@ -12,7 +12,7 @@ from pydantic_core import core_schema
 from ropewalk.errors import Refused, did_you_mean
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.quantity import Angle, Frequency, Offset, PositiveLength, PositiveMass, Share, Way
-from ropewalk.model.travel import AtEnd, Place
+from ropewalk.model.travel import ON_NETS, AtEnd, Place
 
 MOST_OVERLAP = 0.5
 FirstFoot = Literal["left", "right"]
@@ -97,10 +97,7 @@ class Footsteps(Declaration):
         default="refuse",
         description="a person who would step off an end of the line is refused, leaves the line, or stays there",
     )
-
-    path: Way | None = Field(
-        default=None, description="on nets: places [u, v] that the straight way leads through, from the first"
-    )
+    path: Way | None = Field(default=None, description=ON_NETS)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

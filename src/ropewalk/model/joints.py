@@ -8,16 +8,13 @@ from itertools import pairwise
 
 from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Finding
-from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
 from ropewalk.model.joint import Joined
-from ropewalk.model.load import AnyLoad, MovingForce
-from ropewalk.model.mass import MovingMass
+from ropewalk.model.load import AnyLoad, Travelling
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic
-from ropewalk.model.travel import FreeTravel
+from ropewalk.model.travel import Travel
 
-_Known = MovingForce | MovingMass | Footsteps
 _Lack = tuple[tuple[str, ...], str, str, str]
 
 
@@ -29,7 +26,7 @@ def check_joints(parts: Parts) -> Iterator[Finding]:
         if load is not None and load.on in parts.lines and _way(load) is not None:
             remedy = "leave it out, or name a net"
             yield Finding(("loads", name, *_way_key(load)), "a path is for nets", repr(load.on), remedy)
-        if isinstance(load, _Known) and load.on in parts.nets:
+        if load is not None and load.on in parts.nets:
             yield from _on_net(name, load, parts)
     blows = parts.wind is not None and not parts.wind.is_calm
     if blows and not parts.is_airy and all(line is not None for line in parts.lines.values()):
@@ -53,7 +50,7 @@ def _joints(parts: Parts) -> Iterator[Finding]:
     for name, line in parts.lines.items():
         if line is None:
             continue
-        for key, support in line.supports():
+        for key, support in line.ends():
             if isinstance(support, Joined):
                 used.add(support.to)
                 for inner, wrong, given, remedy in _joined(name, support, parts):
@@ -94,7 +91,7 @@ def _joined(name: str, support: Joined, parts: Parts) -> Iterator[_Lack]:
 
 
 def _way_key(load: AnyLoad) -> tuple[str, ...]:
-    return ("path",) if isinstance(load, Footsteps) else ("travel", "path")
+    return ("travel", "path") if hasattr(load, "travel") else ("path",)
 
 
 def _way(load: AnyLoad | None) -> tuple[tuple[float, ...], ...] | None:
@@ -103,7 +100,7 @@ def _way(load: AnyLoad | None) -> tuple[tuple[float, ...], ...] | None:
     return way
 
 
-def _on_net(name: str, load: _Known, parts: Parts) -> Iterator[Finding]:
+def _on_net(name: str, load: AnyLoad, parts: Parts) -> Iterator[Finding]:
     key, way = ("loads", name, *_way_key(load)), _way(load)
     if way is None:
         remedy = "add the places that it goes through, for example path: [[0, 1.5], [4, 1.5]] in m"
@@ -113,19 +110,18 @@ def _on_net(name: str, load: _Known, parts: Parts) -> Iterator[Finding]:
         yield Finding(key, "a place on a net has two coordinates", remedy="write [u, v] for each place")
         return
     length = sum(math.dist(a, b) for a, b in pairwise(way))
-    begin = (
-        load.start if isinstance(load, Footsteps) else 0.0 if isinstance(load.travel, FreeTravel) else load.travel.start
-    )
+    begin = max(place.start for place in load.starts())
     if begin > length * (1.0 + 1e-9):
-        where = ("from",) if isinstance(load, Footsteps) else ("travel", "from")
+        where = (*key[2:-1], "from")
         wrong, remedy = f"the load would start beyond the end of its path of {length:.4g} m", "start on it"
         yield Finding(("loads", name, *where), wrong, f"{begin:g} m", remedy)
         return
-    if length == 0.0 and not (isinstance(load, MovingForce | MovingMass) and load.travel.speed == 0.0):
+    travel = getattr(load, "travel", None)
+    if length == 0.0 and not (isinstance(travel, Travel) and travel.speed == 0.0 and len(load.starts()) == 1):
         yield Finding(key, "the path has no length", remedy="give two or more different places")
-    elif isinstance(load, MovingForce | MovingMass) and isinstance(parts.run, Dynamic):
-        speed, start = load.travel.speed, load.travel.start
-        if load.travel.at_end != "refuse" or callable(speed) or isinstance(speed, SpeedTable):
+    elif isinstance(travel, Travel) and isinstance(load, Travelling) and isinstance(parts.run, Dynamic):
+        speed, start = travel.speed, begin
+        if travel.at_end != "refuse" or callable(speed) or isinstance(speed, SpeedTable):
             return
         last = start + speed * parts.run.until
         if not -1e-9 * length <= min(start, last) or max(start, last) > length * (1.0 + 1e-9):

@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.history import rows
+from ropewalk.model.inner_support import InnerSupport
 from ropewalk.model.joint import Joined, Sheave
 from ropewalk.model.law import LAWS_WITH_OWN_STIFFNESS, Hooke, Inextensible, Law
 from ropewalk.model.quantity import (
@@ -57,6 +58,9 @@ class Line(Declaration):
     drag: Rate = Field(default=0.0, description="mass-proportional damping: force -drag * mass * velocity")
     start_support: Support = Field(default=Fixed(), description="what holds the start")
     end_support: Support = Field(default=Fixed(), description="what holds the end")
+    supports: dict[Name, InnerSupport] = Field(
+        default_factory=dict, description="between its ends, by name: piers, bearings, saddles that hold it"
+    )
     elements: Annotated[int, Count(1, 10_000_000)] = Field(default=100, description="number of links")
     sheaves: dict[Name, Sheave] = Field(
         default_factory=dict, description="over which it runs on its way from start to end, in order, by name"
@@ -66,7 +70,7 @@ class Line(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         given = {name for name in type(self).model_fields if getattr(self, name) is not None}
-        report("line", [*contradictions(given, self.law.kind), *self._geometry(), *self._clamped()])
+        report("line", [*contradictions(given, self.law.kind), *self._geometry(), *self._clamped(), *self._inner()])
         return self
 
     def _geometry(self) -> list[Finding]:
@@ -93,20 +97,49 @@ class Line(Declaration):
         return findings
 
     def _clamped(self) -> Iterator[Finding]:
-        for key, support in (("start_support", self.start_support), ("end_support", self.end_support)):
+        for key, support in self.ends():
             if isinstance(support, Fixed) and support.clamped and not self.bending_stiffness:
                 wrong = "a line without bending stiffness turns freely"
                 remedy = "add bending_stiffness (EI), or leave clamped out"
                 yield Finding((key, "clamped"), wrong, "true", remedy)
 
-    def supports(self) -> tuple[tuple[str, Support], ...]:
-        """The keys of its supports, with them."""
+    def _inner(self) -> Iterator[Finding]:
+        """What does not fit together of its inner supports."""
+        near = 1e-9 * (self.length or self.distance)
+        taken: dict[str, float] = {}
+        for name, support in self.supports.items():
+            path = ("supports", name)
+            if name in ("start", "end"):
+                yield Finding(path, f"the {name} of the line has the same name", remedy="give it another name")
+            if isinstance(support, Fixed) and support.clamped:
+                wrong, remedy = "an inner support lets the line turn", "end two lines there, each of them clamped"
+                yield Finding((*path, "clamped"), wrong, "true", remedy)
+            if self.length is not None and support.at >= self.length - near:
+                wrong, remedy = (
+                    f"is not between the ends of the line ({self.length:g} m long)",
+                    "stay within its length",
+                )
+                yield Finding((*path, "at"), wrong, f"{support.at:g} m", remedy)
+            for other, at in taken.items():
+                if abs(at - support.at) <= near:
+                    wrong, remedy = f"inner support {other} is at the same place", "put both into one"
+                    yield Finding((*path, "at"), wrong, f"{support.at:g} m", remedy)
+            taken[name] = support.at
+            if support.position is None and any(isinstance(end, Joined) for _, end in self.ends()):
+                wrong, remedy = "is missing: where a joined line runs is not declared", "write position: [x, z]"
+                yield Finding((*path, "position"), wrong, remedy=remedy)
+        if self.supports and self.sheaves:
+            wrong, remedy = "a line over sheaves has no inner supports", "end it at one, and begin another line there"
+            yield Finding(("supports",), wrong, ", ".join(self.supports), remedy)
+
+    def ends(self) -> tuple[tuple[str, Support], ...]:
+        """The keys of the supports of its ends, with them."""
         return ("start_support", self.start_support), ("end_support", self.end_support)
 
     @property
     def is_joined(self) -> bool:
         """Whether it is joined to something, or runs over sheaves."""
-        return bool(self.sheaves) or any(isinstance(support, Joined) for _, support in self.supports())
+        return bool(self.sheaves) or any(isinstance(support, Joined) for _, support in self.ends())
 
     @property
     def is_stiff(self) -> bool:
@@ -123,11 +156,21 @@ class Line(Declaration):
         yield from (self.start, self.end)
         for sheave in self.sheaves.values():
             yield from sheave.vectors()
-        for support in (self.start_support, self.end_support):
+        for inner in self.supports.values():
+            yield from inner.vectors()
+        for _, support in self.ends():
             if isinstance(support, Elastic | Moving):
                 yield from rows(support.displacement)
             if isinstance(support, Guided):
                 yield support.along
+
+    def place_of(self, support: InnerSupport, length: float) -> tuple[float, float, float]:
+        """Where an inner support of a line of an unstrained length in m stands, [x, y, z] m."""
+        if support.position is not None:
+            return spatial(support.position)
+        part, start, end = support.at / length, spatial(self.start), spatial(self.end)
+        x, y, z = ((1.0 - part) * a + part * b for a, b in zip(start, end, strict=True))
+        return x, y, z
 
     @property
     def distance(self) -> float:

@@ -35,9 +35,15 @@ class Parts:
 
     @property
     def is_web(self) -> bool:
-        """Whether lines are joined or run over sheaves, there are nets, or the air pushes at lines."""
+        """Whether lines are joined, run over sheaves or, if none bends, have inner supports; nets; air that pushes."""
         lines = [line for line in self.lines.values() if line is not None]
-        return bool(self.nets) or self.is_airy or any(line.is_joined for line in lines)
+        joined = any(line.is_joined for line in lines)
+        return bool(self.nets) or self.is_airy or joined or (self.is_supported and not self.is_stiff)
+
+    @property
+    def is_supported(self) -> bool:
+        """Whether a line has supports between its ends."""
+        return any(line is not None and bool(line.supports) for line in self.lines.values())
 
     @property
     def is_airy(self) -> bool:

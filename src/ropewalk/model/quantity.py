@@ -283,6 +283,9 @@ Displacement = Annotated[tuple[float, float] | tuple[float, float, float], Compo
 Direction = Annotated[tuple[float, float] | tuple[float, float, float], Components("dimensionless")]
 """A direction [x, z] or [x, y, z] of any length."""
 Stiffnesses = Annotated[float | tuple[float, float] | tuple[float, float, float], OneOrEach("N/m", "positive")]
+BearingStiffnesses = Annotated[
+    float | tuple[float, float] | tuple[float, float, float], OneOrEach("N/m", "not negative")
+]
 Viscosities = Annotated[float | tuple[float, float] | tuple[float, float, float], OneOrEach("N*s/m", "not negative")]
 
 Spot = Annotated[float | tuple[float, float] | tuple[float, float, float], OneOrEach("m")]

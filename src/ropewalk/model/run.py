@@ -26,7 +26,8 @@ class Start(Declaration):
 
     Lines with bending stiffness, overhead lines, joined lines and nets are released from a mode of their spectrum at
     rest without loads: the one of this number among those that move in the direction rather than across it. Each stiff
-    line and each overhead line has its own; of joined lines, a name counts the modes that move that line.
+    line and each overhead line has its own; of joined lines, a name counts the modes that move that line. Where they
+    whirl, they have the velocity that the mode of this number at right angles to it has as it passes rest.
     """
 
     kind: Literal["rest", "result", "mode"] = Field(default="rest", description="what the motion begins with")
@@ -98,8 +99,8 @@ class Dynamic(Declaration):
     start: Start = Field(default=Start(), description="the state at the beginning")
     geometry: Geometry = Field(
         default="nonlinear",
-        description="of stiff lines and overhead lines: full, or small vertical motion about rest with constant "
-        "tensions, droppers still slackening",
+        description="full, or small motion about rest; of overhead lines, and of straight stiff lines where nothing "
+        "acts along or across them, that is vertical with constant tensions, droppers still slackening",
     )
     sample: PositiveTime | None = Field(
         default=None, description="interval at which contact forces on them are recorded (default: 1 ms)"

@@ -50,7 +50,7 @@ class Scenario(Declaration):
 
     @property
     def is_web(self) -> bool:
-        """Whether lines are joined or run over sheaves, there are nets, or air pushes at lines: these move as webs."""
+        """Whether it is a network of lines and nets, or its lines are in wind, see `Parts.is_web`."""
         return self.parts.is_web
 
     @property

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from ropewalk.model._base import Finding
 from ropewalk.model.history import rows
+from ropewalk.model.inner_support import InnerSupport
 from ropewalk.model.line import Line
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
@@ -40,9 +41,11 @@ def check_small(parts: Parts) -> Iterator[Finding]:
 
 def _slack(line: Line) -> Iterator[_Lack]:
     """What small motion about a straight line cannot be about: a line that is slack, or buckles."""
-    supports = [support for _, support in line.supports()]
+    supports = [support for _, support in line.ends()]
     yield from _constant(line)
     if line.length is None or not line.axial_stiffness or not all(isinstance(support, Fixed) for support in supports):
+        return
+    if line.supports:  # at which load such a line buckles is found when it rests
         return
     push = line.axial_stiffness * (1.0 - line.distance / line.length)
     clamped = sum(isinstance(support, Fixed) and support.clamped for support in supports)
@@ -58,15 +61,39 @@ def _slack(line: Line) -> Iterator[_Lack]:
 def _constant(line: Line) -> Iterator[_Lack]:
     """Supports that would change the tension to the first order, which small motion has constant."""
     level, constant = abs(line.start[-1] - line.end[-1]) <= _LEVEL * line.distance, "tensions are constant"
-    for key, support in line.supports():
+    inner = tuple((("supports", name), support) for name, support in line.supports.items())
+    for key, support in (*(((key,), support) for key, support in line.ends()), *inner):
         slides = isinstance(support, Guided) and not support.along[-1]
         if isinstance(support, Guided) and support.along[0] and support.along[-1]:
             wrong = f"{constant}, and an end on an inclined rail changes them"
-            yield (key, "along"), wrong, str(list(support.along)), "write [1, 0] or [0, 1], or geometry: nonlinear"
+            yield (*key, "along"), wrong, str(list(support.along)), "write [1, 0] or [0, 1], or geometry: nonlinear"
         elif not (level or slides or isinstance(support, Fixed)):
             wrong = f"{constant}, and an end of an inclined line that moves up and down stretches it"
-            yield (key,), wrong, support.kind, "write run.geometry: nonlinear, or kind: fixed"
+            yield key, wrong, support.kind, "write run.geometry: nonlinear, or kind: fixed"
         history = getattr(support, "displacement", (0.0, 0.0))
         if len({row[0] for row in rows(history)}) > 1:  # callables are looked at when they are tabulated
             remedy = "write a table whose x does not change, or geometry: nonlinear"
-            yield (key, "displacement"), f"{constant}, and a support that moves along x changes them", "", remedy
+            yield (*key, "displacement"), f"{constant}, and a support that moves along x changes them", "", remedy
+    for name, held in line.supports.items():
+        for own, wrong, given, remedy in _held(line, held):
+            yield ("supports", name, *own), f"{constant}, and {wrong}", given, remedy
+
+
+def _held(line: Line, support: InnerSupport) -> Iterator[_Lack]:
+    """What makes an inner support that holds its line along it change the tension there."""
+    if isinstance(support, Guided) and not support.along[-1]:
+        if support.force:
+            wrong, remedy = "a support that pulls along the line changes them", "leave it out, or geometry: nonlinear"
+            yield ("force",), wrong, f"{support.force:g} N", remedy
+        return
+    if line.length is None:
+        return
+    remedy = "write kind: guided with along: [1, 0], or geometry: nonlinear"
+    history = getattr(support, "displacement", (0.0, 0.0))
+    moved = float(history(0.0)[0]) if callable(history) else rows(history)[0][0]
+    x, straight = line.place_of(support, line.length)[0] + moved, line.start[0]
+    straight += support.at / line.length * (line.end[0] - line.start[0])
+    if abs(x - straight) > _LEVEL * line.distance:
+        yield (), "a support off the place that the straight line has there changes them", f"x = {x:g} m", remedy
+    elif not all(isinstance(end, Fixed) for _, end in line.ends()):
+        yield (), "one that holds the line along it, between ends that yield, changes them", support.kind, remedy

@@ -42,9 +42,10 @@ def check_space(parts: Parts) -> Iterator[Finding]:
         return
     for name, line in parts.lines.items():
         if line is not None:
-            for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
+            inner = ((("supports", key), support) for key, support in line.supports.items())
+            for path, support in (*(((key,), support) for key, support in line.ends()), *inner):
                 if isinstance(support, Elastic):
-                    yield from _sideways(("lines", name, key), support, why)
+                    yield from _sideways(("lines", name, *path), support, why)
     for name, load in parts.loads.items():
         if isinstance(load, Oscillator):
             yield from _sideways(("loads", name), load, why)

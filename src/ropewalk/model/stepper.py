@@ -12,8 +12,8 @@ from pydantic_core import core_schema
 from ropewalk.errors import Refused
 from ropewalk.model._base import Declaration, Finding, Path, report
 from ropewalk.model.exchange import Exchange
-from ropewalk.model.quantity import Offset, PositiveTime
-from ropewalk.model.travel import AtEnd, Place
+from ropewalk.model.quantity import Offset, PositiveTime, Way
+from ropewalk.model.travel import ON_NETS, AtEnd, Place
 from ropewalk.units import LARGEST
 
 _DEEPEST = 20
@@ -92,6 +92,7 @@ class Stepper(Declaration):
         default="leave",
         description="a model that comes to an end of the line leaves it, stays there, or is refused",
     )
+    path: Way | None = Field(default=None, description=ON_NETS)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

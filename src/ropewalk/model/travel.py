@@ -20,6 +20,7 @@ _MARGIN = (
     "of what has a mass: distance from a support, along the unstrained line, at which the line ends for the load "
     "(default: a quarter of a link)"
 )
+ON_NETS = "on nets: places [u, v] that its straight way leads through, from the first"
 
 
 class Place(NamedTuple):
@@ -47,9 +48,7 @@ class Travel(Declaration):
         description="a load that would pass an end of the line is refused, leaves the line, or stays there",
     )
     margin: PositiveLength | None = Field(default=None, description=_MARGIN)
-    path: Way | None = Field(
-        default=None, description="on nets: places [u, v] that its straight way leads through, from the first"
-    )
+    path: Way | None = Field(default=None, description=ON_NETS)
 
 
 class Driver(Declaration):
@@ -96,6 +95,7 @@ class FreeTravel(Declaration):
         description="a load that comes to an end of the line is refused, leaves the line, or is stopped there",
     )
     margin: PositiveLength | None = Field(default=None, description=_MARGIN)
+    path: Way | None = Field(default=None, description=ON_NETS)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

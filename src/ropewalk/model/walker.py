@@ -20,8 +20,9 @@ from ropewalk.model.quantity import (
     PositiveStiffness,
     Share,
     Viscosity,
+    Way,
 )
-from ropewalk.model.travel import AtEnd, Place
+from ropewalk.model.travel import ON_NETS, AtEnd, Place
 
 
 class Balance(Declaration):
@@ -75,6 +76,7 @@ class Walker(Declaration):
         default="leave",
         description="a walker who comes to an end of the line leaves it, stays there, or is refused",
     )
+    path: Way | None = Field(default=None, description=ON_NETS)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

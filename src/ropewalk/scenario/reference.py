@@ -19,6 +19,7 @@ _SECTIONS = [
     ("Wind", ["Wind"]),
     ("Laws", ["Hooke", "TensionOnly", "SecondPiolaKirchhoff", "Polynomial", "Tabulated", "Inextensible"]),
     ("Supports", ["Fixed", "Elastic", "Guided", "Moving"]),
+    ("Supports between the ends of a line", ["InnerFixed", "InnerElastic", "InnerGuided", "InnerMoving"]),
     (
         "Loads",
         ["MovingForce", "MovingMass", "Oscillator", "Trolley", "Payload", "Vehicle", "RigidBody", "Wheel", "Spring"],

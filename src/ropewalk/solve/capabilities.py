@@ -27,7 +27,7 @@ def _methods(parts: Parts) -> Iterator[Finding]:
 
 
 def _supports(parts: Parts) -> list[Support]:
-    return [support for line in parts.lines.values() if line is not None for _, support in line.supports()]
+    return [support for line in parts.lines.values() if line is not None for _, support in line.ends()]
 
 
 def _not_implicit(parts: Parts) -> Iterator[tuple[str, str]]:
@@ -72,7 +72,6 @@ MOTION = Capabilities(
         "loads.contact": ("clamped", "frictionless"),
     },
     instead={
-        "run.geometry": "leave it out, give the lines a bending_stiffness, or ask for kind: linear",
         "run.sample": "write every, which is the interval of all output",
         "lines.law.kind": "ask for kind: quasistatic or equilibrium, or give an axial_stiffness with law hooke",
         "loads.contact": "ask for kind: quasistatic, or write clamped or frictionless",

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import TravelEndedError
+from ropewalk.guides.carrier import Guide
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array, Buffers, Integers, Loads, State, Strands, Supports
 from ropewalk.mechanics.compiled import entry_of
@@ -44,36 +45,6 @@ NEXT_TO_NOTHING = 1e-14
 MOST_QUESTIONS = 100
 # A load that could not go on; the message says why.
 STOPPED = 7
-
-
-Look = Callable[[Loads, State, Bodies, float], None]
-"""Moves a copy of a state ahead by some seconds, with loads of its own."""
-
-
-class Guide(Protocol):
-    """Who decides on the way what a load does: where feet stand, what a model of the user's own presses with."""
-
-    def begin(self, state: State) -> None:
-        """Take the first decisions, before anything moves."""
-
-    def next(self, t: float) -> float:
-        """The next instant after t, in s, at which to be asked again; infinity: only when something happens."""
-
-    def act(self, state: State) -> None:
-        """Decide, if it is time or something has happened."""
-
-    def get_state(self) -> Tree:
-        """All that changes in who decides, as data."""
-
-    def set_state(self, tree: Tree) -> None:
-        """Decide as who gave this."""
-
-
-@runtime_checkable
-class Foresighted(Guide, Protocol):
-    """A guide who sends copies of the state ahead before deciding."""
-
-    look: Look | None
 
 
 @dataclass
@@ -157,9 +128,6 @@ class Motion:
         self._step, self._idle = choice.step, 0
         self._entries: list[Callable[..., tuple[int, int]]] = []
         self._limits = self._bounds()
-        for guide in guides:
-            if isinstance(guide, Foresighted):
-                guide.look = self._look
 
     def to(self, time: float) -> None:
         """Go on to a time in s; the progress is no longer RUNNING where that fails."""
@@ -174,7 +142,7 @@ class Motion:
                 progress.steps += int(taken)
                 if progress.status in (RUNNING, ASKED):
                     self._idle = self._idle + 1 if taken == 0 else 0
-                    progress.status = _ask(self.guides, state, progress)
+                    progress.status = _ask(self.guides, progress)
                     if self._idle > MOST_QUESTIONS:
                         progress.status, progress.message = STOPPED, "a load asks again and again without moving on"
                 if progress.status != RUNNING:
@@ -224,7 +192,7 @@ class Motion:
         if fine < self._step and is_compressed(self.strands, self.state.r, self.state.X):
             self._step = fine
 
-    def _look(self, own: Loads, twin: State, moving: Bodies, h: float) -> None:
+    def look(self, own: Loads, twin: State, moving: Bodies, h: float) -> None:
         """Go on with a copy."""
         until, rest = float(twin.t[0]) + h, copied(self._room)
         carried = None if self.bodies is None else moving
@@ -277,10 +245,10 @@ def move(
             return
 
 
-def _ask(guides: Sequence[Guide], state: State, progress: Progress) -> int:
+def _ask(guides: Sequence[Guide], progress: Progress) -> int:
     try:
         for guide in guides:
-            guide.act(state)
+            guide.act()
     except TravelEndedError:
         return END_OF_LINE
     except RopewalkError as error:

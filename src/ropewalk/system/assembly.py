@@ -2,28 +2,43 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ropewalk.errors import EquilibriumError
+from ropewalk.mechanics import law
 from ropewalk.mechanics.assembly import axes_of, components, held_by, pack, speed_table, vector_table
 from ropewalk.mechanics.bodies import Bodies as FleetBodies
-from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.chain import BLOCK, FRICTIONLESS, Array, Integers
 from ropewalk.mechanics.compiled import records
 from ropewalk.mechanics.fleet import MARGIN
+from ropewalk.mechanics.footfall import footfalls
+from ropewalk.mechanics.held_points import supports_of
 from ropewalk.mechanics.loading import Loading
 from ropewalk.model.capabilities import refusal
+from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.joint import Joined
-from ropewalk.model.load import MovingForce
+from ropewalk.model.law import Hooke
+from ropewalk.model.line import Line
+from ropewalk.model.load import AnyLoad, Foreign, MovingForce
+from ropewalk.model.net import CableEdge
+from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed
-from ropewalk.system.bodies import BLOWN, TETHER, Bodies
+from ropewalk.model.travel import FreeTravel
+from ropewalk.model.walker import Walker
+from ropewalk.system.bodies import BLOWN, Bodies
 from ropewalk.system.capabilities import between_nodes
-from ropewalk.system.contacts import BODY, CONTACT, FORCE
-from ropewalk.system.motion import Tables
-from ropewalk.system.structure import Holdings, Lines, Nodes, Runs, Structure, Wind
+from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
+from ropewalk.system.laying import Nets
+from ropewalk.system.structure import About, Holdings, Lines, Nodes, Runs, Structure, Wind
+from ropewalk.system.tethers import TETHER
+from ropewalk.system.travel import Tables
+from ropewalk.webs.laying import Laid
 from ropewalk.webs.lengths import laid_at_rest
 
 # Part of the compliance of its springs by which a contact without mass gives way at a support.
@@ -38,106 +53,186 @@ class Assembled:
     axes: tuple[str, ...]
     near: Array  # (axis, node) m, about where its nodes rest
     station: Array  # (node,) m along the line of each
-    line: tuple[str, ...]  # (run,)
+    line: tuple[str, ...]  # (run,) but for those of ways on nets, which come last
+    on: dict[str, int]  # line on which each load travels
     supports: tuple[tuple[str, int], ...]  # names of supports, and which holdings they are
+    nets: Nets | None
 
 
-def structure_of(scenario: Scenario, until: float) -> Assembled:
+class _Cable(NamedTuple):
+    """What the runs of a line have in common."""
+
+    law: Array
+    mass: float  # kg/m
+    drag: float  # 1/s
+    damping: float = 0.0  # N s
+    bending: float = 0.0  # N m^2
+    bed: float = 0.0  # N/m^2
+    width: float = 0.0  # m
+    ends: tuple[Array, Array] | None = None  # (axis,) m
+    clamped: tuple[bool, bool] = (False, False)
+
+    @staticmethod
+    def of(line: Line, axes: tuple[str, ...]) -> _Cable:
+        """Those of a line."""
+        one, other = (
+            isinstance(support, Fixed) and support.clamped for support in (line.start_support, line.end_support)
+        )
+        return _Cable(
+            pack(line.law, line.axial_stiffness), line.mass, line.drag, line.axial_damping,
+            line.bending_stiffness or 0.0, line.foundation or 0.0, line.wind_drag,
+            (components(line.start, axes), components(line.end, axes)), (one, other),
+        )  # fmt: skip
+
+
+def _cables(scenario: Scenario, axes: tuple[str, ...]) -> dict[str, _Cable]:
+    """All lines, and the edge cables of nets."""
+    cables = {name: _Cable.of(line, axes) for name, line in scenario.lines.items()}
+    for name, net in scenario.nets.items():
+        if isinstance(net.edge, CableEdge):
+            cables[f"{name}.edge"] = _Cable(pack(Hooke(), net.edge.axial_stiffness), net.edge.mass, net.drag)
+    return cables
+
+
+def _sections(scenario: Scenario, laid: Laid, corners: set[int]) -> Iterator[tuple[str, Integers, Array]]:
+    """Runs of all lines: names, nodes as laid out, stations in m; they end where something is joined or a line turns.
+
+    Args:
+        scenario: what is there.
+        laid: the same laid out.
+        corners: nodes in which edge cables turn.
+    """
+    uses = np.bincount(np.concatenate([[0], *(strand.node for strand in laid.strands)]), minlength=laid.place.shape[0])
+    uses[0] -= 1
+    for strand in laid.strands:
+        line, last = scenario.lines.get(strand.name), strand.node.size - 1
+        supports = line.supports.values() if line is not None else ()
+        held = {int(np.abs(strand.station - s.at).argmin()) for s in supports}
+        inner = [i for i in range(1, last) if uses[strand.node[i]] > 1 or i in held or strand.node[i] in corners]
+        if line is not None and line.bending_stiffness:  # it does not end where something is joined to it
+            if np.ptp(np.diff(strand.station)) > 1e-9 * strand.station[-1]:
+                raise refusal(between_nodes(strand.name, line.elements))
+            inner = []
+        for i, j in pairwise(sorted({0, last, *inner})):
+            yield strand.name, strand.node[i : j + 1], strand.station[i : j + 1]
+
+
+def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None = None) -> Assembled:
     """The structure of a scenario, without its loads.
 
     Args:
         scenario: what is there.
         until: how long histories are needed, s.
+        axes: names of the axes, if not those that the scenario needs.
 
     Raises:
         EquilibriumError: its lines have no rest.
     """
     laid, rest = laid_at_rest(scenario.model_copy(update={"loads": {}}), until)
-    axes = axes_of(scenario)
-    shown = [0, 2] if len(axes) == 2 else [0, 1, 2]
-    uses = np.bincount(np.concatenate([strand.node for strand in laid.strands]), minlength=rest.shape[0])
-    sections: list[tuple[str, Integers, Array]] = []
-    for strand in laid.strands:
-        ends = {0, strand.node.size - 1}
-        inner = [i for i in range(1, strand.node.size - 1) if uses[strand.node[i]] > 1]
-        if scenario.lines[strand.name].bending_stiffness:  # it does not end where something is joined to it
-            if np.ptp(np.diff(strand.station)) > 1e-9 * strand.station[-1]:
-                raise refusal(between_nodes(strand.name, scenario.lines[strand.name].elements))
-            inner = []
-        for i, j in pairwise(sorted(ends | set(inner))):
-            sections.append((strand.name, strand.node[i : j + 1], strand.station[i : j + 1]))
-    links = np.array([node.size - 1 for _, node, _ in sections])
-    first = np.concatenate([[0], np.cumsum(links + 1)[:-1]]).astype(np.int64)
-    lines = [scenario.lines[name] for name, _, _ in sections]
-    h = np.array([(s[-1] - s[0]) / (s.size - 1) for *_, s in sections])
-    laws = [pack(line.law, line.axial_stiffness) for line in lines]
-    width = max(p.size for p in laws)
-    original = np.concatenate([node for _, node, _ in sections])
-    r = rest[original][:, shown].T.copy()
-    dim, n = len(axes), original.size
+    axes = axes or axes_of(scenario)
+    shown, dim = [0, 2] if len(axes) == 2 else [0, 1, 2], len(axes)
+    nets = Nets(scenario, laid) if scenario.nets else None
+    sections = list(_sections(scenario, laid, set(nets.corners()) if nets is not None else set()))
+    original = np.concatenate([np.zeros(0, dtype=np.int64), *(node for _, node, _ in sections)])
+    if nets is not None:
+        original = nets.number(original)
+    cables = _cables(scenario, axes)
+    links = [node.size - 1 for _, node, _ in sections]
+    h = [(s[-1] - s[0]) / (s.size - 1) for *_, s in sections]
+    begin = [s[0] for *_, s in sections]
+    own, names = [cables[name] for name, *_ in sections], list(cables)
+    of = [names.index(name) for name, *_ in sections]
+    ways, first = nets.ways if nets is not None else (), np.cumsum([0, *(n + 1 for n in links)])[:-1].tolist()
+    lengths = [max(s[-1] for name, _, s in sections if name == mine) for mine in names]
+    on = {name: names.index(load.on) for name, load in scenario.loads.items() if load.on in names}
+    n = original.size
+    for way in ways:
+        if way.load not in on:
+            on[way.load] = len(lengths)
+            lengths.append(0.0)
+        of.append(on[way.load])
+        first.append(n)
+        n += way.places.shape[0]
+        links.append(way.places.shape[0] - 1)
+        h.append(way.h)
+        begin.append(way.begin)
+        own.append(_Cable(np.array([law.CUBIC, law.NO_FLOOR, 0.0, 0.0, 0.0]), 0.0, 0.0))
+        lengths[on[way.load]] += 0.0 if way.stands else way.h * links[-1]
+    r = np.zeros((dim, n))
+    r[:, : original.size] = rest[original][:, shown].T
     gravity = np.zeros(dim)
     gravity[-1] = -scenario.gravity
-    mass, drag, level = np.zeros(n), np.zeros(n), np.zeros(n)
-    clamped, turned = np.zeros((links.size, 2), dtype=np.int64), np.zeros((links.size, 2, dim))
-    for s, line in enumerate(lines):
-        part = slice(first[s], first[s] + links[s] + 1)
-        m = np.full(links[s] + 1, line.mass * h[s])
+    mass, lag, level = np.zeros(n), np.zeros(n), np.zeros(n)
+    clamped, turned = np.zeros((len(links), 2), dtype=np.int64), np.zeros((len(links), 2, dim))
+    for s, (name, *_) in enumerate(sections):
+        cable, part = own[s], slice(first[s], first[s] + links[s] + 1)
+        m = np.full(links[s] + 1, cable.mass * h[s])
         m[[0, -1]] *= 0.5
-        mass[part], drag[part] = m, line.drag
-        begin, end = components(line.start, axes), components(line.end, axes)
-        level[part] = np.linspace(begin[-1], end[-1], links[s] + 1)
-        way = (end - begin) / np.linalg.norm(end - begin) * h[s]
+        mass[part], lag[part] = m, cable.drag * m
+        if cable.ends is None:
+            continue
+        one, other = cable.ends
+        level[part] = np.linspace(one[-1], other[-1], links[s] + 1)
+        way = (other - one) / np.linalg.norm(other - one) * h[s]
         before, after = (sections[i][0] if 0 <= i < len(sections) else None for i in (s - 1, s + 1))
-        is_end = before != sections[s][0], after != sections[s][0]
-        for side, support in enumerate((line.start_support, line.end_support)):
-            if is_end[side] and isinstance(support, Fixed) and support.clamped:
+        for side, is_end in enumerate((before != name, after != name)):
+            if is_end and cable.clamped[side]:
                 clamped[s, side], turned[s, side] = 1, way if side == 0 else -way
+    if nets is not None:
+        nets.lump(mass, lag)
+    width = max((cable.law.size for cable in own), default=0)
     runs = Runs(
-        first, links.astype(np.int64), h, np.array([line.mass for line in lines]),
-        np.array([np.pad(p, (0, width - p.size)) for p in laws]), np.array([line.axial_damping for line in lines]),
-        np.array([line.bending_stiffness or 0.0 for line in lines]),
-        np.array([line.foundation or 0.0 for line in lines]), np.array([line.wind_drag for line in lines]),
-        clamped, turned, np.zeros((links.size, 2, 2)),
+        np.array(first, dtype=np.int64), np.array(links, dtype=np.int64), np.array(h),
+        np.array([cable.mass for cable in own]),
+        np.array([np.pad(cable.law, (0, width - cable.law.size)) for cable in own]).reshape(len(own), width),
+        np.array([cable.damping for cable in own]), np.array([cable.bending for cable in own]),
+        np.array([cable.bed for cable in own]), np.array([cable.width for cable in own]), clamped, turned,
+        np.zeros((len(links), 2, 2)),
+        np.array([float(name in scenario.lines) for name, *_ in sections] + [0.0] * len(ways)),
+        np.array([0.0] * len(sections) + [way.firm for way in ways]),
     )  # fmt: skip
-    holdings = _holdings(scenario, sections, first, original, gravity, until, axes)
+    holdings = _holdings(scenario, sections, original, gravity, until, axes, nets)
     light = np.divide(1.0, mass, out=np.zeros(n), where=mass > 0.0)
     light[holdings.node] = 0.0
-    names = list(scenario.lines)
-    of = np.array([names.index(name) for name, _, _ in sections])
-    count = np.bincount(of, minlength=len(names))
+    surfaces = nets.surfaces(dict(enumerate(first[len(sections) :]))) if nets is not None else None
+    mobile = _mobile(mass, light, holdings)
+    if surfaces is not None:
+        A = surfaces.shares(n)
+        r += np.asarray((A @ r.T).T)
+        mobile[surfaces.node] = np.asarray(abs(A) @ (mobile * np.asarray(abs(A).sum(axis=0)).ravel()))[surfaces.node]
+    count = np.bincount(of, minlength=len(lengths))
     structure = Structure(
-        runs, Nodes(mass, light, _mobile(mass, light, holdings), mass * gravity[:, None], drag, level),
-        Lines(
-            np.concatenate([[0], np.cumsum(count)[:-1]]).astype(np.int64), count.astype(np.int64),
-            np.array([s[0] for *_, s in sections]),
-            np.array([max(s[-1] for name, _, s in sections if name == own) for own in names]),
+        runs,
+        Nodes(
+            mass, light, mobile, mass * gravity[:, None],
+            np.divide(lag, mass, out=np.zeros(n), where=mass > 0.0), level,
         ),
-        holdings, _wind(scenario, until, axes),
+        Lines(
+            np.concatenate([[0], np.cumsum(count)[:-1]]).astype(np.int64), count.astype(np.int64), np.array(begin),
+            np.array(lengths),
+        ),
+        holdings, _wind(scenario, until, axes), About.nothing(dim), surfaces,
     )  # fmt: skip
-    where = {int(n): e for e in range(holdings.mass.size) for n in _members(holdings, e)}
+    where = {int(n): e for e in range(holdings.mass.size) for n in holdings.members(e)}
     at_ends = {end.name: int(np.flatnonzero(original == end.node)[0]) for end in laid.ends}
     supports = tuple((name, where[node]) for name, node in at_ends.items())
-    station = np.concatenate([station for *_, station in sections])
-    return Assembled(structure, axes, r, station, tuple(name for name, _, _ in sections), supports)
-
-
-def _members(holdings: Holdings, e: int) -> Integers:
-    return holdings.node[holdings.first[e] : holdings.first[e] + holdings.nodes[e]]
+    station = np.concatenate([*(station for *_, station in sections), np.full(n, np.nan)])[:n]
+    return Assembled(structure, axes, r, station, tuple(name for name, *_ in sections), on, supports, nets)
 
 
 def _mobile(mass: Array, light: Array, holdings: Holdings) -> Array:
     found = light.copy()
     for e in range(holdings.mass.size):
-        nodes = _members(holdings, e)
+        nodes = holdings.members(e)
         found[nodes] = float(holdings.free[e].any()) / (holdings.mass[e] + mass[nodes].sum())
     return found
 
 
 def _holdings(
-    scenario: Scenario, sections: list[tuple[str, Integers, Array]], first: Integers, original: Integers,
-    gravity: Array, until: float, axes: tuple[str, ...],
+    scenario: Scenario, sections: list[tuple[str, Integers, Array]], original: Integers, gravity: Array,
+    until: float, axes: tuple[str, ...], nets: Nets | None,
 ) -> Holdings:  # fmt: skip
-    """Supports at the ends of lines, and what keeps nodes together."""
+    """Supports of lines, and what keeps nodes together."""
     dim = gravity.size
     members = {int(i): np.flatnonzero(original == i) for i in np.unique(original)}
     found: dict[int, dict[str, Any]] = {
@@ -148,9 +243,10 @@ def _holdings(
         "place": np.zeros(dim), "table": (np.zeros(1), np.zeros((dim, 1))),
     }  # fmt: skip
     for name, line in scenario.lines.items():
-        mine = [node for own, node, _ in sections if own == name]
-        ends = ((mine[0][0], line.start, line.start_support), (mine[-1][-1], line.end, line.end_support))
-        for node, place, support in ends:
+        mine = [(node, station) for own, node, station in sections if own == name]
+        nodes, stations = (np.concatenate(parts) for parts in zip(*mine, strict=True))
+        for _, place, support, at in supports_of(line, float(stations[-1])):
+            node = nodes[np.abs(stations - at).argmin()]
             entry = found.setdefault(int(node), {"node": members[int(node)], "free": np.eye(dim)})
             if isinstance(support, Joined):
                 if support.to in scenario.joints:
@@ -164,6 +260,8 @@ def _holdings(
                 "mass": mass, "force": force + mass * gravity, "free": free, "stiffness": stiffness,
                 "damping": damping, "place": components(place, axes), "table": vector_table(history, until, axes),
             }  # fmt: skip
+    for number, more in nets.held() if nets is not None else ():
+        found.setdefault(number, {"node": members[number], "free": np.eye(dim)}).update(more)
     entries = [none | entry for entry in found.values()]
 
     def column(key: str) -> Array:
@@ -189,7 +287,7 @@ def _wind(scenario: Scenario, until: float, axes: tuple[str, ...]) -> Wind:
 
 
 def contacts_of(
-    scenario: Scenario, loading: Loading, structure: Structure, lines: tuple[str, ...]
+    scenario: Scenario, loading: Loading, structure: Structure, on: Mapping[str, int]
 ) -> tuple[Any, Tables, Bodies]:
     """Contacts of all loads, their histories, and what has a mass above them.
 
@@ -197,32 +295,50 @@ def contacts_of(
         scenario: what is there.
         loading: its loads.
         structure: what they travel on.
-        lines: names of its lines, as it numbers them.
+        on: numbers of the lines of loads, by their names.
     """
     wheels, loads, dim = loading.wheels, loading.loads, len(loading.axes)
     contacts = records(len(wheels), CONTACT)
     names = list(scenario.loads)
-    contacts["line"] = [lines.index(wheel.on) for wheel in wheels]
+    contacts["line"] = [on[wheel.load] for wheel in wheels]
     contacts["load"] = [names.index(wheel.load) for wheel in wheels]
     contacts["begin"] = [wheel.start for wheel in wheels]
     for key in ("speed_first", "speed_count", "force_first", "force_count"):
         contacts[key] = getattr(loads, key)
     contacts["lift"] = [wheel.lift for wheel in wheels]
+    contacts["measure"], contacts["frictionless"] = loads.measure, loads.contact == FRICTIONLESS
+    contacts["friction"] = np.nan_to_num(loads.friction)  # of prescribed travel it is asked whether it is enough
+    contacts["block"] = loads.friction_model == BLOCK
     contacts["stays"] = [wheel.at_end == "stay" for wheel in wheels]
     contacts["refuses"] = [wheel.at_end == "refuse" for wheel in wheels]
     contacts["before"] = np.nan
-    tables = Tables(loads.speed_time, loads.speed_value, loads.speed_path, loads.force_time, loads.force_value)
-    heavy = [k for k, wheel in enumerate(wheels) if not isinstance(scenario.loads[wheel.load], MovingForce)]
+    tables = Tables(
+        loads.speed_time, loads.speed_value, loads.speed_path, loads.force_time, loads.force_value, np.zeros(1),
+        np.zeros(1),
+    )  # fmt: skip
+    heavy = [k for k, wheel in enumerate(wheels) if not _only_presses(scenario.loads[wheel.load])]
+    tables = _with_steps(scenario, loading, structure, contacts, tables)
+    contacts["led"] = led = [isinstance(scenario.loads[wheel.load], Walker | Foreign) for wheel in wheels]
     contacts["kind"] = FORCE
     contacts["kind"][heavy] = BODY
     contacts["first"][heavy] = dim * np.arange(len(heavy))
-    h = structure.runs.h[structure.lines.first[contacts["line"]]]
+    runs, first = structure.runs, structure.lines.first[contacts["line"]]
+    h = np.where(runs.firm[first] > 0.0, 0.0, runs.h[first])  # no support is at the ends of a way on a net
     contacts["margin"][heavy] = [MARGIN * h[k] if wheels[k].margin is None else wheels[k].margin for k in heavy]
+    lengths = structure.lines.length[contacts["line"]]
+    for contact, wheel, length in zip(contacts, wheels, lengths, strict=True):
+        contact["brake_low"], contact["brake_high"] = -np.inf, np.inf
+        if wheel.free is not None:
+            _travel_freely(contact, wheel.free, float(length))
+    contacts["margin"][led] = 0.0
     places = dim * len(heavy)
     if loading.fleet is None:
         none = np.zeros((0, 2), dtype=np.int64)
         return contacts, tables, _bodies([], np.zeros(0), np.zeros(0), none, none[:, 0], len(names))
     fleet = loading.fleet.bodies
+    tables = tables._replace(drive_time=fleet.drive_time, drive_value=fleet.drive_value)
+    for key in ("drive_first", "drive_count"):
+        contacts[key] = fleet.wheels[key]
     count = places + fleet.coordinates.size
     mass, force, owner = np.zeros(count), np.zeros(count), np.full((count, 2), -1, dtype=np.int64)
     for k in heavy:
@@ -239,8 +355,19 @@ def contacts_of(
         seats = list(zip(fleet.wheel[v, : n - own], fleet.axis[v, : n - own], strict=True))
         at += [int(contacts[k]["first"] + a) for k, a in seats]
         np.add.at(force, at, fleet.load[v, :n])
-        parts.append((np.array(at), fleet.M[v, :n, :n], fleet.C[v, :n, :n], fleet.K[v, :n, :n]))
-        hangs = fleet.tethers["wheel"][fleet.tethers["first"] == vehicle["first"]]
+        begin = int(vehicle["first"])
+        below = [b for b in fleet.buffers if begin <= b["coordinate"] < begin + own]
+        at += [int(contacts[b["wheel"]]["first"] + dim - 1) for b in below]
+        hangs = fleet.tethers["wheel"][fleet.tethers["first"] == begin].tolist()
+        more = [int(contacts[k]["first"] + a) for k in (*hangs, *(k for k, _ in seats)) if led[k] for a in range(dim)]
+        at += [c for c in dict.fromkeys(more) if c not in at]  # a foot is where its leg and the line are in balance
+        M, C, K = (np.pad(m[v, :n, :n], (0, len(at) - n)) for m in (fleet.M, fleet.C, fleet.K))
+        for j, buffer in enumerate(below, start=n):  # a contact without mass below the wheel
+            both = np.ix_([int(buffer["coordinate"]) - begin, j], [int(buffer["coordinate"]) - begin, j])
+            K[both] += float(buffer["stiffness"]) * np.array([[1.0, -1.0], [-1.0, 1.0]])
+            contacts[buffer["wheel"]]["lift"] = buffer["side"]
+        parts.append((np.array(at), M, C, K))
+        hangs += [int(buffer["wheel"]) for buffer in below]
         load[at[:own]] = contacts["load"][seats[0][0] if seats else hangs[0]]
     bodies = _bodies(parts, mass, force, owner, load, len(names))
     bodies = bodies._replace(tethers=_tethers(fleet, contacts, places), blown=_blown(fleet, contacts, heavy, places))
@@ -248,15 +375,74 @@ def contacts_of(
         own = contacts[k]["first"] + np.arange(dim)
         contacts[k]["light"] = bodies.per_mass[own].max()
         above = [bodies.K[p, i, i] for p, n in enumerate(bodies.size) for i in range(n) if bodies.at[p, i] in own]
-        stiffest = max(above, default=0.0)
+        stiffest = max([*above, *bodies.tethers["stiffness"][bodies.tethers["contact"] == k]], default=0.0)
         contacts[k]["least"] = FIRM / stiffest if stiffest > 0.0 else 0.0
     return contacts, tables, bodies
+
+
+def _only_presses(load: AnyLoad) -> bool:
+    """Whether nothing stands on the contacts of a load."""
+    return isinstance(load, MovingForce | Footsteps) or (
+        isinstance(load, Foreign) and not (load.exchange.stiffness or load.exchange.damping)
+    )
+
+
+def _with_steps(scenario: Scenario, loading: Loading, structure: Structure, contacts: Any, tables: Tables) -> Tables:
+    """Add the places of feet, which stand where they have landed, and are nowhere while in the air."""
+    for name, load in scenario.loads.items():
+        feet = [k for k, wheel in enumerate(loading.wheels) if wheel.load == name]
+        if not isinstance(load, Footsteps):
+            continue
+        length = float(structure.lines.length[contacts[feet[0]]["line"]])
+        for number, k in enumerate(feet):
+            time, place = footfalls(load, number, length, _until(scenario))
+            contacts[k]["speed_first"], contacts[k]["speed_count"] = tables.speed_time.size, time.size
+            contacts[k]["begin"] = 0.0
+            tables = tables._replace(
+                speed_time=np.concatenate([tables.speed_time, time]),
+                speed_value=np.concatenate([tables.speed_value, np.zeros(time.size)]),
+                speed_path=np.concatenate([tables.speed_path, place]),
+            )
+    return tables
+
+
+def _until(scenario: Scenario) -> float:
+    return scenario.run.until if isinstance(scenario.run, Dynamic) else 0.0
+
+
+def _travel_freely(contact: Any, free: FreeTravel, length: float) -> None:
+    """Note how a contact travels freely along a line of a length in m."""
+    contact["travel"], contact["friction"], contact["block"] = FREE, free.friction, free.friction_model == "block"
+    contact["rolling"], contact["viscous"] = free.rolling, free.viscous
+    contact["driver"] = 0.0 if free.driver is None else free.driver.force
+    if free.brake is not None:
+        contact["brake"] = free.brake.force
+        if free.brake.at in ("start", "both"):
+            contact["brake_low"] = free.brake.within
+        if free.brake.at in ("end", "both"):
+            contact["brake_high"] = length - free.brake.within
+
+
+def refuse_beyond(scenario: Scenario, loading: Loading, contacts: Any, structure: Structure) -> None:
+    """Refuse loads that would begin beyond the end of their line; the distance of its ends stands for the far one.
+
+    Raises:
+        EquilibriumError: there is such a load.
+    """
+    for wheel, contact in zip(loading.wheels, contacts, strict=True):
+        length, line = float(structure.lines.length[contact["line"]]), scenario.lines.get(wheel.on)
+        far = length if line is None else line.distance
+        if wheel.start > length * (1.0 + 1e-9) and not np.isclose(wheel.start, far, 1e-9):
+            raise EquilibriumError(
+                f"load {wheel.name} would begin {wheel.start:g} m along {wheel.on}, which ends at {length:g} m; "
+                "change its from"
+            )
 
 
 def _tethers(fleet: FleetBodies, contacts: Any, places: int) -> Any:
     found = records(len(fleet.tethers), TETHER)
     found["contact"], found["first"] = fleet.tethers["wheel"], places + fleet.tethers["first"]
-    for key in ("length", "stiffness", "damping"):
+    for key in ("length", "full", "stiffness", "damping", "way", "on", "across"):
         found[key] = fleet.tethers[key]
     return found
 

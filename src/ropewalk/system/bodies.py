@@ -2,8 +2,7 @@
 
     M u'' + C u' + K u = force - N,   u = (places of contacts, coordinates).
 
-A contact without mass has no equation of motion: there the springs above are in balance with the line below. A tether
-is a spring that turns: payloads hang from trolleys by it.
+A contact without mass has no equation of motion: there the springs above are in balance with the line below.
 """
 
 from __future__ import annotations
@@ -15,8 +14,11 @@ import numpy as np
 from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean_inner
-from ropewalk.system.contacts import AWAY, FORCE, GONE, ON, stiffen
-from ropewalk.system.structure import HELD, IN_BODIES
+from ropewalk.mechanics.fleet import FIRM
+from ropewalk.system.contacts import AWAY, FORCE, FREE, GONE, ON, stiffen
+from ropewalk.system.spline import WIDTH
+from ropewalk.system.structure import HELD, IN_BODIES, STRUCK
+from ropewalk.system.tethers import bear, hang
 
 # Rounds of Newton's method for contacts without mass, and the part of a link to which their places are found.
 ROUNDS, SETTLED = 40, 1e-11
@@ -25,17 +27,6 @@ ROUNDS, SETTLED = 40, 1e-11
 # A load: some of its contacts are still to come or on their lines; all have left them since the step before; for good.
 STAYS, LEAVES, GONE_FOR_GOOD = 0, 1, 2
 
-TETHER = np.dtype(
-    [
-        ("contact", "i8"),  # from which it hangs
-        ("first", "i8"),  # first of the coordinates of the particle at its end
-        ("length", "f8"),  # m
-        ("stiffness", "f8"),  # N/m, of its pull; it does not push
-        ("damping", "f8"),  # N s/m, while it pulls
-        ("pull", "f8", (3,)),  # N, of the damping, on the contact
-    ],
-    align=True,
-)
 BLOWN = np.dtype([("first", "i8"), ("drag", "f8")], align=True)  # a particle, and kg/m, force over speed squared
 
 
@@ -140,10 +131,11 @@ def balance(structure, room, contacts, bodies, state, table, out, since):
                         d = bodies.at[p, j]
                         if bodies.contact[d] == k:
                             stiff = contacts[k].rise * contacts[k].d[a] * contacts[k].d[bodies.axis[d]]
-                            stiff += contacts[k].moving if d == c else 0.0
+                            stiff += contacts[k].moving if d == c and contacts[k].apart == 0 else 0.0
                             A[i, j] += stiff
                             b[i] += stiff * state.u[d]
                     b[i] -= contacts[k].moving * contacts[k].d[a]
+                    bear(contacts, bodies, state, A, b, p, i, rate)
             _solve(A, b, n)
             most = 0.0
             for i in range(n):
@@ -174,7 +166,7 @@ def kick(contacts, bodies, state, h, half):
         f[c], old[c] = bodies.force[c], w[c]
         if k >= 0:
             f[c] += contacts[k].given[bodies.axis[c]] - contacts[k].N[bodies.axis[c]]
-    _hang(contacts, bodies, state)
+    hang(contacts, bodies, state)
     for p in range(bodies.size.size):
         n, lost = bodies.size[p], 0.0
         stage = bodies.gone[bodies.load[bodies.at[p, 0]]]
@@ -212,35 +204,11 @@ def kick(contacts, bodies, state, h, half):
         if bodies.gone[bodies.load[first]] == STAYS:
             for a in range(state.r.shape[0]):
                 rate = 0.5 * (w[first + a] + old[first + a] - w[own + a] - old[own + a])
-                state.work[IN_BODIES] += h * bodies.tethers[e].pull[a] * rate
+                state.work[IN_BODIES] += h * bodies.tethers[e].damper * bodies.tethers[e].span[a] * rate
     _slow(bodies, state, h)
     for i in range(bodies.gone.size):
         if bodies.gone[i] == LEAVES:
             bodies.gone[i] = GONE_FOR_GOOD
-
-
-@lean_inner
-def _hang(contacts, bodies, state):
-    """Add the forces of tethers."""
-    axes, f, u, w = state.r.shape[0], bodies.f, state.u, state.w
-    for e in range(bodies.tethers.size):
-        first, own = bodies.tethers[e].first, contacts[bodies.tethers[e].contact].first
-        square, rate = 0.0, 0.0
-        for a in range(axes):
-            way = u[first + a] - u[own + a]
-            square += way * way
-            rate += way * (w[first + a] - w[own + a])
-        length = np.sqrt(square)
-        spring = bodies.tethers[e].stiffness * (length - bodies.tethers[e].length)
-        damper = bodies.tethers[e].damping * rate / max(length, 1e-300)
-        if spring <= 0.0:
-            spring = damper = 0.0
-        damper = max(damper, -spring)
-        for a in range(axes):
-            way = (u[first + a] - u[own + a]) / max(length, 1e-300)
-            bodies.tethers[e].pull[a] = damper * way
-            f[first + a] -= (spring + damper) * way
-            f[own + a] += (spring + damper) * way
 
 
 @lean_inner
@@ -276,7 +244,7 @@ def ground(structure, contacts, state, k):
 def arrive(structure, contacts, bodies, state):
     """Put what comes to its line on it, with the speed along it, what leaves it on the ground; stop what is to stay.
 
-    What moves contacts along does the work.
+    What moves contacts along does the work; what moves by itself loses it to the stop.
     """
     axes = state.r.shape[0]
     for k in range(contacts.size):
@@ -285,6 +253,8 @@ def arrive(structure, contacts, bodies, state):
         if contacts[k].kind == FORCE or contacts[k].state == GONE or (comes == 0 and stopped == 0.0):
             continue
         before = energy_of_bodies(bodies, state)
+        if contacts[k].travel == FREE and comes == 0:
+            stopped = max(stopped * _speed_along(structure, contacts, state, k), 0.0) / stopped
         for a in range(axes):
             c = contacts[k].first + a
             if comes < 0:
@@ -296,7 +266,24 @@ def arrive(structure, contacts, bodies, state):
                 state.w[c] -= stopped * contacts[k].along[a]
         if comes < 0:
             ground(structure, contacts, state, k)
-        state.work[HELD] += energy_of_bodies(bodies, state) - before
+        gained = energy_of_bodies(bodies, state) - before
+        if contacts[k].travel == FREE and comes == 0:
+            state.work[STRUCK] -= gained
+        else:
+            state.work[HELD] += gained
+
+
+@lean_inner
+def _speed_along(structure, contacts, state, k):
+    """Speed of the body at contact k along its line, in unstrained length, m/s."""
+    base, along, square = contacts[k].near, 0.0, 0.0
+    for a in range(state.r.shape[0]):
+        v = state.w[contacts[k].first + a]
+        for j in range(min(WIDTH, structure.runs.links[contacts[k].run] + 1)):
+            v -= contacts[k].weight[j] * state.v[a, base + j]
+        along += v * contacts[k].along[a]
+        square += contacts[k].along[a] ** 2
+    return along / square
 
 
 @lean_inner
@@ -312,7 +299,9 @@ def energy_of_bodies(bodies, state):
             c = bodies.at[p, i]
             for j in range(bodies.size[p]):
                 d = bodies.at[p, j]
-                total += 0.5 * (w[c] * bodies.M[p, i, j] * w[d] + u[c] * bodies.K[p, i, j] * u[d])
+                total += 0.5 * u[c] * bodies.K[p, i, j] * u[d]
+                if bodies.M[p, i, j] < FIRM:  # only its owner moves that
+                    total += 0.5 * w[c] * bodies.M[p, i, j] * w[d]
     return total
 
 

@@ -9,6 +9,10 @@ fourth order of the mesh, for tension as for bending; c stiffens the shortest on
 lengths, so that a link has a direction of its force, T/l times its chord, also where it is slack and folded up. What
 contacts add to the links under them, K, comes from `contacts.py`. All forces are gradients of V, but for Kelvin-Voigt
 damping and wind.
+
+Linearised about rest, V is the second-order expansion of this: with u from rest and g u the first-order change of
+l^2/2, a link pulls by T/l of rest at the places of now, and by the change of T/l with g u at the places of rest. Second
+differences and what they bend are linear as they are; l is the length at rest, and kinks lengthen nothing.
 """
 
 from __future__ import annotations
@@ -24,7 +28,7 @@ ARC, SHORT_ARC = CORRECTION / 48.0, SHORT / 48.0
 
 
 @lean_inner
-def _bend(x, out, square, begin, n, axis, clamped, turned):
+def _bend(x, out, square, begin, n, axis, clamped, turned, arcs):
     """Second differences of one component, and what they add to the arcs of links."""
     a, d, q = x[begin : begin + n + 1], out[begin : begin + n + 1], square[begin : begin + n]
     d[0] = 2.0 * (a[1] - a[0] - turned[0, axis]) if clamped[0] == 1 else 0.0
@@ -34,9 +38,10 @@ def _bend(x, out, square, begin, n, axis, clamped, turned):
     if axis == 0:
         for i in range(n):
             q[i] = 0.0
+    arc, short = arcs * ARC, arcs * SHORT_ARC
     for i in range(n):
         change = d[i + 1] - d[i]
-        q[i] += ARC * (d[i] * d[i] + d[i + 1] * d[i + 1]) + SHORT_ARC * change * change
+        q[i] += arc * (d[i] * d[i] + d[i + 1] * d[i + 1]) + short * change * change
 
 
 @lean_inner
@@ -57,18 +62,37 @@ def _stretch(x, y, z, strain, square, length, begin, n, h):
         e[i] = c0[i] * inverse - 1.0
 
 
+@lean_inner
+def _stretch_little(structure, room, r):
+    """Strains of all links, whose second differences are known, to the first order about rest."""
+    runs, links, rest, bent = structure.runs, structure.about.links, structure.about.shape[0], structure.about.shape[1]
+    for s in range(runs.first.size):
+        for i in range(runs.first[s], runs.first[s] + runs.links[s]):
+            change = 0.0
+            for a in range(r.shape[0]):
+                chord = rest[a, i + 1] - rest[a, i]
+                change += chord * ((r[a, i + 1] - r[a, i]) - chord)
+                d, e = bent[a, i], bent[a, i + 1]
+                one, two = room.bent[a, i] - d, room.bent[a, i + 1] - e
+                change += 2.0 * ARC * (d * one + e * two) + 2.0 * SHORT_ARC * (e - d) * (two - one)
+            room.length[i], room.pull[i] = links[i].length, links[i].pull
+            room.strain[i] = links[i].strain + change / (links[i].length * runs.h[s])
+
+
 @inlined
-def stretch_all(runs, room, r):
+def stretch_all(structure, room, r):
     """Strain of all links without kinks; second differences of the nodes."""
-    last = r.shape[0] - 1
+    runs, last = structure.runs, r.shape[0] - 1
     for s in range(runs.first.size):
         begin, n, h = runs.first[s], runs.links[s], runs.h[s]
         for a in range(last + 1):
-            _bend(r[a], room.bent[a], room.square, begin, n, a, runs.clamped[s], runs.turned[s])
+            _bend(r[a], room.bent[a], room.square, begin, n, a, runs.clamped[s], runs.turned[s], runs.arcs[s])
         if last == 1:
             _stretch(r[0], None, r[1], room.strain, room.square, room.length, begin, n, h)
         else:
             _stretch(r[0], r[1], r[2], room.strain, room.square, room.length, begin, n, h)
+    if structure.about.links.size > 0:
+        _stretch_little(structure, room, r)
 
 
 @lean_inner
@@ -101,11 +125,11 @@ def _resist(c, h, strain, before, rate, tension, begin, n, dt):
 
 
 @lean_inner
-def _pull(x, force, bent, moment, pull, begin, n, h, bending, clamp0, clamp1):
+def _pull(x, force, bent, moment, pull, begin, n, h, bending, arcs, clamp0, clamp1):
     """Add the forces of links and bending to one component."""
     a, f, d = x[begin : begin + n + 1], force[begin : begin + n + 1], bent[begin : begin + n + 1]
     q, m = pull[begin : begin + n], moment[begin : begin + n + 1]
-    arc, short, stiff = 2.0 * ARC, 2.0 * SHORT_ARC, bending / (h * h * h)
+    arc, short, stiff = 2.0 * arcs * ARC, 2.0 * arcs * SHORT_ARC, bending / (h * h * h)
     smooth = stiff * SMOOTH
     f[0] += q[0] * (a[1] - a[0])
     f[n] -= q[n - 1] * (a[n] - a[n - 1])
@@ -132,6 +156,21 @@ def _pull(x, force, bent, moment, pull, begin, n, h, bending, clamp0, clamp1):
         f[n - 1] -= end
 
 
+@lean_inner
+def _tensions_little(links, room, begin, n):
+    """Tensions to the first order about rest."""
+    for i in range(begin, begin + n):
+        room.tension[i] = links[i].tension + links[i].slope * (room.strain[i] - links[i].strain)
+
+
+@lean_inner
+def _changes(links, room, begin, n, h):
+    """By how much tension over length has changed since rest, to the first order: to `room.square`."""
+    for i in range(begin, begin + n):
+        longer = h * (room.strain[i] - links[i].strain)
+        room.square[i] = (room.tension[i] - links[i].tension - links[i].pull * longer) / links[i].length
+
+
 @inlined
 def pull_all(structure, room, r, dt):
     """Add the forces of all runs, whose strains are known, to `room.force`.
@@ -142,23 +181,53 @@ def pull_all(structure, room, r, dt):
     Returns:
         Power that Kelvin-Voigt damping takes, W.
     """
-    runs, last, lost = structure.runs, r.shape[0] - 1, 0.0
+    runs, about, last, lost = structure.runs, structure.about, r.shape[0] - 1, 0.0
+    small = about.links.size > 0
     for s in range(runs.first.size):
         begin, n, h = runs.first[s], runs.links[s], runs.h[s]
-        _tensions(runs.law[s], room.strain, room.tension, begin, n)
+        if small:
+            _tensions_little(about.links, room, begin, n)
+        else:
+            _tensions(runs.law[s], room.strain, room.tension, begin, n)
         if runs.damping[s] > 0.0:
             lost += _resist(runs.damping[s], h, room.strain, room.before, room.rate, room.tension, begin, n, dt)
-        for i in range(begin, begin + n):
-            room.pull[i] = room.tension[i] / max(room.length[i], 1e-300)
-        for a in range(last + 1):
-            _pull(r[a], room.force[a], room.bent[a], room.moment, room.pull, begin, n, h,
-                  runs.bending[s], runs.clamped[s, 0], runs.clamped[s, 1])  # fmt: skip
+        if small:
+            _changes(about.links, room, begin, n, h)
+        else:
+            for i in range(begin, begin + n):
+                room.pull[i] = room.tension[i] / max(room.length[i], 1e-300)
+        x, bent, pull, bending = r, room.bent, room.pull, runs.bending[s]
+        for again in range(2 if small else 1):
+            if again == 1:  # by what changes, links pull at the places of rest
+                x, bent, pull, bending = about.shape[0], about.shape[1], room.square, 0.0
+            for a in range(last + 1):
+                _pull(x[a], room.force[a], bent[a], room.moment, pull, begin, n, h,
+                      bending, runs.arcs[s], runs.clamped[s, 0], runs.clamped[s, 1])  # fmt: skip
         if runs.bed[s] > 0.0:
             k = runs.bed[s] * h
             for i in range(begin, begin + n + 1):
                 part = 0.5 if i in (begin, begin + n) else 1.0
                 room.force[last, i] -= part * k * (r[last, i] - structure.nodes.level[i])
     return lost
+
+
+@lean_inner
+def _stored_little(structure, room, r, i, s):
+    """Energy of a link of run s to the second order about rest, J."""
+    rest, bent, link, h = (
+        structure.about.shape[0],
+        structure.about.shape[1],
+        structure.about.links[i],
+        structure.runs.h[s],
+    )
+    longer, square = room.strain[i] - link.strain, 0.0
+    for a in range(r.shape[0]):
+        chord = (r[a, i + 1] - r[a, i]) - (rest[a, i + 1] - rest[a, i])
+        d, e = room.bent[a, i] - bent[a, i], room.bent[a, i + 1] - bent[a, i + 1]
+        square += 0.5 * chord * chord + ARC * (d * d + e * e) + SHORT_ARC * (e - d) ** 2
+    stored = h * (law.stored(structure.runs.law[s], link.strain) + link.tension * longer)
+    stored += 0.5 * h * link.slope * longer * longer
+    return stored + link.pull * (square - 0.5 * (h * longer) ** 2)
 
 
 @lean
@@ -168,7 +237,10 @@ def energy_of(structure, room, r):
     for s in range(runs.first.size):
         begin, n, h = runs.first[s], runs.links[s], runs.h[s]
         for i in range(begin, begin + n):
-            total += h * law.stored(runs.law[s], room.strain[i])
+            if structure.about.links.size > 0:
+                total += _stored_little(structure, room, r, i, s)
+            else:
+                total += h * law.stored(runs.law[s], room.strain[i])
         if runs.bending[s] > 0.0:
             stiff = 0.5 * runs.bending[s] / h**3
             for a in range(last + 1):
@@ -203,6 +275,16 @@ def blow(structure, room, r, v, t, h):
         for i in range(r.shape[1]):
             room.force[a, i] += room.air[a, i]
     return power
+
+
+@lean_inner
+def guess(structure, room, v, h):
+    """Guess the velocities in the middle of a kick of the length h by the forces that are known, to `room.guess`."""
+    for a in range(v.shape[0]):
+        for i in range(v.shape[1]):
+            room.air[a, i] = 0.0
+            room.guess[a, i] = v[a, i] + 0.5 * h * structure.nodes.light[i] * room.force[a, i]
+    _guess_held(structure, room, h)
 
 
 @lean_inner
@@ -258,8 +340,8 @@ def _push(structure, r, v, t, air):
                 air[a, i] += F
                 air[a, i + 1] += F
                 power += F * (v[a, i] + v[a, i + 1])
-                if i == runs.first[s]:
+                if i == runs.first[s] and runs.links[s] > 1:
                     power += _share(v[a], air[a], i, 1, 2.0 * F, runs.shift[s, 0])
-                if i == last:
+                if i == last and runs.links[s] > 1:
                     power += _share(v[a], air[a], i + 1, -1, 2.0 * F, runs.shift[s, 1])
     return power

@@ -6,29 +6,37 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import missing
+from ropewalk.model.capabilities import missing, supported_by_tension
+from ropewalk.model.division import links_of_line
+from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.joint import Joined
+from ropewalk.model.load import Foreign, MovingForce
+from ropewalk.model.mass import MovingMass
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
-from ropewalk.model.vehicle import Vehicle
+from ropewalk.model.run import Dynamic
+from ropewalk.model.travel import FreeTravel
+from ropewalk.model.walker import Walker
 from ropewalk.webs import capabilities as webs
 
-_SYSTEM = "joined lines and lines in wind"
+_SYSTEM = "joined lines, nets, lines on inner supports, lines in wind and lines with bending stiffness"
 
 
 def _only_lines(parts: Parts) -> Iterator[Finding]:
     if parts.overhead:
         yield missing(("overhead_lines",), _SYSTEM, remedy="compute them in a scenario of their own")
-    for name in parts.nets:
-        yield missing(("nets", name), _SYSTEM, remedy="compute nets in a scenario of their own")
+    run = parts.run
+    for name in parts.nets if isinstance(run, Dynamic) and run.geometry == "linearised" else ():
+        yield missing(("nets", name), "small motion", remedy="write geometry: nonlinear")
     for name, line in parts.lines.items():
         if line is not None and line.sheaves:
             yield missing(("lines", name, "sheaves"), _SYSTEM, remedy="end the line at the sheave")
 
 
 def between_nodes(name: str, elements: int) -> Finding:
-    """Say that something is joined between nodes to a line that bends there."""
-    feature, remedy = "a line joined between two nodes of another", "choose elements so that one of its nodes is there"
+    """Say that something is joined between nodes to a line that bends there, or holds it."""
+    feature = "a line joined between two nodes of another, or an inner support there,"
+    remedy = "choose elements so that one of its nodes is there"
     return missing(("lines", name, "elements"), "lines with bending stiffness", str(elements), remedy, feature=feature)
 
 
@@ -36,36 +44,74 @@ def _joined_between_nodes(parts: Parts) -> Iterator[Finding]:
     for name, line in parts.lines.items():
         if line is None or not line.bending_stiffness:
             continue
-        length = line.length or line.distance
-        for other in parts.lines.values():
-            for _, support in other.supports() if other is not None else ():
-                if isinstance(support, Joined) and support.to == name and isinstance(support.at, float):
-                    place = support.at / length * line.elements
-                    if abs(place - round(place)) > 1e-9 * line.elements:
-                        yield between_nodes(name, line.elements)
+        length, joined = line.length or line.distance, list(_joined_to(name, parts))
+        links = links_of_line(line, joined)
+        for at in (*joined, *(support.at for support in line.supports.values())):
+            if abs(at / length * links - round(at / length * links)) > 1e-9 * links:
+                yield between_nodes(name, line.elements)
 
 
-def _contact_stiffness(parts: Parts) -> Iterator[Finding]:
-    feature, remedy = "a contact stiffness", "leave it out"
+def _joined_to(name: str, parts: Parts) -> Iterator[float]:
+    """Where along a line others are joined to it, m."""
+    for other in parts.lines.values():
+        for _, support in other.ends() if other is not None else ():
+            if isinstance(support, Joined) and support.to == name and isinstance(support.at, float):
+                yield support.at
+
+
+def _of_loads(parts: Parts) -> Iterator[Finding]:
     for name, load in parts.loads.items():
-        if isinstance(load, Oscillator) and load.contact_stiffness is not None:
-            given = f"{load.contact_stiffness:g} N/m"
-            yield missing(("loads", name, "contact_stiffness"), _SYSTEM, given, remedy, feature=feature)
-        if isinstance(load, Vehicle):
-            for part, wheel in load.wheels.items():
-                if wheel.contact_stiffness is not None:
-                    given, path = (
-                        f"{wheel.contact_stiffness:g} N/m",
-                        ("loads", name, "wheels", part, "contact_stiffness"),
-                    )
-                    yield missing(path, _SYSTEM, given, remedy, feature=feature)
+        if isinstance(load, MovingMass) and load.contact == "frictionless" and isinstance(parts.run, Dynamic):
+            remedy = "write clamped, or travel.kind: free"
+            feature = "a frictionless contact of a mass"
+            yield missing(("loads", name, "contact"), _SYSTEM, load.contact, remedy, feature=feature)
+        start = parts.run.start if isinstance(parts.run, Dynamic) else None
+        if isinstance(load, MovingForce) and load.contact == "frictionless" and start is not None and start.with_loads:
+            feature, remedy = "rest with a frictionless contact", "leave with_loads out, or write clamped"
+            yield missing(("run", "start", "with_loads"), _SYSTEM, "true", remedy, feature=feature)
+        if isinstance(load, Walker | Foreign) and start is not None and start.with_loads:
+            feature, remedy = f"rest with a load of kind {load.kind}", "leave with_loads out"
+            yield missing(("run", "start", "with_loads"), _SYSTEM, "true", remedy, feature=feature)
+        if isinstance(load, Oscillator) and isinstance(load.travel, FreeTravel) and not load.wheel_mass:
+            feature, remedy = "free travel of a wheel without mass", "give it a wheel_mass, or a travel with its speed"
+            yield missing(("loads", name, "travel", "kind"), _SYSTEM, "free", remedy, feature=feature)
+
+
+def _on_nets(parts: Parts) -> Iterator[Finding]:
+    """A net has no chord across which something could be to the side, and no one direction that holds a force."""
+    if parts.nets and isinstance(parts.run, Dynamic) and parts.run.start.whirl:
+        yield Finding(("run", "start", "whirl"), "a net has no axis to whirl about", "true", "leave whirl out")
+    for name, load in parts.loads.items():
+        if load is None or load.on not in parts.nets:
+            continue
+        if isinstance(load, Footsteps) and load.lateral:
+            yield missing(("loads", name, "lateral"), "nets", str(load.lateral), "leave lateral out")
+        if isinstance(load, Walker) and load.balance is not None:
+            yield missing(("loads", name, "balance"), "nets", "a block", "leave balance out")
+        if getattr(load, "contact", "clamped") != "clamped":
+            yield missing(("loads", name, "contact"), "nets", load.contact, "write clamped")  # type: ignore[union-attr]
 
 
 # What the engine of networks supports of motions, but for what this one supports as well, or otherwise.
 _ALIKE = {
     key: values
     for key, values in webs.MOTION.only.items()
-    if key not in ("run.kind", "run.method", "lines.bending_stiffness", "lines.foundation", "loads.air_drag")
+    if key
+    not in (
+        "run.kind",
+        "run.method",
+        "run.start.whirl",
+        "run.geometry",
+        "lines.bending_stiffness",
+        "lines.foundation",
+        "loads.air_drag",
+        "loads.travel.kind",
+        "loads.travel.measured",
+        "loads.contact",
+        "loads.friction",
+        "loads.friction_model",
+        "loads.lift_off",
+    )
 }
 MOTION = replace(
     webs.MOTION,
@@ -73,14 +119,34 @@ MOTION = replace(
     only={
         "run.kind": ("dynamic",),
         "run.method": webs.MOTION.only["run.method"],
-        "run.start.kind": ("rest",),
-        "run.start.with_loads": (False,),
+        "run.window": (None,),
         **_ALIKE,
+        "loads.kind": (
+            "force",
+            "mass",
+            "oscillator",
+            "trolley",
+            "vehicle",
+            "matrices",
+            "footsteps",
+            "walker",
+            "stepper",
+            "fmu",
+        ),
+        "loads.contact": ("clamped", "frictionless"),
+    },
+    more=(_only_lines, _joined_between_nodes, _of_loads, _on_nets, supported_by_tension),
+)
+AT_REST = replace(
+    MOTION,
+    what=f"{_SYSTEM}, at rest or in slow motion",
+    only={
+        **MOTION.only,
+        "run.kind": ("quasistatic", "equilibrium"),
+        "loads.travel.margin": (None,),
         "loads.kind": ("force", "mass", "oscillator", "trolley", "vehicle", "matrices"),
+        "loads.contact": ("clamped", "frictionless", "coulomb", "dragged"),
+        "loads.travel.kind": ("prescribed",),
+        "loads.travel.measured": ("material",),
     },
-    instead={
-        **webs.MOTION.instead,
-        "run.start.with_loads": "leave it out, or write kind: force with its weight as force",
-    },
-    more=(_only_lines, _joined_between_nodes, _contact_stiffness),
 )

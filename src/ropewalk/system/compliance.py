@@ -16,9 +16,10 @@ from functools import lru_cache
 
 import numpy as np
 import scipy.linalg as linalg
+from scipy.interpolate import CubicSpline
 
 from ropewalk.mechanics.chain import Array
-from ropewalk.mechanics.compiled import lean
+from ropewalk.mechanics.compiled import lean, lean_inner
 from ropewalk.system.spline import WIDTH, share
 
 # The arc of a link above its chord, over the one that a circle through its neighbours has: the length of a
@@ -32,6 +33,8 @@ SMOOTH = 1.0 / 6.0
 # Part of kappa within a run, below which it is kept from vanishing at ends: there a kink would be as stiff as the end,
 # and what passes a joint or a support would meet it within a step. It is softer within a third of a link from them.
 PART = 0.5
+LEAST = 1e-9  # of kappa, which is nothing at supports
+AT_REST = 1e-4  # the same of what stands still: hardly any
 CELL, NEAR, PARTS, SHARES = 80, 8, 64, 33  # links of the run, tabled ones, places in each, values of zeta
 # Factor of kappa under a contact at the part alpha of the speed of transverse waves, beside 1/(1 - alpha^2): from the
 # Fourier transforms of a line and of its links under a steadily moving force, at these squares of alpha; the test of
@@ -43,11 +46,16 @@ KINETIC = np.array([
 
 
 @lru_cache(maxsize=4)
-def compliances(correction: float = CORRECTION) -> Array:
-    """kappa (value of zeta, place): zeta evenly from 0 to 1, places evenly over the first links of a run.
+def compliances(correction: float = CORRECTION, part: float = PART) -> Array:
+    """1/kappa and its slope with sqrt(zeta), (2, value of sqrt(zeta), place), for places in the first links of a run.
+
+    As the least energy of all shapes of a kink, S(T) is concave; 1/kappa over zeta is, and begins as a root. Between
+    its values it is interpolated so that S(T) stays concave and smooth: else a kink and its tension have several
+    states of rest, and energy comes from nowhere where they jump from one to another.
 
     Args:
         correction: of the arc of links.
+        part: PART or AT_REST.
     """
     places = np.arange(NEAR * PARTS + 1) / PARTS
     weights = np.zeros((places.size, CELL + 1))
@@ -59,16 +67,17 @@ def compliances(correction: float = CORRECTION) -> Array:
     one, two = np.diff(np.eye(CELL + 1), axis=0)[:, 1:-1], np.diff(np.eye(CELL + 1), 2, axis=0)[:, 1:-1]
     three = np.diff(np.pad(two, ((1, 1), (0, 0))), axis=0)
     inner = weights[:, 1:-1]
-    found = np.empty((SHARES, places.size))
-    for row, zeta in zip(found, np.linspace(0.0, 1.0, SHARES), strict=True):
+    found, root = np.empty((SHARES, places.size)), np.linspace(0.0, 1.0, SHARES)
+    for row, zeta in zip(found, root**2, strict=True):
         taut = 1.0 - zeta  # T with T + EI/h^2 = 1
         K = taut * one.T @ one + (zeta + taut * correction / 12.0) * two.T @ two
         K = K + (zeta * SMOOTH + taut * SHORT / 24.0) * three.T @ three
         chain = (inner * linalg.solve(K, inner.T, assume_a="pos").T).sum(axis=1)
         row[:] = _exact(places, taut, zeta) - chain
-        limit = PART * row[(NEAR - 1) * PARTS :].mean()
+        limit = part * row[(NEAR - 1) * PARTS :].mean()
         row[:] = np.where(row < limit, 0.5 * limit * (1.0 + (row / limit) ** 2), row)
-    return found
+    firm = CubicSpline(root, 1.0 / np.maximum(found, LEAST))
+    return np.array([firm(root), firm.derivative()(root)])
 
 
 def _exact(x: Array, taut: float, bending: float) -> Array:
@@ -84,20 +93,37 @@ def _exact(x: Array, taut: float, bending: float) -> Array:
     return np.asarray((x * (L - x) / L - 0.5 * reach * a * b / c) / taut)
 
 
+@lean_inner
+def _at_root(table, i, j, g):
+    """kappa and its first two derivatives with sqrt(zeta) at place i, a part g of the way from value j to the next."""
+    h = 1.0 / (SHARES - 1)
+    s0, s1, d0, d1 = table[0, j, i], table[0, j + 1, i], h * table[1, j, i], h * table[1, j + 1, i]
+    c2, c3 = 3.0 * (s1 - s0) - 2.0 * d0 - d1, 2.0 * (s0 - s1) + d0 + d1
+    firm = s0 + g * (d0 + g * (c2 + g * c3))
+    first, second = (d0 + g * (2.0 * c2 + 3.0 * g * c3)) / h, (2.0 * c2 + 6.0 * g * c3) / (h * h)
+    kappa = 1.0 / firm
+    return kappa, -first * kappa**2, (2.0 * first**2 * kappa - second) * kappa**2
+
+
 @lean
-def compliance(x, n, zeta, table, out):
-    """kappa at x links along a run of n links, its change with zeta and with x, to out (3,)."""
+def compliance(x, n, root, table, out):
+    """kappa at x links along a run of n links, its changes with sqrt(zeta) and with x, and the second with the former.
+
+    Args:
+        root: sqrt(zeta).
+        table: see `compliances`.
+        out: (4,), overwritten.
+    """
     y, side = (x, 1.0) if x <= 0.5 * n else (n - x, -1.0)
     if y > NEAR - 1:  # from there on it is the same in all links
         y = NEAR - 1 + (y - np.floor(y))
-    p, q = max(y, 0.0) * PARTS, min(max(zeta, 0.0), 1.0) * (SHARES - 1)
+    p, q = max(y, 0.0) * PARTS, min(max(root, 0.0), 1.0) * (SHARES - 1)
     i, j = min(int(p), NEAR * PARTS - 1), min(int(q), SHARES - 2)
     f, g = p - i, q - j
-    low = table[j, i] + f * (table[j, i + 1] - table[j, i])
-    high = table[j + 1, i] + f * (table[j + 1, i + 1] - table[j + 1, i])
-    out[0], out[1] = low + g * (high - low), (high - low) * (SHARES - 1)
-    near = (1.0 - g) * (table[j, i + 1] - table[j, i]) + g * (table[j + 1, i + 1] - table[j + 1, i])
-    out[2] = side * near * PARTS
+    one, first1, second1 = _at_root(table, i, j, g)
+    two, first2, second2 = _at_root(table, i + 1, j, g)
+    out[0], out[1] = one + f * (two - one), first1 + f * (first2 - first1)
+    out[2], out[3] = side * (two - one) * PARTS, second1 + f * (second2 - second1)
 
 
 @lean

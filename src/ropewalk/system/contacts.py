@@ -9,6 +9,8 @@ links below:
 Without a body the force is given and d follows; a body has its own place, N follows, and reaches it in turn. A kink
 that is carried along at the speed U feels the tension T - rho U^2. What makes it softer than a kink at rest is a push
 of its own, for only the latter has a potential with the links.
+
+On runs that are linearised T is the tension at rest, K = 0 and V = |d|^2/2 S.
 """
 
 from __future__ import annotations
@@ -16,21 +18,19 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics import law
-from ropewalk.mechanics.compiled import inlined, lean_inner
-from ropewalk.mechanics.rider import look_up, look_up_integral
-from ropewalk.system.compliance import KINETIC, compliance, kinetic
+from ropewalk.mechanics.compiled import lean_inner
+from ropewalk.system.compliance import KINETIC, LEAST, compliance, kinetic
 from ropewalk.system.spline import WIDTH, links_under, share
 
 # Largest square of a speed over that of transverse waves with which a kink is carried along.
 FASTEST = 0.9025
 
 # Rounds in which a kink and the tension that it makes find each other, and the part of the kink to which they do.
-AGAIN, FOUND = 20, 1e-9
-
-LEAST = 1e-9  # of kappa, which is nothing at supports
+AGAIN, FOUND = 40, 1e-9
 
 FORCE, BODY = 0, 1  # what touches: a given force, or coordinates that move
 AWAY, ON, GONE = 0, 1, 2  # not on its line, on it, off it with all of its load, for good
+PRESCRIBED, FREE = 0, 1  # how it advances along its line
 
 _REAL, _CODE, _VECTOR = "f8", "i8", ("f8", (3,))
 CONTACT = np.dtype(
@@ -40,13 +40,31 @@ CONTACT = np.dtype(
         ("kind", _CODE),
         ("first", _CODE),  # of a body: its first coordinate, one for each axis
         ("lift", _CODE),  # 0: it cannot leave its line; 1: it runs above it, -1: below
-        ("begin", _REAL),  # m, s at time zero
+        ("apart", _CODE),  # 1: it has left its line and is in the air
+        ("was_apart", _CODE),  # when it was last looked at
+        ("flown", _REAL),  # s, for which it has been there
+        ("frictionless", _CODE),  # of a given force: 1: a horizontal force holds it across its line
+        ("travel", _CODE),  # PRESCRIBED or FREE
+        ("measure", _CODE),  # what its speed counts, see mechanics/chain.py
+        ("begin", _REAL),  # m, what it counts from at time zero
+        ("friction", _REAL),  # of free travel: coefficient
+        ("block", _CODE),  # 1: friction of a point, 0: of a line that bends around it
+        ("rolling", _REAL),  # coefficient
+        ("viscous", _REAL),  # N s/m
+        ("driver", _REAL),  # N, the most that holds its speed
+        ("brake", _REAL),  # N
+        ("brake_low", _REAL),  # m, s below which it brakes
+        ("brake_high", _REAL),  # m, s above which it brakes
+        ("drive_first", _CODE),
+        ("drive_count", _CODE),
+        ("drive", _REAL),  # N along the line, of drive and driver
         ("speed_first", _CODE),  # where its tables begin, and how many entries they have
         ("speed_count", _CODE),
         ("force_first", _CODE),
         ("force_count", _CODE),
         ("margin", _REAL),  # m, that is left of the line where it leaves
         ("state", _CODE),
+        ("led", _CODE),  # 1: a guide puts it on its line and takes it off
         ("stays", _CODE),  # 1: it stops at an end of its line, 0: it leaves there
         ("refuses", _CODE),  # 1: the motion ends where it would leave
         ("been", _CODE),  # 1: it has been on its line
@@ -56,7 +74,8 @@ CONTACT = np.dtype(
         ("run", _CODE),
         ("near", _CODE),  # first node that shares its point
         ("x", _REAL),  # links along its run
-        ("speed", _REAL),  # m/s along the line
+        ("speed", _REAL),  # m/s along the line, of s
+        ("measured", _REAL),  # m/s, the same as it is measured
         ("weight", "f8", (WIDTH,)),
         ("slope", "f8", (WIDTH,)),  # per link
         ("link", "i8", (3,)),
@@ -70,9 +89,11 @@ CONTACT = np.dtype(
         ("last", *_VECTOR),  # N, given force then
         ("d", *_VECTOR),  # m
         ("given", *_VECTOR),  # N, given force
+        ("hold", _REAL),  # N, horizontal force that holds it across its line
         ("N", *_VECTOR),  # N on the line
         ("tension", _REAL),  # N, mean of the links below
         ("by_tension", _REAL),  # 1/m, dS/dT of a kink at rest
+        ("curve", _REAL),  # 1/(m N), d2S/dT2 of a kink at rest
         ("firm", _REAL),  # N/m, S - T dS/dT: what is not stored in links
         ("moving", _REAL),  # N/m, S of the kink as it is carried along
         ("rise", _REAL),  # N/m^3, what N changes by as the tension rises, over the product of two components of d
@@ -82,6 +103,12 @@ CONTACT = np.dtype(
         ("kink", _REAL),  # m^2, K
         ("fade", _REAL),  # m^2/s, by which it straightens after the contact has left
         ("turn", _REAL),  # J/m, change of the energy of the kink with s, beside that of p
+        ("push", _REAL),  # N, change of all energy with s: what it takes to move it along
+        ("pushed", _REAL),  # N, when it was last looked at; as of the next ones
+        ("was_at", _REAL),  # m, s
+        ("driven", _REAL),  # N
+        ("held_by", _REAL),  # N
+        ("stretch", _REAL),  # of the line at the contact, as its speed is measured
         ("step", _REAL),  # s, of the motion: what gives way within it keeps a stiff contact stable
         ("light", _REAL),  # 1/kg, about what a force accelerates above it
         ("least", _REAL),  # m/N, by which a contact without mass gives way at a support
@@ -90,91 +117,37 @@ CONTACT = np.dtype(
 )
 
 
-@inlined
-def give(tables, contacts, k, t, axes):
-    """Note the given force on contact k at time t."""
-    for a in range(axes):
-        contacts[k].given[a] = look_up(
-            tables.force_time, tables.force_value[a], contacts[k].force_first, contacts[k].force_count, t
-        )
-
-
 @lean_inner
-def locate(structure, contacts, tables, state, t):
-    """Put all contacts where they are along their lines at time t."""
-    lines, runs, r = structure.lines, structure.runs, state.r
-    for k in range(contacts.size):
-        first, count = contacts[k].speed_first, contacts[k].speed_count
-        contacts[k].speed = look_up(tables.speed_time, tables.speed_value, first, count, t)
-        s = contacts[k].begin + look_up_integral(
-            tables.speed_time, tables.speed_value, tables.speed_path, first, count, t
-        )
-        state.s[k] = s
-        give(tables, contacts, k, t, r.shape[0])
-        line, was, U = contacts[k].line, contacts[k].state, contacts[k].speed
-        low = contacts[k].margin if U < 0.0 else 0.0
-        high = lines.length[line] - (contacts[k].margin if U > 0.0 else 0.0)
-        if was == GONE:
-            continue
-        if contacts[k].stays == 1 and (s > high or (s < low and contacts[k].been == 1)):
-            end = high if s > high else low
-            if contacts[k].been == 1 and contacts[k].held == 0:
-                contacts[k].stopped = U
-            contacts[k].held, contacts[k].speed, s = 1, 0.0, end
-            state.s[k] = s
-        else:
-            contacts[k].held = 0
-        contacts[k].state = ON if low <= s <= high else AWAY
-        if contacts[k].state == AWAY:
-            if was == ON:
-                contacts[k].comes = -1
-                # As if it went on over a quarter of a link: a kink that went at once would push its links together.
-                contacts[k].fade = 4.0 * contacts[k].kink * abs(U) / runs.h[contacts[k].run]
-            continue
-        contacts[k].been = 1
-        if was == AWAY:
-            contacts[k].comes = 1
-        run = lines.first[line]
-        while run < lines.first[line] + lines.runs[line] - 1 and s >= lines.begin[run + 1]:
-            run += 1
-        n, h = runs.links[run], runs.h[run]
-        x = min(max((s - lines.begin[run]) / h, 0.0), float(n))
-        contacts[k].run, contacts[k].x = run, x
-        base = runs.first[run] + share(x, n, contacts[k].weight, contacts[k].slope)
-        contacts[k].near = base
-        before = after = -1
-        contacts[k].h[0] = contacts[k].h[1] = contacts[k].h[2] = h
-        if run > lines.first[line]:
-            before = runs.first[run - 1] + runs.links[run - 1] - 1
-        if run < lines.first[line] + lines.runs[line] - 1:
-            after = runs.first[run + 1]
-        links_under(x, runs.first[run], n, before, after, contacts[k].link, contacts[k].part, contacts[k].change)
-        for j in range(3):
-            if contacts[k].link[j] < runs.first[run]:
-                contacts[k].h[j] = runs.h[run - 1]
-            elif contacts[k].link[j] >= runs.first[run] + n:
-                contacts[k].h[j] = runs.h[run + 1]
-        most = min(WIDTH, n + 1)
-        for a in range(r.shape[0]):
-            here, slope = 0.0, 0.0
-            for j in range(most):
-                here += contacts[k].weight[j] * r[a, base + j]
-                slope += contacts[k].slope[j] * r[a, base + j]
-            contacts[k].p[a], contacts[k].along[a] = here, slope / h
-
-
-@lean_inner
-def fade(room, contacts, since):
-    """Let the kinks of contacts that have left straighten for a time in s; returns what their links lose by it, J."""
-    lost = 0.0
-    for k in range(contacts.size):
-        if contacts[k].state == ON or contacts[k].kink == 0.0:
-            continue
-        less = min(contacts[k].fade * since, contacts[k].kink)
-        contacts[k].kink -= less
-        for j in range(3):
-            lost += room.pull[contacts[k].link[j]] * contacts[k].part[j] * less
-    return lost
+def sit(structure, contacts, state, k, s):
+    """Put contact k at s of its line, where that is now."""
+    lines, runs, r, line = structure.lines, structure.runs, state.r, contacts[k].line
+    run = lines.first[line]
+    while run < lines.first[line] + lines.runs[line] - 1 and s >= lines.begin[run + 1]:
+        run += 1
+    n, h = runs.links[run], runs.h[run]
+    x = min(max((s - lines.begin[run]) / h, 0.0), float(n))
+    contacts[k].run, contacts[k].x = run, x
+    base = runs.first[run] + share(x, n, contacts[k].weight, contacts[k].slope)
+    contacts[k].near = base
+    before = after = -1
+    contacts[k].h[0] = contacts[k].h[1] = contacts[k].h[2] = h
+    if run > lines.first[line]:
+        before = runs.first[run - 1] + runs.links[run - 1] - 1
+    if run < lines.first[line] + lines.runs[line] - 1:
+        after = runs.first[run + 1]
+    links_under(x, runs.first[run], n, before, after, contacts[k].link, contacts[k].part, contacts[k].change)
+    for j in range(3):
+        if contacts[k].link[j] < runs.first[run]:
+            contacts[k].h[j] = runs.h[run - 1]
+        elif contacts[k].link[j] >= runs.first[run] + n:
+            contacts[k].h[j] = runs.h[run + 1]
+    most = min(WIDTH, n + 1)
+    for a in range(r.shape[0]):
+        here, slope = 0.0, 0.0
+        for j in range(most):
+            here += contacts[k].weight[j] * r[a, base + j]
+            slope += contacts[k].slope[j] * r[a, base + j]
+        contacts[k].p[a], contacts[k].along[a] = here, slope / h
 
 
 @lean_inner
@@ -201,13 +174,17 @@ def _soften(structure, contacts, table, out, k, T):
         dS/dT of the kink that is carried along.
     """
     run = contacts[k].run
+    if structure.runs.firm[run] > 0.0:
+        return _stay_firm(structure, contacts, k)
     h, n, U = structure.runs.h[run], structure.runs.links[run], contacts[k].speed
+    if contacts[k].travel == FREE:  # its speed knows of every link that it passes
+        U = 0.0
     bending = structure.runs.bending[run] / (h * h)
     free = contacts[k].least
     if contacts[k].kind == BODY:
         free += 0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light)
     whole = T + bending
-    S, slope, taken = _stiffness(whole, bending, h, n, 1.0, contacts[k].x, free, table, out)
+    S, slope, taken, contacts[k].curve = _stiffness(whole, bending, h, n, 1.0, contacts[k].x, free, table, out)
     contacts[k].by_tension, contacts[k].firm = slope, S - T * slope
     contacts[k].turn = S * taken * out[2] / (max(out[0], LEAST) * h)
     contacts[k].moving, contacts[k].carried = S, 0.0
@@ -216,7 +193,7 @@ def _soften(structure, contacts, table, out, k, T):
     moving = min(structure.runs.rho[run] * U * U, FASTEST * whole)
     less = max(T - moving, min(T, 0.0)) if bending > 0.0 else T - moving
     factor = kinetic(moving / whole, KINETIC)
-    contacts[k].moving, slope, taken = _stiffness(
+    contacts[k].moving, slope, taken, _ = _stiffness(
         less + bending, bending, h, n, factor, contacts[k].x, free, table, out
     )
     contacts[k].carried = S - contacts[k].moving
@@ -224,8 +201,21 @@ def _soften(structure, contacts, table, out, k, T):
 
 
 @lean_inner
+def _stay_firm(structure, contacts, k):
+    """Stiffness of contact k on a net, whose patch below bears it without a kink; returns dS/dT."""
+    free = 1.0 / structure.runs.firm[contacts[k].run] + contacts[k].least
+    if contacts[k].kind == BODY:
+        free += 0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light)
+    contacts[k].moving = contacts[k].firm = 1.0 / free
+    contacts[k].carried = contacts[k].by_tension = contacts[k].curve = contacts[k].turn = 0.0
+    return 0.0
+
+
+@lean_inner
 def _stiffness(whole, bending, h, n, factor, x, free, table, out):
-    """S = 1/(h kappa/whole + free), its change with the tension, and the part of it that is not `free`.
+    """S = 1/(h kappa/whole + free), its change with the tension, the part of it that is not `free`, and its curvature.
+
+    In compression it goes on in a straight line.
 
     Args:
         whole: N, tension and EI/h^2.
@@ -237,23 +227,30 @@ def _stiffness(whole, bending, h, n, factor, x, free, table, out):
         free: m/N, what else gives way.
         table, out: see `compliance`; out is left as it was at x.
     """
-    zeta = 0.0
+    zeta, straight = 0.0, bending > 0.0 and whole <= bending
     if bending > 0.0:
-        zeta = min(bending / whole, 1.0) if whole > 0.0 else 1.0
-    compliance(x, n, zeta, table, out)
+        zeta = 1.0 if straight else bending / whole
+    root = np.sqrt(zeta)
+    compliance(x, n, root, table, out)
     kappa = max(out[0], LEAST)
-    slope = (1.0 + zeta * out[1] / kappa) if zeta < 1.0 else 1.0
-    kappa *= 1.0 + (1.0 - zeta) * (factor - 1.0)
-    S, slope = whole / (h * kappa), slope / (h * kappa)
+    first, second = -out[1] / kappa**2, (2.0 * out[1] ** 2 / kappa - out[3]) / kappa**2  # of 1/kappa
+    moving = kappa * (1.0 + (1.0 - zeta) * (factor - 1.0))
+    slope = (1.0 - 0.5 * root * first * kappa) / (h * moving)
+    S, curve = whole / (h * moving), 0.0
+    if straight:
+        S = bending / (h * moving) + (whole - bending) * slope
+    elif zeta > 0.0:
+        curve = -0.25 * root * (first - root * second) / (whole * h)
     taken = 1.0
     if S > 0.0:
         taken = 1.0 / (1.0 + free * S)
-    return S * taken, slope * taken * taken, taken
+    curve = (curve - 2.0 * free * slope**2 * taken) * taken * taken
+    return S * taken, slope * taken * taken, taken, curve
 
 
 @lean_inner
 def _kink(structure, room, contacts, table, out, k, square):
-    """Find the kink of contact k, and its stiffness under the tension that the kink makes.
+    """Find the kink of contact k, and its stiffness under the tension that the kink makes, by Newton's method.
 
     Args:
         square: m^2, of d.
@@ -262,15 +259,33 @@ def _kink(structure, room, contacts, table, out, k, square):
         Changes of the stiffness with the tension, and of the tension with the kink.
     """
     h = structure.runs.h[contacts[k].run]
-    T, change = _tension_under(structure, room, contacts, k, contacts[k].kink)
-    slope = _soften(structure, contacts, table, out, k, T)
+    low, high, slope, change = 0.0, np.inf, 0.0, 0.0
     for _ in range(AGAIN):
-        before, contacts[k].kink = contacts[k].kink, 0.5 * square * h * contacts[k].by_tension
-        if abs(contacts[k].kink - before) <= FOUND * contacts[k].kink:
-            break
-        T, change = _tension_under(structure, room, contacts, k, contacts[k].kink)
+        K = contacts[k].kink
+        T, change = _tension_under(structure, room, contacts, k, K)
         slope = _soften(structure, contacts, table, out, k, T)
+        miss = K - 0.5 * square * h * contacts[k].by_tension
+        if abs(miss) <= FOUND * K:
+            break
+        if miss > 0.0:
+            high = K
+        else:
+            low = K
+        new = K - miss / max(1.0 - 0.5 * square * h * contacts[k].curve * change, 1.0)
+        contacts[k].kink = new if low <= new <= high else 0.5 * (low + high)
     return slope, change
+
+
+@lean_inner
+def _stiffen_little(structure, room, contacts, table, out, k):
+    """Stiffness of contact k under the tension of rest, which changes with s."""
+    T, graded = 0.0, 0.0
+    for j in range(3):
+        T += structure.runs.h[contacts[k].run] * contacts[k].part[j] * room.pull[contacts[k].link[j]]
+        graded += contacts[k].change[j] * room.pull[contacts[k].link[j]]
+    _soften(structure, contacts, table, out, k, T)
+    contacts[k].firm += T * contacts[k].by_tension
+    contacts[k].turn -= graded * contacts[k].by_tension
 
 
 @lean_inner
@@ -280,9 +295,15 @@ def stiffen(structure, room, contacts, state, table, out, k):
     for a in range(axes):
         contacts[k].place[a] = state.u[contacts[k].first + a]
         contacts[k].d[a] = contacts[k].place[a] - contacts[k].p[a]
+    contacts[k].apart = 0
     if contacts[k].lift != 0 and contacts[k].lift * _above(contacts, k, axes) > 0.0:
+        contacts[k].apart = 1
         for a in range(axes):
             contacts[k].d[a] = 0.0
+    if structure.about.links.size > 0:
+        contacts[k].rise = 0.0
+        _stiffen_little(structure, room, contacts, table, out, k)
+        return
     for a in range(axes):
         square += contacts[k].d[a] ** 2
     slope, change = _kink(structure, room, contacts, table, out, k, square)
@@ -296,24 +317,69 @@ def bend(structure, room, contacts, state, table, out):
     for k in range(contacts.size):
         if contacts[k].state != ON:
             continue
+        if structure.about.links.size > 0 and contacts[k].kind == FORCE:
+            _yield_little(structure, room, contacts, k, table, out, axes)
+            continue
         if contacts[k].kind == FORCE:
-            F = 0.0
-            for a in range(axes):
-                F += contacts[k].given[a] ** 2
-            F = np.sqrt(F)
+            F = _hold(contacts, k, axes)
             length = _yield(structure, room, contacts, k, table, out, F)
             for a in range(axes):
-                contacts[k].d[a] = length * contacts[k].given[a] / F if F > 0.0 else 0.0
+                contacts[k].d[a] = length * contacts[k].N[a] / F if F > 0.0 else 0.0
                 contacts[k].place[a] = contacts[k].p[a] + contacts[k].d[a]
             continue
         stiffen(structure, room, contacts, state, table, out, k)
     for k in range(contacts.size):
-        if contacts[k].state == ON or contacts[k].kink > 0.0:
+        if structure.about.links.size == 0 and (contacts[k].state == ON or contacts[k].kink > 0.0):
             for j in range(3):
                 i = contacts[k].link[j]
                 if contacts[k].part[j] > 0.0:
                     room.length[i] = np.sqrt(room.length[i] ** 2 + 2.0 * contacts[k].part[j] * contacts[k].kink)
                     room.strain[i] = room.length[i] / contacts[k].h[j] - 1.0
+
+
+@lean_inner
+def _hold(contacts, k, axes):
+    """Force of contact k, which is given, on its line; one without friction is held so that it does not pull along it.
+
+    Returns:
+        Its magnitude, N.
+    """
+    along, F = 0.0, 0.0
+    for a in range(axes):
+        contacts[k].N[a] = contacts[k].given[a]
+        along += contacts[k].given[a] * contacts[k].along[a]
+    contacts[k].hold = 0.0
+    if contacts[k].frictionless == 1:
+        contacts[k].hold = -along / contacts[k].along[0]
+        contacts[k].N[0] += contacts[k].hold
+    for a in range(axes):
+        F += contacts[k].N[a] ** 2
+    return np.sqrt(F)
+
+
+@lean_inner
+def _yield_little(structure, room, contacts, k, table, out, axes):
+    """Let contact k give way under its given force, which is held across the line at rest where it has no friction."""
+    _stiffen_little(structure, room, contacts, table, out, k)
+    contacts[k].hold = 0.0
+    if contacts[k].frictionless == 1:
+        along = 0.0
+        for a in range(axes):
+            along += contacts[k].given[a] * slope_at_rest(structure, contacts, k, a)
+        contacts[k].hold = -along / slope_at_rest(structure, contacts, k, 0)
+    for a in range(axes):
+        contacts[k].N[a] = contacts[k].given[a] + (contacts[k].hold if a == 0 else 0.0)
+        contacts[k].d[a] = contacts[k].N[a] / contacts[k].moving
+        contacts[k].place[a] = contacts[k].p[a] + contacts[k].d[a]
+
+
+@lean_inner
+def slope_at_rest(structure, contacts, k, a):
+    """Component a of the derivative of the spline by s at contact k, with the line at rest."""
+    slope = 0.0
+    for j in range(min(WIDTH, structure.runs.links[contacts[k].run] + 1)):
+        slope += contacts[k].slope[j] * structure.about.shape[0, a, contacts[k].near + j]
+    return slope / structure.runs.h[contacts[k].run]
 
 
 @lean_inner
@@ -376,12 +442,18 @@ def press(structure, room, contacts, state, table, out):
             T += contacts[k].part[j] * room.tension[contacts[k].link[j]]
             pull += contacts[k].part[j] * room.pull[contacts[k].link[j]]
         contacts[k].tension = T
-        if contacts[k].kind == BODY:
+        if structure.about.links.size > 0:
+            _stiffen_little(structure, room, contacts, table, out, k)
+        elif contacts[k].kind == BODY:
             _soften(structure, contacts, table, out, k, structure.runs.h[run] * pull)
+        push = 0.0
+        for j in range(3):
+            push += contacts[k].change[j] * room.pull[contacts[k].link[j]]
+        contacts[k].push = push * contacts[k].kink / structure.runs.h[run]
         for a in range(axes):
-            contacts[k].N[a] = contacts[k].given[a]
             if contacts[k].kind == BODY:
                 contacts[k].N[a] = contacts[k].moving * contacts[k].d[a]
+            contacts[k].push -= contacts[k].N[a] * contacts[k].along[a] + 0.5 * contacts[k].d[a] ** 2 * contacts[k].turn
             for j in range(most):
                 room.force[a, base + j] += contacts[k].weight[j] * contacts[k].N[a]
 

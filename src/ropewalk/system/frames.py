@@ -7,45 +7,83 @@ from typing import Any
 import numpy as np
 
 from ropewalk.checkpoint import Tree
-from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.fleet import FIRM
 from ropewalk.mechanics.loading import Loading
-from ropewalk.results.audit import Audit
-from ropewalk.results.frame import MOVES, STICKS, Contacts, Frame, Layout
+from ropewalk.results.audit import Audit, energies
+from ropewalk.results.frame import IN_AIR, MOVES, STICKS, Contacts, Frame, Layout
 from ropewalk.system.assembly import Assembled
 from ropewalk.system.bodies import Bodies
-from ropewalk.system.contacts import ON
-from ropewalk.system.structure import CARRIED, DAMPED, HELD, IN_BODIES, LOADED, MOVED, STRUCK, Room, State
-
-_BESIDE = 1.5  # links from a contact, where a line is as beyond its kink
+from ropewalk.system.contacts import FORCE, ON, PRESCRIBED
+from ropewalk.system.holding import Grip, beside
+from ropewalk.system.structure import (
+    CARRIED,
+    DAMPED,
+    DRIVEN,
+    HELD,
+    IN_BODIES,
+    LOADED,
+    MOVED,
+    RUBBED,
+    STRUCK,
+    Room,
+    State,
+)
+from ropewalk.webs.fabric import tensions_of
 
 
 class FrameBuilder:
-    """What builds the frames of a motion; the energy at the first one is the origin of its audit."""
+    """What builds frames; the energy at the first one of a motion is the origin of its audit.
 
-    def __init__(self, assembled: Assembled, loading: Loading, bodies: Bodies, windy: bool) -> None:
+    Args:
+        assembled: what frames are of.
+        loading: its loads.
+        bodies: what has a mass of these.
+        windy: whether wind bears some of the weight, as foundations do.
+        path: leading dimension of the result.
+    """
+
+    def __init__(self, assembled: Assembled, loading: Loading, bodies: Bodies, windy: bool, path: str = "time") -> None:
         self.assembled, self.loading, self.bodies = assembled, loading, bodies
         runs, line = assembled.structure.runs, assembled.line
         nodes, links = [], []
-        for s, (first, n) in enumerate(zip(runs.first, runs.links, strict=True)):
+        for s, (first, n) in enumerate(zip(runs.first[: len(line)], runs.links[: len(line)], strict=True)):
             goes_on = s > 0 and line[s - 1] == line[s]  # its first node is the last one before
             nodes.append(first + np.arange(int(goes_on), n + 1))
             links.append(first + np.arange(n))
-        self._node, self.link = np.concatenate(nodes), np.concatenate(links)
-        station = assembled.station
+        none, nets = np.zeros(0, dtype=np.int64), assembled.nets
+        vertices = () if nets is None else nets.vertex
+        sheets = () if nets is None else nets.sheets
+        self.node, self.link = np.concatenate([none, *nodes, *vertices]), np.concatenate([none, *links])
+        station = np.where(
+            np.arange(self.node.size) < sum(own.size for own in nodes), assembled.station[self.node], np.nan
+        )
+        begin = np.cumsum([sum(own.size for own in nodes), *(own.size for own in vertices)])
+        self._edges = [np.unique([self._holding_of(n) for n in own.tolist()]) for own in vertices]
         held, supports = assembled.structure.holdings, [e for _, e in assembled.supports]
         joints = np.setdiff1d(np.arange(held.mass.size), supports)
         weight = -float(assembled.structure.nodes.force[-1].sum() + held.force[joints, -1].sum())
         shown = () if loading.fleet is None else loading.fleet.shown
         self.layout = Layout(
             axes=assembled.axes,
-            node_line=tuple(name for name, own in zip(line, nodes, strict=True) for _ in own),
-            node_xi=station[self._node],
+            node_line=(
+                *(name for name, own in zip(line, nodes, strict=True) for _ in own),
+                *(sheet.name for sheet, own in zip(sheets, vertices, strict=True) for _ in own),
+            ),
+            node_xi=station,
             link_line=tuple(name for name, own in zip(line, links, strict=True) for _ in own),
-            link_xi=0.5 * (station[self.link] + station[self.link + 1]),
+            link_xi=0.5 * (assembled.station[self.link] + assembled.station[self.link + 1]),
             contact_load=tuple(wheel.name for wheel in loading.wheels),
-            support=tuple(name for name, _ in assembled.supports),
+            support=(*(name for name, _ in assembled.supports), *(f"{sheet.name}.edge" for sheet in sheets)),
+            cell=tuple(
+                (int(i), int(j), int(k))
+                for sheet, at in zip(sheets, begin, strict=False)
+                for i, j, k in sheet.surface.triangle + at
+            ),
+            cell_net=tuple(sheet.name for sheet in sheets for _ in sheet.surface.triangle),
             body=tuple(body.name for body in shown),
-            weight=float("nan") if windy else weight,
+            path=path,
+            weight=float("nan") if windy or runs.bed.any() else weight,
         )
         self._audit = Audit()
 
@@ -57,37 +95,73 @@ class FrameBuilder:
         """Go on from there."""
         self._audit.set_state(tree)
 
-    def build(self, state: State, room: Room, contacts: Any, elastic: float) -> Frame:
-        """The frame of a state whose forces are known; `elastic` is what its lines and contacts store, J."""
+    def build(self, state: State, room: Room, contacts: Any, elastic: float, *, still: float | None = None) -> Frame:
+        """The frame of a state whose forces are known.
+
+        Args:
+            state, room, contacts: as they are.
+            elastic: what lines and contacts store, J.
+            still: of a rest, its load path in m.
+        """
         seen, tension = Contacts(contacts.size, len(self.assembled.axes)), self._axial_force(room)
         for k in np.flatnonzero(contacts["state"] == ON):
             self._look_at(seen, int(k), contacts[k], state, tension)
         places, velocities = self._shown_bodies(state)
         return Frame(
-            path=float(state.t[0]), position=state.r[:, self._node].T.copy(), velocity=state.v[:, self._node].T.copy(),
+            path=float(state.t[0]) if still is None else still,
+            position=state.r[:, self.node].T.copy(), velocity=state.v[:, self.node].T.copy(),
             tension=tension[self.link], strain=room.strain[self.link], **seen.told(),
             body_position=places, body_velocity=velocities,
-            reaction=np.array([room.reaction[e] for _, e in self.assembled.supports]).reshape(-1, state.r.shape[0]),
-            energy=self._energy(state, contacts, elastic),
+            reaction=self._reactions(room),
+            cell_tension=self._cell_tensions(state),
+            energy=self._energy(state, contacts, elastic, still=still is not None),
         )  # fmt: skip
+
+    def _holding_of(self, node: int) -> int:
+        """The holding of a node, -1: none."""
+        held = self.assembled.structure.holdings
+        at = np.flatnonzero(held.node == node)
+        return int(np.searchsorted(held.first, at[0], side="right")) - 1 if at.size else -1
+
+    def _reactions(self, room: Room) -> Array:
+        """Forces of supports on lines, and of edges on nets, (support, axis) N."""
+        edges = [room.reaction[own[own >= 0]].sum(axis=0) for own in self._edges]
+        ends = [room.reaction[e] for _, e in self.assembled.supports]
+        return np.array([*ends, *edges]).reshape(-1, room.reaction.shape[1])
+
+    def _cell_tensions(self, state: State) -> Array | None:
+        surfaces = self.assembled.structure.surfaces
+        return None if surfaces is None else tensions_of(surfaces.cells, surfaces.cells.area.size, state.r.T)
 
     def _axial_force(self, room: Room) -> Array:
         """Force along the tangent in links, by their first node, N: what stretches them, and EI kappa^2."""
-        runs, out = self.assembled.structure.runs, room.tension.copy()
+        structure, out = self.assembled.structure, room.tension.copy()
+        runs, squares = structure.runs, room.bent**2
+        if structure.is_linearised:
+            squares = structure.about.shape[1] * (2.0 * room.bent - structure.about.shape[1])
         for s in np.flatnonzero(runs.bending > 0.0):
             first, n = int(runs.first[s]), int(runs.links[s])
-            square = (room.bent[:, first : first + n + 1] ** 2).sum(axis=0) / runs.h[s] ** 4
+            square = squares[:, first : first + n + 1].sum(axis=0) / runs.h[s] ** 4
             out[first : first + n] += 0.5 * runs.bending[s] * (square[1:] + square[:-1])
         return out
 
     def _look_at(self, seen: Contacts, k: int, contact: Any, state: State, tension: Array) -> None:
-        runs, dim, run = self.assembled.structure.runs, state.r.shape[0], int(contact["run"])
+        runs, dim = self.assembled.structure.runs, state.r.shape[0]
+        on_net = runs.firm[contact["run"]] > 0.0
         seen.position[k], seen.force[k], seen.hold[k] = contact["place"][:dim], contact["N"][:dim], 0.0
-        seen.xi[k], seen.speed[k] = state.s[k], contact["speed"]
-        seen.state[k] = MOVES if contact["speed"] != 0.0 else STICKS
-        for side, way in enumerate((-_BESIDE, _BESIDE)):
-            link = min(max(int(np.floor(contact["x"] + way)), 0), int(runs.links[run]) - 1)
-            seen.tension[k, side] = tension[runs.first[run] + link]
+        seen.hold[k, 0] = contact["hold"]
+        given = contact["kind"] == FORCE or contact["first"] >= state.u.size
+        if (
+            not given and not contact["frictionless"] and contact["travel"] == PRESCRIBED
+        ):  # what the line is gripped with
+            way = contact["along"][:dim] / np.linalg.norm(contact["along"])
+            seen.hold[k] = (seen.force[k] @ way) * way
+        grip = Grip.of(contact, self.assembled.structure, float(state.s[k]), tension, dim)
+        seen.friction[k] = grip.needed(contact)
+        seen.xi[k], seen.speed[k], seen.in_air[k] = state.s[k], contact["measured"], contact["flown"]
+        seen.state[k] = IN_AIR if contact["apart"] else MOVES if contact["speed"] != 0.0 else STICKS
+        if not on_net:
+            seen.tension[k] = beside(contact, runs, tension)
 
     def _shown_bodies(self, state: State) -> tuple[Array, Array]:
         """Places and velocities of bodies (body, axis), m and m/s; along what has no coordinate above their wheels."""
@@ -105,12 +179,7 @@ class FrameBuilder:
                 out[0, i, 0] += body.ahead
         return out[0], out[1]
 
-    def _held(self, e: int) -> Integers:
-        """Nodes of a holding."""
-        held = self.assembled.structure.holdings
-        return held.node[held.first[e] : held.first[e] + held.nodes[e]]
-
-    def _energy(self, state: State, contacts: Any, elastic: float) -> Array:
+    def _energy(self, state: State, contacts: Any, elastic: float, *, still: bool) -> Array:
         nodes, held, bodies = self.assembled.structure.nodes, self.assembled.structure.holdings, self.bodies
         first = held.node[held.first]
         # What a kink that is carried along has of kinetic energy, which its line does not.
@@ -125,24 +194,36 @@ class FrameBuilder:
             elastic += 0.5 * float(away @ held.stiffness[e] @ away)
         # What moves as prescribed has its kinetic energy from there.
         driven = (held.entries > 1) & (np.einsum("eaa->e", held.free) == 0.0)
-        mass = held.mass + np.array([nodes.mass[self._held(e)].sum() for e in range(held.mass.size)])
+        mass = held.mass + np.array([nodes.mass[held.members(e)].sum() for e in range(held.mass.size)])
         moved_by = 0.5 * float((mass * (state.v[:, first] ** 2).sum(axis=0))[driven].sum())
         alone = bodies.alone == 1
         moving = 0.5 * float((bodies.mass * state.w**2)[alone].sum())
         potential = -float(bodies.force @ state.u)
         for p, n in enumerate(bodies.size):
             at = bodies.at[p, :n]
-            moving += 0.5 * float(state.w[at] @ bodies.M[p, :n, :n] @ state.w[at])
+            rate = np.where(np.diag(bodies.M[p])[:n] < FIRM, state.w[at], 0.0)  # only its owner moves what is firm
+            moving += 0.5 * float(rate @ bodies.M[p, :n, :n] @ rate)
             potential += 0.5 * float(state.u[at] @ bodies.K[p, :n, :n] @ state.u[at])
-        for tether in bodies.tethers:
-            dim, above = state.r.shape[0], int(contacts[tether["contact"]]["first"])
-            way = state.u[int(tether["first"]) :][:dim] - state.u[above : above + dim]
-            potential += 0.5 * float(tether["stiffness"] * max(np.linalg.norm(way) - tether["length"], 0.0) ** 2)
+        potential += _of_tethers(state, contacts, bodies.tethers)
+        if still:
+            return energies(elastic=elastic, gravitational=-weight, load_potential=potential)
         work = state.work
         return self._audit.of(
             kinetic=kinetic + swept, elastic=elastic, gravitational=-weight, load_kinetic=moving,
             load_potential=potential, line_damping=float(work[DAMPED]), load_work=float(work[LOADED]),
             hold_work=float(work[HELD]) + 2.0 * swept, support_work=float(work[MOVED]) + moved_by,
             load_damping=float(work[IN_BODIES]),
-            contact_dissipation=float(work[STRUCK] - work[CARRIED]) + swept,
+            contact_dissipation=float(work[STRUCK] - work[CARRIED]) + swept, friction=float(work[RUBBED]),
+            drive_work=float(work[DRIVEN]),
         )  # fmt: skip
+
+
+def _of_tethers(state: State, contacts: Any, tethers: Any) -> float:
+    """Energy stored in all tethers, J."""
+    total, dim = 0.0, state.r.shape[0]
+    for tether in tethers[tethers["on"] == 1]:
+        first, own = int(tether["first"]), int(contacts[tether["contact"]]["first"])
+        way, across = state.u[first : first + dim] - state.u[own : own + dim], tether["across"][:dim]
+        longer = float(np.linalg.norm(way - (across @ way) * across) - tether["length"])
+        total += 0.5 * float(tether["stiffness"] * max(longer * tether["way"], 0.0) ** 2)
+    return total

@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.rider import look_up
 from ropewalk.system.bodies import LEAVES, STAYS, arrive, balance, drift, ground, kick
-from ropewalk.system.cables import blow, energy_of, pull_all, stretch_all
-from ropewalk.system.contacts import AWAY, BODY, GONE, ON, bend, fade, locate, press
-from ropewalk.system.structure import CARRIED, DAMPED, HELD, LOADED, MOVED, STRUCK
+from ropewalk.system.cables import blow, energy_of, guess, pull_all, stretch_all
+from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, bend, press
+from ropewalk.system.structure import CARRIED, DAMPED, DRIVEN, HELD, LOADED, MOVED, RUBBED, STRUCK
+from ropewalk.system.surfaces import damp_surfaces, follow, hand_over, is_damped, pull_surfaces, stored_in
+from ropewalk.system.tethers import gap, grow
+from ropewalk.system.travel import fade, locate
 
-RUNNING, NOT_FINITE, AT_END = 0, 1, 2
-
-
-class Tables(NamedTuple):
-    """Histories of all contacts, one after the other."""
-
-    speed_time: Array
-    speed_value: Array
-    speed_path: Array
-    force_time: Array
-    force_value: Array  # (axis, entry)
+RUNNING, NOT_FINITE, AT_END, ASKED = 0, 1, 2, 3
+SETTLE, LOCATE, LOOK = -2, -1, 0  # instead of a number of steps
 
 
 @inlined
@@ -34,32 +25,51 @@ def _displaced(holdings, e, a, t):
 
 
 @lean_inner
-def _look(structure, room, contacts, tables, bodies, state, table, out, dt, since, windy):
+def _look(structure, room, contacts, tables, bodies, state, table, out, dt, since, windy, steps):
     """All forces at the places of now: on nodes to `room.force`, of contacts to their records.
 
     Args:
         dt: s, for which the wind will kick.
         since: s, since they were looked at before; 0: what damps does not act.
+        steps: as of `advance`.
 
     Returns:
-        Powers of what damps and of the wind, W.
+        Powers of what damps and of the wind, W, and the energy stored in all runs, J, if nothing is to move.
     """
+    stored = 0.0
     for a in range(state.r.shape[0]):
         for i in range(state.r.shape[1]):
             room.force[a, i] = structure.nodes.force[a, i]
-    stretch_all(structure.runs, room, state.r)
-    locate(structure, contacts, tables, state, state.t[0])
+    follow(structure.surfaces, state.r, state.v)
+    stretch_all(structure, room, state.r)
+    locate(structure, room, contacts, tables, state, table, out, since)
+    if steps == LOCATE:
+        for k in range(contacts.size):
+            if contacts[k].kind == BODY and contacts[k].state == AWAY:
+                ground(structure, contacts, state, k)
+        return 0.0, 0.0, 0.0
     if since > 0.0:
         state.work[STRUCK] += fade(room, contacts, since)
     _let_go(contacts, bodies)
     arrive(structure, contacts, bodies, state)
     balance(structure, room, contacts, bodies, state, table, out, since)
     bend(structure, room, contacts, state, table, out)
+    if steps <= LOOK:
+        stored = energy_of(structure, room, state.r) + stored_in(structure.surfaces, state.r)
+        for k in range(contacts.size):
+            if contacts[k].state == ON:
+                for a in range(state.r.shape[0]):
+                    stored += 0.5 * contacts[k].d[a] ** 2 * contacts[k].firm
     lost, blown = pull_all(structure, room, state.r, since), 0.0
     press(structure, room, contacts, state, table, out)
+    hand_over(structure.surfaces, room.force)
+    pull_surfaces(structure.surfaces, state.r, room.force)
+    if since > 0.0 and is_damped(structure.surfaces):
+        guess(structure, room, state.v, dt)
+        lost += damp_surfaces(structure.surfaces, state.r, room.guess, room.force)
     if windy:
         blown = blow(structure, room, state.r, state.v, state.t[0], dt)
-    return lost, blown
+    return lost, blown, stored
 
 
 @lean_inner
@@ -195,7 +205,7 @@ def _let_go(contacts, bodies):
             continue
         leaves = True
         for k in range(contacts.size):
-            if contacts[k].load == i and (contacts[k].state != AWAY or contacts[k].been == 0):
+            if contacts[k].load == i and (contacts[k].state != AWAY or contacts[k].been == 0 or contacts[k].led == 1):
                 leaves = False
         if leaves:
             bodies.gone[i] = LEAVES
@@ -205,8 +215,18 @@ def _let_go(contacts, bodies):
 
 
 @lean_inner
-def _book(structure, room, contacts, state, h):
-    """Works of given forces since the last look, and of what moves contacts along, for a kick of the time h."""
+def _along(contacts, k, axes):
+    """Energy that contact k had stored along its line when it was last looked at, J."""
+    along = square = 0.0
+    for a in range(axes):
+        along += contacts[k].was[a] * contacts[k].along[a]
+        square += contacts[k].along[a] ** 2
+    return 0.5 * contacts[k].moving * along * along / square
+
+
+@lean_inner
+def _book(structure, contacts, state):
+    """Works at all contacts since the last look: of given forces, of what moves contacts along, of friction."""
     axes = state.r.shape[0]
     for k in range(contacts.size):
         if contacts[k].state != ON:
@@ -217,31 +237,41 @@ def _book(structure, room, contacts, state, h):
             way = contacts[k].place[a] - contacts[k].before[a]
             if np.isfinite(way):
                 state.work[LOADED] += 0.5 * (contacts[k].given[a] + contacts[k].last[a]) * way
-            contacts[k].before[a], contacts[k].last[a] = contacts[k].place[a], contacts[k].given[a]
+                if a == 0:
+                    state.work[HELD] += 0.5 * (contacts[k].hold + contacts[k].held_by) * way
             push = contacts[k].carried * contacts[k].d[a]
             if np.isfinite(way):
                 state.work[CARRIED] += 0.5 * (push + contacts[k].lagged[a]) * (contacts[k].d[a] - contacts[k].was[a])
-            contacts[k].was[a], contacts[k].lagged[a] = contacts[k].d[a], push
-        if contacts[k].speed != 0.0:
-            pushed = 0.0
-            for a in range(axes):
-                pushed -= contacts[k].N[a] * contacts[k].along[a]
-                pushed -= 0.5 * contacts[k].d[a] ** 2 * contacts[k].turn
-            for j in range(3):
-                pull = room.pull[contacts[k].link[j]]
-                pushed += contacts[k].change[j] / structure.runs.h[contacts[k].run] * pull * contacts[k].kink
-            if contacts[k].kind == BODY:
-                state.work[HELD] += h * contacts[k].speed * pushed
-            else:  # nobody holds a given force: what its contact draws from the line is lost, or gained
-                state.work[STRUCK] -= h * contacts[k].speed * pushed
+            contacts[k].lagged[a] = push
+        if contacts[k].apart == 1 and contacts[k].was_apart == 0:  # what held it along the line snaps back
+            state.work[STRUCK] += _along(contacts, k, axes)
+        contacts[k].was_apart = contacts[k].apart
+        for a in range(axes):
+            contacts[k].was[a] = contacts[k].d[a]
+        way = state.s[k] - contacts[k].was_at
+        if np.isfinite(contacts[k].before[0]) and way != 0.0:
+            work = 0.5 * (contacts[k].push + contacts[k].pushed) * way
+            if contacts[k].kind != BODY:  # nobody holds a given force: what its contact draws from the line is lost
+                state.work[STRUCK] -= work
+            elif contacts[k].travel == FREE:
+                driven = 0.5 * (contacts[k].drive + contacts[k].driven) * contacts[k].stretch * way
+                state.work[DRIVEN] += driven
+                state.work[RUBBED] += driven - work
+            else:
+                state.work[HELD] += work
+        contacts[k].was_at, contacts[k].pushed = state.s[k], contacts[k].push
+        contacts[k].driven, contacts[k].held_by = contacts[k].drive, contacts[k].hold
+        for a in range(axes):
+            contacts[k].before[a], contacts[k].last[a] = contacts[k].place[a], contacts[k].given[a]
 
 
 @lean_inner
-def _is_refused(contacts):
+def _is_refused(contacts, state):
     """Whether a load that was to stay on its line has come to an end of it."""
     found = False
     for k in range(contacts.size):
-        found = found or (contacts[k].refuses == 1 and contacts[k].been == 1 and contacts[k].state != ON)
+        is_off = contacts[k].state != ON and np.isfinite(state.s[k])
+        found = found or (contacts[k].refuses == 1 and contacts[k].been == 1 and is_off)
     return found
 
 
@@ -255,66 +285,52 @@ def _is_finite(r, v):
 
 
 @lean
-def stand(structure, contacts, state):
-    """Let bodies that are not on their lines stand on level ground beside them."""
-    for k in range(contacts.size):
-        if contacts[k].kind == BODY and contacts[k].state == AWAY:
-            ground(structure, contacts, state, k)
-
-
-@lean
 def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, dt, steps):
-    """Move a state by some steps of the length dt in s; returns RUNNING, or what went wrong."""
-    windy = False
+    """Move a state by some steps of the length dt in s. One kernel for all, which is compiled once.
+
+    Args:
+        steps: LOOK: nothing moves, and forces are found at the places of now; SETTLE: the same after contacts have been
+            put down, taken up or pressed elsewise, which does work; LOCATE: contacts are located only.
+
+    Returns:
+        RUNNING, or what went wrong; and, if nothing moves, the energy stored in all runs with their kinks, J.
+    """
+    windy, dragged, stored = False, False, 0.0
     for a in range(state.r.shape[0]):
         windy = windy or structure.wind.direction[a] != 0.0
-    dragged = False
     for i in range(structure.nodes.drag.size):
         dragged = dragged or structure.nodes.drag[i] > 0.0
     begin = state.t[0]
-    for step in range(steps + 1):
+    for step in range(max(steps, 0) + 1):
         half = 1 if step in (0, steps) else 0
         h = 0.5 * dt if half == 1 else dt
         since = dt if step > 0 else 0.0
-        lost, blown = _look(structure, room, contacts, tables, bodies, state, table, out, h, since, windy)
-        ends = step > 0 and _is_refused(contacts)
-        if ends:
+        lost, blown, stored = _look(
+            structure, room, contacts, tables, bodies, state, table, out, h, since, windy, steps
+        )
+        if steps <= LOOK:
+            break
+        ends = step > 0 and _is_refused(contacts, state)
+        asked = step > 0 and gap(structure, contacts, bodies, state) <= 0.0
+        if ends or asked:
             half, h = 1, 0.5 * dt
         state.work[DAMPED] += h * lost
         state.work[LOADED] += h * blown
-        _book(structure, room, contacts, state, h)
+        _book(structure, contacts, state)
         state.work[DAMPED] += _kick_nodes(structure, room, state, h, dragged)
         _kick_holdings(structure, room, state, h, dt, A, b)
         kick(contacts, bodies, state, h, half)
-        if step < steps:
+        if step < steps and not asked:
+            state.work[DRIVEN] += grow(contacts, bodies, state, dt)
             _drift(structure, state, dt)
             drift(bodies, state, dt)
             state.t[0] = begin + (step + 1) * dt
         if step % 64 == 0 and not _is_finite(state.r, state.v):
-            return NOT_FINITE
+            return NOT_FINITE, stored
         if ends:
-            return AT_END
-    return RUNNING if _is_finite(state.r, state.v) else NOT_FINITE
-
-
-@lean
-def look(structure, room, contacts, tables, bodies, state, table, out):
-    """Find all forces at the places of now, as nothing moved."""
-    windy = False
-    for a in range(state.r.shape[0]):
-        windy = windy or structure.wind.direction[a] != 0.0
-    _look(structure, room, contacts, tables, bodies, state, table, out, 0.0, 0.0, windy)
-
-
-@lean
-def stored(structure, room, contacts, tables, bodies, state, table, out):
-    """Energy stored in all runs with their kinks, J."""
-    stretch_all(structure.runs, room, state.r)
-    locate(structure, contacts, tables, state, state.t[0])
-    bend(structure, room, contacts, state, table, out)
-    total = energy_of(structure, room, state.r)
-    for k in range(contacts.size):
-        if contacts[k].state == ON:
-            for a in range(state.r.shape[0]):
-                total += 0.5 * contacts[k].d[a] ** 2 * contacts[k].firm
-    return total
+            return AT_END, stored
+        if asked:
+            return ASKED, stored
+    if steps == SETTLE:
+        _book(structure, contacts, state)
+    return (RUNNING if _is_finite(state.r, state.v) else NOT_FINITE), stored

@@ -2,35 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from ropewalk.checkpoint import Tree, arrays_of, copied, put
+from ropewalk.checkpoint import Tree, copied, put
 from ropewalk.errors import EquilibriumError
-from ropewalk.mechanics.chain import Array
+from ropewalk.foreign.turns import begun
+from ropewalk.guides.assembly import guides_of
+from ropewalk.guides.partner import Partner
+from ropewalk.mechanics import law
+from ropewalk.mechanics.chain import HORIZONTAL, Array, Integers
 from ropewalk.mechanics.fleet import hung
 from ropewalk.mechanics.loading import loading_of
+from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.trolley import Trolley
+from ropewalk.results.exchanges import foreign_in
 from ropewalk.results.frame import Account, Frame, Layout
 from ropewalk.results.running import Ending
+from ropewalk.solve import minimum
 from ropewalk.system import motion
-from ropewalk.system.assembly import contacts_of, structure_of
-from ropewalk.system.bodies import with_step
+from ropewalk.system.asking import FAILED, Asking
+from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
+from ropewalk.system.beginning import begin_elsewhere
+from ropewalk.system.carrier import System, SystemCarrier
 from ropewalk.system.compliance import compliances
-from ropewalk.system.contacts import BODY, FASTEST, ON
+from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
 from ropewalk.system.frames import FrameBuilder
+from ropewalk.system.holding import on_friction
+from ropewalk.system.spline import WIDTH
 from ropewalk.system.stability import SAFETY, largest_step
-from ropewalk.system.statics import at_rest, tensions
+from ropewalk.system.standing import Carried, Standing
+from ropewalk.system.statics import Potential, about_rest, at_rest, tensions
 from ropewalk.system.structure import WORKS, Room, State
 from ropewalk.webs.lengths import doubt_slack
 
 # Part of a run for which a load may be faster than the waves of its line, as where that is slack for a while.
 LONG = 0.2
+
+# Tension over axial stiffness from which on a line without bending stiffness is slack.
+_LIMP = 1e-12
 
 _ENDS = {
     motion.NOT_FINITE: ("diverged", "positions stopped being numbers; take a smaller run.step"),
@@ -48,34 +62,42 @@ class Motion:
         scenario: what is computed.
         account: filled in.
         times: output instants in s, from 0.
+        past: whether it goes on from a state that will be put, wherever it began.
+        axes: names of the axes, if not those that the scenario needs.
 
     Raises:
         RopewalkError: the structure has no rest, or a load begins beyond its line.
     """
 
-    turns = ()
     looks_ahead = False
 
-    def __init__(self, scenario: Scenario, account: Account, times: Array) -> None:
+    def __init__(
+        self, scenario: Scenario, account: Account, times: Array, *, past: bool = False,
+        axes: tuple[str, ...] | None = None,
+    ) -> None:  # fmt: skip
         asked = scenario.run
         assert isinstance(asked, Dynamic)
         self.account, self.times = account, times
-        self.assembled = structure_of(scenario, asked.until)
+        self.assembled = structure_of(scenario, asked.until, axes)
         gravity = np.zeros(len(self.assembled.axes))
         gravity[-1] = -scenario.gravity
         self.structure, self.rest = at_rest(self.assembled.structure, gravity, self.assembled.near)
+        if asked.geometry == "linearised":
+            self.structure = about_rest(self.structure, self.rest)
+            self._refuse_limp(scenario)
         self.assembled = replace(self.assembled, structure=self.structure)
-        loading = loading_of(scenario, asked.until)
+        loading = loading_of(scenario, asked.until, axes=axes)
         self.loading = loading
-        self.contacts, self._tables, self.bodies = contacts_of(scenario, loading, self.structure, tuple(scenario.lines))
+        self.contacts, self.tables, self.bodies = contacts_of(scenario, loading, self.structure, self.assembled.on)
         self._scenario = scenario
-        self._refuse_beyond(scenario)
-        axes, n = self.rest.shape
+        refuse_beyond(scenario, loading, self.contacts, self.structure)
+        self._measure_from_ends()
+        dim, n = self.rest.shape
         self.state = State(
-            np.zeros(1), self.rest.copy(), np.zeros((axes, n)), np.zeros(self.bodies.mass.size),
+            np.zeros(1), self.rest.copy(), np.zeros((dim, n)), np.zeros(self.bodies.mass.size),
             np.zeros(self.bodies.mass.size), np.zeros(self.contacts.size), np.zeros(WORKS),
         )  # fmt: skip
-        self._room, self._table, self._out = Room.of(self.structure, axes), compliances(), np.zeros(3)
+        self._room, self._table, self._out = Room.of(self.structure, dim), compliances(), np.zeros(4)
         self._A, self._b = np.zeros((3, 4)), np.zeros(3)
         stable = largest_step(self.structure, self.contacts, self.bodies, self.rest)
         self._step = stable if asked.step is None else asked.step
@@ -90,35 +112,124 @@ class Motion:
         windy = scenario.wind is not None and not scenario.wind.is_calm
         self._builder = FrameBuilder(self.assembled, loading, self.bodies, windy)
         self._fast = np.zeros(self.contacts.size, dtype=np.int64)  # frames in which each was faster than waves
-        self._stand()
-        tension = tensions(self.structure, self.rest)
+        self._slipped = np.zeros(self.contacts.size, dtype=np.int64)  # 1: it has been said that friction is not enough
+        if asked.start.with_loads:
+            self._settle()
+        elif asked.start.kind != "rest" and not past:
+            begin_elsewhere(
+                self.structure, self.state, asked.start, self._builder.node, self.layout.node_line,
+                within=scenario.is_plane,
+            )  # fmt: skip
+        self._stand(with_loads=asked.start.with_loads)
+        self._lead()
+        tension = tensions(self.structure, self.state.r)
         doubt_slack(scenario, account, self.layout.link_line, tension[self._builder.link])
 
     @property
     def layout(self) -> Layout:
         """Names and coordinates of the frames."""
-        return self._builder.layout
+        return replace(self._builder.layout, foreign=foreign_in(self._scenario))
 
-    def _refuse_beyond(self, scenario: Scenario) -> None:
-        for wheel, contact in zip(self.loading.wheels, self.contacts, strict=True):
-            length, line = float(self.structure.lines.length[contact["line"]]), scenario.lines[wheel.on]
-            if wheel.start > length * (1.0 + 1e-9) and not np.isclose(wheel.start, line.distance, 1e-9):
+    @property
+    def shown(self) -> Integers:
+        """Nodes in the order of the result."""
+        return self._builder.node
+
+    def _refuse_limp(self, scenario: Scenario) -> None:
+        """Refuse runs that resist nothing across themselves to the first order about rest, least where loads stand.
+
+        Links of others may be pushed together a little: with these their rest is stable.
+
+        Raises:
+            EquilibriumError: there is such a run.
+        """
+        runs, links, loads = self.structure.runs, self.structure.about.links, scenario.loads.values()
+        for s in np.flatnonzero(runs.bending == 0.0):
+            tension = links["tension"][runs.first[s] : runs.first[s] + runs.links[s]]
+            bears = any(load.on == self.assembled.line[s] for load in loads)
+            least = float(tension.min() if bears else np.abs(tension).max())
+            if least <= _LIMP * float(law.tangent(runs.law[s], 0.0)):
                 raise EquilibriumError(
-                    f"load {wheel.name} would begin {wheel.start:g} m along {wheel.on}, which ends at {length:g} m; "
-                    "change its from"
+                    f"{self.assembled.line[s]} is slack at rest, and in small motion only its tension bears what acts "
+                    "across it: write geometry: nonlinear, or give it less length"
                 )
 
-    def _stand(self) -> None:
-        """Put bodies on the line at rest and moving along with it, their springs without force but for weights."""
-        self._stored()
-        axes, state, bodies = self.rest.shape[0], self.state, self.bodies
-        motion.stand(self.structure, self.contacts, state)
+    def _lead(self) -> None:
+        """Let loads that decide on the way take their first decisions."""
+        places = len(self.assembled.axes) * int((self.contacts["kind"] == BODY).sum())
+        self._carrier = SystemCarrier(self._system(), self._scenario.gravity, places, self._step)
+        led = {name: load for name, load in self._scenario.loads.items() if not isinstance(load, Footsteps)}  # tables
+        guides = guides_of(self._carrier, self.loading, self._scenario.model_copy(update={"loads": led}))
+        self._asking = Asking(self._carrier, guides)
+        self.turns = [guide.turns for guide in guides if isinstance(guide, Partner)]
+        with begun(self.turns):
+            self._asking.begin()
+
+    def _system(self) -> System:
+        return System(
+            self.structure, self._room, self.contacts, self.tables, self.bodies, self.state, self._table, self._out,
+            self._A, self._b,
+        )  # fmt: skip
+
+    def _settle(self) -> None:
+        """Let lines and loads rest together, with kinks as in the steps to come.
+
+        Raises:
+            EquilibriumError: there is no such rest.
+        """
+        if self.times.size > 1:
+            self.contacts["step"] = self._in_steps(1)[1]
+        carried = Carried(self.contacts, self.tables, self.bodies)
+        standing = Standing(self.structure, self.rest, carried, as_moving=True)
+        standing.stand(0.0, self.rest)
+        potential = Potential(self.structure, standing, float(np.ptp(self.rest, axis=1).max()))
+        r, u = potential.put(minimum.settle(potential, potential.taken()))
+        self.state.r[:], self.state.u[:] = r, u[: standing.own]
+
+    def _measure_from_ends(self) -> None:
+        """Let horizontal places count from x = 0 and not from the ends of lines."""
+        lines, runs = self.structure.lines, self.structure.runs
+        for k in np.flatnonzero(self.contacts["measure"] == HORIZONTAL):
+            contact = self.contacts[k]
+            first = lines.first[contact["line"]]
+            last = first + lines.runs[contact["line"]] - 1
+            begin, end = self.rest[0, [runs.first[first], runs.first[last] + runs.links[last]]]
+            contact["begin"] = begin + np.sign(end - begin) * contact["begin"]
+
+    def _stand(self, *, with_loads: bool) -> None:
+        """Let bodies move along with the line; where they do not rest on it, with springs without force but weights."""
+        axes, state, resting = self.rest.shape[0], self.state, self.state.u.copy()
+        self._advance(0.0, motion.LOCATE)
+        for wheel, contact in zip(self.loading.wheels, self.contacts, strict=True):
+            if wheel.free is not None:
+                contact["speed"] = wheel.free.speed / np.linalg.norm(contact["along"])
         for contact in self.contacts:
             if contact["kind"] != BODY:
                 continue
             own = contact["first"] + np.arange(axes)
             if contact["state"] == ON:
-                state.u[own], state.w[own] = contact["p"][:axes], contact["speed"] * contact["along"][:axes]
+                near = slice(contact["near"], contact["near"] + WIDTH)
+                weight = contact["weight"][: state.v[0, near].size]
+                state.u[own] = contact["p"][:axes]
+                state.w[own] = state.v[:, near] @ weight + contact["speed"] * contact["along"][:axes]
+        self._load_springs()
+        for tether in self.bodies.tethers:
+            first, above = int(tether["first"]), int(self.contacts[tether["contact"]]["first"])
+            load = self._scenario.loads[self.loading.wheels[tether["contact"]].load]
+            if not isinstance(load, Trolley):
+                continue
+            below = hung(load.payload, float(tether["stiffness"]), self._scenario.gravity, self.loading.axes)
+            state.u[first : first + axes] = state.u[above : above + axes] + below
+            state.w[first : first + axes] = state.w[above : above + axes]
+        if with_loads:
+            state.u[:] = resting
+        self.contacts["comes"] = 0
+        self._look()
+        self._room.before[:] = self._room.strain
+
+    def _load_springs(self) -> None:
+        """Let springs above contacts bear their weights."""
+        state, bodies = self.state, self.bodies
         for p, n in enumerate(bodies.size):
             at, K = bodies.at[p, :n], bodies.K[p, :n, :n]
             free, on = bodies.contact[at] < 0, bodies.contact[at] >= 0
@@ -126,45 +237,29 @@ class Motion:
             solve = np.linalg.pinv(inner)
             state.u[at[free]] = solve @ (bodies.force[at[free]] - across @ state.u[at[on]])
             state.w[at[free]] = -solve @ across @ state.w[at[on]]
-        for tether in self.bodies.tethers:
-            first, above = int(tether["first"]), int(self.contacts[tether["contact"]]["first"])
-            load = self._scenario.loads[self.loading.wheels[tether["contact"]].load]
-            assert isinstance(load, Trolley)
-            below = hung(load.payload, float(tether["stiffness"]), self._scenario.gravity, self.loading.axes)
-            state.u[first : first + axes] = state.u[above : above + axes] + below
-            state.w[first : first + axes] = state.w[above : above + axes]
-        self.contacts["comes"] = 0
-        self._stored()
-        self._room.before[:] = self._room.strain
-        self._look()
 
-    def _arguments(self) -> tuple[Any, ...]:
-        return (
-            self.structure, self._room, self.contacts, self._tables, self.bodies, self.state, self._table, self._out,
-        )  # fmt: skip
+    def _advance(self, dt: float, steps: int) -> float:
+        return float(motion.advance(*self._system(), dt, steps)[1])
 
-    def _stored(self) -> float:
-        return float(motion.stored(*self._arguments()))
+    def _look(self) -> float:
+        """Find all forces; returns the energy stored in the lines and at contacts, J."""
+        return self._advance(0.0, motion.LOOK)
 
-    def _look(self) -> None:
-        motion.look(*self._arguments())
+    def _in_steps(self, i: int) -> tuple[int, float]:
+        """How many steps lead to output instant i, and how long they are, s."""
+        begin, end = float(self.times[i - 1]), float(self.times[i])
+        steps = max(1, int(np.ceil((end - begin) / self._step - 1e-9)))
+        return steps, (end - begin) / steps
 
     def advance(self, i: int) -> Ending | None:
         """Go on to output instant i."""
         if not i:
             return None
-        begin, end = float(self.times[i - 1]), float(self.times[i])
-        steps = max(1, int(np.ceil((end - begin) / self._step - 1e-9)))
-        dt = (end - begin) / steps
-        self.contacts["step"] = dt
-        self.bodies = self._builder.bodies = with_step(self.bodies, dt)
-        status = motion.advance(*self._arguments(), self._A, self._b, dt, steps)
-        if status != motion.AT_END:
-            self.state.t[0] = end
-        self.account.steps += steps
+        status = self._asking.to(float(self.times[i]))
+        self.account.steps, self._carrier.steps = self.account.steps + self._carrier.steps, 0
         if status == motion.RUNNING:
             return None
-        outcome, advice = _ENDS[status]
+        outcome, advice = ("load failed", self._asking.message) if status == FAILED else _ENDS[status]
         return Ending(outcome, f"stopped at t = {self.state.t[0]:.6g} s: {advice}")
 
     def frame(self) -> Frame | None:
@@ -172,31 +267,35 @@ class Motion:
         if not np.isfinite(self.state.r).all():
             return None
         reaction = self._room.reaction.copy()
-        elastic = self._stored()
-        self._look()
+        elastic = self._look()
         self._room.reaction[:] = reaction
         if self.state.t[0] == 0.0:
-            self._at_rest()
+            self._room.react(self.structure.holdings)
         return self._builder.build(self.state, self._room, self.contacts, elastic)
 
-    def _at_rest(self) -> None:
-        """Reactions of what stands still."""
-        held, force = self.structure.holdings, self._room.force
-        for e in range(held.mass.size):
-            nodes = held.node[held.first[e] : held.first[e] + held.nodes[e]]
-            self._room.reaction[e] = -force[:, nodes].sum(axis=1)
-
     def remark(self, frame: Frame) -> None:
-        """Doubt kinks that are carried along faster than transverse waves."""
+        """Doubt kinks that are carried along faster than transverse waves; ask whether friction is enough."""
         runs = self.structure.runs
         for k, (wheel, contact) in enumerate(zip(self.loading.wheels, self.contacts, strict=True)):
-            if contact["state"] != ON or contact["kind"] != BODY or runs.bending[contact["run"]] > 0.0:
+            if contact["state"] != ON:
+                continue
+            self._ask_friction(k, frame)
+            if contact["kind"] != BODY or runs.bending[contact["run"]] > 0.0:
                 continue
             square = float(runs.rho[contact["run"]] * contact["speed"] ** 2)
             if square > FASTEST * max(float(contact["tension"]), 0.0) and square > 0.0:
                 self._fast[k] += 1
                 if self._fast[k] > LONG * self.times.size:
                     self._doubt(wheel.name, wheel.load, float(contact["speed"]), frame.path)
+
+    def _ask_friction(self, k: int, frame: Frame) -> None:
+        """Note once where the friction of a prescribed travel is not enough."""
+        name, kind = self.loading.wheels[k].name, int(self.loading.loads.contact[k])
+        if self.contacts[k]["travel"] == PRESCRIBED:
+            found = on_friction(name, kind, self.contacts[k], float(frame.contact_friction[k]))
+            if found and not self._slipped[k]:
+                self._slipped[k] = 1
+                self.account.warnings.append(f"at t = {frame.path:.4g} s, {found}")
 
     def _doubt(self, name: str, load: str, speed: float, t: float) -> None:
         if any(doubt.key == f"loads.{load}.travel.speed" for doubt in self.account.doubts):
@@ -209,17 +308,20 @@ class Motion:
         )  # fmt: skip
 
     def get_state(self) -> Tree:
-        """All that changes."""
-        return {"frames": self._builder.get_state(), **{name: copied(arrays) for name, arrays in self._changing()}}
+        """All that changes.
+
+        Raises:
+            RopewalkError: a load is a model of somebody else's that gives no state.
+        """
+        changing = {name: copied(arrays) for name, arrays in self._changing().items()}
+        return {"frames": self._builder.get_state(), **changing, "guides": self._asking.get_state()}
 
     def set_state(self, tree: Tree) -> None:
         """Go on from there."""
         self._builder.set_state(tree["frames"])
-        for name, arrays in self._changing():
+        for name, arrays in self._changing().items():
             put(arrays, tree[name])
+        self._asking.set_state(tree["guides"])
 
-    def _changing(self) -> Iterator[tuple[str, Any]]:
-        yield "state", arrays_of(self.state)
-        yield "room", arrays_of(self._room)
-        yield "contacts", {"records": self.contacts}
-        yield "loads", {"gone": self.bodies.gone, "fast": self._fast}
+    def _changing(self) -> dict[str, Any]:
+        return {**self._system().changing(), "loads": {"fast": self._fast, "slipped": self._slipped}}

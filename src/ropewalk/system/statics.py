@@ -1,4 +1,9 @@
-"""Potential energy of a structure at rest, without loads, as `solve/minimum.py` wants it."""
+"""Potential energy of a structure at rest with what stands on it, as `solve/minimum.py` wants it.
+
+A contact adds the kink under it (`contacts.py`), a function of q = |d|^2/2 and of the squares of lengths of its links
+without it, lambda = l^2/2. Its derivatives by q are S, by lambda T/l; those of S and T/l follow from S = S(T), with
+T the mean of h T/l of the links, kinks included.
+"""
 
 from __future__ import annotations
 
@@ -9,52 +14,124 @@ import scipy.sparse as sparse
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
-from ropewalk.mechanics.compiled import lean
+from ropewalk.mechanics.compiled import lean, lean_inner, records
 from ropewalk.solve import minimum
 from ropewalk.solve.symmetric import Way
 from ropewalk.system.cables import ARC, SHORT_ARC, energy_of, pull_all, stretch_all
-from ropewalk.system.compliance import SMOOTH
-from ropewalk.system.structure import Room, Structure
+from ropewalk.system.compliance import PART, SMOOTH, compliances
+from ropewalk.system.contacts import ON, bend, press
+from ropewalk.system.spline import WIDTH
+from ropewalk.system.standing import Standing
+from ropewalk.system.structure import REST, About, Room, Structure
+from ropewalk.system.surfaces import hand_over, pull_surfaces, stored_in
+
+
+@lean_inner
+def _stretch(structure, room, contacts, state, table, out):
+    """Strains of all links with the kinks under what stands on them."""
+    runs, r = structure.runs, state.r
+    stretch_all(structure, room, r)
+    for k in range(contacts.size):
+        if contacts[k].state != ON:
+            continue
+        run = contacts[k].run
+        for a in range(r.shape[0]):
+            here, slope = 0.0, 0.0
+            for j in range(min(WIDTH, runs.links[run] + 1)):
+                here += contacts[k].weight[j] * r[a, contacts[k].near + j]
+                slope += contacts[k].slope[j] * r[a, contacts[k].near + j]
+            contacts[k].p[a], contacts[k].along[a] = here, slope / runs.h[run]
+    bend(structure, room, contacts, state, table, out)
 
 
 @lean
-def _energy(structure, room, r):
-    stretch_all(structure.runs, room, r)
-    return energy_of(structure, room, r)
+def _stored(structure, room, contacts, state, table, out):
+    """Energy stored in all runs with their kinks, J."""
+    _stretch(structure, room, contacts, state, table, out)
+    total = energy_of(structure, room, state.r) + stored_in(structure.surfaces, state.r)
+    for k in range(contacts.size):
+        if contacts[k].state == ON:
+            for a in range(state.r.shape[0]):
+                total += 0.5 * contacts[k].d[a] ** 2 * contacts[k].firm
+    return total
 
 
 @lean
-def _forces(structure, room, r):
-    stretch_all(structure.runs, room, r)
-    pull_all(structure, room, r, 0.0)
+def _forces(structure, room, contacts, state, table, out, given, firm):
+    """Add the forces of all runs and contacts to `room.force`.
+
+    Args:
+        given: first coordinate of given forces which press by the stiffness of their own kink.
+        firm: (contact,) N/m, overwritten: stiffness under the tension that each kink makes by itself.
+    """
+    _stretch(structure, room, contacts, state, table, out)
+    for k in range(contacts.size):
+        firm[k] = contacts[k].moving
+    pull_all(structure, room, state.r, 0.0)
+    press(structure, room, contacts, state, table, out)
+    pull_surfaces(structure.surfaces, state.r, room.force)
+    for k in range(contacts.size):
+        if contacts[k].state == ON and contacts[k].first >= given:
+            for a in range(state.r.shape[0]):
+                less, contacts[k].N[a] = contacts[k].N[a], firm[k] * contacts[k].d[a]
+                for j in range(min(WIDTH, structure.runs.links[contacts[k].run] + 1)):
+                    room.force[a, contacts[k].near + j] += contacts[k].weight[j] * (contacts[k].N[a] - less)
+    hand_over(structure.surfaces, room.force)
 
 
 class Potential:
-    """Potential energy of a structure as a function of the places of its nodes, (axis, node)."""
+    """Potential energy as a function of a shape: places of all nodes (axis, node), then coordinates of loads.
+
+    Args:
+        structure: what is at rest.
+        standing: what stands on it.
+        size: m, of the structure.
+        within: whether only what stays in the plane needs to be stable.
+        part: of the compliance within a run that contacts at its ends have, see `compliance.py`.
+    """
 
     is_symmetric = True
 
-    def __init__(self, structure: Structure, axes: int, size: float) -> None:
-        self.structure, self.axes, self.size = structure, axes, size
-        self.room = Room.of(structure, axes)
-        held, n = structure.holdings, structure.nodes.mass.size
+    def __init__(
+        self, structure: Structure, standing: Standing, size: float, *, within: bool = False, part: float = PART
+    ) -> None:
+        self.structure, self.standing, self.size, self.within = structure, standing, size, within
+        self.axes, n = standing.rest.shape
+        self.room, self._table, self._out = Room.of(structure, self.axes), compliances(part=part), np.zeros(4)
+        self.blown = np.zeros((self.axes, n))  # N, of the wind
+        held = structure.holdings
         moves = np.ones(n, dtype=np.bool_)
         moves[held.node] = False
-        whole = np.flatnonzero(np.tile(moves, axes))
+        if structure.surfaces is not None:  # whose ways are where they are
+            moves[structure.surfaces.node] = False
+        whole = np.flatnonzero(np.tile(moves, self.axes))
         columns = [(np.array([i]), np.ones(1)) for i in whole]
         for e in range(held.mass.size):
-            nodes = held.node[held.first[e] : held.first[e] + held.nodes[e]]
+            nodes = held.members(e)
             values, ways = np.linalg.eigh(held.free[e])
             for way in ways.T[values > 0.5]:
-                at = (nodes[None, :] + n * np.arange(axes)[:, None]).ravel()
+                at = (nodes[None, :] + n * np.arange(self.axes)[:, None]).ravel()
                 columns.append((at, np.repeat(way, nodes.size)))
         row, column, value = (
             np.concatenate(parts)
             for parts in zip(*((at, np.full(at.size, j), v) for j, (at, v) in enumerate(columns)), strict=True)
         )
-        self.free = sparse.csc_matrix((value, (row, column)), shape=(axes * n, len(columns)))
+        self._nodes_free = sparse.csc_matrix((value, (row, column)), shape=(self.axes * n, len(columns)))
+        if structure.surfaces is not None:
+            laid = sparse.block_diag([structure.surfaces.shares(n)] * self.axes)
+            self._nodes_free = (self._nodes_free + laid @ self._nodes_free).tocsc()
         self._one, self._two, self._weight = self._operators()
+        self._arcs = np.ones(n)  # of links
+        for first, links, arcs in zip(structure.runs.first, structure.runs.links, structure.runs.arcs, strict=True):
+            self._arcs[first : first + links] = arcs
         self._three = self._one @ self._two  # links are between second differences as between nodes
+        self.arrange()
+
+    def arrange(self) -> None:
+        """Take note of what stands where."""
+        bodies = sparse.identity(self.standing.weight.size, format="csc")[:, self.standing.moves]
+        self.free = sparse.block_diag([self._nodes_free, bodies], format="csc")
+        self._shares = self.standing.shares(self.structure.nodes.mass.size)
 
     def _operators(self) -> tuple[sparse.csr_matrix, sparse.csr_matrix, Array]:
         """Links and second differences (node, node), and weights of the bending energy of these."""
@@ -72,41 +149,71 @@ class Potential:
                     two[e, e], two[e, i] = -2.0, 2.0
         return one.tocsr(), two.tocsr(), weight
 
-    def energy(self, r: Array) -> float:
+    def put(self, shape: Array) -> tuple[Array, Array]:
+        """Put everything into a shape; gives places of the nodes (axis, node) and coordinates of loads."""
+        state = self.standing.state
+        state.r[:], state.u[:] = shape[: state.r.size].reshape(state.r.shape), shape[state.r.size :]
+        return state.r, state.u
+
+    def taken(self) -> Array:
+        """The shape that everything is in."""
+        return np.concatenate([self.standing.state.r.ravel(), self.standing.state.u])
+
+    def stored(self, shape: Array) -> float:
+        """Energy stored in the runs with their kinks, J."""
+        self.put(shape)
+        return float(_stored(*self._arguments()))
+
+    def energy(self, shape: Array) -> float:
         """Potential energy, J."""
-        held, total = self.structure.holdings, float(_energy(self.structure, self.room, r))
-        total -= float((self.structure.nodes.force * r).sum())
+        held, total = self.structure.holdings, self.stored(shape)
+        r, u = self.put(shape)
+        total -= float(((self.structure.nodes.force + self.blown) * r).sum())
         for e in range(held.mass.size):
             here = r[:, held.node[held.first[e]]]
-            away = here - self._place(e)
+            away = here - self.place_of(e)
             total += 0.5 * float(away @ held.stiffness[e] @ away) - float(held.force[e] @ here)
-        return total
+        return total + self.standing.energy(u)
 
-    def _place(self, e: int) -> Array:
-        held = self.structure.holdings
+    def place_of(self, e: int) -> Array:
+        """Where a holding stands, or its springs are without force, m."""
+        held, t = self.structure.holdings, float(self.standing.state.t[0])
         part = slice(int(held.table[e]), int(held.table[e] + held.entries[e]))
-        moved = [np.interp(0.0, held.time[part], row[part]) for row in held.moved]
+        moved = [np.interp(t, held.time[part], row[part]) for row in held.moved]
         return np.asarray(held.place[e] + moved)
 
-    def forces(self, r: Array) -> Array:
-        """Forces on all nodes (axis, node), N, those of springs of supports included."""
-        self.room.force[:] = self.structure.nodes.force
-        _forces(self.structure, self.room, r)
+    def _arguments(self) -> tuple[object, ...]:
+        standing = self.standing
+        return self.structure, self.room, standing.contacts, standing.state, self._table, self._out
+
+    def _look(self, shape: Array) -> tuple[Array, Array]:
+        """Find all forces in a shape, see `put`."""
+        found = self.put(shape)
+        self.room.force[:] = self.structure.nodes.force + self.blown
+        standing = self.standing
+        given = standing.own if standing.as_moving else standing.weight.size
+        _forces(*self._arguments(), given, standing.firm)
+        return found
+
+    def forces(self, shape: Array) -> Array:
+        """Forces on all nodes (axis, node) and then on coordinates, N, those of springs of supports included."""
+        r, u = self._look(shape)
         held, out = self.structure.holdings, self.room.force.copy()
         for e in range(held.mass.size):
             node = held.node[held.first[e]]
-            out[:, node] += held.force[e] + held.stiffness[e] @ (self._place(e) - r[:, node])
-        return out
+            out[:, node] += held.force[e] + held.stiffness[e] @ (self.place_of(e) - r[:, node])
+        return np.concatenate([out.ravel(), self.standing.forces(u)])
 
-    def out_of_balance(self, r: Array) -> Array:
-        return np.asarray(self.free.T @ self.forces(r).ravel())
+    def out_of_balance(self, shape: Array) -> Array:
+        return np.asarray(self.free.T @ self.forces(shape))
 
-    def stiffness(self, r: Array) -> sparse.csc_matrix:
+    def stiffness(self, shape: Array) -> sparse.csc_matrix:
         """Second derivatives of the energy, (unknown, unknown) N/m."""
         runs, n, axes = self.structure.runs, self.structure.nodes.mass.size, self.axes
-        self.room.force[:] = self.structure.nodes.force
-        _forces(self.structure, self.room, r)
-        tension, strain = self.room.tension.copy(), self.room.strain.copy()
+        r, u = self._look(shape)
+        tension, strain, length = self.room.tension.copy(), self.room.strain.copy(), self.room.length.copy()
+        if self.structure.is_linearised:
+            tension[:], strain[:] = self.structure.about.links["tension"], self.structure.about.links["strain"]
         h, slope, EI, bed = np.ones(n), np.zeros(n), np.zeros(n), np.zeros(n)
         for s, (first, links) in enumerate(zip(runs.first, runs.links, strict=True)):
             part = slice(first, first + links)
@@ -117,62 +224,156 @@ class Potential:
             bed[[first, first + links]] *= 0.5
             tension[first + links] = 0.0
             h[first + links] = runs.h[s]
-        D = self.room.bent.copy()
-        length = self.room.length.copy()
-        length[runs.first + runs.links] = 1.0
+        is_link = np.zeros(n, dtype=np.bool_)
+        for first, links in zip(runs.first, runs.links, strict=True):
+            is_link[first : first + links] = True
+        length[~is_link] = 1.0
         q = tension / length
-        pair = sparse.diags([np.ones(n), np.ones(n - 1)], [0, 1])
-        rows = [
-            sparse.diags(self._one @ r[a]) @ self._one
-            + 2.0 * ARC * pair @ sparse.diags(D[a]) @ self._two
-            + sparse.diags(2.0 * SHORT_ARC * (self._one @ D[a])) @ self._three
-            for a in range(axes)
-        ]
-        rise = sparse.diags((slope / h - q) / length**2)  # change of T/l with l^2/2
+        rise = (slope / h - q) / length**2  # change of T/l with l^2/2
         across = self._one.T @ sparse.diags(q) @ self._one
-        arcs = 2.0 * ARC * (q + np.concatenate([[0.0], q[:-1]]))
+        arced = q * self._arcs
+        arcs = 2.0 * ARC * (arced + np.concatenate([[0.0], arced[:-1]]))
         bent = self._two.T @ sparse.diags(arcs + EI * self._weight) @ self._two
-        bent = bent + self._three.T @ sparse.diags(SMOOTH * EI + 2.0 * SHORT_ARC * q) @ self._three
-        blocks = [[rows[a].T @ rise @ rows[b] for b in range(axes)] for a in range(axes)]
-        for a in range(axes):
-            blocks[a][a] = blocks[a][a] + across + bent
-        blocks[-1][-1] = blocks[-1][-1] + sparse.diags(bed)
-        K = sparse.bmat(blocks, format="lil")
+        bent = bent + self._three.T @ sparse.diags(SMOOTH * EI + 2.0 * SHORT_ARC * arced) @ self._three
+        blocks = [across + bent] * (axes - 1) + [across + bent + sparse.diags(bed)]
+        rows = self.rows(r, u.size)
+        K = sparse.block_diag([*blocks, self.standing.stiffness(u)]) + rows.T @ sparse.diags(rise) @ rows
+        K = K + self._kinks(rows, rise)
+        if self.structure.surfaces is not None:
+            K = K + sparse.block_diag([self.structure.surfaces.stiffness(r), sparse.csc_matrix((u.size, u.size))])
+        K = K.tolil()
         held = self.structure.holdings
         for e in np.flatnonzero(held.stiffness.any(axis=(1, 2))):
             at = held.node[held.first[e]] + n * np.arange(axes)
             K[np.ix_(at, at)] += held.stiffness[e]
         return (self.free.T @ K.tocsc() @ self.free).tocsc()
 
-    def pattern(self, r: Array) -> sparse.csc_matrix:
-        K = self.stiffness(r)
-        return abs(K)
+    def rows(self, r: Array, more: int) -> sparse.csr_matrix:
+        """Change of l^2/2 of all links, without kinks, with a shape of `more` coordinates of loads, (node, place) m.
 
-    def stability(self, r: Array) -> tuple[sparse.csc_matrix, Integers]:
-        K = self.stiffness(r)
-        return K, np.arange(K.shape[0])
+        Of what is linearised, at rest.
+        """
+        n, D = r.shape[1], self.room.bent
+        if self.structure.is_linearised:
+            r, D = self.structure.about.shape
+        pair = sparse.diags([np.ones(n), np.ones(n - 1)], [0, 1])
+        rows = [
+            sparse.diags(self._one @ r[a]) @ self._one
+            + sparse.diags(2.0 * ARC * self._arcs) @ pair @ sparse.diags(D[a]) @ self._two
+            + sparse.diags(2.0 * SHORT_ARC * self._arcs * (self._one @ D[a])) @ self._three
+            for a in range(self.axes)
+        ]
+        return sparse.hstack([*rows, sparse.csr_matrix((n, more))], format="csr")
 
-    def moved(self, r: Array, step: Array) -> Array:
-        return np.asarray(r + (self.free @ step).reshape(r.shape))
+    def reach(self) -> list[sparse.csr_matrix]:
+        """Change of d of all contacts on their lines with the shape, (contact, place), one for each axis."""
+        on, n, count = self.standing.on, self.structure.nodes.mass.size, self.standing.weight.size
+        shares, none = self._shares[on], sparse.csr_matrix((on.size, n))
+        found = []
+        for a in range(self.axes):
+            own = (np.ones(on.size), (np.arange(on.size), self.standing.contacts["first"][on] + a))
+            parts = [-shares if b == a else none for b in range(self.axes)]
+            found.append(sparse.hstack([*parts, sparse.csr_matrix(own, shape=(on.size, count))], format="csr"))
+        return found
 
-    def arrived(self, r: Array) -> tuple[Array, bool]:
-        return r, False
+    def borne(self) -> sparse.csr_matrix:
+        """Change of T of the contacts on their lines with T/l of links, and of l^2/2 with K/h, (contact, link) m."""
+        contacts, on, n = self.standing.contacts, self.standing.on, self.structure.nodes.mass.size
+        own = self.structure.runs.h[contacts["run"][on]]
+        entries = (own[:, None] * contacts["part"][on]).ravel(), (np.repeat(np.arange(on.size), 3),
+                                                                  contacts["link"][on].ravel())  # fmt: skip
+        return sparse.coo_matrix(entries, shape=(on.size, n)).tocsr()
+
+    def _kinks(self, rows: sparse.csr_matrix, rise: Array) -> sparse.csc_matrix:
+        """What contacts add to the second derivatives, (place, place) N/m."""
+        contacts, on = self.standing.contacts, self.standing.on
+        if not on.size:
+            return sparse.csc_matrix((rows.shape[1], rows.shape[1]))
+        S, first, second = (contacts[key][on] for key in ("moving", "by_tension", "curve"))
+        reach = self.reach()
+        if self.structure.is_linearised:  # kinks and tensions do not know of each other
+            return sum(one.T @ sparse.diags(S) @ one for one in reach).tocsc()
+        d, borne = contacts["d"][on], self.borne()
+        stretched = sum((sparse.diags(d[:, a]) @ reach[a] for a in range(self.axes)), start=0.0 * reach[0]).T
+        felt = sparse.diags(rise) @ borne.T
+        both, C, D = (borne @ felt).toarray(), np.diag(0.5 * (d**2).sum(axis=1) * second), np.diag(first)
+        X = np.linalg.inv(np.eye(on.size) - both @ C)
+        pulled = rows.T @ felt
+        mixed = pulled @ sparse.csr_matrix(X.T @ D) @ stretched.T
+        K = pulled @ sparse.csr_matrix(C @ X) @ pulled.T + mixed + mixed.T
+        K = K + stretched @ sparse.csr_matrix(D @ X @ both @ D) @ stretched.T
+        return (K + sum(one.T @ sparse.diags(S) @ one for one in reach)).tocsc()
+
+    def masses(self) -> sparse.csc_matrix:
+        """Masses of the unknowns, (unknown, unknown) kg."""
+        held, mass = self.structure.holdings, self.structure.nodes.mass.copy()
+        np.add.at(mass, held.node[held.first], held.mass)
+        M = sparse.block_diag([sparse.diags(np.tile(mass, self.axes)), self.standing.masses()])
+        return (self.free.T @ M @ self.free).tocsc()
+
+    def damping(self, shape: Array) -> sparse.csc_matrix:
+        """Forces of axial dampers, drag, supports and bodies over velocities of the unknowns, N s/m."""
+        runs, nodes, held, n = self.structure.runs, self.structure.nodes, self.structure.holdings, self.axes
+        r, u = self._look(shape)
+        rows, felt, on = self.rows(r, u.size), np.zeros(nodes.mass.size), self.standing.on
+        for first, links, h, c in zip(runs.first, runs.links, runs.h, runs.damping, strict=True):
+            part = slice(first, first + links)
+            felt[part] = c / (h * self.room.length[part] ** 2)
+        if on.size and not self.structure.is_linearised:  # kinks lengthen links, too
+            contacts, reach = self.standing.contacts[on], self.reach()
+            stretched = sum(sparse.diags(contacts["d"][:, a]) @ reach[a] for a in range(n))
+            rows = rows + self.borne().T @ sparse.diags(contacts["by_tension"]) @ stretched
+        C = rows.T @ sparse.diags(felt) @ rows
+        drag = sparse.diags(np.tile(nodes.mass * nodes.drag, n))
+        C = C + sparse.block_diag([drag, self.standing.damping(u)])
+        if self.structure.surfaces is not None:
+            C = C + sparse.block_diag([self.structure.surfaces.damping(r), sparse.csc_matrix((u.size, u.size))])
+        C = C.tolil()
+        for e in np.flatnonzero(held.damping.any(axis=(1, 2))):
+            at = held.node[held.first[e]] + nodes.mass.size * np.arange(n)
+            C[np.ix_(at, at)] += held.damping[e]
+        C = (self.free.T @ C.tocsc() @ self.free).tocsc()
+        C.eliminate_zeros()
+        return C
+
+    def pattern(self, shape: Array) -> sparse.csc_matrix:
+        K = abs(self.stiffness(shape))
+        if self.structure.surfaces is not None:  # cells that are slack have none now
+            n, count = self.structure.nodes.mass.size, self.standing.weight.size
+            near = sparse.block_diag([self.structure.surfaces.neighbours(n), sparse.csc_matrix((count, count))])
+            K = K + K.T + abs(self.free).T @ near @ abs(self.free)
+        return K.tocsc()
+
+    def stability(self, shape: Array) -> tuple[sparse.csc_matrix, Integers]:
+        K, inner = self.stiffness(shape), np.arange(self.free.shape[1])
+        if self.within and self.axes == 3:
+            n = self.structure.nodes.mass.size
+            across = np.zeros(self.free.shape[0], dtype=np.bool_)
+            across[n : 2 * n] = True
+            inner = np.flatnonzero(np.asarray(abs(self.free[across]).sum(axis=0)).ravel() == 0.0)
+        return K[inner][:, inner].tocsc(), inner
+
+    def moved(self, shape: Array, step: Array) -> Array:
+        return np.asarray(shape + self.free @ step)
+
+    def arrived(self, shape: Array) -> tuple[Array, bool]:
+        return shape, False
 
     def approaches(self, start: Array, way: Way) -> Iterator[Array]:
         return iter(())
 
 
-def settle(structure: Structure, start: Array) -> Array:
-    """Places of all nodes at rest next to a shape (axis, node), m.
+def settle(structure: Structure, start: Array, *, within: bool = False) -> Array:
+    """Places of all nodes at rest without loads next to a shape (axis, node), m; `within` as of `Potential`.
 
     Raises:
         EquilibriumError: no rest was found.
     """
-    potential = Potential(structure, start.shape[0], float(np.ptp(start, axis=1).max()))
-    return minimum.settle(potential, start)
+    potential = Potential(structure, Standing(structure, start), float(np.ptp(start, axis=1).max()), within=within)
+    return minimum.settle(potential, start.ravel()).reshape(start.shape)
 
 
-def at_rest(structure: Structure, gravity: Array, start: Array) -> tuple[Structure, Array]:
+def at_rest(structure: Structure, gravity: Array, start: Array, *, within: bool = False) -> tuple[Structure, Array]:
     """A structure with the loads on its links shared among nodes as at rest, and the places of all nodes there.
 
     Where a run ends free to turn, its point reflection takes the load on it for one that jumps to its opposite there.
@@ -184,22 +385,23 @@ def at_rest(structure: Structure, gravity: Array, start: Array) -> tuple[Structu
         structure: with each node bearing half of the links beside it.
         gravity: (axis,) m/s^2.
         start: (axis, node) m, about where its nodes rest.
+        within: whether only what stays in the plane needs to be stable.
 
     Raises:
         EquilibriumError: no rest was found.
     """
-    rest, runs = settle(structure, start), structure.runs
+    rest, runs = settle(structure, start, within=within), structure.runs
     held = structure.holdings
     fast = {
         int(node) for e in range(held.mass.size) if not held.free[e].any()
-        for node in held.node[held.first[e] : held.first[e] + held.nodes[e]]
+        for node in held.members(e)
     }  # fmt: skip
     T, shift, force = tensions(structure, rest), np.zeros_like(runs.shift), structure.nodes.force.copy()
     for s, (first, links, h) in enumerate(zip(runs.first, runs.links, runs.h, strict=True)):
         for side, (end, way, link) in enumerate(((first, 1, first), (first + links, -1, first + links - 1))):
             bending = runs.bending[s] / h**2
             whole = max(T[link], 0.0) + bending
-            if runs.clamped[s, side] or whole == 0.0:
+            if runs.clamped[s, side] or whole == 0.0 or links < 2 or not runs.arcs[s]:  # there are no two nodes beside
                 continue
             zeta = bending / whole
             parts = np.array([(1.0 - zeta) / 6.0 + zeta / 18.0, (zeta - 1.0) / 24.0 + zeta / 72.0])
@@ -208,11 +410,23 @@ def at_rest(structure: Structure, gravity: Array, start: Array) -> tuple[Structu
             if end in fast:  # elsewhere the inertia of links acts as the wind does, and is lumped
                 shift[s, side] = parts
     shared = structure._replace(runs=runs._replace(shift=shift), nodes=structure.nodes._replace(force=force))
-    return shared, settle(shared, rest)
+    return shared, settle(shared, rest, within=within)
+
+
+def about_rest(structure: Structure, rest: Array) -> Structure:
+    """The same structure, linearised about places of its nodes at rest (axis, node) in m."""
+    potential, runs = Potential(structure, Standing(structure, rest), 1.0), structure.runs
+    potential.forces(rest.ravel())
+    room, found = potential.room, records(rest.shape[1], REST)
+    for key in ("strain", "tension", "length", "pull"):
+        found[key] = getattr(room, key)
+    for s, (first, links) in enumerate(zip(runs.first, runs.links, strict=True)):
+        found["slope"][first : first + links] = law.tangents(runs.law[s], room.strain[first : first + links])
+    return structure._replace(about=About(np.array([rest, room.bent]), found))
 
 
 def tensions(structure: Structure, r: Array) -> Array:
     """Tensions of all links, each by its first node, at places of the nodes (axis, node) in m; N."""
-    room = Room.of(structure, r.shape[0])
-    _forces(structure, room, r)
-    return room.tension
+    potential = Potential(structure, Standing(structure, r), 1.0)
+    potential.forces(r.ravel())
+    return potential.room.tension

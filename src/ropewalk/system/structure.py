@@ -7,18 +7,20 @@ several where something is joined to it on its way.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.compiled import records
+from ropewalk.system.surfaces import Surfaces
 
 
 class Runs(NamedTuple):
     """Cable runs; one entry for each."""
 
     first: Integers  # its first node
-    links: Integers  # at least two
+    links: Integers
     h: Array  # m, unstrained length of a link
     rho: Array  # kg/m
     law: Array  # (run, parameter), see mechanics/law.py
@@ -29,6 +31,8 @@ class Runs(NamedTuple):
     clamped: Integers  # (run, side) 1: it cannot turn there
     turned: Array  # (run, side, axis) m, difference of the first two nodes and of the last two where it is clamped
     shift: Array  # (run, side, 2) parts of the wind on a link that the next two nodes bear for an end
+    arcs: Array  # 1: links are arcs; 0: chords, as the edges of the cells beside them
+    firm: Array  # N/m, stiffness of contacts on a way on a net; 0: it is a cable
 
 
 class Nodes(NamedTuple):
@@ -68,6 +72,10 @@ class Holdings(NamedTuple):
     time: Array  # s
     moved: Array  # (axis, entry) m
 
+    def members(self, e: int) -> Integers:
+        """Nodes of a holding."""
+        return self.node[self.first[e] : self.first[e] + self.nodes[e]]
+
 
 class Wind(NamedTuple):
     """Air that moves."""
@@ -78,6 +86,23 @@ class Wind(NamedTuple):
     density: float  # kg/m^3
 
 
+REST = np.dtype(
+    [("strain", "f8"), ("tension", "f8"), ("slope", "f8"), ("length", "f8"), ("pull", "f8")], align=True
+)  # of a link: also N, what tension changes by with strain, N, m, and tension over length, N/m
+
+
+class About(NamedTuple):
+    """Rest, about which runs are linearised. Few arrays, for to hand them on costs a step as much as nodes do."""
+
+    shape: Array  # (2, axis, node) m, places and second differences; of no nodes: nothing is linearised
+    links: Any  # (node,) of REST
+
+    @staticmethod
+    def nothing(axes: int) -> About:
+        """Of what moves with all geometry."""
+        return About(np.zeros((2, axes, 0)), records(0, REST))
+
+
 class Structure(NamedTuple):
     """All that does not change while it moves."""
 
@@ -86,6 +111,13 @@ class Structure(NamedTuple):
     lines: Lines
     holdings: Holdings
     wind: Wind
+    about: About
+    surfaces: Surfaces | None
+
+    @property
+    def is_linearised(self) -> bool:
+        """Whether its runs are linearised about rest."""
+        return bool(self.about.links.size > 0)
 
 
 class Room(NamedTuple):
@@ -96,9 +128,10 @@ class Room(NamedTuple):
     rate: Array  # 1/s, of the strain then
     tension: Array  # N
     length: Array  # m
-    square: Array  # m^2, half of what arcs add to the squares of lengths
-    pull: Array  # N/m, tension over length
+    square: Array  # m^2, half of what arcs add to the squares of lengths; then, of what is linearised, change of `pull`
+    pull: Array  # N/m, tension over length; of what is linearised, at rest
     moment: Array  # N, of one component
+    path: Array  # m, length of a line up to each of its nodes
     bent: Array  # (axis, node) m, second difference
     force: Array  # (axis, node) N
     air: Array  # (axis, node) N, of the wind
@@ -109,8 +142,13 @@ class Room(NamedTuple):
     def of(structure: Structure, axes: int) -> Room:
         """Room of the right size."""
         n, held = structure.nodes.mass.size, structure.holdings.mass.size
-        sizes = [(n,)] * 8 + [(axes, n)] * 4 + [(held, axes)]
+        sizes = [(n,)] * 9 + [(axes, n)] * 4 + [(held, axes)]
         return Room(*(np.zeros(size) for size in sizes))
+
+    def react(self, holdings: Holdings) -> None:
+        """Note reactions of supports on what stands still, whose forces are known."""
+        for e in range(holdings.mass.size):
+            self.reaction[e] = -self.force[:, holdings.members(e)].sum(axis=1)
 
 
 class State(NamedTuple):
@@ -130,5 +168,5 @@ class State(NamedTuple):
 
 
 # Entries of `work`.
-DAMPED, LOADED, HELD, MOVED, IN_BODIES, STRUCK, CARRIED = 0, 1, 2, 3, 4, 5, 6
-WORKS = 7
+DAMPED, LOADED, HELD, MOVED, IN_BODIES, STRUCK, CARRIED, RUBBED, DRIVEN = range(9)
+WORKS = 9

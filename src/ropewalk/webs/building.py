@@ -9,6 +9,7 @@ import numpy as np
 
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.assembly import held_by, pack, speed_table, vector_table
+from ropewalk.mechanics.held_points import supports_of
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import Hooke
 from ropewalk.model.line import Line, spatial
@@ -17,7 +18,6 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.webs.sheets import Sheet, held_at_edge
 from ropewalk.webs.travellers import Strand
 from ropewalk.webs.web import (
-    CELL_SLOTS,
     LINK_SLOTS,
     Array,
     Body,
@@ -90,19 +90,19 @@ class Builder:
             np.add.at(self.mass, at, half)
             np.add.at(self.lag, at, drag * half)
 
-    def supports(self, name: str, line: Line, node: Integers) -> None:
-        """Add what holds the ends of a line."""
-        for side, n, support in (("start", node[0], line.start_support), ("end", node[-1], line.end_support)):
+    def supports(self, name: str, line: Line, node: Integers, xi: Array) -> None:
+        """Add what holds a line, whose nodes are at xi along it, m."""
+        for side, point, support, station in supports_of(line, float(xi[-1])):
             if isinstance(support, Joined):
                 continue
-            n, mass = int(n), getattr(support, "mass", 0.0)
+            n, mass = int(node[np.abs(xi - station).argmin()]), getattr(support, "mass", 0.0)
             free, stiffness, damping, force = held_by(support, _XYZ)
             self.ends.append(End(f"{name}.{side}", n, mass, force))
             self.mass[n] += mass
             self.force[n] += force
             rank = round(float(np.trace(free)))
             time, moved = vector_table(getattr(support, "displacement", (0.0, 0.0)), self.until, _XYZ)
-            declared = np.array(spatial(line.start if side == "start" else line.end))
+            declared = np.array(point)
             place = declared + [np.interp(0.0, time, row) for row in moved]
             if time.size > 1:
                 spring = -1 if rank == 0 else len(self.springs)
@@ -190,8 +190,8 @@ class Builder:
         drag = np.divide(self.lag, self.mass, out=np.zeros(n), where=self.mass > 0.0)
         body = Body(mass, force, np.concatenate([drag, np.zeros(contacts)]))
         return Web(
-            self._links(contacts), self._cells(contacts), held, self._sheaves(), seats, course, self._wind(), body,
-            gravity, len(self.links), self.cell_count, n,
+            self._links(contacts), self._cells(), held, self._sheaves(), seats, course, self._wind(), body,
+            gravity, len(self.links), n,
         )  # fmt: skip
 
     def _moves(self) -> Moves:
@@ -214,16 +214,13 @@ class Builder:
         laws = np.array([np.pad(p, (0, wide - p.size)) for p in self.laws]).reshape(-1, wide)
         return Links(whole(one), whole(other), rest, whole(law), damping, width, on, laws)
 
-    def _cells(self, contacts: int) -> Cells:
-        slots = CELL_SLOTS * contacts
+    def _cells(self) -> Cells:
         node, inverse, area, fabric = np.zeros((0, 3)), np.zeros((0, 4)), np.zeros(0), np.zeros(0)
         for row, part in enumerate(self.cells):
             node, inverse = np.concatenate([node, part.node]), np.concatenate([inverse, part.inverse])
             area, fabric = np.concatenate([area, part.area]), np.concatenate([fabric, np.full(part.area.size, row)])
         return Cells(
-            whole(np.concatenate([node, np.zeros((slots, 3))])), np.concatenate([inverse, np.zeros((slots, 4))]),
-            np.concatenate([area, np.ones(slots)]), whole(np.concatenate([fabric, np.zeros(slots)])),
-            whole(np.concatenate([np.ones(area.size), np.zeros(slots)])),
+            whole(node), inverse, area, whole(fabric),
             np.array(self.fabrics).reshape(-1, 7) if self.fabrics else np.zeros((1, 7)),
         )  # fmt: skip
 

@@ -7,11 +7,10 @@ from dataclasses import replace
 
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import Capabilities, missing
-from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic
 
-_NETWORKS = "joined lines, sheaves, nets and lines in wind"
+_NETWORKS = "joined lines, sheaves, nets, ropes on inner supports and lines in wind"
 
 
 def _beside_others(parts: Parts) -> Iterator[Finding]:
@@ -28,8 +27,10 @@ def _over_sheaves(parts: Parts) -> Iterator[Finding]:
 
 def _on_nets(parts: Parts) -> Iterator[Finding]:
     for name, load in parts.loads.items():
-        if isinstance(load, Footsteps) and load.lateral and load.path is not None:
-            yield missing(("loads", name, "lateral"), "nets", str(load.lateral), "leave lateral out")
+        if load is not None and load.on in parts.nets:
+            remedy = "compute the lines over sheaves in a scenario of their own"
+            feature, path = "a load on a net", ("loads", name, "on")
+            yield missing(path, "nets beside lines over sheaves", load.on, remedy, feature=feature)
 
 
 MOTION = Capabilities(

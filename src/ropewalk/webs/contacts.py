@@ -1,6 +1,6 @@
 """Contacts in motion: the stiff little pieces around them, solved together and implicitly.
 
-The parts of a divided link or cell are as stiff as they are short. All nodes next to contacts therefore move by the
+The parts of a divided link are as stiff as they are short. All nodes next to contacts therefore move by the
 implicit midpoint rule as far as these pieces are concerned, and by explicit kicks otherwise (Stern and Grinspun,
 Multiscale Model. Simul. 7, 1779, 2009). A contact has no mass of its own: it is where its forces balance. With z the
 place at the middle of the step,
@@ -17,11 +17,10 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
-from ropewalk.webs.fabric import cell_stiffness, pull_cells
 from ropewalk.webs.geometry import distance
 from ropewalk.webs.pull import link_stiffness, pull_links
 from ropewalk.webs.seats import corner, energy_of_pieces, held_place
-from ropewalk.webs.web import FORCE, MASS, OFF, ON_LINE
+from ropewalk.webs.web import FORCE, MASS, OFF
 
 MOST_ITERATIONS = 100
 # Changes of places at which they count as found, over the size of the pieces; and which are enough where threads that
@@ -47,13 +46,13 @@ def _press(web, room, k, z):
         for a in range(3):
             room.b[3 * room.row[web.nodes + k] + a] += seats.load[k, a]
         return
-    for c in range(4):
+    for c in range(3):
         i = _held_row(web, room, k, c)
         if i < 0:
             continue
         for a in range(3):
             room.b[3 * i + a] += seats.hold[k, c] * pressed(web, room, k, z, a)
-        for d in range(4):
+        for d in range(3):
             j = _held_row(web, room, k, d)
             if j >= 0:
                 for a in range(3):
@@ -62,18 +61,16 @@ def _press(web, room, k, z):
 
 @lean_inner
 def _held_row(web, room, k, c):
-    """Row of contact k (0) or of a corner of its link or cell; -1: none."""
+    """Row of contact k (0) or of a node of its link; -1: none."""
     if c == 0:
         return room.row[web.nodes + k]
-    if c == 3 and web.seats.on[k] == ON_LINE:
-        return -1
-    return room.row[corner(web, k, web.seats.divided[k], c - 1)]
+    return room.row[corner(web, web.seats.divided[k], c - 1)]
 
 
 @lean_inner
 def _collect(web, room, still):
     """List the nodes that are solved for: contacts, and unless `still` the nodes of their pieces that may move."""
-    links, cells, seats = web.links, web.cells, web.seats
+    links, seats = web.links, web.seats
     count = 0
     for k in range(seats.kind.size):
         if seats.kind[k] != OFF:
@@ -86,10 +83,6 @@ def _collect(web, room, still):
         if links.on[p] == 1:
             count = _add(web, room, links.one[p], count)
             count = _add(web, room, links.other[p], count)
-    for e in range(web.own_cells, cells.on.size):
-        if cells.on[e] == 1:
-            for c in range(3):
-                count = _add(web, room, cells.node[e, c], count)
     return count
 
 
@@ -105,7 +98,7 @@ def _add(web, room, n, count):
 @lean_inner
 def _forces(web, room, count, z):
     """Forces of the slots on all nodes that they touch, at places z, to room.f; and their stiffness to room.J."""
-    links, cells = web.links, web.cells
+    links = web.links
     for i in range(3 * count):
         for j in range(3 * count):
             room.J[i, j] = 0.0
@@ -114,13 +107,7 @@ def _forces(web, room, count, z):
             for a in range(3):
                 room.f[links.one[p], a] = 0.0
                 room.f[links.other[p], a] = 0.0
-    for e in range(web.own_cells, cells.on.size):
-        if cells.on[e] == 1:
-            for c in range(3):
-                for a in range(3):
-                    room.f[cells.node[e, c], a] = 0.0
     pull_links(links, web.own_links, links.on.size, z, room.f)
-    pull_cells(cells, web.own_cells, cells.on.size, z, room.f, room.F, room.P)
     for p in range(web.own_links, links.on.size):
         if links.on[p] == 1:
             link_stiffness(links, p, z, room.K)
@@ -134,16 +121,6 @@ def _forces(web, room, count, z):
                     if i >= 0 and j >= 0:
                         room.J[3 * i + a, 3 * j + b] -= room.K[a, b]
                         room.J[3 * j + a, 3 * i + b] -= room.K[a, b]
-    for e in range(web.own_cells, cells.on.size):
-        if cells.on[e] == 1:
-            cell_stiffness(cells, e, z, room.K, room.F, room.D)
-            for c in range(3):
-                for d in range(3):
-                    i, j = room.row[cells.node[e, c]], room.row[cells.node[e, d]]
-                    if i >= 0 and j >= 0:
-                        for a in range(3):
-                            for b in range(3):
-                                room.J[3 * i + a, 3 * j + b] += room.K[3 * c + a, 3 * d + b]
 
 
 @lean
@@ -164,7 +141,7 @@ def neighbours(web, k):
 def _flux(web, room, k, i, z):
     """Add what the passing line takes from contact k (row i): force and stiffness; returns nothing."""
     seats, links, n = web.seats, web.links, web.nodes + k
-    if seats.on[k] != ON_LINE or seats.speed[k] == 0.0:
+    if seats.speed[k] == 0.0:
         return
     behind, ahead = neighbours(web, k)
     one, two = links.rest[behind], links.rest[ahead]
@@ -232,12 +209,6 @@ def solve(web, state, room, h, still):
             one, other, far = web.links.one[p], web.links.other[p], 0.0 if still else 0.5 * h
             for a in range(3):  # nodes that are not solved for stand, or move as prescribed
                 z[one, a], z[other, a] = r[one, a] + far * v[one, a], r[other, a] + far * v[other, a]
-    for e in range(web.own_cells, web.cells.on.size):
-        if web.cells.on[e] == 1:
-            size = max(size, np.sqrt(web.cells.area[e]))
-            for c in range(3):
-                for a in range(3):
-                    z[web.cells.node[e, c], a] = r[web.cells.node[e, c], a]
     for i in range(count):
         n = room.node[i]
         for a in range(3):
@@ -326,7 +297,7 @@ def solve(web, state, room, h, still):
 def _merit(web, room, z):
     """Potential energy of the slots, the loads on their contacts, and what passing lines take from these, J."""
     links, seats = web.links, web.seats
-    total = energy_of_pieces(web, web.own_links, web.own_cells, z, room.F)
+    total = energy_of_pieces(web, web.own_links, z)
     for k in range(seats.kind.size):
         if seats.kind[k] == OFF:
             continue
@@ -336,7 +307,7 @@ def _merit(web, room, z):
             else:
                 gap = room.q[k, a] - held_place(web, z, k, a)
                 total += 0.5 * seats.grip[k] * gap * gap
-        if seats.on[k] == ON_LINE and seats.speed[k] != 0.0:
+        if seats.speed[k] != 0.0:
             behind, ahead = neighbours(web, k)
             q = 0.5 * seats.density[k] * seats.speed[k] * seats.speed[k]
             for p in (behind, ahead):

@@ -49,7 +49,7 @@ def _neighbours(web: Web) -> sparse.csc_matrix:
     links, cells, n = web.links, web.cells, web.body.mass.size
     own = slice(0, web.own_links)
     parts = [np.stack([links.one[own], links.other[own]], axis=1)]
-    corner = cells.node[: web.own_cells]
+    corner = cells.node
     parts += [corner[:, [i, j]] for i, j in ((0, 1), (1, 2), (2, 0))]
     pairs = np.concatenate([*parts, np.arange(n)[:, None].repeat(2, axis=1)])
     one, two = np.concatenate([pairs, pairs[:, ::-1]]).T

@@ -125,11 +125,9 @@ def _spread(cells, e, P, f):
 
 
 @lean_inner
-def pull_cells(cells, begin, end, r, f, F, P):
-    """Add the elastic forces of the cells `begin` ... `end` - 1 that are on to f (node, 3)."""
-    for e in range(begin, end):
-        if cells.on[e] == 0:
-            continue
+def pull_cells(cells, r, f, F, P):
+    """Add the elastic forces of all cells to f (node, 3)."""
+    for e in range(cells.area.size):
         _gradient(cells, e, r, F)
         p = cells.fabrics[cells.fabric[e]]
         if p[0] == THREADS:
@@ -148,14 +146,14 @@ def pull_cells(cells, begin, end, r, f, F, P):
 
 
 @lean_inner
-def damp_cells(cells, end, r, v, f, F, P, V):
-    """Add the Kelvin-Voigt forces of the first `end` cells to f, whether on or not.
+def damp_cells(cells, begin, end, r, v, f, F, P, V):
+    """Add the Kelvin-Voigt forces of the cells `begin` ... `end` - 1 to f.
 
     Returns:
         Power lost, W.
     """
     lost = 0.0
-    for e in range(end):
+    for e in range(begin, end):
         p = cells.fabrics[cells.fabric[e]]
         if p[3] == 0.0 and p[4] == 0.0:
             continue
@@ -183,6 +181,23 @@ def damp_cells(cells, end, r, v, f, F, P, V):
                 P[a, 0], P[a, 1] = F[a, 0] * xx + F[a, 1] * xy, F[a, 0] * xy + F[a, 1] * yy
         _spread(cells, e, P, f)
     return lost
+
+
+def bounds_of_cells(cells: Cells, nodes: int) -> tuple[Array, Array]:
+    """Sums of absolute stiffness (N/m) and damping (N s/m) of the cells around each of so many nodes."""
+    b, area, p = cells.inverse, cells.area, cells.fabrics[cells.fabric]
+    g = np.stack([[-b[:, 0] - b[:, 2], -b[:, 1] - b[:, 3]], [b[:, 0], b[:, 1]], [b[:, 2], b[:, 3]]])  # corner, axis
+    threads, sheet = p[:, 0] == THREADS, p[:, 1] / (1.0 - np.minimum(p[:, 2], 0.99) ** 2)
+    sums, size = np.abs(g).sum(axis=0), np.sqrt((g**2).sum(axis=1))
+    stiffness, damping = np.zeros((2, nodes))
+    for corner in range(3):
+        along = [area * np.abs(g[corner, a]) * sums[a] for a in range(2)]
+        whole = area * size[corner] * size.sum(axis=0)
+        k = np.where(threads, p[:, 1] * along[0] + p[:, 2] * along[1], sheet * whole)
+        c = np.where(threads, p[:, 3] * along[0] + p[:, 4] * along[1], p[:, 3] * whole)
+        np.add.at(stiffness, cells.node[:, corner], k)
+        np.add.at(damping, cells.node[:, corner], c)
+    return stiffness, damping
 
 
 @inlined

@@ -22,7 +22,6 @@ from ropewalk.webs.web import (
     LOADS,
     MASS,
     OFF,
-    ON_LINE,
     RUBBED,
     SUPPORTS,
     Array,
@@ -141,7 +140,7 @@ class FrameBuilder:
             force = np.where((seats.kind == MASS)[:, None], seats.grip[:, None] * gap, seats.load)
         strain, tension = self.strain(r)
         seen = Contacts(contacts, len(axes))
-        for k in np.flatnonzero(on & (seats.on == ON_LINE)):
+        for k in np.flatnonzero(on):
             for side, p in enumerate(neighbours(web, int(k))):
                 seen.tension[k, side] = self._tension(p, r)
         seen.position[on], seen.force[on], seen.hold[on] = r[n:][on][:, axes], force[on][:, axes], 0.0
@@ -153,7 +152,7 @@ class FrameBuilder:
             **seen.told(), body_position=np.zeros((0, len(axes))), body_velocity=np.zeros((0, len(axes))),
             reaction=self._reactions(state)[:, axes],
             energy=self._energy(state, still=still is not None),
-            cell_tension=tensions_of(web.cells, web.own_cells, r) if self.layout.cell else None,
+            cell_tension=tensions_of(web.cells, web.cells.area.size, r) if self.layout.cell else None,
         )  # fmt: skip
 
     def _held(self, r: Array) -> Array:
@@ -178,9 +177,9 @@ class FrameBuilder:
         for e, b in zip(web.sheaves.link.tolist(), web.sheaves.node.tolist(), strict=True):
             both = np.linalg.norm(r[b] - r[links.one[e]]) + np.linalg.norm(r[links.other[e]] - r[b])
             extra[e] = both - np.linalg.norm(r[links.other[e]] - r[links.one[e]])
-        for e in set(web.seats.divided[(web.seats.kind != OFF) & (web.seats.on == ON_LINE)].tolist()):
+        for e in set(web.seats.divided[web.seats.kind != OFF].tolist()):
             pieces = 0.0
-            for k in np.flatnonzero((web.seats.divided == e) & (web.seats.on == ON_LINE)):
+            for k in np.flatnonzero(web.seats.divided == e):
                 behind, ahead = neighbours(web, int(k))
                 pieces += float(np.linalg.norm(r[links.other[behind]] - r[links.one[behind]]))
                 if links.other[ahead] < web.nodes:

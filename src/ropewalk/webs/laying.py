@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
+from ropewalk.model.division import links_of_line
 from ropewalk.model.joint import Joined
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.scenario import Scenario
@@ -74,10 +75,12 @@ def attached(scenario: Scenario, name: str) -> list[float]:
 
 
 def stations(line: Line, length: float, joined: list[float]) -> Array:
-    """Where the nodes of a line are: evenly between the places where something is joined, m.
+    """Where the nodes of a line are: evenly between the places where it is held or something is joined, m.
 
     How many there are does not depend on a length that is still searched for: shapes found before must fit.
     """
+    elements = links_of_line(line, joined) if line.bending_stiffness else line.elements
+    joined = [*joined, *(support.at for support in line.supports.values())]
     whole = line.length or max([line.distance, *(1.01 * at for at in joined)])
     near = 1e-9 * whole
     marks = [0.0, *sorted(at for at in set(joined) if near < at < whole - near), whole]
@@ -86,7 +89,7 @@ def stations(line: Line, length: float, joined: list[float]) -> Array:
     places = [*(squeeze * at for at in marks[:-1]), length]
     out = [np.zeros(1)]
     for (a, b), (c, d) in zip(pairwise(marks), pairwise(places), strict=True):
-        count = max(1, round(line.elements * (b - a) / whole))
+        count = max(2 if line.supports else 1, round(elements * (b - a) / whole))
         out.append(np.linspace(c, d, count + 1)[1:])
     return np.concatenate(out)
 
@@ -156,7 +159,21 @@ def _curves(
             corners = [end(line.start, line.start_support), *wheels, end(line.end, line.end_support)]
             xi = stations(line, lengths[name], attached(scenario, name))
             found[name] = xi, *drawn(np.array(corners), xi / lengths[name], lengths[name])
+            if line.supports:
+                found[name] = xi, _drawn_between(line, corners, xi, lengths[name]), found[name][2]
     return {name: found[name] for name in scenario.lines}
+
+
+def _drawn_between(line: Line, corners: Sequence[Array], xi: Array, length: float) -> Array:
+    """About where the nodes of a line are between its inner supports and its ends, (node, 3) m."""
+    held = sorted(line.supports.values(), key=lambda support: support.at)
+    marks = [0.0, *(support.at for support in held), length]
+    points = [corners[0], *(np.array(line.place_of(support, length)) for support in held), corners[-1]]
+    out = np.empty((xi.size, 3))
+    for (a, b), (begin, end) in zip(pairwise(marks), pairwise(points), strict=True):
+        own = (xi >= a) & (xi <= b)
+        out[own] = drawn(np.array([begin, end]), (xi[own] - a) / (b - a), b - a)[0]
+    return out
 
 
 def _needs(line: Line) -> set[str]:
@@ -202,7 +219,7 @@ def lay(scenario: Scenario, lengths: Mapping[str, float], until: float) -> Laid:
     build = Builder(scenario, place, number, until)
     strands = [build.line(name, line, *along[name]) for name, line in scenario.lines.items()]
     for name, line in scenario.lines.items():
-        build.supports(name, line, number[along[name][0]])
+        build.supports(name, line, number[along[name][0]], along[name][1])
     for name, at in joint.items():
         build.joint(name, int(number[at]))
     cells = []
@@ -213,9 +230,9 @@ def lay(scenario: Scenario, lengths: Mapping[str, float], until: float) -> Laid:
         corner = curves[name][2][1 + list(scenario.lines[name].sheaves).index(sheave)]
         strand = next(s for s in strands if s.name == name)
         build.sheave(name, sheave, int(number[at]), strand, float(corner) * lengths[name])
-    travellers = travellers_of(scenario, {sheet.name: sheet for sheet in sheets}, until)
+    travellers = travellers_of(scenario, until)
     vertices = tuple(number[v] for v in vertex)
-    seats = seats_of(scenario, travellers, strands, sheets, vertices, place.shape[0])
+    seats = seats_of(scenario, travellers, strands)
     web = build.web(seats, course_of(travellers, lengths))
     return Laid(
         web, place, tuple(strands), sheets, vertices, tuple(cells), tuple(build.ends),

@@ -51,7 +51,7 @@ def laid_at_rest(scenario: Scenario, until: float) -> tuple[Laid, Array]:
         laid = lay(scenario, lengths, until)
         leave(laid.web)
         contacts = laid.web.seats.kind.size
-        first = np.concatenate([laid.place, np.zeros((contacts, 3))]) if start is None else start
+        first = np.concatenate([laid.place, np.zeros((contacts, 3))]) if start is None else _held_there(laid, start)
         start = settle(laid.web, first)
         if not given:
             return laid, start
@@ -80,9 +80,24 @@ def laid_at_rest(scenario: Scenario, until: float) -> tuple[Laid, Array]:
     raise EquilibriumError(_not_found(scenario, last, given))
 
 
+def _held_there(laid: Laid, start: Array) -> Array:
+    """A shape (node, 3) m with what is held where it is held: places of inner supports go with the length of a line."""
+    held, out = laid.web.held, start.copy()
+    out[held.fixed] = laid.place[held.fixed]
+    along = ((start[held.rail] - laid.place[held.rail]) * held.along).sum(axis=1)
+    out[held.rail] = laid.place[held.rail] + along[:, None] * held.along
+    return out
+
+
 def _check_joined(scenario: Scenario, lengths: Mapping[str, float]) -> None:
-    """Refuse ends that are joined to a line beyond the length that its tension gives it."""
+    """Refuse ends that are joined to a line beyond the length that its tension gives it, and supports there."""
     for name, line in scenario.lines.items():
+        for key, inner in line.supports.items():
+            if lengths[name] <= inner.at * (1.0 + 1e-9):
+                raise EquilibriumError(
+                    f"lines.{name}.supports.{key}.at: {inner.at:g} m is not between the ends of the line, which with "
+                    f"its tension is {lengths[name]:.6g} m long; stay within that"
+                )
         for key, support in (("start_support", line.start_support), ("end_support", line.end_support)):
             if not isinstance(support, Joined) or not isinstance(support.at, float):
                 continue
@@ -112,7 +127,7 @@ def _not_found(scenario: Scenario, last: Mapping[str, tuple[float, float]], give
 
 
 def doubt_slack(scenario: Scenario, account: Account, on: Sequence[str], tension: Array) -> None:
-    """Doubt shapes of lines that nothing pulls at: without weight any other is as good.
+    """Doubt shapes of lines without stiffness that nothing pulls at: without weight any other is as good.
 
     Args:
         scenario: what is there.
@@ -123,8 +138,10 @@ def doubt_slack(scenario: Scenario, account: Account, on: Sequence[str], tension
     if scenario.gravity != 0.0:
         return
     for name, line in scenario.lines.items():
+        if line.is_stiff:
+            continue
         mine = np.array([own == name for own in on])
-        if np.abs(tension[mine]).max() < _SLACK * (line.axial_stiffness or 1.0):
+        if not line.is_stiff and np.abs(tension[mine]).max() < _SLACK * (line.axial_stiffness or 1.0):
             account.doubt(
                 f"line {name} is slack and has no weight: its shape at rest is one of many",
                 "it is longer than the way between what holds it, and gravity is 0", f"lines.{name}.length",

@@ -10,7 +10,7 @@ from ropewalk.mechanics.compiled import lean, lean_inner
 from ropewalk.mechanics.rider import look_up
 from ropewalk.webs.contacts import neighbours, pass_node, pressed, solve
 from ropewalk.webs.pull import blow, pull_softly, resist
-from ropewalk.webs.seats import divide, extra_energy, hold_on, join, place_at, seat, weights_in
+from ropewalk.webs.seats import divide, extra_energy, hold_on, join, place_at, seat
 from ropewalk.webs.sheaves import hop
 from ropewalk.webs.web import (
     CONTACTS,
@@ -19,7 +19,6 @@ from ropewalk.webs.web import (
     LOADS,
     MASS,
     OFF,
-    ON_LINE,
     STOPPED,
     SUPPORTS,
     Array,
@@ -50,7 +49,6 @@ class Room(NamedTuple):
     b: Array
     pull: Array
     K: Array  # (9, 9)
-    D: Array  # (4, 4)
     F: Array  # (3, 2)
     P: Array
     V: Array
@@ -82,7 +80,7 @@ class Room(NamedTuple):
         return Room(
             movable, vectors(), vectors(), vectors(), vectors(), vectors(), vectors(), vectors(),
             np.zeros(size, dtype=np.int64), np.full(n, -1, dtype=np.int64), np.zeros((3 * size, 3 * size)),
-            np.zeros(3 * size), np.zeros(3 * size), np.zeros((9, 9)), np.zeros((4, 4)), square, square.copy(),
+            np.zeros(3 * size), np.zeros(3 * size), np.zeros((9, 9)), square, square.copy(),
             square.copy(), np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros((contacts, 3)),
             np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros(contacts), np.zeros(contacts, dtype=np.int64),
             bool(damped), bool(web.wind.direction.any()),
@@ -93,7 +91,7 @@ class Room(NamedTuple):
 def _shift(web, state, room):
     """Divide anew at fixed nodes, after contacts have been seated; what that changes in energy goes to `work`.
 
-    A contact on a new link or cell keeps its distance from the undivided one; one without mass goes where its forces
+    A contact on a new link keeps its distance from the undivided one; one without mass goes where its forces
     balance.
 
     Returns:
@@ -102,7 +100,7 @@ def _shift(web, state, room):
     seats, r = web.seats, state.r
     work = state.work
     before = work[CONTACTS]
-    work[CONTACTS] += extra_energy(web, r, state.q, room.F)
+    work[CONTACTS] += extra_energy(web, r, state.q)
     for k in range(seats.kind.size):
         n = web.nodes + k
         room.drawn[k, 0], room.drawn[k, 1], room.drawn[k, 2] = 0.0, 0.0, 0.0
@@ -120,7 +118,7 @@ def _shift(web, state, room):
             seats.last[k] = -1
             continue
         if seats.kind[k] != OFF:
-            # Small where a contact is close to a node or an edge, as the distance from the undivided link or cell is.
+            # Small where a contact is close to a node or an edge, as the distance from the undivided link is.
             hold_on(web, k)
             grown = 1.0 if was != seats.cell[k] else _bubble(seats.weight[k]) / _bubble(seats.before[k])
             for a in range(3):
@@ -137,11 +135,11 @@ def _shift(web, state, room):
                     state.u[k, a] = _straight(web, state.v, k, seats.cell[k], seats.weight[k], a)
                     state.u[k, a] += seats.speed[k] * _along(web, r, k, a)
             seats.last[k] = seats.cell[k]
-        for c in range(3):
+        for c in range(2):
             seats.before[k, c] = seats.weight[k, c]
     divide(web)
     done = _balance(web, state, room, False)
-    work[CONTACTS] += done - extra_energy(web, r, state.q, room.F)
+    work[CONTACTS] += done - extra_energy(web, r, state.q)
     for k in range(seats.kind.size):
         if not np.isfinite(state.parting[k]):
             state.parting[k] = work[CONTACTS] - before
@@ -177,43 +175,20 @@ def _balance(web, state, room, draws):
 
 @lean_inner
 def _straight(web, r, k, e, weight, a):
-    """Component a of the place of contact k on its undivided link or cell e."""
-    if web.seats.on[k] == ON_LINE:
-        return weight[0] * r[web.links.one[e], a] + weight[1] * r[web.links.other[e], a]
-    node = web.cells.node
-    return weight[0] * r[node[e, 0], a] + weight[1] * r[node[e, 1], a] + weight[2] * r[node[e, 2], a]
+    """Component a of the place of contact k on its undivided link e."""
+    return weight[0] * r[web.links.one[e], a] + weight[1] * r[web.links.other[e], a]
 
 
 @lean_inner
 def _bubble(weight):
-    return weight[0] * weight[1] * (weight[2] if weight[2] > 0.0 else 1.0)
+    return weight[0] * weight[1]
 
 
 @lean_inner
 def _along(web, r, k, a):
-    """Component a of the derivative of the place of contact k on its undivided link or cell by its path."""
-    seats, e = web.seats, web.seats.cell[k]
-    if seats.on[k] == ON_LINE:
-        return (r[web.links.other[e], a] - r[web.links.one[e], a]) / web.links.rest[e]
-    i, j, m = web.cells.node[e, 0], web.cells.node[e, 1], web.cells.node[e, 2]
-    course, plan = web.course, seats.plan
-    first, count, here = course.way_first[k], course.way_count[k], seats.xi[k]
-    there = here + 1e-3 * course.length[k]
-    if there > course.length[k]:
-        here, there = here - 1e-3 * course.length[k], here
-    du = _way(course, 0, first, count, there) - _way(course, 0, first, count, here)
-    dv = _way(course, 1, first, count, there) - _way(course, 1, first, count, here)
-    one, two = (
-        weights_in(plan, i, j, m, plan[i, 0] + du, plan[i, 1] + dv),
-        weights_in(plan, i, j, m, plan[i, 0], plan[i, 1]),
-    )
-    total = (one[0] - two[0]) * r[i, a] + (one[1] - two[1]) * r[j, a] + (one[2] - two[2]) * r[m, a]
-    return total / (there - here)
-
-
-@lean_inner
-def _way(course, axis, first, count, s):
-    return look_up(course.way_mark, course.way_place[:, axis], first, count, s)
+    """Component a of the derivative of the place of contact k by the unstrained length of its undivided link."""
+    e = web.seats.cell[k]
+    return (r[web.links.other[e], a] - r[web.links.one[e], a]) / web.links.rest[e]
 
 
 @lean_inner
@@ -327,7 +302,7 @@ def _drift(web, state, room, h, count):
         for a in range(3):
             r[n, a] += h * v[n, a]
     for k in range(seats.kind.size):
-        if seats.kind[k] == MASS and seats.on[k] == ON_LINE:
+        if seats.kind[k] == MASS:
             behind, ahead = neighbours(web, k)
             p = behind if seats.speed[k] > 0.0 else ahead
             for a in range(3):
@@ -363,7 +338,7 @@ def _drift(web, state, room, h, count):
 def _until_node(web, k, t):
     """Time until contact k comes to a node of its line, s."""
     seats, course = web.seats, web.course
-    if seats.wanted[k] == OFF or seats.on[k] != ON_LINE:
+    if seats.wanted[k] == OFF:
         return np.inf
     xi, speed = place_at(course, k, t)
     base, count = seats.first_station[k], seats.pieces[k]
@@ -436,7 +411,7 @@ def advance(web, state, room, until, step):
         for k in range(seats.kind.size):
             if web.course.at_end[k] == STOPPED:
                 return AT_END
-            if seats.kind[k] != OFF and seats.on[k] == ON_LINE:
+            if seats.kind[k] != OFF:
                 for q in range(web.sheaves.link.size):
                     if web.sheaves.link[q] == seats.cell[k]:
                         return AT_SHEAVE

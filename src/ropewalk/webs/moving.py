@@ -19,14 +19,14 @@ from ropewalk.webs.laying import Laid
 from ropewalk.webs.motion import Room, advance, look_at_contacts
 from ropewalk.webs.rest import settle, stand
 from ropewalk.webs.seats import held_place, hold_on
-from ropewalk.webs.stability import SAFETY, SAFETY_OF_NETS, largest_step
-from ropewalk.webs.web import MASS, ON_LINE, WORKS, Array, State
+from ropewalk.webs.stability import SAFETY, largest_step
+from ropewalk.webs.web import MASS, WORKS, Array, State
 
 _ENDS = {
     motion.DIVERGED: ("diverged", "positions stopped being numbers; take a smaller run.step"),
     motion.NOT_FOUND: (
         "diverged",
-        "no place was found where the forces on a contact balance; take a smaller run.step, more elements or cells, or "
+        "no place was found where the forces on a contact balance; take a smaller run.step, more elements, or "
         "a little damping",
     ),
     motion.AT_SHEAVE: ("travel ended", "a load has come to a sheave, which it cannot pass; let it turn back before"),
@@ -68,7 +68,7 @@ class Motion:
             begin_elsewhere(self.laid, self.state, asked.start, self._builder.shown, self._builder.axes)
         self._room, stable = Room.of(web), largest_step(web)
         self._step = stable if asked.step is None else asked.step
-        limit = stable / (SAFETY_OF_NETS if web.own_cells else SAFETY)
+        limit = stable / SAFETY
         if self._step > limit:
             account.warnings.append(
                 f"the step of {self._step:.3g} s is larger than {limit:.3g} s, up to which the motion is stable for "
@@ -76,7 +76,7 @@ class Motion:
             )
         account.method, account.step = "explicit", self._step
         account.reason = (
-            "Verlet's method for all nodes; the pieces of links and cells beside contacts by the implicit midpoint rule"
+            "Verlet's method for all nodes; the pieces of links beside contacts by the implicit midpoint rule"
         )
         account.warnings += self._remarks()
         self._builder.note_slack(self.state.r)
@@ -113,10 +113,9 @@ class Motion:
         return {
             "state": arrays_of(self.state), "room": arrays_of(self._room), "sheaves": arrays_of(web.sheaves),
             "links": arrays_of(web.links, "one", "other", "rest", "law", "on"),
-            "cells": arrays_of(web.cells, "node", "inverse", "area", "fabric", "on"),
             "seats": arrays_of(
                 web.seats, "kind", "xi", "load", "speed", "cell", "divided", "last", "before", "weight", "beyond",
-                "hold", "plan",
+                "hold",
             ),
             "course": arrays_of(web.course, "at_end"), "held": arrays_of(web.held, "place", "rate"),
         }  # fmt: skip
@@ -165,7 +164,7 @@ class Motion:
         """Masses on lines for which the coupling gets worse; where it is known to fail a doubt (docs/notes/webs.md)."""
         web, seats, course = self._builder.web, self._builder.web.seats, self._builder.web.course
         strain, tension = self._builder.strain(self._builder.rest)
-        for k in np.flatnonzero((seats.wanted == MASS) & (seats.on == ON_LINE)):
+        for k in np.flatnonzero(seats.wanted == MASS):
             name, mine = self._builder.laid.travellers[k].name, self._builder.links[:, None] - seats.first[k]
             mine = ((mine >= 0) & (mine < seats.pieces[k])).ravel()
             waves = np.sqrt(np.maximum(tension[mine] / (seats.density[k] * (1.0 + strain[mine])), 0.0))

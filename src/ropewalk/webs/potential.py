@@ -10,7 +10,8 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from ropewalk.mechanics.compiled import lean, lean_inner
-from ropewalk.webs.fabric import cell_stiffness, pull_cells
+from ropewalk.webs.fabric import cell_stiffness
+from ropewalk.webs.fabric import stored as stored_in_cell
 from ropewalk.webs.geometry import distance
 from ropewalk.webs.pull import link_stiffness, pull_links, pull_softly
 from ropewalk.webs.seats import energy_of_pieces
@@ -25,7 +26,9 @@ _NUDGE = 1e-5
 def _stored(web, r, F):
     """Energy stored in links, cells, springs and at sheaves, J."""
     links, held, sheaves = web.links, web.held, web.sheaves
-    total = energy_of_pieces(web, 0, 0, r, F)
+    total = energy_of_pieces(web, 0, r)
+    for e in range(web.cells.area.size):
+        total += stored_in_cell(web.cells, e, r, F)
     for k in range(held.spring.size):
         n = held.spring[k]
         for a in range(3):
@@ -43,7 +46,6 @@ def pull_all(web, r, f, work, F, P):
     """Conservative forces f (node, 3) of everything, slots included, N."""
     pull_softly(web, r, f, work, F, P)
     pull_links(web.links, web.own_links, web.links.on.size, r, f)
-    pull_cells(web.cells, web.own_cells, web.cells.on.size, r, f, F, P)
 
 
 @lean_inner
@@ -68,9 +70,7 @@ def _assemble(web, r, ahead, work, rows, columns, values, f, K, F, D):
                 at = _put(rows, columns, values, at, j + a, j + b, K[a, b])
                 at = _put(rows, columns, values, at, i + a, j + b, -K[a, b])
                 at = _put(rows, columns, values, at, j + a, i + b, -K[a, b])
-    for e in range(cells.on.size):
-        if cells.on[e] == 0:
-            continue
+    for e in range(cells.area.size):
         cell_stiffness(cells, e, r, K, F, D)
         for m in range(9):
             for n in range(9):
@@ -141,7 +141,7 @@ class Potential:
     def _entries(self) -> tuple[Any, Any, Array]:
         """Room for rows, columns and values of the stiffness: only who asks for it needs them."""
         web = self.web
-        most = 36 * web.links.on.size + 81 * (web.cells.on.size + web.sheaves.node.size) + 9 * web.held.spring.size
+        most = 36 * web.links.on.size + 81 * (web.cells.area.size + web.sheaves.node.size) + 9 * web.held.spring.size
         return np.zeros(most, dtype=np.int64), np.zeros(most, dtype=np.int64), np.zeros(most)
 
     @cached_property

@@ -94,7 +94,7 @@ def pull_softly(web, r, f, work, F, P):
         for a in range(3):
             f[n, a] = body.force[n, a]
     pull_links(web.links, 0, web.own_links, r, f)
-    pull_cells(web.cells, 0, web.own_cells, r, f, F, P)
+    pull_cells(web.cells, r, f, F, P)
     pull_springs(web.held, r, f)
     pull_sheaves(web.links, web.sheaves, r, f, work)
 
@@ -107,7 +107,7 @@ def resist(web, r, v, d, F, P, V):
         for a in range(3):
             d[n, a] = -body.drag[n] * body.mass[n] * v[n, a]
     damp_links(web.links, web.own_links, r, v, d)
-    damp_cells(web.cells, web.own_cells, r, v, d, F, P, V)
+    damp_cells(web.cells, 0, web.cells.area.size, r, v, d, F, P, V)
     damp_springs(web.held, v, d)
 
 

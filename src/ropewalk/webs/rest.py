@@ -17,7 +17,7 @@ from ropewalk.webs.potential import Potential
 from ropewalk.webs.relax import relaxed
 from ropewalk.webs.seats import divide, join, seat
 from ropewalk.webs.sheaves import hop
-from ropewalk.webs.web import OFF, ON_LINE, WORKS, Array, Web
+from ropewalk.webs.web import OFF, WORKS, Array, Web
 
 # A node is at a sheave if it is closer than this part of a link.
 _AT = 1e-4
@@ -45,9 +45,8 @@ def stand(web: Web, r: Array, t: float) -> None:
     for k in range(seats.kind.size):
         if seats.kind[k] == OFF or seats.last[k] == seats.cell[k]:
             continue
-        e, w = seats.cell[k], seats.weight[k]
-        corner = [web.links.one[e], web.links.other[e]] if seats.on[k] == ON_LINE else list(web.cells.node[e])
-        r[web.nodes + k] = w[: len(corner)] @ r[corner]
+        e = seats.cell[k]
+        r[web.nodes + k] = seats.weight[k] @ r[[web.links.one[e], web.links.other[e]]]
         seats.last[k] = seats.cell[k]
     seats.before[:] = seats.weight
     divide(web)

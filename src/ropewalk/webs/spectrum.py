@@ -21,7 +21,7 @@ from ropewalk.webs.potential import Potential
 from ropewalk.webs.rest import leave
 from ropewalk.webs.seats import hold_on
 from ropewalk.webs.still import Still
-from ropewalk.webs.web import MASS, ON_LINE, Array
+from ropewalk.webs.web import MASS, Array
 
 
 def small_motion(scenario: Scenario) -> tuple[Laid, Array, csc_matrix, Array, csc_matrix]:
@@ -100,9 +100,8 @@ def equations_of(laid: Laid, r: Array, t: float) -> Equations:
     for k in np.flatnonzero(seats.kind == MASS):
         hold_on(web, k)
         at = sparse.lil_matrix((3, rows.shape[0]))
-        on_line, cell = seats.on[k] == ON_LINE, int(seats.divided[k])
-        corners = [web.links.one[cell], web.links.other[cell]] if on_line else list(web.cells.node[cell])
-        for node, share in zip([web.nodes + k, *corners], seats.hold[k], strict=False):
+        p = int(seats.divided[k])
+        for node, share in zip([web.nodes + k, web.links.one[p], web.links.other[p]], seats.hold[k], strict=True):
             for a in range(3):
                 at[a, 3 * int(node) + a] += share
         bodies.append(LinearBody(seats.mass[k] * np.eye(3), none, none, sparse.csr_matrix(at.tocsr() @ rows)))

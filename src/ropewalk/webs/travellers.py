@@ -19,8 +19,7 @@ from ropewalk.model.load import MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import Travel
-from ropewalk.webs.sheets import Sheet
-from ropewalk.webs.web import FORCE, LEAVES, MASS, OFF, ON_LINE, ON_NET, REFUSED, STAYS, Array, Course, Integers, Seats
+from ropewalk.webs.web import FORCE, LEAVES, MASS, OFF, REFUSED, STAYS, Array, Course, Integers, Seats
 
 _AXES = ("x", "y", "z")
 _AT_END = {"leave": LEAVES, "stay": STAYS, "refuse": REFUSED}
@@ -38,12 +37,10 @@ class Traveller:
     mass: float  # kg
     knots: Array  # (4, knot): time in s, place in m, speed in m/s and slope of the speed in m/s^2 after it
     at_end: int  # LEAVES, STAYS or REFUSED
-    margin: float  # m, from the ends of its line or path, at which these end for it
+    margin: float  # m, from the ends of its line, at which these end for it
     share: float  # the same as a part of its line, to be added
     force_time: Array
     force: Array  # (3, entry) N
-    way: Array  # (corner, 2) m, in the plan of its net; no corners on lines
-    mark: Array  # (corner,) m, along its way
 
     @property
     def kind(self) -> int:
@@ -61,40 +58,28 @@ class Strand:
     first: int  # its first link
 
 
-def travellers_of(scenario: Scenario, sheets: Mapping[str, Sheet], until: float) -> list[Traveller]:
-    """All contacts of all loads.
-
-    Raises:
-        RopewalkError: a way leads beyond the edge of its net.
-    """
+def travellers_of(scenario: Scenario, until: float) -> list[Traveller]:
+    """All contacts of all loads on lines."""
     return [
-        _traveller(wheel, scenario.loads[wheel.load], i, scenario.lines.get(wheel.on), sheets.get(wheel.on), until)
+        _traveller(wheel, scenario.loads[wheel.load], i, scenario.lines[wheel.on], until)
         for name in scenario.loads
         for i, wheel in enumerate(w for w in wheels_of(scenario) if w.load == name)
     ]
 
 
-def _traveller(wheel: Wheel, load: Any, foot: int, line: Line | None, sheet: Sheet | None, until: float) -> Traveller:
+def _traveller(wheel: Wheel, load: Any, foot: int, line: Line, until: float) -> Traveller:
     times, force = vector_table(wheel.force, until, _AXES)
     if isinstance(load, Footsteps):
-        knots, way, at_end = _steps(load, foot, until), load.path, load.at_end
+        knots, at_end = _steps(load, foot, until), load.at_end
         mass, room, share = 0.0, 0.0, 0.0
     else:
         assert isinstance(load, MovingForce | MovingMass)
         assert isinstance(load.travel, Travel)
-        knots, way, at_end = _course(wheel.start, wheel.speed, until), load.travel.path, load.travel.at_end
+        knots, at_end = _course(wheel.start, wheel.speed, until), load.travel.at_end
         mass, room, share = wheel.mass, load.travel.margin or 0.0, 0.0
-        if mass and line is not None and load.travel.margin is None:
+        if mass and load.travel.margin is None:
             share = MARGIN / line.elements
-    corners, mark = np.zeros((0, 2)), np.zeros(0)
-    if sheet is not None and way is not None:
-        corners = sheet.in_plan(np.array(way, dtype=float))
-        mark = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(np.array(way, dtype=float), axis=0).T))))
-        keep = np.concatenate(([True], np.diff(mark) > 0.0))
-        corners, mark = corners[keep], mark[keep]
-        for corner in corners:
-            sheet.cell_at(corner, f"loads: {wheel.name}: its path")
-    return Traveller(wheel.name, wheel.on, mass, knots, _AT_END[at_end], room, share, times, force, corners, mark)
+    return Traveller(wheel.name, wheel.on, mass, knots, _AT_END[at_end], room, share, times, force)
 
 
 def _course(start: float, speed: Any, until: float) -> Array:
@@ -128,10 +113,10 @@ def course_of(travellers: list[Traveller], lengths: Mapping[str, float]) -> Cour
     def first(counts: list[int]) -> Any:
         return np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.int64) if counts else np.zeros(0, np.int64)
 
-    knots, forces, ways = ([a.shape[-1] for a in arrays] for arrays in (
-        [c.knots for c in travellers], [c.force for c in travellers], [c.mark for c in travellers]))  # fmt: skip
+    knots, forces = ([a.shape[-1] for a in arrays] for arrays in (
+        [c.knots for c in travellers], [c.force for c in travellers]))  # fmt: skip
     time, place, speed, slope = np.concatenate([np.zeros((4, 0)), *(c.knots for c in travellers)], axis=1).copy()
-    length = np.array([c.mark[-1] if c.mark.size else lengths[c.on] for c in travellers], dtype=float)
+    length = np.array([lengths[c.on] for c in travellers], dtype=float)
     start, room, share = np.array([(c.knots[1, 0], c.margin, c.share) for c in travellers]).reshape(-1, 3).T
     room = room + share * length
     return Course(
@@ -141,56 +126,33 @@ def course_of(travellers: list[Traveller], lengths: Mapping[str, float]) -> Cour
         first(forces), np.array(forces, dtype=np.int64),
         np.concatenate([np.zeros(0), *(c.force_time for c in travellers)]),
         np.concatenate([np.zeros((3, 0)), *(c.force for c in travellers)], axis=1),
-        first(ways), np.array(ways, dtype=np.int64),
-        np.concatenate([np.zeros(0), *(c.mark for c in travellers)]),
-        np.concatenate([np.zeros((0, 2)), *(c.way for c in travellers)]),
     )  # fmt: skip
 
 
-def seats_of(
-    scenario: Scenario,
-    travellers: list[Traveller],
-    strands: Sequence[Strand],
-    sheets: Sequence[Sheet],
-    vertices: Sequence[Integers],
-    nodes: int,
-) -> Seats:
+def seats_of(scenario: Scenario, travellers: list[Traveller], strands: Sequence[Strand]) -> Seats:
     """All contacts, nowhere yet."""
     contacts = len(travellers)
-    plan, across = np.zeros((nodes + contacts, 2)), [np.zeros((0, 3), dtype=np.int64)]
-    net, strand, begin, cells = {}, {}, 0, 0
-    for sheet, mine in zip(sheets, vertices, strict=True):
-        plan[mine] = sheet.surface.plan
-        across.append(np.where(sheet.surface.across >= 0, sheet.surface.across + cells, -1))
-        net[sheet.name] = sheet, cells
-        cells += sheet.surface.triangle.shape[0]
+    strand, begin = {}, 0
     for one in strands:
         strand[one.name] = one, begin
         begin += one.station.size
-    on, first, pieces, base, cell = np.zeros((5, contacts), dtype=np.int64)
+    first, pieces, base, cell = np.zeros((4, contacts), dtype=np.int64)
     density, grip = np.zeros((2, contacts))
     for k, t in enumerate(travellers):
-        if t.on in net:
-            sheet, start = net[t.on]
-            on[k], first[k], pieces[k] = ON_NET, start, sheet.surface.triangle.shape[0]
-            cell[k] = start + sheet.cell_at(t.way[0], t.name)
-            stiffness = float(sheet.fabric[1])
-        else:
-            one, base[k] = strand[t.on]
-            line = scenario.lines[t.on]
-            on[k], first[k], pieces[k], cell[k] = ON_LINE, one.first, one.node.size - 1, one.first
-            density[k] = line.mass
-            # Just taut: a line that cannot be compressed has no stiffness at length.
-            stiffness = float(tangent(pack(line.law, line.axial_stiffness), _TAUT) * pieces[k] / one.station[-1])
+        one, base[k] = strand[t.on]
+        line = scenario.lines[t.on]
+        first[k], pieces[k], cell[k] = one.first, one.node.size - 1, one.first
+        density[k] = line.mass
+        # Just taut: a line that cannot be compressed has no stiffness at length.
+        stiffness = float(tangent(pack(line.law, line.axial_stiffness), _TAUT) * pieces[k] / one.station[-1])
         grip[k] = STIFF * stiffness if t.mass else 0.0
-    off, weight = np.full(contacts, -1, dtype=np.int64), np.zeros((contacts, 3))
+    off, weight, load = np.full(contacts, -1, dtype=np.int64), np.zeros((contacts, 2)), np.zeros((contacts, 3))
     wanted = np.array([t.kind for t in travellers], dtype=np.int64)
     return Seats(
-        on=on, kind=np.full(contacts, OFF, dtype=np.int64), wanted=wanted,
-        first=first.copy(), pieces=pieces.copy(), xi=np.zeros(contacts), load=weight.copy(), speed=np.zeros(contacts),
+        kind=np.full(contacts, OFF, dtype=np.int64), wanted=wanted,
+        first=first.copy(), pieces=pieces.copy(), xi=np.zeros(contacts), load=load, speed=np.zeros(contacts),
         cell=cell.copy(), divided=off, last=off.copy(), before=weight.copy(), weight=weight,
-        beyond=weight.copy(), hold=np.zeros((contacts, 4)),
+        beyond=weight.copy(), hold=np.zeros((contacts, 3)),
         station=np.concatenate([np.zeros(0), *(one.station for one in strands)]), first_station=base.copy(),
-        mass=np.array([t.mass for t in travellers], dtype=float), grip=grip.copy(), across=np.concatenate(across),
-        plan=plan, density=density.copy(),
+        mass=np.array([t.mass for t in travellers], dtype=float), grip=grip.copy(), density=density.copy(),
     )  # fmt: skip

@@ -1,7 +1,7 @@
 """A web as plain arrays: nodes in space, links and triangles between them, what holds them, and what travels on them.
 
-Nodes come first, one node for each contact after them. Links and cells come first, too, each followed by slots: a link
-or cell on which a contact stands is switched off, and slots take its place, which meet at the contact (`seats.py`).
+Nodes come first, one node for each contact after them. Links come first, too, followed by slots: a link on which a
+contact stands is switched off, and slots take its place, which meet at the contact (`seats.py`).
 """
 
 from __future__ import annotations
@@ -15,10 +15,9 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 THREADS, SHEET = 0, 1  # kinds of fabric
-ON_LINE, ON_NET = 0, 1  # what a contact stands on
 OFF, FORCE, MASS = 0, 1, 2  # what a contact is at present
 LEAVES, STAYS, REFUSED, GONE, STOPPED = 0, 1, 2, 3, 4  # what happens at an end of the way; the last two: has happened
-LINK_SLOTS, CELL_SLOTS = 2, 3  # for each contact
+LINK_SLOTS = 2  # for each contact
 
 
 class Links(NamedTuple):
@@ -35,13 +34,12 @@ class Links(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """Triangles of nets and membranes, slots at the end."""
+    """Triangles of nets and membranes."""
 
     node: Integers  # (cell, 3)
     inverse: Array  # (cell, 4) 1/m, of [X2 - X1, X3 - X1] in material coordinates: a b / c d row by row
     area: Array  # (cell,) m^2, unstrained
     fabric: Integers  # (cell,) row of `fabrics`
-    on: Integers  # (cell,)
     fabrics: Array  # (fabric, 7): kind, four constants, see fabric.py, and unstrained over laid-out length along u, v
 
 
@@ -86,28 +84,25 @@ class Sheaves(NamedTuple):
 class Seats(NamedTuple):
     """Where contacts stand and what they are; one entry for each contact."""
 
-    on: Integers  # ON_LINE or ON_NET
     kind: Integers  # OFF, FORCE, MASS
     wanted: Integers  # what it is while it is on its line
-    first: Integers  # of its line: first link, first entry of `station`; of its net: first cell
-    pieces: Integers  # links, or cells
-    xi: Array  # (contact,) m along its line or its path
+    first: Integers  # of its line: first link, first entry of `station`
+    pieces: Integers  # links
+    xi: Array  # (contact,) m along its line
     load: Array  # (contact, 3) N, the given force
     speed: Array  # (contact,) m/s
-    cell: Integers  # (contact,) link or cell on which it stands
-    divided: Integers  # (contact,) link or cell that is switched off for it, -1: none
-    last: Integers  # (contact,) link or cell on which it stood when the slots were made, -1: none
-    before: Array  # (contact, 3) its barycentric coordinates then
-    weight: Array  # (contact, 3) barycentric coordinates within its cell; on links of the start and the end
-    beyond: Array  # (contact, 3) what they leave out where it is close to a node or an edge, see seats.py
-    hold: Array  # (contact, 4) shares of contact and corners in the place that a mass holds, as the slots are
+    cell: Integers  # (contact,) link on which it stands
+    divided: Integers  # (contact,) link that is switched off for it, -1: none
+    last: Integers  # (contact,) link on which it stood when the slots were made, -1: none
+    before: Array  # (contact, 2) its shares of start and end then
+    weight: Array  # (contact, 2) of the start and the end of its link
+    beyond: Array  # (contact, 2) what they leave out where it is close to a node, see seats.py
+    hold: Array  # (contact, 3) shares of contact and nodes in the place that a mass holds, as the slots are
     station: Array  # m along each line, of its nodes, one line after the other
     first_station: Integers  # (contact,) where those of its line begin
     mass: Array  # (contact,) kg
     grip: Array  # (contact,) N/m, spring between a mass and its contact; 0: a force acts on the contact itself
-    across: Integers  # (cell, 3) cell beyond the edge opposite to each corner, -1 at the rim
-    plan: Array  # (node, 2) m, place in the plan of a net, contacts at the end
-    density: Array  # (contact,) kg/m of its line; 0 on nets
+    density: Array  # (contact,) kg/m of its line
 
 
 class Course(NamedTuple):
@@ -119,18 +114,14 @@ class Course(NamedTuple):
     place: Array  # (knot,) m
     speed: Array  # (knot,) m/s, after the knot
     slope: Array  # (knot,) m/s^2, after the knot
-    length: Array  # (contact,) m, of the line or the path
-    low: Array  # (contact,) m, where the line or path ends for it, towards the start and
+    length: Array  # (contact,) m, of the line
+    low: Array  # (contact,) m, where the line ends for it, towards the start and
     high: Array  # towards the end
     at_end: Integers  # (contact,) LEAVES, STAYS or REFUSED; GONE or STOPPED once it has come there
     force_first: Integers
     force_count: Integers
     force_time: Array
     force_value: Array  # (3, entry) N
-    way_first: Integers  # (contact,) of the corners of its path on a net
-    way_count: Integers
-    way_mark: Array  # (corner,) m, along the path
-    way_place: Array  # (corner, 2) m, in the plan
 
 
 class Wind(NamedTuple):
@@ -163,7 +154,6 @@ class Web(NamedTuple):
     body: Body
     gravity: Array  # (3,) m/s^2
     own_links: int  # without slots
-    own_cells: int
     nodes: int  # without contacts
 
 

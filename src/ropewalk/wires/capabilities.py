@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import Capabilities, missing
+from ropewalk.model.capabilities import Capabilities, missing, supported_by_tension
 from ropewalk.model.history import rows
 from ropewalk.model.load import Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
@@ -15,6 +15,7 @@ from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, common_interval, every_of
+from ropewalk.model.small import check_small
 from ropewalk.model.travel import Travel
 from ropewalk.model.vehicle import Vehicle
 
@@ -84,6 +85,23 @@ def _of_the_run(parts: Parts) -> Iterator[Finding]:
         yield missing(("loads", name, "every"), _BEAMS, f"{load.every:g} s", remedy, feature=feature)
 
 
+def _on_inner_supports(parts: Parts) -> Iterator[Finding]:
+    """Masses there are spread over the nodes of a spline: the reaction is not told from their weight and inertia.
+
+    A window that comes to a rigid one or leaves it does not keep the energy.
+    """
+    window = parts.run.window if isinstance(parts.run, Dynamic) else None
+    if parts.is_supported and window is not None:
+        feature, remedy = "a window on lines with inner supports", "leave window out"
+        yield missing(("run", "window"), _BEAMS, f"{window:g} m", remedy, feature=feature)
+    for name, line in parts.lines.items():
+        for key, support in line.supports.items() if line is not None else ():
+            if mass := getattr(support, "mass", 0.0):
+                remedy = "leave it out, or ask for kind: dynamic with geometry: nonlinear"
+                path, feature = ("lines", name, "supports", key, "mass"), "a mass on an inner support"
+                yield missing(path, "small motion, rest and spectrum of beams", f"{mass:g} kg", remedy, feature=feature)
+
+
 MOTION = Capabilities(
     _BEAMS,
     only={
@@ -107,7 +125,15 @@ MOTION = Capabilities(
         "lines.axial_damping": "leave it out, or use drag",
         "loads.travel.kind": "give a speed",
     },
-    more=(_on_overhead_lines, _in_the_plane, _of_loads, _of_the_run),
+    more=(
+        check_small,
+        _on_overhead_lines,
+        _in_the_plane,
+        _of_loads,
+        _of_the_run,
+        _on_inner_supports,
+        supported_by_tension,
+    ),
 )
 AT_REST = replace(
     MOTION,

@@ -1,4 +1,4 @@
-"""From the declared supports of a line to what holds the ends of its wire."""
+"""From the declared supports of a line to what holds its wire, at its ends and between them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ropewalk.mechanics.assembly import held_by, vector_table
+from ropewalk.mechanics.held_points import supports_of
+from ropewalk.model.inner_support import InnerSupport
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
 from ropewalk.wires.plan import Array, EndKind, History, Hold, PointMass, Spot, Three, Wire
@@ -27,27 +29,27 @@ def _kind(support: Support) -> EndKind:
 
 
 def holds_of(line: Line, wire: Wire, number: int, until: float) -> Iterator[Hold]:
-    """What holds the ends of a line that are not fixed.
+    """What holds a line between its ends, and its ends where they are not fixed.
 
     Args:
         line: as it is declared.
         wire: that it has become, and its number.
         until: how long displacements are needed, s.
     """
-    for side, station, point, support in _ends(line, wire):
-        if isinstance(support, Fixed):
+    for side, point, support, station in supports_of(line, wire.length):
+        if isinstance(support, Fixed) and side in ("start", "end"):
             continue
         axes, stiffness, damping, force = _springs(support)
         time, moved = vector_table(getattr(support, "displacement", (0.0, 0.0)), until, _AXES)
         yield Hold(
-            f"{wire.name}.{side}", Spot(number, station), _three(stiffness), _three(damping), spatial(point),
+            f"{wire.name}.{side}", Spot(number, station), _three(stiffness), _three(damping), point,
             _three(force), (_three(axes[0]), _three(axes[1]), _three(axes[2])), History(time, moved),
         )  # fmt: skip
 
 
 def masses_of(line: Line, wire: Wire, number: int) -> Iterator[PointMass]:
-    """What moves with the ends of a line."""
-    for _, station, _, support in _ends(line, wire):
+    """What moves with a line at its supports."""
+    for _, _, support, station in supports_of(line, wire.length):
         mass = getattr(support, "mass", 0.0)
         if mass:
             yield PointMass(Spot(number, station), mass)
@@ -73,12 +75,7 @@ def lengthened(line: Line) -> float:
     return found
 
 
-def _ends(line: Line, wire: Wire) -> Iterator[tuple[str, float, tuple[float, ...], Support]]:
-    yield "start", 0.0, line.start, line.start_support
-    yield "end", wire.length, line.end, line.end_support
-
-
-def _springs(support: Support) -> tuple[Array, Array, Array, Array]:
+def _springs(support: Support | InnerSupport) -> tuple[Array, Array, Array, Array]:
     """Axes (3, 3) of its springs, their stiffnesses and dampings, and a constant force; wires stay in the x-z plane."""
     free, _, _, force = held_by(support, _AXES)
     axes, stiffness, damping = np.eye(3), np.full(3, np.inf), np.zeros(3)

@@ -90,9 +90,9 @@ class Potential:
         return found
 
     def off_rails(self, r: Array) -> Array:
-        """How far ends stand off the rails that hold them, against their forces, (hold, 3) m."""
+        """How far ends, and points of beams, stand off what holds them fast, against its forces, (hold, 3) m."""
         holds = self.mesh.holds
-        across = np.isinf(holds.stiffness) & (holds.node >= 0)[:, None]
+        across = np.isinf(holds.stiffness) & ((holds.node >= 0) | (holds.at.local == 0.0))[:, None]
         return np.asarray(np.einsum("hja,hj,hjb,hb->ha", holds.axes, across, holds.axes, self.place - self._hold @ r.T))
 
     def _held(self, r: Array) -> Array:

@@ -17,12 +17,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.mechanics.bodies import Bodies
-from ropewalk.mechanics.chain import DRIVE, Array, State
-from ropewalk.mechanics.rider import contact_point
+from ropewalk.guides.carrier import Carrier
+from ropewalk.mechanics.chain import Array
 from ropewalk.model.walker import Balance, Walker
-from ropewalk.solve.feet import Line
-from ropewalk.solve.start import Setting
 
 # Way of the body in a usual step on firm ground, and what is left of it when a walker begins, upright over one foot, as
 # parts of the reach of a leg (theory/gait.py).
@@ -35,11 +32,11 @@ FALLEN = 0.7
 class Upright:
     """Who keeps a walker upright to the side."""
 
-    setting: Setting
-    bodies: Bodies
+    carrier: Carrier
     walker: Walker
     balance: Balance
     feet: tuple[int, int]
+    own: slice  # coordinates of the body, one for each axis; that after them is the offset of the foot that bears
     vehicle: int
     left: Array  # (axis,) unit vector
     bears: int | None = None  # the foot that bears, of the two
@@ -48,28 +45,18 @@ class Upright:
     @property
     def _rate(self) -> float:
         """Angular rate at which the pendulum falls, rad/s."""
-        return math.sqrt(-float(self.setting.strands.gravity[-1]) / self.balance.height)
-
-    @property
-    def _foot(self) -> int:
-        """Number of the coordinate that is the offset of the foot that bears."""
-        record = self.bodies.vehicles[self.vehicle]
-        return int(record["first"] + record["coordinates"]) - 1
+        return math.sqrt(self.carrier.gravity / self.balance.height)
 
     def _side(self, foot: int) -> float:
         return 1.0 if (foot == 0) == (self.walker.first_foot == "left") else -1.0
 
-    def _lean(self, state: State, foot: int) -> tuple[float, float]:
+    def _lean(self, foot: int) -> tuple[float, float]:
         """How far in m, and how fast in m/s, the body is away from the place of the line where a foot stands."""
-        dim, k = state.r.shape[0], self.feet[foot]
-        own = slice(self._foot - dim, self._foot)
-        place = np.zeros(dim)
-        contact_point(self.setting.strands, self.setting.loads, state, k, place)
-        _, speed = Line(self.setting, state, int(self.setting.loads.strand[k])).at(float(state.xi[k]))
-        q, v = self.bodies.coordinates["q"][own], self.bodies.coordinates["v"][own]
+        place, speed = self.carrier.motion(self.feet[foot])
+        q, v = self.carrier.q[self.own], self.carrier.v[self.own]
         return float(self.left @ (q - place)), float(self.left @ (v - speed))
 
-    def begin(self, state: State, foot: int) -> None:
+    def begin(self, foot: int) -> None:
         """Be where a steady walk would be: over the first foot, on the way from the one before it to the next.
 
         From landing to landing the body swings as cosh about the foot; a walk on firm ground with legs of this reach
@@ -81,32 +68,30 @@ class Upright:
         nearest = self.balance.width * math.exp(0.5 * a * step)  # to the foot, in the middle of a step
         since = 0.5 * step - left
         offset = self._side(foot) * nearest * math.cosh(0.5 * a * step)
-        own = slice(self._foot - state.r.shape[0], self._foot)
         lean = offset - self._side(foot) * nearest * math.cosh(a * since)
         speed = -self._side(foot) * nearest * a * math.sinh(a * since)
-        _, line = self._lean(state, foot)
-        self.bodies.coordinates["q"][own] += lean * self.left
-        self.bodies.coordinates["v"][own] += (speed - line) * self.left
-        self.bodies.coordinates["ahead"][own] = self.bodies.coordinates["v"][own]
+        _, line = self._lean(foot)
+        self.carrier.q[self.own] += lean * self.left
+        self.carrier.launch(self.own, self.carrier.v[self.own] + (speed - line) * self.left)
         self._bear(foot, offset)
 
-    def step(self, state: State, foot: int) -> None:
+    def step(self, foot: int) -> None:
         """Put a foot down beside where the body is falling to, and let it bear."""
-        before = self._energy(state)
-        away, speed = self._lean(state, foot)
+        before = self._energy()
+        away, speed = self._lean(foot)
         self._bear(foot, away + speed / self._rate + self._side(foot) * self.balance.width)
-        state.work[DRIVE] += self._energy(state) - before
+        self.carrier.give(self._energy() - before)
 
-    def lift(self, state: State, foot: int, standing: list[int]) -> None:
+    def lift(self, foot: int, standing: list[int]) -> None:
         """Take a foot up; if it was bearing, one that still stands bears again."""
         if foot != self.bears:
             return
-        before = self._energy(state)
+        before = self._energy()
         left = standing[-1] if standing else None
         self._bear(left, self.offsets[left] if left is not None else 0.0)
-        state.work[DRIVE] += self._energy(state) - before
+        self.carrier.give(self._energy() - before)
 
-    def check(self, state: State, name: str) -> None:
+    def check(self, name: str) -> None:
         """See to it that she has not fallen to the side.
 
         Raises:
@@ -114,7 +99,7 @@ class Upright:
         """
         if self.bears is None:
             return
-        away, _ = self._lean(state, self.bears)
+        away, _ = self._lean(self.bears)
         if abs(away - self.offsets[self.bears]) > FALLEN * self.balance.height:
             raise RopewalkError(
                 f"load {name} has fallen to the side: nobody keeps upright like this on a line that gives way more "
@@ -122,17 +107,17 @@ class Upright:
                 "and tighter, as a deck is, or leave balance out"
             )
 
-    def rest(self, state: State) -> None:
+    def rest(self) -> None:
         """Stand still, upright over the line."""
-        state.work[DRIVE] -= self._energy(state)
+        self.carrier.give(-self._energy())
         self._bear(None, 0.0)
 
-    def _energy(self, state: State) -> float:
+    def _energy(self) -> float:
         """Of the pendulum, J."""
         if self.bears is None:
             return 0.0
-        away, _ = self._lean(state, self.bears)
-        return -0.5 * self._stiffness * (away - float(self.bodies.coordinates["q"][self._foot])) ** 2
+        away, _ = self._lean(self.bears)
+        return -0.5 * self._stiffness * (away - float(self.carrier.q[self.own.stop])) ** 2
 
     @property
     def _stiffness(self) -> float:
@@ -140,16 +125,9 @@ class Upright:
 
     def _bear(self, foot: int | None, offset: float) -> None:
         self.bears = foot
-        self.bodies.coordinates["q"][self._foot] = offset
-        dim, K = self.left.size, self.bodies.K[self.vehicle]
-        K[:] = 0.0
-        if foot is None:
-            return
-        self.offsets[foot] = offset
-        row = np.zeros(K.shape[0])  # row @ (body, offset, feet) is how far the body is away from its foot
-        row[:dim], row[dim] = self.left, -1.0
-        seats = zip(self.bodies.wheel[self.vehicle], self.bodies.axis[self.vehicle], strict=True)
-        for j, (k, a) in enumerate(seats):
-            if k == self.feet[foot] and j < int(self.bodies.vehicles[self.vehicle]["wheels"]):
-                row[dim + 1 + j] = -self.left[a]
-        K -= self._stiffness * np.outer(row, row)
+        self.carrier.q[self.own.stop] = offset
+        if foot is not None:
+            self.offsets[foot] = offset
+        own = np.append(self.left, -1.0)  # what of the elongation body and offset make
+        k = None if foot is None else self.feet[foot]
+        self.carrier.couple(self.vehicle, own, k, self.left, -self._stiffness)

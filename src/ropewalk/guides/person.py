@@ -10,14 +10,11 @@ import numpy as np
 from ropewalk.checkpoint import Tree
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import TravelEndedError
-from ropewalk.mechanics.bodies import STANDS, SWINGS, Bodies
-from ropewalk.mechanics.chain import DRIVE, LOAD_DAMPING, Array, State
-from ropewalk.mechanics.fleet import FIRM
-from ropewalk.mechanics.rider import contact_point
+from ropewalk.guides.balance import Upright
+from ropewalk.guides.carrier import Carrier, Line
+from ropewalk.mechanics.bodies import STANDS, SWINGS, Records
+from ropewalk.mechanics.chain import Array
 from ropewalk.model.walker import Walker
-from ropewalk.solve.balance import Upright
-from ropewalk.solve.feet import Line, set_down, take_up
-from ropewalk.solve.start import Setting
 
 # A leg begins upright and compressed by this part of the weight, as in the gaits of theory/gait.py.
 UPRIGHT_FORCE = 0.52
@@ -52,54 +49,51 @@ class Person:
     is in the upright plane through the line's chord; `upright` looks after what is across it, if anybody does.
     """
 
-    setting: Setting
-    bodies: Bodies
+    carrier: Carrier
     name: str
     walker: Walker
     feet: tuple[int, int]
     legs: tuple[int, int]  # numbers of the tethers
+    own: slice  # coordinates of the body, one for each axis
     standing: list[int] = field(default_factory=list)  # feet on the line, the one behind first
     energy: float = 0.0  # J, wanted, above the place where the foot stands
     looked: float = 0.0  # s, when it last looked
     gone: bool = False
     upright: Upright | None = None
 
-    def begin(self, state: State) -> None:
+    def begin(self) -> None:
         """Stand upright on one leg, and move on."""
-        w, dim = self.walker, state.r.shape[0]
-        set_down(self.setting, state, self.bodies, self.feet[0], w.start)
-        g = -float(self.setting.strands.gravity[-1])
+        w, g = self.walker, self.carrier.gravity
+        self.carrier.set_down(self.feet[0], w.start)
         height = w.leg_length - UPRIGHT_FORCE * w.mass * g / w.leg_stiffness
-        own = self._own(dim)
-        self.bodies.coordinates["q"][own] = self._sole(state, 0)
-        self.bodies.coordinates["q"][own.stop - 1] += height
-        self.bodies.coordinates["v"][own] = self._forward(state) * w.speed
-        self.bodies.coordinates["ahead"][own] = self.bodies.coordinates["v"][own]
+        self.carrier.q[self.own] = self._sole(0)
+        self.carrier.q[self.own.stop - 1] += height
+        self.carrier.launch(self.own, self._forward() * w.speed)
         self.energy = 0.5 * w.mass * w.speed**2 + 0.5 * w.leg_stiffness * (w.leg_length - height) ** 2
         self.energy += w.mass * g * height
         self._stand(0, w.leg_length)
         if self.upright is not None:
-            self.upright.begin(state, 0)
-        self._look(state)
+            self.upright.begin(0)
+        self._look()
 
     def next(self, t: float) -> float:
         """The next look."""
         return math.inf if self.gone else self.looked + LOOK
 
-    def act(self, state: State) -> None:
+    def act(self) -> None:
         """Land and take off what is due, and look where to land next."""
         if self.gone:
             return
         for foot in list(self.standing):
-            leg = self.bodies.tethers[self.legs[foot]]
-            length = self._distance(state, foot)
+            leg = self._leg(foot)
+            length = self._distance(foot)
             if leg["watch"] == STANDS and length >= float(leg["length"]) * (1.0 - NEAR):
-                self._lift(state, foot)
+                self._lift(foot)
         for foot in (0, 1):
-            if self.bodies.tethers[self.legs[foot]]["watch"] == SWINGS and self._is_down(state, foot):
-                self._land(state, foot)
+            if self._leg(foot)["watch"] == SWINGS and self._is_down(foot):
+                self._land(foot)
         if not self.gone:
-            self._look(state)
+            self._look()
 
     def get_state(self) -> Tree:
         """Which feet stand, when she looked, and on which foot she balances."""
@@ -114,20 +108,20 @@ class Person:
         if self.upright is not None:
             self.upright.bears, self.upright.offsets = tree["bears"], list(tree["offsets"])
 
-    def _look(self, state: State) -> None:
+    def _look(self) -> None:
         """Decide where the leg that swings will land, and which legs may take off."""
-        self.looked = float(state.t[0])
+        self.looked = self.carrier.t
         if self.upright is not None:
-            self.upright.check(state, self.name)
-        w, dim, forward = self.walker, state.r.shape[0], self._forward(state)
-        body = self._body(dim)
-        speed = float(forward @ self.bodies.coordinates["v"][self._own(dim)])
-        passed = [float(forward @ (body - self._sole(state, foot))) for foot in self.standing]
+            self.upright.check(self.name)
+        w, forward, body = self.walker, self._forward(), self._body()
+        dim = body.size
+        speed = float(forward @ self.carrier.v[self.own])
+        passed = [float(forward @ (body - self._sole(foot))) for foot in self.standing]
         for foot, way in zip(list(self.standing), passed, strict=True):
             if way > 0.0:
-                self.bodies.tethers[self.legs[foot]]["watch"] = STANDS
+                self._leg(foot)["watch"] = STANDS
         reach = w.leg_length * math.cos(w.angle_of_attack)
-        g = -float(self.setting.strands.gravity[-1])
+        g = self.carrier.gravity
         lead = passed[-1] if passed else 0.0
         landing = math.hypot(w.speed, math.sqrt(g / w.leg_length) * USUAL_LEAD * reach)
         fast = speed - landing
@@ -136,155 +130,141 @@ class Person:
         for foot in (0, 1):
             if foot in self.standing:
                 continue
-            leg = self.bodies.tethers[self.legs[foot]]
+            leg = self._leg(foot)
             leg["reach"][:dim] = forward * ahead
             leg["reach"][dim - 1] = -math.sqrt(w.leg_length**2 - ahead**2)
             leg["on"] = 0
             lead_now = math.copysign(lead, lead * speed)
             leg["watch"] = SWINGS if not passed or lead_now >= PASSED * reach else 0
             if passed and lead_now >= LATEST * reach:
-                self._land(state, foot)
+                self._land(foot)
                 break
         if len(self.standing) == 2 and abs(passed[0]) >= reach and not self.gone:
-            self._drop(state, self.standing[0])
-        line = self._line(state)
+            self._drop(self.standing[0])
+        line = self._line()
         end = line.at(line.length if self.walker.towards == "end" else 0.0)[0]
         if float(forward @ (body - end)) > 0.0:
-            self._leave(state)
+            self._leave()
             return
-        below = float(line.at(line.below(*self._level(state, body)))[0][-1])
+        below = float(line.at(line.below(*self._level(body)))[0][-1])
         if float(body[-1]) - below < FALLEN * w.leg_length:
             raise RopewalkError(
                 f"load {self.name} has fallen: this gait does not suit the line; change speed, angle_of_attack or "
                 "leg_stiffness, or tighten the line"
             )
 
-    def _own(self, dim: int) -> slice:
-        first = int(self.bodies.tethers[self.legs[0]]["first"])
-        return slice(first, first + dim)
+    def _body(self) -> Array:
+        return np.array(self.carrier.q[self.own])
 
-    def _body(self, dim: int) -> Array:
-        return np.array(self.bodies.coordinates["q"][self._own(dim)])
+    def _leg(self, foot: int) -> Records:
+        return self.carrier.legs[self.legs[foot]]  # type: ignore[no-any-return]
 
-    def _line(self, state: State) -> Line:
-        return Line(self.setting, state, int(self.setting.loads.strand[self.feet[0]]))
+    def _line(self) -> Line:
+        return self.carrier.line(self.feet[0])
 
-    def _forward(self, state: State) -> Array:
+    def _forward(self) -> Array:
         """Level unit vector in the direction of walking, (axis,)."""
-        first, last = self._line(state).ends
-        run = state.r[:, last] - state.r[:, first]
+        run = self._line().chord
         run[-1] = 0.0
         return np.asarray(run / np.linalg.norm(run) * (1.0 if self.walker.towards == "end" else -1.0))
 
-    def _level(self, state: State, place: Array) -> tuple[float, Array]:
+    def _level(self, place: Array) -> tuple[float, Array]:
         """How far a place is along a level direction, m, and this: as in the kernel that waits for a foot to land."""
         way = np.zeros(place.size - 1)
         way[0] = 1.0
-        across = self.bodies.tethers[self.legs[0]]["across"]
+        across = self.carrier.legs[self.legs[0]]["across"]
         if across.any():
             way = np.array([across[1], -across[0]])
         elif way.size == 2:
-            first, last = self._line(state).ends
-            run = np.abs(state.r[:2, last] - state.r[:2, first])
+            run = np.abs(self._line().chord[:2])
             way = np.array([0.0, 1.0]) if run[1] > run[0] else way
         return float(way @ place[:-1]), way
 
-    def _aside(self, state: State, foot: int) -> Array:
+    def _aside(self, foot: int) -> Array:
         """How far the body is across the place of the line where a foot stands, (axis,) m."""
-        across = self.bodies.tethers[self.legs[foot]]["across"][: state.r.shape[0]]
-        return np.asarray(across @ (self._body(state.r.shape[0]) - self._sole(state, foot)) * across)
+        way = self._body() - self._sole(foot)
+        across = self._leg(foot)["across"][: way.size]
+        return np.asarray(across @ way * across)
 
-    def _distance(self, state: State, foot: int) -> float:
+    def _distance(self, foot: int) -> float:
         """Distance between body and foot as the leg sees it, m."""
-        way = self._body(state.r.shape[0]) - self._sole(state, foot)
-        return float(np.linalg.norm(way - self._aside(state, foot)))
+        way = self._body() - self._sole(foot)
+        return float(np.linalg.norm(way - self._aside(foot)))
 
-    def _sole(self, state: State, foot: int) -> Array:
-        place = np.zeros(state.r.shape[0])
-        contact_point(self.setting.strands, self.setting.loads, state, self.feet[foot], place)
-        return place
+    def _sole(self, foot: int) -> Array:
+        return self.carrier.motion(self.feet[foot])[0]
 
     def _stand(self, foot: int, length: float) -> None:
-        leg, w = self.bodies.tethers[self.legs[foot]], self.walker
+        leg, w = self._leg(foot), self.walker
         leg["on"], leg["watch"], leg["length"], leg["full"] = 1, 0, length, w.leg_length
         leg["growth"] = max(w.leg_length - length, 0.0) / STRETCHING
         self.standing.append(foot)
 
-    def _is_down(self, state: State, foot: int) -> bool:
-        leg, dim = self.bodies.tethers[self.legs[foot]], state.r.shape[0]
-        sole = self._body(dim) + leg["reach"][:dim]
-        height = self._line(state).height(*self._level(state, sole))
+    def _is_down(self, foot: int) -> bool:
+        sole = self._body()
+        sole += self._leg(foot)["reach"][: sole.size]
+        height = self._line().height(*self._level(sole))
         return bool(sole[-1] <= height + NEAR * self.walker.leg_length)
 
-    def _lift(self, state: State, foot: int) -> None:
-        take_up(self.setting, state, self.bodies, self.feet[foot])
-        leg = self.bodies.tethers[self.legs[foot]]
+    def _lift(self, foot: int) -> None:
+        self.carrier.take_up(self.feet[foot])
+        leg = self._leg(foot)
         leg["on"], leg["watch"] = 0, 0
         self.standing.remove(foot)
         if self.upright is not None:
-            self.upright.lift(state, foot, self.standing)
+            self.upright.lift(foot, self.standing)
 
-    def _drop(self, state: State, foot: int) -> None:
+    def _drop(self, foot: int) -> None:
         """Take up a foot although its leg still pushes; what it has stored is lost."""
-        leg = self.bodies.tethers[self.legs[foot]]
-        short = float(leg["length"]) - self._distance(state, foot)
-        state.work[LOAD_DAMPING] += 0.5 * self.walker.leg_stiffness * max(short, 0.0) ** 2
-        self._lift(state, foot)
+        leg = self._leg(foot)
+        short = float(leg["length"]) - self._distance(foot)
+        self.carrier.lose(0.5 * self.walker.leg_stiffness * max(short, 0.0) ** 2)
+        self._lift(foot)
 
-    def _land(self, state: State, foot: int) -> None:
-        leg, dim, w = self.bodies.tethers[self.legs[foot]], state.r.shape[0], self.walker
-        sole = self._body(dim) + leg["reach"][:dim]
-        line = self._line(state)
-        xi = line.below(*self._level(state, sole))
+    def _land(self, foot: int) -> None:
+        line, sole = self._line(), self._body()
+        sole += self._leg(foot)["reach"][: sole.size]
+        xi = line.below(*self._level(sole))
         if not MARGIN * line.length < xi < (1.0 - MARGIN) * line.length:
-            self._leave(state)
+            self._leave()
             return
-        set_down(self.setting, state, self.bodies, self.feet[foot], xi)
-        self._stand(foot, min(self._distance(state, foot), w.leg_length))
+        self.carrier.set_down(self.feet[foot], xi)
+        self._stand(foot, min(self._distance(foot), self.walker.leg_length))
         if self.upright is not None:
-            self.upright.step(state, foot)
-        self._push_off(state, foot)
+            self.upright.step(foot)
+        self._push_off(foot)
 
-    def _push_off(self, state: State, landed: int) -> None:
+    def _push_off(self, landed: int) -> None:
         """Let the leg behind be longer, as if it had stored the energy that is missing."""
         behind = [foot for foot in self.standing if foot != landed]
         if not behind:
             return
-        w, dim = self.walker, state.r.shape[0]
-        g = -float(self.setting.strands.gravity[-1])
-        body, v = self._body(dim), np.array(self.bodies.coordinates["v"][self._own(dim)])
-        across = self.bodies.tethers[self.legs[landed]]["across"][:dim]
+        w, g = self.walker, self.carrier.gravity
+        body, v = self._body(), np.array(self.carrier.v[self.own])
+        across = self._leg(landed)["across"][: v.size]
         v -= across @ v * across
-        leg = self.bodies.tethers[self.legs[behind[0]]]
-        back, front = self._sole(state, behind[0]), self._sole(state, landed)
-        short = max(float(leg["length"]) - self._distance(state, behind[0]), 0.0)
+        leg = self._leg(behind[0])
+        back, front = self._sole(behind[0]), self._sole(landed)
+        short = max(float(leg["length"]) - self._distance(behind[0]), 0.0)
         have = 0.5 * w.mass * float(v @ v) + 0.5 * w.leg_stiffness * short**2
         have += w.mass * g * (float(body[-1]) - 0.5 * float(back[-1] + front[-1]))
         wanted = short**2 + 2.0 * w.push_off * (self.energy - have) / w.leg_stiffness
         longer = min(math.sqrt(max(wanted, 0.0)), short + LONGEST_PUSH * w.leg_length) - short
-        state.work[DRIVE] += 0.5 * w.leg_stiffness * ((short + longer) ** 2 - short**2)
+        self.carrier.give(0.5 * w.leg_stiffness * ((short + longer) ** 2 - short**2))
         leg["length"] += longer
         leg["full"] = leg["length"]
 
-    def _leave(self, state: State) -> None:
+    def _leave(self) -> None:
         if self.walker.at_end == "refuse":
             raise TravelEndedError(f"load {self.name} comes to the end of its line")
         self.gone = True
-        for leg in self.legs:
-            self.bodies.tethers[leg]["watch"] = 0
-        own = self._own(state.r.shape[0])
+        for foot in (0, 1):
+            self._leg(foot)["watch"] = 0
         if self.walker.at_end == "leave":
             for foot in list(self.standing):
-                self._drop(state, foot)
-            self._stop(state, own)
+                self._drop(foot)
+            self.carrier.hold(self.own)
         else:  # upright by herself, going up and down
             if self.upright is not None:
-                self.upright.rest(state)
-            self._stop(state, slice(own.start, own.stop - 1))
-
-    def _stop(self, state: State, own: slice) -> None:
-        """Let some coordinates of the body stand as on firm ground: nothing moves what has no end of mass."""
-        state.work[LOAD_DAMPING] += 0.5 * self.walker.mass * float((self.bodies.coordinates["v"][own] ** 2).sum())
-        self.bodies.coordinates["v"][own] = self.bodies.coordinates["ahead"][own] = 0.0
-        vehicle = int(np.flatnonzero(self.bodies.vehicles["first"] == own.start)[0])
-        np.fill_diagonal(self.bodies.M[vehicle][: own.stop - own.start], FIRM)
+                self.upright.rest()
+            self.carrier.hold(slice(self.own.start, self.own.stop - 1))

@@ -1,0 +1,87 @@
+"""Asking: a motion that goes on from one question to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ropewalk.checkpoint import Tree
+from ropewalk.errors import RopewalkError
+from ropewalk.foreign.turns import TravelEndedError
+from ropewalk.guides.carrier import Guide
+from ropewalk.system import motion
+from ropewalk.system.carrier import SystemCarrier
+
+# So often guides may be asked without a step in between.
+MOST_QUESTIONS = 100
+# Part of a step by which instants differ that are meant to be the same.
+NEXT_TO_NOTHING = 1e-6
+# A load that could not go on.
+FAILED = 4
+
+
+class Asking:
+    """A motion whose loads decide on the way what they do.
+
+    Args:
+        carrier: what moves.
+        guides: who decide.
+    """
+
+    def __init__(self, carrier: SystemCarrier, guides: Sequence[Guide]) -> None:
+        self.carrier, self.guides, self.message = carrier, guides, ""
+        self._idle = 0
+
+    def begin(self) -> None:
+        """Take the first decisions."""
+        if not self.guides:
+            return
+        for guide in self.guides:
+            guide.begin()
+        self.carrier.system.contacts["before"] = float("nan")  # what presses from the beginning has done no work yet
+        self.carrier.system.settle()
+        self.carrier.looks_ahead = True
+
+    def to(self, end: float) -> int:
+        """Go on to a time in s; returns RUNNING, or why that ends before."""
+        carrier = self.carrier
+        if not self.guides:
+            return carrier.go(end)
+        while carrier.t < end:
+            begin = carrier.t
+            until = min([end, *(guide.next(begin) for guide in self.guides)])
+            status = motion.ASKED
+            if until - begin > NEXT_TO_NOTHING * carrier.longest:
+                status = carrier.to(until)
+            elif until > begin:  # instants that are meant to be the same: no step is so short
+                carrier.system.state.t[0] = until
+            if status in (motion.RUNNING, motion.ASKED):
+                self._idle = self._idle + 1 if carrier.t == begin else 0
+                status = self._ask()
+            if status != motion.RUNNING:
+                return status
+        return motion.RUNNING
+
+    def get_state(self) -> Tree:
+        """All that changes in who decides."""
+        return {"idle": self._idle, "of": [guide.get_state() for guide in self.guides]}
+
+    def set_state(self, tree: Tree) -> None:
+        """Go on from there."""
+        self._idle = tree["idle"]
+        for guide, own in zip(self.guides, tree["of"], strict=True):
+            guide.set_state(own)
+
+    def _ask(self) -> int:
+        if self._idle > MOST_QUESTIONS:
+            self.message = "a load asks again and again without moving on"
+            return FAILED
+        try:
+            for guide in self.guides:
+                guide.act()
+        except TravelEndedError:
+            return motion.AT_END
+        except RopewalkError as error:
+            self.message = str(error)
+            return FAILED
+        self.carrier.system.settle()
+        return motion.RUNNING

@@ -1,0 +1,98 @@
+"""Beginnings of motion other than rest: a mode of the structure, at rest or whirling, and a stored instant."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.sparse as sparse
+
+from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.model.beginning import UP
+from ropewalk.model.line import spatial
+from ropewalk.model.run import Start
+from ropewalk.results.stored import stored_instant
+from ropewalk.solve.mode_of_structure import mode_of
+from ropewalk.system.standing import Standing
+from ropewalk.system.statics import Potential
+from ropewalk.system.structure import State, Structure
+
+_AWAY = 1e-9  # of the size of a structure: what is held this close is where it was
+
+
+def begin_elsewhere(
+    structure: Structure, state: State, start: Start, shown: Integers, of_line: Sequence[str], *, within: bool
+) -> None:
+    """Put a structure at rest, without its loads, into a mode or to where it was at a stored instant.
+
+    Args:
+        structure: what moves.
+        state: of rest; its places and velocities of nodes are changed.
+        start: what the motion begins with.
+        shown: nodes in the order of results.
+        of_line: the line of each of these.
+        within: whether it stays in the plane.
+
+    Raises:
+        RopewalkError: there is no such mode, or the file does not fit.
+    """
+    if start.kind == "result":
+        _restore(structure, state, start, shown)
+        return
+    assert start.amplitude is not None
+    potential = Potential(structure, Standing(structure, state.r), float(np.ptp(state.r, axis=1).max()), within=within)
+    on = None
+    if start.line is not None:
+        on = np.zeros(state.r.shape[1], dtype=np.bool_)
+        on[shown] = np.array(of_line) == start.line
+    way, number = np.array(spatial(start.direction or UP)), start.number or 1
+    shape, _ = _mode(potential, state, number, way, on)
+    if start.whirl:  # a quarter of a period later it is where the mode at right angles to it is now
+        chord = _chord(state.r[:, shown], of_line, start.line)
+        beside, omega = _mode(potential, state, number, np.cross(chord, way), on)
+        state.v[:] += start.amplitude * omega * beside
+    state.r[:] += start.amplitude * shape
+
+
+def _mode(potential: Potential, state: State, number: int, way: Array, on: np.ndarray | None) -> tuple[Array, float]:
+    """Shape (axis, node) of a mode whose largest displacement is 1, and its frequency, rad/s."""
+    axes, n = state.r.shape
+    at = state.r.ravel()
+    K, inner = potential.stability(at)
+    M = potential.masses()[inner][:, inner]
+    free = potential.free[:, inner].tocsr()
+    component = {2: (0, 2), 3: (0, 1, 2)}[axes]  # of x, y, z
+    own = np.add.outer(3 * np.arange(n), component).T.ravel()  # rows of nodes one after the other
+    spread = sparse.csr_matrix((np.ones(axes * n), (own, np.arange(axes * n))), shape=(3 * n, axes * n))
+    K = (0.5 * (K + K.T)).tocsc()
+    shape = mode_of(K, M.tocsc(), spread @ free, number, way, on)
+    out = shape[:, component].T
+    # What the shape is in the unknowns: they are displacements of nodes.
+    q = sparse.linalg.lsqr(free, out.ravel(), atol=0.0, btol=0.0)[0]
+    return out, float(np.sqrt((q @ (K @ q)) / (q @ (M @ q))))
+
+
+def _chord(r: Array, of_line: Sequence[str], line: str | None) -> Array:
+    """Unit vector from the start to the end of a line, the first one if none is named."""
+    own = np.flatnonzero(np.array(of_line) == (line or of_line[0]))
+    way = r[:, own[-1]] - r[:, own[0]]
+    return np.asarray(way / np.linalg.norm(way))
+
+
+def _restore(structure: Structure, state: State, start: Start, shown: Integers) -> None:
+    """Put all nodes to where they were at a stored instant."""
+    rest, held = state.r.copy(), structure.holdings
+    state.r[:, shown], state.v[:, shown] = stored_instant(start, shown.size, rest.shape[0])
+    seen, away = set(shown.tolist()), 0.0
+    for e in range(held.mass.size):
+        nodes = held.members(e)
+        known = next(int(node) for node in nodes if int(node) in seen)
+        state.r[:, nodes], state.v[:, nodes] = state.r[:, [known]], state.v[:, [known]]
+        tied = np.eye(rest.shape[0]) - held.free[e]
+        if held.entries[e] <= 1:
+            away = max(away, float(np.abs(tied @ (state.r[:, known] - rest[:, known])).max()))
+    if away > _AWAY * float(np.ptp(rest, axis=1).max()):
+        raise RopewalkError(
+            f"{start.file}: a support stands {away:.3g} m elsewhere in the stored result; use the same lines"
+        )

@@ -1,0 +1,75 @@
+"""The spectrum of the system: small free motions in all directions about rest, damped, with what stands there."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sparse
+
+from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import Account, Layout
+from ropewalk.results.running import TimeHistory
+from ropewalk.results.spectrum import Spectrum
+from ropewalk.solve.equations import Equations
+from ropewalk.solve.free_vibration import free_vibration
+from ropewalk.system.compliance import AT_REST
+from ropewalk.system.moving import Motion
+from ropewalk.system.standing import Carried, Standing
+from ropewalk.system.statics import Potential
+from ropewalk.system.still import Still
+
+_AGAIN = 4  # rounds in which a kink and the tension that it makes find each other
+
+
+def spectrum(scenario: Scenario, how_many: int | None = None, *, with_loads: bool = False) -> Spectrum:
+    """Natural frequencies, damping ratios and shapes of cable runs and joints at rest, the lowest ones.
+
+    Args:
+        scenario: what is there.
+        how_many: of the lowest modes.
+        with_loads: whether the loads stand at their start.
+
+    Raises:
+        RopewalkError: there is no such rest.
+    """
+    if not with_loads:
+        scenario = scenario.model_copy(update={"loads": {}})
+    still = Still(scenario, Account(), 0.0, space=True)
+    return free_vibration(equations_of(still), how_many)
+
+
+def spectrum_at(scenario: Scenario, t: float, how_many: int | None = None) -> Spectrum:
+    """The same at an instant of a motion in s, everything frozen as it is then: loads stay where they stand.
+
+    Raises:
+        RopewalkError: the motion does not come to the instant.
+    """
+    times = np.array([0.0, t] if t > 0.0 else [0.0])
+    moving = Motion(scenario, account := Account(), times, axes=("x", "y", "z"))
+    TimeHistory(moving, account).last()
+    carried = Carried(moving.contacts, moving.tables, moving.bodies)
+    standing = Standing(moving.structure, moving.rest, carried)
+    standing.stand_as(moving.state, moving.contacts)
+    potential = Potential(moving.structure, standing, float(np.ptp(moving.rest, axis=1).max()), part=AT_REST)
+    for _ in range(_AGAIN):  # what stands there presses as it does in motion, where contacts give way in a step
+        potential.forces(potential.taken())
+        for k in standing.on:
+            at, contact = slice(int(standing.contacts[k]["first"]), None), standing.contacts[k]
+            place = contact["p"] + moving.contacts[k]["N"] / contact["moving"]
+            standing.state.u[at][: moving.rest.shape[0]] = place[: moving.rest.shape[0]]
+    return free_vibration(_equations(potential, potential.taken(), moving.shown, moving.layout), how_many)
+
+
+def equations_of(still: Still) -> Equations:
+    """Equations of motion about rest with the loads at their start; contacts of forces have no mass."""
+    return _equations(still.potential, still.at_rest_with_loads(), still.shown, still.layout)
+
+
+def _equations(potential: Potential, shape: Array, nodes: Integers, layout: Layout) -> Equations:
+    """Equations of motion about a shape, as results show its nodes."""
+    K, M, C = potential.stiffness(shape), potential.masses(), potential.damping(shape)
+    n = potential.structure.nodes.mass.size
+    moves = potential.free.tocsr()[(nodes[:, None] + n * np.arange(3)).ravel()]
+    position = potential.put(shape)[0][:, nodes].T.copy()
+    K = (0.5 * (K + K.T)).tocsc()
+    return Equations("system", K, M, C, sparse.csr_matrix(moves), position, layout.node_line)

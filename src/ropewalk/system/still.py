@@ -1,0 +1,206 @@
+"""The system at rest: equilibrium with the loads at their start, and slow motion of the loads along their ways."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ropewalk.errors import EquilibriumError
+from ropewalk.mechanics.assembly import axes_of
+from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.compiled import lean
+from ropewalk.mechanics.loading import loading_of
+from ropewalk.mechanics.rider import look_up_integral
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import Account, Frame, Layout
+from ropewalk.solve import minimum
+from ropewalk.solve.following import schedule, slow_motion
+from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
+from ropewalk.system.cables import blow
+from ropewalk.system.compliance import AT_REST
+from ropewalk.system.contacts import ON
+from ropewalk.system.frames import FrameBuilder
+from ropewalk.system.holding import Holding, on_friction
+from ropewalk.system.standing import Carried, Standing
+from ropewalk.system.statics import Potential, at_rest
+from ropewalk.system.structure import State
+from ropewalk.webs.lengths import doubt_slack
+
+# Rounds in which lines find their rest in the wind, and the move over their size that is none any more.
+_ROUNDS, _NEAR = 100, 1e-10
+
+
+@lean
+def _blow(structure, room, r, v, t):
+    """Forces of the wind on what stands still, to `room.air`."""
+    blow(structure, room, r, v, t, 0.0)
+
+
+class _Shape(NamedTuple):
+    """A rest on the way, and the contacts there."""
+
+    places: Array  # as `statics.Potential` has them
+    contacts: Any
+
+
+class Still:
+    """A run without inertia: its layout, and its frames.
+
+    Args:
+        scenario: what is computed.
+        account: filled in.
+        until: how long the histories of the loads are needed, s.
+        space: whether there are three axes also for what stays in the plane.
+
+    Raises:
+        RopewalkError: there is no rest without loads, or a load begins beyond its line.
+    """
+
+    def __init__(self, scenario: Scenario, account: Account, until: float, *, space: bool = False) -> None:
+        axes = ("x", "y", "z") if space else axes_of(scenario)
+        assembled, loading = structure_of(scenario, until, axes), loading_of(scenario, until, axes=axes)
+        within = scenario.is_plane
+        structure, rest = at_rest(assembled.structure, loading.gravity, assembled.near, within=within)
+        assembled = replace(assembled, structure=structure)
+        self._carried = Carried(*contacts_of(scenario, loading, structure, assembled.on))
+        refuse_beyond(scenario, loading, self._carried.contacts, structure)
+        self._carried.contacts["margin"] = 0.0
+        self._scenario, self._account, self._structure, self._loading = scenario, account, structure, loading
+        self._standing = Standing(structure, rest, self._carried)
+        size = float(np.ptp(rest, axis=1).max())
+        self.potential = Potential(structure, self._standing, size, within=within, part=AT_REST)
+        loads = loading.loads
+        ahead = np.copysign(1.0, loads.speed_value[loads.speed_first])
+        self._holding = Holding(loads.contact, ahead, structure, self.potential.room.tension, rest.shape[0])
+        self._remarked: set[int] = set()
+        windy = scenario.wind is not None and not scenario.wind.is_calm
+        self._builder = FrameBuilder(assembled, loading, self._carried.bodies, windy, path="load_path")
+        account.method, account.reason = "rest", "least potential energy"
+
+    @property
+    def layout(self) -> Layout:
+        """Names and coordinates of the result."""
+        return self._builder.layout
+
+    @property
+    def shown(self) -> Integers:
+        """Nodes in the order of the result."""
+        return self._builder.node
+
+    def at_rest_with_loads(self) -> Array:
+        """The shape at rest with the loads at their start, see `Potential`.
+
+        Raises:
+            EquilibriumError: there is none.
+        """
+        return self._rest(0.0, None).places
+
+    def standing(self) -> Frame:
+        """The only frame of an equilibrium: at rest with the loads at their start."""
+        frame = self._frame(self._rest(0.0, None), 0.0, 0.0)
+        doubt_slack(self._scenario, self._account, self.layout.link_line, frame.tension)
+        return frame
+
+    def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
+        """Frames at equal steps of the path of the first load, until it has come to the end of its line.
+
+        Args:
+            positions: how many.
+            turn: rad, see `solve/following.py`.
+
+        Raises:
+            EquilibriumError: the first load has no way, or there is no rest with the loads somewhere on it.
+        """
+        for at in slow_motion(self._rest, self._places, *self._schedule(), positions, turn):
+            yield self._frame(at.shape, at.path, at.t)
+
+    def _rest(self, t: float, near: _Shape | None) -> _Shape:
+        """Rest with all loads where they are at a time in s, next to another one."""
+        standing, structure, potential = self._standing, self._structure, self.potential
+        r = self._standing.rest.copy()
+        if near is not None:
+            standing.contacts[:] = near.contacts
+            r = potential.put(near.places)[0].copy()
+        held = structure.holdings
+        standing.state.t[0] = t
+        for e in np.flatnonzero(held.entries > 1):  # what moves as prescribed is where it is then
+            nodes = held.members(int(e))
+            tied = np.eye(r.shape[0]) - held.free[e]
+            r[:, nodes] += tied @ (potential.place_of(int(e))[:, None] - r[:, nodes])
+        standing.stand(t, r)
+        potential.arrange()
+
+        def settle(shape: Array) -> Array:
+            found = self._settled(shape, t)
+            potential.forces(found)  # and all that contacts note of them
+            return found
+
+        contacts, s = standing.contacts, standing.state.s
+        shape = self._holding.hold(contacts, s, standing.on, settle, potential.taken())
+        return _Shape(shape, contacts.copy())
+
+    def _settled(self, shape: Array, t: float) -> Array:
+        """Rest in the wind as it blows at time t in s, next to a shape: what it pushes at depends on it.
+
+        Raises:
+            EquilibriumError: there is none.
+        """
+        potential, structure = self.potential, self._structure
+        if not structure.wind.direction.any():
+            return minimum.settle(potential, shape)
+        for _ in range(_ROUNDS):
+            r = potential.put(shape)[0]
+            _blow(structure, potential.room, r, np.zeros_like(r), t)
+            potential.blown[:] = potential.room.air
+            last, shape = shape, minimum.settle(potential, shape)
+            if float(np.abs(shape - last).max()) <= _NEAR * potential.size:
+                return shape
+        raise EquilibriumError("lines find no rest in the wind: they flutter or lift; give wind less speed")
+
+    def _places(self, shape: _Shape) -> Array:
+        """Where contacts are, (contact, axis) m; NaN of those off their lines."""
+        on = shape.contacts["state"] == ON
+        return np.where(on[:, None], shape.contacts["place"][:, : self._standing.rest.shape[0]], np.nan)
+
+    def _schedule(self) -> tuple[Array, Array]:
+        """Times and paths of the first load, until all its contacts have come to the end of their line."""
+        contacts, tables = self._standing.contacts, self._carried.tables
+        if not contacts.size:
+            raise EquilibriumError("slow motion needs a load that travels")
+        first = contacts[0]
+        mine = contacts["begin"][contacts["load"] == first["load"]]
+        end = float(self._structure.lines.length[first["line"]])
+
+        def place(times: Array) -> Array:
+            entries = int(first["speed_first"]), int(first["speed_count"])
+            path = tables.speed_time, tables.speed_value, tables.speed_path
+            return np.array([first["begin"] + look_up_integral(*path, *entries, t) for t in times])
+
+        behind = first["begin"] - mine
+        name = list(self._scenario.loads)[int(first["load"])]
+        return schedule(name, place, end, last=float(behind.max()), first=float(behind.min()))
+
+    def _frame(self, shape: _Shape, path: float, t: float) -> Frame:
+        standing, potential = self._standing, self.potential
+        standing.contacts[:] = shape.contacts
+        standing.state.t[0] = t
+        elastic = potential.stored(shape.places)
+        potential.forces(shape.places)
+        room, own, seen = potential.room, standing.own, standing.state
+        room.react(self._structure.holdings)
+        state = State(seen.t, seen.r, seen.v, seen.u[:own], seen.w[:own], seen.s, seen.work)
+        frame = self._builder.build(state, room, standing.contacts, elastic, still=path)
+        self._remark(frame)
+        return frame
+
+    def _remark(self, frame: Frame) -> None:
+        """Note what friction does not hold, each once."""
+        for k in self._standing.on.tolist():
+            contact, kind = self._standing.contacts[k], int(self._loading.loads.contact[k])
+            found = on_friction(self._loading.wheels[k].name, kind, contact, float(frame.contact_friction[k]))
+            if found and k not in self._remarked:
+                self._remarked.add(k)
+                self._account.warnings.append(f"from load path {frame.path:.4g} m on, {found}")

@@ -1,0 +1,381 @@
+"""Travel: where contacts are along their lines, as prescribed or as the forces on them demand.
+
+A contact has no inertia along its line: what touches has it. As `push` is the change of all energy with s,
+
+    push = stretch (P - R sign U - viscous stretch U)     or    |push - stretch P| <= stretch R   and   U = 0,
+
+with the drive P and the friction R on what travels freely; an implicit step of it is stable at any length. A prescribed
+travel is given in one of four measures: s, the length of the line up to there, x, or s times how the line is stretched;
+of lines that are linearised, as they are at rest.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ropewalk.mechanics import law
+from ropewalk.mechanics.chain import ARC, HORIZONTAL, MATERIAL, SLIP, Array
+from ropewalk.mechanics.compiled import inlined, lean_inner
+from ropewalk.mechanics.rider import look_up, look_up_integral
+from ropewalk.system.contacts import AWAY, FREE, GONE, ON, sit, slope_at_rest, stiffen, yields
+from ropewalk.system.spline import WIDTH
+from ropewalk.system.structure import STRUCK
+
+# Rounds in which a place is found, the part of a link to which it is, and the most that it moves in a round.
+ROUNDS, CLOSE, FAR = 60, 1e-12, 0.5
+# Stiffness that keeps a free contact where its body is while its line is slack, over the largest one of a step.
+SLACK = 1e-9
+
+
+class Tables(NamedTuple):
+    """Histories of all contacts, one after the other."""
+
+    speed_time: Array
+    speed_value: Array
+    speed_path: Array
+    force_time: Array
+    force_value: Array  # (axis, entry)
+    drive_time: Array
+    drive_value: Array
+
+
+@inlined
+def give(tables, contacts, k, t, axes):
+    """Note the given force on contact k at time t."""
+    for a in range(axes):
+        contacts[k].given[a] = look_up(
+            tables.force_time, tables.force_value[a], contacts[k].force_first, contacts[k].force_count, t
+        )
+
+
+@inlined
+def _travelled(tables, contacts, k, t):
+    """What contact k has travelled since time zero as its speed is measured, m."""
+    return look_up_integral(
+        tables.speed_time, tables.speed_value, tables.speed_path, contacts[k].speed_first, contacts[k].speed_count, t
+    )
+
+
+@lean_inner
+def locate(structure, room, contacts, tables, state, table, out, since):
+    """Put all contacts where they are along their lines now.
+
+    Args:
+        since: s, since that was done before; 0: nothing has moved.
+    """
+    lines, t = structure.lines, state.t[0]
+    _measure_lines(structure, room, contacts)
+    for k in range(contacts.size):
+        give(tables, contacts, k, t, state.r.shape[0])
+        was, length = contacts[k].state, lines.length[contacts[k].line]
+        if was == GONE or (contacts[k].led == 1 and was == AWAY):
+            continue
+        if contacts[k].travel == FREE:
+            contacts[k].drive = look_up(
+                tables.drive_time, tables.drive_value, contacts[k].drive_first, contacts[k].drive_count, t
+            )
+        speed = look_up(tables.speed_time, tables.speed_value, contacts[k].speed_first, contacts[k].speed_count, t)
+        old, contacts[k].measured = state.s[k], speed
+        if contacts[k].apart == 1 and was == ON:
+            s = _below(structure, contacts, state, k, old)
+            if since > 0.0:
+                contacts[k].speed, contacts[k].flown = (s - old) / since, contacts[k].flown + since
+            if contacts[k].measure != SLIP:  # it goes on from where it lands
+                landed = _measured(structure, room, contacts, state, k, s)
+                contacts[k].begin = landed - _travelled(tables, contacts, k, t)
+        elif contacts[k].travel == FREE:
+            s = old
+            if since > 0.0 and was == ON:
+                s = _slide(structure, room, contacts, state, table, out, k, speed, since)
+                contacts[k].speed = (s - old) / since
+            elif since == 0.0 and contacts[k].been == 0:
+                s = contacts[k].begin
+        else:
+            s = _prescribed(structure, room, contacts, tables, state, k, speed, since)
+        U = contacts[k].speed
+        low = contacts[k].margin if U < 0.0 else 0.0
+        high = length - (contacts[k].margin if U > 0.0 else 0.0)
+        if contacts[k].stays == 1 and (s > high or (s < low and contacts[k].been == 1)):
+            end = high if s > high else low
+            if contacts[k].been == 1 and contacts[k].held == 0:
+                contacts[k].stopped = U
+            contacts[k].held, contacts[k].speed, s = 1, 0.0, end
+        else:
+            contacts[k].held = 0
+        state.s[k] = s
+        contacts[k].state = ON if low <= s <= high else AWAY
+        if contacts[k].state == AWAY:
+            if was == ON:
+                contacts[k].comes = -1
+                _straighten(structure, contacts, state, k)
+            continue
+        contacts[k].been = 1
+        if was == AWAY:
+            contacts[k].comes = 1
+        sit(structure, contacts, state, k, s)
+        if contacts[k].travel == FREE or contacts[k].held == 1:
+            square = 0.0
+            for a in range(state.r.shape[0]):
+                square += contacts[k].along[a] ** 2
+            slides = contacts[k].travel == FREE and contacts[k].stretch > 0.0
+            contacts[k].measured = contacts[k].speed * (contacts[k].stretch if slides else np.sqrt(square))
+
+
+@inlined
+def _straighten(structure, contacts, state, k):
+    """Let the kink of contact k, which has left, go as if the contact, or a wave, went on over a quarter of a link.
+
+    A kink that went at once would push its links together. Of what is linearised kinks lengthen none, and it is lost.
+    """
+    if structure.about.links.size > 0:
+        for a in range(state.r.shape[0]):
+            state.work[STRUCK] += 0.5 * contacts[k].firm * contacts[k].d[a] ** 2
+    run = contacts[k].run
+    waves = np.sqrt(max(contacts[k].tension, 0.0) / max(structure.runs.rho[run], 1e-300))
+    speed = max(abs(contacts[k].speed), waves)
+    contacts[k].fade = 4.0 * contacts[k].kink * speed / structure.runs.h[run]
+
+
+@lean_inner
+def fade(room, contacts, since):
+    """Let the kinks of contacts that have left straighten for a time in s; returns what their links lose by it, J."""
+    lost = 0.0
+    for k in range(contacts.size):
+        if contacts[k].state == ON or contacts[k].kink == 0.0:
+            continue
+        less = min(contacts[k].fade * since, contacts[k].kink)
+        contacts[k].kink -= less
+        for j in range(3):
+            lost += room.pull[contacts[k].link[j]] * contacts[k].part[j] * less
+    return lost
+
+
+@lean_inner
+def place(structure, room, contacts, tables, state):
+    """Put contacts, which have not moved yet, where they stand at the time of the state."""
+    _measure_lines(structure, room, contacts)
+    for k in range(contacts.size):
+        give(tables, contacts, k, state.t[0], state.r.shape[0])
+        s = contacts[k].begin
+        if contacts[k].travel != FREE:
+            s = _prescribed(structure, room, contacts, tables, state, k, 0.0, 0.0)
+        state.s[k] = s
+        contacts[k].state = ON if 0.0 <= s <= structure.lines.length[contacts[k].line] else AWAY
+        if contacts[k].state == ON:
+            sit(structure, contacts, state, k, s)
+
+
+@lean_inner
+def _measure_lines(structure, room, contacts):
+    """Lengths of all lines up to each of their nodes, to `room.path`, if any contact measures them."""
+    lines, runs, measured = structure.lines, structure.runs, False
+    for k in range(contacts.size):
+        measured = measured or contacts[k].measure in (SLIP, ARC)
+    if not measured:
+        return
+    for line in range(lines.first.size):
+        gone = 0.0
+        for s in range(lines.first[line], lines.first[line] + lines.runs[line]):
+            begin = runs.first[s]
+            room.path[begin] = gone
+            for i in range(begin, begin + runs.links[s]):
+                gone += room.length[i]
+                room.path[i + 1] = gone
+
+
+@lean_inner
+def _measured(structure, room, contacts, state, k, s):
+    """Put contact k at s of its line, and look up its place as its speed is measured; m.
+
+    Notes how the line is stretched as it is measured.
+    """
+    sit(structure, contacts, state, k, s)
+    if contacts[k].measure == HORIZONTAL and structure.about.links.size > 0:
+        x = 0.0
+        for j in range(min(WIDTH, structure.runs.links[contacts[k].run] + 1)):
+            x += contacts[k].weight[j] * structure.about.shape[0, 0, contacts[k].near + j]
+        contacts[k].stretch = slope_at_rest(structure, contacts, k, 0)
+        return x
+    if contacts[k].measure == HORIZONTAL:
+        contacts[k].stretch = contacts[k].along[0]
+        return contacts[k].p[0]
+    if contacts[k].measure == MATERIAL:
+        contacts[k].stretch = 1.0
+        return s
+    run, base, value, slope = contacts[k].run, contacts[k].near, 0.0, 0.0
+    for j in range(min(WIDTH, structure.runs.links[run] + 1)):
+        value += contacts[k].weight[j] * room.path[base + j]
+        slope += contacts[k].slope[j] * room.path[base + j]
+    contacts[k].stretch = slope / structure.runs.h[run]
+    return value
+
+
+@lean_inner
+def _find(structure, room, contacts, state, k, wanted):
+    """Find s of contact k, where its place as measured is as wanted; beyond the ends, the ground is not stretched."""
+    length = structure.lines.length[contacts[k].line]
+    first = _measured(structure, room, contacts, state, k, 0.0)
+    last = _measured(structure, room, contacts, state, k, length)
+    sign = 1.0 if last > first else -1.0
+    if sign * (wanted - first) < 0.0:
+        return -abs(wanted - first)
+    if sign * (wanted - last) > 0.0:
+        return length + abs(wanted - last)
+    s, low, high = state.s[k], 0.0, length
+    if not low <= s <= high:
+        s = 0.5 * length
+    for _ in range(ROUNDS):
+        miss = sign * (_measured(structure, room, contacts, state, k, s) - wanted)
+        if miss > 0.0:
+            high = s
+        else:
+            low = s
+        slope = sign * contacts[k].stretch
+        new = s - miss / slope if slope > 0.0 else -1.0
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        step, s = abs(new - s), new
+        if step <= CLOSE * length:
+            break
+    return s
+
+
+@lean_inner
+def _prescribed(structure, room, contacts, tables, state, k, speed, since):
+    """Place of contact k at time t as its travel prescribes; notes its speed along the line."""
+    t, old = state.t[0], state.s[k]
+    wanted = contacts[k].begin + _travelled(tables, contacts, k, t)
+    if contacts[k].measure == MATERIAL:
+        contacts[k].speed = speed
+        return wanted
+    if contacts[k].measure == SLIP and (contacts[k].been == 1 or since > 0.0):
+        way = _travelled(tables, contacts, k, t) - _travelled(tables, contacts, k, t - since)
+        stretch, before = 1.0, contacts[k].stretch
+        if contacts[k].state == ON:
+            stretch = 0.0
+            for j in range(3):
+                q = contacts[k].part[j]
+                stretch += (
+                    q * np.sqrt(room.length[contacts[k].link[j]] ** 2 + 2.0 * q * contacts[k].kink) / contacts[k].h[j]
+                )
+        contacts[k].speed = speed / stretch
+        if since > 0.0:  # as stretched as in the middle of the step, from the two instants before
+            contacts[k].stretch = stretch
+            return old + way * (1.5 / stretch - 0.5 / before if before > 0.0 else 1.0 / stretch)
+        return old
+    s = _find(structure, room, contacts, state, k, wanted)
+    stretch = contacts[k].stretch if 0.0 <= s <= structure.lines.length[contacts[k].line] else 1.0
+    if since > 0.0:
+        contacts[k].speed = (s - old) / since
+    elif contacts[k].been == 0:
+        contacts[k].speed = speed / stretch
+    contacts[k].stretch = 0.0
+    return s
+
+
+@lean_inner
+def _below(structure, contacts, state, k, s):
+    """Place s on the line of contact k that is next to its body, from the one where it was."""
+    length, h = structure.lines.length[contacts[k].line], structure.runs.h[contacts[k].run]
+    for _ in range(ROUNDS):
+        sit(structure, contacts, state, k, s)
+        ahead = square = 0.0
+        for a in range(state.r.shape[0]):
+            ahead += (state.u[contacts[k].first + a] - contacts[k].p[a]) * contacts[k].along[a]
+            square += contacts[k].along[a] ** 2
+        new = s + min(max(ahead / square, -FAR * h), FAR * h)
+        if new < 0.0 or new > length:  # beyond the ends, and not pulled back
+            return new
+        step, s = abs(new - s), new
+        if step <= CLOSE * h:
+            break
+    return s
+
+
+@lean_inner
+def _resistance(structure, room, contacts, state, table, out, k, s):
+    """Put contact k at s of its line; returns `push` there, N, the friction R, N, and the stretch of the line."""
+    sit(structure, contacts, state, k, s)
+    stiffen(structure, room, contacts, state, table, out, k)
+    run, h = contacts[k].run, structure.runs.h[contacts[k].run]
+    T, stretch, along, square = 0.0, 0.0, 0.0, 0.0
+    push, tangent = 0.0, 0.0
+    for j in range(3):
+        link, q = contacts[k].link[j], contacts[k].part[j]
+        if q <= 0.0 and contacts[k].change[j] == 0.0:
+            continue
+        length = np.sqrt(room.length[link] ** 2 + 2.0 * q * contacts[k].kink)
+        stretch += q * length / contacts[k].h[j]  # not of the spline, which cuts the corner
+        own = law.tension(structure.runs.law[run], length / contacts[k].h[j] - 1.0)
+        T += q * own
+        damped = own + structure.runs.damping[run] * room.rate[link]
+        push += contacts[k].change[j] / h * damped / max(length, 1e-300) * contacts[k].kink
+    slack = SLACK / max(0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light), 1e-300)
+    for a in range(state.r.shape[0]):
+        d = contacts[k].d[a]
+        push -= (contacts[k].moving + slack) * d * contacts[k].along[a] + 0.5 * d * d * contacts[k].turn
+        tangent += contacts[k].along[a] ** 2
+        along += contacts[k].moving * d * contacts[k].along[a]
+        square += (contacts[k].moving * d) ** 2
+    contacts[k].stretch = stretch
+    normal = np.sqrt(max(square - along * along / tangent, 0.0))
+    half = 0.0 if structure.runs.firm[run] > 0.0 else np.pi / 2  # a net does not bend around a contact
+    whole = 2.0 * (T + structure.runs.bending[run] / (h * h))
+    if normal < whole:
+        half = np.arcsin(normal / whole)
+    mu, grip = contacts[k].friction, 0.0
+    if mu > 0.0 and contacts[k].block == 1:
+        grip = mu / max(np.cos(half), 1e-3)
+    elif mu > 0.0:
+        grip = np.tanh(mu * half) / np.sin(half) if half > 1e-6 else mu
+    R = (grip + contacts[k].rolling) * normal
+    if s < contacts[k].brake_low or s > contacts[k].brake_high:
+        R += contacts[k].brake
+    return push, R, stretch
+
+
+@lean_inner
+def _slide(structure, room, contacts, state, table, out, k, speed, since):
+    """Find the place s of contact k, which travels freely, after a time; notes its speed and its drive.
+
+    Args:
+        speed: that its driver wants to hold, m/s along the line.
+        since: s.
+    """
+    h, old, P = structure.runs.h[contacts[k].run], state.s[k], contacts[k].drive
+    length, viscous, driver = structure.lines.length[contacts[k].line], contacts[k].viscous, contacts[k].driver
+    push, R, stretch = _resistance(structure, room, contacts, state, table, out, k, old)
+    if driver > 0.0:
+        wanted = min(max(old + since * speed / stretch, 0.0), length)
+        needed, own, there = _resistance(structure, room, contacts, state, table, out, k, wanted)
+        U = (wanted - old) / since
+        needed = needed / there + own * np.sign(U) + viscous * there * U
+        if abs(needed - P) <= driver:
+            contacts[k].drive = needed
+            return wanted
+        P += driver if needed > P else -driver
+        contacts[k].drive = P
+    miss = push - P * stretch
+    if abs(miss) <= R * stretch and R > 0.0:
+        return old
+    sign = -1.0 if miss > 0.0 else 1.0
+    low, high, s = (old, np.inf, old) if sign > 0.0 else (-np.inf, old, old)
+    miss += sign * R * stretch
+    for _ in range(ROUNDS):
+        if miss > 0.0:
+            high = min(high, s)
+        else:
+            low = max(low, s)
+        slope = max(contacts[k].moving, 0.0) * stretch**2 + viscous * stretch**2 / since
+        slope += SLACK / max(0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light), 1e-300)
+        new = min(max(s - miss / slope, s - FAR * h), s + FAR * h)
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        step, s = abs(new - s), new
+        if step <= CLOSE * h or s < 0.0 or s > length:
+            break
+        push, R, stretch = _resistance(structure, room, contacts, state, table, out, k, s)
+        miss = push - P * stretch + sign * R * stretch + viscous * stretch**2 * (s - old) / since
+    return s
