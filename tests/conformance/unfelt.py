@@ -116,6 +116,9 @@ UNFELT: Reasons = {
     "Footsteps.step_length": {
         "the run ends on the first feet": ("awning",),
     },
+    "Footsteps.towards": {
+        "the second step comes after the run has ended": ("awning",),
+    },
     "FreeTravel.at_end": {
         "nothing comes to an end of the line": (
             "free mass",
@@ -177,7 +180,12 @@ UNFELT: Reasons = {
         "the load stays on the line, or has no reason to leave it": (
             "free mass",
             "mass",
+            "outline",
+            "membrane",
         ),
+    },
+    "MovingForce.friction_model": {
+        "a net does not bend around a load: friction is mu times what presses, whatever the model": ("net", "net at rest"),
     },
     "Net.axial_damping": {
         "what damps is felt in motion, not at rest": ("net at rest",),

@@ -78,7 +78,7 @@ def test_a_motion_that_begins_with_loads_stays_at_rest(bending: float, elements:
 def potential_of(asked: Scenario) -> Potential:
     assembled, loading = structure_of(asked, 0.0), loading_of(asked, 0.0)
     structure, rest = at_rest(assembled.structure, loading.gravity, assembled.near)
-    standing = Standing(structure, rest, Carried(*contacts_of(asked, loading, structure, tuple(asked.lines))))
+    standing = Standing(structure, rest, Carried(*contacts_of(asked, loading, structure, assembled.on)))
     standing.stand(0.0, rest)
     return Potential(structure, standing, 20.0)
 

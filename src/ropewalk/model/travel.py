@@ -17,8 +17,8 @@ Measure = Literal["material", "slip", "arc", "horizontal"]
 AtEnd = Literal["refuse", "leave", "stay"]
 
 _MARGIN = (
-    "of what has a mass: distance from a support, along the unstrained line, at which the line ends for the load "
-    "(default: a quarter of a link)"
+    "distance from a support, along the unstrained line, at which the line ends for the load "
+    "(default: a quarter of a link for what has a mass, none for forces and on nets)"
 )
 ON_NETS = "on nets: places [u, v] that its straight way leads through, from the first"
 

@@ -295,13 +295,29 @@ def _below(structure, contacts, state, k, s):
 
 
 @lean_inner
-def _resistance(structure, room, contacts, state, table, out, k, s):
-    """Put contact k at s of its line; returns `push` there, N, the friction R, N, and the stretch of the line."""
+def _kinked(contacts, k, link):
+    """What kinks of other contacts than k add to the square of the length of a link, m^2."""
+    square = 0.0
+    for m in range(contacts.size):
+        if m != k and (contacts[m].state == ON or contacts[m].kink > 0.0):
+            for j in range(3):
+                if contacts[m].link[j] == link:
+                    square += 2.0 * max(contacts[m].part[j], 0.0) * contacts[m].kink
+    return square
+
+
+@lean_inner
+def _resistance(structure, room, contacts, state, table, out, k, s, since):
+    """Put contact k at s of its line, where it comes after a time in s.
+
+    Returns:
+        `push` there, N, the friction R, N, the stretch of the line, and by how much dampers stiffen `push`, N/m.
+    """
     sit(structure, contacts, state, k, s)
     stiffen(structure, room, contacts, state, table, out, k)
     run, h = contacts[k].run, structure.runs.h[contacts[k].run]
     T, stretch, along, square = 0.0, 0.0, 0.0, 0.0
-    push, tangent = 0.0, 0.0
+    push, tangent, damper = 0.0, 0.0, 0.0
     for j in range(3):
         link, q = contacts[k].link[j], contacts[k].part[j]
         if q <= 0.0 and contacts[k].change[j] == 0.0:
@@ -310,8 +326,15 @@ def _resistance(structure, room, contacts, state, table, out, k, s):
         stretch += q * length / contacts[k].h[j]  # not of the spline, which cuts the corner
         own = law.tension(structure.runs.law[run], length / contacts[k].h[j] - 1.0)
         T += q * own
-        damped = own + structure.runs.damping[run] * room.rate[link]
-        push += contacts[k].change[j] / h * damped / max(length, 1e-300) * contacts[k].kink
+        lengthens = contacts[k].change[j] / h * contacts[k].kink / max(length, 1e-300)
+        push += lengthens * own
+        if structure.runs.damping[run] > 0.0 and lengthens != 0.0:
+            # As the link is damped where it is sought: with the rate of the step before, a kink whose damper
+            # stiffens it more than its contact does is thrown back and forth, further at each step.
+            c = structure.runs.damping[run] / since
+            whole = np.sqrt(length**2 + _kinked(contacts, k, link))
+            push += lengthens * c * (whole / contacts[k].h[j] - 1.0 - room.before[link])
+            damper += c * lengthens**2 / contacts[k].h[j]
     slack = SLACK / max(0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light), 1e-300)
     for a in range(state.r.shape[0]):
         d = contacts[k].d[a]
@@ -333,7 +356,7 @@ def _resistance(structure, room, contacts, state, table, out, k, s):
     R = (grip + contacts[k].rolling) * normal
     if s < contacts[k].brake_low or s > contacts[k].brake_high:
         R += contacts[k].brake
-    return push, R, stretch
+    return push, R, stretch, damper
 
 
 @lean_inner
@@ -346,10 +369,10 @@ def _slide(structure, room, contacts, state, table, out, k, speed, since):
     """
     h, old, P = structure.runs.h[contacts[k].run], state.s[k], contacts[k].drive
     length, viscous, driver = structure.lines.length[contacts[k].line], contacts[k].viscous, contacts[k].driver
-    push, R, stretch = _resistance(structure, room, contacts, state, table, out, k, old)
+    push, R, stretch, damper = _resistance(structure, room, contacts, state, table, out, k, old, since)
     if driver > 0.0:
         wanted = min(max(old + since * speed / stretch, 0.0), length)
-        needed, own, there = _resistance(structure, room, contacts, state, table, out, k, wanted)
+        needed, own, there, _ = _resistance(structure, room, contacts, state, table, out, k, wanted, since)
         U = (wanted - old) / since
         needed = needed / there + own * np.sign(U) + viscous * there * U
         if abs(needed - P) <= driver:
@@ -368,7 +391,7 @@ def _slide(structure, room, contacts, state, table, out, k, speed, since):
             high = min(high, s)
         else:
             low = max(low, s)
-        slope = max(contacts[k].moving, 0.0) * stretch**2 + viscous * stretch**2 / since
+        slope = max(contacts[k].moving, 0.0) * stretch**2 + viscous * stretch**2 / since + damper
         slope += SLACK / max(0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light), 1e-300)
         new = min(max(s - miss / slope, s - FAR * h), s + FAR * h)
         if not low <= new <= high:
@@ -376,6 +399,6 @@ def _slide(structure, room, contacts, state, table, out, k, speed, since):
         step, s = abs(new - s), new
         if step <= CLOSE * h or s < 0.0 or s > length:
             break
-        push, R, stretch = _resistance(structure, room, contacts, state, table, out, k, s)
+        push, R, stretch, damper = _resistance(structure, room, contacts, state, table, out, k, s, since)
         miss = push - P * stretch + sign * R * stretch + viscous * stretch**2 * (s - old) / since
     return s
