@@ -185,7 +185,7 @@ UNFELT: Reasons = {
         ),
     },
     "MovingForce.friction_model": {
-        "a net does not bend around a load: friction is mu times what presses, whatever the model": ("net", "net at rest"),
+        "a net does not bend around a load: friction is mu times what presses in both models": ("net", "net at rest"),
     },
     "Net.axial_damping": {
         "what damps is felt in motion, not at rest": ("net at rest",),
