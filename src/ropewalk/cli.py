@@ -113,6 +113,9 @@ def run(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="OUT.nc", help="Result file [default: FILE.nc here].")
     ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace OUT.nc even if it holds a result of another scenario.")
+    ] = False,
     settings: Settings = None,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -130,7 +133,7 @@ def run(
         if not quiet and (how_long := must_compile(scenario)):
             say(f"compiling (first run only, {how_long})")
         with progress_bar("running", quiet) as progress:
-            dataset = simulate(scenario, file=target, progress=progress)
+            dataset = simulate(scenario, file=target, overwrite=overwrite, progress=progress)
         _close(dataset, target, replaced, as_json=as_json, quiet=quiet)
 
 

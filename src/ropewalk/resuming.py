@@ -25,7 +25,8 @@ from ropewalk.results.contract import CONVENTIONS, LACKING
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Account, Array
 from ropewalk.results.past import Past
-from ropewalk.results.slots import alone, digests
+from ropewalk.results.slots import digests
+from ropewalk.results.target import alone
 from ropewalk.scenario import loads
 from ropewalk.simulate import Clock, output_times, record, run_of
 

@@ -40,13 +40,16 @@ BODIED_KERNEL = 2_000_000
 
 
 def simulate(
-    scenario: Scenario, *, file: Path | None = None, progress: Callable[[float], None] | None = None
-) -> xr.Dataset:
+    scenario: Scenario, *, file: Path | None = None, overwrite: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> xr.Dataset:  # fmt: skip
     """Run a scenario.
 
     Args:
         scenario: what is there and what is asked.
-        file: NetCDF file to write while running; None keeps the result in memory.
+        file: NetCDF file to write while running; None keeps the result in memory. One that is there is replaced with
+            the first frame, if it holds a result of the same scenario, as it is or as it was.
+        overwrite: whether the result of another scenario is replaced, too.
         progress: called with the part that is done, 0 to 1.
 
     Returns:
@@ -57,12 +60,14 @@ def simulate(
         ScenarioError: the run would replace the result that it starts from.
         RopewalkError: the scenario has no rest shape to start from, or the file cannot be written.
     """
-    from ropewalk.results.files import check_target
     from ropewalk.results.recorder import Recorder
+    from ropewalk.results.target import check_own, check_target
 
     if file is not None:
         check_target(file)  # before anything is computed
         _keep_apart(scenario, file)
+        if not overwrite:
+            check_own(file, scenario)
     watch, account = Clock(), Account()
     run = run_of(scenario, account)
     with Recorder(run.layout, scenario, account, file, run=run) as recorder:
@@ -101,7 +106,9 @@ def record(
 def _keep_apart(scenario: Scenario, file: Path) -> None:
     """Refuse to write into the result that a motion starts from."""
     run = scenario.run
-    if isinstance(run, Dynamic) and run.start.file and Path(run.start.file).resolve() == file.resolve():
+    if not (isinstance(run, Dynamic) and run.start.file and file.exists()):
+        return
+    if Path(run.start.file).exists() and file.samefile(run.start.file):
         remedy = "write the new result elsewhere (-o), or start from a copy"
         raise ScenarioError([Problem("run.start.file", "is the file that the result goes to", str(file), remedy)])
 

@@ -12,12 +12,13 @@ if TYPE_CHECKING:
     from ropewalk.results.animation import film
     from ropewalk.results.contract import links
     from ropewalk.results.figures import figure, single
-    from ropewalk.results.files import ResultError, WriteError, check_target, open_result
+    from ropewalk.results.files import ResultError, WriteError, open_result
     from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
     from ropewalk.results.recorder import Recorder
     from ropewalk.results.report import html_report
     from ropewalk.results.statistics import summary
     from ropewalk.results.table import text
+    from ropewalk.results.target import check_target
     from ropewalk.results.vtk_export import export
 
 _HOME = {
@@ -28,7 +29,7 @@ _HOME = {
     "Recorder": "recorder",
     "ResultError": "files",
     "WriteError": "files",
-    "check_target": "files",
+    "check_target": "target",
     "export": "vtk_export",
     "figure": "figures",
     "film": "animation",

@@ -1,4 +1,4 @@
-"""Result files: where one may be written, and how one is opened."""
+"""Result files: how one is opened."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.errors import RopewalkError
+from ropewalk.results.checksums import ATTRIBUTES, MAGIC, CutShortError, DamagedError, check_whole
 from ropewalk.results.contract import CHECKPOINT, CONVENTIONS, COORDINATES, NUMBERS, VARIABLES, is_present, path_name
 
 if TYPE_CHECKING:
@@ -26,28 +27,8 @@ class WriteError(ResultError):
     """Writing a result failed on the way (a full disk, a quota, a lost network folder)."""
 
 
-def check_target(file: Path) -> Path:
-    """Make sure that a result can be written to `file`, without touching anything, and give its full path.
-
-    Raises:
-        ResultError: the folder is missing or not writable, or `file` is a folder or a file of another kind.
-    """
-    target = Path(file).expanduser().resolve()
-    folder = target.parent
-    if not folder.is_dir():
-        raise ResultError(f"{file}: the folder {folder} does not exist; create it or choose another place")
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise ResultError(f"{file}: no permission to write in the folder {folder}; choose another place")
-    if target.is_dir():
-        raise ResultError(f"{file}: is a folder; give the name of a file in it")
-    if target.exists() and not target.is_file():
-        raise ResultError(f"{file}: is not an ordinary file; choose another name")
-    if target.is_file() and target.stat().st_size and not _is_netcdf(target):
-        raise ResultError(f"{file}: exists and is no result; it is left alone, choose another name")
-    return target
-
-
-def _is_netcdf(file: Path) -> bool:
+def is_netcdf(file: Path) -> bool:
+    """Whether a file begins as one of NetCDF does."""
     try:
         with file.open("rb") as stream:
             return stream.read(8).startswith(_MAGIC)
@@ -71,9 +52,10 @@ def open_result(path: str | Path, *, lazy: bool | None = None) -> xr.Dataset:
     path = Path(path)
     if not path.is_file():
         raise ResultError(f"{path}: there is no such file")
+    check_result(path, lazy=lazy)
     try:
         dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False, cache=not lazy, drop_variables=CHECKPOINT)
-    except (OSError, ValueError, RuntimeError, KeyError) as problem:
+    except (OSError, ValueError, RuntimeError, KeyError, MemoryError) as problem:
         raise ResultError(f"{path}: {_why_unreadable(path, problem)}") from problem
     if dataset.attrs.get("Conventions") != CONVENTIONS:
         dataset.close()
@@ -87,10 +69,30 @@ def open_result(path: str | Path, *, lazy: bool | None = None) -> xr.Dataset:
     return dataset
 
 
+def check_result(path: Path, *, lazy: bool | None = None) -> None:
+    """Make sure that a result is what was written; of a large one that stays on disk, that nothing is missing.
+
+    Raises:
+        ResultError: it is damaged.
+    """
+    try:
+        with path.open("rb") as stream:
+            if stream.read(len(MAGIC)) != MAGIC:
+                return  # whatever it is, it is none of ours
+        check_whole(path, read=not (path.stat().st_size >= LOAD_BELOW if lazy is None else lazy))
+    except DamagedError as problem:
+        remedy = "get it once more from where it is from, or run it again"
+        if isinstance(problem, CutShortError):
+            remedy += "; `ropewalk resume` goes on from its last checkpoint"
+        raise ResultError(f"{path}: {problem}; {remedy}") from problem
+    except OSError as problem:
+        raise ResultError(f"{path}: {_why_unreadable(path, problem)}") from problem
+
+
 def _why_unreadable(path: Path, problem: Exception) -> str:
     if not os.access(path, os.R_OK):
         return "no permission to read it"
-    if not _is_netcdf(path):
+    if not is_netcdf(path):
         return "is no NetCDF file"
     return f"cannot be read ({problem})"
 
@@ -112,6 +114,10 @@ def _tidy(dataset: xr.Dataset) -> xr.Dataset:
             dims = (path, *quantity.dims)
             dataset[name] = (dims, np.full([size[d] for d in dims], np.nan), quantity.attributes)
     dataset = dataset.assign_coords(coordinates)
-    dataset.attrs = {key: getattr(value, "item", lambda v=value: v)() for key, value in dataset.attrs.items()}
+    dataset.attrs = {
+        key: getattr(value, "item", lambda v=value: v)()
+        for key, value in dataset.attrs.items()
+        if key not in ATTRIBUTES
+    }
     dataset.attrs["steps"] = int(dataset.attrs["steps"])
     return dataset

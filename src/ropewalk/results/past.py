@@ -11,6 +11,7 @@ import numpy as np
 
 from ropewalk.checkpoint import Tree
 from ropewalk.results import contract
+from ropewalk.results.checksums import CutShortError, DamagedError, check_whole
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array, Frame, Layout
 from ropewalk.results.slots import newest
@@ -27,12 +28,14 @@ class Past:
         attributes: of the file.
         times: (frame,) s of all frames that it holds, those after the checkpoint among them.
         checkpoint: the last one; None: there is none.
+        cut_short: whether the file ends before the frames that it is to have.
     """
 
     path: Path
     attributes: dict[str, Any]
     times: Array
     checkpoint: Tree | None
+    cut_short: bool = False
 
     @property
     def stored(self) -> int:
@@ -60,12 +63,20 @@ class Past:
 
         if not path.is_file():
             raise ResultError(f"{path}: there is no such file")
+        whole = None
+        try:
+            check_whole(path)
+        except CutShortError as problem:
+            whole = problem.whole
+        except DamagedError as problem:
+            raise ResultError(f"{path}: {problem}; run it again") from problem
         try:
             with netCDF4.Dataset(path) as file:
                 attributes = {name: file.getncattr(name) for name in file.ncattrs()}
                 times = np.asarray(file.variables["time"][:]) if "time" in file.variables else np.zeros(0)
-                return Past(path, attributes, np.ma.getdata(times).astype(np.float64), newest(file, times.size))
-        except (OSError, ValueError, RuntimeError) as problem:
+                times = np.ma.getdata(times).astype(np.float64)[:whole]
+                return Past(path, attributes, times, newest(file, times.size), cut_short=whole is not None)
+        except (OSError, ValueError, RuntimeError, MemoryError) as problem:
             raise ResultError(f"{path}: cannot be read ({problem})") from problem
 
     def frames(self, layout: Layout) -> Iterator[Frame]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import time
+import zlib
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from functools import partial
@@ -15,11 +16,12 @@ from typing import TYPE_CHECKING, Any, Protocol, Self
 import numpy as np
 
 from ropewalk.checkpoint import Tree
-from ropewalk.results import contract
-from ropewalk.results.files import WriteError, check_target, open_result
+from ropewalk.results import checksums, contract
+from ropewalk.results.files import WriteError, open_result
 from ropewalk.results.frame import Account, Array, Frame, Layout
 from ropewalk.results.past import Past
-from ropewalk.results.slots import Slots, alone, cut, digests
+from ropewalk.results.slots import Slots, cut, digests
+from ropewalk.results.target import alone, beside, check_target
 from ropewalk.results.verdict import Watch
 
 if TYPE_CHECKING:
@@ -107,7 +109,10 @@ class Recorder:
             self._closed = True
             self._watch.judge(self._account)
             self._account.conclude()
-            self._store.finish(self._account)
+            try:
+                self._store.finish(self._account)
+            finally:
+                self._store.release()
         if self._result is None:
             self._result = self._store.result(self._account)
         return self._result
@@ -127,11 +132,11 @@ class Recorder:
             account.advice = account.advice or str(problem)
         if not self._closed:
             self._closed = True
-            if not self.frames:
-                return
-            self._watch.judge(account)
-            with contextlib.suppress(WriteError):  # the problem under way is the one to report
-                self._store.finish(account)
+            if self.frames:
+                self._watch.judge(account)
+                with contextlib.suppress(WriteError):  # the problem under way is the one to report
+                    self._store.finish(account)
+            self._store.release()
 
 
 def _checkpoint(data: dict[str, str], account: Account, run: Run) -> Tree | None:
@@ -150,6 +155,8 @@ class _Store(Protocol):
     def append(self, frame: Frame, account: Account) -> None: ...
 
     def finish(self, account: Account) -> None: ...
+
+    def release(self) -> None: ...
 
     def result(self, account: Account) -> xr.Dataset: ...
 
@@ -185,6 +192,9 @@ class _Memory:
 
     def finish(self, account: Account) -> None:
         self._resize(self.count)
+
+    def release(self) -> None:
+        """Nothing is kept from others."""
 
     def result(self, account: Account) -> xr.Dataset:
         import xarray as xr
@@ -224,10 +234,13 @@ class _File:
     ) -> None:
         self.count = past.count if past is not None else 0
         self._layout, self._fixed, self._past = layout, fixed, past
-        self.path = check_target(file)
+        self.path = check_target(file) if past is None else file  # whoever takes it up has looked
         self._total = run.total if run is not None else None
         self._slots = Slots(kept, past.number if past is not None else 0) if kept is not None else None
         self._lock = ExitStack()
+        if past is None:
+            self._lock.enter_context(alone(self.path))
+        self._crc = 0  # of the frames that are in the file
         self._arrays = _rows(layout, block_rows(layout))
         self._file: Any = None
         self._begun = False
@@ -241,22 +254,30 @@ class _File:
         if self._past is not None:
             self._reopen(account)
             return
+        made = beside(self.path, "new")
         try:
-            self.path.unlink(missing_ok=True)  # a reader of the earlier result keeps what it has open
             attributes = {**self._fixed, **contract.account_attributes(account)}
-            self._file = _create(self.path, self._layout, attributes, self._slots)
-            self._lock.enter_context(alone(self.path))
+            self._file = _create(made, self._layout, attributes, self._slots)
+            made.replace(self.path)  # a reader of the earlier result keeps what it has open
         except (OSError, RuntimeError) as problem:
+            self._file = None
+            with contextlib.suppress(OSError):
+                made.unlink(missing_ok=True)
             raise WriteError(f"{self.path}: cannot be created ({problem})") from problem
 
     def _reopen(self, account: Account) -> None:
         """Go on in a file: it tells from now on what is asked now."""
         import netCDF4
 
+        assert self._past is not None
         try:
+            if self._past.cut_short:
+                cut(self.path, self.count)
+            self._crc = checksums.frames_crc(self.path, self.count)
             self._file = netCDF4.Dataset(self.path, "r+")
             self._file.set_fill_off()
-            self._file.setncatts(_storable({**self._fixed, **contract.account_attributes(account)}))
+            told = {**self._fixed, **contract.account_attributes(account), **self._checks(self.count, self._crc)}
+            self._file.setncatts(_storable({**told, checksums.HEAD: checksums.NONE}))
             self._file.sync()
         except (OSError, RuntimeError) as problem:
             raise WriteError(f"{self.path}: cannot be written ({problem})") from problem
@@ -287,7 +308,10 @@ class _File:
                 array = self._arrays.get(contract.PATH if name == self._layout.path else name)
                 if array is not None and last > first:
                     variable[first:last] = array[first - self._base : last - self._base]
-            self._tell(account, keys)
+            self._file.sync()
+            crc = zlib.crc32(self._bytes(first, last), self._crc)
+            self._tell(account, keys)  # after the frames that it is of: a kill in between leaves them unchecked
+            self._file.setncatts(_storable(self._checks(last, crc)))
             self._file.sync()
         except (OSError, RuntimeError) as problem:
             self._file = None  # closes it; an explicit close fails as well, and a second one crashes
@@ -295,10 +319,22 @@ class _File:
                 f"{self.path}: cannot be written any further ({problem}); is the disk full? "
                 f"{first} frames had been written before"
             ) from problem
-        self._written = last
+        self._written, self._crc = last, crc
         if last - self._base == len(self._arrays[contract.PATH]):
             self._base = last
         self._last_sync = time.monotonic()
+
+    def _bytes(self, first: int, last: int) -> bytes:
+        """Frames as the file has them."""
+        if first == last:
+            return b""
+        rows, arrays = slice(first - self._base, last - self._base), self._arrays
+        names = [contract.PATH if name == self._layout.path else name for name in self._file.variables]
+        parts = [arrays[name][rows].reshape(last - first, -1) for name in names if name in arrays]
+        return np.concatenate(parts, axis=1).astype(">f8").tobytes()
+
+    def _checks(self, frames: int, crc: int) -> dict[str, contract.Attribute]:
+        return {checksums.CHECKED: frames, checksums.FRAMES: f"{crc:08x}"}
 
     def _keep(self) -> None:
         """Write a checkpoint, of right after the last frame."""
@@ -327,10 +363,16 @@ class _File:
         except (OSError, RuntimeError) as problem:
             self._file = None
             raise WriteError(f"{self.path}: cannot be completed ({problem}); is the disk full?") from problem
-        finally:
-            self._lock.close()
         if self._past is not None and self.count < self._past.stored and account.outcome not in _CUT_SHORT:
             cut(self.path, self.count)  # what is left of before was never to come
+        try:
+            checksums.seal(self.path)
+        except (OSError, checksums.DamagedError) as problem:
+            raise WriteError(f"{self.path}: cannot be completed ({problem}); is the disk full?") from problem
+
+    def release(self) -> None:
+        """Let others write the file."""
+        self._lock.close()
 
     def result(self, account: Account) -> xr.Dataset:
         return open_result(self.path)
@@ -360,7 +402,12 @@ def _create(path: Path, layout: Layout, attributes: dict[str, contract.Attribute
     for name in size:
         if size[name]:  # a length of zero would mean "unlimited"; `open_result` gives what is missing
             file.createDimension(name, size[name])
-    file.setncatts({**_storable(attributes), "reserve": " " * RESERVE})
+    unknown: dict[str, contract.Attribute] = {
+        checksums.CHECKED: 0,
+        checksums.FRAMES: checksums.NONE,
+        checksums.HEAD: checksums.NONE,
+    }
+    file.setncatts({**_storable({**attributes, **unknown}), "reserve": " " * RESERVE})
     for name, quantity in contract.COORDINATES.items():
         if all(size[d] for d in quantity.dims):
             _write_coordinate(file, name, quantity, contract.coordinate_values(layout)[name])

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import hashlib
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,6 @@ import numpy as np
 from ropewalk.checkpoint import CheckpointError, Tree, from_bytes, to_bytes
 from ropewalk.errors import RopewalkError
 from ropewalk.results.contract import CHECKPOINT
-from ropewalk.results.files import ResultError
 
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
@@ -112,28 +111,6 @@ def digests(scenario: Scenario) -> dict[str, str]:
                 with suppress(OSError):
                     found[f"loads.{name}.{key}"] = hashlib.sha256(Path(file).read_bytes()).hexdigest()
     return found
-
-
-@contextmanager
-def alone(path: Path) -> Iterator[None]:
-    """Keep a file to oneself, as long as nobody else does.
-
-    Raises:
-        ResultError: somebody does.
-    """
-    try:
-        import fcntl
-    except ImportError:  # not on Windows
-        yield
-        return
-    with path.open("rb") as stream:
-        try:
-            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise ResultError(f"{path}: is being written by another process; let that end first") from None
-        except OSError:  # some network folders know no locks
-            pass
-        yield
 
 
 def cut(path: Path, frames: int) -> None:
