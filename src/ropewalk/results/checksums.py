@@ -17,7 +17,7 @@ from ropewalk.errors import RopewalkError
 FRAMES, CHECKED, HEAD = "frames_crc32", "frames_checked", "head_crc32"  # attributes of a result file
 ATTRIBUTES = (FRAMES, CHECKED, HEAD)
 NONE = "0" * 8  # stands for a checksum that is not known yet
-MAGIC = b"CDF\x02"
+_MAGIC = b"CDF\x02"
 
 _DIMENSION, _VARIABLE, _ATTRIBUTE = 10, 11, 12
 _BYTES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 4, 6: 8}  # of a number of each of the format's types
@@ -60,7 +60,7 @@ class _Reader:
     """Numbers and texts of a header, one after the other; none of them reaches beyond the end of the file."""
 
     def __init__(self, data: mmap.mmap) -> None:
-        self.data, self.at = data, len(MAGIC)
+        self.data, self.at = data, len(_MAGIC)
 
     def number(self, size: int = 4) -> int:
         return int.from_bytes(self._take(size), "big")
@@ -101,8 +101,6 @@ class _Reader:
 
 
 def _head(data: mmap.mmap) -> Head:
-    if data[: len(MAGIC)] != MAGIC:
-        raise DamagedError("is no NetCDF file of the classic format with 64-bit offsets")
     reader = _Reader(data)
     frames = reader.number()
     lengths = []
@@ -141,11 +139,8 @@ def head_of(path: Path) -> Head:
     Raises:
         DamagedError: there is none, or it makes no sense.
     """
-    with path.open("rb") as stream:
-        if path.stat().st_size <= len(MAGIC):
-            raise DamagedError("is empty")
-        with mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
-            return _head(data)
+    with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        return _head(data)
 
 
 def frames_crc(path: Path, frames: int) -> int:
@@ -185,7 +180,7 @@ def seal(path: Path) -> None:
 
 
 def check_whole(path: Path, *, read: bool = True) -> None:
-    """Make sure that a file is what was written.
+    """Make sure that a file is what was written, if it is of the format of results.
 
     Args:
         path: the file; one without checksums is looked at for its length only.
@@ -194,6 +189,9 @@ def check_whole(path: Path, *, read: bool = True) -> None:
     Raises:
         DamagedError: it is not.
     """
+    with path.open("rb") as stream:
+        if stream.read(len(_MAGIC)) != _MAGIC:
+            return
     head, size = head_of(path), path.stat().st_size
     whole = head.whole_frames(size)
     if whole < head.frames:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.results.checksums import ATTRIBUTES, MAGIC, CutShortError, DamagedError, check_whole
+from ropewalk.results.checksums import ATTRIBUTES, CutShortError, DamagedError, check_whole
 from ropewalk.results.contract import CHECKPOINT, CONVENTIONS, COORDINATES, NUMBERS, VARIABLES, is_present, path_name
 
 if TYPE_CHECKING:
@@ -76,9 +76,6 @@ def check_result(path: Path, *, lazy: bool | None = None) -> None:
         ResultError: it is damaged.
     """
     try:
-        with path.open("rb") as stream:
-            if stream.read(len(MAGIC)) != MAGIC:
-                return  # whatever it is, it is none of ours
         check_whole(path, read=not (path.stat().st_size >= LOAD_BELOW if lazy is None else lazy))
     except DamagedError as problem:
         remedy = "get it once more from where it is from, or run it again"
