@@ -55,6 +55,9 @@ Settings = Annotated[
 ]
 Picture = Annotated[Path | None, typer.Option("-o", "--output", metavar="FIG", help="Figure: .png, .svg or .pdf.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+NoCode = Annotated[
+    bool, typer.Option("--no-code", help="Refuse files that run code of somebody else: steppers and FMUs.")
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table, errors only.")]
 
 
@@ -116,6 +119,7 @@ def run(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace OUT.nc even if it holds a result of another scenario.")
     ] = False,
+    no_code: NoCode = False,
     settings: Settings = None,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -125,7 +129,7 @@ def run(
     with reported(target):
         from ropewalk.results import check_target
 
-        scenario = load_scenario(file, settings)
+        scenario = load_scenario(file, settings, no_code)
         check_target(target)
         replaced = " (replaced)" if target.exists() else ""
         from ropewalk.simulate import must_compile, simulate
@@ -155,6 +159,7 @@ def resume(
     until: Annotated[
         str | None, typer.Option("--until", metavar="TIME", help="New end of the run, as 20s [default: as it was].")
     ] = None,
+    no_code: NoCode = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -165,6 +170,8 @@ def resume(
 
         end = None if until is None else time_of(until)
         with taken_up(result, end) as rest:
+            if no_code:
+                import_module("ropewalk.foreign.models").refuse_code(rest.scenario.loads)
             if not quiet:
                 say(f"going on from t = {rest.begin:.6g} s")
                 if how_long := must_compile(rest.scenario):
@@ -253,6 +260,7 @@ def spectrum(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FIG", help="Draw the lowest modes: .png, .svg or .pdf.")
     ] = None,
+    no_code: NoCode = False,
     settings: Settings = None,
     as_json: Json = False,
 ) -> None:
@@ -260,7 +268,7 @@ def spectrum(
     with reported():
         if output is not None:
             check_picture(output, FIGURE_SUFFIXES)
-        scenario = load_scenario(file, settings)
+        scenario = load_scenario(file, settings, no_code)
         found = import_module("ropewalk.simulate").spectrum_of(scenario, at=at)
         if as_json:
             print_json(found.as_dict())
@@ -274,10 +282,10 @@ def spectrum(
 
 
 @app.command()
-def feedback(file: ScenarioFile, settings: Settings = None, as_json: Json = False) -> None:
+def feedback(file: ScenarioFile, no_code: NoCode = False, settings: Settings = None, as_json: Json = False) -> None:
     """Compare a run with that of the forces its loads exert on rigid ground: does the coupling matter?"""
     with reported():
-        scenario = load_scenario(file, settings)
+        scenario = load_scenario(file, settings, no_code)
         found = import_module("ropewalk.coupling").feedback(scenario)
         if as_json:
             print_json(found.as_dict())
@@ -295,6 +303,7 @@ def compare(
     file: ScenarioFile,
     output: Picture = None,
     tolerance: Annotated[float, typer.Option("--tolerance", metavar="PART", help="Allowed distance, as 0.02.")] = 0.05,
+    no_code: NoCode = False,
     settings: Settings = None,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -303,7 +312,7 @@ def compare(
     with reported():
         if output is not None:
             check_picture(output, FIGURE_SUFFIXES)
-        scenario = load_scenario(file, settings)
+        scenario = load_scenario(file, settings, no_code)
         wing = import_module("ropewalk.compare")
         with progress_of_many(quiet) as progress:
             found = wing.ladder(scenario, tolerance=tolerance, progress=progress)
@@ -331,6 +340,7 @@ def adequacy(
     workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Compute points that have failed once more.")] = False,
     output: Picture = None,
+    no_code: NoCode = False,
     settings: Settings = None,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -340,7 +350,7 @@ def adequacy(
         if output is not None:
             check_picture(output, FIGURE_SUFFIXES)
         found = import_module("ropewalk.compare.command").adequacy_from_text(
-            load_scenario(file, settings), (x, y), rung, quantity, tolerance,
+            load_scenario(file, settings, no_code), (x, y), rung, quantity, tolerance,
             store or Path(f"{file.stem}.adequacy.jsonl"), workers, retry, progress,
         )  # fmt: skip
         if output is not None:
@@ -373,6 +383,7 @@ def export(
     step: Annotated[
         float, typer.Option("--step", metavar="TIME", help="Step in s that a master is expected to take.")
     ] = 1e-3,
+    no_code: NoCode = False,
     settings: Settings = None,
     quiet: Quiet = False,
 ) -> None:
@@ -383,7 +394,7 @@ def export(
             fail("say what to export: --line NAME or --load NAME")
         if give not in (None, "force", "motion"):
             fail(f"--give {give}: write force or motion")
-        scenario = load_scenario(file, settings)
+        scenario = load_scenario(file, settings, no_code)
         names = [*scenario.lines, *scenario.overhead_lines] if line is not None else [*scenario.loads]
         if what[0] not in names:
             kind, known = "line" if line is not None else "load", ", ".join(names) or "none"

@@ -31,12 +31,16 @@ _READ: ContextVar[tuple[Path, tuple[str, ...]] | None] = ContextVar("read", defa
 TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
 
 
-def load_scenario(file: Path, settings: list[str] | None) -> Scenario:
+def load_scenario(file: Path, settings: list[str] | None, no_code: bool = False) -> Scenario:
     from ropewalk.scenario import load
 
     _READ.set(None)
     scenario = load(file, settings or ())
     _READ.set((file, tuple(settings or ())))  # read well: what is found later can be shown its place
+    if no_code:
+        from ropewalk.foreign.models import refuse_code
+
+        refuse_code(scenario.loads)
     return scenario
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ropewalk.errors import Problem, RopewalkError, ScenarioError, did_you_mean
+from ropewalk.foreign.archive import check_size
 from ropewalk.foreign.fmu_wiring import Setting, Wiring
 from ropewalk.model.fmu import Fmu, FmuContact, Value
 
@@ -111,6 +112,9 @@ class _Reading:
         try:
             with zipfile.ZipFile(path) as archive:
                 names = archive.namelist()
+            check_size(path)
+        except RopewalkError as error:
+            return self._report("file", str(error), remedy="leave out of it what it does not need")
         except (zipfile.BadZipFile, OSError) as error:
             return self._report("file", f"is not an FMU, it cannot be unpacked ({error})", remedy="export it again")
         if "modelDescription.xml" not in names:

@@ -1,8 +1,9 @@
 """Isolation: an FMU at work in a process of its own, so that its crash or endless loop ends the run in order.
 
-Parent and child take turns: a pickled (method, arguments, states to forget) down a pipe, a pickled answer up another. A
-watcher in the parent kills a child that does not answer in time, whereupon the pipe ends; one in the child ends it
-when its parent is gone.
+Parent and child take turns: a pickled (method, arguments, states to forget) down a pipe, an answer up another, which is
+plain data: reading it can run nothing. The child may write in one folder only, where the FMU is unpacked, and knows no
+network, as far as the system keeps it from that (`confinement.py`). A watcher in the parent kills a child that does not
+answer in time, whereupon the pipe ends; one in the child ends it when its parent is gone.
 """
 
 from __future__ import annotations
@@ -22,15 +23,18 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import IO, Any, BinaryIO
 
+from ropewalk.checkpoint import CheckpointError, from_bytes, to_bytes
 from ropewalk.errors import RopewalkError
+from ropewalk.foreign.confinement import leave_network, write_only_in
 from ropewalk.foreign.fmu_wiring import Wiring
 from ropewalk.foreign.slave import REMEMBERED, UNPACKED, Slave, quoted
 
 LOOK = 0.2  # s, at which the watchers look
 STARTING = 30.0  # s, that loading may take longer: Python itself must start
 FAREWELL = 2.0  # s, for an FMU to end by itself
+LARGEST = 1 << 30  # bytes of an answer, which a state may be
 _CHILD = "import sys; sys.path.append(sys.argv[1]); from ropewalk.foreign.isolation import serve; serve(sys.argv[2])"
 
 
@@ -149,13 +153,14 @@ class Isolated:
         forgotten, self._forgotten = self._forgotten, []
         watched.due = time.monotonic() + (self.patience if patience is None else patience)
         try:
-            _send(self._down, (method, arguments, forgotten))
+            self._down.write(pickle.dumps((method, arguments, forgotten)))
+            self._down.flush()
             while True:
-                kind, answer = pickle.load(self._up)
+                kind, answer = _receive(self._up)
                 if kind != "said":
                     break
                 self._log.append(answer)
-        except (EOFError, OSError, ValueError, pickle.UnpicklingError) as error:
+        except (EOFError, OSError, ValueError, TypeError, CheckpointError) as error:
             raise self._lost(_doing(method, arguments)) from error
         watched.due = None
         if kind == "failed":
@@ -195,23 +200,50 @@ def _signal(number: int) -> str:
         return f"signal {number}"
 
 
-def _send(stream: Any, what: Any) -> None:
-    stream.write(pickle.dumps(what))
+def _send(stream: IO[bytes], what: Any) -> None:
+    data = to_bytes(what)
+    stream.write(len(data).to_bytes(8, "little") + data)
     stream.flush()
+
+
+def _receive(stream: IO[bytes]) -> Any:
+    """What `_send` has sent.
+
+    Raises:
+        EOFError: nothing comes any more.
+        CheckpointError: something else comes.
+    """
+    size = int.from_bytes(_exactly(stream, 8), "little")
+    if size > LARGEST:
+        raise CheckpointError("an answer that is too large")
+    return from_bytes(_exactly(stream, size))
+
+
+def _exactly(stream: IO[bytes], size: int) -> bytes:
+    data = stream.read(size)
+    if len(data) < size:
+        raise EOFError
+    return data
 
 
 def serve(folder: str) -> None:
     """Be the child: do what is asked through standard input until it ends, with the FMU unpacked in a folder."""
     parent = os.getppid()
+    os.environ["TMPDIR"] = tempfile.tempdir = folder
+    leave_network()
     up, down = os.fdopen(os.dup(1), "wb"), os.fdopen(os.dup(0), "rb")
     os.dup2(2, 1)  # what the FMU prints must not get between the answers
     with open(os.devnull, "rb") as nothing:
         os.dup2(nothing.fileno(), 0)
-    threading.Thread(target=_end_with, args=(parent, folder), daemon=True).start()
+    over = threading.Event()
+    watcher = threading.Thread(target=_end_with, args=(parent, folder, over), daemon=True)
+    watcher.start()  # before this thread may no longer take the folder away
+    write_only_in(folder)
     try:
         _serve(down, up, folder)
     finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        over.set()
+        watcher.join()
 
 
 def _serve(down: BinaryIO, up: BinaryIO, folder: str) -> None:
@@ -240,9 +272,10 @@ def _serve(down: BinaryIO, up: BinaryIO, folder: str) -> None:
             break
 
 
-def _end_with(parent: int, folder: str) -> None:
-    """End this process when its parent is gone, whatever the FMU is doing, and tidy up."""
-    while os.getppid() == parent:
-        time.sleep(LOOK)
+def _end_with(parent: int, folder: str, over: threading.Event) -> None:
+    """Tidy up when all is over; when the parent is gone end this process, too, whatever the FMU is doing."""
+    while os.getppid() == parent and not over.wait(LOOK):
+        pass
     shutil.rmtree(folder, ignore_errors=True)
-    os._exit(1)
+    if not over.is_set():
+        os._exit(1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ropewalk.errors import RopewalkError, ScenarioError
+from ropewalk.errors import Problem, RopewalkError, ScenarioError
 from ropewalk.foreign.turns import Turns
 from ropewalk.mechanics.wheels import contacts_of, named
 from ropewalk.model.fmu import Fmu
@@ -48,11 +48,28 @@ def model_of(name: str, load: Foreign, until: float, dim: int) -> Any:
         made = made(**load.options) if callable(made) else made
     except RopewalkError:
         raise
-    except Exception as error:
-        raise RopewalkError(f"load {name}: its model {load.model} cannot be made ({error})") from error
+    except (Exception, SystemExit) as error:
+        why = f"it ends the program, {error!r}" if isinstance(error, SystemExit) else error
+        raise RopewalkError(f"load {name}: its model {load.model} cannot be made ({why})") from error
     if not callable(getattr(made, "step", None)):
         raise RopewalkError(f"load {name}: {load.model} has no method step(t, h, line)")
     return made
+
+
+def refuse_code(loads: Mapping[str, AnyLoad]) -> None:
+    """Refuse loads whose computation runs code of somebody else: models of Python, and FMUs.
+
+    Raises:
+        ScenarioError: with all of them.
+    """
+    problems = []
+    for name, load in loads.items():
+        if isinstance(load, Foreign):
+            key, given = ("file", load.file) if isinstance(load, Fmu) else ("model", str(load.model))
+            remedy = "leave --no-code out if you trust whoever wrote it"
+            problems.append(Problem(f"loads.{name}.{key}", "is code, which is not to be run", given, remedy))
+    if problems:
+        raise ScenarioError(problems)
 
 
 def check_foreign(loads: Mapping[str, AnyLoad]) -> None:

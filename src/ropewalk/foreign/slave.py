@@ -19,6 +19,7 @@ from types import ModuleType
 from typing import Any, Protocol
 
 from ropewalk.errors import RopewalkError
+from ropewalk.foreign.archive import check_size
 from ropewalk.foreign.binaries import Binary, Listener, Refusal, binary_of
 from ropewalk.foreign.fmu_wiring import Wiring
 
@@ -85,6 +86,7 @@ class Slave:
         try:
             from fmpy import extract
 
+            check_size(wiring.file)
             extract(wiring.file, folder)
             with chdir(os.getcwd()), _own_modules(self._resources):  # FMPy comes back only where loading succeeds
                 self._binary = binary_of(wiring, folder, self._listen)

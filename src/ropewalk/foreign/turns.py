@@ -268,7 +268,7 @@ class Turns:
             if type(error) is RopewalkError and not str(error).startswith("load "):
                 raise RopewalkError(f"load {self.name}: {error}") from error
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise RopewalkError(
                 f"load {self.name}: {wrong} at t = {t:g} s ({type(error).__name__}: {error})"
             ) from error

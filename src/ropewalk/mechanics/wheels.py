@@ -156,8 +156,9 @@ def named(name: str, place: str) -> Any:
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
         return getattr(module, attribute)
-    except Exception as error:
-        raise RopewalkError(f"load {name}: its model {place} cannot be found ({error})") from error
+    except (Exception, SystemExit) as error:
+        why = f"it ends the program, {error!r}" if isinstance(error, SystemExit) else error
+        raise RopewalkError(f"load {name}: its model {place} cannot be found ({why})") from error
 
 
 def _prescribed(travel: Travel) -> dict[str, Any]:

@@ -1,0 +1,177 @@
+"""What a file from a stranger may do: run no code where that is forbidden, and little where an FMU is isolated."""
+
+from __future__ import annotations
+
+import io
+import json
+import pickle
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from ropewalk.checkpoint import CheckpointError, to_bytes
+from ropewalk.cli import app
+from ropewalk.errors import RopewalkError, ScenarioError
+from ropewalk.foreign import archive, isolation
+from ropewalk.foreign.models import refuse_code
+from ropewalk.model import Scenario
+from ropewalk.simulate import simulate
+
+TRIES = """
+import json, os, pathlib, signal, socket, sys
+from ropewalk.foreign.confinement import leave_network, write_only_in
+folder, outside, port = sys.argv[1], pathlib.Path(sys.argv[2]), int(sys.argv[3])
+held = {"network": leave_network(), "files": write_only_in(folder)}
+
+def tried(act):
+    try:
+        act()
+    except OSError as problem:
+        return type(problem).__name__
+    return "done"
+
+print(json.dumps({
+    "held": held,
+    "write inside": tried(lambda: (pathlib.Path(folder) / "mine").write_text("x")),
+    "null": tried(lambda: pathlib.Path("/dev/null").write_text("x")),
+    "read outside": tried(outside.read_text),
+    "write outside": tried(lambda: outside.write_text("x")),
+    "append outside": tried(lambda: outside.open("a")),
+    "make outside": tried(lambda: (outside.parent / "new").mkdir()),
+    "remove outside": tried(outside.unlink),
+    "rename in": tried(lambda: outside.rename(pathlib.Path(folder) / "stolen")),
+    "signal": tried(lambda: os.kill(os.getppid(), signal.SIGUSR1)),
+    "connect": tried(lambda: socket.create_connection(("127.0.0.1", port), 2.0)),
+}))
+"""
+CODE = """
+import pathlib
+pathlib.Path("has run").touch()
+{body}
+
+class Hip:
+    def step(self, t, h, line):
+        {step}
+"""
+
+
+def scenario(model: str) -> dict[str, object]:
+    rope = {"start": [0, 0], "end": [10, 0], "tension": 1e3, "mass": 1.0, "axial_stiffness": 1e5, "elements": 8}
+    walker = {"kind": "stepper", "on": "rope", "model": model, "every": 0.01, "from": 5.0}
+    run = {"kind": "dynamic", "until": 0.03, "every": 0.01}
+    return {"lines": {"rope": rope}, "loads": {"walker": walker}, "run": run}
+
+
+def written(folder: Path, body: str = "", step: str = "return [(5.0, (0.0, -100.0))]") -> Path:
+    (folder / "hip.py").write_text(CODE.format(body=body, step=step))
+    file = folder / "walk.yaml"
+    file.write_text(json.dumps(scenario("hip.py:Hip")))
+    return file
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="confined on Linux only")
+def test_a_confined_process_writes_in_its_folder_only_and_knows_no_network(tmp_path: Path) -> None:
+    """What the system does not know how to hold back is not asked for."""
+    import socket
+
+    folder, outside = tmp_path / "own", tmp_path / "outside" / "file"
+    folder.mkdir()
+    outside.parent.mkdir()
+    outside.write_text("precious")
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        run = subprocess.run(
+            [sys.executable, "-c", TRIES, folder, outside, str(port)], capture_output=True, text=True, check=False
+        )
+    assert run.returncode == 0, run.stderr
+    found = json.loads(run.stdout)
+    held = found["held"]
+    assert {found[key] for key in ("write inside", "null", "read outside")} == {"done"}
+    if held["files"]:
+        kept = ("write outside", "append outside", "make outside", "remove outside", "rename in")
+        assert all(found[key] in ("PermissionError", "OSError") for key in kept), found
+        assert outside.read_text() == "precious"
+        assert (folder / "mine").read_text() == "x"
+    if held["network"]:
+        assert found["connect"] != "done"
+    if not any(held.values()):
+        pytest.skip("this system has neither Landlock nor namespaces for its users")
+
+
+def test_answers_of_an_isolated_fmu_are_data_that_can_run_nothing() -> None:
+    class Evil:
+        def __reduce__(self) -> tuple[object, tuple[str]]:
+            return print, ("it has run",)
+
+    data = pickle.dumps(Evil())
+    stream = io.BytesIO(len(data).to_bytes(8, "little") + data)
+    with pytest.raises(CheckpointError):
+        isolation._receive(stream)
+    with pytest.raises(CheckpointError, match="too large"):
+        isolation._receive(io.BytesIO(b"\xff" * 8))
+    with pytest.raises(EOFError):
+        isolation._receive(io.BytesIO(b"\x01"))
+    sound = to_bytes(("done", [1.0, float("inf")]))
+    assert isolation._receive(io.BytesIO(len(sound).to_bytes(8, "little") + sound)) == ("done", [1.0, float("inf")])
+
+
+def test_an_archive_that_would_fill_the_disk_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "bomb.fmu"
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as bomb:
+        bomb.writestr("modelDescription.xml", b"\0" * 3_000_000)
+    archive.check_size(file)
+    assert file.stat().st_size < 10_000
+    monkeypatch.setattr(archive, "LARGEST", 2_000_000)
+    with pytest.raises(RopewalkError, match=r"it holds 1 files of 0.003 GB; at most"):
+        archive.check_size(file)
+
+
+@pytest.mark.parametrize("command", [["run"], ["spectrum"], ["feedback"], ["compare"], ["check"]])
+def test_no_code_is_run_where_that_is_forbidden(
+    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = written(tmp_path)
+    flags = [] if command == ["check"] else ["--no-code"]
+    found = CliRunner().invoke(app, [*command, str(file), *flags])
+    assert not (tmp_path / "has run").exists()
+    if flags:
+        assert found.exit_code == 2
+        assert (
+            "loads.walker.model: is code, which is not to be run, given hip.py:Hip; leave --no-code out" in found.output
+        )
+
+
+def test_a_scenario_without_code_runs_where_it_is_forbidden(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    tree = scenario("none") | {"loads": {}}
+    (tmp_path / "still.yaml").write_text(json.dumps(tree))
+    assert CliRunner().invoke(app, ["run", "still.yaml", "--no-code", "-q"]).exit_code == 0
+
+
+def test_fmus_are_code() -> None:
+    contacts = {"front": {"force": "f"}}
+    load = {"kind": "fmu", "on": "rope", "file": "car.fmu", "contacts": contacts, "travel": {"speed": 1.0}}
+    asked = Scenario.model_validate(scenario("none") | {"loads": {"car": load}})
+    with pytest.raises(ScenarioError, match=r"loads\.car\.file: is code"):
+        refuse_code(asked.loads)
+
+
+@pytest.mark.parametrize(
+    ("body", "step", "told"),
+    [
+        ("raise SystemExit(0)", "pass", r"load walker: its model hip.py:Hip cannot be found \(it ends the program"),
+        ("", "raise SystemExit(0)", r"load walker: its model failed at t = 0 s \(SystemExit: 0\)"),
+    ],
+)
+def test_a_model_that_ends_the_program_is_an_error(
+    body: str, step: str, told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    written(tmp_path, body, step)
+    with pytest.raises(RopewalkError, match=told):
+        simulate(Scenario.model_validate(scenario("hip.py:Hip")))
