@@ -341,3 +341,11 @@ def test_places_must_be_finite() -> None:
     for x, y in ((np.nan, 0.0), (0.0, np.inf)):
         with pytest.raises(ValueError, match="must be finite"):
             periodic.moving_force(x, y, speed=0.5, **BEAM)
+
+
+def test_nothing_moves_ahead_of_a_force_that_outruns_its_waves():
+    """It did not end: the tolerance was relative to the answer, which is zero."""
+    string = dict(force=1.0, speed=1.0, spacing=2.0, mass=5.0, support_stiffness=1.0, tension=2.0)  # waves: 0.63 m/s
+    ahead = periodic.moving_force([1.0, 2.0], 0.5, **string)
+    behind = periodic.moving_force([-1.0, 0.4], 0.5, **string)
+    assert np.abs(ahead).max() < 1e-6 * np.abs(behind).max()

@@ -36,6 +36,8 @@ FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 
 FIRST_ZONES, MOST_ZONES = 8, 4096  # of length pi/d in q
+# Where both cancel, as ahead of a force that outruns its waves, the tolerance is of a part of what is known of the kink.
+LEAST = 1e-2
 GROWTHS = 0.02 * 0.5 ** np.arange(4)  # of the force per span it passes, for the extrapolation
 
 
@@ -64,9 +66,10 @@ def moving_force(
     of the load.
 
     ``tolerance`` is relative to the largest deflection asked for or under the load at mid-span, whichever is
-    larger. `ArithmeticError` where it is not reached (`moving_force_error` tells by how much), as at a speed at
-    which a wave keeps pace with the load undamped. Undamped strings far below their wave speed take long.
-    `ValueError` for arguments out of range, for supports without stiffness, and for a string at its wave speed.
+    larger, or to a hundredth of what the line has there without supports, where all of that is less.
+    `ArithmeticError` where it is not reached (`moving_force_error` tells by how much), as at a speed at which a wave
+    keeps pace with the load undamped. Undamped strings far below their wave speed take long. `ValueError` for
+    arguments out of range, for supports without stiffness, and for a string at its wave speed.
     """
     spans = Spans(spacing, mass, tension, bending_stiffness, support_stiffness, support_mass, damping, support_damping)
     deflection, error, scale = _deflection(spans, x, place, force, speed, tolerance)
@@ -217,17 +220,18 @@ def _limit(
     """Real part of the integral over pi, extrapolated to no growth where nothing is damped; error; scale."""
     damped = spans.damping > 0.0 or spans.support_damping > 0.0
     growths = np.zeros(1) if damped else GROWTHS * speed / spans.spacing
+    least = LEAST * float(np.max(np.abs(known)))
     column: list[FloatArray] = []
     error = 0.0
     for growth in growths:
-        value, quadrature = _integrate(integrand(float(growth)), spans, speed, tolerance, known)
+        value, quadrature = _integrate(integrand(float(growth)), spans, speed, tolerance, known, 0.1 * least)
         previous, column = column, [value]
         for j, older in enumerate(previous):
             column.append(column[j] + (column[j] - older) / (2.0 ** (j + 1) - 1.0))
         error = max(error, quadrature)
     if len(growths) > 1:  # the weights of the extrapolation add up to 6.4
         error = 6.4 * error + float(np.max(np.abs(column[-1] - column[-2])))
-    return column[-1], error, float(np.max(np.abs(column[-1] + known)))
+    return column[-1], error, max(float(np.max(np.abs(column[-1] + known))), least)
 
 
 @dataclass(frozen=True)
@@ -345,7 +349,7 @@ def _rest_near_zero(spans: Spans, x: FloatArray, speed: float, growth: float) ->
 
 
 def _integrate(
-    f: Integrand, spans: Spans, speed: float, tolerance: float, known: FloatArray | float
+    f: Integrand, spans: Spans, speed: float, tolerance: float, known: FloatArray | float, least: float
 ) -> tuple[FloatArray, float]:
     """Real part of the integral of f over q > 0, over pi, and its error.
 
@@ -363,7 +367,7 @@ def _integrate(
 
         edges = _breakpoints(spans, speed, start, end, 2 * round((end - start) / zone))
         twice = np.concatenate([np.broadcast_to(known + total, (points,))] * 2)
-        both, missed = adaptive(parts, edges, tolerance, twice)
+        both, missed = adaptive(parts, edges, tolerance, twice, least)
         return both[:points], both[points:], missed
 
     points = f(np.array([0.1 * zone])).shape[1]
@@ -375,7 +379,7 @@ def _integrate(
         result, error, end = total + faded, error + missed, 2 * end
         better = 2.0 * result - last  # where a kink is met the rest falls as 1/q
         change = float(np.max(np.abs(better - best)))
-        if change < 0.3 * tolerance * float(np.max(np.abs(known + better))) or end >= MOST_ZONES:
+        if change < 0.3 * tolerance * max(float(np.max(np.abs(known + better))), least) or end >= MOST_ZONES:
             return better, error + change
         total, last, best = total + whole, result, better
 

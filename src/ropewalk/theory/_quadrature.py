@@ -17,11 +17,13 @@ ROUNDING = 1e-15  # of the whole: what halving a panel cannot improve
 MOST_HALVINGS, MOST_PANELS = 40, 50_000  # then what is left counts as error
 
 
-def adaptive(f: Integrand, edges: FloatArray, tolerance: float, known: FloatArray | float) -> tuple[FloatArray, float]:
+def adaptive(
+    f: Integrand, edges: FloatArray, tolerance: float, known: FloatArray | float, least: float = 0.0
+) -> tuple[FloatArray, float]:
     """Return the integral of the real part of ``f`` and the sum of the differences of the last halvings.
 
     ``f`` maps q of shape (n,) to (n, points); ``edges`` are the ends of the panels to begin with; ``tolerance`` is
-    relative to the largest magnitude of ``known`` and the integral together.
+    relative to the largest magnitude of ``known`` and the integral together, or to ``least``.
     """
     low, high = edges[:-1], edges[1:]
     share = 0.1 * tolerance / len(low)
@@ -32,7 +34,7 @@ def adaptive(f: Integrand, edges: FloatArray, tolerance: float, known: FloatArra
         left = _gauss(f, low, middle)
         right = _gauss(f, middle, high)
         difference = np.max(np.abs(left + right - whole), axis=1)
-        scale = float(np.max(np.abs(known + total + np.sum(left + right, axis=0))))
+        scale = max(float(np.max(np.abs(known + total + np.sum(left + right, axis=0)))), least)
         done = difference <= max(share, ROUNDING) * scale
         if depth == MOST_HALVINGS or len(low) > MOST_PANELS:
             done[:] = True

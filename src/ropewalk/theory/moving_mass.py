@@ -112,7 +112,9 @@ def moving_mass_infinite(
 
 
 def passage_time(speed: float, length: float) -> float:
-    """Return the time that the load takes, infinite if it stands."""
+    """Return the time that the load takes, infinite if it stands; `ValueError` for a negative speed or no length."""
+    _arguments.not_negative(speed=speed)
+    _arguments.positive(length=length)
     return length / speed if speed > 0.0 else np.inf
 
 
