@@ -36,7 +36,7 @@ FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 
 FIRST_ZONES, MOST_ZONES = 8, 4096  # of length pi/d in q
-# Where both cancel, as ahead of a force that outruns its waves, the tolerance is of a part of what is known of the kink.
+# Where both cancel, as ahead of a force that outruns its waves, the tolerance is of a part of the known one.
 LEAST = 1e-2
 GROWTHS = 0.02 * 0.5 ** np.arange(4)  # of the force per span it passes, for the extrapolation
 
