@@ -347,5 +347,5 @@ def test_nothing_moves_ahead_of_a_force_that_outruns_its_waves():
     """It did not end: the tolerance was relative to the answer, which is zero."""
     line = {"spacing": 2.0, "mass": 5.0, "support_stiffness": 1.0, "tension": 2.0}  # waves: 0.63 m/s
     ahead = periodic.moving_force([1.0, 2.0], 0.5, force=1.0, speed=1.0, **line)
-    behind = periodic.moving_force([-1.0, 0.4], 0.5, force=1.0, speed=1.0, **line, tolerance=1e-4)
+    behind = periodic.moving_force([-1.0, 0.4], 0.5, force=1.0, speed=1.0, **line, tolerance=1e-3)
     assert np.abs(ahead).max() < 1e-6 * np.abs(behind).max()
