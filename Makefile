@@ -29,7 +29,7 @@ ELSEWHERE ?= tests/theory tests/mechanics $(SOLVE:%=tests/solve/test_%.py) $(WIR
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-elsewhere lint types figures bench peers matrix clean clean-cache
+.PHONY: help demo test test-elsewhere lint types figures bench peers fuzz matrix clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
@@ -37,6 +37,7 @@ help:
 	@echo "make test-elsewhere  a part of them as on another processor: other kernels of OpenBLAS, no wide vectors, no fused operations"
 	@echo "make lint         ruff: rules and format"
 	@echo "make types        mypy, strict"
+	@echo "make fuzz         spoilt scenario files for SECONDS (an hour) from a SEED (0)"
 	@echo "make matrix       what works on what: thousands of short runs, into docs/capabilities.md"
 	@echo "make figures      the figures of the paper, in out/figures"
 	@echo "make bench        riding against sharing, cost per node, moving bodies, and error against time beside peers (make peers installs them)"
@@ -93,6 +94,9 @@ peers: $(VENV)/.peers
 test: $(VENV)/.dev
 	@echo "Running the tests (the first time, some minutes of it go into compiling)"
 	@$(BIN)/python -m pytest $(TESTFLAGS)
+
+fuzz: $(VENV)/.dev
+	@cd tests && $(abspath $(BIN))/python -m fuzzing $(or $(SECONDS),3600) $(or $(SEED),0)
 
 matrix: $(VENV)/.dev
 	@$(BIN)/python -m tests.conformance

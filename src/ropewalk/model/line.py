@@ -38,6 +38,9 @@ def spatial(point: tuple[float, ...]) -> tuple[float, float, float]:
     return (point[0], 0.0, point[1]) if len(point) == 2 else (point[0], point[1], point[2])
 
 
+SHORTEST = 1e-6  # m, of a line that is given by its tension
+
+
 class Line(Declaration):
     """A string, rope or wire between two supports."""
 
@@ -74,9 +77,9 @@ class Line(Declaration):
         return self
 
     def _geometry(self) -> list[Finding]:
-        if self.tension is not None and self.distance < 1e-30:
-            remedy = "give length instead of tension"
-            return [Finding(("tension",), "start and end coincide: no tension can be reached", remedy=remedy)]
+        if self.tension is not None and self.distance < SHORTEST:
+            wrong = f"start and end are {self.distance:g} m apart, as good as one place: no tension can be reached"
+            return [Finding(("tension",), wrong, remedy="give length instead of tension, or other ends")]
         if self.length is not None and self.distance > (1.0 + LARGEST_STRAIN) * self.length:
             wrong = f"the line would be stretched to {self.distance / self.length:.3g} times its length"
             remedy = f"start and end are {self.distance:g} m apart: check length, start and end"

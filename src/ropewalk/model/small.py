@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ropewalk.model._base import Finding
 from ropewalk.model.history import rows
 from ropewalk.model.inner_support import InnerSupport
-from ropewalk.model.line import Line
+from ropewalk.model.line import SHORTEST, Line
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Linear
@@ -42,6 +42,10 @@ def check_small(parts: Parts) -> Iterator[Finding]:
 def _slack(line: Line) -> Iterator[_Lack]:
     """What small motion about a straight line cannot be about: a line that is slack, or buckles."""
     supports = [support for _, support in line.ends()]
+    if line.distance < SHORTEST:
+        remedy = "write run.geometry: nonlinear, or other ends"
+        yield ("end",), "it is about the straight line from start to end, which are one place", "", remedy
+        return
     yield from _constant(line)
     if line.length is None or not line.axial_stiffness or not all(isinstance(support, Fixed) for support in supports):
         return

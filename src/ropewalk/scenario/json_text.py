@@ -7,7 +7,7 @@ from json import JSONDecodeError
 from json.decoder import scanstring  # type: ignore[attr-defined]
 from typing import Any
 
-from ropewalk.scenario.source import Key, Source, syntax_error
+from ropewalk.scenario.source import Key, Source, syntax_error, too_deep
 
 _SPACE = re.compile(r"[ \t\r\n]*")
 _NUMBER = re.compile(r"-?(?:0|[1-9]\d*)(\.\d+)?([eE][+-]?\d+)?")
@@ -34,7 +34,7 @@ def read_json(text: str, name: str) -> Source:
             "put keys in double quotes, commas between entries, and close all brackets",
         ) from None
     except RecursionError:
-        raise syntax_error(name, None, "the blocks are nested too deeply", "write a scenario") from None
+        raise too_deep(text, name) from None
     return source
 
 

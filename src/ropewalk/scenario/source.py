@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from ropewalk.errors import Problem, ScenarioError, did_you_mean, printable
 Key = tuple[str, ...]
 """Where a value stands: ("loads", "walker", "force", "1"); indices are text here."""
 
+_BRACKETS, _DEEPEST = re.compile(r"[][{}]"), 100
 _LARGEST_FILE = 64_000_000  # bytes; a scenario of this size is a mistake
 
 
@@ -69,6 +71,20 @@ def shown(value: object) -> str:
 def syntax_error(name: str, line: int | None, wrong: str, remedy: str = "") -> ScenarioError:
     """Make the error for text that cannot be read at all."""
     return ScenarioError([Problem("", wrong, remedy=remedy, file=name, line=line)])
+
+
+def too_deep(text: str, name: str) -> ScenarioError:
+    """Make the error for blocks within blocks within blocks, at the line where they become too many."""
+    depth = 0
+    for found in _BRACKETS.finditer(text):
+        depth += 1 if found[0] in "[{" else -1
+        if depth > _DEEPEST:
+            line = text.count("\n", 0, found.start()) + 1
+            break
+    else:  # as indented lines
+        rows = text.splitlines()
+        line = 1 + max(range(len(rows)), key=lambda i: len(rows[i]) - len(rows[i].lstrip()), default=0)
+    return syntax_error(name, line, "the blocks are nested too deeply", f"nest at most {_DEEPEST} of them")
 
 
 def read_text(path: str | os.PathLike[str]) -> str:

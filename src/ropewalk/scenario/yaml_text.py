@@ -12,9 +12,11 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.reader import ReaderError
 
 from ropewalk.errors import Problem
-from ropewalk.scenario.source import Key, Source, dotted, syntax_error
+from ropewalk.scenario.source import Key, Source, dotted, syntax_error, too_deep
 
 _TAG = "tag:yaml.org,2002:"
+# It is read at 7000 lines of keys or 25 000 numbers in a second, and 3 MB of comments.
+_MOST_ENTRIES, _MOST_TEXT = 50_000, 16_000_000
 _MOST_REPETITIONS = 100_000  # aliases of aliases grow exponentially: stop there
 
 _HINTS = {
@@ -38,12 +40,13 @@ def read_yaml(text: str, name: str) -> Source:
     Raises:
         ScenarioError: the text is not YAML; problems that leave it readable are kept in the source.
     """
+    _refuse_endless(text, name)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # an anchor defined twice
             root = YAML(typ="safe", pure=True).compose(text)
     except RecursionError:
-        raise syntax_error(name, None, "the blocks are nested too deeply", "write a scenario") from None
+        raise too_deep(text, name) from None
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         if error.context == "while scanning a quoted scalar" and error.context_mark:
@@ -66,8 +69,17 @@ def read_yaml(text: str, name: str) -> Source:
     try:
         _Builder(source).build(root)
     except RecursionError:
-        raise syntax_error(name, None, "the blocks are nested too deeply", "write a scenario") from None
+        raise too_deep(text, name) from None
     return source
+
+
+def _refuse_endless(text: str, name: str) -> None:
+    """Refuse what would take more than seconds to read."""
+    entries = text.count("\n") + text.count(",")
+    if len(text) > _MOST_TEXT or entries > _MOST_ENTRIES:
+        wrong = f"{entries} entries in {len(text) / 1e6:.1f} MB of YAML take too long to read"
+        remedy = f"write large tables as JSON; YAML may have {_MOST_ENTRIES} entries in {_MOST_TEXT // 1_000_000} MB"
+        raise syntax_error(name, 1, wrong, remedy)
 
 
 def _plain(what: str) -> str:

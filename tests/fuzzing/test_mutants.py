@@ -1,0 +1,58 @@
+"""Spoilt files are read or refused: a part of what `make fuzz` looks at for as long as one likes."""
+
+from __future__ import annotations
+
+import pytest
+
+from fuzzing.mutants import mutant, originals
+from fuzzing.reading import READ, REFUSED, outcome
+
+EACH = 2000
+WAS_WRONG = {
+    "a line from a place to itself, in small motion": """
+gravity: 0
+lines: {b: {start: [0, 0], end: [0, 0], length: 1, mass: 1, bending_stiffness: 1e6, axial_stiffness: 1e9}}
+loads: {m: {kind: oscillator, on: b, mass: 1, stiffness: 1, travel: {speed: 1}}}
+run: {kind: dynamic, until: 0.1, geometry: linearised}
+""",
+    "ends that are as good as one place": """
+lines: {r: {start: [0, 0], end: [4e-11, 0], tension: 1 kN, mass: 1, axial_stiffness: 1e5}}
+run: {kind: dynamic, until: 0.1}
+""",
+}
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_spoilt_files_are_read_or_refused_with_place_and_remedy(seed: int) -> None:
+    found = {number: outcome(mutant(seed, number)[1]) for number in range(EACH)}
+    wrong = {number: what for number, what in found.items() if what not in (READ, REFUSED)}
+    assert not wrong, "\n".join(f"mutant {seed} {number}: {what}" for number, what in wrong.items())
+    assert {READ, REFUSED} == set(found.values())
+
+
+@pytest.mark.parametrize("text", WAS_WRONG.values(), ids=WAS_WRONG)
+def test_what_was_wrong_is_refused(text: str) -> None:
+    assert outcome(text) == REFUSED
+
+
+def test_what_is_spoilt_is_sound() -> None:
+    assert {outcome(text) for _, text in originals()} == {READ}
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("lines: " + "[" * 3000 + "]" * 3000, "mutant.yaml:1: the blocks are nested too deeply"),
+        ("a:\n" + "".join(" " * i + "a:\n" for i in range(1, 3000)), "mutant.yaml:3000: the blocks are nested too"),
+        ("lines:\n" + "  l: {a: 1}\n" * 300_000, "300001 entries in 3.6 MB of YAML take too long to read"),
+        ("#" + "x" * 63_000_000 + "\nlines: {}\n", "2 entries in 63.0 MB of YAML take too long to read"),
+    ],
+    ids=["brackets", "indented", "keys", "comment"],
+)
+def test_what_would_take_long_is_refused_at_once(text: str, told: str) -> None:
+    from ropewalk.errors import ScenarioError
+    from ropewalk.scenario import loads
+
+    assert outcome(text) == REFUSED
+    with pytest.raises(ScenarioError, match=told.replace(".", r"\.")):
+        loads(text, "mutant.yaml")
