@@ -84,7 +84,7 @@ def test_aliases_of_aliases_are_stopped() -> None:
 @pytest.mark.parametrize("name", ["deep.yaml", "deep.json"])
 def test_endless_brackets_are_refused(name: str) -> None:
     (problem,) = problems_of("[" * 3000, name)
-    assert str(problem).startswith(f"{name}: the blocks are nested too deeply")
+    assert str(problem).startswith(f"{name}:1: the blocks are nested too deeply")
 
 
 def test_a_message_stays_printable() -> None:
