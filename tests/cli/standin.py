@@ -20,7 +20,7 @@ from ropewalk.results import Account, Recorder
 ADVICE = "try a smaller step"
 
 
-def simulate(scenario, *, file=None, progress=None):
+def simulate(scenario, *, file=None, overwrite=False, progress=None):
     account = Account(method="rkn6", reason="undamped", step=1e-3, steps=181, wall_seconds=0.5)
     if scenario.title == "no equilibrium":
         raise EquilibriumError("the line is shorter than the distance of its ends")

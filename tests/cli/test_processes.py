@@ -16,8 +16,7 @@ from ropewalk.results import open_result
 
 def test_ctrl_c_keeps_the_partial_result(start, scenario, folder):
     with start("run", scenario("slow")) as run:
-        while "step 10" not in run.stderr.readline():
-            pass
+        assert any("step 10" in line for line in run.stderr)
         run.send_signal(signal.SIGINT)
         stdout, stderr = run.communicate(timeout=120)
     assert run.returncode == 130
@@ -30,8 +29,7 @@ def test_ctrl_c_keeps_the_partial_result(start, scenario, folder):
 
 def test_a_kill_leaves_a_result_that_show_understands(start, scenario, folder):
     with start("run", scenario("slow")) as run:
-        while "step 20" not in run.stderr.readline():
-            pass
+        assert any("step 20" in line for line in run.stderr)
         run.kill()
         run.communicate()
     assert open_result(folder / "rope.nc").attrs["outcome"] == "running"
