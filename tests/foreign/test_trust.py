@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import pickle
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -73,6 +74,19 @@ def written(folder: Path, body: str = "", step: str = "return [(5.0, (0.0, -100.
     return file
 
 
+def has_landlock() -> bool:
+    """Whether the kernel says that it has it: the version that it knows, by its own call."""
+    import ctypes
+
+    return bool(ctypes.CDLL(None).syscall(444, None, ctypes.c_size_t(0), 1) >= 1)
+
+
+def has_namespaces() -> bool:
+    """Whether the tool of the system can make a network of one's own."""
+    tool = shutil.which("unshare")
+    return tool is not None and subprocess.run([tool, "-rn", "true"], capture_output=True, check=False).returncode == 0
+
+
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="confined on Linux only")
 def test_a_confined_process_writes_in_its_folder_only_and_knows_no_network(tmp_path: Path) -> None:
     """What the system does not know how to hold back is not asked for."""
@@ -90,6 +104,7 @@ def test_a_confined_process_writes_in_its_folder_only_and_knows_no_network(tmp_p
     assert run.returncode == 0, run.stderr
     found = json.loads(run.stdout)
     held = found["held"]
+    assert held == {"network": has_namespaces(), "files": has_landlock()}
     assert {found[key] for key in ("write inside", "null", "read outside")} == {"done"}
     if held["files"]:
         kept = ("write outside", "append outside", "make outside", "remove outside", "rename in")
