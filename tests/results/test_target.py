@@ -13,7 +13,8 @@ from travelling_wave import account, frames, layout, scenario
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model import Scenario
 from ropewalk.results import Recorder, ResultError, check_target, open_result
-from ropewalk.results.target import alone, beside, check_own
+from ropewalk.results.files import beside
+from ropewalk.results.target import alone, check_own
 from ropewalk.simulate import simulate
 
 HOLDS = """
@@ -108,7 +109,7 @@ def test_what_cannot_be_read_is_kept(tmp_path: Path) -> None:
     file = tmp_path / "out.nc"
     recorded(file)
     file.write_bytes(file.read_bytes()[:200])
-    with pytest.raises(ResultError, match="exists and cannot be read"):
+    with pytest.raises(ResultError, match="exists, but cannot be read to see whose it is"):
         check_own(file, scenario())
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from ropewalk.results.contract import CHECKPOINT, CONVENTIONS, COORDINATES, NUMB
 if TYPE_CHECKING:
     import xarray as xr
 
+_AGAIN, _PAUSE = 3, 0.1  # times, and s between, that a running result is looked at again
 LOAD_BELOW = 256e6  # bytes; larger results stay on disk and are read piece by piece
 _MAGIC = (b"\x89HDF\r\n\x1a\n", b"CDF\x01", b"CDF\x02", b"CDF\x05")
 
@@ -69,6 +71,23 @@ def open_result(path: str | Path, *, lazy: bool | None = None) -> xr.Dataset:
     return dataset
 
 
+def beside(path: Path, what: str) -> Path:
+    """A hidden file beside another one."""
+    return path.with_name(f".{path.name}.{what}")
+
+
+def _check_running(path: Path, *, read: bool) -> None:
+    """Make sure that a file is what was written; one that is being written may change while it is read."""
+    for _ in range(_AGAIN):
+        try:
+            return check_whole(path, read=read)
+        except DamagedError:
+            if not beside(path.resolve(), "lock").exists():
+                raise
+            time.sleep(_PAUSE)
+    return check_whole(path, read=read)
+
+
 def check_result(path: Path, *, lazy: bool | None = None) -> None:
     """Make sure that a result is what was written; of a large one that stays on disk, that nothing is missing.
 
@@ -76,7 +95,7 @@ def check_result(path: Path, *, lazy: bool | None = None) -> None:
         ResultError: it is damaged.
     """
     try:
-        check_whole(path, read=not (path.stat().st_size >= LOAD_BELOW if lazy is None else lazy))
+        _check_running(path, read=not (path.stat().st_size >= LOAD_BELOW if lazy is None else lazy))
     except DamagedError as problem:
         remedy = "get it once more from where it is from, or run it again"
         if isinstance(problem, CutShortError):

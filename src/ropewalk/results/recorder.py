@@ -17,11 +17,11 @@ import numpy as np
 
 from ropewalk.checkpoint import Tree
 from ropewalk.results import checksums, contract
-from ropewalk.results.files import WriteError, open_result
+from ropewalk.results.files import WriteError, beside, open_result
 from ropewalk.results.frame import Account, Array, Frame, Layout
 from ropewalk.results.past import Past
 from ropewalk.results.slots import Slots, cut, digests
-from ropewalk.results.target import alone, beside, check_target
+from ropewalk.results.target import alone, check_target
 from ropewalk.results.verdict import Watch
 
 if TYPE_CHECKING:

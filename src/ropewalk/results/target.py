@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ropewalk.results.files import ResultError, is_netcdf
+from ropewalk.results.files import ResultError, beside, check_result, is_netcdf
 
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
@@ -67,11 +67,12 @@ def check_own(file: Path, scenario: Scenario) -> None:
     import netCDF4
 
     try:
+        check_result(file, lazy=True)
         with netCDF4.Dataset(file) as stored:
             title, text = str(stored.getncattr("title")), str(stored.getncattr("scenario"))
         names = _names(json.loads(text))
-    except (OSError, RuntimeError, ValueError, AttributeError, TypeError, MemoryError) as problem:
-        raise ResultError(f"{file}: exists and cannot be read ({problem}); {remedy}") from problem
+    except (ResultError, OSError, RuntimeError, ValueError, AttributeError, TypeError, MemoryError) as problem:
+        raise ResultError(f"{file}: exists, but cannot be read to see whose it is; {remedy}") from problem
     if title == scenario.title or names == _names(scenario.model_dump(include=set(_NAMED))):
         return
     raise ResultError(f"{file}: holds a result of another scenario, {title!r}; {remedy}")
@@ -82,11 +83,6 @@ _NAMED = ("lines", "overhead_lines", "nets", "loads")
 
 def _names(tree: Any) -> tuple[tuple[str, ...], ...]:
     return tuple(tuple(sorted(tree.get(block) or {})) for block in _NAMED)
-
-
-def beside(path: Path, what: str) -> Path:
-    """A hidden file beside another one."""
-    return path.with_name(f".{path.name}.{what}")
 
 
 @contextmanager
