@@ -16,10 +16,12 @@ import ropewalk
 
 HOUSE = Path(ropewalk.__file__).parent
 # From the ground up; a module imports from its own storey and from those before it.
-STOREYS = (("errors", "units", "hooks"), ("checkpoint",), ("model",), ("theory",), ("mechanics",), ("foreign",),
-           ("guides",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("webs",), ("system",),
-           ("capabilities",), ("chains", "wiring"), ("simulate",), ("decouple",), ("coupling",), ("scenario",),
-           ("resuming",), ("console",), ("cli", "__main__"))  # fmt: skip
+STOREYS = (
+    ("errors", "units", "hooks", "interrupts"), ("checkpoint",), ("model",), ("theory",), ("mechanics",), ("foreign",),
+    ("guides",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("webs",), ("system",),
+    ("capabilities",), ("chains", "wiring"), ("simulate",), ("decouple",), ("coupling",), ("scenario",),
+    ("resuming",), ("console",), ("cli", "__main__"),
+)  # fmt: skip
 # Wings above the house may look at everything; a wing not named here must be given its place first.
 ABOVE = ("compare", "paper", "sweep", "cosim", "studio")
 # Who may set closed forms beside the discrete solution.

@@ -61,11 +61,6 @@ NoCode = Annotated[
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table, errors only.")]
 
 
-def main() -> None:
-    """Run the command line."""
-    app()
-
-
 def _version(wanted: bool) -> None:
     if wanted:
         typer.echo(f"ropewalk {ropewalk.__version__}")

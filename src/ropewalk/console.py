@@ -172,9 +172,12 @@ def reported(target: Path | None = None) -> Iterator[None]:
 
 def _stamp(target: Path | None) -> tuple[int, int] | None:
     """What changes when a file is written."""
-    if target is None or not target.exists():
+    if target is None:
         return None
-    status = target.stat()
+    try:
+        status = target.stat()
+    except OSError:
+        return None
     return status.st_ino, status.st_mtime_ns
 
 

@@ -68,7 +68,7 @@ SIMULATE.spectrum_of = lambda scenario, *, at: SimpleNamespace(
 
 if __name__ == "__main__":
     sys.modules["ropewalk.simulate"] = SIMULATE
-    from ropewalk.cli import main
+    from ropewalk.__main__ import main
 
     sys.argv[0] = "ropewalk"
     main()

@@ -223,3 +223,11 @@ def test_help_imports_nothing_heavy(arguments, allowed):
     assert out.returncode == 0
     heavy = {"numba", "numpy", "scipy", "matplotlib", "xarray", "netCDF4", "pydantic", "pint", "rich", "ruamel"}
     assert {name.split(".")[0] for name in out.stderr.split()} & heavy <= allowed
+
+
+@pytest.mark.parametrize("name", ["a" * 300 + ".nc", "loop.nc"])
+def test_a_name_that_no_file_can_have_is_bad_input(call, folder, name):
+    (folder / "loop.nc").symlink_to(folder / "loop.nc")
+    found = call("show", name)
+    assert found.exit_code == 2
+    assert "there is no such file" in found.stderr

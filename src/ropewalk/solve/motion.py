@@ -15,6 +15,7 @@ from ropewalk.guides.carrier import Guide
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array, Buffers, Integers, Loads, State, Strands, Supports
 from ropewalk.mechanics.compiled import entry_of
+from ropewalk.mechanics.portions import portion
 from ropewalk.solve.choice import RKN6_LIMIT, SAFETY_WITH_MASSES, Bounds, Choice, bounds, is_compressed, verlet_step
 from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.solve.ends import ends_of
@@ -32,6 +33,8 @@ from ropewalk.solve.splitting import (
 if TYPE_CHECKING:
     from ropewalk.solve.collocation import Workspace
 
+# How often a step looks at a node, about.
+EFFORT = {"verlet": 1, "rkn6": 11, "implicit": 100}
 # A run that needs more steps than this between two outputs will not end within a day.
 MOST_STEPS = 10**11
 # No law holds so far: a link that is stretched to this many times its length has torn.
@@ -204,19 +207,39 @@ class Motion:
     def _advance(
         self, loads: Loads, state: State, room: Buffers | Workspace, bodies: Bodies | None, stop: float
     ) -> tuple[int, int]:
+        status, steps, most = TOO_MANY_STEPS, 0, portion(state.X.size, EFFORT[self.choice.method])
+        while status == TOO_MANY_STEPS and steps < MOST_STEPS:
+            status, taken = self._advance_by(most, loads, state, room, bodies, stop)
+            steps += taken
+        return status, steps
+
+    def _advance_by(
+        self, most: int, loads: Loads, state: State, room: Buffers | Workspace, bodies: Bodies | None, stop: float
+    ) -> tuple[int, int]:
+        """Go on to a time, but by no more than some steps."""
         if self.choice.method == "implicit":
             from ropewalk.solve.radau import advance_implicit
 
-            found = advance_implicit(self.strands, loads, state, room, stop, self.accuracy, self._step, MOST_STEPS)
+            found = advance_implicit(self.strands, loads, state, room, stop, self.accuracy, self._step, most)
             return int(found[0]), int(found[1])
         kicks, drifts = RKN6 if self.choice.method == "rkn6" else VERLET
         arguments = (
-            self.strands, loads, state, room, kicks, drifts, float(stop), float(self._step), MOST_STEPS, self._ends,
+            self.strands,
+            loads,
+            state,
+            room,
+            kicks,
+            drifts,
+            float(stop),
+            float(self._step),
+            most,
+            self._ends,
             bodies,
-        )  # fmt: skip
+        )
         if not self._entries:
             self._entries.append(entry_of(advance, arguments))
-        return self._entries[0](*arguments)
+        status, taken = self._entries[0](*arguments)
+        return int(status), int(taken)
 
 
 def move(

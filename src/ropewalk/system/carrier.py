@@ -16,6 +16,7 @@ from ropewalk.guides.carrier import SLIDES
 from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.fleet import FIRM
+from ropewalk.mechanics.portions import portions
 from ropewalk.system import motion
 from ropewalk.system.bodies import Bodies, with_step
 from ropewalk.system.contacts import AWAY, BODY, ON
@@ -59,7 +60,10 @@ class System(NamedTuple):
         if alone:
             self.contacts["step"] = dt
         self.bodies.inverse[:] = with_step(self.bodies, dt).inverse
-        status = int(motion.advance(*self, dt, steps)[0])
+        for part in portions(steps, self.state.r.shape[1]):
+            status = int(motion.advance(*self, dt, part)[0])
+            if status != motion.RUNNING:
+                break
         if status in (motion.RUNNING, motion.NOT_FINITE):
             self.state.t[0] = end
         return status, steps if status == motion.RUNNING else round((float(self.state.t[0]) - begin) / dt)

@@ -11,6 +11,7 @@ import numpy as np
 from ropewalk.checkpoint import Tree, arrays_of, copied, put
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import TravelEndedError, Turns
+from ropewalk.mechanics.portions import portion
 from ropewalk.model.run import common_interval
 from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, Account, Contacts, Frame, Layout
 from ropewalk.results.running import Ending
@@ -252,22 +253,21 @@ class Wires:
 
     def _go(self, t: float, drive: Drive) -> Record:
         """Go on by the rows of a drive from t in s; foreign models are asked when it is time, and fill in theirs."""
-        if not self._partners:
-            return self.motion.go(drive, self.steps)
         parts, row, rows = [], 0, drive.station.shape[0] - 1
+        most = portion(self.mesh.nodes, self.steps)
         first = round(t / self.sample)
         while row < rows:
             now = t + row * self.sample
             for partner in self._partners:
                 if partner.rows_left(first + row) == partner.rows:
                     partner.exchange(now, partial(self._drive, now, partner.rows))
-            end = min(rows, row + min(partner.rows_left(first + row) for partner in self._partners))
+            end = min([rows, row + most, *(row + partner.rows_left(first + row) for partner in self._partners)])
             piece = drive.rows(row, end)
             for partner in self._partners:
                 partner.fill(piece, (first + row) % partner.rows)
             parts.append(self.motion.go(piece, self.steps))
             row = end
-        return Record(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+        return parts[0] if len(parts) == 1 else Record(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
     def _drive(self, t: float, count: int) -> Drive:
         return drive_of(self.task.plan, self.task.journeys, t + self.sample * np.arange(count + 1.0))

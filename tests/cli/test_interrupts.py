@@ -1,0 +1,115 @@
+"""Ctrl-C and SIGTERM are heard wherever a command is: in kernels, compilers and imports."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from ropewalk.results import open_result
+
+ROPE = """
+lines:
+  rope: {start: [0, 0], end: [100, 0], tension: 20 kN, mass: 1, axial_stiffness: 2 MN, elements: 40%s}
+loads:
+  one: {kind: %s, on: rope, travel: {speed: 1e-7, from: 20 m}}
+run: {kind: dynamic, until: 0.1 s%s}
+"""
+JOINED = """
+joints: {knot: {}}
+lines:
+  left: {start: [0, 0], end: [50, 0], end_support: {kind: joined, to: knot}, tension: 20 kN, mass: 1,
+    axial_stiffness: 2 MN, elements: 2000}
+  right: {start: [50, 0], end: [100, 0], start_support: {kind: joined, to: knot}, tension: 20 kN, mass: 1,
+    axial_stiffness: 2 MN, elements: 2000}
+loads:
+  one: {kind: mass, mass: 50, on: left, travel: {speed: 1e-7, from: 20 m}}
+run: {kind: dynamic, until: 0.1 s}
+"""
+EXAMPLES = Path(__file__).parents[2] / "examples"
+FORCE, MASS = "force, force: [0, -500]", "mass, mass: 50"
+RUNS = {
+    "chain, force": ROPE % ("00", FORCE, ""),
+    "chain, mass": ROPE % ("00", MASS, ""),
+    "chain, implicit": ROPE % ("00, axial_damping: 50 kN*s", FORCE, ", method: implicit, step: 10 us"),
+    "joined": JOINED,
+    "beam": ROPE % ("00, bending_stiffness: 1 kN*m^2", MASS, ""),
+    "beam, small motion": ROPE % ("00, bending_stiffness: 1 kN*m^2", MASS, ", geometry: linearised"),
+    "sheaves": (EXAMPLES / "sheaves.yaml").read_text(encoding="utf-8"),
+}
+FOR_HOURS = ("--set", "run.until=2000 s", "--set", "run.every=2000 s")
+
+
+def start(*words, folder, **variables):
+    pipe = subprocess.PIPE
+    return subprocess.Popen(
+        [sys.executable, "-m", "ropewalk", *words], stdout=pipe, stderr=pipe, text=True, cwd=folder,
+        env={**os.environ, **variables},
+    )  # fmt: skip
+
+
+def wait_for(file, process):
+    """Until there is a first frame, and the motion has begun that does not come to its second one for hours."""
+    while not file.exists():
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.05)
+    time.sleep(1.5)
+
+
+LOOK_AHEAD = ("beam", "beam, small motion")  # their first frame waits for what comes after it
+
+
+@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_is_heard_in_the_kernels_of_every_engine(name, number, tmp_path):
+    if number == signal.SIGTERM and name != "joined":
+        pytest.skip("they are heard in one way")
+    (tmp_path / "one.yaml").write_text(RUNS[name], encoding="utf-8")
+    with start("run", "one.yaml", "-o", "short.nc", "--set", "run.until=0.2 ms", folder=tmp_path) as run:
+        run.communicate()  # compiles
+    with start("run", "one.yaml", *FOR_HOURS, folder=tmp_path) as run:
+        if name in LOOK_AHEAD:
+            time.sleep(15.0)
+        else:
+            wait_for(tmp_path / "one.nc", run)
+        run.send_signal(number)
+        _, stderr = run.communicate(timeout=100)  # on however busy a machine; the motion itself takes hours
+    assert run.returncode == 130, stderr
+    assert "Traceback" not in stderr
+    if name in LOOK_AHEAD:
+        assert stderr.endswith("interrupted\n")
+        return
+    assert "interrupted; what was computed is kept in one.nc" in stderr
+    with open_result(tmp_path / "one.nc") as result:
+        assert (result.attrs["outcome"], result.sizes["time"]) == ("interrupted", 1)
+
+
+def test_an_interrupt_is_heard_while_kernels_are_compiled(tmp_path):
+    (tmp_path / "one.yaml").write_text(RUNS["chain, force"], encoding="utf-8")
+    with start("run", "one.yaml", folder=tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "cache")) as run:
+        assert any("compiling" in line for line in iter(run.stderr.readline, ""))
+        time.sleep(3.0)  # longer than imports take, shorter than compiling
+        run.send_signal(signal.SIGINT)
+        _, stderr = run.communicate(timeout=100)
+    assert (run.returncode, stderr) == (130, "interrupted while compiling\n")
+
+
+@pytest.mark.parametrize("after", [0.01, 0.02, 0.05, 0.1, 0.2, 0.4])
+def test_an_interrupt_is_heard_during_imports(after, tmp_path):
+    (tmp_path / "one.yaml").write_text(RUNS["beam"], encoding="utf-8")
+    program = f"""
+import os, signal, sys, threading
+import ropewalk.__main__ as line
+line.listen()
+threading.Timer({after}, os.kill, (os.getpid(), signal.SIGINT)).start()
+sys.argv = ["ropewalk", "check", "one.yaml"]
+line.main()
+"""
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path, check=False)
+    assert "Traceback" not in run.stderr
+    assert run.returncode in ((130,) if after < 0.1 else (130, 0))
