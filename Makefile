@@ -29,7 +29,7 @@ ELSEWHERE ?= tests/theory tests/mechanics $(SOLVE:%=tests/solve/test_%.py) $(WIR
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-elsewhere lint types figures bench peers fuzz matrix clean clean-cache
+.PHONY: help demo test test-elsewhere lint types figures bench peers fuzz kills matrix clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
@@ -38,10 +38,11 @@ help:
 	@echo "make lint         ruff: rules and format"
 	@echo "make types        mypy, strict"
 	@echo "make fuzz         spoilt scenario files for SECONDS (an hour) from a SEED (0)"
+	@echo "make kills        COUNT (200) commands killed at any moment, and taken up again"
 	@echo "make matrix       what works on what: thousands of short runs, into docs/capabilities.md"
 	@echo "make figures      the figures of the paper, in out/figures"
 	@echo "make bench        riding against sharing, cost per node, moving bodies, and error against time beside peers (make peers installs them)"
-	@echo "make clean-cache  forget compiled kernels (after a change to a kernel that others call)"
+	@echo "make clean-cache  forget compiled kernels"
 	@echo "make clean        remove .venv, results and caches"
 
 # -- Set-up ------------------------------------------------------------------------------------------------------
@@ -98,6 +99,9 @@ test: $(VENV)/.dev
 fuzz: $(VENV)/.dev
 	@cd tests && $(abspath $(BIN))/python -m fuzzing $(or $(SECONDS),3600) $(or $(SEED),0)
 
+kills: $(VENV)/.dev
+	@cd tests && $(abspath $(BIN))/python -m kills $(or $(COUNT),200) $(or $(SEED),0)
+
 matrix: $(VENV)/.dev
 	@$(BIN)/python -m tests.conformance
 
@@ -115,8 +119,7 @@ types: $(VENV)/.dev
 # -- Tidying -----------------------------------------------------------------------------------------------------
 
 clean-cache:
-	@find src -path '*/__pycache__/*.nb[ic]' -delete
-	@rm -rf "$${TMPDIR:-/tmp}"/ropewalk-kernels-*
+	@rm -rf src/ropewalk/__pycache__/kernels-*
 	@echo "Compiled kernels are forgotten; the next run compiles anew."
 
 clean: clean-cache

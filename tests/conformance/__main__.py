@@ -14,7 +14,7 @@ import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from tests.sources import digest, keep_kernels_apart, program
+from tests.sources import digest, program
 
 from . import capabilities, differences, verdicts
 from .agreement import compared
@@ -39,7 +39,6 @@ def main() -> None:
     state = digest([*program(), *(Path(__file__).with_name(f"{name}.py") for name in DECIDE)])
     done = stored(asked.store, state)
     missing = [case for case in wanted if case.name not in done]
-    keep_kernels_apart()
     if missing:
         folder = asked.store.parent.resolve() / "matrix"
         furnish(folder)

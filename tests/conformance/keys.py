@@ -268,9 +268,6 @@ def main() -> None:
     import tempfile
     import time
 
-    from tests.sources import keep_kernels_apart
-
-    keep_kernels_apart()
     chosen = sys.argv[1:] or list(BASES)
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
         furnish(Path(folder))

@@ -11,11 +11,21 @@ from typing import Any
 
 import numba
 import numpy as np
+from numba.core import event as events
 
-njit: Any = numba.njit  # its stubs do not know the wrapper options
-config: Any = numba.config  # nor what is read from the environment
+from ropewalk.interrupts import note_compiling
+from ropewalk.mechanics.kernel_cache import keep
 
-_common: dict[str, Any] = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+config: Any = numba.config  # its stubs do not know what is read from the environment
+
+
+def njit(**options: Any) -> Any:
+    """A decorator of kernels."""
+    compiled: Any = numba.njit
+    return lambda function: keep(compiled(**options)(function))
+
+
+_common: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
 # A product and a sum may become one operation with one rounding. Never "nnan" or "ninf": NaN and inf must be found.
 _fused = {"contract", "nsz"}
 
@@ -30,6 +40,19 @@ lean_inner: Any = njit(**_common, _nrt=False, fastmath=_fused, no_cpython_wrappe
 inlined: Any = njit(**_common, _nrt=False, fastmath=_fused, no_cpython_wrapper=True, forceinline=True)
 # Sums may be re-ordered so that loops with a sum vectorise; nothing may rely on the order.
 summing: Any = njit(**_common, _nrt=False, fastmath={"reassoc", *_fused})
+
+
+class _Compiling(events.Listener):
+    """Says when the compiler is at work, which must not be interrupted halfway."""
+
+    def on_start(self, event: events.Event) -> None:
+        note_compiling(True)
+
+    def on_end(self, event: events.Event) -> None:
+        note_compiling(False)
+
+
+events.register("numba:compiler_lock", _Compiling())
 
 
 def records(count: int, kind: np.dtype[Any]) -> Any:

@@ -1,0 +1,187 @@
+"""Where compiled kernels are kept, and that nothing else is taken for them.
+
+Numba asks whether the file of a kernel has changed, but not whether the kernels that it calls have: here the folder is
+named after the contents of all. What is kept carries a checksum; what is spoilt is compiled anew.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pickle
+import shutil
+import sys
+import tempfile
+import warnings
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, UserProvidedCacheLocator
+
+PACKAGE = Path(__file__).parents[1]
+HOLD_KERNELS = ("mechanics", "solve", "system", "webs", "wires")
+"""Folders of the package whose files hold kernels, or constants that are compiled into them."""
+_PREFIX = "kernels-"
+_KEPT = 3  # states of the sources whose kernels are kept
+_SEAL = hashlib.sha256().digest_size
+
+
+@cache
+def digest() -> str:
+    """Of all that compiled kernels come of: their sources, and the versions of what compiles them."""
+    found = hashlib.sha256(f"{numba.__version__} {np.__version__} {sys.version}".encode())
+    for name in HOLD_KERNELS:
+        for path in sorted((PACKAGE / name).glob("*.py")):
+            found.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return found.hexdigest()[:16]
+
+
+def _places() -> Iterator[Path]:
+    """Folders that outlast the process, the best first."""
+    from platformdirs import user_cache_path
+
+    if wanted := os.environ.get("NUMBA_CACHE_DIR"):
+        yield Path(wanted)
+    yield PACKAGE / "__pycache__"
+    with suppress(RuntimeError):  # there is no home
+        yield user_cache_path("ropewalk", appauthor=False)
+
+
+@cache
+def folder() -> Path:
+    """The folder of the kernels of these sources; it can be written."""
+    name, places, closed = _PREFIX + digest(), list(_places()), list[Path]()
+    for place in places:
+        if _is_writable(place / name):
+            break
+        closed.append(place)
+    else:
+        place = _passing()
+        warnings.warn(
+            f"compiled kernels are kept in {place} as long as that lasts, for none of "
+            f"{', '.join(map(str, places))} can be written; NUMBA_CACHE_DIR names another folder",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+        _is_writable(place / name)
+    found = place / name
+    if not any(found.iterdir()):
+        for other in closed:  # an image may bring its kernels along in a folder that nobody writes to
+            if (other / name).is_dir():
+                with suppress(OSError, shutil.Error):
+                    shutil.copytree(other / name, found, dirs_exist_ok=True)
+        _clear(place, found)
+    return found
+
+
+def _is_writable(place: Path) -> bool:
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=place).close()
+    except OSError:
+        return False
+    return True
+
+
+def _passing() -> Path:
+    """A folder among the temporary ones that nobody else can have put kernels into."""
+    if not hasattr(os, "getuid"):
+        return Path(tempfile.mkdtemp(prefix="ropewalk-"))
+    place = Path(tempfile.gettempdir()) / f"ropewalk-{os.getuid()}"
+    with suppress(OSError):
+        place.mkdir(mode=0o700, exist_ok=True)
+        status = place.lstat()
+        if place.is_dir() and not place.is_symlink() and status.st_uid == os.getuid() and not status.st_mode & 0o022:
+            return place
+    return Path(tempfile.mkdtemp(prefix="ropewalk-"))
+
+
+def _clear(place: Path, new: Path) -> None:
+    """Throw away the kernels of sources of long ago."""
+    with suppress(OSError):
+        others = [path for path in place.glob(f"{_PREFIX}*") if path != new]
+        others.sort(key=lambda path: path.stat().st_mtime, reverse=True)
+        for path in others[_KEPT - 1 :]:
+            shutil.rmtree(path, ignore_errors=True)
+
+
+class _Locator(UserProvidedCacheLocator):
+    def __init__(self, py_func: Any, py_file: str) -> None:
+        self._py_file, self._lineno = py_file, py_func.__code__.co_firstlineno
+        self._cache_path = str(folder() / Path(py_file).parent.name)
+
+    @classmethod
+    def from_function(cls, py_func: Any, py_file: str) -> _Locator:
+        found = cls(py_func, py_file)
+        Path(found._cache_path).mkdir(exist_ok=True)
+        return found
+
+
+class _Implementation(CompileResultCacheImpl):
+    _locator_classes = [_Locator]  # noqa: RUF012
+
+
+class _Files(IndexDataCacheFile):
+    """Index and machine code of a kernel, each behind its checksum."""
+
+    def _save_index(self, overloads: dict[Any, str]) -> None:
+        self._write(self._index_path, (self._source_stamp, overloads))
+
+    def _load_index(self) -> dict[Any, str]:
+        found = self._read(self._index_path)
+        return found[1] if found is not None and found[0] == self._source_stamp else {}
+
+    def _save_data(self, name: str, data: Any) -> None:
+        self._write(self._data_path(name), data)
+
+    def _load_data(self, name: str) -> Any:
+        return self._read(self._data_path(name))
+
+    def _write(self, path: str, content: Any) -> None:
+        data = self._dump(content)
+        with self._open_for_write(path) as stream:
+            stream.write(hashlib.sha256(data).digest() + data)
+
+    def _read(self, path: str) -> Any:
+        """What has been written; None of what is not there or not as it was."""
+        try:
+            data = Path(path).read_bytes()
+        except OSError:
+            return None
+        if hashlib.sha256(data[_SEAL:]).digest() != data[:_SEAL]:
+            return None
+        return pickle.loads(data[_SEAL:])
+
+
+class KernelCache(FunctionCache):
+    """The cache of one kernel."""
+
+    _impl_class = _Implementation
+
+    def __init__(self, py_func: Any) -> None:
+        super().__init__(py_func)
+        self._cache_file = _Files(self._cache_path, self._impl.filename_base, self._impl.locator.get_source_stamp())
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep a kernel; where there is no place it will be compiled again another time."""
+        try:
+            super().save_overload(sig, data)
+        except OSError as problem:
+            _warn_once(f"compiled kernels cannot be kept in {folder()} ({problem.strerror})")
+
+
+@cache
+def _warn_once(message: str) -> None:
+    warnings.warn(message, RuntimeWarning, stacklevel=2)
+
+
+def keep(dispatcher: Any) -> Any:
+    """Let a kernel keep its machine code."""
+    if hasattr(dispatcher, "enable_caching"):  # not as plain Python
+        dispatcher._cache = KernelCache(dispatcher.py_func)
+    return dispatcher

@@ -1,0 +1,134 @@
+"""Where compiled kernels are kept, and that nothing else is taken for them."""
+
+import ast
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ropewalk.mechanics import kernel_cache
+from ropewalk.mechanics.kernel_cache import HOLD_KERNELS, PACKAGE
+
+KERNEL = """
+import sys
+from ropewalk.mechanics.compiled import kernel
+
+@kernel
+def inner(x):
+    return x + {}
+
+@kernel
+def outer(x):
+    return 2 * inner(x)
+
+print(outer(3), sum(outer.stats.cache_hits.values()))
+"""
+
+
+def ran(folder: Path, **variables: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder / "cache"), **variables}
+    command = [sys.executable, str(folder / "one.py")]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+
+
+def kept(folder: Path) -> list[Path]:
+    return sorted(folder.glob("cache/kernels-*/*/one.outer*"))
+
+
+@pytest.fixture
+def program(tmp_path):
+    (tmp_path / "one.py").write_text(KERNEL.format(1))
+    assert ran(tmp_path).stdout == "8 0\n"
+    assert ran(tmp_path).stdout == "8 1\n"
+    return tmp_path
+
+
+def test_every_folder_that_holds_kernels_is_looked_at():
+    """Kernels, and the constants that are compiled into them."""
+    for path in PACKAGE.rglob("*.py"):
+        source = path.read_text(encoding="utf-8")
+        if "mechanics.compiled import" not in source:
+            continue
+        assert path.relative_to(PACKAGE).parts[0] in HOLD_KERNELS
+        for node in ast.parse(source).body:
+            module = getattr(node, "module", None) or ""
+            if module.startswith("ropewalk.") and module.split(".")[1] not in HOLD_KERNELS:
+                constants = [alias.name for alias in node.names if alias.name.isupper() or alias.name[0] == "_"]
+                assert not constants, f"{path}: {constants} may be compiled in"
+
+
+def test_another_state_of_any_kernel_has_another_folder(tmp_path, monkeypatch):
+    for name in HOLD_KERNELS:
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "one.py").write_text("a = 1")
+    monkeypatch.setattr(kernel_cache, "PACKAGE", tmp_path)
+    now = kernel_cache.digest.__wrapped__
+    before = now()
+    assert now() == before
+    (tmp_path / HOLD_KERNELS[-1] / "one.py").write_text("a = 2")
+    assert now() != before
+
+
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+@pytest.mark.parametrize("damage", ["cut", "flipped", "empty"])
+def test_a_spoilt_kernel_is_compiled_anew(program, ending, damage):
+    for path in kept(program):
+        if path.suffix == f".{ending}":
+            data = bytearray(path.read_bytes())
+            data[len(data) // 2] ^= 1
+            path.write_bytes({"cut": data[:-7], "flipped": data, "empty": b""}[damage])
+    again = ran(program)
+    assert (again.stdout, again.stderr) == ("8 0\n", "")
+    assert ran(program).stdout == "8 1\n"
+
+
+def test_where_nothing_can_be_written_kernels_last_as_long_as_temporary_files(tmp_path, monkeypatch):
+    monkeypatch.setattr(kernel_cache, "_places", lambda: [Path(os.devnull) / "a", Path(os.devnull) / "b"])
+    monkeypatch.setattr(kernel_cache.tempfile, "tempdir", str(tmp_path))
+    with pytest.warns(RuntimeWarning, match=r"kept in .* as long as that lasts.*NUMBA_CACHE_DIR names another folder"):
+        found = kernel_cache.folder.__wrapped__()
+    assert tmp_path in found.parents
+    assert found.parent.stat().st_mode & 0o077 == 0
+
+
+@pytest.mark.skipif(not hasattr(os, "symlink"), reason="no links")
+def test_a_temporary_folder_of_somebody_else_is_not_used(tmp_path, monkeypatch):
+    (tmp_path / "theirs").mkdir()
+    (tmp_path / f"ropewalk-{os.getuid()}").symlink_to(tmp_path / "theirs")
+    monkeypatch.setattr(kernel_cache.tempfile, "tempdir", str(tmp_path))
+    assert not list(kernel_cache._passing().glob("*"))
+    assert not list((tmp_path / "theirs").glob("*"))
+    assert kernel_cache._passing() != tmp_path / f"ropewalk-{os.getuid()}"
+
+
+def test_kernels_that_an_image_brings_along_are_taken_over(tmp_path, monkeypatch):
+    image, own = tmp_path / "image", tmp_path / "own"
+    brought = image / f"kernels-{kernel_cache.digest()}" / "one"
+    brought.mkdir(parents=True)
+    (brought / "a.nbc").write_bytes(b"code")
+    monkeypatch.setattr(kernel_cache, "_places", lambda: [image, own])
+    is_writable = kernel_cache._is_writable
+    monkeypatch.setattr(kernel_cache, "_is_writable", lambda place: image not in place.parents and is_writable(place))
+    assert (kernel_cache.folder.__wrapped__() / "one" / "a.nbc").read_bytes() == b"code"
+
+
+def test_kernels_of_few_states_of_the_sources_are_kept(tmp_path, monkeypatch):
+    for i in range(6):
+        (tmp_path / f"kernels-{i}").mkdir()
+        os.utime(tmp_path / f"kernels-{i}", (i, i))
+    monkeypatch.setattr(kernel_cache, "_places", lambda: [tmp_path])
+    kernel_cache.folder.__wrapped__()
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
+        ["kernels-4", "kernels-5", f"kernels-{kernel_cache.digest()}"]
+    )
+
+
+def test_a_full_disk_costs_no_run(program):
+    """What can be computed is computed; that it will be compiled again is said once."""
+    limited = "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))\n"
+    (program / "one.py").write_text(limited + KERNEL.format(5))
+    found = ran(program)
+    assert found.stdout == "16 0\n"
+    assert found.stderr.count("RuntimeWarning: compiled kernels cannot be kept in") == 1
