@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from . import bodies, continuum, cosim, cost, nets, overhead, statics, theory
+from . import bodies, continuum, cosim, cost, endurance, nets, overhead, statics, theory
 from .peers import __main__ as peers
 
 
@@ -14,11 +14,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument(
         "what", nargs="?", default="all",
-        choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies", "overhead", "nets", "cosim"],
+        choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies", "overhead", "nets", "cosim",
+                 "endurance"],
         help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling; "
         "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields; "
         "bodies: masses, walkers, models of one's own, and Exudyn's sliding joint; overhead: against real time; "
-        "nets: a mass on nets of more and more nodes; cosim: what an exchange with an FMU costs",
+        "nets: a mass on nets of more and more nodes; cosim: what an exchange with an FMU costs; "
+        "endurance: long runs, large lines, large results, checkpoints",
     )  # fmt: skip
     what = parser.parse_args().what
     if what in ("all", "continuum"):
@@ -37,6 +39,8 @@ def main() -> None:
         nets.main()
     if what in ("all", "cosim"):
         cosim.main()
+    if what in ("all", "endurance"):
+        endurance.main()
     if what in ("all", "peers"):
         sys.argv = ["benchmarks.peers", "--case", "all"]
         peers.main()

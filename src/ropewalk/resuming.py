@@ -97,7 +97,7 @@ def taken_up(path: Path, until: float | None) -> Iterator[Rest]:
     Raises:
         ResultError: nothing, or it cannot be done.
     """
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise ResultError(f"{path}: there is no such file")
     if not os.access(path, os.R_OK | os.W_OK):
         raise ResultError(f"{path}: no permission to read and write it")

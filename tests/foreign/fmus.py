@@ -37,7 +37,7 @@ REALS = [
     (15, "height_out", "height_out", "output", "continuous", None),
     (16, "speed_of_light", "light", "output", "constant", 299792458.0),
 ]
-MOODS = ["good", "segfault", "discard", "error", "fatal", "nan", "hang", "refuse_to_begin", "shout", "end"]
+MOODS = ["good", "segfault", "discard", "error", "fatal", "nan", "hang", "refuse_to_begin", "shout", "end", "quit"]
 MOOD, EAGER, LABEL = 17, 18, 19  # references of an enumeration, a truth value, and a text
 
 STATE = ", ".join(f"{c}" for _, _, c, *_ in REALS)
@@ -80,6 +80,7 @@ static int step(Self *s, double t, double h) {
         if (a->mood == 4) return 4;
         if (a->mood == 5) { a->z = NAN; return 0; }
         while (a->mood == 6) ;
+        if (a->mood == 10) exit(0);
     }
     int parts = 20;
     double d = h / parts, u0 = a->u, sum = 0.0;

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -71,6 +74,18 @@ def test_an_fmu_that_misbehaves_leaves_a_result_up_to_there(file: Path, mood: st
     assert said in found.advice
     assert 0.2 <= float(found.time[-1]) < 0.22
     assert np.isfinite(found.position.values).all()
+
+
+def test_an_fmu_that_ends_the_process_is_no_success(tmp_path: Path, file: Path) -> None:
+    """C's exit(0) in the process of the run; where that has gone well, its own end is no failure."""
+    text = FILE.replace("CART", str(file)).replace("force: forse", "force: force")
+    ended = "load cart: its FMU .* has ended the whole process; write isolated"
+    for mood, codes, told in (("quit", (1,), ended), ("good", (0, 4), "$")):  # its force comes suddenly: doubtful
+        (tmp_path / "case.yaml").write_text(text.replace("mass: heavy", f"mood: {mood}, at: 0.2"), encoding="utf-8")
+        command = [sys.executable, "-m", "ropewalk", "run", "case.yaml", "--quiet", "-o", f"{mood}.nc"]
+        found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert found.returncode in codes, found.stderr
+        assert re.match(told, found.stderr), found.stderr
 
 
 def test_mistakes_about_an_fmu_stand_at_their_lines(tmp_path: Path, file: Path) -> None:

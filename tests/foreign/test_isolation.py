@@ -106,6 +106,7 @@ CRASHES = [
         {"mood": "segfault", "at": 0.02},
         r"has crashed.*SIGSEGV, in the step from t = 0\.02 s.*it said: here it comes",
     ),
+    ("c", {"mood": "quit", "at": 0.02}, r"has ended its process, with exit code 0, in the step from t = 0\.02 s"),
     ("python", {"mood": "abort"}, r"has crashed.*SIGABRT, in the step from t = 0 s to 0\.01 s"),
     ("python", {"mood": "exit"}, "has ended its process, with exit code 7, in the step"),
 ]

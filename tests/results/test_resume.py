@@ -367,3 +367,10 @@ def test_the_command_goes_on_and_ends_as_run_does(tmp_path, monkeypatch):
     assert out.stderr == "out.nc: is complete, up to 0.4 s; give --until with a later time to go on\n"
     assert call(["resume", "none.nc"]).stderr == "none.nc: there is no such file\n"
     assert "3 parsecs" in call(["resume", "out.nc", "--until", "3 parsecs"]).stderr
+
+
+@pytest.mark.parametrize("name", ["a" * 300 + ".nc", "loop.nc"])
+def test_a_name_that_no_file_can_have_is_told(tmp_path, name):
+    (tmp_path / "loop.nc").symlink_to(tmp_path / "loop.nc")
+    with pytest.raises(ResultError, match="there is no such file"):
+        ropewalk.resume(tmp_path / name)

@@ -115,3 +115,8 @@ def test_block_turns_by_half_a_turn_at_most() -> None:
     with pytest.raises(ValueError, match=r"^angle must"):
         friction.point_block_coefficient(tension_behind=1.0, tension_ahead=2.0, angle=3.2)
     assert friction.capstan_coefficient(tension_behind=1.0, tension_ahead=math.e, angle=10.0) == pytest.approx(0.1)
+
+
+def test_directions_that_are_no_vectors_are_refused():
+    with pytest.raises(ValueError, match="tangent_ahead must have 2 numbers along its last axis"):
+        friction.turning_angle([1.0, 2.0], 1.0)

@@ -316,3 +316,10 @@ def test_energy_after_the_passage_is_the_work_of_the_force() -> None:
 def test_nonsense_is_refused(call: Any, said: str) -> None:
     with pytest.raises(ValueError, match=said):
         call()
+
+
+def test_sides_that_are_no_pair_are_refused():
+    with pytest.raises(ValueError, match=r"sides must have 2 numbers along its last axis, not the shape \(1,\)"):
+        membrane.point_load(0.5, 0.5, at=(0.5, 0.5), force=1.0, sides=(1.0,), tension=1.0)
+    with pytest.raises(ValueError, match="diameters must be a whole number"):
+        membrane.circle_frequencies(radius=1.0, tension=1.0, mass=1.0, diameters=float("inf"))

@@ -13,6 +13,7 @@ from ropewalk.checkpoint import Tree
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.description import answered, told, wiring_of
 from ropewalk.foreign.isolation import Isolated
+from ropewalk.foreign.leaving import watch
 from ropewalk.foreign.protocol import SeenLine, Touch
 from ropewalk.foreign.slave import Slave, Worker
 from ropewalk.mechanics.assembly import speed_table
@@ -37,6 +38,10 @@ class State:
     def __init__(self, number: int, t: float, pasts: list[_Past], worker: Worker) -> None:
         self.number, self.t, self.pasts = number, t, pasts
         weakref.finalize(self, worker.forget, number).atexit = False
+
+
+def _nothing() -> None:
+    """Nobody is watched."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +91,7 @@ class FmuModel:
             inputs, outputs = inputs + len(keys), outputs + len(others)
         self._inputs, self._outputs = [0.0] * inputs, [0.0] * outputs
         self._worker: Worker | None = None
+        self._unwatched: Callable[[], None] = _nothing
         self._t = 0.0
         self._pasts: list[_Past] = []
         self._grounds: list[float] = []
@@ -115,7 +121,11 @@ class FmuModel:
             self._grounds.append(0.0 if is_zero else float(line.at(xi)[0][-1]))
         self._tell([self._look(k, 0.0, self._load.every, line) for k in range(self.contacts)], line)
         self._pasts = [_Past()] * self.contacts
-        self._worker = Isolated(self._wiring, self._load.patience) if self._load.isolated else Slave(self._wiring)
+        if self._load.isolated:
+            self._worker = Isolated(self._wiring, self._load.patience)
+        else:
+            self._unwatched = watch(self._wiring.who)
+            self._worker = Slave(self._wiring)
         self._outputs = self._worker.begin(self._inputs, self._until)
 
     def step(self, t: float, h: float, line: SeenLine) -> list[Touch]:
@@ -136,6 +146,8 @@ class FmuModel:
         worker, self._worker = self._worker, None
         if worker is not None:
             worker.close()
+        self._unwatched()
+        self._unwatched = _nothing
 
     @property
     def _at_work(self) -> Worker:

@@ -52,7 +52,7 @@ def open_result(path: str | Path, *, lazy: bool | None = None) -> xr.Dataset:
     import xarray as xr
 
     path = Path(path)
-    if not path.is_file():
+    if not os.path.isfile(path):  # of any name: Path.is_file raises an error where it is too long
         raise ResultError(f"{path}: there is no such file")
     check_result(path, lazy=lazy)
     try:

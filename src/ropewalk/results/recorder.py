@@ -263,7 +263,7 @@ class _File:
             self._file = None
             with contextlib.suppress(OSError):
                 made.unlink(missing_ok=True)
-            raise WriteError(f"{self.path}: cannot be created ({problem})") from problem
+            raise WriteError(f"{self.path}: cannot be created ({problem}); is the disk full?") from problem
 
     def _reopen(self, account: Account) -> None:
         """Go on in a file: it tells from now on what is asked now."""

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["finite", "not_negative", "positive", "within"]
+__all__ = ["finite", "not_negative", "positive", "vectors", "within"]
 
 
 def positive(**values: float) -> None:
@@ -36,3 +36,11 @@ def within(low: float, high: float, **values: ArrayLike) -> tuple[NDArray[np.flo
             raise ValueError(f"{name} must lie between {low:g} and {high:g}")
         arrays.append(array)
     return tuple(arrays)
+
+
+def vectors(size: int, **values: ArrayLike) -> None:
+    """Raise `ValueError` unless all values have ``size`` numbers along their last axis."""
+    for name, value in values.items():
+        shape = np.shape(value)
+        if not shape or shape[-1] != size:
+            raise ValueError(f"{name} must have {size} numbers along its last axis, not the shape {shape}")

@@ -36,6 +36,7 @@ def turning_angle(tangent_behind: ArrayLike, tangent_ahead: ArrayLike) -> FloatA
     of any length, such as the internal forces there. `ValueError` for vectors that have no direction.
     """
     behind, ahead = np.asarray(tangent_behind, dtype=np.float64), np.asarray(tangent_ahead, dtype=np.float64)
+    _arguments.vectors(2, tangent_behind=behind, tangent_ahead=ahead)
     _arguments.finite(tangent_behind=behind, tangent_ahead=ahead)
     if not (np.all(np.any(behind != 0.0, axis=-1)) and np.all(np.any(ahead != 0.0, axis=-1))):
         raise ValueError("tangent_behind and tangent_ahead must have a direction, so not be zero")

@@ -281,8 +281,10 @@ def circle_frequencies(*, radius: float, tension: float, mass: float, diameters:
     from scipy.special import jn_zeros
 
     _arguments.positive(radius=radius, tension=tension, mass=mass)
-    if diameters < 0 or count < 1:
-        raise ValueError(f"diameters must be at least 0 and count at least 1, not {diameters} and {count}")
+    if diameters < 0 or count < 1 or diameters % 1 != 0 or count % 1 != 0:
+        raise ValueError(
+            f"diameters must be a whole number of at least 0 and count of at least 1, not {diameters} and {count}"
+        )
     return np.asarray(jn_zeros(diameters, count) / radius * np.sqrt(tension / mass))
 
 
@@ -343,6 +345,7 @@ def _pair(tension: float | Pair) -> Pair:
 
 
 def _rectangle(sides: Pair, tension: float | Pair) -> tuple[Pair, Pair]:
+    _arguments.vectors(2, sides=sides)
     nx, ny = _pair(tension)
     _arguments.positive(side_along_x=sides[0], side_along_y=sides[1], tension_along_x=nx, tension_along_y=ny)
     return sides, (nx, ny)

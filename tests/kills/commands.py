@@ -1,0 +1,158 @@
+"""The commands that are killed, and what is left of them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ropewalk.results import open_result
+
+ROPE = """
+title: Killed
+lines:
+  rope: {start: [0, 0], end: [100, 0], tension: 20 kN, mass: 1, axial_stiffness: 2 MN, elements: 100}
+loads:
+  one: LOAD
+run: {kind: dynamic, until: 4 s, every: 20 ms}
+"""
+JOINED = """
+title: Killed
+joints: {knot: {}}
+lines:
+  left: {start: [0, 0], end_support: {kind: joined, to: knot}, end: [50, 0], tension: 20 kN, mass: 1,
+    axial_stiffness: 2 MN, elements: 50}
+  right: {start: [50, 0], start_support: {kind: joined, to: knot}, end: [100, 0], tension: 20 kN, mass: 1,
+    axial_stiffness: 2 MN, elements: 50}
+loads:
+  one: {kind: mass, mass: 50, on: left, travel: {speed: 10, from: 10 m, at_end: stay}}
+run: {kind: dynamic, until: 4 s, every: 20 ms}
+"""
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SCENARIOS = {
+    "chain": ROPE.replace("LOAD", "{kind: force, on: rope, force: [0, -500], travel: {speed: 15, from: 10 m}}"),
+    "bodies": ROPE.replace(
+        "LOAD", "{kind: oscillator, on: rope, mass: 50, stiffness: 40 kN/m, travel: {speed: 15, from: 10 m}}"
+    ),
+    "network": JOINED,
+    "overhead line": (EXAMPLES / "en50318-2002-250.yaml").read_text(encoding="utf-8"),
+    "adequacy": ROPE.replace("LOAD", "{kind: force, on: rope, force: [0, -500], travel: {speed: 15, from: 10 m}}"),
+}
+SETTINGS = {"overhead line": ["--set", "run.until=2 s", "--set", "run.every=20 ms"]}
+MAP = ["--x", "loads.one.travel.speed=5:20:3", "--y", "lines.rope.mass=1:2:3", "--set", "run.until=0.5 s"]
+
+
+@dataclass(frozen=True)
+class Command:
+    """One of the commands, in a folder of its own.
+
+    Args:
+        name: of the scenario.
+        folder: where it writes.
+    """
+
+    name: str
+    folder: Path
+
+    def __post_init__(self) -> None:
+        self.folder.mkdir(parents=True, exist_ok=True)
+        (self.folder / "one.yaml").write_text(SCENARIOS[self.name], encoding="utf-8")
+
+    @property
+    def result(self) -> Path:
+        """What it writes."""
+        return self.folder / ("one.adequacy.jsonl" if self.name == "adequacy" else "one.nc")
+
+    def start(self, *, resume: bool = False) -> subprocess.Popen[str]:
+        """Begin it, or take it up again."""
+        if self.name == "adequacy":
+            words = ["adequacy", "one.yaml", *MAP, "--workers", "2", "--json"]
+        elif resume:
+            words = ["resume", "one.nc"]
+        else:
+            words = ["run", "one.yaml", *SETTINGS.get(self.name, [])]
+        command = [sys.executable, "-m", "ropewalk", *words]
+        pipe = subprocess.PIPE
+        return subprocess.Popen(
+            command, stdout=pipe, stderr=pipe, text=True, cwd=self.folder, start_new_session=True, env=os.environ
+        )
+
+    def whole(self, *, resume: bool = False) -> None:
+        """Let it come to its end."""
+        with self.start(resume=resume) as process:
+            _, told = process.communicate()
+        if process.returncode:
+            raise AssertionError(f"{self.name}: {told}")
+
+    def killed(self, after: float) -> bool:
+        """Kill it after some seconds; whether it was still running."""
+        with self.start() as process:
+            try:
+                process.communicate(timeout=after)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                return True
+            return False
+
+    def frames(self) -> int:
+        """How much there is of it, all of which is right; 0: nothing.
+
+        Raises:
+            ResultError: what is there cannot be read.
+        """
+        if not self.result.exists():
+            return 0
+        if self.name == "adequacy":
+            return len(self.result.read_text(encoding="utf-8").splitlines())
+        with open_result(self.result) as result:
+            return int(result.sizes["time"])
+
+    def content(self, frames: int | None = None) -> str:
+        """Hash of all numbers of the first frames."""
+        if self.name == "adequacy":
+            lines = self.result.read_text(encoding="utf-8").splitlines()
+            points = [json.loads(line) for line in lines]
+            for point in points:
+                point.pop("seconds", None)
+            return hashlib.sha256(json.dumps(sorted(map(str, points))).encode()).hexdigest()
+        found = hashlib.sha256()
+        with open_result(self.result) as result:
+            for name in sorted(map(str, result.variables)):
+                values = result[name].isel(time=slice(frames)) if "time" in result[name].dims else result[name]
+                if values.dtype.kind == "f" and name != "checkpoint":
+                    found.update(np.ascontiguousarray(values.values).tobytes())
+        return found.hexdigest()
+
+
+def trial(name: str, folder: Path, after: float, whole: Command) -> str:
+    """Kill a command, look at what it leaves, and take it up again; what was wrong, empty if nothing."""
+    one = Command(name, folder)
+    if not one.killed(after):
+        return "" if one.content() == whole.content() else "differs, though it was not killed"
+    frames = one.frames()
+    if frames and name != "adequacy" and one.content(frames) != whole.content(frames):
+        return f"{frames} frames differ"
+    with one.start(resume=bool(frames)) as process:
+        _, told = process.communicate()
+    if process.returncode and "no checkpoint" not in told and "is complete" not in told:
+        return f"not taken up again after {frames} frames: {told}"
+    if process.returncode and "no checkpoint" in told:
+        one.whole()
+    return "" if one.content() == whole.content() else f"differs when it is taken up again after {frames} frames"
+
+
+def lasting(name: str, folder: Path) -> tuple[Command, float]:
+    """A command that has come to its end, and how many seconds that takes with kernels from the cache."""
+    whole = Command(name, folder)
+    whole.whole()
+    (whole.result).unlink()
+    begin = time.monotonic()
+    whole.whole()
+    return whole, time.monotonic() - begin
