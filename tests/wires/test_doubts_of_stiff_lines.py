@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from ropewalk.errors import ScenarioError
 from ropewalk.model import Scenario
+from ropewalk.scenario import load
 from ropewalk.simulate import simulate
 
 SLACK = {
@@ -42,3 +45,8 @@ def test_compression_that_buckles_between_nodes_is_doubtful() -> None:
     limp = {k: v for k, v in SLACK.items() if k != "drag"} | {"bending_stiffness": 1e-9}
     assert "line is pushed together with" in doubts({**limp, "elements": 200}, FORCE, 5.0, 0.15)
     assert "pushed together" not in doubts({**TAUT, "elements": 200}, FORCE, 5.0, 0.15)
+
+
+def test_outputs_so_far_apart_that_the_samples_between_fill_the_memory_are_refused():
+    with pytest.raises(ScenarioError, match="is too long: contact forces of every millisecond in between are kept"):
+        load(Path(__file__).parents[2] / "examples" / "en50318-2002-250.yaml", ["run.until=2e6 s", "run.every=2e6 s"])

@@ -21,6 +21,7 @@ from ropewalk.model.vehicle import Vehicle
 
 _BEAMS = "beams, lines on foundations and overhead lines"
 _Borne = MovingForce | MovingMass | Oscillator | Vehicle | Matrices
+_LONGEST = 1e4  # s between two outputs: ten million samples
 _AT_REST = ("force", "mass", "oscillator", "vehicle", "matrices", "pantograph")
 
 
@@ -78,6 +79,9 @@ def _of_the_run(parts: Parts) -> Iterator[Finding]:
     if run.window is not None and run.start.kind != "rest":  # which moves what is far from the contacts, too
         feature, remedy = f"a window with start.kind: {run.start.kind}", "leave window out, or start at rest"
         yield missing(("run", "window"), _BEAMS, f"{run.window:g} m", remedy, feature=feature)
+    if (every := every_of(run)) > _LONGEST:
+        what = "is too long: contact forces of every millisecond in between are kept"
+        yield Finding(("run", "every"), what, f"{every:g} s", f"write {_LONGEST:g} s or less")
     if common_interval([every_of(run), *(load.every for load in own.values())]) is None:
         (name, load), *_ = own.items()
         feature = f"an interval without a common part with run.every, {every_of(run):g} s,"
