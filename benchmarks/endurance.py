@@ -46,7 +46,7 @@ def long(folder: Path) -> dict[str, Any]:
     from ropewalk import load, simulate
 
     steps, step = 20_000_000, 2e-4
-    start = ", start: {kind: mode, mode: 3, amplitude: 0.2}"
+    start = ", start: {kind: mode, number: 3, amplitude: 0.2 m}"
     file = folder / "long.yaml"
     file.write_text(STRING % (20, "", steps * step, steps * step / 200, step, start), encoding="utf-8")
     result = simulate(load(file))

@@ -7,10 +7,10 @@ second ago; one that was finished has it of all frames, and another one of all t
 
 from __future__ import annotations
 
-import mmap
+import os
 import zlib
 from pathlib import Path
-from typing import NamedTuple
+from typing import BinaryIO, NamedTuple
 
 from ropewalk.errors import RopewalkError
 
@@ -59,21 +59,22 @@ class Head(NamedTuple):
 class _Reader:
     """Numbers and texts of a header, one after the other; none of them reaches beyond the end of the file."""
 
-    def __init__(self, data: mmap.mmap) -> None:
-        self.data, self.at = data, len(_MAGIC)
+    def __init__(self, stream: BinaryIO) -> None:
+        self.stream, self.end = stream, stream.seek(0, os.SEEK_END)
+        self.at = stream.seek(len(_MAGIC))
 
     def number(self, size: int = 4) -> int:
         return int.from_bytes(self._take(size), "big")
 
     def _take(self, size: int) -> bytes:
-        if self.at + size > len(self.data):
+        if self.at + size > self.end:
             raise DamagedError("ends within its header")
         self.at += size
-        return self.data[self.at - size : self.at]
+        return self.stream.read(size)
 
     def padded(self, size: int) -> bytes:
         """Some bytes, which are followed by as many as make a multiple of four of them."""
-        if size > len(self.data) - self.at:
+        if size > self.end - self.at:
             raise DamagedError("ends within its header, or that is spoilt: something in it is larger than the file")
         found = self._take(size)
         self._take(-size % 4)
@@ -100,8 +101,7 @@ class _Reader:
         return found, places
 
 
-def _head(data: mmap.mmap) -> Head:
-    reader = _Reader(data)
+def _head(reader: _Reader) -> Head:
     frames = reader.number()
     lengths = []
     for _ in range(reader.count(_DIMENSION)):
@@ -125,9 +125,9 @@ def _head(data: mmap.mmap) -> Head:
         else:
             before = max(before, first + told)
     before = max(before, reader.at)
-    if before > len(data):
+    if before > reader.end:
         raise DamagedError("ends before its first frame")
-    begin = min(begins, default=len(data))
+    begin = min(begins, default=reader.end)
     if begin < before:
         raise DamagedError("has a spoilt header: its frames begin within what stands before them")
     return Head(frames, begin, size, attributes, places)
@@ -139,8 +139,8 @@ def head_of(path: Path) -> Head:
     Raises:
         DamagedError: there is none, or it makes no sense.
     """
-    with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
-        return _head(data)
+    with path.open("rb") as stream:
+        return _head(_Reader(stream))
 
 
 def frames_crc(path: Path, frames: int) -> int:
