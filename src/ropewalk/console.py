@@ -18,10 +18,12 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
+
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
 
-FAULT, BAD_INPUT, STOPPED_EARLY, DOUBTFUL, INTERRUPTED = 1, 2, 3, 4, 130
+FAULT, BAD_INPUT, STOPPED_EARLY, DOUBTFUL = 1, 2, 3, 4
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 FILM_SUFFIXES = (".gif", ".mp4")
 REPORT_SUFFIX = ".html"

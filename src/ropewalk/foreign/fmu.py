@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -13,7 +14,7 @@ from ropewalk.checkpoint import Tree
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.description import answered, told, wiring_of
 from ropewalk.foreign.isolation import Isolated
-from ropewalk.foreign.leaving import watch
+from ropewalk.foreign.leaving import watched
 from ropewalk.foreign.protocol import SeenLine, Touch
 from ropewalk.foreign.slave import Slave, Worker
 from ropewalk.mechanics.assembly import speed_table
@@ -38,10 +39,6 @@ class State:
     def __init__(self, number: int, t: float, pasts: list[_Past], worker: Worker) -> None:
         self.number, self.t, self.pasts = number, t, pasts
         weakref.finalize(self, worker.forget, number).atexit = False
-
-
-def _nothing() -> None:
-    """Nobody is watched."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +88,7 @@ class FmuModel:
             inputs, outputs = inputs + len(keys), outputs + len(others)
         self._inputs, self._outputs = [0.0] * inputs, [0.0] * outputs
         self._worker: Worker | None = None
-        self._unwatched: Callable[[], None] = _nothing
+        self._watched = ExitStack()
         self._t = 0.0
         self._pasts: list[_Past] = []
         self._grounds: list[float] = []
@@ -124,7 +121,7 @@ class FmuModel:
         if self._load.isolated:
             self._worker = Isolated(self._wiring, self._load.patience)
         else:
-            self._unwatched = watch(self._wiring.who)
+            self._watched.enter_context(watched(self._wiring.who))
             self._worker = Slave(self._wiring)
         self._outputs = self._worker.begin(self._inputs, self._until)
 
@@ -146,8 +143,7 @@ class FmuModel:
         worker, self._worker = self._worker, None
         if worker is not None:
             worker.close()
-        self._unwatched()
-        self._unwatched = _nothing
+        self._watched.close()
 
     @property
     def _at_work(self) -> Worker:

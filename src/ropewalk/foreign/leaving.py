@@ -5,7 +5,8 @@ from __future__ import annotations
 import atexit
 import ctypes
 import os
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from typing import Any
 
 _CODE = 1
@@ -13,12 +14,17 @@ _in_process: list[str] = []  # who is at work here
 _kept: list[Any] = []  # what C must find where it was
 
 
-def watch(who: str) -> Callable[[], None]:
-    """Let an end of the process be told as a failure as long as somebody is at work in it; returns how to stop that."""
+@contextmanager
+def watched(who: str) -> Iterator[None]:
+    """Let an end of the process be told as a failure as long as somebody is at work in it."""
     if not _kept:
         _register()
     _in_process.append(who)
-    return lambda: _in_process.remove(who)
+    try:
+        yield
+    finally:
+        with suppress(ValueError):  # Python itself has begun to end
+            _in_process.remove(who)
 
 
 def _register() -> None:

@@ -43,11 +43,11 @@ def digest() -> str:
 
 def _places() -> Iterator[Path]:
     """Folders that outlast the process, the best first."""
-    from platformdirs import user_cache_path
-
     if wanted := os.environ.get("NUMBA_CACHE_DIR"):
         yield Path(wanted)
     yield PACKAGE / "__pycache__"
+    from platformdirs import user_cache_path  # seldom needed
+
     with suppress(RuntimeError):  # there is no home
         yield user_cache_path("ropewalk", appauthor=False)
 
@@ -55,8 +55,8 @@ def _places() -> Iterator[Path]:
 @cache
 def folder() -> Path:
     """The folder of the kernels of these sources; it can be written."""
-    name, places, closed = _PREFIX + digest(), list(_places()), list[Path]()
-    for place in places:
+    name, closed = _PREFIX + digest(), list[Path]()
+    for place in _places():
         if _is_writable(place / name):
             break
         closed.append(place)
@@ -64,7 +64,7 @@ def folder() -> Path:
         place = _passing()
         warnings.warn(
             f"compiled kernels are kept in {place} as long as that lasts, for none of "
-            f"{', '.join(map(str, places))} can be written; NUMBA_CACHE_DIR names another folder",
+            f"{', '.join(map(str, closed))} can be written; NUMBA_CACHE_DIR names another folder",
             RuntimeWarning,
             stacklevel=2,
         )

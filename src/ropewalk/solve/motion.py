@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from ropewalk.solve.collocation import Workspace
 
 # How often a step looks at a node, about.
-EFFORT = {"verlet": 1, "rkn6": 11, "implicit": 100}
+_EFFORT = {"verlet": 1, "rkn6": 11, "implicit": 100}
 # A run that needs more steps than this between two outputs will not end within a day.
 MOST_STEPS = 10**11
 # No law holds so far: a link that is stretched to this many times its length has torn.
@@ -207,7 +207,7 @@ class Motion:
     def _advance(
         self, loads: Loads, state: State, room: Buffers | Workspace, bodies: Bodies | None, stop: float
     ) -> tuple[int, int]:
-        status, steps, most = TOO_MANY_STEPS, 0, portion(state.X.size, EFFORT[self.choice.method])
+        status, steps, most = TOO_MANY_STEPS, 0, portion(state.X.size, _EFFORT[self.choice.method])
         while status == TOO_MANY_STEPS and steps < MOST_STEPS:
             status, taken = self._advance_by(most, loads, state, room, bodies, stop)
             steps += taken
@@ -224,18 +224,8 @@ class Motion:
             return int(found[0]), int(found[1])
         kicks, drifts = RKN6 if self.choice.method == "rkn6" else VERLET
         arguments = (
-            self.strands,
-            loads,
-            state,
-            room,
-            kicks,
-            drifts,
-            float(stop),
-            float(self._step),
-            most,
-            self._ends,
-            bodies,
-        )
+            self.strands, loads, state, room, kicks, drifts, float(stop), float(self._step), most, self._ends, bodies,
+        )  # fmt: skip
         if not self._entries:
             self._entries.append(entry_of(advance, arguments))
         status, taken = self._entries[0](*arguments)
