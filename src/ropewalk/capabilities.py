@@ -43,7 +43,7 @@ def engine_of(asked: Parts | Scenario) -> Engine:
         return _of_networks(parts)
     if isinstance(parts.run, Linear):
         return LINEAR
-    return _of_beams(parts) if parts.is_stiff else SYSTEM if _is_linearised(parts) else ROPES
+    return _of_beams(parts) if parts.is_stiff else _of_ropes(parts)
 
 
 def is_system_linearised(scenario: Scenario) -> bool:
@@ -53,6 +53,12 @@ def is_system_linearised(scenario: Scenario) -> bool:
 
 def _is_linearised(parts: Parts) -> bool:
     return isinstance(parts.run, Dynamic) and parts.run.geometry == "linearised"
+
+
+def _of_ropes(parts: Parts) -> Engine:
+    """The engine of the system for motions in ways that only lines of that go."""
+    run = parts.run
+    return SYSTEM if isinstance(run, Dynamic) and (_is_linearised(parts) or run.axial_inertia != 1.0) else ROPES
 
 
 def _of_networks(parts: Parts) -> Engine:
@@ -75,14 +81,16 @@ def _for_webs_only(parts: Parts) -> bool:
 def _of_beams(parts: Parts) -> Engine:
     """The engine of the system for motions of lines that are slack or have inner supports, or if it supports more.
 
-    Linearised motions of straight lines are vertical only with the other one, which is faster for it.
+    Linearised motions of straight lines are vertical only with the other one, which is faster for it; with an axial
+    inertia it takes longer steps.
     """
     if parts.overhead:
         return WIRES
     refused, slack = _refused(SYSTEM, parts), False
     for line in parts.lines.values():
         slack = slack or (line is not None and (line.length or 0.0) > line.distance)
-    better = isinstance(parts.run, Dynamic) and (slack or (parts.is_supported and not _is_linearised(parts)))
+    better = slack or (parts.is_supported and not _is_linearised(parts))
+    better = better and isinstance(parts.run, Dynamic) and parts.run.axial_inertia == 1.0
     return SYSTEM if refused < _refused(WIRES, parts) or (better and not refused) else WIRES
 
 

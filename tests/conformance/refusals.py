@@ -26,6 +26,7 @@ _PATTERNS = {
         "a line without bending stiffness turns freely": r"a line without bending stiffness turns freely",
         "small motion is about a straight line, no buckled one": r"a line longer than its chord is a strut",
         "a net has no axis to whirl about": r"a net has no axis to whirl about",
+        "a net has no axis along which to be heavier": r"a net has no axis along which its inertia",
         "there are no loads to begin at rest with": r"run\.start\.with_loads: there are no loads",
         "two things set the tension": r"does not come to rest with its tension|both set its tension",
         "a given force is no vehicle": r"of kind force is only a force; what can be exported",
@@ -53,7 +54,7 @@ _PATTERNS = {
         "linear theory knows few loads with a mass": rf"(a mass|a load|\.kind:|lift).* {_NOT} kind: linear",
         "nets do not move linearised":
             rf"run\.geometry: (linearised geometry )?{_NOT}|nets\.[^:]*: {_NOT} small motion",
-        "axial inertia of stiff lines only": rf"axial_inertia: {_NOT}",
+        "no axial inertia over sheaves": rf"axial_inertia: {_NOT}",
         "sixth order for ropes under forces only": rf"rkn6 with .* {_NOT}",
         "feedback on single ropes only": rf"{_NOT} a run without feedback",
         "no implicit method with masses": rf"implicit with a load with a mass {_NOT}",

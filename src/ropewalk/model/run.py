@@ -110,8 +110,8 @@ class Dynamic(Declaration):
     )
     axial_inertia: Factor = Field(
         default=1.0,
-        description="with nonlinear geometry, factor on their mass for motion along x, whose waves limit the step: 4 "
-        "doubles it, at some error",
+        description="with nonlinear geometry, factor on their mass for motion along lines as they rest (of stiff and "
+        "overhead lines: along x), whose waves limit the step: 4 doubles it, at some error",
     )
 
     @property
@@ -129,7 +129,7 @@ class Dynamic(Declaration):
             wrong, remedy = "below 1 the step would shrink", "write 1 or more, or leave it out"
             findings.append(Finding(("axial_inertia",), wrong, f"{self.axial_inertia:g}", remedy))
         elif self.axial_inertia != 1.0 and self.geometry != "nonlinear":
-            remedy = "leave it out: nothing moves along x"
+            remedy = "leave it out, or write geometry: nonlinear"
             findings.append(
                 Finding(("axial_inertia",), "goes with nonlinear geometry only", f"{self.axial_inertia:g}", remedy)
             )

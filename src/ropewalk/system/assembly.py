@@ -34,6 +34,7 @@ from ropewalk.model.walker import Walker
 from ropewalk.system.bodies import BLOWN, Bodies
 from ropewalk.system.capabilities import between_nodes
 from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
+from ropewalk.system.inertia import Inertia
 from ropewalk.system.laying import Nets
 from ropewalk.system.structure import About, Holdings, Lines, Nodes, Runs, Structure, Wind
 from ropewalk.system.tethers import TETHER
@@ -211,7 +212,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
             np.concatenate([[0], np.cumsum(count)[:-1]]).astype(np.int64), count.astype(np.int64), np.array(begin),
             np.array(lengths),
         ),
-        holdings, _wind(scenario, until, axes), About.nothing(dim), surfaces,
+        holdings, _wind(scenario, until, axes), About.nothing(dim), Inertia.nothing(dim), surfaces,
     )  # fmt: skip
     where = {int(n): e for e in range(holdings.mass.size) for n in holdings.members(e)}
     at_ends = {end.name: int(np.flatnonzero(original == end.node)[0]) for end in laid.ends}

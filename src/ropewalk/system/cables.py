@@ -23,6 +23,7 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.rider import look_up
 from ropewalk.system.compliance import CORRECTION, SHORT, SMOOTH
+from ropewalk.system.inertia import hold_back
 
 ARC, SHORT_ARC = CORRECTION / 48.0, SHORT / 48.0
 
@@ -270,6 +271,8 @@ def blow(structure, room, r, v, t, h):
             for a in range(axes):
                 for i in range(r.shape[1]):
                     room.guess[a, i] = v[a, i] + 0.5 * h * light[i] * (room.force[a, i] + room.air[a, i])
+            if structure.inertia.along.shape[1] > 0:
+                hold_back(structure, room.guess, v)
             _guess_held(structure, room, h)
     for a in range(axes):
         for i in range(r.shape[1]):

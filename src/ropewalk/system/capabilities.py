@@ -81,6 +81,9 @@ def _on_nets(parts: Parts) -> Iterator[Finding]:
     """A net has no chord across which something could be to the side, and no one direction that holds a force."""
     if parts.nets and isinstance(parts.run, Dynamic) and parts.run.start.whirl:
         yield Finding(("run", "start", "whirl"), "a net has no axis to whirl about", "true", "leave whirl out")
+    if parts.nets and isinstance(parts.run, Dynamic) and parts.run.axial_inertia != 1.0:
+        wrong, remedy = "a net has no axis along which its inertia could be larger", "leave axial_inertia out"
+        yield Finding(("run", "axial_inertia"), wrong, f"{parts.run.axial_inertia:g}", remedy)
     for name, load in parts.loads.items():
         if load is None or load.on not in parts.nets:
             continue
@@ -102,6 +105,7 @@ _ALIKE = {
         "run.method",
         "run.start.whirl",
         "run.geometry",
+        "run.axial_inertia",
         "lines.bending_stiffness",
         "lines.foundation",
         "loads.air_drag",

@@ -186,6 +186,7 @@ class FrameBuilder:
         on = contacts[contacts["state"] == ON]
         swept = 0.5 * float((on["carried"][:, None] * on["d"] ** 2).sum())
         kinetic = 0.5 * float((nodes.mass * state.v**2).sum() + (held.mass * state.v[:, first] ** 2).sum())
+        kinetic += self.assembled.structure.inertia.kinetic(nodes.mass, state.v, state.v[:, first])
         weight = float((nodes.force * state.r).sum() + (held.force.T * state.r[:, first]).sum())
         for e in range(held.mass.size):
             part = slice(int(held.table[e]), int(held.table[e] + held.entries[e]))

@@ -9,6 +9,7 @@ from ropewalk.mechanics.rider import look_up
 from ropewalk.system.bodies import LEAVES, STAYS, arrive, balance, drift, ground, kick
 from ropewalk.system.cables import blow, energy_of, guess, pull_all, stretch_all
 from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, bend, press
+from ropewalk.system.inertia import kick_along
 from ropewalk.system.structure import CARRIED, DAMPED, DRIVEN, HELD, LOADED, MOVED, RUBBED, STRUCK
 from ropewalk.system.surfaces import damp_surfaces, follow, hand_over, is_damped, pull_surfaces, stored_in
 from ropewalk.system.tethers import gap, grow
@@ -137,6 +138,10 @@ def _kick_holdings(structure, room, state, h, dt, A, b):
             for c in range(axes):
                 A[a, c] = 0.5 * h * held.damping[e, a, c] + 0.25 * dt * dt * held.stiffness[e, a, c]
                 A[a, c] += (M + 0.5 * h * drag) * held.free[e, a, c] + (1.0 if a == c else 0.0) - held.free[e, a, c]
+        if structure.inertia.held.shape[0] > 0:
+            for a in range(axes):
+                for c in range(axes):
+                    A[a, c] += structure.inertia.held[e, a, c]
         _cramer(A, b, axes)
         lost = 0.0
         for a in range(axes):
@@ -156,6 +161,9 @@ def _kick_holdings(structure, room, state, h, dt, A, b):
         state.work[DAMPED] += h * lost
         for a in range(axes):
             room.reaction[e, a] += (M - held.mass[e]) * b[a] / h + drag * (v[a, first] + 0.5 * b[a])
+            if structure.inertia.held.shape[0] > 0:
+                for c in range(axes):
+                    room.reaction[e, a] += structure.inertia.held[e, a, c] * b[c] / h
         for i in range(held.first[e], held.first[e] + held.nodes[e]):
             for a in range(axes):
                 v[a, held.node[i]] += b[a]
@@ -317,7 +325,10 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
         state.work[DAMPED] += h * lost
         state.work[LOADED] += h * blown
         _book(structure, contacts, state)
-        state.work[DAMPED] += _kick_nodes(structure, room, state, h, dragged)
+        if structure.inertia.along.shape[1] > 0:
+            state.work[DAMPED] += kick_along(structure, room, state, h)
+        else:
+            state.work[DAMPED] += _kick_nodes(structure, room, state, h, dragged)
         _kick_holdings(structure, room, state, h, dt, A, b)
         kick(contacts, bodies, state, h, half)
         if step < steps and not asked:

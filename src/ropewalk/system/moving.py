@@ -33,6 +33,7 @@ from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
 from ropewalk.system.frames import FrameBuilder
 from ropewalk.system.holding import on_friction
+from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.stability import SAFETY, largest_step
 from ropewalk.system.standing import Carried, Standing
@@ -85,6 +86,9 @@ class Motion:
         if asked.geometry == "linearised":
             self.structure = about_rest(self.structure, self.rest)
             self._refuse_limp(scenario)
+        if asked.axial_inertia != 1.0:
+            self.structure = with_inertia(self.structure, self.rest, asked.axial_inertia)
+            remark_inertia(account, asked.axial_inertia, self.structure, self.rest, self.assembled.line)
         self.assembled = replace(self.assembled, structure=self.structure)
         loading = loading_of(scenario, asked.until, axes=axes)
         self.loading = loading
@@ -111,6 +115,7 @@ class Motion:
         account.reason = "Verlet's method for all nodes and bodies; contacts on a spline of the fourth order"
         windy = scenario.wind is not None and not scenario.wind.is_calm
         self._builder = FrameBuilder(self.assembled, loading, self.bodies, windy)
+        self._turned = np.zeros(1, dtype=np.int64)  # 1: it has been said that lines have turned far
         self._fast = np.zeros(self.contacts.size, dtype=np.int64)  # frames in which each was faster than waves
         self._slipped = np.zeros(self.contacts.size, dtype=np.int64)  # 1: it has been said that friction is not enough
         if asked.start.with_loads:
@@ -276,6 +281,7 @@ class Motion:
     def remark(self, frame: Frame) -> None:
         """Doubt kinks that are carried along faster than transverse waves; ask whether friction is enough."""
         runs = self.structure.runs
+        self._ask_turned(frame.path)
         for k, (wheel, contact) in enumerate(zip(self.loading.wheels, self.contacts, strict=True)):
             if contact["state"] != ON:
                 continue
@@ -287,6 +293,18 @@ class Motion:
                 self._fast[k] += 1
                 if self._fast[k] > LONG * self.times.size:
                     self._doubt(wheel.name, wheel.load, float(contact["speed"]), frame.path)
+
+    def _ask_turned(self, t: float) -> None:
+        """Note once where lines with an axial inertia have turned so far that the step may be too long."""
+        if self._turned[0] or not self.structure.inertia.along.size:
+            return
+        stable = largest_step(self.structure, self.contacts, self.bodies, self.state.r, self.rest) / SAFETY
+        if self._step > stable:
+            self._turned[0] = 1
+            self.account.warnings.append(
+                f"at t = {t:.4g} s lines have turned so far that run.axial_inertia is of less use: the step of "
+                f"{self._step:.3g} s is stable for certain only below {stable:.3g} s"
+            )
 
     def _ask_friction(self, k: int, frame: Frame) -> None:
         """Note once where the friction of a prescribed travel is not enough."""
@@ -324,4 +342,7 @@ class Motion:
         self._asking.set_state(tree["guides"])
 
     def _changing(self) -> dict[str, Any]:
-        return {**self._system().changing(), "loads": {"fast": self._fast, "slipped": self._slipped}}
+        return {
+            **self._system().changing(),
+            "loads": {"fast": self._fast, "slipped": self._slipped, "turned": self._turned},
+        }

@@ -12,6 +12,7 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.fleet import FIRM
 from ropewalk.system.bodies import Bodies
 from ropewalk.system.compliance import CORRECTION, SHORT
+from ropewalk.system.inertia import stiffer
 from ropewalk.system.structure import Structure
 from ropewalk.webs.fabric import bounds_of_cells
 
@@ -21,30 +22,38 @@ SAFETY, WITHOUT_LOADS = 0.7, 0.9
 SAFETY_OF_NETS = 0.5
 # Largest eigenvalues of the differences of links: of the second one squared with that of its change, over 4.
 _BENDING = 80.0 / 3.0
+# Square of the angle by which lines are expected to turn from where they are heavier along than across.
+_TURNED = 0.15**2
 _ARCS = 1.0 + CORRECTION / 3.0 + 2.0 * SHORT / 3.0
 
 
-def largest_step(structure: Structure, contacts: Any, bodies: Bodies, r: Array) -> float:
+def largest_step(structure: Structure, contacts: Any, bodies: Bodies, r: Array, rest: Array | None = None) -> float:
     """The step that is used at most, s: 2/omega (sqrt(1 + zeta^2) - zeta) with bounds of frequency and damping.
 
     Args:
         structure: what moves.
         contacts: of what it carries.
         bodies: what it carries.
-        r: (axis, node) m, at rest.
+        r: (axis, node) m.
+        rest: (axis, node) m, if they are not there.
     """
     runs, steps = structure.runs, [np.inf]
     around, viscous = of_cells(structure)
+    eased = stiffer(structure, r, r if rest is None else rest) if structure.inertia.along.size else None
     for s in np.flatnonzero(runs.firm == 0.0):
         part = slice(runs.first[s], runs.first[s] + runs.links[s] + 1)
         length = np.sqrt((np.diff(r[:, part], axis=1) ** 2).sum(axis=0))
         strain = np.concatenate([length / runs.h[s] - 1.0, [0.0]])
-        stretched = float(law.tangents(runs.law[s], strain).max())
+        stretched = law.tangents(runs.law[s], strain)
         taut = float(law.tensions(runs.law[s], strain).max()) * _ARCS
         h, rho = runs.h[s], runs.rho[s]
-        square = 4.0 * max(stretched, taut) / (rho * h * h) + _BENDING * runs.bending[s] / (rho * h**4)
+        stiffest, viscosity = float(stretched.max()), runs.damping[s]
+        if eased is not None:
+            own = np.minimum(eased[part][:-1] + _TURNED, 1.0)
+            stiffest, viscosity = taut + float((own * stretched[:-1]).max()), viscosity * float(own.max())
+        square = 4.0 * max(stiffest, taut) / (rho * h * h) + _BENDING * runs.bending[s] / (rho * h**4)
         square += runs.bed[s] / rho
-        rate = 4.0 * runs.damping[s] / (rho * h * h)
+        rate = 4.0 * viscosity / (rho * h * h)
         if around.size:  # edge cables bear cells, too
             square, rate = square + float(around[part].max()), rate + float(viscous[part].max())
             around[part] = 0.0

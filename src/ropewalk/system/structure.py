@@ -13,6 +13,7 @@ import numpy as np
 
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import records
+from ropewalk.system.inertia import Inertia
 from ropewalk.system.surfaces import Surfaces
 
 
@@ -112,6 +113,7 @@ class Structure(NamedTuple):
     holdings: Holdings
     wind: Wind
     about: About
+    inertia: Inertia
     surfaces: Surfaces | None
 
     @property
