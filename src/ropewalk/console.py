@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
+from ropewalk.interrupts import is_interrupted
 
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
@@ -192,6 +193,8 @@ def _explain(problem: Exception, partial: Path | None) -> None:
 
         problem = placed(problem, *read)
     if not isinstance(problem, RopewalkError):
+        if is_interrupted():  # what libraries make of it
+            fail("interrupted" + (f"; what was computed is kept in {partial}" if partial else ""), INTERRUPTED)
         kind = type(problem).__name__
         say(f"ropewalk failed ({kind}: {problem}); this is a fault of ropewalk, not of your input")
         fail("please report it with what `ropewalk --traceback ...` says on the same command", FAULT)

@@ -1,20 +1,26 @@
 """Ctrl-C, SIGTERM and a lost terminal end a command soon, whatever it is at.
 
 Python hears signals between its own instructions only. Kernels are called for portions of their work
-(`mechanics.portions`); the compiler cannot be left halfway, so while it is at work the process ends at once.
+(`mechanics.portions`); the compiler cannot be left halfway, so while it is at work the process ends at once. Where an
+exception would be lost (while modules are imported, in destructors) the signal is heard once more a little later.
 """
 
 from __future__ import annotations
 
+import _thread
 import os
 import signal
 import socket
 import sys
 import threading
+import time
 from types import FrameType
+from typing import Any
 
 EXIT_CODE = 130  # what shells say of a program that Ctrl-C has ended
 _SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
+_AGAIN = 0.01  # s until a signal is heard once more
+_IMPORTS = 0.3  # s that imports may go on when a signal has been heard: what they are in the middle of is lost
 
 
 class _Heard:
@@ -22,7 +28,10 @@ class _Heard:
 
     def __init__(self) -> None:
         self.signal = 0
+        self.since = 0.0  # s on a clock, when it was heard first
         self.compiling = 0  # compilations under way, one within the other
+        self.again = False  # whether it is to be heard once more
+        self.waker: socket.socket | None = None  # of the thread that sees to that
 
 
 _heard = _Heard()
@@ -46,24 +55,66 @@ def listen() -> None:
         signal.signal(number, _interrupt)
     ours, theirs = socket.socketpair()
     theirs.setblocking(False)
-    signal.set_wakeup_fd(theirs.detach(), warn_on_full_buffer=False)
+    _heard.waker = theirs
+    signal.set_wakeup_fd(theirs.fileno(), warn_on_full_buffer=False)
+    sys.unraisablehook = _lost
     threading.Thread(target=_watch, args=(ours, frozenset(wanted)), daemon=True).start()
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    _heard.signal = number
+    if not _heard.signal:
+        _heard.signal, _heard.since = number, time.monotonic()
     if _heard.compiling:
-        _leave()
-    raise KeyboardInterrupt
+        _leave("interrupted while compiling")
+    if not _imports(frame):
+        raise KeyboardInterrupt
+    if time.monotonic() > _heard.since + _IMPORTS:
+        _leave("interrupted")
+    _hear_again()
+
+
+def _imports(frame: FrameType | None) -> bool:
+    """Whether modules are being imported; what extension modules make of an exception then is anything."""
+    while frame is not None:
+        if frame.f_globals.get("__name__") == "importlib._bootstrap":
+            return True
+        frame = frame.f_back
+    return False
+
+
+def _lost(found: Any) -> None:
+    """What is raised in a destructor goes no further: an interrupt is heard once more, everything else is told."""
+    if is_interrupted() and issubclass(found.exc_type, KeyboardInterrupt):
+        _hear_again()
+    else:
+        sys.__unraisablehook__(found)
+
+
+def _hear_again() -> None:
+    _heard.again = True
+    if _heard.waker is not None:
+        _heard.waker.send(bytes([_heard.signal]))
 
 
 def _watch(ours: socket.socket, wanted: frozenset[int]) -> None:
     """Wait for signals beside the compiler, which does not let the main thread hear them."""
     while numbers := ours.recv(64):
         if _heard.compiling and wanted.intersection(numbers):
-            _leave()
+            _leave("interrupted while compiling")
+        if _heard.again:
+            _heard.again = False
+            time.sleep(_AGAIN)
+            _send(_heard.signal)
 
 
-def _leave() -> None:
-    os.write(sys.__stderr__.fileno() if sys.__stderr__ is not None else 2, b"interrupted while compiling\n")
+def _send(number: int) -> None:
+    """Send the main thread a signal, which ends what it waits for."""
+    if hasattr(signal, "pthread_kill") and (main := threading.main_thread().ident) is not None:
+        signal.pthread_kill(main, number)
+    else:
+        _thread.interrupt_main(number)
+
+
+def _leave(message: str) -> None:
+    os.write(sys.__stderr__.fileno() if sys.__stderr__ is not None else 2, f"{message}\n".encode())
     os._exit(EXIT_CODE)

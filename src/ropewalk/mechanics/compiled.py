@@ -52,7 +52,8 @@ class _Compiling(events.Listener):
         note_compiling(False)
 
 
-events.register("numba:compiler_lock", _Compiling())
+# Not of its lock: that is taken as well to fetch a kernel from the cache.
+events.register("numba:compile", _Compiling())
 
 
 def records(count: int, kind: np.dtype[Any]) -> Any:

@@ -14,6 +14,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
+import xarray as xr  # slow, and first used at the end: somebody who interrupts a run does not wait for it then
 
 from ropewalk.checkpoint import Tree
 from ropewalk.results import checksums, contract
@@ -25,8 +26,6 @@ from ropewalk.results.target import alone, check_target
 from ropewalk.results.verdict import Watch
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from ropewalk.model import Scenario
     from ropewalk.results.running import Run
 
@@ -197,8 +196,6 @@ class _Memory:
         """Nothing is kept from others."""
 
     def result(self, account: Account) -> xr.Dataset:
-        import xarray as xr
-
         path, arrays = self._layout.path, self._arrays
         values, size = contract.coordinate_values(self._layout), contract.sizes(self._layout)
         coordinates = {

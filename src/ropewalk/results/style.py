@@ -7,12 +7,11 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.colors import LinearSegmentedColormap
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.colors import LinearSegmentedColormap
 
 # Okabe and Ito (2008), https://jfly.uni-koeln.de/color/, without the yellow that vanishes on white
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY, BLACK = (
@@ -43,6 +42,9 @@ _TITLE: dict[str, Any] = {"fontsize": TITLE, "color": INK, "fontweight": "bold"}
 
 def colours(name: str) -> LinearSegmentedColormap:
     """The part of a colour map that is easy to see on white."""
+    from matplotlib import colormaps  # the summary of a run looks in here, too, and draws nothing
+    from matplotlib.colors import LinearSegmentedColormap
+
     return LinearSegmentedColormap.from_list(name, colormaps[name](np.linspace(*RANGE, 256)))
 
 
