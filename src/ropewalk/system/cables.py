@@ -126,6 +126,14 @@ def _resist(c, h, strain, before, rate, tension, begin, n, dt):
 
 
 @lean_inner
+def _over_length(tension, length, pull, begin, n):
+    """Tension over length."""
+    T, L, q = tension[begin : begin + n], length[begin : begin + n], pull[begin : begin + n]
+    for i in range(n):
+        q[i] = T[i] / max(L[i], 1e-300)
+
+
+@lean_inner
 def _pull(x, force, bent, moment, pull, begin, n, h, bending, arcs, clamp0, clamp1):
     """Add the forces of links and bending to one component."""
     a, f, d = x[begin : begin + n + 1], force[begin : begin + n + 1], bent[begin : begin + n + 1]
@@ -195,8 +203,7 @@ def pull_all(structure, room, r, dt):
         if small:
             _changes(about.links, room, begin, n, h)
         else:
-            for i in range(begin, begin + n):
-                room.pull[i] = room.tension[i] / max(room.length[i], 1e-300)
+            _over_length(room.tension, room.length, room.pull, begin, n)
         x, bent, pull, bending = r, room.bent, room.pull, runs.bending[s]
         for again in range(2 if small else 1):
             if again == 1:  # by what changes, links pull at the places of rest
