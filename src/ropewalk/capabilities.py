@@ -43,7 +43,7 @@ def engine_of(asked: Parts | Scenario) -> Engine:
         return _of_networks(parts)
     if isinstance(parts.run, Linear):
         return LINEAR
-    return _of_beams(parts) if parts.is_stiff else SYSTEM if _is_linearised(parts) else ROPES
+    return _of_beams(parts) if parts.is_stiff else _of_ropes(parts)
 
 
 def is_system_linearised(scenario: Scenario) -> bool:
@@ -55,6 +55,18 @@ def _is_linearised(parts: Parts) -> bool:
     return isinstance(parts.run, Dynamic) and parts.run.geometry == "linearised"
 
 
+def _of_ropes(parts: Parts) -> Engine:
+    """The engine of ropes, or that of the system for small motion and for methods of which it supports more."""
+    if _is_linearised(parts):
+        return SYSTEM
+    return SYSTEM if _asks_for_a_method(parts) and _refused(SYSTEM, parts) < _refused(ROPES, parts) else ROPES
+
+
+def _asks_for_a_method(parts: Parts) -> bool:
+    """Whether it names one that only ropes and the system have."""
+    return isinstance(parts.run, Dynamic) and parts.run.method in ("rkn6", "implicit")
+
+
 def _of_networks(parts: Parts) -> Engine:
     """The engine that supports what is asked of lines, or more of it than the other one.
 
@@ -64,7 +76,7 @@ def _of_networks(parts: Parts) -> Engine:
     if _for_webs_only(parts):
         return WEBS
     refused, moves = _refused(SYSTEM, parts), isinstance(parts.run, Dynamic)
-    better = (moves and not refused) or _is_linearised(parts) or bool(parts.nets)
+    better = (moves and not refused) or _is_linearised(parts) or bool(parts.nets) or _asks_for_a_method(parts)
     return SYSTEM if better or refused < _refused(WEBS, parts) else WEBS
 
 
@@ -79,6 +91,8 @@ def _of_beams(parts: Parts) -> Engine:
     """
     if parts.overhead:
         return WIRES
+    if _asks_for_a_method(parts):
+        return SYSTEM
     refused, slack = _refused(SYSTEM, parts), False
     for line in parts.lines.values():
         slack = slack or (line is not None and (line.length or 0.0) > line.distance)
