@@ -56,9 +56,16 @@ def _is_linearised(parts: Parts) -> bool:
 
 
 def _of_ropes(parts: Parts) -> Engine:
-    """The engine of the system for motions in ways that only lines of that go."""
+    """The engine of ropes, or that of the system for motions in ways that only lines of that go."""
     run = parts.run
-    return SYSTEM if isinstance(run, Dynamic) and (_is_linearised(parts) or run.axial_inertia != 1.0) else ROPES
+    if isinstance(run, Dynamic) and (_is_linearised(parts) or run.axial_inertia != 1.0):
+        return SYSTEM
+    return SYSTEM if _asks_for_a_method(parts) and _refused(SYSTEM, parts) < _refused(ROPES, parts) else ROPES
+
+
+def _asks_for_a_method(parts: Parts) -> bool:
+    """Whether it names one that only ropes and the system have."""
+    return isinstance(parts.run, Dynamic) and parts.run.method in ("rkn6", "implicit")
 
 
 def _of_networks(parts: Parts) -> Engine:
@@ -70,7 +77,7 @@ def _of_networks(parts: Parts) -> Engine:
     if _for_webs_only(parts):
         return WEBS
     refused, moves = _refused(SYSTEM, parts), isinstance(parts.run, Dynamic)
-    better = (moves and not refused) or _is_linearised(parts) or bool(parts.nets)
+    better = (moves and not refused) or _is_linearised(parts) or bool(parts.nets) or _asks_for_a_method(parts)
     return SYSTEM if better or refused < _refused(WEBS, parts) else WEBS
 
 
@@ -86,6 +93,8 @@ def _of_beams(parts: Parts) -> Engine:
     """
     if parts.overhead:
         return WIRES
+    if _asks_for_a_method(parts):
+        return SYSTEM
     refused, slack = _refused(SYSTEM, parts), False
     for line in parts.lines.values():
         slack = slack or (line is not None and (line.length or 0.0) > line.distance)

@@ -55,7 +55,7 @@ _PATTERNS = {
         "nets do not move linearised":
             rf"run\.geometry: (linearised geometry )?{_NOT}|nets\.[^:]*: {_NOT} small motion",
         "no axial inertia over sheaves": rf"axial_inertia: {_NOT}",
-        "sixth order for ropes under forces only": rf"rkn6 with .* {_NOT}",
+        "the sixth order is for what does not damp": rf"rkn6 with .* {_NOT}",
         "feedback on single ropes only": rf"{_NOT} a run without feedback",
         "no implicit method with masses": rf"implicit with a load with a mass {_NOT}",
         "linear theory: forces that enter at an end": rf"constant force that enters at an end .*{_NOT}",

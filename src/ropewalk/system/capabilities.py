@@ -17,6 +17,7 @@ from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
+from ropewalk.system.methods import of_methods
 from ropewalk.webs import capabilities as webs
 
 _SYSTEM = "joined lines, nets, lines on inner supports, lines in wind and lines with bending stiffness"
@@ -57,6 +58,14 @@ def _joined_to(name: str, parts: Parts) -> Iterator[float]:
         for _, support in other.ends() if other is not None else ():
             if isinstance(support, Joined) and support.to == name and isinstance(support.at, float):
                 yield support.at
+
+
+def _accuracy(parts: Parts) -> Iterator[Finding]:
+    """Verlet's steps are as long as they are stable; what that makes of the accuracy is not known."""
+    run = parts.run
+    if isinstance(run, Dynamic) and run.accuracy is not None and run.method not in ("rkn6", "implicit"):
+        remedy = "write method: rkn6 or implicit, or step, or leave accuracy out"
+        yield missing(("run", "accuracy"), f"{_SYSTEM} by Verlet's method", f"{run.accuracy:g} m", remedy)
 
 
 def _of_loads(parts: Parts) -> Iterator[Finding]:
@@ -103,6 +112,7 @@ _ALIKE = {
     not in (
         "run.kind",
         "run.method",
+        "run.accuracy",
         "run.start.whirl",
         "run.geometry",
         "run.axial_inertia",
@@ -122,7 +132,7 @@ MOTION = replace(
     what=_SYSTEM,
     only={
         "run.kind": ("dynamic",),
-        "run.method": webs.MOTION.only["run.method"],
+        "run.method": ("auto", "explicit", "verlet", "rkn6"),
         "run.window": (None,),
         **_ALIKE,
         "loads.kind": (
@@ -139,7 +149,7 @@ MOTION = replace(
         ),
         "loads.contact": ("clamped", "frictionless"),
     },
-    more=(_only_lines, _joined_between_nodes, _of_loads, _on_nets, supported_by_tension),
+    more=(_accuracy, _only_lines, _joined_between_nodes, _of_loads, _on_nets, supported_by_tension, of_methods),
 )
 AT_REST = replace(
     MOTION,

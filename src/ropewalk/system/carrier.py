@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -18,6 +18,7 @@ from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.fleet import FIRM
 from ropewalk.mechanics.portions import portions
 from ropewalk.system import motion
+from ropewalk.system.arrivals import next_change
 from ropewalk.system.bodies import Bodies, with_step
 from ropewalk.system.contacts import AWAY, BODY, ON
 from ropewalk.system.spline import WIDTH, share
@@ -42,6 +43,7 @@ class System(NamedTuple):
     out: Array
     A: Array
     b: Array
+    method: tuple[Array, Array]  # kicks and drifts of a step
 
     def go(self, end: float, longest: float, alone: bool = False) -> tuple[int, int]:
         """Go on to a time in s by equal steps.
@@ -57,16 +59,31 @@ class System(NamedTuple):
         begin = float(self.state.t[0])
         steps = max(1, int(np.ceil((end - begin) / longest - 1e-9)))
         dt = (end - begin) / steps
-        if alone:
+        if alone and self.is_verlet:
             self.contacts["step"] = dt
         self.bodies.inverse[:] = with_step(self.bodies, dt).inverse
-        for part in portions(steps, self.state.r.shape[1]):
+        for part in portions(steps, self.state.r.shape[1], self.method[1].size):
             status = int(motion.advance(*self, dt, part)[0])
             if status != motion.RUNNING:
                 break
         if status in (motion.RUNNING, motion.NOT_FINITE):
             self.state.t[0] = end
         return status, steps if status == motion.RUNNING else round((float(self.state.t[0]) - begin) / dt)
+
+    @property
+    def is_verlet(self) -> bool:
+        """Whether the method is Verlet's, in whose steps stiff contacts and supports give way."""
+        return bool(self.method[1].size == 1)
+
+    def pieces(self, end: float) -> Iterator[float]:
+        """Instants up to a time in s to which steps of higher order go: contacts come, leave and stop between two."""
+        while not self.is_verlet and (found := next_change(self, end)) is not None:
+            before, after = found
+            if before > self.state.t[0]:
+                yield before
+            self.state.t[0] = after
+            motion.advance(*self, 0.0, motion.LOOK)
+        yield end
 
     def settle(self) -> None:
         """Find all forces anew after contacts have changed; what jumps with them has no rate that damps."""
@@ -355,8 +372,12 @@ class SystemCarrier:
 
     def go(self, end: float) -> int:
         """Go on to a time in s where nobody is asked on the way; returns what has come of it."""
-        status, steps = self.system.go(end, self.longest, alone=True)
-        self.steps += steps
+        status = motion.RUNNING
+        for until in self.system.pieces(end):
+            status, steps = self.system.go(until, self.longest, alone=True)
+            self.steps += steps
+            if status != motion.RUNNING:
+                break
         return status
 
     def to(self, end: float) -> int:

@@ -1,4 +1,8 @@
-"""Motion of a structure and of all that it carries: one loop of kicks and drifts, the whole of it compiled."""
+"""Motion of a structure and of all that it carries: one loop of kicks and drifts, the whole of it compiled.
+
+A step is kick b1, drift a1, kick b2, ..., drift am, kick b(m+1) with the coefficients of `solve/composition.py`. The
+last kick of a step and the first of the next need the same forces, which are found once.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +20,7 @@ from ropewalk.system.tethers import gap, grow
 from ropewalk.system.travel import fade, locate
 
 RUNNING, NOT_FINITE, AT_END, ASKED = 0, 1, 2, 3
-SETTLE, LOCATE, LOOK = -2, -1, 0  # instead of a number of steps
+GIVEN, SETTLE, LOCATE, LOOK = -3, -2, -1, 0  # instead of a number of steps
 
 
 @inlined
@@ -31,7 +35,7 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
 
     Args:
         dt: s, for which the wind will kick.
-        since: s, since they were looked at before; 0: what damps does not act.
+        since: s, since they were looked at before; 0: what damps does not act; negative: they have gone back in time.
         steps: as of `advance`.
 
     Returns:
@@ -51,8 +55,9 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
         return 0.0, 0.0, 0.0
     if since > 0.0:
         state.work[STRUCK] += fade(room, contacts, since)
-    _let_go(contacts, bodies)
-    if bodies.mass.size > 0:  # a call hands all arrays on, which costs as much as fifty nodes
+    if steps != GIVEN:
+        _let_go(contacts, bodies)
+    if steps != GIVEN and bodies.mass.size > 0:  # a call hands all arrays on, which costs as much as fifty nodes
         arrive(structure, contacts, bodies, state)
         balance(structure, room, contacts, bodies, state, table, out, since)
     bend(structure, room, contacts, state, table, out)
@@ -294,35 +299,41 @@ def _is_finite(r, v):
 
 
 @lean
-def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, dt, steps):
+def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, method, dt, steps):
     """Move a state by some steps of the length dt in s. One kernel for all, which is compiled once.
 
     Args:
+        method: its kicks and drifts.
         steps: LOOK: nothing moves, and forces are found at the places of now; SETTLE: the same after contacts have been
-            put down, taken up or pressed elsewise, which does work; LOCATE: contacts are located only.
+            put down, taken up or pressed elsewise, which does work; LOCATE: contacts are located only; GIVEN: as LOOK,
+            with coordinates without mass where they are.
 
     Returns:
         RUNNING, or what went wrong; and, if nothing moves, the energy stored in all runs with their kinks, J.
     """
-    windy, dragged, stored = False, False, 0.0
+    kicks, drifts = method
+    windy, dragged, stored, stages = False, False, 0.0, drifts.size
     for a in range(state.r.shape[0]):
         windy = windy or structure.wind.direction[a] != 0.0
     for i in range(structure.nodes.drag.size):
         dragged = dragged or structure.nodes.drag[i] > 0.0
-    begin = state.t[0]
-    for step in range(max(steps, 0) + 1):
-        half = 1 if step in (0, steps) else 0
-        h = 0.5 * dt if half == 1 else dt
-        since = dt if step > 0 else 0.0
+    begin, since, gone, last = state.t[0], 0.0, 0.0, max(steps, 0) * stages
+    yielding = dt if stages == 1 else 0.0  # springs of supports give way within a step of the second order
+    for i in range(last + 1):
+        step, stage = i // stages, i % stages
+        half = 1 if i in (0, last) else 0
+        part = kicks[stage] if half == 1 or stage > 0 else kicks[stages] + kicks[0]
+        h = part * dt
         lost, blown, stored = _look(
             structure, room, contacts, tables, bodies, state, table, out, h, since, windy, steps
         )
         if steps <= LOOK:
             break
-        ends = step > 0 and _is_refused(contacts, state)
-        asked = step > 0 and bodies.tethers.size > 0 and gap(structure, contacts, bodies, state) <= 0.0
+        whole = i > 0 and stage == 0
+        ends = whole and _is_refused(contacts, state)
+        asked = whole and bodies.tethers.size > 0 and gap(structure, contacts, bodies, state) <= 0.0
         if ends or asked:
-            half, h = 1, 0.5 * dt
+            half, h = 1, kicks[stages] * dt
         state.work[DAMPED] += h * lost
         state.work[LOADED] += h * blown
         _book(structure, contacts, state)
@@ -330,15 +341,17 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
             state.work[DAMPED] += kick_along(structure, room, state, h)
         else:
             state.work[DAMPED] += _kick_nodes(structure, room, state, h, dragged)
-        _kick_holdings(structure, room, state, h, dt, A, b)
+        _kick_holdings(structure, room, state, h, yielding, A, b)
         if bodies.mass.size > 0:
             kick(contacts, bodies, state, h, half)
-        if step < steps and not asked:
-            state.work[DRIVEN] += grow(contacts, bodies, state, dt)
-            _drift(structure, state, dt)
-            drift(bodies, state, dt)
-            state.t[0] = begin + (step + 1) * dt
-        if step % 64 == 0 and not _is_finite(state.r, state.v):
+        if i < last and not asked:
+            since = drifts[stage] * dt
+            gone = (gone if stage > 0 else 0.0) + drifts[stage]
+            state.work[DRIVEN] += grow(contacts, bodies, state, since)
+            _drift(structure, state, since)
+            drift(bodies, state, since)
+            state.t[0] = begin + (step + (gone if stage < stages - 1 else 1.0)) * dt
+        if stage == 0 and step % 64 == 0 and not _is_finite(state.r, state.v):
             return NOT_FINITE, stored
         if ends:
             return AT_END, stored

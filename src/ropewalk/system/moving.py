@@ -24,6 +24,8 @@ from ropewalk.results.exchanges import foreign_in
 from ropewalk.results.frame import Account, Frame, Layout
 from ropewalk.results.running import Ending
 from ropewalk.solve import minimum
+from ropewalk.solve.choice import RKN6_LIMIT, Bounds, rkn6_step
+from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.system import motion
 from ropewalk.system.asking import FAILED, Asking
 from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
@@ -35,7 +37,7 @@ from ropewalk.system.frames import FrameBuilder
 from ropewalk.system.holding import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.spline import WIDTH
-from ropewalk.system.stability import SAFETY, largest_step
+from ropewalk.system.stability import SAFETY, largest_frequency, largest_step
 from ropewalk.system.standing import Carried, Standing
 from ropewalk.system.statics import Potential, about_rest, at_rest, tensions
 from ropewalk.system.structure import WORKS, Room, State
@@ -43,6 +45,9 @@ from ropewalk.webs.lengths import doubt_slack
 
 # Part of a run for which a load may be faster than the waves of its line, as where that is slack for a while.
 LONG = 0.2
+
+# Part of the longest step of the sixth order that is used: kinks raise the tensions that rest has.
+RKN6_SAFETY = 0.9
 
 # Tension over axial stiffness from which on a line without bending stiffness is slack.
 _LIMP = 1e-12
@@ -103,16 +108,8 @@ class Motion:
         )  # fmt: skip
         self._room, self._table, self._out = Room.of(self.structure, dim), compliances(), np.zeros(4)
         self._A, self._b = np.zeros((3, 4)), np.zeros(3)
-        stable = largest_step(self.structure, self.contacts, self.bodies, self.rest)
-        self._step = stable if asked.step is None else asked.step
-        if self._step > stable / SAFETY:
-            account.warnings.append(
-                f"the step of {self._step:.3g} s is larger than {stable / SAFETY:.3g} s, up to which the motion is "
-                "stable for certain; write a smaller run.step, or leave it out"
-            )
-        self.contacts["step"] = self._step
-        account.method, account.step = "explicit", self._step
-        account.reason = "Verlet's method for all nodes and bodies; contacts on a spline of the fourth order"
+        self._method, self._step = VERLET, 0.0
+        self._choose(asked)
         windy = scenario.wind is not None and not scenario.wind.is_calm
         self._builder = FrameBuilder(self.assembled, loading, self.bodies, windy)
         self._turned = np.zeros(1, dtype=np.int64)  # 1: it has been said that lines have turned far
@@ -139,6 +136,29 @@ class Motion:
     def shown(self) -> Integers:
         """Nodes in the order of the result."""
         return self._builder.node
+
+    def _choose(self, asked: Dynamic) -> None:
+        """Choose method and step."""
+        account, parts = self.account, (self.structure, self.contacts, self.bodies, self.rest)
+        account.reason = "Verlet's method for all nodes and bodies; contacts on a spline of the fourth order"
+        account.method, stable = "explicit", largest_step(*parts)
+        safe, self._step = stable / SAFETY, stable
+        if asked.method == "rkn6":
+            self._method, account.method = RKN6, "rkn6"
+            account.reason = "as asked: sixth order for all nodes and bodies; contacts on a spline of the fourth order"
+            frequency = largest_frequency(*parts)
+            safe = RKN6_LIMIT / max(frequency, 1e-300)
+            relative = asked.precision / float((self.structure.runs.h * self.structure.runs.links).max())
+            self._step = RKN6_SAFETY * rkn6_step(Bounds(frequency, 0.0), relative)
+        if asked.step is not None:
+            self._step = asked.step
+        if self._step > safe:
+            account.warnings.append(
+                f"the step of {self._step:.3g} s is larger than {safe:.3g} s, up to which the motion is "
+                "stable for certain; write a smaller run.step, or leave it out"
+            )
+        self.contacts["step"] = self._step if self._method is VERLET else 0.0
+        account.step = self._step
 
     def _refuse_limp(self, scenario: Scenario) -> None:
         """Refuse runs that resist nothing across themselves to the first order about rest, least where loads stand.
@@ -173,7 +193,7 @@ class Motion:
     def _system(self) -> System:
         return System(
             self.structure, self._room, self.contacts, self.tables, self.bodies, self.state, self._table, self._out,
-            self._A, self._b,
+            self._A, self._b, self._method,
         )  # fmt: skip
 
     def _settle(self) -> None:
@@ -182,7 +202,7 @@ class Motion:
         Raises:
             EquilibriumError: there is no such rest.
         """
-        if self.times.size > 1:
+        if self.times.size > 1 and self._method is VERLET:
             self.contacts["step"] = self._in_steps(1)[1]
         carried = Carried(self.contacts, self.tables, self.bodies)
         standing = Standing(self.structure, self.rest, carried, as_moving=True)
@@ -296,7 +316,7 @@ class Motion:
 
     def _ask_turned(self, t: float) -> None:
         """Note once where lines with an axial inertia have turned so far that the step may be too long."""
-        if self._turned[0] or not self.structure.inertia.along.size:
+        if self._turned[0] or not self.structure.inertia.along.size or self._method is not VERLET:
             return
         stable = largest_step(self.structure, self.contacts, self.bodies, self.state.r, self.rest) / SAFETY
         if self._step > stable:

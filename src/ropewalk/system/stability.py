@@ -11,7 +11,8 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.fleet import FIRM
 from ropewalk.system.bodies import Bodies
-from ropewalk.system.compliance import CORRECTION, SHORT
+from ropewalk.system.compliance import CORRECTION, NEAR, PARTS, SHARES, SHORT, compliances
+from ropewalk.system.contacts import BODY
 from ropewalk.system.inertia import stiffer
 from ropewalk.system.structure import Structure
 from ropewalk.webs.fabric import bounds_of_cells
@@ -37,16 +38,57 @@ def largest_step(structure: Structure, contacts: Any, bodies: Bodies, r: Array, 
         r: (axis, node) m.
         rest: (axis, node) m, if they are not there.
     """
-    runs, steps = structure.runs, [np.inf]
+    steps = [_stable(square, rate) for square, rate in _of_lines(structure, r, rest)]
+    steps.extend(_of_bodies(contacts, bodies))
+    if structure.surfaces is not None:
+        return SAFETY_OF_NETS * float(min(steps, default=np.inf))
+    return (SAFETY if contacts.size else WITHOUT_LOADS) * float(min(steps, default=np.inf))
+
+
+def largest_frequency(structure: Structure, contacts: Any, bodies: Bodies, r: Array) -> float:
+    """A bound of the largest frequency where nothing gives way within a step, rad/s.
+
+    Squares of frequencies of springs that act on the same masses add up at most: those of lines, of bodies, of supports
+    and of contacts, with each as far from the ends of its run as kinks have their whole compliance.
+    """
+    runs, held, mass = structure.runs, structure.holdings, structure.nodes.mass
+    square = max((line for line, _ in _of_lines(structure, r)), default=0.0)
+    square += (2.0 / min(_of_bodies(contacts, bodies), default=np.inf)) ** 2
+    springs = [
+        float(np.linalg.eigvalsh(held.stiffness[e])[-1]) / float(held.mass[e] + mass[held.members(e)].sum())
+        for e in np.flatnonzero(held.stiffness.any(axis=(1, 2)))
+    ]
+    table, pressed = compliances()[0][:, (NEAR - 1) * PARTS :].max(axis=1), [0.0]
+    for contact in contacts[contacts["kind"] == BODY]:
+        for s in structure.lines.first[contact["line"]] + np.arange(structure.lines.runs[contact["line"]]):
+            part, crowd = slice(runs.first[s], runs.first[s] + runs.links[s] + 1), (contacts["line"] == contact["line"])
+            bending = runs.bending[s] / runs.h[s] ** 2
+            whole = max(float(_strained(structure, r, s)[1].max()), 0.0) + bending
+            root = math.sqrt(bending / whole) if whole > 0.0 else 0.0
+            firm = float(runs.firm[s]) or whole / runs.h[s] * float(table[int(np.ceil(root * (SHARES - 1)))])
+            near = float(structure.nodes.mobile[part].max())
+            pressed.append(firm * (float(contact["light"]) + near * int(crowd.sum())))
+    return math.sqrt(square + max(springs, default=0.0) + max(pressed))
+
+
+def _strained(structure: Structure, r: Array, s: int) -> tuple[Array, Array]:
+    """Tangents of the law and tensions of the links of run s and of one without strain, N."""
+    runs = structure.runs
+    part = slice(runs.first[s], runs.first[s] + runs.links[s] + 1)
+    length = np.sqrt((np.diff(r[:, part], axis=1) ** 2).sum(axis=0))
+    strain = np.concatenate([length / runs.h[s] - 1.0, [0.0]])
+    return law.tangents(runs.law[s], strain), law.tensions(runs.law[s], strain)
+
+
+def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list[tuple[float, float]]:
+    """Bounds of squares of frequencies, 1/s^2, and of rates of decay, 1/s, of runs and cells."""
+    runs, found = structure.runs, []
     around, viscous = of_cells(structure)
     eased = stiffer(structure, r, r if rest is None else rest) if structure.inertia.along.size else None
     for s in np.flatnonzero(runs.firm == 0.0):
         part = slice(runs.first[s], runs.first[s] + runs.links[s] + 1)
-        length = np.sqrt((np.diff(r[:, part], axis=1) ** 2).sum(axis=0))
-        strain = np.concatenate([length / runs.h[s] - 1.0, [0.0]])
-        stretched = law.tangents(runs.law[s], strain)
-        taut = float(law.tensions(runs.law[s], strain).max()) * _ARCS
-        h, rho = runs.h[s], runs.rho[s]
+        stretched, tensions = _strained(structure, r, s)
+        taut, h, rho = float(tensions.max()) * _ARCS, runs.h[s], runs.rho[s]
         stiffest, viscosity = float(stretched.max()), runs.damping[s]
         if eased is not None:
             own = np.minimum(eased[part][:-1] + _TURNED, 1.0)
@@ -57,8 +99,13 @@ def largest_step(structure: Structure, contacts: Any, bodies: Bodies, r: Array, 
         if around.size:  # edge cables bear cells, too
             square, rate = square + float(around[part].max()), rate + float(viscous[part].max())
             around[part] = 0.0
-        steps.append(_stable(square, rate))
-    steps.extend(_stable(float(k), float(c)) for k, c in zip(around, viscous, strict=True))
+        found.append((square, rate))
+    return found + [(float(k), float(c)) for k, c in zip(around, viscous, strict=True)]
+
+
+def _of_bodies(contacts: Any, bodies: Bodies) -> list[float]:
+    """Stable steps of bodies and tethers, s."""
+    steps = []
     for p, n in enumerate(bodies.size):
         M, K, C = (matrix[p, :n, :n] for matrix in (bodies.M, bodies.K, bodies.C))
         heavy = (np.diag(M) > 0.0) & (np.diag(M) < FIRM)  # only its owner moves what is firm
@@ -71,9 +118,7 @@ def largest_step(structure: Structure, contacts: Any, bodies: Bodies, r: Array, 
         mobility = float(bodies.per_mass[int(tether["first"])] + contacts[tether["contact"]]["light"])
         pulled, taken = math.sqrt(float(tether["stiffness"]) * mobility), 0.5 * float(tether["damping"]) * mobility
         steps.append(2.0 / pulled * (math.hypot(1.0, taken / pulled) - taken / pulled))
-    if structure.surfaces is not None:
-        return SAFETY_OF_NETS * float(min(steps))
-    return (SAFETY if contacts.size else WITHOUT_LOADS) * float(min(steps))
+    return steps
 
 
 def _stable(square: float, rate: float) -> float:

@@ -1,0 +1,168 @@
+"""The sixth order of Blanes and Moan's method in all that stands and moves on lines, as far as contacts are smooth.
+
+Source of the order: the same motion in a quarter of the smallest steps. Source of the motion in a mode: the
+eigenvectors of stiffness and mass at rest.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.linalg as linalg
+
+from ropewalk.capabilities import ROPES, SYSTEM, engine_of
+from ropewalk.model import Scenario
+from ropewalk.results.frame import ENERGY_FORMS, Account
+from ropewalk.system.spectrum import equations_of
+from ropewalk.system.still import Still
+from system_cases import frames_of, imbalance, line, scenario
+
+SOFT = {"axial_stiffness": 10.0, "elements": 8}
+UNTIL = 0.5
+STANDS, GOES = {"speed": 0.0, "from": 0.3}, {"speed": 0.4, "from": 0.3}
+YIELDS = {"start_support": {"kind": "elastic", "stiffness": [50.0, 50.0], "mass": 0.01}}
+
+
+def force(travel: dict[str, Any]) -> dict[str, Any]:
+    return {"on": "r", "kind": "force", "force": [0, -0.2], "travel": travel}
+
+
+def mass(travel: dict[str, Any]) -> dict[str, Any]:
+    return {"on": "r", "kind": "mass", "mass": 0.3, "travel": travel}
+
+
+def oscillator(travel: dict[str, Any], wheel: float = 0.2) -> dict[str, Any]:
+    wheel_mass = {"wheel_mass": wheel} if wheel else {}
+    return {"on": "r", "kind": "oscillator", "mass": 0.3, "stiffness": 5.0, "travel": travel, **wheel_mass}
+
+
+def moving(load: dict[str, Any] | None, steps: int, method: str = "rkn6", **keys: Any) -> Scenario:
+    """A soft string with a load, in so many steps."""
+    run = {"kind": "dynamic", "until": UNTIL, "every": UNTIL, "method": method, "step": UNTIL / steps * (1 + 1e-9)}
+    run |= keys.pop("run", {})
+    loads, gravity = {} if load is None else {"load": load}, keys.pop("gravity", 1.0)
+    return scenario({"r": line(**{**SOFT, **keys})}, loads, UNTIL, UNTIL, gravity=gravity, run=run)
+
+
+def end_of(asked: Scenario) -> np.ndarray:
+    """Where everything is at the end of a motion."""
+    frame = frames_of(asked, np.array([0.0, UNTIL]))[-1]
+    return np.concatenate([frame.position.ravel(), frame.body_position.ravel()])
+
+
+MODE = {"start": {"kind": "mode", "amplitude": 0.1}}
+SMOOTH: dict[str, tuple[Any, dict[str, Any]]] = {
+    "free": (None, {"run": MODE}),
+    "force that stands": (force(STANDS), {}),
+    "mass that stands": (mass(STANDS), {}),
+    "vehicle": (oscillator(STANDS), {}),
+    "vehicle without wheel mass": (oscillator(STANDS, 0.0), {}),
+    "support that yields": (force(STANDS), YIELDS),
+    "force that moves, small motion": (force(GOES), {"run": {"geometry": "linearised"}}),
+}
+
+
+@pytest.mark.parametrize(("load", "keys"), SMOOTH.values(), ids=SMOOTH)
+def test_the_order_is_the_sixth_where_forces_are_smooth(load: Any, keys: dict[str, Any]) -> None:
+    """From 16 to 32 steps; beyond, errors come to the rounding. A moving force is four times differentiable."""
+    exact = end_of(moving(load, 256, **keys))
+    coarse, fine = (np.abs(end_of(moving(load, steps, **keys)) - exact).max() for steps in (16, 32))
+    print(f"errors {coarse:.3g}, {fine:.3g}, order {np.log2(coarse / fine):.3f}")
+    assert 5.9 < np.log2(coarse / fine) < 6.15
+
+
+@pytest.mark.parametrize("load", [force(GOES), mass(GOES), oscillator(GOES)], ids=["force", "mass", "vehicle"])
+@pytest.mark.parametrize("stiff", [{}, {"bending_stiffness": 0.02}], ids=["string", "stiff"])
+def test_what_moves_along_is_far_better_than_with_verlet(load: Any, stiff: dict[str, Any]) -> None:
+    """Parts of kinks in links are once differentiable: the error is of the second to the third order in the end.
+
+    As many forces are found in 11 times as many steps of Verlet's method.
+    """
+    exact = end_of(moving(load, 256, **stiff))
+    sixth = np.abs(end_of(moving(load, 16, **stiff)) - exact).max()
+    second = np.abs(end_of(moving(load, 176, "verlet", **stiff)) - exact).max()
+    print(f"rkn6 {sixth:.3g}, Verlet {second:.3g}")
+    assert sixth < 3e-8  # what kinks leave over
+    assert sixth < second / 100
+
+
+def test_small_motion_follows_the_modes_of_the_spectrum() -> None:
+    """A mode of the whole string, released, is a cosine in time, to the sixth order."""
+    tree = {"r": line(**SOFT)}
+    still = Still(scenario(tree, {}, 1.0, 1.0, run={"kind": "equilibrium"}), Account(), 0.0, space=True)
+    found = equations_of(still)
+    K, M = found.stiffness.toarray(), found.mass.toarray()
+    omega = np.sqrt(linalg.eigh(K, M, eigvals_only=True))
+    run = {**MODE, "geometry": "linearised"}
+    begin = frames_of(moving(None, 16, run=run, gravity=0.0), np.array([0.0, UNTIL]))
+    shape = begin[0].position[:, 1] - found.position[:, 2]
+    first = omega[np.abs(omega - np.pi).argmin()]
+    missed = [
+        np.abs(frames_of(moving(None, steps, run=run, gravity=0.0), np.array([0.0, UNTIL]))[-1].position[:, 1]
+               - found.position[:, 2] - shape * np.cos(first * UNTIL)).max()
+        for steps in (4, 8)
+    ]  # fmt: skip
+    print(missed)
+    assert missed[1] < 1e-9
+    assert 5.5 < np.log2(missed[0] / missed[1]) < 6.5
+
+
+CAR: dict[str, Any] = {
+    "on": "r", "kind": "vehicle", "bodies": {"box": {"mass": 0.2, "inertia": 0.01}},
+    "wheels": {"front": {"at": 0.1, "mass": 0.05}, "rear": {"at": -0.1, "mass": 0.05}},
+    "springs": {"a": {"between": ["box", "front"], "stiffness": 5.0},
+                "b": {"between": ["box", "rear"], "stiffness": 5.0}},
+}  # fmt: skip
+
+
+def test_what_comes_and_leaves_does_so_between_two_steps() -> None:
+    """The audit closes, and Verlet's method in small steps comes to the same."""
+    car = CAR | {"travel": {"speed": 0.6, "from": 0.0, "at_end": "leave"}}
+    times, run = np.linspace(0.0, 2.0, 11), {"until": 2.0, "every": 0.2}
+    at = [frames_of(moving(car, steps, run=run, mass=0.5), times) for steps in (16, 32)]
+    fine = frames_of(moving(car, 4096, "verlet", run=run, mass=0.5), times)
+    assert np.isnan(at[0][0].contact_xi[1]) or at[0][0].contact_xi[1] < 0.0  # the rear wheel is still to come
+    for coarse in at:
+        away = max(np.abs(a.position - b.position).max() for a, b in zip(coarse, fine, strict=True))
+        print(f"away {away:.3g}, imbalance {imbalance(coarse):.3g}, {imbalance(fine):.3g}")
+        assert away < 1e-3
+        assert imbalance(coarse) < 3e-3
+
+
+def test_the_step_is_chosen_by_the_accuracy() -> None:
+    """Ten times less of it takes the sixth root of ten more steps, and errors stay below what was asked for."""
+    exact = end_of(moving(mass(STANDS), 256))
+    for accuracy in (1e-3, 1e-6, 1e-9):
+        asked = moving(mass(STANDS), 1, run={"step": None, "accuracy": accuracy})
+        assert np.abs(end_of(asked) - exact).max() < accuracy
+
+
+def test_energy_is_kept_to_the_order() -> None:
+    frames = frames_of(moving(oscillator(STANDS), 32, run={"every": 0.1}), np.linspace(0.0, UNTIL, 6))
+    assert max(abs(f.energy[ENERGY_FORMS.index("imbalance")]) for f in frames) < 1e-11
+
+
+REFUSED = {
+    "Kelvin-Voigt damping": ({"axial_damping": 1.0}, None),
+    "the drag of lines": ({"drag": 1.0}, None),
+    "dampers at supports": ({"end_support": {"kind": "elastic", "stiffness": 5.0, "damping": 1.0}}, None),
+    "dampers or the drag of loads": ({}, oscillator(STANDS) | {"damping": 1.0}),
+    "free travel": ({}, mass({"kind": "free", "from": 0.3})),
+    "travel that is measured as horizontal": ({}, mass({"speed": 1.0, "measured": "horizontal"})),
+    "contacts that come off": ({}, mass(GOES) | {"lift_off": True}),
+}
+
+
+@pytest.mark.parametrize(("feature", "asked"), REFUSED.items(), ids=REFUSED)
+def test_what_goes_with_time_one_way_only_is_refused(feature: str, asked: tuple[Any, Any]) -> None:
+    keys, load = asked
+    with pytest.raises(ValueError, match=f"rkn6 with {feature} is not implemented"):
+        moving(load, 16, bending_stiffness=0.02, **keys)
+
+
+def test_ropes_with_masses_go_to_the_engine_that_bears_them() -> None:
+    assert engine_of(moving(mass(GOES), 16)) is SYSTEM
+    assert engine_of(moving(force(GOES), 16)) is ROPES
+    assert engine_of(moving(mass(GOES), 16, "verlet")) is ROPES
