@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ropewalk.linear import capabilities as linear
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import Capabilities, missing, refusal
-from ropewalk.model.load import Foreign
+from ropewalk.model.load import Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
@@ -58,7 +58,12 @@ def _is_linearised(parts: Parts) -> bool:
 def _of_ropes(parts: Parts) -> Engine:
     """The engine of ropes, or that of the system for motions in ways that only lines of that go."""
     run = parts.run
-    if isinstance(run, Dynamic) and (_is_linearised(parts) or run.axial_inertia != 1.0):
+    if not isinstance(run, Dynamic):
+        return ROPES
+    rubs = any(
+        isinstance(load, MovingForce) and load.contact in ("coulomb", "dragged") for load in parts.loads.values()
+    )
+    if rubs or run.axial_inertia != 1.0 or _is_linearised(parts):
         return SYSTEM
     return SYSTEM if _asks_for_a_method(parts) and _refused(SYSTEM, parts) < _refused(ROPES, parts) else ROPES
 

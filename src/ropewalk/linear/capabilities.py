@@ -153,7 +153,7 @@ CAPABILITIES = Capabilities(
         "lines.end_support.clamped": f"leave clamped out, or {_DYNAMIC}",
         "loads.kind": f"{_DYNAMIC}, or write kind: force with its weight as force",
         "loads.travel.kind": f"{_DYNAMIC}, or give the speed",
-        "loads.contact": "ask for kind: quasistatic, or write clamped or frictionless",
+        "loads.contact": "ask for kind: quasistatic or dynamic, or write clamped or frictionless",
         "loads.contact_stiffness": f"leave it out, or {_DYNAMIC}",
         "loads.air_drag": f"leave it out, or {_DYNAMIC}",
     },

@@ -44,7 +44,8 @@ class MovingForce(Declaration):
     contact: Contact = Field(
         default="clamped",
         description="clamped: the line feels the force alone; frictionless: equal tension on both sides; "
-        "coulomb, dragged: with friction, for slow motion",
+        "coulomb: friction holds it as far as it can, a horizontal force does the rest; dragged: friction acts in "
+        "full against its travel",
     )
     friction: FrictionCoefficient | None = Field(
         default=None, description="coefficient, needed by coulomb and dragged; of a clamped load: is it enough?"

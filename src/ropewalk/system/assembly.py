@@ -13,7 +13,7 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.assembly import axes_of, components, held_by, pack, speed_table, vector_table
 from ropewalk.mechanics.bodies import Bodies as FleetBodies
-from ropewalk.mechanics.chain import BLOCK, FRICTIONLESS, Array, Integers
+from ropewalk.mechanics.chain import BLOCK, COULOMB, DRAGGED, FRICTIONLESS, Array, Integers
 from ropewalk.mechanics.compiled import records
 from ropewalk.mechanics.fleet import MARGIN
 from ropewalk.mechanics.footfall import footfalls
@@ -31,9 +31,11 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
+from ropewalk.system import friction
 from ropewalk.system.bodies import BLOWN, Bodies
 from ropewalk.system.capabilities import between_nodes
 from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
+from ropewalk.system.friction import NOT, STANDS
 from ropewalk.system.inertia import Inertia
 from ropewalk.system.laying import Nets
 from ropewalk.system.structure import About, Holdings, Lines, Nodes, Runs, Structure, Wind
@@ -308,6 +310,9 @@ def contacts_of(
         contacts[key] = getattr(loads, key)
     contacts["lift"] = [wheel.lift for wheel in wheels]
     contacts["measure"], contacts["frictionless"] = loads.measure, loads.contact == FRICTIONLESS
+    contacts["rubs"] = np.where(
+        loads.contact == COULOMB, STANDS, np.where(loads.contact == DRAGGED, friction.DRAGGED, NOT)
+    )
     contacts["friction"] = np.nan_to_num(loads.friction)  # of prescribed travel it is asked whether it is enough
     contacts["block"] = loads.friction_model == BLOCK
     contacts["stays"] = [wheel.at_end == "stay" for wheel in wheels]

@@ -166,6 +166,8 @@ def kick(contacts, bodies, state, h, half):
         f[c], old[c] = bodies.force[c], w[c]
         if k >= 0:
             f[c] += contacts[k].given[bodies.axis[c]] - contacts[k].N[bodies.axis[c]]
+            if bodies.axis[c] == 0 and contacts[k].frictionless == 1:
+                f[c] += contacts[k].hold
     hang(contacts, bodies, state)
     for p in range(bodies.size.size):
         n, lost = bodies.size[p], 0.0
@@ -199,6 +201,8 @@ def kick(contacts, bodies, state, h, half):
             continue
         if bodies.alone[c] == 1:
             w[c] += (h if stage == STAYS or half == 1 else 0.5 * h) * f[c] * bodies.per_mass[c]
+            if k >= 0 and bodies.axis[c] == 0 and contacts[k].frictionless == 1:
+                state.work[HELD] += 0.5 * h * contacts[k].hold * (w[c] + old[c])
     for e in range(bodies.tethers.size):
         first, own = bodies.tethers[e].first, contacts[bodies.tethers[e].contact].first
         if bodies.gone[bodies.load[first]] == STAYS:

@@ -70,13 +70,11 @@ def _accuracy(parts: Parts) -> Iterator[Finding]:
 
 def _of_loads(parts: Parts) -> Iterator[Finding]:
     for name, load in parts.loads.items():
-        if isinstance(load, MovingMass) and load.contact == "frictionless" and isinstance(parts.run, Dynamic):
-            remedy = "write clamped, or travel.kind: free"
-            feature = "a frictionless contact of a mass"
-            yield missing(("loads", name, "contact"), _SYSTEM, load.contact, remedy, feature=feature)
         start = parts.run.start if isinstance(parts.run, Dynamic) else None
-        if isinstance(load, MovingForce) and load.contact == "frictionless" and start is not None and start.with_loads:
-            feature, remedy = "rest with a frictionless contact", "leave with_loads out, or write clamped"
+        contact = load.contact if isinstance(load, MovingForce | MovingMass) else "clamped"
+        if contact != "clamped" and start is not None and start.with_loads:
+            kind = "frictionless contact" if contact == "frictionless" else f"contact of kind {contact}"
+            feature, remedy = f"rest with a {kind}", "leave with_loads out, or write clamped"
             yield missing(("run", "start", "with_loads"), _SYSTEM, "true", remedy, feature=feature)
         if isinstance(load, Walker | Foreign) and start is not None and start.with_loads:
             feature, remedy = f"rest with a load of kind {load.kind}", "leave with_loads out"
@@ -147,7 +145,7 @@ MOTION = replace(
             "stepper",
             "fmu",
         ),
-        "loads.contact": ("clamped", "frictionless"),
+        "loads.contact": ("clamped", "frictionless", "coulomb", "dragged"),
     },
     more=(_accuracy, _only_lines, _joined_between_nodes, _of_loads, _on_nets, supported_by_tension, of_methods),
 )
@@ -159,7 +157,6 @@ AT_REST = replace(
         "run.kind": ("quasistatic", "equilibrium"),
         "loads.travel.margin": (None,),
         "loads.kind": ("force", "mass", "oscillator", "trolley", "vehicle", "matrices"),
-        "loads.contact": ("clamped", "frictionless", "coulomb", "dragged"),
         "loads.travel.kind": ("prescribed",),
         "loads.travel.measured": ("material",),
     },

@@ -43,11 +43,12 @@ CONTACT = np.dtype(
         ("apart", _CODE),  # 1: it has left its line and is in the air
         ("was_apart", _CODE),  # when it was last looked at
         ("flown", _REAL),  # s, for which it has been there
-        ("frictionless", _CODE),  # of a given force: 1: a horizontal force holds it across its line
+        ("frictionless", _CODE),  # of prescribed travel: 1: a horizontal force holds it across its line
+        ("rubs", _CODE),  # of a given force: how, see friction.py
         ("travel", _CODE),  # PRESCRIBED or FREE
         ("measure", _CODE),  # what its speed counts, see mechanics/chain.py
         ("begin", _REAL),  # m, what it counts from at time zero
-        ("friction", _REAL),  # of free travel: coefficient
+        ("friction", _REAL),  # coefficient
         ("block", _CODE),  # 1: friction of a point, 0: of a line that bends around it
         ("rolling", _REAL),  # coefficient
         ("viscous", _REAL),  # N s/m
@@ -322,7 +323,7 @@ def bend(structure, room, contacts, state, table, out):
             continue
         if contacts[k].kind == FORCE:
             F = _hold(contacts, k, axes)
-            length = _yield(structure, room, contacts, k, table, out, F)
+            length = yield_to(structure, room, contacts, k, table, out, F)
             for a in range(axes):
                 contacts[k].d[a] = length * contacts[k].N[a] / F if F > 0.0 else 0.0
                 contacts[k].place[a] = contacts[k].p[a] + contacts[k].d[a]
@@ -348,10 +349,9 @@ def _hold(contacts, k, axes):
     for a in range(axes):
         contacts[k].N[a] = contacts[k].given[a]
         along += contacts[k].given[a] * contacts[k].along[a]
-    contacts[k].hold = 0.0
     if contacts[k].frictionless == 1:
         contacts[k].hold = -along / contacts[k].along[0]
-        contacts[k].N[0] += contacts[k].hold
+    contacts[k].N[0] += contacts[k].hold
     for a in range(axes):
         F += contacts[k].N[a] ** 2
     return np.sqrt(F)
@@ -361,7 +361,6 @@ def _hold(contacts, k, axes):
 def _yield_little(structure, room, contacts, k, table, out, axes):
     """Let contact k give way under its given force, which is held across the line at rest where it has no friction."""
     _stiffen_little(structure, room, contacts, table, out, k)
-    contacts[k].hold = 0.0
     if contacts[k].frictionless == 1:
         along = 0.0
         for a in range(axes):
@@ -394,7 +393,7 @@ def _above(contacts, k, axes):
 
 
 @lean_inner
-def _yield(structure, room, contacts, k, table, out, F):
+def yield_to(structure, room, contacts, k, table, out, F):
     """Length of d under a given force F, where the kink itself raises the tension: S d grows with d.
 
     Newton's method within a bracket.

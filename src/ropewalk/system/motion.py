@@ -13,6 +13,7 @@ from ropewalk.mechanics.rider import look_up
 from ropewalk.system.bodies import LEAVES, STAYS, arrive, balance, drift, ground, kick
 from ropewalk.system.cables import blow, energy_of, guess, pull_all, stretch_all
 from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, bend, press
+from ropewalk.system.friction import NOT, rub
 from ropewalk.system.inertia import kick_along
 from ropewalk.system.structure import CARRIED, DAMPED, DRIVEN, HELD, LOADED, MOVED, RUBBED, STRUCK
 from ropewalk.system.surfaces import damp_surfaces, follow, hand_over, is_damped, pull_surfaces, stored_in
@@ -60,6 +61,9 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
     if steps != GIVEN and bodies.mass.size > 0:  # a call hands all arrays on, which costs as much as fifty nodes
         arrive(structure, contacts, bodies, state)
         balance(structure, room, contacts, bodies, state, table, out, since)
+    for k in range(contacts.size):
+        if contacts[k].rubs != NOT and contacts[k].state == ON:
+            rub(structure, room, contacts, state, table, out, k)
     bend(structure, room, contacts, state, table, out)
     if steps <= LOOK:
         stored = energy_of(structure, room, state.r) + stored_in(structure.surfaces, state.r)
@@ -251,7 +255,7 @@ def _book(structure, contacts, state):
             way = contacts[k].place[a] - contacts[k].before[a]
             if np.isfinite(way):
                 state.work[LOADED] += 0.5 * (contacts[k].given[a] + contacts[k].last[a]) * way
-                if a == 0:
+                if a == 0 and contacts[k].kind != BODY:
                     state.work[HELD] += 0.5 * (contacts[k].hold + contacts[k].held_by) * way
             push = contacts[k].carried * contacts[k].d[a]
             if np.isfinite(way):
@@ -265,7 +269,9 @@ def _book(structure, contacts, state):
         way = state.s[k] - contacts[k].was_at
         if np.isfinite(contacts[k].before[0]) and way != 0.0:
             work = 0.5 * (contacts[k].push + contacts[k].pushed) * way
-            if contacts[k].kind != BODY:  # nobody holds a given force: what its contact draws from the line is lost
+            if contacts[k].rubs != NOT:
+                state.work[RUBBED] -= work
+            elif contacts[k].kind != BODY:  # nobody holds a given force: what its contact draws from the line is lost
                 state.work[STRUCK] -= work
             elif contacts[k].travel == FREE:
                 driven = 0.5 * (contacts[k].drive + contacts[k].driven) * contacts[k].stretch * way

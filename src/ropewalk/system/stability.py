@@ -91,7 +91,7 @@ def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list
         taut, h, rho = float(tensions.max()) * _ARCS, runs.h[s], runs.rho[s]
         stiffest, viscosity = float(stretched.max()), runs.damping[s]
         if eased is not None:
-            own = np.minimum(eased[part][:-1] + _TURNED, 1.0)
+            own = np.minimum(eased[part][:-1] + (_TURNED if rest is None else 0.0), 1.0)
             stiffest, viscosity = taut + float((own * stretched[:-1]).max()), viscosity * float(own.max())
         square = 4.0 * max(stiffest, taut) / (rho * h * h) + _BENDING * runs.bending[s] / (rho * h**4)
         square += runs.bed[s] / rho

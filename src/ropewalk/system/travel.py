@@ -19,9 +19,10 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import ARC, HORIZONTAL, MATERIAL, SLIP, Array
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.rider import look_up, look_up_integral
-from ropewalk.system.contacts import AWAY, FREE, GONE, ON, sit, slope_at_rest, stiffen, yields
+from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, sit, slope_at_rest, stiffen, yields
+from ropewalk.system.friction import grip
 from ropewalk.system.spline import WIDTH
-from ropewalk.system.structure import STRUCK
+from ropewalk.system.structure import HELD, STRUCK
 
 # Rounds in which a place is found, the part of a link to which it is, and the most that it moves in a round.
 ROUNDS, CLOSE, FAR = 60, 1e-12, 0.5
@@ -115,12 +116,38 @@ def locate(structure, room, contacts, tables, state, table, out, since):
         if was == AWAY:
             contacts[k].comes = 1
         sit(structure, contacts, state, k, s)
+        if contacts[k].kind == BODY and contacts[k].frictionless == 1:
+            if contacts[k].apart == 1 or was != ON:
+                contacts[k].hold = 0.0
+            elif since > 0.0:
+                _even_out(structure, room, contacts, state, table, out, k, since)
         if contacts[k].travel == FREE or contacts[k].held == 1:
             square = 0.0
             for a in range(state.r.shape[0]):
                 square += contacts[k].along[a] ** 2
             slides = contacts[k].travel == FREE and contacts[k].stretch > 0.0
             contacts[k].measured = contacts[k].speed * (contacts[k].stretch if slides else np.sqrt(square))
+
+
+@lean_inner
+def _even_out(structure, room, contacts, state, table, out, k, since):
+    """Put the body of contact k, which has no friction, along x where it takes nothing to move the contact along.
+
+    What this changes the hold force of the step before by is noted: the next one begins with that.
+    """
+    x, h, s = contacts[k].first, structure.runs.h[contacts[k].run], state.s[k]
+    begin, slack = state.u[x], _least_stiffness(structure, contacts, k)
+    for _ in range(ROUNDS):
+        push = _resistance(structure, room, contacts, state, table, out, k, s, since)[0]
+        slope = (max(contacts[k].moving, 0.0) + slack) * contacts[k].along[0]
+        step = min(max(push / slope, -FAR * h), FAR * h) if slope != 0.0 else 0.0
+        state.u[x] += step
+        if abs(step) <= CLOSE * h:
+            break
+    change = (state.u[x] - begin) / since
+    state.w[x] += change
+    state.work[HELD] += change / contacts[k].light * (state.w[x] - 0.5 * change)
+    contacts[k].hold += change / (contacts[k].light * since)
 
 
 @inlined
@@ -307,6 +334,12 @@ def _kinked(contacts, k, link):
 
 
 @lean_inner
+def _least_stiffness(structure, contacts, k):
+    """Stiffness that keeps contact k where its body is while its line is slack, N/m."""
+    return SLACK / max(0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light), 1e-300)
+
+
+@lean_inner
 def _resistance(structure, room, contacts, state, table, out, k, s, since):
     """Put contact k at s of its line, where it comes after a time in s.
 
@@ -335,7 +368,7 @@ def _resistance(structure, room, contacts, state, table, out, k, s, since):
             whole = np.sqrt(length**2 + _kinked(contacts, k, link))
             push += lengthens * c * (whole / contacts[k].h[j] - 1.0 - room.before[link])
             damper += c * lengthens**2 / contacts[k].h[j]
-    slack = SLACK / max(0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light), 1e-300)
+    slack = _least_stiffness(structure, contacts, k)
     for a in range(state.r.shape[0]):
         d = contacts[k].d[a]
         push -= (contacts[k].moving + slack) * d * contacts[k].along[a] + 0.5 * d * d * contacts[k].turn
@@ -348,12 +381,7 @@ def _resistance(structure, room, contacts, state, table, out, k, s, since):
     whole = 2.0 * (T + structure.runs.bending[run] / (h * h))
     if normal < whole:
         half = np.arcsin(normal / whole)
-    mu, grip = contacts[k].friction, 0.0
-    if mu > 0.0 and contacts[k].block == 1:
-        grip = mu / max(np.cos(half), 1e-3)
-    elif mu > 0.0:
-        grip = np.tanh(mu * half) / np.sin(half) if half > 1e-6 else mu
-    R = (grip + contacts[k].rolling) * normal
+    R = (grip(contacts[k].friction, contacts[k].block, half) + contacts[k].rolling) * normal
     if s < contacts[k].brake_low or s > contacts[k].brake_high:
         R += contacts[k].brake
     return push, R, stretch, damper
@@ -392,7 +420,7 @@ def _slide(structure, room, contacts, state, table, out, k, speed, since):
         else:
             low = max(low, s)
         slope = max(contacts[k].moving, 0.0) * stretch**2 + viscous * stretch**2 / since + damper
-        slope += SLACK / max(0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light), 1e-300)
+        slope += _least_stiffness(structure, contacts, k)
         new = min(max(s - miss / slope, s - FAR * h), s + FAR * h)
         if not low <= new <= high:
             new = 0.5 * (low + high)

@@ -1,0 +1,109 @@
+"""Friction of prescribed travel: a given force that rubs, and is held by a horizontal force where that is not enough.
+
+As at rest (`holding.py`), the force along the line is what it takes to move the contact along it, and friction bears up
+to R of the force N across, with half the angle by which the line turns there:
+
+    sin(half) = |N| / (2 (T + EI/h^2)),   R = tanh(mu half) / sin(half)  (capstan)  or  mu / cos(half)  (block).
+
+Friction that stands bears what it can; friction that is dragged acts in full against the travel. The kink of the
+contact, the tension that it makes and the hold force are found together at each instant.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropewalk.mechanics import law
+from ropewalk.mechanics.compiled import lean_inner
+from ropewalk.system.contacts import slope_at_rest, yield_to
+
+# How a contact rubs: not at all, as far as it needs to, or in full.
+NOT, STANDS, DRAGGED = 0, 1, 2
+
+# Rounds in which a hold force is found, and the part of the force on the line to which it is: as kinks are.
+ROUNDS, FOUND = 50, 1e-8
+# Half the angle below which a line does not turn, and the least cosine of it.
+STRAIGHT, SHARP = 1e-6, 1e-3
+
+
+@lean_inner
+def grip(mu, block, half):
+    """Largest force of friction over the force across the line, R, where the line turns by twice an angle in rad."""
+    if mu <= 0.0:
+        return 0.0
+    if block == 1:
+        return mu / max(np.cos(half), SHARP)
+    return np.tanh(mu * half) / np.sin(half) if half > STRAIGHT else mu
+
+
+@lean_inner
+def _pressed(structure, room, contacts, state, table, out, k, hold):
+    """Force of contact k along the line, the one across it and what friction bears of that, N, with a hold force in N.
+
+    Returns:
+        Also the part of the hold force that acts along, the part of it across, and the tension.
+    """
+    axes, small = state.r.shape[0], structure.about.links.size > 0
+    run, h = contacts[k].run, structure.runs.h[contacts[k].run]
+    F = along = square = 0.0
+    for a in range(axes):
+        contacts[k].N[a] = contacts[k].given[a] + (hold if a == 0 else 0.0)
+        F += contacts[k].N[a] ** 2
+        way = slope_at_rest(structure, contacts, k, a) if small else contacts[k].along[a]
+        along += contacts[k].N[a] * way
+        square += way * way
+    F, stretch, T, turned = np.sqrt(F), 0.0, 0.0, 0.0
+    if small:
+        stretch = np.sqrt(square)
+        for j in range(3):
+            T += contacts[k].part[j] * structure.about.links[contacts[k].link[j]].tension
+    else:
+        length = yield_to(structure, room, contacts, k, table, out, F)
+        for j in range(3):
+            link, q = contacts[k].link[j], contacts[k].part[j]
+            longer = np.sqrt(room.length[link] ** 2 + 2.0 * max(q, 0.0) * contacts[k].kink)
+            own = law.tension(structure.runs.law[run], longer / contacts[k].h[j] - 1.0)
+            T += q * own
+            stretch += q * longer / contacts[k].h[j]
+            turned += contacts[k].change[j] / h * contacts[k].kink / max(longer, 1e-300) * own
+        turned -= 0.5 * length * length * contacts[k].turn
+        for a in range(axes):
+            contacts[k].d[a] = length * contacts[k].N[a] / F if F > 0.0 else 0.0
+    across = max(F * F - along * along / square, 0.0)
+    first = slope_at_rest(structure, contacts, k, 0) if small else contacts[k].along[0]
+    across, aside = np.sqrt(across), contacts[k].N[0] - along / square * first
+    whole, half = 2.0 * (T + structure.runs.bending[run] / (h * h)), 0.5 * np.pi
+    if across < whole:
+        half = np.arcsin(across / whole)
+    R = grip(contacts[k].friction, contacts[k].block, half)
+    return (along - turned) / stretch, R * across, first / stretch, R * aside / max(across, 1e-300)
+
+
+@lean_inner
+def rub(structure, room, contacts, state, table, out, k):
+    """Find the hold force of contact k, a given force that rubs; if nothing holds it, that is not a number."""
+    hold = contacts[k].hold if contacts[k].rubs == DRAGGED else 0.0
+    along, most, ahead, more = _pressed(structure, room, contacts, state, table, out, k, hold)
+    sign = 1.0 if contacts[k].measured >= 0.0 else -1.0
+    if contacts[k].rubs == STANDS:
+        sign = 1.0 if along > 0.0 else -1.0
+        if abs(along) <= most:
+            contacts[k].hold = 0.0
+            return
+    size, change, before, found = 0.0, 0.0, 0.0, False
+    for a in range(state.r.shape[0]):
+        size += contacts[k].given[a] ** 2
+    size = np.sqrt(size)
+    for _ in range(ROUNDS):
+        miss, slope = along - sign * most, ahead - sign * more
+        if abs(slope) < 0.1 * abs(ahead):
+            slope = 0.1 * ahead
+        if change != 0.0 and 0.2 < (miss - before) / (change * slope) < 5.0:  # as it was in the last round
+            slope = (miss - before) / change
+        change, before = -miss / slope, miss
+        hold += change
+        along, most, ahead, more = _pressed(structure, room, contacts, state, table, out, k, hold)
+        found = abs(along - sign * most) <= FOUND * size
+        if found:
+            break
+    contacts[k].hold = hold if found or size == 0.0 else np.nan
