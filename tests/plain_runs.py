@@ -83,6 +83,12 @@ def scenarios() -> dict[str, dict[str, Any]]:
     }
     out["webs: sheave"] = {"lines": wheel, "loads": {"m": beyond}}
     out["webs: wind"] = {"lines": {"rope": {**ROPE, "wind_drag": 0.1}}, "wind": GUST, "loads": {"m": on("mass")}}
+    rubbed = on("force", start=2.0, contact="dragged", friction=0.1)
+    out["webs: wind, rubbed"] = {
+        "lines": {"rope": {**ROPE, "wind_drag": 0.1}}, "wind": GUST,
+        "loads": {"m": on("mass", contact="frictionless"), "f": rubbed},
+    }  # fmt: skip
+    out["webs: heavier along"] = {**knot, "loads": {"f": on("force")}, "run": {"axial_inertia": 4.0}}
     thread = {"kind": "net", **NET, "axial_stiffness": 1e4, "mass": 0.2, "tension": 100.0, "axial_damping": 5.0}
     skin = {"kind": "membrane", **NET, "cells": [2, 2], "stiffness": 1e4, "mass": 0.5, "tension": 200.0, "damping": 5.0}
     cable = {"kind": "cable", "axial_stiffness": 1e5, "mass": 0.5, "tension": 500.0}

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ropewalk.linear import capabilities as linear
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import Capabilities, missing, refusal
-from ropewalk.model.load import Foreign, MovingForce
+from ropewalk.model.load import AnyLoad, Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
@@ -60,9 +60,7 @@ def _of_ropes(parts: Parts) -> Engine:
     run = parts.run
     if not isinstance(run, Dynamic):
         return ROPES
-    rubs = any(
-        isinstance(load, MovingForce) and load.contact in ("coulomb", "dragged") for load in parts.loads.values()
-    )
+    rubs = any(_rubs(load) for load in parts.loads.values())
     if rubs or run.axial_inertia != 1.0 or _is_linearised(parts):
         return SYSTEM
     return SYSTEM if _asks_for_a_method(parts) and _refused(SYSTEM, parts) < _refused(ROPES, parts) else ROPES
@@ -71,6 +69,10 @@ def _of_ropes(parts: Parts) -> Engine:
 def _asks_for_a_method(parts: Parts) -> bool:
     """Whether it names one that only ropes and the system have."""
     return isinstance(parts.run, Dynamic) and parts.run.method in ("rkn6", "implicit")
+
+
+def _rubs(load: AnyLoad | None) -> bool:
+    return isinstance(load, MovingForce) and load.contact in ("coulomb", "dragged")
 
 
 def _of_networks(parts: Parts) -> Engine:
@@ -161,6 +163,16 @@ def _blown(scenario: Scenario) -> Iterator[Finding]:
                       "blows", remedy, feature=feature)  # fmt: skip
 
 
+def _moves_otherwise(scenario: Scenario) -> Iterator[Finding]:
+    """What those who find a spectrum at an instant do not know of the motion up to there."""
+    run, what = scenario.run, "the spectrum at an instant"
+    if isinstance(run, Dynamic) and run.axial_inertia != 1.0 and engine_of(scenario) is SYSTEM:
+        yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave it out")
+    for name, load in () if scenario.is_web else scenario.loads.items():
+        if isinstance(load, MovingForce) and _rubs(load):
+            yield missing(("loads", name, "contact"), what, load.contact, "write clamped or frictionless")
+
+
 def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True) -> None:
     """Refuse what networks and lines with inner supports do not bear at rest, and loads without matrices with loads.
 
@@ -176,6 +188,8 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
         feature, remedy = "linearised geometry", "leave the time out: small motion is about rest"
         what = "the spectrum at an instant of ropes, of joined lines and of what only moves with them"
         raise refusal(missing(("run", "geometry"), what, "linearised", remedy, feature=feature))
+    for found in () if at_rest else _moves_otherwise(scenario):
+        raise refusal(found)
     if scenario.is_web:
         engine = engine_of_spectrum(scenario, with_loads=with_loads) if at_rest else engine_at(scenario)
         for found in _of_rest(engine, scenario, with_loads=with_loads) if at_rest or engine is WEBS else ():

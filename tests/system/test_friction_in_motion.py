@@ -13,9 +13,10 @@ import pytest
 
 from motion_cases import order
 from ropewalk.capabilities import ROPES, SYSTEM, engine_of
+from ropewalk.errors import ScenarioError
 from ropewalk.model import Scenario
 from ropewalk.results.frame import ENERGY_FORMS
-from ropewalk.simulate import simulate
+from ropewalk.simulate import simulate, spectrum_of
 from system_cases import frames_of, imbalance
 
 ROPE = {"start": [0, 0], "end": [30, 2], "length": 31.0, "mass": 0.5, "axial_stiffness": 1e5, "elements": 60}
@@ -110,3 +111,10 @@ def test_a_mass_without_friction_is_held_as_on_a_rope_that_is_divided_at_it() ->
 def test_a_motion_does_not_begin_at_rest_with_what_rubs() -> None:
     with pytest.raises(ValueError, match=r"rest with a contact of kind dragged is not implemented"):
         asked({**CONTACTS["dragged"]}, moved(0.1, start={"with_loads": True}))
+
+
+def test_a_spectrum_at_an_instant_does_not_leave_out_what_moved_otherwise() -> None:
+    with pytest.raises(ScenarioError, match="contact: is not implemented for the spectrum at an instant"):
+        spectrum_of(asked({**CONTACTS["dragged"]}, moved(0.1)), at=0.05)
+    with pytest.raises(ScenarioError, match="axial_inertia: is not implemented for the spectrum at an instant"):
+        spectrum_of(asked({}, moved(0.1, axial_inertia=4.0), calm=True), at=0.05)
