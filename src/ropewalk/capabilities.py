@@ -96,9 +96,9 @@ def _of_beams(parts: Parts) -> Engine:
     """The engine of the system for motions of lines that are slack or have inner supports, or if it supports more.
 
     Linearised motions of straight lines are vertical only with the other one, which is faster for it; with an axial
-    inertia it takes longer steps.
+    inertia it takes longer steps, with a window fewer nodes.
     """
-    if parts.overhead:
+    if parts.overhead or (isinstance(parts.run, Dynamic) and parts.run.window is not None and not parts.is_supported):
         return WIRES
     if _asks_for_a_method(parts):
         return SYSTEM

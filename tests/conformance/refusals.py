@@ -26,6 +26,8 @@ _PATTERNS = {
         "a line without bending stiffness turns freely": r"a line without bending stiffness turns freely",
         "small motion is about a straight line, no buckled one": r"a line longer than its chord is a strut",
         "a net has no axis to whirl about": r"a net has no axis to whirl about",
+        "what moves a line everywhere leaves nothing to stand still":
+            r"moves (all of a line, not only what is near|its line far from) a load",
         "a net has no axis along which to be heavier": r"a net has no axis along which its inertia",
         "there are no loads to begin at rest with": r"run\.start\.with_loads: there are no loads",
         "two things set the tension": r"does not come to rest with its tension|both set its tension",
@@ -61,7 +63,8 @@ _PATTERNS = {
         "no implicit method with masses": rf"implicit with a load with a mass {_NOT}",
         "linear theory: forces that enter at an end": rf"constant force that enters at an end .*{_NOT}",
         "no linear theory of inner supports": rf"a line on inner supports {_NOT}",
-        "no window on lines with inner supports": rf"a window on lines with inner supports {_NOT}|run\.window: {_NOT}",
+        "no window around loads that decide on the way":
+            rf"a window (on lines with inner supports|with .*) {_NOT}|run\.window: {_NOT}",
         "no linear theory to compare with": r"^no distances$",
         "no export of networks and nets":
             r"joined lines, .* and nets cannot be moved from outside|there is no such line or load",

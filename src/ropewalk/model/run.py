@@ -106,7 +106,9 @@ class Dynamic(Declaration):
         default=None, description="interval at which contact forces on them are recorded (default: 1 ms)"
     )
     window: PositiveLength | None = Field(
-        default=None, description="with linearised geometry, only this far around the contacts do they move"
+        default=None,
+        description="with linearised geometry, only this far around the contacts do they move, along lines "
+        "and what is joined to them",
     )
     axial_inertia: Factor = Field(
         default=1.0,

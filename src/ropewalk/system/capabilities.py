@@ -15,6 +15,7 @@ from ropewalk.model.mass import MovingMass
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic
+from ropewalk.model.support import Moving
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
 from ropewalk.system.methods import of_methods
@@ -84,6 +85,28 @@ def _of_loads(parts: Parts) -> Iterator[Finding]:
             yield missing(("loads", name, "travel", "kind"), _SYSTEM, "free", remedy, feature=feature)
 
 
+def _in_a_window(parts: Parts) -> Iterator[Finding]:
+    """What would move far from the contacts, or comes to a line anywhere."""
+    run = parts.run
+    if not isinstance(run, Dynamic) or run.window is None:
+        return
+    path, given, remedy = ("run", "window"), f"{run.window:g} m", "leave window out"
+    if run.start.kind != "rest":
+        yield missing(path, _SYSTEM, given, remedy, feature=f"a window with start.kind: {run.start.kind}")
+    if parts.wind is not None and not parts.wind.is_calm:
+        yield Finding(path, "wind moves all of a line, not only what is near a load", given, remedy)
+    for name, line in parts.lines.items():
+        for key, support in (*line.ends(), *line.supports.items()) if line is not None else ():
+            if isinstance(support, Moving):
+                where = key if key in ("start_support", "end_support") else f"supports.{key}"
+                yield Finding(path, f"lines.{name}.{where} moves its line far from a load, too", given, remedy)
+    for load in parts.loads.values():
+        if isinstance(load, Footsteps | Walker | Foreign):
+            yield missing(path, _SYSTEM, given, remedy, feature=f"a window with a load of kind {load.kind}")
+        elif getattr(getattr(load, "travel", None), "measured", "") == "arc":
+            yield missing(path, _SYSTEM, given, remedy, feature="a window with measured: arc")
+
+
 def _on_nets(parts: Parts) -> Iterator[Finding]:
     """A net has no chord across which something could be to the side, and no one direction that holds a force."""
     if parts.nets and isinstance(parts.run, Dynamic) and parts.run.start.whirl:
@@ -131,7 +154,6 @@ MOTION = replace(
     only={
         "run.kind": ("dynamic",),
         "run.method": ("auto", "explicit", "verlet", "rkn6"),
-        "run.window": (None,),
         **_ALIKE,
         "loads.kind": (
             "force",
@@ -147,7 +169,16 @@ MOTION = replace(
         ),
         "loads.contact": ("clamped", "frictionless", "coulomb", "dragged"),
     },
-    more=(_accuracy, _only_lines, _joined_between_nodes, _of_loads, _on_nets, supported_by_tension, of_methods),
+    more=(
+        _accuracy,
+        _only_lines,
+        _in_a_window,
+        _joined_between_nodes,
+        _of_loads,
+        _on_nets,
+        supported_by_tension,
+        of_methods,
+    ),
 )
 AT_REST = replace(
     MOTION,

@@ -41,6 +41,7 @@ from ropewalk.system.stability import SAFETY, largest_frequency, largest_step
 from ropewalk.system.standing import Carried, Standing
 from ropewalk.system.statics import Potential, about_rest, at_rest, tensions
 from ropewalk.system.structure import WORKS, Room, State
+from ropewalk.system.window import Window
 from ropewalk.webs.lengths import doubt_slack
 
 # Part of a run for which a load may be faster than the waves of its line, as where that is slack for a while.
@@ -124,6 +125,7 @@ class Motion:
             )  # fmt: skip
         self._stand(with_loads=asked.start.with_loads)
         self._lead()
+        self._window = None if asked.window is None else Window(self.structure, asked.window)
         tension = tensions(self.structure, self.state.r)
         doubt_slack(scenario, account, self.layout.link_line, tension[self._builder.link])
 
@@ -280,12 +282,28 @@ class Motion:
         """Go on to output instant i."""
         if not i:
             return None
-        status = self._asking.to(float(self.times[i]))
+        status = (self._asking.to if self._window is None else self._go_in_window)(float(self.times[i]))
         self.account.steps, self._carrier.steps = self.account.steps + self._carrier.steps, 0
         if status == motion.RUNNING:
             return None
         outcome, advice = ("load failed", self._asking.message) if status == FAILED else _ENDS[status]
         return Ending(outcome, f"stopped at t = {self.state.t[0]:.6g} s: {advice}")
+
+    def _go_in_window(self, end: float) -> int:
+        """Go on to a time in s; the window follows the contacts."""
+        assert self._window is not None
+        carrier, status = self._carrier, motion.RUNNING
+        while status == motion.RUNNING and (begin := carrier.t) < end:
+            left = max(1, int(np.ceil((end - begin) / self._step - 1e-9)))
+            steps = min(left, self._window.wait(self.contacts, self.tables, self._step))
+            narrow = self._window.around(self.contacts, self.state)
+            self._window.leave(narrow, self.state, self._room)
+            carrier.system = self._system()._replace(structure=narrow)
+            motion.advance(*carrier.system, 0.0, motion.LOOK)
+            self._room.before[:] = self._room.strain  # which differs where it is cut
+            status = carrier.go(end if steps == left else begin + steps * (end - begin) / left)
+        carrier.system = self._system()
+        return status
 
     def frame(self) -> Frame | None:
         """The present frame; none of a motion that is no longer finite."""
@@ -294,6 +312,8 @@ class Motion:
         reaction = self._room.reaction.copy()
         elastic = self._look()
         self._room.reaction[:] = reaction
+        for e in () if self._window is None else np.flatnonzero(self._window.still):
+            self._room.reaction[e] = -self._room.force[:, self.structure.holdings.members(e)].sum(axis=1)
         if self.state.t[0] == 0.0:
             self._room.react(self.structure.holdings)
         return self._builder.build(self.state, self._room, self.contacts, elastic)
