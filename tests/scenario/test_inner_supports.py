@@ -81,7 +81,6 @@ def test_what_does_not_fit_is_said_at_its_key(override: str) -> None:
 
 
 REFUSED = {
-    "a window": (("run.geometry=linearised", "run.window=5 m"), "run.window"),
     "a tension": (("lines.deck.length=null", "lines.deck.tension=1 kN"), "lines.deck.tension"),
     "the linear theory": (("run.kind=linear",), "lines.deck.supports"),
 }  # fmt: skip

@@ -13,6 +13,7 @@ from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import missing
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import AnyLoad, Foreign
+from ropewalk.model.mass import MovingMass
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic
 from ropewalk.model.travel import FreeTravel
@@ -25,6 +26,9 @@ def of_methods(parts: Parts) -> Iterator[Finding]:
     """Find what the method asked for does not bear."""
     if not isinstance(parts.run, Dynamic):
         return
+    if parts.run.method in ("rkn6", "implicit") and parts.run.window is not None:
+        given, remedy = parts.run.method, "use auto or verlet, or leave window out"
+        yield missing(("run", "method"), _MOTION, given, remedy, feature=f"{given} with a window")
     check = {"rkn6": _not_of_sixth_order, "implicit": _not_implicit}.get(parts.run.method)
     if check is not None and (found := next(check(parts), None)) is not None:
         feature, otherwise = found
@@ -70,6 +74,9 @@ def _not_smooth(load: AnyLoad) -> Iterator[tuple[str, str]]:
         yield "free travel", "give it a travel with its speed"
     elif travel is not None and travel.measured != "material":
         yield f"travel that is measured as {travel.measured}", "write measured: material"
+    contact = getattr(load, "contact", "clamped")
+    if contact in ("coulomb", "dragged") or (contact == "frictionless" and isinstance(load, MovingMass)):
+        yield f"a contact of kind {contact}", "write contact: clamped"
     if _has(load.model_dump(), ("lift_off", "contact_stiffness")):
         yield "contacts that come off", "leave lift_off and contact_stiffness out"
 
