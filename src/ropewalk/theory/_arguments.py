@@ -6,24 +6,36 @@ from numpy.typing import ArrayLike, NDArray
 __all__ = ["finite", "not_negative", "positive", "vectors", "within"]
 
 
+def _is_finite(value: ArrayLike) -> bool:
+    """Whether it is a finite number; text is none, nor is an integer of 400 digits."""
+    try:
+        return bool(np.isfinite(value))
+    except (TypeError, ValueError):
+        return False
+
+
 def positive(**values: float) -> None:
     """Raise `ValueError` unless all values are finite and positive."""
     for name, value in values.items():
-        if not (np.isfinite(value) and value > 0.0):
+        if not (_is_finite(value) and value > 0.0):
             raise ValueError(f"{name} must be finite and positive, not {value}")
 
 
 def not_negative(**values: float) -> None:
     """Raise `ValueError` unless all values are finite and zero or positive."""
     for name, value in values.items():
-        if not (np.isfinite(value) and value >= 0.0):
+        if not (_is_finite(value) and value >= 0.0):
             raise ValueError(f"{name} must be finite and not negative, not {value}")
 
 
 def finite(**values: ArrayLike) -> None:
     """Raise `ValueError` unless all values, which may be arrays, are finite."""
     for name, value in values.items():
-        if not np.all(np.isfinite(value)):
+        try:
+            good = bool(np.all(np.isfinite(value)))
+        except TypeError:  # no numbers
+            good = False
+        if not good:
             raise ValueError(f"{name} must be finite, not {value!r}")
 
 

@@ -26,6 +26,7 @@ __all__ = ["Spans"]
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
+_ROOM = 1e250  # the largest number, 1e308, with room for higher bands
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,20 @@ class Spans:
             raise ValueError("tension or bending_stiffness must be positive: without both nothing travels")
         if not self.support_stiffness >= 0.0:
             raise ValueError(f"support_stiffness must not be negative, not {self.support_stiffness}")
+        self._check_scales()
+
+    def _check_scales(self) -> None:
+        """Raise `ValueError` where squares and fourth powers on the way overflow, or vanish."""
+        d, pull, bend = np.float64(self.spacing), np.float64(self.tension), np.float64(self.bending_stiffness)
+        with np.errstate(all="ignore"):
+            b = np.pi / d
+            scales = np.array([d**3, (bend * b**2 + pull) * b**2 / self.mass, pull**2, (bend * b**2) ** 2, bend * b**4])
+        used = [True, True, pull > 0.0, bend > 0.0, bend > 0.0]
+        if not np.all((scales > 1.0 / _ROOM) & (scales < _ROOM), where=used):
+            raise ValueError(
+                f"spacing {self.spacing:g}, mass {self.mass:g}, tension {self.tension:g} and bending_stiffness "
+                f"{self.bending_stiffness:g} give numbers beyond the range of computers: choose other units"
+            )
 
     @property
     def rigid(self) -> bool:
