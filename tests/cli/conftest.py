@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -45,6 +46,11 @@ def call(monkeypatch):
     return lambda *arguments: CliRunner().invoke(app, [str(a) for a in arguments])
 
 
+def _hear():
+    """Shells let what they run in the background ignore Ctrl-C: tests, too, and all that these start."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.fixture
 def start(folder):
     """Starts the command line in a process of its own, which does not outlive the test."""
@@ -53,7 +59,7 @@ def start(folder):
     def begin(*arguments):
         command = [sys.executable, standin.__file__, *map(str, arguments)]
         pipe = subprocess.PIPE
-        started.append(subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, cwd=folder))
+        started.append(subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, cwd=folder, preexec_fn=_hear))
         return started[-1]
 
     yield begin

@@ -46,11 +46,16 @@ BRIEFLY = ("--set", "run.until=0.2 ms", "--set", "run.every=0.2 ms")
 FOR_HOURS = ("--set", "run.until=2000 s", "--set", "run.every=2000 s")
 
 
+def hearing():
+    """Shells let what they run in the background ignore Ctrl-C: tests, too, and all that these start."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def start(*words, folder, **variables):
     pipe = subprocess.PIPE
     return subprocess.Popen(
         [sys.executable, "-m", "ropewalk", *words], stdout=pipe, stderr=pipe, text=True, cwd=folder,
-        env={**os.environ, **variables},
+        env={**os.environ, **variables}, preexec_fn=hearing,
     )  # fmt: skip
 
 
@@ -73,7 +78,7 @@ def test_an_interrupt_is_heard_in_the_kernels_of_every_engine(name, number, tmp_
     (tmp_path / "one.yaml").write_text(RUNS[name], encoding="utf-8")
     with start("run", "one.yaml", "-o", "short.nc", *BRIEFLY, folder=tmp_path) as run:  # compiles
         _, stderr = run.communicate()
-    assert run.returncode == 0, stderr
+    assert run.returncode in (0, 4), stderr  # so few steps may be doubtful
     with start("run", "one.yaml", *FOR_HOURS, folder=tmp_path) as run:
         wait_for(tmp_path / (".one.nc.lock" if name in LOOK_AHEAD else "one.nc"), run)
         run.send_signal(number)
