@@ -32,6 +32,7 @@ class _Heard:
         self.compiling = 0  # compilations under way, one within the other
         self.again = False  # whether it is to be heard once more
         self.waker: socket.socket | None = None  # of the thread that sees to that
+        self.leaving = threading.Lock()  # taken by the thread that ends the process
 
 
 _heard = _Heard()
@@ -112,9 +113,12 @@ def _send(number: int) -> None:
     if hasattr(signal, "pthread_kill") and (main := threading.main_thread().ident) is not None:
         signal.pthread_kill(main, number)
     else:
-        _thread.interrupt_main(number)
+        _thread.interrupt_main(signal.Signals(number))
 
 
 def _leave(message: str) -> None:
+    if not _heard.leaving.acquire(blocking=False):
+        time.sleep(1.0)  # the other thread is about to end us
+        return
     os.write(sys.__stderr__.fileno() if sys.__stderr__ is not None else 2, f"{message}\n".encode())
     os._exit(EXIT_CODE)

@@ -200,3 +200,19 @@ except KeyboardInterrupt:
         tmp_path,
     )
     assert (run.returncode, run.stdout, run.stderr) == (0, "heard\n", "")
+
+
+def test_the_last_line_is_said_once(tmp_path):
+    """The main thread and the one that watches beside the compiler may hear a signal at the same time."""
+    run = listening(
+        """
+import ropewalk.interrupts as interrupts
+
+write = os.write
+os.write = lambda *what: (time.sleep(0.1), write(*what))
+for _ in range(2):
+    threading.Thread(target=interrupts._leave, args=("once",)).start()
+""",
+        tmp_path,
+    )
+    assert (run.returncode, run.stderr) == (130, "once\n")

@@ -63,7 +63,7 @@ class Spans:
         with np.errstate(all="ignore"):
             b = np.pi / d
             scales = np.array([d**3, (bend * b**2 + pull) * b**2 / self.mass, pull**2, (bend * b**2) ** 2, bend * b**4])
-        used = [True, True, pull > 0.0, bend > 0.0, bend > 0.0]
+        used = np.array([1.0, 1.0, pull, bend, bend]) > 0.0
         if not np.all((scales > 1.0 / _ROOM) & (scales < _ROOM), where=used):
             raise ValueError(
                 f"spacing {self.spacing:g}, mass {self.mass:g}, tension {self.tension:g} and bending_stiffness "
