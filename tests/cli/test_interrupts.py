@@ -209,7 +209,7 @@ def test_the_last_line_is_said_once(tmp_path):
 import ropewalk.interrupts as interrupts
 
 write = os.write
-os.write = lambda *what: (time.sleep(0.1), write(*what))
+os.write = lambda *what: (write(*what), time.sleep(0.1))
 for _ in range(2):
     threading.Thread(target=interrupts._leave, args=("once",)).start()
 """,
