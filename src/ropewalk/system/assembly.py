@@ -38,7 +38,7 @@ from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
 from ropewalk.system.friction import NOT, STANDS
 from ropewalk.system.inertia import Inertia
 from ropewalk.system.laying import Nets
-from ropewalk.system.structure import About, Holdings, Lines, Nodes, Runs, Structure, Wind
+from ropewalk.system.structure import About, Holdings, Lines, Nodes, Runs, Sheaves, Structure, Wind
 from ropewalk.system.tethers import TETHER
 from ropewalk.system.travel import Tables
 from ropewalk.webs.laying import Laid
@@ -98,7 +98,9 @@ def _cables(scenario: Scenario, axes: tuple[str, ...]) -> dict[str, _Cable]:
 
 
 def _sections(scenario: Scenario, laid: Laid, corners: set[int]) -> Iterator[tuple[str, Integers, Array]]:
-    """Runs of all lines: names, nodes as laid out, stations in m; they end where something is joined or a line turns.
+    """Runs of all lines: names, nodes as laid out, stations in m.
+
+    They end where something is joined or a line turns, and beside sheaves.
 
     Args:
         scenario: what is there.
@@ -116,8 +118,39 @@ def _sections(scenario: Scenario, laid: Laid, corners: set[int]) -> Iterator[tup
             if np.ptp(np.diff(strand.station)) > 1e-9 * strand.station[-1]:
                 raise refusal(between_nodes(strand.name, line.elements))
             inner = []
+        over = laid.web.sheaves.link - strand.first
         for i, j in pairwise(sorted({0, last, *inner})):
-            yield strand.name, strand.node[i : j + 1], strand.station[i : j + 1]
+            marks = [i, *(p + k for p in sorted(over[(i <= over) & (over < j)].tolist()) for k in (0, 1)), j]
+            for begin, end in zip(marks[::2], marks[1::2], strict=True):
+                if begin == end:
+                    raise EquilibriumError(
+                        f"lines: {strand.name}: elements: a sheave stands next to another one, or to where something "
+                        "is joined to the line; write more elements"
+                    )
+                yield strand.name, strand.node[begin : end + 1], strand.station[begin : end + 1]
+
+
+def _sheaves(laid: Laid, sections: list[tuple[str, Integers, Array]], weight: Array, first: int) -> Sheaves | None:
+    """Sheaves over which lines run, as they are laid out.
+
+    Args:
+        laid: the lines.
+        sections: their runs.
+        weight: (section, axis) N/m.
+        first: the first of the nodes of all sheaves.
+    """
+    own = laid.web.sheaves
+    if not own.node.size:
+        return None
+    ends = [int(nodes[-1]) for _, nodes, _ in sections]
+    starts = [int(nodes[0]) for _, nodes, _ in sections]
+    links = laid.web.links
+    pairs = list(zip(ends[:-1], starts[1:], strict=True))
+    run = np.array([pairs.index((links.one[e], links.other[e])) for e in own.link], dtype=np.int64)
+    return Sheaves(
+        first + np.arange(run.size), run, own.ahead.copy(), own.friction.copy(), np.zeros((run.size, 2)),
+        np.zeros(run.size), weight[run],
+    )  # fmt: skip
 
 
 def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None = None) -> Assembled:
@@ -136,7 +169,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     shown, dim = [0, 2] if len(axes) == 2 else [0, 1, 2], len(axes)
     nets = Nets(scenario, laid) if scenario.nets else None
     sections = list(_sections(scenario, laid, set(nets.corners()) if nets is not None else set()))
-    original = np.concatenate([np.zeros(0, dtype=np.int64), *(node for _, node, _ in sections)])
+    original = np.concatenate([np.zeros(0, dtype=np.int64), *(node for _, node, _ in sections), laid.web.sheaves.node])
     if nets is not None:
         original = nets.number(original)
     cables = _cables(scenario, axes)
@@ -166,11 +199,15 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     gravity = np.zeros(dim)
     gravity[-1] = -scenario.gravity
     mass, lag, level = np.zeros(n), np.zeros(n), np.zeros(n)
+    weights = np.array([cable.mass for cable in own[: len(sections)]])[:, None] * gravity
+    sheaves = _sheaves(laid, sections, weights, sum(n + 1 for n in links[: len(sections)]))
+    over = set() if sheaves is None else set(sheaves.run.tolist())
     clamped, turned = np.zeros((len(links), 2), dtype=np.int64), np.zeros((len(links), 2, dim))
     for s, (name, *_) in enumerate(sections):
         cable, part = own[s], slice(first[s], first[s] + links[s] + 1)
         m = np.full(links[s] + 1, cable.mass * h[s])
-        m[[0, -1]] *= 0.5
+        m[0] *= 1.0 if s - 1 in over else 0.5  # nodes that pass keep their mass
+        m[-1] *= 1.0 if s in over else 0.5
         mass[part], lag[part] = m, cable.drag * m
         if cable.ends is None:
             continue
@@ -194,7 +231,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
         np.array([float(name in scenario.lines) for name, *_ in sections] + [0.0] * len(ways)),
         np.array([0.0] * len(sections) + [way.firm for way in ways]),
     )  # fmt: skip
-    holdings = _holdings(scenario, sections, original, gravity, until, axes, nets)
+    holdings = _holdings(scenario, laid, sections, original, gravity, until, axes, nets)
     light = np.divide(1.0, mass, out=np.zeros(n), where=mass > 0.0)
     light[holdings.node] = 0.0
     surfaces = nets.surfaces(dict(enumerate(first[len(sections) :]))) if nets is not None else None
@@ -214,7 +251,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
             np.concatenate([[0], np.cumsum(count)[:-1]]).astype(np.int64), count.astype(np.int64), np.array(begin),
             np.array(lengths),
         ),
-        holdings, _wind(scenario, until, axes), About.nothing(dim), Inertia.nothing(dim), surfaces,
+        holdings, _wind(scenario, until, axes), About.nothing(dim), Inertia.nothing(dim), surfaces, sheaves,
     )  # fmt: skip
     where = {int(n): e for e in range(holdings.mass.size) for n in holdings.members(e)}
     at_ends = {end.name: int(np.flatnonzero(original == end.node)[0]) for end in laid.ends}
@@ -227,15 +264,16 @@ def _mobile(mass: Array, light: Array, holdings: Holdings) -> Array:
     found = light.copy()
     for e in range(holdings.mass.size):
         nodes = holdings.members(e)
-        found[nodes] = float(holdings.free[e].any()) / (holdings.mass[e] + mass[nodes].sum())
+        weight = holdings.mass[e] + mass[nodes].sum()
+        found[nodes] = float(holdings.free[e].any()) / weight if weight > 0.0 else 0.0
     return found
 
 
 def _holdings(
-    scenario: Scenario, sections: list[tuple[str, Integers, Array]], original: Integers, gravity: Array,
+    scenario: Scenario, laid: Laid, sections: list[tuple[str, Integers, Array]], original: Integers, gravity: Array,
     until: float, axes: tuple[str, ...], nets: Nets | None,
 ) -> Holdings:  # fmt: skip
-    """Supports of lines, and what keeps nodes together."""
+    """Supports of lines and sheaves, and what keeps nodes together."""
     dim = gravity.size
     members = {int(i): np.flatnonzero(original == i) for i in np.unique(original)}
     found: dict[int, dict[str, Any]] = {
@@ -263,6 +301,14 @@ def _holdings(
                 "mass": mass, "force": force + mass * gravity, "free": free, "stiffness": stiffness,
                 "damping": damping, "place": components(place, axes), "table": vector_table(history, until, axes),
             }  # fmt: skip
+    wheels = (sheave for line in scenario.lines.values() for sheave in line.sheaves.values())
+    for node, sheave in zip(laid.web.sheaves.node.tolist(), wheels, strict=True):
+        entry = found.setdefault(node, {"node": members[node], "free": np.eye(dim)})
+        if sheave.to is None:
+            entry |= {"free": np.zeros((dim, dim)), "place": components(sheave.at, axes)}
+        else:
+            joint = scenario.joints[sheave.to]
+            entry |= {"mass": joint.mass, "force": joint.mass * gravity + components(joint.force, axes)}
     for number, more in nets.held() if nets is not None else ():
         found.setdefault(number, {"node": members[number], "free": np.eye(dim)}).update(more)
     entries = [none | entry for entry in found.values()]
