@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +18,6 @@ from ropewalk.mechanics.fleet import MARGIN
 from ropewalk.mechanics.footfall import footfalls
 from ropewalk.mechanics.held_points import supports_of
 from ropewalk.mechanics.loading import Loading
-from ropewalk.model.capabilities import refusal
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import Hooke
@@ -33,12 +31,12 @@ from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
 from ropewalk.system import friction
 from ropewalk.system.bodies import BLOWN, Bodies
-from ropewalk.system.capabilities import between_nodes
 from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
 from ropewalk.system.friction import NOT, STANDS
 from ropewalk.system.inertia import Inertia
 from ropewalk.system.laying import Nets
-from ropewalk.system.structure import About, Holdings, Lines, Nodes, Runs, Sheaves, Structure, Wind
+from ropewalk.system.sections import sections_of, sheaves_of
+from ropewalk.system.structure import About, Holdings, Lines, Nodes, Runs, Structure, Wind
 from ropewalk.system.tethers import TETHER
 from ropewalk.system.travel import Tables
 from ropewalk.webs.laying import Laid
@@ -97,62 +95,6 @@ def _cables(scenario: Scenario, axes: tuple[str, ...]) -> dict[str, _Cable]:
     return cables
 
 
-def _sections(scenario: Scenario, laid: Laid, corners: set[int]) -> Iterator[tuple[str, Integers, Array]]:
-    """Runs of all lines: names, nodes as laid out, stations in m.
-
-    They end where something is joined or a line turns, and beside sheaves.
-
-    Args:
-        scenario: what is there.
-        laid: the same laid out.
-        corners: nodes in which edge cables turn.
-    """
-    uses = np.bincount(np.concatenate([[0], *(strand.node for strand in laid.strands)]), minlength=laid.place.shape[0])
-    uses[0] -= 1
-    for strand in laid.strands:
-        line, last = scenario.lines.get(strand.name), strand.node.size - 1
-        supports = line.supports.values() if line is not None else ()
-        held = {int(np.abs(strand.station - s.at).argmin()) for s in supports}
-        inner = [i for i in range(1, last) if uses[strand.node[i]] > 1 or i in held or strand.node[i] in corners]
-        if line is not None and line.bending_stiffness:  # it does not end where something is joined to it
-            if np.ptp(np.diff(strand.station)) > 1e-9 * strand.station[-1]:
-                raise refusal(between_nodes(strand.name, line.elements))
-            inner = []
-        over = laid.web.sheaves.link - strand.first
-        for i, j in pairwise(sorted({0, last, *inner})):
-            marks = [i, *(p + k for p in sorted(over[(i <= over) & (over < j)].tolist()) for k in (0, 1)), j]
-            for begin, end in zip(marks[::2], marks[1::2], strict=True):
-                if begin == end:
-                    raise EquilibriumError(
-                        f"lines: {strand.name}: elements: a sheave stands next to another one, or to where something "
-                        "is joined to the line; write more elements"
-                    )
-                yield strand.name, strand.node[begin : end + 1], strand.station[begin : end + 1]
-
-
-def _sheaves(laid: Laid, sections: list[tuple[str, Integers, Array]], weight: Array, first: int) -> Sheaves | None:
-    """Sheaves over which lines run, as they are laid out.
-
-    Args:
-        laid: the lines.
-        sections: their runs.
-        weight: (section, axis) N/m.
-        first: the first of the nodes of all sheaves.
-    """
-    own = laid.web.sheaves
-    if not own.node.size:
-        return None
-    ends = [int(nodes[-1]) for _, nodes, _ in sections]
-    starts = [int(nodes[0]) for _, nodes, _ in sections]
-    links = laid.web.links
-    pairs = list(zip(ends[:-1], starts[1:], strict=True))
-    run = np.array([pairs.index((links.one[e], links.other[e])) for e in own.link], dtype=np.int64)
-    return Sheaves(
-        first + np.arange(run.size), run, own.ahead.copy(), own.friction.copy(), np.zeros((run.size, 2)),
-        np.zeros(run.size), weight[run],
-    )  # fmt: skip
-
-
 def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None = None) -> Assembled:
     """The structure of a scenario, without its loads.
 
@@ -168,7 +110,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     axes = axes or axes_of(scenario)
     shown, dim = [0, 2] if len(axes) == 2 else [0, 1, 2], len(axes)
     nets = Nets(scenario, laid) if scenario.nets else None
-    sections = list(_sections(scenario, laid, set(nets.corners()) if nets is not None else set()))
+    sections = list(sections_of(scenario, laid, set(nets.corners()) if nets is not None else set()))
     original = np.concatenate([np.zeros(0, dtype=np.int64), *(node for _, node, _ in sections), laid.web.sheaves.node])
     if nets is not None:
         original = nets.number(original)
@@ -200,7 +142,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     gravity[-1] = -scenario.gravity
     mass, lag, level = np.zeros(n), np.zeros(n), np.zeros(n)
     weights = np.array([cable.mass for cable in own[: len(sections)]])[:, None] * gravity
-    sheaves = _sheaves(laid, sections, weights, sum(n + 1 for n in links[: len(sections)]))
+    sheaves = sheaves_of(laid, sections, weights, sum(n + 1 for n in links[: len(sections)]))
     over = set() if sheaves is None else set(sheaves.run.tolist())
     clamped, turned = np.zeros((len(links), 2), dtype=np.int64), np.zeros((len(links), 2, dim))
     for s, (name, *_) in enumerate(sections):

@@ -16,7 +16,7 @@ from ropewalk.system.assembly import Assembled
 from ropewalk.system.bodies import Bodies
 from ropewalk.system.contacts import FORCE, ON, PRESCRIBED
 from ropewalk.system.holding import Grip, beside
-from ropewalk.system.sheaves import gravitational
+from ropewalk.system.sheaves_at_rest import gravitational
 from ropewalk.system.structure import (
     CARRIED,
     DAMPED,

@@ -21,18 +21,14 @@ from ropewalk.solve.symmetric import Way
 from ropewalk.system.cables import energy_of, pull_all, stretch_all
 from ropewalk.system.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
 from ropewalk.system.contacts import ON, bend, press
-from ropewalk.system.sheaves import (
-    SLIPS,
-    STICKS,
+from ropewalk.system.sheaves import SLIPS, STICKS, pass_nodes, pull_sheaves, slip, stored_at, stretch_over
+from ropewalk.system.sheaves_at_rest import (
     damping_of,
     gravitational,
-    pass_nodes,
-    pull_sheaves,
+    neighbours_of,
+    part_until_passing,
     push_over,
-    slip,
     stiffness_of,
-    stored_at,
-    stretch_over,
 )
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.standing import Standing
@@ -373,25 +369,16 @@ class Potential:
         return C
 
     def pattern(self, shape: Array) -> sparse.csc_matrix:
-        K = abs(self.stiffness(shape))
-        if self.structure.surfaces is not None:  # cells that are slack have none now
-            n, count = self.structure.nodes.mass.size, self.standing.weight.size
-            near = sparse.block_diag([self.structure.surfaces.neighbours(n), sparse.csc_matrix((count, count))])
+        K, structure = abs(self.stiffness(shape)), self.structure
+        n, count = structure.nodes.mass.size, self.standing.weight.size
+        if structure.surfaces is not None:  # cells that are slack have none now
+            near = sparse.block_diag([structure.surfaces.neighbours(n), sparse.csc_matrix((count, count))])
             K = K + K.T + abs(self.free).T @ near @ abs(self.free)
-        if self.structure.sheaves is not None:  # lines may be as straight up as they were drawn
-            K = K + abs(self.free).T @ self._beside_sheaves() @ abs(self.free)
+        if structure.sheaves is not None:  # lines that are drawn straight up have zeros there now
+            over = neighbours_of(structure.sheaves, structure.runs, n, self.axes)
+            near = sparse.block_diag([over, sparse.csc_matrix((count, count))])
+            K = K + abs(self.free).T @ near @ abs(self.free)
         return K.tocsc()
-
-    def _beside_sheaves(self) -> sparse.csc_matrix:
-        """Ones where sheaves may stiffen, (place, place)."""
-        sheaves, runs, n = self.structure.sheaves, self.structure.runs, self.structure.nodes.mass.size
-        assert sheaves is not None
-        ends = runs.first[sheaves.run] + runs.links[sheaves.run]
-        at = np.stack([ends, sheaves.node, ends + 1], axis=1)[:, :, None] + n * np.arange(self.axes)
-        at = at.reshape(ends.size, -1)
-        shape, size = (*at.shape, at.shape[1]), self.free.shape[0]
-        rows, columns = (np.broadcast_to(part, shape).ravel() for part in (at[:, :, None], at[:, None]))
-        return sparse.coo_matrix((np.ones(rows.size), (rows, columns)), shape=(size, size)).tocsc()
 
     def stability(self, shape: Array) -> tuple[sparse.csc_matrix, Integers]:
         K, inner = self.stiffness(shape), np.arange(self.free.shape[1])
@@ -403,7 +390,11 @@ class Potential:
         return K[inner][:, inner].tocsc(), inner
 
     def moved(self, shape: Array, step: Array) -> Array:
-        return np.asarray(shape + self.free @ step)
+        way = np.asarray(self.free @ step)
+        if self.structure.sheaves is not None:
+            n = self.axes * self.structure.nodes.mass.size
+            way *= part_until_passing(self.structure.sheaves, self.structure.runs, way[:n].reshape(self.axes, -1))
+        return np.asarray(shape + way)
 
     def arrived(self, shape: Array) -> tuple[Array, bool]:
         sheaves, runs = self.structure.sheaves, self.structure.runs
