@@ -16,6 +16,9 @@ from ropewalk.model import Scenario
 from ropewalk.results.frame import Account
 from ropewalk.simulate import simulate
 from ropewalk.system.moving import Motion
+from ropewalk.system.sheaves_at_rest import damping_of
+from ropewalk.system.standing import Standing
+from ropewalk.system.statics import Potential
 
 G = 9.81
 
@@ -201,3 +204,24 @@ def test_a_rope_that_runs_out_says_so() -> None:
     assert "a line has run over a sheave up to its end" in result.attrs["advice"]
     assert 1.0 < result.time.values[-1] < 2.0
     assert np.abs(form(result, "imbalance")).max() < 1e-2 * form(result, "support_work")[-1]
+
+
+def test_stiffness_and_dampers_of_pieces_are_derivatives_of_their_forces() -> None:
+    motion, rng = at_first(over(axial_damping=50.0)), np.random.default_rng(7)
+    structure, r = motion.structure, motion.rest + 1e-3 * rng.standard_normal(motion.rest.shape)
+    potential = Potential(structure, Standing(structure, r), 1.0)
+    way = rng.standard_normal(potential.free.shape[1])
+    ahead, behind = (potential.out_of_balance(r.ravel() + potential.free @ (far * way)) for far in (1e-6, -1e-6))
+    change, K = (behind - ahead) / 2e-6, potential.stiffness(r.ravel())
+    assert change == pytest.approx(K @ way, abs=1e-6 * float(np.abs(change).max()))  # central differences
+    # What dampers take over the link that the sheave divides: c h (rate of its strain)^2.
+    sheaves, runs, v = structure.sheaves, structure.runs, rng.standard_normal(r.shape)
+    assert sheaves is not None
+    taken = float(v.ravel() @ damping_of(sheaves, runs, r) @ v.ravel())
+    e, b, h = int(runs.first[0] + runs.links[0]), int(sheaves.node[0]), float(runs.h[0])
+
+    def length(t: float) -> float:
+        here = r + t * v
+        return float(np.linalg.norm(here[:, b] - here[:, e]) + np.linalg.norm(here[:, e + 1] - here[:, b]))
+
+    assert taken == pytest.approx(50.0 * h * ((length(1e-6) - length(-1e-6)) / 2e-6 / h) ** 2, rel=1e-6)

@@ -49,6 +49,8 @@ def _over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
             yield missing(("lines", name, "sheaves", sheave, "to"), what, wheel.to, remedy, feature=feature)
     if isinstance(run, Dynamic) and run.geometry == "linearised":
         yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
+    if isinstance(run, Dynamic) and run.axial_inertia != 1.0:
+        yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
     if isinstance(run, Dynamic) and run.start.kind == "result":
         yield missing(("run", "start", "kind"), what, "result", "start at rest, or from a mode")
 

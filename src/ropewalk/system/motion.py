@@ -15,7 +15,7 @@ from ropewalk.system.cables import blow, energy_of, guess, pull_all, stretch_all
 from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, bend, press
 from ropewalk.system.friction import NOT, rub
 from ropewalk.system.inertia import kick_along
-from ropewalk.system.sheaves import RUBS, is_at_sheave, pass_nodes, pull_sheaves, slip, stored_at, stretch_over
+from ropewalk.system.sheaves import RUBS, exist, is_at_sheave, pass_nodes, pull_sheaves, slip, stored_at, stretch_over
 from ropewalk.system.structure import CARRIED, DAMPED, DRIVEN, HELD, LOADED, MOVED, RUBBED, STRUCK
 from ropewalk.system.surfaces import damp_surfaces, follow, hand_over, is_damped, pull_surfaces, stored_in
 from ropewalk.system.tethers import gap, grow
@@ -49,7 +49,8 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
             room.force[a, i] = structure.nodes.force[a, i]
     follow(structure.surfaces, state.r, state.v)
     stretch_all(structure, room, state.r)
-    stretch_over(structure.sheaves, structure.runs, room, state.r)
+    if exist(structure.sheaves):
+        stretch_over(structure.sheaves, structure.runs, room, state.r)
     locate(structure, room, contacts, tables, state, table, out, since)
     if steps == LOCATE:
         for k in range(contacts.size):
@@ -67,7 +68,8 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
         if contacts[k].rubs != NOT and contacts[k].state == ON:
             rub(structure, room, contacts, state, table, out, k)
     bend(structure, room, contacts, state, table, out)
-    state.work[RUBBED] += slip(structure.sheaves, structure.runs, state.r, RUBS)
+    if exist(structure.sheaves):
+        state.work[RUBBED] += slip(structure.sheaves, structure.runs, state.r, RUBS)
     if steps <= LOOK:
         stored = energy_of(structure, room, state.r) + stored_in(structure.surfaces, state.r)
         stored += stored_at(structure.sheaves, structure.runs, state.r)
@@ -79,7 +81,8 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
     press(structure, room, contacts, state, table, out)
     hand_over(structure.surfaces, room.force)
     pull_surfaces(structure.surfaces, state.r, room.force)
-    lost += pull_sheaves(structure.sheaves, structure.runs, room, state.r, since)
+    if exist(structure.sheaves):
+        lost += pull_sheaves(structure.sheaves, structure.runs, room, state.r, since)
     if since > 0.0 and is_damped(structure.surfaces):
         guess(structure, room, state.v, dt)
         lost += damp_surfaces(structure.surfaces, state.r, room.guess, room.force)
@@ -343,7 +346,7 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
         whole = i > 0 and stage == 0
         ends = whole and _is_refused(contacts, state)
         asked = whole and bodies.tethers.size > 0 and gap(structure, contacts, bodies, state) <= 0.0
-        stands = is_at_sheave(structure.sheaves, structure, contacts, state)
+        stands = exist(structure.sheaves) and is_at_sheave(structure.sheaves, structure, contacts, state)
         if ends or asked or stands or runs_out:
             half, h = 1, kicks[stages] * dt
         state.work[DAMPED] += h * lost
@@ -363,7 +366,8 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
             _drift(structure, state, since)
             drift(bodies, state, since)
             state.t[0] = begin + (step + (gone if stage < stages - 1 else 1.0)) * dt
-            runs_out = not pass_nodes(structure.sheaves, structure, state.r, state.v, state.work)
+            if exist(structure.sheaves):
+                runs_out = not pass_nodes(structure.sheaves, structure, state.r, state.v, state.work)
         if stage == 0 and step % 64 == 0 and not _is_finite(state.r, state.v):
             return NOT_FINITE, stored
         if ends:

@@ -31,6 +31,12 @@ AROUND = 3
 
 
 @inlined
+def exist(sheaves):
+    """Whether there are any: asked where a call would hand all arrays on."""
+    return sheaves is not None
+
+
+@inlined
 def _distance(r, i, j):
     square = 0.0
     for a in range(r.shape[0]):

@@ -34,7 +34,6 @@ from ropewalk.system.spline import WIDTH
 from ropewalk.system.standing import Standing
 from ropewalk.system.structure import REST, WORKS, About, Room, Structure
 from ropewalk.system.surfaces import hand_over, pull_surfaces, stored_in
-from ropewalk.system.wind_damping import damping_by_wind
 
 
 @lean_inner
@@ -358,8 +357,6 @@ class Potential:
         if self.structure.sheaves is not None:
             over = damping_of(self.structure.sheaves, runs, r)
             C = C + sparse.block_diag([over, sparse.csc_matrix((u.size, u.size))])
-        blown = damping_by_wind(self.structure, r, float(self.standing.state.t[0]))
-        C = C + sparse.block_diag([blown, sparse.csc_matrix((u.size, u.size))])
         C = C.tolil()
         for e in np.flatnonzero(held.damping.any(axis=(1, 2))):
             at = held.node[held.first[e]] + nodes.mass.size * np.arange(n)
