@@ -129,4 +129,4 @@ run: {kind: dynamic, untill: 1}
     with pytest.raises(ScenarioError) as caught:
         loads(text, "case.yaml")
     found = [(problem.line, problem.key) for problem in caught.value.problems]
-    assert found == [(2, "lines.a.bending_stiffness"), (5, "loads.p.kind"), (6, "run.untill")]
+    assert found == [(2, "lines.a.bending_stiffness"), (6, "run.untill")]

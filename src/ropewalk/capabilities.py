@@ -81,14 +81,15 @@ def _of_networks(parts: Parts) -> Engine:
     Motions go to the system if both do. At rest point loads are exact on the polygons of networks, and right to the
     first order of the mesh on splines, where these bend sharply.
     """
-    if _for_webs_only(parts):
-        return WEBS
-    refused, moves = _refused(SYSTEM, parts), isinstance(parts.run, Dynamic)
+    moves = isinstance(parts.run, Dynamic)
+    if _runs_over_sheaves(parts):
+        return SYSTEM if moves else WEBS
+    refused = _refused(SYSTEM, parts)
     better = (moves and not refused) or _is_linearised(parts) or bool(parts.nets) or _asks_for_a_method(parts)
     return SYSTEM if better or refused < _refused(WEBS, parts) else WEBS
 
 
-def _for_webs_only(parts: Parts) -> bool:
+def _runs_over_sheaves(parts: Parts) -> bool:
     return any(line is not None and line.sheaves for line in parts.lines.values())
 
 
@@ -141,7 +142,7 @@ def engine_of_spectrum(scenario: Scenario, *, with_loads: bool) -> Engine:
 
     With loads, the one that is exact at rest.
     """
-    if _for_webs_only(scenario.parts):
+    if _runs_over_sheaves(scenario.parts):
         return WEBS
     refused = _of_rest(SYSTEM, scenario, with_loads=with_loads) or list(_blown(scenario))
     if not refused and not (with_loads and scenario.loads):
@@ -151,7 +152,7 @@ def engine_of_spectrum(scenario: Scenario, *, with_loads: bool) -> Engine:
 
 def engine_at(scenario: Scenario) -> Engine:
     """Choose the engine that finds the spectrum of a network at an instant of its motion."""
-    only = _for_webs_only(scenario.parts)
+    only = _runs_over_sheaves(scenario.parts)
     return WEBS if only or not _of_rest(WEBS, scenario, with_loads=True) else SYSTEM
 
 

@@ -48,6 +48,9 @@ _PATTERNS = {
         "no damping by wind in spectra of the system": rf"wind {_NOT} spectra",
         "nothing goes to the side on nets": rf"\.(lateral|balance): {_NOT} nets",
         "stiff lines and networks do not whirl": rf"\.whirl: {_NOT}|a mode outside the x-z plane {_NOT}",
+        "lines over sheaves bend sharply, and lie on nothing":
+            rf"\.(bending_stiffness|foundation): {_NOT} lines over sheaves",
+        "a joint without mass cannot hang on sheaves alone": rf"joint without mass .* {_NOT} lines over sheaves",
         "results do not hold the slip over sheaves": rf"run\.start\.kind: {_NOT} lines over sheaves",
         "stiff lines and networks move explicitly": rf"run\.method: {_NOT} (beams|joined)",
         "friction of prescribed travel on ropes alone": rf"\.friction(_model)?: {_NOT}",

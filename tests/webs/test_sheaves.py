@@ -1,4 +1,6 @@
-"""Lines over sheaves: tensions on both sides, capstans, weights on a rope, blocks, and ropes that run out.
+"""Lines over sheaves at rest: tensions on both sides, capstans, blocks, and ropes that run out.
+
+In motion: tests/system/test_lines_over_sheaves.py.
 
 Friction: Euler and Eytelwein, T2/T1 = exp(mu theta).
 """
@@ -18,10 +20,6 @@ from ropewalk.simulate import simulate
 
 def run_of(lines: dict[str, Any], run: dict[str, Any] | None = None, **more: Any) -> xr.Dataset:
     return simulate(Scenario.model_validate({"lines": lines, "run": run or {"kind": "equilibrium"}, **more}))
-
-
-def form(result: xr.Dataset, name: str) -> np.ndarray:
-    return np.asarray(result.energy.sel(form=name).values)
 
 
 def over(friction: float = 0.0, **changes: Any) -> dict[str, Any]:
@@ -107,69 +105,6 @@ def test_a_rope_that_rubs_does_not_rest_folded(
     assert result.reaction.values[0].sum(axis=0) == pytest.approx([0.0, push + 9.81 * mass * length], abs=1e-6)
 
 
-def weights(
-    n: int, friction: float, push: float = -10.0, k: float = 400.0, stiffness: float = 1e6, **run: Any
-) -> xr.Dataset:
-    """3 kg and 2 kg on a rope over a sheave, each on a spring; a push down near the first, or up near the second."""
-    rope = {
-        "start": [-0.05, -5], "end": [0.05, -5], "length": 10.0, "mass": 0.05, "axial_stiffness": stiffness,
-        "axial_damping": 5.0, "elements": n,
-        "start_support": {"kind": "guided", "along": [0, 1], "stiffness": k, "mass": 3.0},
-        "end_support": {"kind": "guided", "along": [0, 1], "stiffness": k, "mass": 2.0},
-        "sheaves": {"wheel": {"at": [0, 0], "friction": friction}},
-    }  # fmt: skip
-    force = {"time": [0, 1e-6], "value": [[0, 0], [0, push]]}
-    load = {"kind": "force", "on": "rope", "force": force, "travel": {"speed": 0, "from": 0.3 if push < 0.0 else 9.7}}
-    return run_of({"rope": rope}, {"kind": "dynamic", "until": 0.5, "every": 0.01, **run}, loads={"p": load})
-
-
-def test_weights_on_a_rope_move_together() -> None:
-    """Atwood's machine with springs: x = F/(2 k) (1 - cos omega t), omega^2 = 2 k / (m1 + m2 + rope)."""
-    result = weights(20, 0.0)
-    z, t = result.position.values[:, [0, -1], 1], result.time.values
-    omega = np.sqrt(2.0 * 400.0 / 5.5)
-    exact = 10.0 / 800.0 * (1.0 - np.cos(omega * t))
-    # The rope stretches, 1e6 N / 10 m: 8e-3 of the springs; and swings of the rope of 0.1 of the masses.
-    assert z[0, 0] - z[:, 0] == pytest.approx(exact, abs=6e-4)
-    assert z[:, 1] - z[0, 1] == pytest.approx(exact, abs=6e-4)
-    first = t < 0.06
-    a = np.polyfit(0.5 * t[first] ** 2, (z[0, 0] - z[:, 0])[first], 1)[0]
-    assert a == pytest.approx(
-        10.0 / 5.5, rel=0.1
-    )  # (m1 - m2) g / (m1 + m2 + rope) of Atwood, with 10 N for (m1 - m2) g
-
-
-def test_many_nodes_pass_a_sheave_and_the_audit_closes() -> None:
-    """They come to rest of themselves: nodes that pass shake a rope, here of 10 kN and 5 N s."""
-    links, audit = [40, 80], []
-    for n in links:
-        result = weights(n, 0.0, 15.0, 8.0, 1e4, until=1.8)
-        assert result.attrs["outcome"] == "completed", result.attrs["advice"]
-        z = result.position.values[:, [0, -1], 1]
-        audit.append(float(np.abs(form(result, "imbalance")).max() / form(result, "load_work").max()))
-        assert z[0, 0] - z[-1, 0] > 1.9  # m: 7 links of 40, and 15 of 80
-        assert z[0, 0] - z[-1, 0] == pytest.approx(z[-1, 1] - z[0, 1], abs=0.02)  # it stretches by 2 mm for 2 N
-        assert np.abs(form(result, "friction")).max() < 1e-3  # J of 30: nodes take the new direction at their speed
-    print(audit)
-    assert max(audit) < 2e-4
-
-
-def test_friction_at_a_sheave_takes_energy_and_the_audit_knows() -> None:
-    free, rubbed = weights(40, 0.0), weights(40, 0.05)
-    lost = form(rubbed, "friction")
-    assert np.abs(form(free, "friction")).max() < 1e-3 * lost[-1]
-    assert lost[-1] > 0.05  # J of 0.3 given
-    assert np.diff(lost).min() > -1e-9
-    assert np.abs(form(rubbed, "imbalance")).max() < 0.02 * lost[-1]
-
-
-def test_a_rope_that_runs_out_says_so() -> None:
-    result = weights(40, 0.0, -400.0, 20.0)
-    assert result.attrs["outcome"] == "line ran out"
-    assert "a line has run over a sheave up to its end" in result.attrs["advice"]
-    assert 0.0 < result.time.values[-1] < 0.5
-
-
 def test_a_rope_that_cannot_rest_before_it_runs_out_says_so() -> None:
     joined = {"kind": "joined", "to": "bob"}
     rope = {**over(), "start": [0.0, -1.0], "end": [1e-3, -9.0], "length": 10.0, "end_support": joined,
@@ -190,12 +125,3 @@ def test_a_block_in_a_loop_hangs_on_twice_the_tension() -> None:
     across = 1.0 / (4.5 * (1.0 + tension[0] / 1e5))
     assert 2.0 * tension[0] * np.sqrt(1.0 - across**2) == pytest.approx(98.1, rel=1e-6)
     assert result.reaction.values[0].sum(axis=0) == pytest.approx([0.0, 98.1], abs=1e-3)
-
-
-def test_a_load_that_comes_to_a_sheave_stops_the_run() -> None:
-    load = {"kind": "force", "on": "rope", "force": [0, -50.0], "travel": {"speed": 10, "from": 4.5}}
-    result = run_of({"rope": over(length=13.2)}, {"kind": "dynamic", "until": 0.6, "every": 0.02}, loads={"p": load})
-    assert result.attrs["outcome"] == "travel ended"
-    assert "a load has come to a sheave" in result.attrs["advice"]
-    # The sheave is 5.83 m from the start of 13.11 m, over one link of 0.13 m.
-    assert result.contact_xi.values[-1, 0] == pytest.approx(5.8, abs=0.4)

@@ -16,7 +16,7 @@ MOST_QUESTIONS = 100
 # Part of a step by which instants differ that are meant to be the same.
 NEXT_TO_NOTHING = 1e-6
 # A load that could not go on.
-FAILED = 4
+FAILED = -1  # instead of what a kernel says
 
 
 class Asking:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +18,6 @@ from ropewalk.mechanics.fleet import MARGIN
 from ropewalk.mechanics.footfall import footfalls
 from ropewalk.mechanics.held_points import supports_of
 from ropewalk.mechanics.loading import Loading
-from ropewalk.model.capabilities import refusal
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import Hooke
@@ -33,11 +31,11 @@ from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
 from ropewalk.system import friction
 from ropewalk.system.bodies import BLOWN, Bodies
-from ropewalk.system.capabilities import between_nodes
 from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
 from ropewalk.system.friction import NOT, STANDS
 from ropewalk.system.inertia import Inertia
 from ropewalk.system.laying import Nets
+from ropewalk.system.sections import sections_of, sheaves_of
 from ropewalk.system.structure import About, Holdings, Lines, Nodes, Runs, Structure, Wind
 from ropewalk.system.tethers import TETHER
 from ropewalk.system.travel import Tables
@@ -97,29 +95,6 @@ def _cables(scenario: Scenario, axes: tuple[str, ...]) -> dict[str, _Cable]:
     return cables
 
 
-def _sections(scenario: Scenario, laid: Laid, corners: set[int]) -> Iterator[tuple[str, Integers, Array]]:
-    """Runs of all lines: names, nodes as laid out, stations in m; they end where something is joined or a line turns.
-
-    Args:
-        scenario: what is there.
-        laid: the same laid out.
-        corners: nodes in which edge cables turn.
-    """
-    uses = np.bincount(np.concatenate([[0], *(strand.node for strand in laid.strands)]), minlength=laid.place.shape[0])
-    uses[0] -= 1
-    for strand in laid.strands:
-        line, last = scenario.lines.get(strand.name), strand.node.size - 1
-        supports = line.supports.values() if line is not None else ()
-        held = {int(np.abs(strand.station - s.at).argmin()) for s in supports}
-        inner = [i for i in range(1, last) if uses[strand.node[i]] > 1 or i in held or strand.node[i] in corners]
-        if line is not None and line.bending_stiffness:  # it does not end where something is joined to it
-            if np.ptp(np.diff(strand.station)) > 1e-9 * strand.station[-1]:
-                raise refusal(between_nodes(strand.name, line.elements))
-            inner = []
-        for i, j in pairwise(sorted({0, last, *inner})):
-            yield strand.name, strand.node[i : j + 1], strand.station[i : j + 1]
-
-
 def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None = None) -> Assembled:
     """The structure of a scenario, without its loads.
 
@@ -135,8 +110,8 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     axes = axes or axes_of(scenario)
     shown, dim = [0, 2] if len(axes) == 2 else [0, 1, 2], len(axes)
     nets = Nets(scenario, laid) if scenario.nets else None
-    sections = list(_sections(scenario, laid, set(nets.corners()) if nets is not None else set()))
-    original = np.concatenate([np.zeros(0, dtype=np.int64), *(node for _, node, _ in sections)])
+    sections = list(sections_of(scenario, laid, set(nets.corners()) if nets is not None else set()))
+    original = np.concatenate([np.zeros(0, dtype=np.int64), *(node for _, node, _ in sections), laid.web.sheaves.node])
     if nets is not None:
         original = nets.number(original)
     cables = _cables(scenario, axes)
@@ -166,11 +141,15 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     gravity = np.zeros(dim)
     gravity[-1] = -scenario.gravity
     mass, lag, level = np.zeros(n), np.zeros(n), np.zeros(n)
+    weights = np.array([cable.mass for cable in own[: len(sections)]])[:, None] * gravity
+    sheaves = sheaves_of(laid, sections, weights, sum(n + 1 for n in links[: len(sections)]))
+    over = set() if sheaves is None else set(sheaves.run.tolist())
     clamped, turned = np.zeros((len(links), 2), dtype=np.int64), np.zeros((len(links), 2, dim))
     for s, (name, *_) in enumerate(sections):
         cable, part = own[s], slice(first[s], first[s] + links[s] + 1)
         m = np.full(links[s] + 1, cable.mass * h[s])
-        m[[0, -1]] *= 0.5
+        m[0] *= 1.0 if s - 1 in over else 0.5  # nodes that pass keep their mass
+        m[-1] *= 1.0 if s in over else 0.5
         mass[part], lag[part] = m, cable.drag * m
         if cable.ends is None:
             continue
@@ -194,7 +173,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
         np.array([float(name in scenario.lines) for name, *_ in sections] + [0.0] * len(ways)),
         np.array([0.0] * len(sections) + [way.firm for way in ways]),
     )  # fmt: skip
-    holdings = _holdings(scenario, sections, original, gravity, until, axes, nets)
+    holdings = _holdings(scenario, laid, sections, original, gravity, until, axes, nets)
     light = np.divide(1.0, mass, out=np.zeros(n), where=mass > 0.0)
     light[holdings.node] = 0.0
     surfaces = nets.surfaces(dict(enumerate(first[len(sections) :]))) if nets is not None else None
@@ -214,7 +193,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
             np.concatenate([[0], np.cumsum(count)[:-1]]).astype(np.int64), count.astype(np.int64), np.array(begin),
             np.array(lengths),
         ),
-        holdings, _wind(scenario, until, axes), About.nothing(dim), Inertia.nothing(dim), surfaces,
+        holdings, _wind(scenario, until, axes), About.nothing(dim), Inertia.nothing(dim), surfaces, sheaves,
     )  # fmt: skip
     where = {int(n): e for e in range(holdings.mass.size) for n in holdings.members(e)}
     at_ends = {end.name: int(np.flatnonzero(original == end.node)[0]) for end in laid.ends}
@@ -227,15 +206,16 @@ def _mobile(mass: Array, light: Array, holdings: Holdings) -> Array:
     found = light.copy()
     for e in range(holdings.mass.size):
         nodes = holdings.members(e)
-        found[nodes] = float(holdings.free[e].any()) / (holdings.mass[e] + mass[nodes].sum())
+        weight = holdings.mass[e] + mass[nodes].sum()
+        found[nodes] = float(holdings.free[e].any()) / weight if weight > 0.0 else 0.0
     return found
 
 
 def _holdings(
-    scenario: Scenario, sections: list[tuple[str, Integers, Array]], original: Integers, gravity: Array,
+    scenario: Scenario, laid: Laid, sections: list[tuple[str, Integers, Array]], original: Integers, gravity: Array,
     until: float, axes: tuple[str, ...], nets: Nets | None,
 ) -> Holdings:  # fmt: skip
-    """Supports of lines, and what keeps nodes together."""
+    """Supports of lines and sheaves, and what keeps nodes together."""
     dim = gravity.size
     members = {int(i): np.flatnonzero(original == i) for i in np.unique(original)}
     found: dict[int, dict[str, Any]] = {
@@ -263,6 +243,14 @@ def _holdings(
                 "mass": mass, "force": force + mass * gravity, "free": free, "stiffness": stiffness,
                 "damping": damping, "place": components(place, axes), "table": vector_table(history, until, axes),
             }  # fmt: skip
+    wheels = (sheave for line in scenario.lines.values() for sheave in line.sheaves.values())
+    for node, sheave in zip(laid.web.sheaves.node.tolist(), wheels, strict=True):
+        entry = found.setdefault(node, {"node": members[node], "free": np.eye(dim)})
+        if sheave.to is None:
+            entry |= {"free": np.zeros((dim, dim)), "place": components(sheave.at, axes)}
+        else:
+            joint = scenario.joints[sheave.to]
+            entry |= {"mass": joint.mass, "force": joint.mass * gravity + components(joint.force, axes)}
     for number, more in nets.held() if nets is not None else ():
         found.setdefault(number, {"node": members[number], "free": np.eye(dim)}).update(more)
     entries = [none | entry for entry in found.values()]

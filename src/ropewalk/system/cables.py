@@ -22,10 +22,9 @@ import numpy as np
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.rider import look_up
-from ropewalk.system.compliance import CORRECTION, SHORT, SMOOTH
+from ropewalk.system.compliance import ARC, SHORT_ARC, SMOOTH
 from ropewalk.system.inertia import hold_back
-
-ARC, SHORT_ARC = CORRECTION / 48.0, SHORT / 48.0
+from ropewalk.system.sheaves import blow_over
 
 
 @lean_inner
@@ -354,4 +353,4 @@ def _push(structure, r, v, t, air):
                     power += _share(v[a], air[a], i, 1, 2.0 * F, runs.shift[s, 0])
                 if i == last and runs.links[s] > 1:
                     power += _share(v[a], air[a], i + 1, -1, 2.0 * F, runs.shift[s, 1])
-    return power
+    return power + blow_over(structure.sheaves, runs, wind, r, v, speed, air)

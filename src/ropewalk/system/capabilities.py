@@ -10,6 +10,7 @@ from ropewalk.model.capabilities import missing, supported_by_tension
 from ropewalk.model.division import links_of_line
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.joint import Joined
+from ropewalk.model.line import Line
 from ropewalk.model.load import Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.oscillator import Oscillator
@@ -32,7 +33,33 @@ def _only_lines(parts: Parts) -> Iterator[Finding]:
         yield missing(("nets", name), "small motion", remedy="write geometry: nonlinear")
     for name, line in parts.lines.items():
         if line is not None and line.sheaves:
-            yield missing(("lines", name, "sheaves"), _SYSTEM, remedy="end the line at the sheave")
+            yield from _over_sheaves(name, line, parts)
+
+
+def _over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
+    """Lines bend sharply at sheaves, which have no size; results do not hold how far they have run over these."""
+    what, run = "lines over sheaves", parts.run
+    for key in ("bending_stiffness", "foundation"):
+        if getattr(line, key):
+            yield missing(("lines", name, key), what, str(getattr(line, key)), f"leave {key} out")
+    for sheave, wheel in line.sheaves.items():
+        if wheel.to in parts.joints and not _has_mass(wheel.to, parts):
+            remedy = f"give joints.{wheel.to} a mass"
+            feature = "a joint without mass that hangs on sheaves alone"
+            yield missing(("lines", name, "sheaves", sheave, "to"), what, wheel.to, remedy, feature=feature)
+    if isinstance(run, Dynamic) and run.geometry == "linearised":
+        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
+    if isinstance(run, Dynamic) and run.axial_inertia != 1.0:
+        yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
+    if isinstance(run, Dynamic) and run.start.kind == "result":
+        yield missing(("run", "start", "kind"), what, "result", "start at rest, or from a mode")
+
+
+def _has_mass(joint: str, parts: Parts) -> bool:
+    """Whether a joint has a mass, or an end of a line."""
+    ends = (support for line in parts.lines.values() if line is not None for _, support in line.ends())
+    tied = any(isinstance(support, Joined) and support.to == joint for support in ends)
+    return tied or bool(getattr(parts.joints[joint], "mass", 1.0))
 
 
 def between_nodes(name: str, elements: int) -> Finding:

@@ -97,10 +97,14 @@ class System(NamedTuple):
     def changing(self) -> dict[str, Arrays]:
         """All that changes in motion."""
         own = arrays_of(self.bodies, "gone", "tethers", "M", "K")
-        return {
+        found = {
             "state": arrays_of(self.state), "room": arrays_of(self.room), "contacts": {"records": self.contacts},
             "bodies": own,
         }  # fmt: skip
+        if self.structure.sheaves is not None:
+            passed = arrays_of(self.structure.runs, "first", "links") | arrays_of(self.structure.lines, "begin")
+            found["sheaves"] = arrays_of(self.structure.sheaves, "ahead", "tension", "drive") | passed
+        return found
 
     def put(self, tree: Tree) -> None:
         """Go back to a copy of what changes."""
@@ -109,7 +113,8 @@ class System(NamedTuple):
 
     def copy(self) -> System:
         """A twin that shares nothing that changes; its forces and speeds may be changed as well."""
-        return System(self.structure, *(copied(part) for part in self[1:]))
+        structure = self.structure if self.structure.sheaves is None else copied(self.structure)
+        return System(structure, *(copied(part) for part in self[1:]))
 
 
 @dataclass

@@ -30,6 +30,8 @@ CORRECTION = 1.0
 SHORT = 1.0
 # Bending energy of the change of the curvature, over h^2 times that of the curvature: exact to the fourth order.
 SMOOTH = 1.0 / 6.0
+# What the squares of second differences, and of their change, add to half the square of the length of a link.
+ARC, SHORT_ARC = CORRECTION / 48.0, SHORT / 48.0
 # Part of kappa within a run, below which it is kept from vanishing at ends: there a kink would be as stiff as the end,
 # and what passes a joint or a support would meet it within a step. It is softer within a third of a link from them.
 PART = 0.5

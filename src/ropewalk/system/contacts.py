@@ -18,7 +18,7 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics import law
-from ropewalk.mechanics.compiled import lean_inner
+from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.system.compliance import KINETIC, LEAST, compliance, kinetic
 from ropewalk.system.spline import WIDTH, links_under, share
 
@@ -118,6 +118,12 @@ CONTACT = np.dtype(
 )
 
 
+@inlined
+def goes_on(lines, runs, run):
+    """Whether a line goes on at the end of a run, and not with the link that a sheave divides."""
+    return lines.begin[run + 1] - lines.begin[run] < (runs.links[run] + 0.5) * runs.h[run]
+
+
 @lean_inner
 def sit(structure, contacts, state, k, s):
     """Put contact k at s of its line, where that is now."""
@@ -132,9 +138,9 @@ def sit(structure, contacts, state, k, s):
     contacts[k].near = base
     before = after = -1
     contacts[k].h[0] = contacts[k].h[1] = contacts[k].h[2] = h
-    if run > lines.first[line]:
+    if run > lines.first[line] and goes_on(lines, runs, run - 1):
         before = runs.first[run - 1] + runs.links[run - 1] - 1
-    if run < lines.first[line] + lines.runs[line] - 1:
+    if run < lines.first[line] + lines.runs[line] - 1 and goes_on(lines, runs, run):
         after = runs.first[run + 1]
     links_under(x, runs.first[run], n, before, after, contacts[k].link, contacts[k].part, contacts[k].change)
     for j in range(3):

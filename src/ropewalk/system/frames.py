@@ -16,6 +16,7 @@ from ropewalk.system.assembly import Assembled
 from ropewalk.system.bodies import Bodies
 from ropewalk.system.contacts import FORCE, ON, PRESCRIBED
 from ropewalk.system.holding import Grip, beside
+from ropewalk.system.sheaves_at_rest import gravitational
 from ropewalk.system.structure import (
     CARRIED,
     DAMPED,
@@ -47,10 +48,12 @@ class FrameBuilder:
         self.assembled, self.loading, self.bodies = assembled, loading, bodies
         runs, line = assembled.structure.runs, assembled.line
         nodes, links = [], []
+        sheaves = assembled.structure.sheaves
+        over = [] if sheaves is None else sheaves.run.tolist()  # the link beyond these lies over a sheave
         for s, (first, n) in enumerate(zip(runs.first[: len(line)], runs.links[: len(line)], strict=True)):
-            goes_on = s > 0 and line[s - 1] == line[s]  # its first node is the last one before
+            goes_on = s > 0 and line[s - 1] == line[s] and s - 1 not in over  # its first node is the last one before
             nodes.append(first + np.arange(int(goes_on), n + 1))
-            links.append(first + np.arange(n))
+            links.append(first + np.arange(n + int(s in over)))
         none, nets = np.zeros(0, dtype=np.int64), assembled.nets
         vertices = () if nets is None else nets.vertex
         sheets = () if nets is None else nets.sheets
@@ -188,6 +191,8 @@ class FrameBuilder:
         kinetic = 0.5 * float((nodes.mass * state.v**2).sum() + (held.mass * state.v[:, first] ** 2).sum())
         kinetic += self.assembled.structure.inertia.kinetic(nodes.mass, state.v, state.v[:, first])
         weight = float((nodes.force * state.r).sum() + (held.force.T * state.r[:, first]).sum())
+        if self.assembled.structure.sheaves is not None:
+            weight -= gravitational(self.assembled.structure.sheaves, self.assembled.structure.runs, state.r)
         for e in range(held.mass.size):
             part = slice(int(held.table[e]), int(held.table[e] + held.entries[e]))
             moved = [np.interp(state.t[0], held.time[part], row[part]) for row in held.moved]

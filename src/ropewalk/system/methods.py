@@ -39,6 +39,7 @@ def of_methods(parts: Parts) -> Iterator[Finding]:
 def _not_of_sixth_order(parts: Parts) -> Iterator[tuple[str, str]]:
     if parts.is_airy:
         yield "wind", "leave wind_drag out"
+    yield from _over_sheaves(parts)
     for part in (*parts.lines.values(), *parts.nets.values()):
         tree = {} if part is None else part.model_dump()
         held = {key: tree.pop(key, None) for key in ("start_support", "end_support", "supports", "edge")}
@@ -58,7 +59,14 @@ def _not_of_sixth_order(parts: Parts) -> Iterator[tuple[str, str]]:
             yield "a load that decides on the way", "kind: force"
 
 
+def _over_sheaves(parts: Parts) -> Iterator[tuple[str, str]]:
+    """Nodes pass them all of a sudden, and friction knows the slip before."""
+    if any(line is not None and line.sheaves for line in parts.lines.values()):
+        yield "lines over sheaves", "end the line at the sheave"
+
+
 def _not_implicit(parts: Parts) -> Iterator[tuple[str, str]]:
+    yield from _over_sheaves(parts)
     for load in parts.loads.values():
         if load is None:
             continue

@@ -15,12 +15,13 @@ from ropewalk.system.cables import blow, energy_of, guess, pull_all, stretch_all
 from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, bend, press
 from ropewalk.system.friction import NOT, rub
 from ropewalk.system.inertia import kick_along
+from ropewalk.system.sheaves import RUBS, exist, is_at_sheave, pass_nodes, pull_sheaves, slip, stored_at, stretch_over
 from ropewalk.system.structure import CARRIED, DAMPED, DRIVEN, HELD, LOADED, MOVED, RUBBED, STRUCK
 from ropewalk.system.surfaces import damp_surfaces, follow, hand_over, is_damped, pull_surfaces, stored_in
 from ropewalk.system.tethers import gap, grow
 from ropewalk.system.travel import fade, locate
 
-RUNNING, NOT_FINITE, AT_END, ASKED = 0, 1, 2, 3
+RUNNING, NOT_FINITE, AT_END, ASKED, AT_SHEAVE, LINE_OUT = 0, 1, 2, 3, 4, 5
 GIVEN, SETTLE, LOCATE, LOOK = -3, -2, -1, 0  # instead of a number of steps
 
 
@@ -48,6 +49,8 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
             room.force[a, i] = structure.nodes.force[a, i]
     follow(structure.surfaces, state.r, state.v)
     stretch_all(structure, room, state.r)
+    if exist(structure.sheaves):
+        stretch_over(structure.sheaves, structure.runs, room, state.r)
     locate(structure, room, contacts, tables, state, table, out, since)
     if steps == LOCATE:
         for k in range(contacts.size):
@@ -65,8 +68,11 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
         if contacts[k].rubs != NOT and contacts[k].state == ON:
             rub(structure, room, contacts, state, table, out, k)
     bend(structure, room, contacts, state, table, out)
+    if exist(structure.sheaves):
+        state.work[RUBBED] += slip(structure.sheaves, structure.runs, state.r, RUBS)
     if steps <= LOOK:
         stored = energy_of(structure, room, state.r) + stored_in(structure.surfaces, state.r)
+        stored += stored_at(structure.sheaves, structure.runs, state.r)
         for k in range(contacts.size):
             if contacts[k].state == ON:
                 for a in range(state.r.shape[0]):
@@ -75,6 +81,8 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
     press(structure, room, contacts, state, table, out)
     hand_over(structure.surfaces, room.force)
     pull_surfaces(structure.surfaces, state.r, room.force)
+    if exist(structure.sheaves):
+        lost += pull_sheaves(structure.sheaves, structure.runs, room, state.r, since)
     if since > 0.0 and is_damped(structure.surfaces):
         guess(structure, room, state.v, dt)
         lost += damp_surfaces(structure.surfaces, state.r, room.guess, room.force)
@@ -318,7 +326,7 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
         RUNNING, or what went wrong; and, if nothing moves, the energy stored in all runs with their kinks, J.
     """
     kicks, drifts = method
-    windy, dragged, stored, stages = False, False, 0.0, drifts.size
+    windy, dragged, runs_out, stored, stages = False, False, False, 0.0, drifts.size
     for a in range(state.r.shape[0]):
         windy = windy or structure.wind.direction[a] != 0.0
     for i in range(structure.nodes.drag.size):
@@ -338,7 +346,8 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
         whole = i > 0 and stage == 0
         ends = whole and _is_refused(contacts, state)
         asked = whole and bodies.tethers.size > 0 and gap(structure, contacts, bodies, state) <= 0.0
-        if ends or asked:
+        stands = exist(structure.sheaves) and is_at_sheave(structure.sheaves, structure, contacts, state)
+        if ends or asked or stands or runs_out:
             half, h = 1, kicks[stages] * dt
         state.work[DAMPED] += h * lost
         state.work[LOADED] += h * blown
@@ -350,17 +359,23 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
         _kick_holdings(structure, room, state, h, yielding, A, b)
         if bodies.mass.size > 0:
             kick(contacts, bodies, state, h, half)
-        if i < last and not asked:
+        if i < last and not (asked or stands or runs_out):
             since = drifts[stage] * dt
             gone = (gone if stage > 0 else 0.0) + drifts[stage]
             state.work[DRIVEN] += grow(contacts, bodies, state, since)
             _drift(structure, state, since)
             drift(bodies, state, since)
             state.t[0] = begin + (step + (gone if stage < stages - 1 else 1.0)) * dt
+            if exist(structure.sheaves):
+                runs_out = not pass_nodes(structure.sheaves, structure, state.r, state.v, state.work)
         if stage == 0 and step % 64 == 0 and not _is_finite(state.r, state.v):
             return NOT_FINITE, stored
         if ends:
             return AT_END, stored
+        if runs_out:
+            return LINE_OUT, stored
+        if stands:
+            return AT_SHEAVE, stored
         if asked:
             return ASKED, stored
     if steps == SETTLE:

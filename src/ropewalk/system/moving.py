@@ -59,6 +59,8 @@ _ENDS = {
         "travel ended",
         "a load has come to an end of its line; write at_end: leave or stay, or end the run before",
     ),
+    motion.AT_SHEAVE: ("travel ended", "a load has come to a sheave, which it cannot pass; let it turn back before"),
+    motion.LINE_OUT: ("line ran out", "a line has run over a sheave up to its end, to another sheave or to a joint"),
 }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ SAFETY_OF_NETS = 0.5
 _BENDING = 80.0 / 3.0
 # Square of the angle by which lines are expected to turn from where they are heavier along than across.
 _TURNED = 0.15**2
+_STUCK = 4.0  # stiffness of a link that sticks at a sheave near one of its ends, over its own
 _ARCS = 1.0 + CORRECTION / 3.0 + 2.0 * SHORT / 3.0
 
 
@@ -100,6 +102,7 @@ def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list
             square, rate = square + float(around[part].max()), rate + float(viscous[part].max())
             around[part] = 0.0
         found.append((square, rate))
+    found.extend(_at_sheaves(structure, r))
     return found + [(float(k), float(c)) for k, c in zip(around, viscous, strict=True)]
 
 
@@ -119,6 +122,30 @@ def _of_bodies(contacts: Any, bodies: Bodies) -> list[float]:
         pulled, taken = math.sqrt(float(tether["stiffness"]) * mobility), 0.5 * float(tether["damping"]) * mobility
         steps.append(2.0 / pulled * (math.hypot(1.0, taken / pulled) - taken / pulled))
     return steps
+
+
+def _at_sheaves(structure: Structure, r: Array) -> Iterator[tuple[float, float]]:
+    """Bounds of squares of frequencies, 1/s^2, and of rates, 1/s, beside sheaves and of what these hang on.
+
+    The stiffness k of the link over a sheave acts on how much the ways to it are longer together, c u with c of
+    magnitudes 1, 2 and 1 at most. It is no more than that of springs from each of the three nodes to the ground, of
+    k c^2 x with 1/x adding up to 1.
+    """
+    sheaves, runs, held, mass = structure.sheaves, structure.runs, structure.holdings, structure.nodes.mass
+    if sheaves is None:
+        return
+    for q, (node, s) in enumerate(zip(sheaves.node, sheaves.run, strict=True)):
+        e, h, m = int(runs.first[s] + runs.links[s]), float(runs.h[s]), float(runs.rho[s] * runs.h[s])
+        length = np.linalg.norm(r[:, e] - r[:, node]) + np.linalg.norm(r[:, e + 1] - r[:, node])
+        strain = np.array([float(length) / h - 1.0, 0.0])
+        stretched, taut = (float(f(runs.law[s], strain).max()) for f in (law.tangents, law.tensions))
+        k = max(stretched, taut * _ARCS) / h
+        own = k * (_STUCK if sheaves.friction[q] > 0.0 else 1.0)
+        carrier = int(np.searchsorted(held.first, np.flatnonzero(held.node == node)[0], side="right")) - 1
+        M = float(held.mass[carrier] + mass[held.members(carrier)].sum()) if held.free[carrier].any() else np.inf
+        x = np.geomspace(1.01, 1e4, 400)  # of the sheave
+        square = np.maximum((2.0 * k + 2.0 * own / (1.0 - 1.0 / x)) / m, 4.0 * own * x / M)
+        yield float(square.min()), 4.0 * float(runs.damping[s]) / (m * h)
 
 
 def _stable(square: float, rate: float) -> float:

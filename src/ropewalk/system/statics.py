@@ -12,25 +12,36 @@ from collections.abc import Iterator
 import numpy as np
 import scipy.sparse as sparse
 
+from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean, lean_inner, records
 from ropewalk.solve import minimum
 from ropewalk.solve.symmetric import Way
-from ropewalk.system.cables import ARC, SHORT_ARC, energy_of, pull_all, stretch_all
-from ropewalk.system.compliance import PART, SMOOTH, compliances
+from ropewalk.system.cables import energy_of, pull_all, stretch_all
+from ropewalk.system.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
 from ropewalk.system.contacts import ON, bend, press
+from ropewalk.system.sheaves import SLIPS, STICKS, pass_nodes, pull_sheaves, slip, stored_at, stretch_over
+from ropewalk.system.sheaves_at_rest import (
+    damping_of,
+    gravitational,
+    neighbours_of,
+    part_until_passing,
+    push_over,
+    stiffness_of,
+)
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.standing import Standing
-from ropewalk.system.structure import REST, About, Room, Structure
+from ropewalk.system.structure import REST, WORKS, About, Room, Structure
 from ropewalk.system.surfaces import hand_over, pull_surfaces, stored_in
 
 
 @lean_inner
-def _stretch(structure, room, contacts, state, table, out):
+def _stretch(structure, room, contacts, state, table, out, how):
     """Strains of all links with the kinks under what stands on them."""
     runs, r = structure.runs, state.r
     stretch_all(structure, room, r)
+    stretch_over(structure.sheaves, runs, room, r)
     for k in range(contacts.size):
         if contacts[k].state != ON:
             continue
@@ -42,13 +53,15 @@ def _stretch(structure, room, contacts, state, table, out):
                 slope += contacts[k].slope[j] * r[a, contacts[k].near + j]
             contacts[k].p[a], contacts[k].along[a] = here, slope / runs.h[run]
     bend(structure, room, contacts, state, table, out)
+    slip(structure.sheaves, runs, r, how)
 
 
 @lean
-def _stored(structure, room, contacts, state, table, out):
+def _stored(structure, room, contacts, state, table, out, how):
     """Energy stored in all runs with their kinks, J."""
-    _stretch(structure, room, contacts, state, table, out)
+    _stretch(structure, room, contacts, state, table, out, how)
     total = energy_of(structure, room, state.r) + stored_in(structure.surfaces, state.r)
+    total += stored_at(structure.sheaves, structure.runs, state.r)
     for k in range(contacts.size):
         if contacts[k].state == ON:
             for a in range(state.r.shape[0]):
@@ -57,19 +70,20 @@ def _stored(structure, room, contacts, state, table, out):
 
 
 @lean
-def _forces(structure, room, contacts, state, table, out, given, firm):
+def _forces(structure, room, contacts, state, table, out, how, given, firm):
     """Add the forces of all runs and contacts to `room.force`.
 
     Args:
         given: first coordinate of given forces which press by the stiffness of their own kink.
         firm: (contact,) N/m, overwritten: stiffness under the tension that each kink makes by itself.
     """
-    _stretch(structure, room, contacts, state, table, out)
+    _stretch(structure, room, contacts, state, table, out, how)
     for k in range(contacts.size):
         firm[k] = contacts[k].moving
     pull_all(structure, room, state.r, 0.0)
     press(structure, room, contacts, state, table, out)
     pull_surfaces(structure.surfaces, state.r, room.force)
+    pull_sheaves(structure.sheaves, structure.runs, room, state.r, 0.0)
     for k in range(contacts.size):
         if contacts[k].state == ON and contacts[k].first >= given:
             for a in range(state.r.shape[0]):
@@ -88,14 +102,16 @@ class Potential:
         size: m, of the structure.
         within: whether only what stays in the plane needs to be stable.
         part: of the compliance within a run that contacts at its ends have, see `compliance.py`.
+        how: lines slip over sheaves, see `sheaves.py`.
     """
 
     is_symmetric = True
 
     def __init__(
-        self, structure: Structure, standing: Standing, size: float, *, within: bool = False, part: float = PART
-    ) -> None:
-        self.structure, self.standing, self.size, self.within = structure, standing, size, within
+        self, structure: Structure, standing: Standing, size: float, *, within: bool = False, part: float = PART,
+        how: int = SLIPS,
+    ) -> None:  # fmt: skip
+        self.structure, self.standing, self.size, self.within, self.how = structure, standing, size, within, how
         self.axes, n = standing.rest.shape
         self.room, self._table, self._out = Room.of(structure, self.axes), compliances(part=part), np.zeros(4)
         self.blown = np.zeros((self.axes, n))  # N, of the wind
@@ -120,12 +136,17 @@ class Potential:
         if structure.surfaces is not None:
             laid = sparse.block_diag([structure.surfaces.shares(n)] * self.axes)
             self._nodes_free = (self._nodes_free + laid @ self._nodes_free).tocsc()
+        self._divide()
+        self.arrange()
+
+    def _divide(self) -> None:
+        """Take note of which nodes are those of which run."""
+        runs = self.structure.runs
         self._one, self._two, self._weight = self._operators()
-        self._arcs = np.ones(n)  # of links
-        for first, links, arcs in zip(structure.runs.first, structure.runs.links, structure.runs.arcs, strict=True):
+        self._arcs = np.ones(self.structure.nodes.mass.size)  # of links
+        for first, links, arcs in zip(runs.first, runs.links, runs.arcs, strict=True):
             self._arcs[first : first + links] = arcs
         self._three = self._one @ self._two  # links are between second differences as between nodes
-        self.arrange()
 
     def arrange(self) -> None:
         """Take note of what stands where."""
@@ -168,6 +189,8 @@ class Potential:
         """Potential energy, J."""
         held, total = self.structure.holdings, self.stored(shape)
         r, u = self.put(shape)
+        if self.structure.sheaves is not None:
+            total += gravitational(self.structure.sheaves, self.structure.runs, r)
         total -= float(((self.structure.nodes.force + self.blown) * r).sum())
         for e in range(held.mass.size):
             here = r[:, held.node[held.first[e]]]
@@ -184,7 +207,7 @@ class Potential:
 
     def _arguments(self) -> tuple[object, ...]:
         standing = self.standing
-        return self.structure, self.room, standing.contacts, standing.state, self._table, self._out
+        return self.structure, self.room, standing.contacts, standing.state, self._table, self._out, self.how
 
     def _look(self, shape: Array) -> tuple[Array, Array]:
         """Find all forces in a shape, see `put`."""
@@ -241,6 +264,9 @@ class Potential:
         K = K + self._kinks(rows, rise)
         if self.structure.surfaces is not None:
             K = K + sparse.block_diag([self.structure.surfaces.stiffness(r), sparse.csc_matrix((u.size, u.size))])
+        if self.structure.sheaves is not None:
+            over = stiffness_of(self.structure.sheaves, runs, r, self.how)
+            K = K + sparse.block_diag([over, sparse.csc_matrix((u.size, u.size))])
         K = K.tolil()
         held = self.structure.holdings
         for e in np.flatnonzero(held.stiffness.any(axis=(1, 2))):
@@ -328,6 +354,9 @@ class Potential:
         C = C + sparse.block_diag([drag, self.standing.damping(u)])
         if self.structure.surfaces is not None:
             C = C + sparse.block_diag([self.structure.surfaces.damping(r), sparse.csc_matrix((u.size, u.size))])
+        if self.structure.sheaves is not None:
+            over = damping_of(self.structure.sheaves, runs, r)
+            C = C + sparse.block_diag([over, sparse.csc_matrix((u.size, u.size))])
         C = C.tolil()
         for e in np.flatnonzero(held.damping.any(axis=(1, 2))):
             at = held.node[held.first[e]] + nodes.mass.size * np.arange(n)
@@ -337,11 +366,15 @@ class Potential:
         return C
 
     def pattern(self, shape: Array) -> sparse.csc_matrix:
-        K = abs(self.stiffness(shape))
-        if self.structure.surfaces is not None:  # cells that are slack have none now
-            n, count = self.structure.nodes.mass.size, self.standing.weight.size
-            near = sparse.block_diag([self.structure.surfaces.neighbours(n), sparse.csc_matrix((count, count))])
+        K, structure = abs(self.stiffness(shape)), self.structure
+        n, count = structure.nodes.mass.size, self.standing.weight.size
+        if structure.surfaces is not None:  # cells that are slack have none now
+            near = sparse.block_diag([structure.surfaces.neighbours(n), sparse.csc_matrix((count, count))])
             K = K + K.T + abs(self.free).T @ near @ abs(self.free)
+        if structure.sheaves is not None:  # lines that are drawn straight up have zeros there now
+            over = neighbours_of(structure.sheaves, structure.runs, n, self.axes)
+            near = sparse.block_diag([over, sparse.csc_matrix((count, count))])
+            K = K + abs(self.free).T @ near @ abs(self.free)
         return K.tocsc()
 
     def stability(self, shape: Array) -> tuple[sparse.csc_matrix, Integers]:
@@ -354,10 +387,24 @@ class Potential:
         return K[inner][:, inner].tocsc(), inner
 
     def moved(self, shape: Array, step: Array) -> Array:
-        return np.asarray(shape + self.free @ step)
+        way = np.asarray(self.free @ step)
+        if self.structure.sheaves is not None:
+            n = self.axes * self.structure.nodes.mass.size
+            way *= part_until_passing(self.structure.sheaves, self.structure.runs, way[:n].reshape(self.axes, -1))
+        return np.asarray(shape + way)
 
     def arrived(self, shape: Array) -> tuple[Array, bool]:
-        return shape, False
+        sheaves, runs = self.structure.sheaves, self.structure.runs
+        if sheaves is None:
+            return shape, False
+        before, r = runs.links.copy(), self.put(shape)[0]
+        push_over(sheaves, runs, r)
+        if not pass_nodes(sheaves, self.structure, r, np.zeros_like(r), np.zeros(WORKS)):
+            raise EquilibriumError("a line runs over a sheave up to its end, or to the next sheave; make it longer")
+        passed = bool((before != runs.links).any())
+        if passed:
+            self._divide()
+        return self.taken(), passed
 
     def approaches(self, start: Array, way: Way) -> Iterator[Array]:
         return iter(())
@@ -397,11 +444,14 @@ def at_rest(structure: Structure, gravity: Array, start: Array, *, within: bool 
         for node in held.members(e)
     }  # fmt: skip
     T, shift, force = tensions(structure, rest), np.zeros_like(runs.shift), structure.nodes.force.copy()
+    over = set() if structure.sheaves is None else set(structure.sheaves.run.tolist())  # they end beside sheaves
     for s, (first, links, h) in enumerate(zip(runs.first, runs.links, runs.h, strict=True)):
         for side, (end, way, link) in enumerate(((first, 1, first), (first + links, -1, first + links - 1))):
             bending = runs.bending[s] / h**2
             whole = max(T[link], 0.0) + bending
             if runs.clamped[s, side] or whole == 0.0 or links < 2 or not runs.arcs[s]:  # there are no two nodes beside
+                continue
+            if s - 1 + side in over:  # where they end changes
                 continue
             zeta = bending / whole
             parts = np.array([(1.0 - zeta) / 6.0 + zeta / 18.0, (zeta - 1.0) / 24.0 + zeta / 72.0])
@@ -427,6 +477,6 @@ def about_rest(structure: Structure, rest: Array) -> Structure:
 
 def tensions(structure: Structure, r: Array) -> Array:
     """Tensions of all links, each by its first node, at places of the nodes (axis, node) in m; N."""
-    potential = Potential(structure, Standing(structure, r), 1.0)
+    potential = Potential(structure, Standing(structure, r), 1.0, how=STICKS)
     potential.forces(r.ravel())
     return potential.room.tension

@@ -104,6 +104,18 @@ class About(NamedTuple):
         return About(np.zeros((2, axes, 0)), records(0, REST))
 
 
+class Sheaves(NamedTuple):
+    """Points over which lines run; one entry for each."""
+
+    node: Integers  # its own
+    run: Integers  # which ends at it; the next one goes on
+    ahead: Array  # m, unstrained length between the last node of that run and the sheave
+    friction: Array  # coefficient
+    tension: Array  # (sheave, 2) N, behind and ahead, without damping
+    drive: Array  # N, by which it was pulled behind more than ahead when it slipped last: energy over slip
+    weight: Array  # (sheave, axis) N/m, of the line
+
+
 class Structure(NamedTuple):
     """All that does not change while it moves."""
 
@@ -115,6 +127,7 @@ class Structure(NamedTuple):
     about: About
     inertia: Inertia
     surfaces: Surfaces | None
+    sheaves: Sheaves | None
 
     @property
     def is_linearised(self) -> bool:

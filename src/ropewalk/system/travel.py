@@ -19,7 +19,7 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import ARC, HORIZONTAL, MATERIAL, SLIP, Array
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.rider import look_up, look_up_integral
-from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, sit, slope_at_rest, stiffen, yields
+from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, goes_on, sit, slope_at_rest, stiffen, yields
 from ropewalk.system.friction import grip
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import HELD, STRUCK
@@ -203,13 +203,15 @@ def _measure_lines(structure, room, contacts):
     if not measured:
         return
     for line in range(lines.first.size):
-        gone = 0.0
-        for s in range(lines.first[line], lines.first[line] + lines.runs[line]):
+        gone, last = 0.0, lines.first[line] + lines.runs[line] - 1
+        for s in range(lines.first[line], last + 1):
             begin = runs.first[s]
             room.path[begin] = gone
             for i in range(begin, begin + runs.links[s]):
                 gone += room.length[i]
                 room.path[i + 1] = gone
+            if s < last and not goes_on(lines, runs, s):
+                gone += room.length[begin + runs.links[s]]
 
 
 @lean_inner
