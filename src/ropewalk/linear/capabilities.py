@@ -31,9 +31,6 @@ def _overhead_lines(parts: Parts) -> Iterator[Finding]:
 
 def _supports(parts: Parts) -> Iterator[Finding]:
     for name, line in parts.lines.items():
-        if line is not None and line.supports:
-            given, feature = ", ".join(line.supports), "a line on inner supports"
-            yield missing(("lines", name, "supports"), _LINEAR, given, _DYNAMIC, feature=feature)
         for key, support in line.ends() if line is not None else ():
             if not stands_still(support):
                 feature, remedy = "a support that yields or moves", f"write kind: fixed, or {_DYNAMIC}"
