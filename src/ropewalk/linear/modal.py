@@ -45,7 +45,7 @@ class Modes:
     Args:
         rate: (mode,) 1/s.
         shape: (place, mode), displacements of all places; places are axis by axis.
-        driven: (mode, place), by forces.
+        driven: (place, mode), by forces there.
         left_out: whether there are more modes.
         stiffness: (unknown, unknown) N/m.
         free: (place, unknown), places moved by unknowns.
@@ -87,7 +87,7 @@ class Modes:
         coupled = np.abs(D - np.diag(own)) > _ALONE * max(float(np.abs(own).max(initial=0.0)), 1e-300)
         rate, shape, driven = _coupled(w, D) if coupled.any() else _alone(w, own)
         places = free @ phi
-        return Modes(rate, places @ shape, driven @ places.T, wanted < unknowns, K, free, w)
+        return Modes(rate, places @ shape, (driven @ places.T).T.copy(), wanted < unknowns, K, free, w)
 
     def remainder(self, at: Array) -> tuple[Array, Array]:
         """What follows without modes where forces act.
@@ -101,7 +101,7 @@ class Modes:
         if not self.left_out:
             return np.zeros(at.shape), np.zeros((at.shape[1], at.shape[1]))
         moved = self.free @ self._solver.solve(self.free.T @ at)
-        moved = moved + ((self.shape / self.rate) @ (self.driven @ at)).real
+        moved = moved + ((self.shape / self.rate) @ (self.driven.T @ at)).real
         return np.asarray(moved), np.asarray(at.T @ moved)
 
     @property

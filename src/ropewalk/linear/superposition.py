@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-import scipy.linalg as linalg
 from numpy.typing import NDArray
 
 from ropewalk.linear.modal import RATE_AT_END, STAGES, Complex, Modes, Step
@@ -32,7 +31,9 @@ RADAU: Array = np.array(
         [(16.0 - _ROOT) / 36.0, (16.0 + _ROOT) / 36.0, 1.0 / 9.0],
     ]
 )
-TOLERANCE = 1e-6  # of the largest displacement: what half the steps may change
+# What half the steps may change of the largest displacement, and how many times more of the largest contact force, in
+# which the shortest waves of the mesh ring on.
+TOLERANCE, _RINGING = 1e-5, 100.0
 _HALVINGS = 9
 
 
@@ -82,7 +83,6 @@ class Stretch:
 class Moment:
     """The state at an instant."""
 
-    z: Complex  # (mode,)
     u: Array  # (coordinate,) m
     w: Array  # (coordinate,) m/s
     force: Array  # (contact, axis) N, on the structure; NaN off its line
@@ -99,6 +99,28 @@ class _Pressed(NamedTuple):
     force: Array  # (stage, contact and axis) N
 
 
+class _Seen(NamedTuple):
+    """An instant of output."""
+
+    z: Complex
+    u: Array
+    w: Array
+    force: Array  # (contact, axis) N
+    touch: Touch
+    pressing: Array  # (contact on its line and axis,) N
+    pressed: _Pressed | None  # in the step before it
+
+
+class _Small(NamedTuple):
+    """Equations of bodies in a step, but for what the structure adds."""
+
+    own: Integers  # (force,) which of contacts and axes
+    coordinate: Integers  # (force,) on which it acts
+    left: Array  # (unknown, unknown)
+    scale: Array  # (row of bodies,)
+    still: Integers  # rows of what stands still
+
+
 class Superposition:
     """Motion from rest.
 
@@ -113,8 +135,11 @@ class Superposition:
         self.modes, self.course, self.bodies, self._axes = modes, course, bodies, axes
         self._nodes = modes.shape.shape[0] // axes
         self._steps: dict[float, Step] = {}
+        self._small: dict[tuple[float, bytes, frozenset[int]], _Small] = {}
 
-    def moments(self, stretches: Sequence[Stretch], longest: float, start: tuple[Array, Array]) -> tuple[list[Moment], float, float]:
+    def moments(
+        self, stretches: Sequence[Stretch], longest: float, start: tuple[Array, Array]
+    ) -> tuple[list[Moment], float, float]:
         """States at all instants of output, the first one included.
 
         Args:
@@ -126,26 +151,26 @@ class Superposition:
             The states, the longest step in s, and what steps twice as long changed of the largest displacement.
         """
         found, missed = self._pass(stretches, longest, start), np.inf
+        places = self._places(found)
         for _ in range(_HALVINGS):
             longest *= 0.5
-            finer = self._pass(stretches, longest, start)
-            places = np.array([moment.place for moment in finer])
-            before = np.array([moment.place for moment in found])
-            scale = float(np.abs(places).max(initial=0.0))
-            missed = float(np.abs(places - before).max(initial=0.0)) / scale if scale > 0.0 else 0.0
-            forces = np.array([moment.force for moment in finer]), np.array([moment.force for moment in found])
-            most = float(np.nanmax(np.abs(forces[0]), initial=0.0))
-            if most > 0.0 and self.bodies.mass.size:
-                missed = max(missed, 1e-2 * float(np.nanmax(np.abs(forces[0] - forces[1]), initial=0.0)) / most)
-            found = finer
+            before, place_before = found, places
+            found = self._pass(stretches, longest, start)
+            places = self._places(found)
+            missed = _differ(places, place_before)
+            if self.bodies.mass.size:
+                forces, forces_before = (np.nan_to_num([one.force for one in all_of]) for all_of in (found, before))
+                missed = max(missed, _differ(forces, forces_before) / _RINGING)
             if missed <= TOLERANCE:
                 break
-        return found, longest, missed
+        moments = [self._moment(one, place) for one, place in zip(found, places, strict=True)]
+        return moments, longest, missed
 
-    def _pass(self, stretches: Sequence[Stretch], longest: float, start: tuple[Array, Array]) -> list[Moment]:
+    def _pass(self, stretches: Sequence[Stretch], longest: float, start: tuple[Array, Array]) -> list[_Seen]:
         """The same with steps of a given length at most, s."""
         z, (u, w) = np.zeros(self.modes.rate.size, dtype=np.complex128), (part.copy() for part in start)
         first = stretches[0]
+        self._balance(first, z, u, w)
         found, before = [self._look(first.begin, first.on, z, u, w, None)], first.on
         for stretch in stretches:
             self._arrive(stretch, before, z, u, w)
@@ -179,7 +204,7 @@ class Superposition:
         here = np.minimum(here, self._nodes - 1)  # beyond the last one weights are zero
         at = here[:, None, :] + self._nodes * np.arange(self._axes)[None, :, None]
         shape = np.einsum("cj,cajk->cak", touch.weight, self.modes.shape[at])
-        driven = np.einsum("cj,kcaj->cak", touch.weight, self.modes.driven[:, at])
+        driven = np.einsum("cj,cajk->cak", touch.weight, self.modes.driven[at])
         size = touch.contact.size * self._axes, self.modes.rate.size
         return shape.reshape(size), driven.reshape(size)
 
@@ -202,7 +227,25 @@ class Superposition:
                 if self.bodies.first[k] >= 0:
                     u[own] = touch.point[i] + (rows @ z).real
                     w[own] = touch.way[i] + (rows @ (self.modes.rate * z)).real
+            self._balance(stretch, z, u, w)
         w[self._held(stretch)] = 0.0
+
+    def _balance(self, stretch: Stretch, z: Complex, u: Array, w: Array) -> None:
+        """Put coordinates without mass where springs and dampers above and the structure below are in balance."""
+        b, touch = self.bodies, self.course.at(stretch.begin, stretch.on)
+        light = np.flatnonzero((np.diag(b.mass) == 0.0) & ~self._held(stretch))
+        if not light.size:
+            return
+        firm, pull = np.zeros(u.size), b.force - b.damping @ w
+        under = touch.point.ravel() + (self._rows(touch)[0] @ z).real
+        for i, k in enumerate(touch.contact):
+            if b.first[k] >= 0:
+                own = b.first[k] + np.arange(self._axes)
+                firm[own] = 1.0 / touch.soft[i]
+                pull[own] += firm[own] * under[self._axes * i : self._axes * (i + 1)]
+        others = np.setdiff1d(np.arange(u.size), light)
+        K = b.stiffness + np.diag(firm)
+        u[light] = np.linalg.solve(K[np.ix_(light, light)], pull[light] - K[np.ix_(light, others)] @ u[others])
 
     def _go(
         self, step: Step, stretch: Stretch, t: float, z: Complex, u: Array, w: Array
@@ -223,86 +266,101 @@ class Superposition:
         self, step: Step, stretch: Stretch, touches: list[Touch], rows: list[tuple[Complex, Complex]], z: Complex,
         u: Array, w: Array,
     ) -> tuple[Array, Array, Array]:  # fmt: skip
-        """Forces of all contacts at the stages (stage, contact and axis), and the bodies at the end of a step."""
-        b, A, h = self.bodies, self._axes, step.h
-        contact = touches[0].contact
-        first, size = np.repeat(b.first[contact], A), contact.size * A
-        own = np.flatnonzero(first >= 0)  # forces that are found
-        coordinate = first[own] + np.tile(np.arange(A), contact.size)[own]
-        given = np.array([np.where(first >= 0, 0.0, touch.force.ravel()) for touch in touches])
-        n, m = u.size, own.size
-        G = np.zeros((3 * size, 3 * size))
-        known = np.zeros((3, size))
+        """Forces of all contacts at the stages (stage, contact and axis), and the bodies at the end of a step.
+
+        Unknowns are velocities of bodies at the stages, then forces that are found.
+        """
+        b, h, n = self.bodies, step.h, u.size
+        small = self._equations_of(step, stretch)
+        own, coordinate, size = small.own, small.coordinate, rows[0][0].shape[0]
+        N = np.array([touch.force.ravel() for touch in touches])
+        N[:, own] = 0.0
+        G, known = np.zeros((3, size, 3, size)), np.zeros((3, size))
         for j, (shape, _) in enumerate(rows):
             known[j] = touches[j].point.ravel() + (shape @ (step.decay[j] * z)).real
             for i, (_, driven) in enumerate(rows):
-                G[j * size : (j + 1) * size, i * size : (i + 1) * size] = ((shape * step.weight[j, i]) @ driven.T).real
+                G[j, :, i] = ((shape * step.weight[j, i]) @ driven.T).real
             if self.modes.left_out:
-                G[j * size : (j + 1) * size, j * size : (j + 1) * size] += self.modes.remainder(self._shares(touches[j]))[1]
-        known += (G @ given.ravel()).reshape(3, size)
-        at = (size * np.arange(3)[:, None] + own).ravel()
-        soft = np.concatenate([np.repeat(touch.soft, A)[own] for touch in touches])
-        # Unknowns: velocities of bodies at the stages, then forces.
-        J, right = np.zeros((3 * n + 3 * m, 3 * n + 3 * m)), np.zeros(3 * n + 3 * m)
-        held = self._held(stretch)
-        pushed = np.zeros((n, m))
-        pushed[coordinate, np.arange(m)] = 1.0
-        square = RADAU @ RADAU
-        pull = (b.force - b.stiffness @ u) * h
-        scale = 1.0 / np.maximum(np.abs(np.diag(b.mass)) + h * np.abs(np.diag(b.damping)) + h * h * np.abs(np.diag(b.stiffness)), 1e-300)
-        scale = np.minimum(scale, 1e12)
-        for j in range(3):
-            r = slice(j * n, (j + 1) * n)
-            for i in range(3):
-                c = slice(i * n, (i + 1) * n)
-                J[r, c] = RADAU[j, i] * h * b.damping + square[j, i] * h * h * b.stiffness
-                J[r, 3 * n + i * m : 3 * n + (i + 1) * m] = RADAU[j, i] * h * pushed
-            J[r, r] += b.mass
-            right[r] = b.mass @ w + RADAU[j].sum() * pull
-        # Places of contacts are those of the structure below, and of its kink.
-        low = 3 * n
-        for j in range(3):
-            r = slice(low + j * m, low + (j + 1) * m)
-            for i in range(3):
-                J[r, i * n : (i + 1) * n] = -RADAU[j, i] * h * pushed.T
-            right[r] = u[coordinate] - known[j, own]
-        J[low:, low:] = G[np.ix_(at, at)] + np.diag(soft)
-        rows_of = np.tile(scale, 3)
-        J[:low] *= rows_of[:, None]
-        right[:low] *= rows_of
-        still = np.flatnonzero(np.tile(held, 3))
-        J[still], right[still] = 0.0, 0.0
-        J[still, still] = 1.0
-        x = _solve(J, right)
-        rates, N = x[:low].reshape(3, n), given
+                G[j, :, j] += self.modes.remainder(self._shares(touches[j]))[1]
+        known += np.tensordot(G, N, axes=2)
+        J, right = small.left.copy(), np.zeros(small.left.shape[0])
+        low, m = 3 * n, own.size
+        right[:low] = small.scale * (b.mass @ w + h * RADAU.sum(axis=1)[:, None] * (b.force - b.stiffness @ u)).ravel()
+        right[small.still] = 0.0
+        right[low:] = (u[coordinate] - known[:, own]).ravel()
+        J[low:, low:] = G[:, own][:, :, :, own].reshape(3 * m, 3 * m)
+        soft = np.concatenate([np.repeat(touch.soft, self._axes)[own] for touch in touches])
+        J[low + np.arange(3 * m), low + np.arange(3 * m)] += soft
+        x = np.linalg.solve(J, right)
+        rates = x[:low].reshape(3, n)
         N[:, own] = x[low:].reshape(3, m)
         return N, u + h * (RADAU[2] @ rates), rates[2].copy()
 
+    def _equations_of(self, step: Step, stretch: Stretch) -> _Small:
+        """Equations of bodies for steps of one length with the same contacts on their lines."""
+        key = (step.h, stretch.on.tobytes(), stretch.gone)
+        if key in self._small:
+            return self._small[key]
+        b, A, h, n = self.bodies, self._axes, step.h, self.bodies.mass.shape[0]
+        contact = np.flatnonzero(stretch.on)
+        first = np.repeat(b.first[contact], A)
+        own = np.flatnonzero(first >= 0)
+        coordinate, m = first[own] + np.tile(np.arange(A), contact.size)[own], own.size
+        pushed = np.zeros((n, m))
+        pushed[coordinate, np.arange(m)] = 1.0
+        low = 3 * n
+        left = np.zeros((low + 3 * m, low + 3 * m))
+        left[:low, :low] = np.kron(np.eye(3), b.mass) + np.kron(h * RADAU, b.damping)
+        left[:low, :low] += np.kron(h * h * RADAU @ RADAU, b.stiffness)
+        left[:low, low:] = np.kron(h * RADAU, pushed)
+        left[low:, :low] = -np.kron(h * RADAU, pushed.T)  # what touches is where the structure and its kink are
+        size = sum(part * np.abs(np.diag(of)) for part, of in ((1.0, b.mass), (h, b.damping), (h * h, b.stiffness)))
+        scale = np.tile(1.0 / np.maximum(size, 1e-12), 3)
+        left[:low] *= scale[:, None]
+        still = np.flatnonzero(np.tile(self._held(stretch), 3))
+        left[still] = 0.0
+        left[still, still] = 1.0
+        self._small[key] = _Small(own, coordinate, left, scale, still)
+        return self._small[key]
+
     def _look(
         self, t: float, on: NDArray[np.bool_], z: Complex, u: Array, w: Array, pressed: _Pressed | None
-    ) -> Moment:  # fmt: skip
-        """Everything at an instant, to which a step has led; None: nothing has moved yet."""
-        touch, rate = self.course.at(t, on), self.modes.rate
-        _, driven = self._rows(touch)
-        given = np.repeat(self.bodies.first[touch.contact], self._axes) < 0
-        N = np.where(given, touch.force.ravel(), 0.0) if pressed is None else pressed.force[2]
+    ) -> _Seen:  # fmt: skip
+        """An instant, to which a step has led; None: nothing has moved yet."""
+        touch = self.course.at(t, on)
+        N = touch.force.ravel() if pressed is None else pressed.force[2]
+        for i, k in enumerate(touch.contact if pressed is None else ()):
+            if self.bodies.first[k] >= 0:  # nothing has moved
+                own = u[self.bodies.first[k] + np.arange(self._axes)]
+                N[self._axes * i : self._axes * (i + 1)] = (own - touch.point[i]) / touch.soft[i]
         force = np.full((on.size, self._axes), np.nan)
         force[touch.contact] = N.reshape(-1, self._axes)
-        place, velocity, acceleration = (
-            (self.modes.shape @ part).real for part in (z, rate * z, rate * (rate * z + N @ driven))
-        )  # fmt: skip
-        if self.modes.left_out and N.size:
-            follows = [N @ self.modes.remainder(self._shares(touch))[0].T]
-            if pressed is not None:
-                follows = [
-                    self.modes.remainder(self._shares(at))[0] @ own
-                    for at, own in zip(pressed.touches, pressed.force, strict=True)
-                ]
-                velocity = velocity + np.tensordot(RATE_AT_END / pressed.h, follows, axes=1)
-            place = place + follows[-1]
-        return Moment(z, u.copy(), w.copy(), force, place, velocity, acceleration)
+        return _Seen(z, u.copy(), w.copy(), force, touch, N, pressed)
+
+    def _places(self, seen: Sequence[_Seen]) -> Array:
+        """Displacements at instants, (instant, place) m."""
+        found = (np.array([one.z for one in seen]) @ self.modes.shape.T).real
+        if self.modes.left_out:
+            for row, one in zip(found, seen, strict=True):
+                row += self.modes.remainder(self._shares(one.touch))[0] @ one.pressing
+        return np.asarray(found)
+
+    def _moment(self, seen: _Seen, place: Array) -> Moment:
+        """Everything at an instant."""
+        rate, pressed = self.modes.rate, seen.pressed
+        driven = self._rows(seen.touch)[1]
+        speeds = np.array([rate * seen.z, rate * (rate * seen.z + seen.pressing @ driven)])
+        velocity, acceleration = (speeds @ self.modes.shape.T).real
+        if self.modes.left_out and pressed is not None:
+            follows = [
+                self.modes.remainder(self._shares(at))[0] @ own
+                for at, own in zip(pressed.touches, pressed.force, strict=True)
+            ]
+            velocity = velocity + np.tensordot(RATE_AT_END / pressed.h, follows, axes=1)
+        return Moment(seen.u, seen.w, seen.force, place, velocity, acceleration)
 
 
-def _solve(J: Array, right: Array) -> Array:
-    """The solution of small equations."""
-    return np.asarray(linalg.solve(J, right, check_finite=False)) if right.size else right
+def _differ(values: Array, before: Array) -> float:
+    """Largest difference over the largest value."""
+    most = float(np.abs(values).max(initial=0.0))
+    return float(np.abs(values - before).max(initial=0.0)) / most if most != 0.0 else 0.0

@@ -62,21 +62,7 @@ class Passing:
         self.contacts = standing.contacts
         self._room, self._table, self._out = potential.room, compliances(), np.zeros(4)
         self.state = standing.state.copy()
-        self._measure_slip()
-
-    def _measure_slip(self) -> None:
-        """Slip along a line that stands still is the length of that, counted from where it begins."""
-        for k in np.flatnonzero(self.contacts["measure"] == SLIP):
-            contact = self.contacts[k]
-            lines, runs = self.structure.lines, self.structure.runs
-            first, last = lines.first[contact["line"]], lines.first[contact["line"]] + lines.runs[contact["line"]]
-            station, length = [np.zeros(1)], [np.zeros(1)]
-            for s in range(first, last):
-                part = self._room.length[runs.first[s] : runs.first[s] + runs.links[s]]
-                station.append(station[-1][-1] + runs.h[s] * np.arange(1, part.size + 1))
-                length.append(length[-1][-1] + np.cumsum(part))
-            contact["begin"] = np.interp(contact["begin"], np.concatenate(station), np.concatenate(length))
-            contact["measure"] = ARC
+        self.contacts["measure"][self.contacts["measure"] == SLIP] = ARC  # along what stands still
 
     def place(self, t: float, on: NDArray[np.bool_]) -> Array:
         """Put contacts where they are at time t in s, those that are on their lines as told; where they would be, m."""

@@ -217,7 +217,8 @@ class Superposed:
         forces = forces + self._still.handed(self._pressed(touch, moment.force))
         room.force[:] = (forces - inertia).reshape(r.shape)
         room.react(self._linear.holdings)
-        kinks = 0.5 * sum(float(touch.soft[i] * (moment.force[k] ** 2).sum()) for i, k in enumerate(touch.contact))
+        seated = standing.contacts[touch.contact]
+        kinks = 0.5 * float((seated["firm"][:, None] * seated["d"] ** 2).sum())
         state = State(
             np.array([t]), r, v, moment.u, moment.w, self._passing.state.s, np.zeros(WORKS)
         )  # fmt: skip
