@@ -116,19 +116,6 @@ def mass_inside(name: str, start: float) -> Finding:
     return missing(("loads", name, "travel", "from"), _LINEAR, f"{start:g} m", remedy, feature=_INSIDE)
 
 
-def modes_of_a_force(name: str) -> Finding:
-    """A force on a string whose response is known without modes only."""
-    feature = f"a series of modes for {name}, which is no constant force that enters at an end with constant speed,"
-    return missing(("run", "modes"), _LINEAR, remedy="leave run.modes out", feature=feature)
-
-
-def force_inside(name: str) -> Finding:
-    """A force on a beam that does not run over all of it."""
-    feature = "on a beam, another load than a constant force that enters at an end with constant speed"
-    remedy = "let it start at an end with one speed and force, or ask for kind: dynamic"
-    return missing(("loads", name), _LINEAR, remedy=remedy, feature=feature)
-
-
 CAPABILITIES = Capabilities(
     _LINEAR,
     only={

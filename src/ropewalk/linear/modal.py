@@ -19,7 +19,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from ropewalk.errors import EquilibriumError, RopewalkError
-from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.solve.free_vibration import lowest
 from ropewalk.solve.symmetric import Solver
 
@@ -85,9 +85,13 @@ class Modes:
         D = np.asarray(phi.T @ (C @ phi))
         own = np.diag(D)
         coupled = np.abs(D - np.diag(own)) > _ALONE * max(float(np.abs(own).max(initial=0.0)), 1e-300)
-        rate, shape, driven = _coupled(w, D) if coupled.any() else _alone(w, own)
         places = free @ phi
-        return Modes(rate, places @ shape, (driven @ places.T).T.copy(), wanted < unknowns, K, free, w)
+        if coupled.any():
+            rate, shape, driven = _coupled(w, D)
+            return Modes(rate, places @ shape, places @ driven.T, wanted < unknowns, K, free, w)
+        rate, which, by = alone(w, own)
+        shape = places[:, which]
+        return Modes(rate, shape.astype(np.complex128), shape * by, wanted < unknowns, K, free, w)
 
     def remainder(self, at: Array) -> tuple[Array, Array]:
         """What follows without modes where forces act.
@@ -114,18 +118,20 @@ class Modes:
         return found
 
 
-def _alone(w: Array, damping: Array) -> tuple[Complex, Complex, Complex]:
-    """Modes that do not know of each other: rates, shapes and how they are driven, by undamped modes."""
+def alone(w: Array, damping: Array) -> tuple[Complex, Integers, Complex]:
+    """Modes that do not know of each other: their rates, 1/s, which undamped modes they are, and how these are driven.
+
+    Args:
+        w: (undamped,) natural frequencies, rad/s.
+        damping: (undamped,) force over momentum, 1/s.
+    """
     d = 0.5 * damping
     d = np.where(np.abs(d - w) < _APART * w, (1.0 + _APART) * w, d)
-    eye, swings = np.eye(w.size), d < w
+    swings = d < w
     root = np.sqrt((d**2 - w**2).astype(np.complex128))  # +i nu, or real
     last = np.flatnonzero(~swings)
-    rate = np.concatenate([-d + root, (-d - root)[last]])
     own = np.where(swings, 2.0, 1.0) / (2.0 * root)
-    shape = np.hstack([eye, eye[:, last]])
-    driven = np.vstack([own[:, None] * eye, -(own[:, None] * eye)[last]])
-    return rate, shape.astype(np.complex128), driven
+    return np.concatenate([-d + root, (-d - root)[last]]), np.append(np.arange(w.size), last), np.append(own, -own[last])
 
 
 def _coupled(w: Array, D: Array) -> tuple[Complex, Complex, Complex]:

@@ -242,6 +242,7 @@ class Superposition:
             if b.first[k] >= 0:
                 own = b.first[k] + np.arange(self._axes)
                 firm[own] = 1.0 / touch.soft[i]
+                pull[own] += touch.force[i]
                 pull[own] += firm[own] * under[self._axes * i : self._axes * (i + 1)]
         others = np.setdiff1d(np.arange(u.size), light)
         K = b.stiffness + np.diag(firm)
@@ -274,7 +275,8 @@ class Superposition:
         small = self._equations_of(step, stretch)
         own, coordinate, size = small.own, small.coordinate, rows[0][0].shape[0]
         N = np.array([touch.force.ravel() for touch in touches])
-        N[:, own] = 0.0
+        given = np.zeros((3, n))  # on bodies
+        given[:, coordinate], N[:, own] = N[:, own], 0.0
         G, known = np.zeros((3, size, 3, size)), np.zeros((3, size))
         for j, (shape, _) in enumerate(rows):
             known[j] = touches[j].point.ravel() + (shape @ (step.decay[j] * z)).real
@@ -285,7 +287,7 @@ class Superposition:
         known += np.tensordot(G, N, axes=2)
         J, right = small.left.copy(), np.zeros(small.left.shape[0])
         low, m = 3 * n, own.size
-        right[:low] = small.scale * (b.mass @ w + h * RADAU.sum(axis=1)[:, None] * (b.force - b.stiffness @ u)).ravel()
+        right[:low] = small.scale * (b.mass @ w + h * RADAU @ (given + b.force - b.stiffness @ u)).ravel()
         right[small.still] = 0.0
         right[low:] = (u[coordinate] - known[:, own]).ravel()
         J[low:, low:] = G[:, own][:, :, :, own].reshape(3 * m, 3 * m)
