@@ -158,10 +158,12 @@ def test_it_is_the_small_motion_that_steps_converge_to(kind: str) -> None:
     load = {**LOADS[kind], "on": "deck", "travel": {"speed": 6.0, "from": 4.0}}
     run = {"kind": "dynamic", "until": 0.6, "every": 0.1, "geometry": "linearised"}
     scenario = given(TRIPOD, {"a": load}, 0.6, 0.1, run=run)
-    places = [
-        np.array([np.vstack([frame.position, frame.contact_position]) for frame in frames])
-        for frames in (superposed(scenario), *(frames_of(with_steps_of(scenario, part)) for part in (1.0, 0.5)))
-    ]
+    found = [superposed(scenario), *(frames_of(with_steps_of(scenario, part)) for part in (1.0, 0.5))]
+    places = [np.array([np.vstack([frame.position, frame.contact_position]) for frame in frames]) for frames in found]
+    if kind == "mass":  # which does not make links ring as a force does that is set down
+        for of in ("tension", "reaction", "contact_force"):
+            last = [getattr(frames[-1], of) for frames in (found[0], found[2])]
+            assert last[0] == pytest.approx(last[1], abs=3e-4 * np.abs(last[1]).max()), of  # of the steps, seen 1e-4
     errors = [float(np.abs(steps - places[0]).max()) for steps in places[1:]]
     print("errors", errors, "order", np.log2(errors[0] / errors[1]))
     assert errors[0] < 1e-4
@@ -182,18 +184,16 @@ def test_displacements_are_reciprocal() -> None:
     assert moved[0] == pytest.approx(moved[1], abs=1e-9 * np.abs(moved[0]).max())  # roundings; kinks are beside them
 
 
-def test_forces_add_up_and_balance() -> None:
-    """Supports bear what hangs, presses and is accelerated, to roundings; the energy is that of stiffness and masses."""
+def test_given_forces_add_up() -> None:
     one = {**LOADS["force"], "on": "deck", "travel": {"speed": 6.0, "from": 4.0}}
     two = {"kind": "force", "on": "deck", "force": [0, 25.0], "travel": {"speed": -3.0, "from": 12.0}}
     bare, first, second, both = (
         superposed(given(TRIPOD, loads, 0.6, 0.1)) for loads in ({}, {"a": one}, {"b": two}, {"a": one, "b": two})
     )
     for of in ("position", "velocity", "tension", "reaction"):
-        none, a, b, sums = (np.array([getattr(frame, of) for frame in frames]) for frames in (bare, first, second, both))
+        none, a, b, sums = (np.array([getattr(f, of) for f in frames]) for frames in (bare, first, second, both))
+        assert np.abs(sums - none).max() > 0.0
         assert sums - none == pytest.approx(a + b - 2.0 * none, abs=2e-5 * np.abs(sums - none).max())  # of the steps
-    lines = [np.diff(frame.position[:41], axis=0) for frame in both]
-    assert all(np.isfinite(line).all() for line in lines)
 
 
 def test_a_mass_that_crosses_a_beam_is_as_in_its_modes() -> None:

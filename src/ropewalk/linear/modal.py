@@ -1,11 +1,11 @@
-"""Modes of a structure that moves little: frequencies, damping, shapes, and how forces drive them, step by step exactly.
+"""Modes of a structure that moves little: rates, shapes, and how forces drive them, step by step exactly.
 
     M y'' + C y' + K y = f(t),   y = Re sum shape_k z_k,   z_k' = rate_k z_k + driven_k f
 
 with one complex z_k for each mode that swings, and two real ones for each that does not. Damping that couples modes is
 no different: then they are those of the first-order equations. What is left out of the sum follows the forces at once,
-y = (K^-1 - sum of the modes at rest) f, by one factorisation of K: the number of modes changes how the structure swings,
-and not what it does under forces at rest.
+y = (K^-1 - sum of the modes at rest) f, by one factorisation of K: the number of modes changes how the structure
+swings, and not what it does under forces at rest.
 """
 
 from __future__ import annotations
@@ -131,7 +131,8 @@ def alone(w: Array, damping: Array) -> tuple[Complex, Integers, Complex]:
     root = np.sqrt((d**2 - w**2).astype(np.complex128))  # +i nu, or real
     last = np.flatnonzero(~swings)
     own = np.where(swings, 2.0, 1.0) / (2.0 * root)
-    return np.concatenate([-d + root, (-d - root)[last]]), np.append(np.arange(w.size), last), np.append(own, -own[last])
+    rate = np.concatenate([-d + root, (-d - root)[last]])
+    return rate, np.append(np.arange(w.size), last), np.append(own, -own[last])
 
 
 def _coupled(w: Array, D: Array) -> tuple[Complex, Complex, Complex]:
@@ -178,7 +179,7 @@ class Step:
 
 
 def _exponentials(z: Complex) -> Complex:
-    """phi_1 to phi_3 of z, (3, ...): phi_1 = (e^z - 1)/z, phi_(j+1) = (phi_j - 1/j!)/z; by their series where |z| < 1."""
+    """phi_1 to phi_3 of z, (3, ...): phi_1 = (e^z - 1)/z, phi_(j+1) = (phi_j - 1/j!)/z; by series where |z| < 1."""
     far = np.where(np.abs(z) < 1.0, 1.0, z)
     one = (np.exp(far) - 1.0) / far
     two = (one - 1.0) / far

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
@@ -45,7 +46,7 @@ class Series:
         self._z: Complex = np.zeros((self._times.size, self._rate.size), dtype=np.complex128)
         lengths = np.diff(self._times)
         stages = self._times[:-1, None] + lengths[:, None] * STAGES
-        places, sizes = self._path(stages.ravel()).reshape(stages.shape), self._force(stages.ravel()).reshape(stages.shape)
+        places, sizes = (of(stages.ravel()).reshape(stages.shape) for of in (self._path, self._force))
         steps: dict[float, Step] = {}
         for i, h in enumerate(lengths):
             key = float(f"{h:.9e}")
@@ -64,7 +65,7 @@ class Series:
                 low, high = (middle, high) if self._is_on(np.array([middle]))[0] == on[i] else (low, middle)
             events.append(0.5 * (low + high))
         found, instants = [np.zeros(1)], np.unique(np.array(events))
-        for begin, end in zip(instants[:-1], instants[1:], strict=True):
+        for begin, end in pairwise(instants):
             turns = float(np.abs(np.diff(self._path(np.linspace(begin, end, 33)))).sum() * self._k.max())
             found.append(np.linspace(begin, end, max(2, int(np.ceil(turns / _TURN))) + 1)[1:])
         return np.concatenate(found)

@@ -1,14 +1,14 @@
 """The motion of a structure in its modes under forces and bodies that travel over it.
 
-Where contacts are, and how a point of the structure there is made of its places, is known beforehand. Given forces drive
-the modes; bodies move by M u'' + C u' + K u = f - N, with the forces N of the structure on their contacts, whose places
-are the first coordinates of each:
+Where contacts are, and how a point of the structure there is made of its places, is known beforehand. Given forces
+drive the modes; bodies move by M u'' + C u' + K u = f - N, with the forces N of their contacts on the structure, whose
+places are coordinates:
 
     u = p + E y + N / S,   y = sum of the modes + what follows without them,
 
 where p is the point at rest and S the stiffness of the kink below, which no mode has. Steps are Radau's of three stages
-for the bodies, and exact for the modes, whose forces are polynomials through those stages. They are halved until nothing
-changes any more.
+for the bodies, and exact for the modes, whose forces are polynomials through those stages. They are halved until
+nothing changes any more.
 """
 
 from __future__ import annotations

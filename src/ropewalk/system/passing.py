@@ -34,7 +34,8 @@ def _pass_over(structure, room, contacts, tables, state, on, table, out):
         stops = abs(s - state.s[k]) > _BEYOND * length
         state.s[k], contacts[k].state = s, ON
         sit(structure, contacts, state, k, s)
-        speed = look_up(tables.speed_time, tables.speed_value, contacts[k].speed_first, contacts[k].speed_count, state.t[0])
+        first, count = contacts[k].speed_first, contacts[k].speed_count
+        speed = look_up(tables.speed_time, tables.speed_value, first, count, state.t[0])
         stretch = 1.0
         if contacts[k].measure == HORIZONTAL:
             stretch = contacts[k].along[0]

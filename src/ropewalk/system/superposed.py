@@ -24,7 +24,6 @@ from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
 from ropewalk.system.assembly import Assembled, contacts_of, measure_from_ends, refuse_beyond, structure_of
-from ropewalk.system.contacts import ON
 from ropewalk.system.frames import FrameBuilder
 from ropewalk.system.passing import Passing
 from ropewalk.system.standing import Carried, Standing, load_springs
@@ -33,7 +32,8 @@ from ropewalk.system.structure import WORKS, State, Structure
 from ropewalk.webs.fabric import tensions_of
 from ropewalk.webs.lengths import doubt_slack
 
-_KNOWN = [ENERGY_FORMS.index(form) for form in ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")]
+_STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
+_KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]
 _LOOKS, _CLOSE = 1000, 1e-12  # instants at which it is asked who is on a line; of the time: when who comes and goes
 _LINKS = 0.5  # of a link, that contacts go in the longest step
 _LITTLE = 1e-4  # of the largest displacement, over which differences are taken
@@ -121,8 +121,8 @@ class Superposed:
         contacts, runs = self._standing.contacts, self._linear.runs
         longest = float(np.diff(self._times).max(initial=0.0)) or 1.0
         for k in range(contacts.size):
-            entries = slice(int(contacts[k]["speed_first"]), int(contacts[k]["speed_first"] + contacts[k]["speed_count"]))
-            fastest = float(np.abs(self._tables.speed_value[entries]).max(initial=0.0))
+            begin, count = int(contacts[k]["speed_first"]), int(contacts[k]["speed_count"])
+            fastest = float(np.abs(self._tables.speed_value[begin : begin + count]).max(initial=0.0))
             h = float(runs.h[self._linear.lines.first[contacts[k]["line"]]])
             if fastest > 0.0:
                 longest = min(longest, _LINKS * h / fastest)
@@ -192,9 +192,10 @@ class Superposed:
         for k in np.flatnonzero((contacts["first"] < self._standing.own) & (forces > 0.0)):
             if k not in lost:
                 lost.add(int(k))
+                name = self._builder.loading.wheels[int(k)].name
                 self._account.warnings.append(
-                    f"load {self._builder.loading.wheels[int(k)].name}: contact is lost at t = {t:.4g} s, from where on "
-                    "this solution holds the wheel to the line by pulling; kind: dynamic with lift_off: true lets it fly"
+                    f"load {name}: contact is lost at t = {t:.4g} s, from where on this solution holds the wheel "
+                    "to the line by pulling; kind: dynamic with lift_off: true lets it fly"
                 )
 
     def _frame(self, t: float, moment: Moment, on: NDArray[np.bool_]) -> Frame:
