@@ -34,16 +34,26 @@ WIRES = Engine(wires.MOTION, wires.AT_REST)
 WEBS = Engine(webs.MOTION, webs.AT_REST)
 SYSTEM = Engine(system.MOTION, system.AT_REST)
 LINEAR = Engine(linear.CAPABILITIES, linear.CAPABILITIES)
+SUPERPOSED = Engine(system.LINEAR, system.LINEAR)
 
 
 def engine_of(asked: Parts | Scenario) -> Engine:
     """Choose the engine that computes a scenario."""
     parts = asked if isinstance(asked, Parts) else asked.parts
+    if isinstance(parts.run, Linear):
+        return _of_linear_theory(parts)
     if parts.is_web:
         return _of_networks(parts)
-    if isinstance(parts.run, Linear):
-        return LINEAR
     return _of_beams(parts) if parts.is_stiff else _of_ropes(parts)
+
+
+def _of_linear_theory(parts: Parts) -> Engine:
+    """Closed forms of lines by themselves, or the modes of what is joined, held on its way or a surface."""
+    if parts.overhead:
+        return LINEAR
+    if _for_webs_only(parts):
+        return WEBS
+    return SUPERPOSED if parts.is_web or parts.is_supported else LINEAR
 
 
 def is_system_linearised(scenario: Scenario) -> bool:

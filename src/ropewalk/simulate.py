@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.capabilities import (
+    SUPERPOSED,
     SYSTEM,
     WEBS,
     WIRES,
@@ -225,12 +226,18 @@ def _still(scenario: Scenario, account: Account) -> Still:
 
 
 def _linear(scenario: Scenario, run: Linear, account: Account) -> Run:
-    """The linear theory of plain lines."""
+    """The linear theory: of plain lines in closed forms, of all else by superposition of modes."""
+    times = output_times(run)
+    if engine_of(scenario) is SUPERPOSED:
+        from ropewalk.system.superposed import Superposed  # lazy: most runs do not need it
+
+        superposed = Superposed(scenario, run, times, account)
+        return Statics(superposed.layout, superposed.frames(), times.size)
     from ropewalk.chains.frames import layout_of
     from ropewalk.linear.frames import frames  # lazy: the closed forms take a while to import
     from ropewalk.solve.start import setting_of
 
-    setting, times = setting_of(scenario, run.until), output_times(run)
+    setting = setting_of(scenario, run.until)
     account.method, account.reason = "linear theory", "as asked: superposition of small deflections about the chord"
     account.audit = "the linear theory superposes deflections and keeps no energies"
     return Statics(layout_of(setting), frames(setting, scenario, times, account), times.size)

@@ -56,7 +56,7 @@ _PATTERNS = {
         "friction of prescribed travel on ropes alone": rf"\.friction(_model)?: {_NOT}",
         "no friction of prescribed travel in linear theory, nor in spectra at an instant":
             rf"\.contact: {_NOT} (the motion of ropes|kind: linear|the spectrum)",
-        "no linear theory of networks, nets, overhead lines": rf"run\.kind: {_NOT} (joined|overhead)",
+        "no linear theory of lines over sheaves and overhead lines": rf"run\.kind: {_NOT} (joined|overhead)",
         "linear theory knows few loads with a mass": rf"(a mass|a load|\.kind:|lift).* {_NOT} kind: linear",
         "nets do not move linearised":
             rf"run\.geometry: (linearised geometry )?{_NOT}|nets\.[^:]*: {_NOT} small motion",
@@ -64,8 +64,7 @@ _PATTERNS = {
         "the sixth order is for what does not damp": rf"rkn6 with .* {_NOT}",
         "feedback on single ropes only": rf"{_NOT} a run without feedback",
         "no implicit method with masses": rf"implicit with a load with a mass {_NOT}",
-        "linear theory: forces that enter at an end": rf"constant force that enters at an end .*{_NOT}",
-        "no linear theory of inner supports": rf"a line on inner supports {_NOT}",
+        "no linear theory in wind that blows": rf"wind {_NOT} kind: linear",
         "no window around loads that decide on the way":
             rf"a window (on lines with inner supports|with .*) {_NOT}|run\.window: {_NOT}",
         "no linear theory to compare with": r"^no distances$",

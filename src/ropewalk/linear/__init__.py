@@ -5,4 +5,7 @@ supports, with the mean tension that it has at rest. Its material points move ac
 not stretch; deflections of all forces add up. A mass, an oscillator or a vehicle is coupled with its line in both
 directions and travels over it alone, with constant speed. This is what the nonlinear answer is compared with: exact
 within the theory, and wrong where the theory is (near supports, at finite angles, beyond the wave speed).
+
+What is joined, held on its way or a surface has no closed form: it swings in the modes of its own stiffness and masses
+about rest (`modal.py`, `superposition.py`), in all directions, with what stands on it.
 """

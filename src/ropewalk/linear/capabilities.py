@@ -31,9 +31,6 @@ def _overhead_lines(parts: Parts) -> Iterator[Finding]:
 
 def _supports(parts: Parts) -> Iterator[Finding]:
     for name, line in parts.lines.items():
-        if line is not None and line.supports:
-            given, feature = ", ".join(line.supports), "a line on inner supports"
-            yield missing(("lines", name, "supports"), _LINEAR, given, _DYNAMIC, feature=feature)
         for key, support in line.ends() if line is not None else ():
             if not stands_still(support):
                 feature, remedy = "a support that yields or moves", f"write kind: fixed, or {_DYNAMIC}"
@@ -117,19 +114,6 @@ def mass_inside(name: str, start: float) -> Finding:
     """A mass on a string that does not run over all of it."""
     remedy = f"let it start at an end, give the line a bending_stiffness, or {_DYNAMIC}"
     return missing(("loads", name, "travel", "from"), _LINEAR, f"{start:g} m", remedy, feature=_INSIDE)
-
-
-def modes_of_a_force(name: str) -> Finding:
-    """A force on a string whose response is known without modes only."""
-    feature = f"a series of modes for {name}, which is no constant force that enters at an end with constant speed,"
-    return missing(("run", "modes"), _LINEAR, remedy="leave run.modes out", feature=feature)
-
-
-def force_inside(name: str) -> Finding:
-    """A force on a beam that does not run over all of it."""
-    feature = "on a beam, another load than a constant force that enters at an end with constant speed"
-    remedy = "let it start at an end with one speed and force, or ask for kind: dynamic"
-    return missing(("loads", name), _LINEAR, remedy=remedy, feature=feature)
 
 
 CAPABILITIES = Capabilities(

@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ropewalk.linear.capabilities import force_inside, modes_of_a_force
 from ropewalk.linear.chord import Chord
+from ropewalk.linear.series import Series
 from ropewalk.mechanics.chain import HORIZONTAL, LEAVE, MATERIAL, Array
 from ropewalk.mechanics.rider import look_up_integral, speed_at
-from ropewalk.model.capabilities import refusal
 from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
 from ropewalk.solve.start import Setting
@@ -19,6 +18,7 @@ from ropewalk.theory.image_sum import travelling_force
 
 # Steps for differences of exact deflections, as a part of the length or the time of a wave along it.
 _DIFFERENCE = 1e-6
+_LONGER = 1.01  # than the run: what differences look at
 
 
 class Field:
@@ -29,6 +29,7 @@ class Field:
         self.setting, self.s, self.chord, self.modes = setting, s, chord, scenario.run.modes
         self.until = scenario.run.until
         self.names = tuple(scenario.loads)
+        self._found: dict[tuple[int, int], Series] = {}
         self.places: Array = np.linspace(0.0, chord.length, int(setting.strands.links[s]) + 1)
         self.scales = {int(k): self._scale(int(k)) for k in setting.on[s]}
 
@@ -61,11 +62,28 @@ class Field:
             if from_end:
                 return string.moving_force(x, t, force=float(size), speed=abs(V), modes=self.modes, **line)
             if self.modes is not None:
-                raise refusal(modes_of_a_force(self.names[k]))
+                return self._series(k, a, size).deflection(x if V > 0.0 else chord.length - x, t)
             return travelling_force(x if V > 0.0 else chord.length - x, t, path=self._way(k), force=size, **line)
         if not from_end:
-            raise refusal(force_inside(self.names[k]))
+            return self._series(k, a, size).deflection(x if V > 0.0 else chord.length - x, t)
         return beam.moving_force(x, t, force=float(size), speed=abs(V), modes=self.modes, **chord.beam)
+
+    def _series(self, k: int, a: int, size: Any) -> Series:
+        """The sum of modes under load k, in one direction."""
+        if (k, a) not in self._found:
+            loads = self.setting.loads
+            jumps = [
+                time[first[k] : first[k] + count[k]]
+                for time, first, count in (
+                    (loads.speed_time, loads.speed_first, loads.speed_count),
+                    (loads.force_time, loads.force_first, loads.force_count),
+                )
+            ]
+            force = (lambda t: np.interp(t, *size)) if isinstance(size, tuple) else (lambda t: np.full(t.shape, size))
+            self._found[k, a] = Series(
+                self.chord, lambda t: self.place(k, t), force, np.concatenate(jumps), self.until * _LONGER, self.modes
+            )
+        return self._found[k, a]
 
     def _way(self, k: int) -> Any:
         """Path of load k as times in s and places in m, if its speed is constant between jumps; else a function."""

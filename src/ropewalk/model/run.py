@@ -160,13 +160,20 @@ class Equilibrium(Declaration):
 
 
 class Linear(Declaration):
-    """The classical linear theory: every line a taut string, or a beam, along its chord; small deflections add up."""
+    """The classical linear theory: small deflections that add up.
+
+    Every line by itself is a taut string, or a beam, along its chord, and moves across that. Of joined lines, of lines
+    on inner supports, of lines in calm air, of nets and of membranes it is small motion about rest in all directions,
+    by superposition of modes.
+    """
 
     kind: Literal["linear"] = "linear"
     until: PositiveTime = Field(description="end of the run; it begins at 0 s")
     every: PositiveTime | None = Field(default=None, description="interval of output (default: until / 100)")
     modes: Annotated[int, Count(1, 100_000)] | None = Field(
-        default=None, description="terms of the modal series (default: exact for strings, converged for beams)"
+        default=None,
+        description="terms of the modal series (default: exact for strings, converged for beams; of joined lines, nets "
+        "and lines on inner supports all that the mesh has, or 400, and what is left follows the forces at once)",
     )
 
 

@@ -9,15 +9,18 @@ from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import missing, supported_by_tension
 from ropewalk.model.division import links_of_line
 from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.history import rows
 from ropewalk.model.joint import Joined
 from ropewalk.model.line import Line
 from ropewalk.model.load import Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
+from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic
 from ropewalk.model.support import Moving
 from ropewalk.model.travel import FreeTravel
+from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 from ropewalk.system.methods import of_methods
 from ropewalk.webs import capabilities as webs
@@ -219,3 +222,67 @@ AT_REST = replace(
         "loads.travel.measured": ("material",),
     },
 )
+
+
+_LINEAR, _DYNAMIC = "kind: linear", "ask for kind: dynamic"
+
+
+def _moves_little(parts: Parts) -> Iterator[Finding]:
+    """What of lines and air is not small motion about a rest that stays the same."""
+    if parts.wind is not None and parts.is_airy and not parts.wind.is_calm:
+        remedy = f"give wind a speed of 0, or {_DYNAMIC}"
+        yield missing(("wind", "speed"), _LINEAR, "wind that blows", remedy, feature="wind")
+    for name, line in parts.lines.items():
+        if line is None:
+            continue
+        inner = ((("supports", key), support) for key, support in line.supports.items())
+        for key, support in (*(((key,), support) for key, support in line.ends()), *inner):
+            moved = getattr(support, "displacement", (0.0, 0.0))
+            if callable(moved) or len(rows(moved)) > 1:
+                feature, remedy = "a support that moves", f"write one displacement, or {_DYNAMIC}"
+                path = ("lines", name, *key, "displacement")
+                yield missing(path, _LINEAR, "a history", remedy, feature=feature)
+
+
+def _stays_in_contact(parts: Parts) -> Iterator[Finding]:
+    """What of loads with a mass is not linear, or not known."""
+    for name, load in parts.loads.items():
+        if not isinstance(load, MovingMass | Oscillator | Vehicle | Matrices):
+            continue
+        if getattr(load, "contact", "clamped") == "frictionless":
+            feature = "a frictionless contact of a mass"
+            yield missing(("loads", name, "contact"), _LINEAR, "frictionless", "write clamped", feature=feature)
+        if not isinstance(load.travel, FreeTravel) and load.travel.at_end == "stay":
+            feature, remedy = "a mass that stays on the line", "write leave, or end the run before"
+            yield missing(("loads", name, "travel", "at_end"), _LINEAR, "stay", remedy, feature=feature)
+        for wheel, its in load.wheels.items() if isinstance(load, Vehicle) else ():
+            if its.contact_stiffness is not None:
+                path, given = ("loads", name, "wheels", wheel, "contact_stiffness"), f"{its.contact_stiffness:g} N/m"
+                yield missing(path, _LINEAR, given, f"leave it out, or {_DYNAMIC}")
+
+
+LINEAR = replace(
+    MOTION,
+    what=_LINEAR,
+    only={
+        "run.kind": ("linear",),
+        "lines.law.kind": MOTION.only["lines.law.kind"],
+        "loads.kind": ("force", "mass", "oscillator", "vehicle", "matrices"),
+        "loads.travel.kind": ("prescribed",),
+        "loads.travel.margin": (None,),
+        "loads.contact": ("clamped", "frictionless"),
+        "loads.friction": (None,),
+        "loads.friction_model": ("capstan",),
+        "loads.lift_off": (False,),
+        "loads.contact_stiffness": (None,),
+        "loads.air_drag": (0.0,),
+    },
+    instead={
+        **MOTION.instead,
+        "loads.kind": f"{_DYNAMIC}, or write kind: force with its weight as force",
+        "loads.lift_off": f"leave it out to be warned where contact would be lost, or {_DYNAMIC}",
+        "loads.air_drag": f"leave it out, or {_DYNAMIC}",
+    },
+    more=(_only_lines, _joined_between_nodes, _on_nets, supported_by_tension, _moves_little, _stays_in_contact),
+)
+"""Small motion about rest, by modes."""

@@ -13,7 +13,7 @@ from ropewalk.foreign.turns import begun
 from ropewalk.guides.assembly import guides_of
 from ropewalk.guides.partner import Partner
 from ropewalk.mechanics import law
-from ropewalk.mechanics.chain import HORIZONTAL, Array, Integers
+from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.fleet import hung
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.model.footsteps import Footsteps
@@ -28,7 +28,7 @@ from ropewalk.solve.choice import RKN6_LIMIT, Bounds, rkn6_step
 from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.system import motion
 from ropewalk.system.asking import FAILED, Asking
-from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
+from ropewalk.system.assembly import contacts_of, measure_from_ends, refuse_beyond, structure_of
 from ropewalk.system.beginning import begin_elsewhere
 from ropewalk.system.carrier import System, SystemCarrier
 from ropewalk.system.compliance import compliances
@@ -38,7 +38,7 @@ from ropewalk.system.holding import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.stability import SAFETY, largest_frequency, largest_step
-from ropewalk.system.standing import Carried, Standing
+from ropewalk.system.standing import Carried, Standing, load_springs
 from ropewalk.system.statics import Potential, about_rest, at_rest, tensions
 from ropewalk.system.structure import WORKS, Room, State
 from ropewalk.system.window import Window
@@ -103,7 +103,7 @@ class Motion:
         self.contacts, self.tables, self.bodies = contacts_of(scenario, loading, self.structure, self.assembled.on)
         self._scenario = scenario
         refuse_beyond(scenario, loading, self.contacts, self.structure)
-        self._measure_from_ends()
+        measure_from_ends(self.contacts, self.structure, self.rest)
         dim, n = self.rest.shape
         self.state = State(
             np.zeros(1), self.rest.copy(), np.zeros((dim, n)), np.zeros(self.bodies.mass.size),
@@ -215,16 +215,6 @@ class Motion:
         r, u = potential.put(minimum.settle(potential, potential.taken()))
         self.state.r[:], self.state.u[:] = r, u[: standing.own]
 
-    def _measure_from_ends(self) -> None:
-        """Let horizontal places count from x = 0 and not from the ends of lines."""
-        lines, runs = self.structure.lines, self.structure.runs
-        for k in np.flatnonzero(self.contacts["measure"] == HORIZONTAL):
-            contact = self.contacts[k]
-            first = lines.first[contact["line"]]
-            last = first + lines.runs[contact["line"]] - 1
-            begin, end = self.rest[0, [runs.first[first], runs.first[last] + runs.links[last]]]
-            contact["begin"] = begin + np.sign(end - begin) * contact["begin"]
-
     def _stand(self, *, with_loads: bool) -> None:
         """Let bodies move along with the line; where they do not rest on it, with springs without force but weights."""
         axes, state, resting = self.rest.shape[0], self.state, self.state.u.copy()
@@ -241,7 +231,7 @@ class Motion:
                 weight = contact["weight"][: state.v[0, near].size]
                 state.u[own] = contact["p"][:axes]
                 state.w[own] = state.v[:, near] @ weight + contact["speed"] * contact["along"][:axes]
-        self._load_springs()
+        load_springs(self.bodies, state.u, state.w)
         for tether in self.bodies.tethers:
             first, above = int(tether["first"]), int(self.contacts[tether["contact"]]["first"])
             load = self._scenario.loads[self.loading.wheels[tether["contact"]].load]
@@ -255,17 +245,6 @@ class Motion:
         self.contacts["comes"] = 0
         self._look()
         self._room.before[:] = self._room.strain
-
-    def _load_springs(self) -> None:
-        """Let springs above contacts bear their weights."""
-        state, bodies = self.state, self.bodies
-        for p, n in enumerate(bodies.size):
-            at, K = bodies.at[p, :n], bodies.K[p, :n, :n]
-            free, on = bodies.contact[at] < 0, bodies.contact[at] >= 0
-            inner, across = K[np.ix_(free, free)], K[np.ix_(free, on)]
-            solve = np.linalg.pinv(inner)
-            state.u[at[free]] = solve @ (bodies.force[at[free]] - across @ state.u[at[on]])
-            state.w[at[free]] = -solve @ across @ state.w[at[on]]
 
     def _advance(self, dt: float, steps: int) -> float:
         return float(motion.advance(*self._system(), dt, steps)[1])

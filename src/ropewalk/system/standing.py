@@ -215,6 +215,17 @@ class Standing:
         return C.tocsc()
 
 
+def load_springs(bodies: Bodies, u: Array, w: Array) -> None:
+    """Let springs above contacts bear their weights: put coordinates of bodies where they do, as their contacts are."""
+    for p, n in enumerate(bodies.size):
+        at, K = bodies.at[p, :n], bodies.K[p, :n, :n]
+        free, on = bodies.contact[at] < 0, bodies.contact[at] >= 0
+        inner, across = K[np.ix_(free, free)], K[np.ix_(free, on)]
+        solve = np.linalg.pinv(inner)
+        u[at[free]] = solve @ (bodies.force[at[free]] - across @ u[at[on]])
+        w[at[free]] = -solve @ across @ w[at[on]]
+
+
 def _gathered(bodies: Bodies, parts: Array, count: int) -> sparse.csc_matrix:
     """Matrices of all parts as one, (coordinate, coordinate)."""
     rows, columns, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], [np.zeros(0)]

@@ -1,0 +1,118 @@
+"""A force on any course along one line in the linear theory: the series of its sine modes, each in exact steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+
+from ropewalk.errors import RopewalkError
+from ropewalk.linear.chord import Chord
+from ropewalk.linear.modal import STAGES, Complex, Step, alone
+from ropewalk.mechanics.chain import Array
+
+_LEFT_OUT = 1e-6  # of the deflection under a force at rest in the middle
+_MOST = 2000  # modes
+_TURN = 0.5  # by which the argument of the highest sine changes in a step
+_CLOSE = 1e-12  # of the time: when a force comes to its line
+
+
+class Series:
+    """Deflections of a line at rest at first, under one force.
+
+    Args:
+        chord: the line.
+        path: places of the force in m at times in s; beyond the ends it does not act.
+        force: sizes in N at times in s.
+        jumps: s, where speeds or forces jump.
+        until: s.
+        modes: how many; None: until those left out are a millionth.
+
+    Raises:
+        RopewalkError: too many would be needed.
+    """
+
+    def __init__(
+        self, chord: Chord, path: Callable[[Array], Array], force: Callable[[Array], Array], jumps: Array, until: float,
+        modes: int | None,
+    ) -> None:  # fmt: skip
+        self._chord, self._path, self._force = chord, path, force
+        self._k = np.arange(1, (modes or _enough(chord)) + 1) * np.pi / chord.length
+        w = np.sqrt(_stiffness(chord, self._k) / chord.mass)
+        self._rate, which, self._driven = alone(w, np.full(w.size, chord.damping / chord.mass))
+        self._k = self._k[which]
+        self._times = self._boundaries(jumps, until)
+        self._z: Complex = np.zeros((self._times.size, self._rate.size), dtype=np.complex128)
+        lengths = np.diff(self._times)
+        stages = self._times[:-1, None] + lengths[:, None] * STAGES
+        places, sizes = (of(stages.ravel()).reshape(stages.shape) for of in (self._path, self._force))
+        steps: dict[float, Step] = {}
+        for i, h in enumerate(lengths):
+            key = float(f"{h:.9e}")
+            steps.setdefault(key, Step(self._rate, float(h)))
+            self._z[i + 1] = self._go(steps[key], self._z[i], places[i], sizes[i])
+
+    def _boundaries(self, jumps: Array, until: float) -> Array:
+        """Instants between steps: at jumps, as a force comes and goes, and so close that its place changes little."""
+        looks = np.linspace(0.0, until, 1001)
+        on = self._is_on(looks)
+        events = [0.0, until, *jumps[(jumps > 0.0) & (jumps < until)]]
+        for i in np.flatnonzero(on[1:] != on[:-1]):
+            low, high = float(looks[i]), float(looks[i + 1])
+            while high - low > _CLOSE * until:
+                middle = 0.5 * (low + high)
+                low, high = (middle, high) if self._is_on(np.array([middle]))[0] == on[i] else (low, middle)
+            events.append(0.5 * (low + high))
+        found, instants = [np.zeros(1)], np.unique(np.array(events))
+        for begin, end in pairwise(instants):
+            turns = float(np.abs(np.diff(self._path(np.linspace(begin, end, 33)))).sum() * self._k.max())
+            found.append(np.linspace(begin, end, max(2, int(np.ceil(turns / _TURN))) + 1)[1:])
+        return np.concatenate(found)
+
+    def _is_on(self, t: Array) -> Array:
+        x = self._path(t)
+        return np.asarray((x >= 0.0) & (x <= self._chord.length))
+
+    def _go(self, step: Step, z: Complex, places: Array, sizes: Array) -> Complex:
+        """One step of all modes, with places and sizes of the force at its stages."""
+        out = step.decay[2] * z
+        for k in range(STAGES.size):
+            if 0.0 <= places[k] <= self._chord.length:
+                out = out + step.weight[2, k] * (self._driven * (sizes[k] * np.sin(self._k * places[k])))
+        return np.asarray(out)
+
+    def deflection(self, x: Array, t: Array) -> Array:
+        """Deflection in m at places and times; x and t broadcast as (1, place) and (time, 1)."""
+        rows = []
+        for instant in np.ravel(t):
+            i = max(int(np.searchsorted(self._times, instant, side="right")) - 1, 0)
+            h = float(instant) - float(self._times[i])
+            z = self._z[i]
+            if h > 0.0:
+                stages = self._times[i] + h * STAGES
+                z = self._go(Step(self._rate, h), z, self._path(stages), self._force(stages))
+            rows.append(z.real)
+        amplitude = np.array(rows) * 2.0 / (self._chord.mass * self._chord.length)
+        return np.asarray(amplitude @ np.sin(np.outer(self._k, np.ravel(x))))
+
+
+def _stiffness(chord: Chord, k: Array) -> Array:
+    return np.asarray(chord.bending_stiffness * k**4 + chord.tension * k**2 + chord.foundation)
+
+
+def _enough(chord: Chord) -> int:
+    """How many modes are enough.
+
+    Raises:
+        RopewalkError: they are too many.
+    """
+    flexible = 1.0 / _stiffness(chord, np.arange(1, 20 * _MOST) * np.pi / chord.length)
+    left = 1.0 - np.cumsum(flexible) / flexible.sum()
+    found = int(np.argmax(left < _LEFT_OUT)) + 1
+    if found > _MOST:
+        raise RopewalkError(
+            f"run.modes: the series of a line with so little bending stiffness needs more than {_MOST} modes; write a "
+            "number of modes, or leave bending_stiffness out"
+        )
+    return found

@@ -1,0 +1,368 @@
+"""The motion of a structure in its modes under forces and bodies that travel over it.
+
+Where contacts are, and how a point of the structure there is made of its places, is known beforehand. Given forces
+drive the modes; bodies move by M u'' + C u' + K u = f - N, with the forces N of their contacts on the structure, whose
+places are coordinates:
+
+    u = p + E y + N / S,   y = sum of the modes + what follows without them,
+
+where p is the point at rest and S the stiffness of the kink below, which no mode has. Steps are Radau's of three stages
+for the bodies, and exact for the modes, whose forces are polynomials through those stages. They are halved until
+nothing changes any more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ropewalk.linear.modal import RATE_AT_END, STAGES, Complex, Modes, Step
+from ropewalk.mechanics.chain import Array, Integers
+
+_ROOT = np.sqrt(6.0)
+RADAU: Array = np.array(
+    [
+        [(88.0 - 7.0 * _ROOT) / 360.0, (296.0 - 169.0 * _ROOT) / 1800.0, (-2.0 + 3.0 * _ROOT) / 225.0],
+        [(296.0 + 169.0 * _ROOT) / 1800.0, (88.0 + 7.0 * _ROOT) / 360.0, (-2.0 - 3.0 * _ROOT) / 225.0],
+        [(16.0 - _ROOT) / 36.0, (16.0 + _ROOT) / 36.0, 1.0 / 9.0],
+    ]
+)
+# What half the steps may change of the largest displacement, and how many times more of the largest contact force, in
+# which the shortest waves of the mesh ring on.
+TOLERANCE, _RINGING = 1e-5, 100.0
+_HALVINGS = 9
+
+
+class Touch(NamedTuple):
+    """Contacts at an instant; those that are off their lines are left out."""
+
+    contact: Integers  # (here,) which these are
+    near: Integers  # (here,) first place of the first axis that shares each point
+    weight: Array  # (here, place) how the next places share it
+    soft: Array  # (here,) m/N, of the kink below
+    point: Array  # (here, axis) m, at rest
+    way: Array  # (here, axis) m/s, velocity of that point
+    force: Array  # (here, axis) N, given
+
+
+class Course(Protocol):
+    """What contacts do, which the structure does not change."""
+
+    def at(self, t: float, on: NDArray[np.bool_]) -> Touch:
+        """Those that are on their lines, as said, at an instant in s."""
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """What stands on contacts; (coordinate,) or (coordinate, coordinate)."""
+
+    mass: Array  # kg
+    damping: Array  # N s/m
+    stiffness: Array  # N/m
+    force: Array  # N
+    first: Integers  # (contact,) first coordinate of each; -1: its force is given
+    load: Integers  # (coordinate,) whose it is
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A time between two events, during which the same contacts are on their lines."""
+
+    begin: float  # s
+    end: float
+    on: NDArray[np.bool_]  # (contact,)
+    gone: frozenset[int]  # loads that have left for good
+    shown: bool  # whether its end is an instant of output
+
+
+@dataclass
+class Moment:
+    """The state at an instant."""
+
+    u: Array  # (coordinate,) m
+    w: Array  # (coordinate,) m/s
+    force: Array  # (contact, axis) N, on the structure; NaN off its line
+    place: Array  # (place,) displacement, m
+    velocity: Array  # (place,) m/s
+    acceleration: Array  # (place,) m/s^2
+
+
+class _Pressed(NamedTuple):
+    """What has pressed on the structure in a step."""
+
+    h: float  # s
+    touches: list[Touch]  # (stage,)
+    force: Array  # (stage, contact and axis) N
+
+
+class _Seen(NamedTuple):
+    """An instant of output."""
+
+    z: Complex
+    u: Array
+    w: Array
+    force: Array  # (contact, axis) N
+    touch: Touch
+    pressing: Array  # (contact on its line and axis,) N
+    pressed: _Pressed | None  # in the step before it
+
+
+class _Small(NamedTuple):
+    """Equations of bodies in a step, but for what the structure adds."""
+
+    own: Integers  # (force,) which of contacts and axes
+    coordinate: Integers  # (force,) on which it acts
+    left: Array  # (unknown, unknown)
+    scale: Array  # (row of bodies,)
+    still: Integers  # rows of what stands still
+
+
+class Superposition:
+    """Motion from rest.
+
+    Args:
+        modes: of the structure.
+        course: of all contacts.
+        bodies: on them.
+        axes: how many.
+    """
+
+    def __init__(self, modes: Modes, course: Course, bodies: Bodies, axes: int) -> None:
+        self.modes, self.course, self.bodies, self._axes = modes, course, bodies, axes
+        self._nodes = modes.shape.shape[0] // axes
+        self._steps: dict[float, Step] = {}
+        self._small: dict[tuple[float, bytes, frozenset[int]], _Small] = {}
+
+    def moments(
+        self, stretches: Sequence[Stretch], longest: float, start: tuple[Array, Array]
+    ) -> tuple[list[Moment], float, float]:
+        """States at all instants of output, the first one included.
+
+        Args:
+            stretches: of the whole time, one after the other.
+            longest: s, of a step to begin with.
+            start: places and velocities of bodies, m and m/s.
+
+        Returns:
+            The states, the longest step in s, and what steps twice as long changed of the largest displacement.
+        """
+        found, missed = self._pass(stretches, longest, start), np.inf
+        places = self._places(found)
+        for _ in range(_HALVINGS):
+            longest *= 0.5
+            before, place_before = found, places
+            found = self._pass(stretches, longest, start)
+            places = self._places(found)
+            missed = _differ(places, place_before)
+            if self.bodies.mass.size:
+                forces, forces_before = (np.nan_to_num([one.force for one in all_of]) for all_of in (found, before))
+                missed = max(missed, _differ(forces, forces_before) / _RINGING)
+            if missed <= TOLERANCE:
+                break
+        moments = [self._moment(one, place) for one, place in zip(found, places, strict=True)]
+        return moments, longest, missed
+
+    def _pass(self, stretches: Sequence[Stretch], longest: float, start: tuple[Array, Array]) -> list[_Seen]:
+        """The same with steps of a given length at most, s."""
+        z, (u, w) = np.zeros(self.modes.rate.size, dtype=np.complex128), (part.copy() for part in start)
+        first = stretches[0]
+        self._balance(first, z, u, w)
+        found, before = [self._look(first.begin, first.on, z, u, w, None)], first.on
+        for stretch in stretches:
+            self._arrive(stretch, before, z, u, w)
+            before, span = stretch.on, stretch.end - stretch.begin
+            count = max(1, int(np.ceil(span / longest - 1e-9)))
+            step = self._step_of(span / count)
+            for i in range(count):
+                z, u, w, press = self._go(step, stretch, stretch.begin + i * step.h, z, u, w)
+            if stretch.shown:
+                found.append(self._look(stretch.end, stretch.on, z, u, w, press))
+        return found
+
+    def _step_of(self, h: float) -> Step:
+        key = float(f"{h:.12e}")
+        if key not in self._steps:
+            self._steps[key] = Step(self.modes.rate, h)
+        return self._steps[key]
+
+    def _shares(self, touch: Touch) -> Array:
+        """How places share unit forces of all contacts, (place, contact and axis)."""
+        E = np.zeros((self._axes * self._nodes, touch.contact.size * self._axes))
+        for i, (near, weight) in enumerate(zip(touch.near, touch.weight, strict=True)):
+            for a in range(self._axes):
+                used = weight != 0.0
+                E[a * self._nodes + near + np.flatnonzero(used), i * self._axes + a] = weight[used]
+        return E
+
+    def _rows(self, touch: Touch) -> tuple[Complex, Complex]:
+        """Displacements of modes at all contacts (contact and axis, mode), and how forces there drive them."""
+        here = touch.near[:, None] + np.arange(touch.weight.shape[1])
+        here = np.minimum(here, self._nodes - 1)  # beyond the last one weights are zero
+        at = here[:, None, :] + self._nodes * np.arange(self._axes)[None, :, None]
+        shape = np.einsum("cj,cajk->cak", touch.weight, self.modes.shape[at])
+        driven = np.einsum("cj,cajk->cak", touch.weight, self.modes.driven[at])
+        size = touch.contact.size * self._axes, self.modes.rate.size
+        return shape.reshape(size), driven.reshape(size)
+
+    def _held(self, stretch: Stretch) -> NDArray[np.bool_]:
+        """Which coordinates stand still: of contacts off their lines, and of loads that are gone."""
+        held = np.isin(self.bodies.load, list(stretch.gone))
+        for first, on in zip(self.bodies.first, stretch.on, strict=True):
+            if first >= 0 and not on:
+                held[first : first + self._axes] = True
+        return held
+
+    def _arrive(self, stretch: Stretch, before: NDArray[np.bool_], z: Complex, u: Array, w: Array) -> None:
+        """Put contacts that come to their lines on them, with the velocity of their points; what stands still rests."""
+        comes = stretch.on & ~before
+        if comes.any():
+            touch = self.course.at(stretch.begin, comes)
+            shape, _ = self._rows(touch)
+            for i, k in enumerate(touch.contact):
+                own, rows = self.bodies.first[k] + np.arange(self._axes), shape[self._axes * i : self._axes * (i + 1)]
+                if self.bodies.first[k] >= 0:
+                    u[own] = touch.point[i] + (rows @ z).real
+                    w[own] = touch.way[i] + (rows @ (self.modes.rate * z)).real
+            self._balance(stretch, z, u, w)
+        w[self._held(stretch)] = 0.0
+
+    def _balance(self, stretch: Stretch, z: Complex, u: Array, w: Array) -> None:
+        """Put coordinates without mass where springs and dampers above and the structure below are in balance."""
+        b, touch = self.bodies, self.course.at(stretch.begin, stretch.on)
+        light = np.flatnonzero((np.diag(b.mass) == 0.0) & ~self._held(stretch))
+        if not light.size:
+            return
+        firm, pull = np.zeros(u.size), b.force - b.damping @ w
+        under = touch.point.ravel() + (self._rows(touch)[0] @ z).real
+        for i, k in enumerate(touch.contact):
+            if b.first[k] >= 0:
+                own = b.first[k] + np.arange(self._axes)
+                firm[own] = 1.0 / touch.soft[i]
+                pull[own] += touch.force[i]
+                pull[own] += firm[own] * under[self._axes * i : self._axes * (i + 1)]
+        others = np.setdiff1d(np.arange(u.size), light)
+        K = b.stiffness + np.diag(firm)
+        u[light] = np.linalg.solve(K[np.ix_(light, light)], pull[light] - K[np.ix_(light, others)] @ u[others])
+
+    def _go(
+        self, step: Step, stretch: Stretch, t: float, z: Complex, u: Array, w: Array
+    ) -> tuple[Complex, Array, Array, _Pressed]:
+        """One step; the state after it, and what has pressed on the structure."""
+        touches = [self.course.at(t + c * step.h, stretch.on) for c in STAGES]
+        rows = [self._rows(touch) for touch in touches]
+        if self.bodies.mass.size:
+            N, u, w = self._press(step, stretch, touches, rows, z, u, w)
+        else:
+            N = np.array([touch.force.ravel() for touch in touches])
+        z = step.decay[2] * z
+        for i, (_, driven) in enumerate(rows):
+            z = z + step.weight[2, i] * (N[i] @ driven)
+        return z, u, w, _Pressed(step.h, touches, N)
+
+    def _press(
+        self, step: Step, stretch: Stretch, touches: list[Touch], rows: list[tuple[Complex, Complex]], z: Complex,
+        u: Array, w: Array,
+    ) -> tuple[Array, Array, Array]:  # fmt: skip
+        """Forces of all contacts at the stages (stage, contact and axis), and the bodies at the end of a step.
+
+        Unknowns are velocities of bodies at the stages, then forces that are found.
+        """
+        b, h, n = self.bodies, step.h, u.size
+        small = self._equations_of(step, stretch)
+        own, coordinate, size = small.own, small.coordinate, rows[0][0].shape[0]
+        N = np.array([touch.force.ravel() for touch in touches])
+        given = np.zeros((3, n))  # on bodies
+        given[:, coordinate], N[:, own] = N[:, own], 0.0
+        G, known = np.zeros((3, size, 3, size)), np.zeros((3, size))
+        for j, (shape, _) in enumerate(rows):
+            known[j] = touches[j].point.ravel() + (shape @ (step.decay[j] * z)).real
+            for i, (_, driven) in enumerate(rows):
+                G[j, :, i] = ((shape * step.weight[j, i]) @ driven.T).real
+            if self.modes.left_out:
+                G[j, :, j] += self.modes.remainder(self._shares(touches[j]))[1]
+        known += np.tensordot(G, N, axes=2)
+        J, right = small.left.copy(), np.zeros(small.left.shape[0])
+        low, m = 3 * n, own.size
+        right[:low] = small.scale * (b.mass @ w + h * RADAU @ (given + b.force - b.stiffness @ u)).ravel()
+        right[small.still] = 0.0
+        right[low:] = (u[coordinate] - known[:, own]).ravel()
+        J[low:, low:] = G[:, own][:, :, :, own].reshape(3 * m, 3 * m)
+        soft = np.concatenate([np.repeat(touch.soft, self._axes)[own] for touch in touches])
+        J[low + np.arange(3 * m), low + np.arange(3 * m)] += soft
+        x = np.linalg.solve(J, right)
+        rates = x[:low].reshape(3, n)
+        N[:, own] = x[low:].reshape(3, m)
+        return N, u + h * (RADAU[2] @ rates), rates[2].copy()
+
+    def _equations_of(self, step: Step, stretch: Stretch) -> _Small:
+        """Equations of bodies for steps of one length with the same contacts on their lines."""
+        key = (step.h, stretch.on.tobytes(), stretch.gone)
+        if key in self._small:
+            return self._small[key]
+        b, A, h, n = self.bodies, self._axes, step.h, self.bodies.mass.shape[0]
+        contact = np.flatnonzero(stretch.on)
+        first = np.repeat(b.first[contact], A)
+        own = np.flatnonzero(first >= 0)
+        coordinate, m = first[own] + np.tile(np.arange(A), contact.size)[own], own.size
+        pushed = np.zeros((n, m))
+        pushed[coordinate, np.arange(m)] = 1.0
+        low = 3 * n
+        left = np.zeros((low + 3 * m, low + 3 * m))
+        left[:low, :low] = np.kron(np.eye(3), b.mass) + np.kron(h * RADAU, b.damping)
+        left[:low, :low] += np.kron(h * h * RADAU @ RADAU, b.stiffness)
+        left[:low, low:] = np.kron(h * RADAU, pushed)
+        left[low:, :low] = -np.kron(h * RADAU, pushed.T)  # what touches is where the structure and its kink are
+        size = sum(part * np.abs(np.diag(of)) for part, of in ((1.0, b.mass), (h, b.damping), (h * h, b.stiffness)))
+        scale = np.tile(1.0 / np.maximum(size, 1e-12), 3)
+        left[:low] *= scale[:, None]
+        still = np.flatnonzero(np.tile(self._held(stretch), 3))
+        left[still] = 0.0
+        left[still, still] = 1.0
+        self._small[key] = _Small(own, coordinate, left, scale, still)
+        return self._small[key]
+
+    def _look(
+        self, t: float, on: NDArray[np.bool_], z: Complex, u: Array, w: Array, pressed: _Pressed | None
+    ) -> _Seen:  # fmt: skip
+        """An instant, to which a step has led; None: nothing has moved yet."""
+        touch = self.course.at(t, on)
+        N = touch.force.ravel() if pressed is None else pressed.force[2]
+        for i, k in enumerate(touch.contact if pressed is None else ()):
+            if self.bodies.first[k] >= 0:  # nothing has moved
+                own = u[self.bodies.first[k] + np.arange(self._axes)]
+                N[self._axes * i : self._axes * (i + 1)] = (own - touch.point[i]) / touch.soft[i]
+        force = np.full((on.size, self._axes), np.nan)
+        force[touch.contact] = N.reshape(-1, self._axes)
+        return _Seen(z, u.copy(), w.copy(), force, touch, N, pressed)
+
+    def _places(self, seen: Sequence[_Seen]) -> Array:
+        """Displacements at instants, (instant, place) m."""
+        found = (np.array([one.z for one in seen]) @ self.modes.shape.T).real
+        if self.modes.left_out:
+            for row, one in zip(found, seen, strict=True):
+                row += self.modes.remainder(self._shares(one.touch))[0] @ one.pressing
+        return np.asarray(found)
+
+    def _moment(self, seen: _Seen, place: Array) -> Moment:
+        """Everything at an instant."""
+        rate, pressed = self.modes.rate, seen.pressed
+        driven = self._rows(seen.touch)[1]
+        speeds = np.array([rate * seen.z, rate * (rate * seen.z + seen.pressing @ driven)])
+        velocity, acceleration = (speeds @ self.modes.shape.T).real
+        if self.modes.left_out and pressed is not None:
+            follows = [
+                self.modes.remainder(self._shares(at))[0] @ own
+                for at, own in zip(pressed.touches, pressed.force, strict=True)
+            ]
+            velocity = velocity + np.tensordot(RATE_AT_END / pressed.h, follows, axes=1)
+        return Moment(seen.u, seen.w, seen.force, place, velocity, acceleration)
+
+
+def _differ(values: Array, before: Array) -> float:
+    """Largest difference over the largest value."""
+    most = float(np.abs(values).max(initial=0.0))
+    return float(np.abs(values - before).max(initial=0.0)) / most if most != 0.0 else 0.0

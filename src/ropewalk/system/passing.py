@@ -1,0 +1,97 @@
+"""Loads that pass over a structure which stands still: where they touch it at any instant, and how firm it is there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ropewalk.linear.superposition import Touch
+from ropewalk.mechanics.chain import ARC, HORIZONTAL, SLIP, Array
+from ropewalk.mechanics.compiled import lean
+from ropewalk.mechanics.rider import look_up
+from ropewalk.system.compliance import compliances
+from ropewalk.system.contacts import AWAY, ON, sit, stiffen
+from ropewalk.system.standing import Standing
+from ropewalk.system.statics import Potential
+from ropewalk.system.structure import Structure
+from ropewalk.system.travel import Tables, place
+
+_BEYOND = 1e-9  # of its line: a contact that is as far past an end stands there
+
+
+@lean
+def _pass_over(structure, room, contacts, tables, state, on, table, out):
+    """Put contacts where they are at the time of the state, those that are on their lines as told within these."""
+    place(structure, room, contacts, tables, state)
+    for k in range(contacts.size):
+        if on[k] == 0:
+            contacts[k].state = AWAY
+            continue
+        length = structure.lines.length[contacts[k].line]
+        s = min(max(state.s[k], 0.0), length)
+        stops = abs(s - state.s[k]) > _BEYOND * length
+        state.s[k], contacts[k].state = s, ON
+        sit(structure, contacts, state, k, s)
+        first, count = contacts[k].speed_first, contacts[k].speed_count
+        speed = look_up(tables.speed_time, tables.speed_value, first, count, state.t[0])
+        stretch = 1.0
+        if contacts[k].measure == HORIZONTAL:
+            stretch = contacts[k].along[0]
+        elif contacts[k].measure == ARC:
+            square = 0.0
+            for a in range(state.r.shape[0]):
+                square += contacts[k].along[a] ** 2
+            stretch = np.sqrt(square)
+        contacts[k].measured = 0.0 if stops else speed
+        contacts[k].speed = contacts[k].measured / stretch
+        stiffen(structure, room, contacts, state, table, out, k)
+
+
+class Passing:
+    """Contacts that travel as prescribed over a structure at rest.
+
+    Args:
+        structure: linearised about rest.
+        standing: what stands on it, at rest.
+        tables: histories of its contacts.
+    """
+
+    def __init__(self, structure: Structure, standing: Standing, potential: Potential, tables: Tables) -> None:
+        self.structure, self.standing, self._tables = structure, standing, tables
+        self.contacts = standing.contacts
+        self._room, self._table, self._out = potential.room, compliances(), np.zeros(4)
+        self.state = standing.state.copy()
+        self.contacts["measure"][self.contacts["measure"] == SLIP] = ARC  # along what stands still
+
+    def place(self, t: float, on: NDArray[np.bool_]) -> Array:
+        """Put contacts where they are at time t in s, those that are on their lines as told; where they would be, m."""
+        self.state.t[0] = t
+        _pass_over(
+            self.structure, self._room, self.contacts, self._tables, self.state, on.astype(np.int64), self._table,
+            self._out,
+        )  # fmt: skip
+        return self.state.s
+
+    def at(self, t: float, on: NDArray[np.bool_]) -> Touch:
+        """Those that are on their lines, as said."""
+        self.place(t, on)
+        here, dim = np.flatnonzero(on), self.state.r.shape[0]
+        contacts: Any = self.contacts[here]
+        force = contacts["given"][:, :dim].copy()
+        along, held = contacts["along"][:, :dim], contacts["frictionless"] == 1
+        if held.any():  # a horizontal force holds it across its line at rest
+            force[held, 0] -= (force[held] * along[held]).sum(axis=1) / along[held, 0]
+        return Touch(
+            here, contacts["near"].copy(), contacts["weight"].copy(), 1.0 / contacts["moving"],
+            contacts["p"][:, :dim].copy(), contacts["speed"][:, None] * along, force,
+        )  # fmt: skip
+
+    def whether_on(self, t: float, been: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Which contacts are on their lines at time t in s, of which some have been there before."""
+        nobody = np.zeros(self.contacts.size, dtype=np.bool_)
+        s = self.place(t, nobody).copy()
+        length = self.structure.lines.length[self.contacts["line"]]
+        stays = (self.contacts["stays"] == 1) & been
+        return stays | ((s >= -_BEYOND * length) & (s <= length * (1.0 + _BEYOND)))

@@ -1,0 +1,302 @@
+"""A run of kind linear on the system: small motion about rest in all directions, by superposition of modes.
+
+Modes are those of the stiffness, masses and dampers of the structure at rest without loads. What travels over it goes
+along its lines as they rest; `linear/superposition.py` does the rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sparse
+from numpy.typing import NDArray
+
+from ropewalk.errors import RopewalkError
+from ropewalk.linear.modal import Modes
+from ropewalk.linear.superposition import TOLERANCE, Bodies, Moment, Stretch, Superposition
+from ropewalk.mechanics.assembly import axes_of
+from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.loading import loading_of
+from ropewalk.model.run import Linear
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
+from ropewalk.system.assembly import Assembled, contacts_of, measure_from_ends, refuse_beyond, structure_of
+from ropewalk.system.frames import FrameBuilder
+from ropewalk.system.passing import Passing
+from ropewalk.system.standing import Carried, Standing, load_springs
+from ropewalk.system.statics import Potential, about_rest, at_rest
+from ropewalk.system.structure import WORKS, State, Structure
+from ropewalk.webs.fabric import tensions_of
+from ropewalk.webs.lengths import doubt_slack
+
+_STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
+_KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]
+_LOOKS, _CLOSE = 1000, 1e-12  # instants at which it is asked who is on a line; of the time: when who comes and goes
+_LINKS = 0.5  # of a link, that contacts go in the longest step
+_LITTLE = 1e-4  # of the largest displacement, over which differences are taken
+
+
+class Superposed:
+    """A linear run: its layout, and its frames.
+
+    Args:
+        scenario: what is computed.
+        run: its run.
+        times: output instants in s, from 0.
+        account: filled in.
+
+    Raises:
+        RopewalkError: there is no rest, or something resists nothing to the first order.
+    """
+
+    def __init__(self, scenario: Scenario, run: Linear, times: Array, account: Account) -> None:
+        self._scenario, self._times, self._account = scenario, times, account
+        axes = axes_of(scenario)
+        assembled = structure_of(scenario, run.until, axes)
+        loading = loading_of(scenario, run.until, axes=axes)
+        structure, rest = at_rest(assembled.structure, loading.gravity, assembled.near, within=scenario.is_plane)
+        self.rest, self._linear = rest, about_rest(structure, rest)
+        self._assembled: Assembled = replace(assembled, structure=self._linear)
+        contacts, self._tables, self._of = contacts_of(scenario, loading, structure, assembled.on)
+        refuse_beyond(scenario, loading, contacts, structure)
+        measure_from_ends(contacts, structure, rest)
+        contacts["margin"] = contacts["step"] = 0.0
+        self._still = _Rest(structure, rest)
+        self.modes = Modes.of(*self._still.equations, self._still.free, run.modes)
+        carried = Carried(contacts, self._tables, self._of)
+        self._standing = Standing(self._linear, rest, carried)
+        self._potential = Potential(self._linear, self._standing, float(np.ptp(rest, axis=1).max()))
+        self._potential.forces(self._potential.taken())
+        self._standing.stand(0.0, rest)
+        self._passing = Passing(self._linear, self._standing, self._potential, self._tables)
+        self._builder = FrameBuilder(self._assembled, loading, self._of, windy=False)
+        doubt_slack(scenario, account, self.layout.link_line, self._potential.room.tension[self._builder.link])
+        account.method = "modal superposition"
+        account.audit = "the linear theory superposes modes and keeps no works"
+
+    @property
+    def layout(self) -> Layout:
+        """Names and coordinates of the frames."""
+        return self._builder.layout
+
+    def frames(self) -> Iterator[Frame]:
+        """All frames.
+
+        Raises:
+            RopewalkError: a load passes an end of its line that it must not pass.
+        """
+        motion = Superposition(self.modes, self._passing, self._bodies(), self.rest.shape[0])
+        stretches = self._stretches()
+        moments, step, missed = motion.moments(stretches, self._longest(), self._start(stretches[0].on))
+        count, among = self.modes.frequency.size, self._still.free.shape[1]
+        account = self._account
+        account.step = step
+        account.reason = f"{count} of {among} modes of the structure at rest, and what is left at once with the forces"
+        if count == among:
+            account.reason = f"all {count} modes of the structure at rest"
+        if missed > 10.0 * TOLERANCE:
+            account.doubt(
+                f"half the steps still change {missed:.2g} of the displacement or contact force", "what stands on the "
+                "structure swings faster than it goes along", "", "compare with kind: dynamic, geometry: linearised",
+            )  # fmt: skip
+        shown = [s for s in stretches if s.shown]
+        lost: set[int] = set()
+        for t, moment, on in zip(self._times, moments, [stretches[0].on, *(s.on for s in shown)], strict=True):
+            self._ask_contact(float(t), moment, lost)
+            yield self._frame(float(t), moment, on)
+
+    def _bodies(self) -> Bodies:
+        own, standing = self._standing.own, self._standing
+        first = standing.contacts["first"].copy()
+        first[first >= own] = -1
+        K, C = standing.K.toarray()[:own, :own], standing.damping(standing.state.u).toarray()[:own, :own]
+        M = standing.masses().toarray()[:own, :own]
+        return Bodies(M, C, K, standing.weight[:own], first, self._of.load)
+
+    def _longest(self) -> float:
+        """Length of a step in which contacts go part of a link, s."""
+        contacts, runs = self._standing.contacts, self._linear.runs
+        longest = float(np.diff(self._times).max(initial=0.0)) or 1.0
+        for k in range(contacts.size):
+            begin, count = int(contacts[k]["speed_first"]), int(contacts[k]["speed_count"])
+            fastest = float(np.abs(self._tables.speed_value[begin : begin + count]).max(initial=0.0))
+            h = float(runs.h[self._linear.lines.first[contacts[k]["line"]]])
+            if fastest > 0.0:
+                longest = min(longest, _LINKS * h / fastest)
+        return longest
+
+    def _start(self, on: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """Bodies at rest on their springs, as they go along; contacts that are not on their lines on the ground."""
+        own, u = self._standing.own, self._standing.state.u.copy()
+        w, touch = np.zeros(u.size), self._passing.at(0.0, on)
+        first = self._standing.contacts["first"]
+        for i, k in enumerate(touch.contact):
+            at = first[k] + np.arange(self.rest.shape[0])
+            u[at], w[at] = touch.point[i], touch.way[i]
+        load_springs(self._of, u, w)
+        return u[:own], w[:own]
+
+    def _stretches(self) -> list[Stretch]:
+        """The time of the run between instants of output, jumps of histories, and loads that come and go."""
+        until, tables = float(self._times[-1]), self._tables
+        jumps = np.concatenate([tables.speed_time, tables.force_time])
+        events = [*self._times, *jumps[(jumps > 0.0) & (jumps < until)], *self._comings(until)]
+        instants = np.unique(np.array(events))
+        kept = np.concatenate([[True], np.diff(instants) > _CLOSE * until])
+        instants = instants[kept]
+        shown = {int(np.abs(instants - t).argmin()) for t in self._times}
+        contacts = self._standing.contacts
+        been, found = self._passing.whether_on(0.0, np.zeros(contacts.size, dtype=np.bool_)), []
+        seen = been.copy()
+        for i in range(instants.size - 1):
+            begin, end = float(instants[i]), float(instants[i + 1])
+            on = self._passing.whether_on(0.5 * (begin + end), seen)
+            self._refuse_to_leave(seen & ~on, begin)
+            seen |= on
+            loads = np.unique(contacts["load"][seen & ~on])
+            gone = frozenset(int(n) for n in loads if not on[contacts["load"] == n].any())
+            found.append(Stretch(begin, end, on, gone, i + 1 in shown))
+        return found
+
+    def _refuse_to_leave(self, off: NDArray[np.bool_], t: float) -> None:
+        for k in np.flatnonzero(off & (self._standing.contacts["refuses"] == 1)):
+            name = self._builder.loading.wheels[int(k)].load
+            raise RopewalkError(
+                f"loads.{name}.travel.at_end: the load has passed an end of its line at t = {t:.4g} s; write leave, or "
+                "end the run before"
+            )
+
+    def _comings(self, until: float) -> Iterator[float]:
+        """Instants at which loads come to their lines or leave them, s."""
+        nobody = np.zeros(self._standing.contacts.size, dtype=np.bool_)
+        if not nobody.size:
+            return
+        looks = np.unique(np.concatenate([np.linspace(0.0, until, _LOOKS), self._times]))
+        on = np.array([self._passing.whether_on(float(t), nobody) for t in looks])
+        for i, k in zip(*np.nonzero(on[1:] != on[:-1]), strict=True):
+            low, high = float(looks[i]), float(looks[i + 1])
+            while high - low > _CLOSE * until:
+                middle = 0.5 * (low + high)
+                if self._passing.whether_on(middle, nobody)[k] == on[i, k]:
+                    low = middle
+                else:
+                    high = middle
+            yield 0.5 * (low + high)
+
+    def _ask_contact(self, t: float, moment: Moment, lost: set[int]) -> None:
+        """Note once where a contact holds a wheel by pulling."""
+        contacts, forces = self._standing.contacts, moment.force[:, -1]
+        for k in np.flatnonzero((contacts["first"] < self._standing.own) & (forces > 0.0)):
+            if k not in lost:
+                lost.add(int(k))
+                name = self._builder.loading.wheels[int(k)].name
+                self._account.warnings.append(
+                    f"load {name}: contact is lost at t = {t:.4g} s, from where on this solution holds the wheel "
+                    "to the line by pulling; kind: dynamic with lift_off: true lets it fly"
+                )
+
+    def _frame(self, t: float, moment: Moment, on: NDArray[np.bool_]) -> Frame:
+        standing, potential, dim = self._standing, self._potential, self.rest.shape[0]
+        touch, own = self._passing.at(t, on), standing.own
+        x = moment.place
+        r = self.rest + x.reshape(self.rest.shape)
+        shape = np.concatenate([r.ravel(), moment.u, np.zeros(standing.weight.size - own)])
+        for i, k in enumerate(touch.contact):  # a contact is where it presses as it does
+            contact, at = standing.contacts[k], slice(touch.near[i], touch.near[i] + touch.weight.shape[1])
+            below = r[:, at] @ touch.weight[i][: r[:, at].shape[1]]
+            first = r.size + int(contact["first"])
+            shape[first : first + dim] = below + moment.force[k] * touch.soft[i]
+            contact["hold"] = 0.0
+            if contact["frictionless"]:
+                contact["hold"] = moment.force[k, 0] - contact["given"][0]
+        potential.forces(shape)
+        room, v = potential.room, moment.velocity.reshape(r.shape)
+        inertia, forces = self._still.mass * moment.acceleration, self._still.forces(x, moment.velocity)
+        forces = forces + self._still.handed(self._pressed(touch, moment.force))
+        room.force[:] = (forces - inertia).reshape(r.shape)
+        room.react(self._linear.holdings)
+        seated = standing.contacts[touch.contact]
+        kinks = 0.5 * float((seated["firm"][:, None] * seated["d"] ** 2).sum())
+        state = State(
+            np.array([t]), r, v, moment.u, moment.w, self._passing.state.s, np.zeros(WORKS)
+        )  # fmt: skip
+        frame = self._builder.build(state, room, standing.contacts, self._still.stored(x) + kinks)
+        energy = np.full(len(ENERGY_FORMS), np.nan)
+        energy[_KNOWN] = frame.energy[_KNOWN]
+        return replace(frame, energy=energy, cell_tension=self._cell_tensions(x))
+
+    def _pressed(self, touch: Any, force: Array) -> Array:
+        """Forces of contacts on all places, N."""
+        dim, n = self.rest.shape
+        out = np.zeros((dim, n))
+        for i, k in enumerate(touch.contact):
+            used = np.flatnonzero(touch.weight[i])
+            out[:, touch.near[i] + used] += np.outer(force[k], touch.weight[i][used])
+        return out.ravel()
+
+    def _cell_tensions(self, x: Array) -> Array | None:
+        """Tensions of cells to the first order, (cell, direction) N/m."""
+        surfaces, size = self._linear.surfaces, float(np.abs(x).max(initial=0.0))
+        if surfaces is None:
+            return None
+        rest, count = self.rest, surfaces.cells.area.size
+        at_rest = tensions_of(surfaces.cells, count, rest.T)
+        if size == 0.0:
+            return at_rest
+        part = _LITTLE * float(np.sqrt(surfaces.cells.area.min())) / size
+        ahead, behind = (
+            tensions_of(surfaces.cells, count, (rest + sign * part * x.reshape(rest.shape)).T) for sign in (1.0, -1.0)
+        )
+        return np.asarray(at_rest + (ahead - behind) / (2.0 * part))
+
+
+class _Rest:
+    """A structure at rest without loads: its matrices, forces and energy to the second order.
+
+    Args:
+        structure: with all its geometry.
+        rest: (axis, node) m.
+    """
+
+    def __init__(self, structure: Structure, rest: Array) -> None:
+        potential = Potential(structure, Standing(structure, rest), float(np.ptp(rest, axis=1).max()))
+        shape, n = rest.ravel(), rest.shape[1]
+        K, M, C = potential.stiffness(shape), potential.masses(), potential.damping(shape)
+        self.free = potential.free.tocsr()
+        self.equations = ((0.5 * (K + K.T)).tocsc(), M, C)
+        self.mass = np.tile(structure.nodes.mass, rest.shape[0])  # (place,) kg
+        self._elastic = potential.stored(shape)
+        potential.forces(shape)
+        self._force = potential.room.force.ravel().copy()  # N, of lines, cells and weights
+        self._weight = structure.nodes.force.ravel().copy()
+        # The same of every place by itself, without what holds it.
+        holdings = structure.holdings
+        bare = structure._replace(
+            holdings=holdings._replace(
+                stiffness=np.zeros_like(holdings.stiffness), damping=np.zeros_like(holdings.damping)
+            )
+        )
+        whole = Potential(bare, Standing(bare, rest), potential.size)
+        whole.free = sparse.identity(shape.size, format="csc")
+        self._K, self._C = whole.stiffness(shape), whole.damping(shape)
+        self._laid: Any = None
+        if structure.surfaces is not None:
+            self._laid = sparse.block_diag([structure.surfaces.shares(n)] * rest.shape[0]).tocsr()
+
+    def forces(self, x: Array, v: Array) -> Array:
+        """Forces of lines, cells, dampers and weights on all places that have gone by x from rest, N."""
+        return np.asarray(self._force - self._K @ x - self._C @ v)
+
+    def stored(self, x: Array) -> float:
+        """Energy in lines and cells, J."""
+        return self._elastic - float((self._force - self._weight) @ x) + 0.5 * float(x @ (self._K @ x))
+
+    def handed(self, force: Array) -> Array:
+        """The same forces where ways on nets hand them over to the cells below, N."""
+        if self._laid is None:
+            return force
+        on_ways = np.asarray(self._laid.sum(axis=1)).ravel() != 0.0
+        return np.asarray(np.where(on_ways, 0.0, force) + self._laid.T @ np.where(on_ways, force, 0.0))
