@@ -51,7 +51,7 @@ def _of_linear_theory(parts: Parts) -> Engine:
     """Closed forms of lines by themselves, or the modes of what is joined, held on its way or a surface."""
     if parts.overhead:
         return LINEAR
-    if _for_webs_only(parts):
+    if _runs_over_sheaves(parts):
         return WEBS
     return SUPERPOSED if parts.is_web or parts.is_supported else LINEAR
 
