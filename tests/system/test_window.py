@@ -46,14 +46,17 @@ def asked(lines: dict[str, Any], window: float | None, **keys: Any) -> Scenario:
 
 
 def imbalance(result: xr.Dataset) -> float:
-    return float(np.abs(result.energy.sel(energy_form="imbalance")).max())
+    return float(np.abs(result.energy.sel(form="imbalance")).max())
 
 
 @pytest.mark.parametrize("lines", LINES.values(), ids=LINES)
 def test_what_is_near_a_load_moves_as_without_a_window_and_the_rest_stands_still(lines: dict[str, Any]) -> None:
     """One as long as the line is none; transverse waves run at 50 m/s and less, axial ones at 316 m/s and more."""
     assert engine_of(asked(lines, 8.0)) is SYSTEM
-    whole, wide, narrow = (simulate(asked(lines, window)) for window in (None, 100.0, 8.0))
+    none = (
+        None if engine_of(asked(lines, None)) is SYSTEM else 1e4
+    )  # small motion of beams is that of wires without one
+    whole, wide, narrow = (simulate(asked(lines, window)) for window in (none, 100.0, 8.0))
     assert wide.position.values.tolist() == whole.position.values.tolist()
     assert wide.reaction.values == pytest.approx(whole.reaction.values, abs=1e-9)
     here, there = narrow.contact_position.values, whole.contact_position.values
