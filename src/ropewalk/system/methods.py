@@ -27,8 +27,8 @@ def of_methods(parts: Parts) -> Iterator[Finding]:
     if not isinstance(parts.run, Dynamic):
         return
     if parts.run.method in ("rkn6", "implicit") and parts.run.window is not None:
-        given, remedy = parts.run.method, "use auto or verlet, or leave window out"
-        yield missing(("run", "method"), _MOTION, given, remedy, feature=f"{given} with a window")
+        asked, remedy = parts.run.method, "use auto or verlet, or leave window out"
+        yield missing(("run", "method"), _MOTION, asked, remedy, feature=f"{asked} with a window")
     check = {"rkn6": _not_of_sixth_order, "implicit": _not_implicit}.get(parts.run.method)
     if check is not None and (found := next(check(parts), None)) is not None:
         feature, otherwise = found

@@ -294,7 +294,7 @@ class Motion:
         elastic = self._look()
         self._room.reaction[:] = reaction
         for e in () if self._window is None else np.flatnonzero(self._window.still):
-            self._room.reaction[e] = -self._room.force[:, self.structure.holdings.members(e)].sum(axis=1)
+            self._room.reaction[e] = -self._room.force[:, self.structure.holdings.members(int(e))].sum(axis=1)
         if self.state.t[0] == 0.0:
             self._room.react(self.structure.holdings)
         return self._builder.build(self.state, self._room, self.contacts, elastic)
