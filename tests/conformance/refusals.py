@@ -49,6 +49,7 @@ _PATTERNS = {
         "stiff lines and networks do not whirl": rf"\.whirl: {_NOT}|a mode outside the x-z plane {_NOT}",
         "lines over sheaves bend sharply, and lie on nothing":
             rf"\.(bending_stiffness|foundation): {_NOT} lines over sheaves",
+        "no implicit method over sheaves": rf"implicit with lines over sheaves {_NOT}",
         "a joint without mass cannot hang on sheaves alone": rf"joint without mass .* {_NOT} lines over sheaves",
         "results do not hold the slip over sheaves": rf"run\.start\.kind: {_NOT} lines over sheaves",
         "stiff lines and networks move explicitly": rf"run\.method: {_NOT} (beams|joined)",

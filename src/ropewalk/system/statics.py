@@ -374,7 +374,7 @@ class Potential:
         if structure.sheaves is not None:  # lines that are drawn straight up have zeros there now
             over = neighbours_of(structure.sheaves, structure.runs, n, self.axes)
             near = sparse.block_diag([over, sparse.csc_matrix((count, count))])
-            K = K + abs(self.free).T @ near @ abs(self.free)
+            K = K + K.T + abs(self.free).T @ near @ abs(self.free)
         return K.tocsc()
 
     def stability(self, shape: Array) -> tuple[sparse.csc_matrix, Integers]:
