@@ -79,7 +79,10 @@ class Field:
                     (loads.force_time, loads.force_first, loads.force_count),
                 )
             ]
-            force = (lambda t: np.interp(t, *size)) if isinstance(size, tuple) else (lambda t: np.full(t.shape, size))
+
+            def force(t: Array) -> Array:
+                return np.asarray(np.interp(t, *size) if isinstance(size, tuple) else np.full(t.shape, size))
+
             self._found[k, a] = Series(
                 self.chord, lambda t: self.place(k, t), force, np.concatenate(jumps), self.until * _LONGER, self.modes
             )

@@ -32,7 +32,7 @@ _APART = 1e-6  # of a frequency: damping that is as close to the critical one is
 _CLEAN = 1e-7  # of all rates: what coupled modes miss of their equations
 # Stages of a step, at which forces are known or found: Radau's, of which the last one is its end.
 STAGES: Array = np.array([(4.0 - np.sqrt(6.0)) / 10.0, (4.0 + np.sqrt(6.0)) / 10.0, 1.0])
-_POWERS: Array = np.linalg.inv(np.vander(STAGES, increasing=True)).T
+_POWERS: Array = np.asarray(np.linalg.inv(np.vander(STAGES, increasing=True)).T, dtype=np.float64)
 """(stage, power) of the polynomials that are one at a stage and zero at the others."""
 RATE_AT_END: Array = _POWERS @ np.arange(3.0)
 """(stage,) what their rates are at the end, over the length of a step."""

@@ -38,7 +38,7 @@ class Series:
         modes: int | None,
     ) -> None:  # fmt: skip
         self._chord, self._path, self._force = chord, path, force
-        self._k = np.arange(1, (modes or _enough(chord)) + 1) * np.pi / chord.length
+        self._k = _wave_numbers(chord, modes or _enough(chord))
         w = np.sqrt(_stiffness(chord, self._k) / chord.mass)
         self._rate, which, self._driven = alone(w, np.full(w.size, chord.damping / chord.mass))
         self._k = self._k[which]
@@ -97,6 +97,10 @@ class Series:
         return np.asarray(amplitude @ np.sin(np.outer(self._k, np.ravel(x))))
 
 
+def _wave_numbers(chord: Chord, count: int) -> Array:
+    return np.arange(1.0, count + 1.0, dtype=np.float64) * (np.pi / chord.length)
+
+
 def _stiffness(chord: Chord, k: Array) -> Array:
     return np.asarray(chord.bending_stiffness * k**4 + chord.tension * k**2 + chord.foundation)
 
@@ -107,7 +111,7 @@ def _enough(chord: Chord) -> int:
     Raises:
         RopewalkError: they are too many.
     """
-    flexible = 1.0 / _stiffness(chord, np.arange(1, 20 * _MOST) * np.pi / chord.length)
+    flexible = 1.0 / _stiffness(chord, _wave_numbers(chord, 20 * _MOST))
     left = 1.0 - np.cumsum(flexible) / flexible.sum()
     found = int(np.argmax(left < _LEFT_OUT)) + 1
     if found > _MOST:

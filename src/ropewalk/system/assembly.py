@@ -12,7 +12,7 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.assembly import axes_of, components, held_by, pack, speed_table, vector_table
 from ropewalk.mechanics.bodies import Bodies as FleetBodies
-from ropewalk.mechanics.chain import BLOCK, COULOMB, DRAGGED, FRICTIONLESS, HORIZONTAL, Array, Integers
+from ropewalk.mechanics.chain import BLOCK, COULOMB, DRAGGED, FRICTIONLESS, Array, Integers
 from ropewalk.mechanics.compiled import records
 from ropewalk.mechanics.fleet import MARGIN
 from ropewalk.mechanics.footfall import footfalls
@@ -433,17 +433,6 @@ def refuse_beyond(scenario: Scenario, loading: Loading, contacts: Any, structure
                 f"load {wheel.name} would begin {wheel.start:g} m along {wheel.on}, which ends at {length:g} m; "
                 "change its from"
             )
-
-
-def measure_from_ends(contacts: Any, structure: Structure, rest: Array) -> None:
-    """Let horizontal places count from x = 0 and not from the ends of lines, which are at rest (axis, node), m."""
-    lines, runs = structure.lines, structure.runs
-    for k in np.flatnonzero(contacts["measure"] == HORIZONTAL):
-        contact = contacts[k]
-        first = lines.first[contact["line"]]
-        last = first + lines.runs[contact["line"]] - 1
-        begin, end = rest[0, [runs.first[first], runs.first[last] + runs.links[last]]]
-        contact["begin"] = begin + np.sign(end - begin) * contact["begin"]
 
 
 def _tethers(fleet: FleetBodies, contacts: Any, places: int) -> Any:

@@ -28,7 +28,7 @@ from ropewalk.solve.choice import RKN6_LIMIT, Bounds, rkn6_step
 from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.system import motion
 from ropewalk.system.asking import FAILED, Asking
-from ropewalk.system.assembly import contacts_of, measure_from_ends, refuse_beyond, structure_of
+from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
 from ropewalk.system.beginning import begin_elsewhere
 from ropewalk.system.carrier import System, SystemCarrier
 from ropewalk.system.compliance import compliances
@@ -38,7 +38,7 @@ from ropewalk.system.holding import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.stability import SAFETY, largest_frequency, largest_step
-from ropewalk.system.standing import Carried, Standing, load_springs
+from ropewalk.system.standing import Carried, Standing, load_springs, measure_from_ends
 from ropewalk.system.statics import Potential, about_rest, at_rest, tensions
 from ropewalk.system.structure import WORKS, Room, State
 from ropewalk.system.window import Window

@@ -94,4 +94,4 @@ class Passing:
         s = self.place(t, nobody).copy()
         length = self.structure.lines.length[self.contacts["line"]]
         stays = (self.contacts["stays"] == 1) & been
-        return stays | ((s >= -_BEYOND * length) & (s <= length * (1.0 + _BEYOND)))
+        return np.asarray(stays | ((s >= -_BEYOND * length) & (s <= length * (1.0 + _BEYOND))))

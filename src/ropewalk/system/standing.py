@@ -11,7 +11,7 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
-from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.chain import HORIZONTAL, Array
 from ropewalk.mechanics.compiled import lean, records
 from ropewalk.system.bodies import Bodies, ground
 from ropewalk.system.cables import stretch_all
@@ -213,6 +213,17 @@ class Standing:
                 at, gap = np.concatenate([above, below]), np.concatenate([-way, way]) / length
                 C[np.ix_(at, at)] += tether["damping"] * np.outer(gap, gap)
         return C.tocsc()
+
+
+def measure_from_ends(contacts: Any, structure: Structure, rest: Array) -> None:
+    """Let horizontal places count from x = 0 and not from the ends of lines, which are at rest (axis, node), m."""
+    lines, runs = structure.lines, structure.runs
+    for k in np.flatnonzero(contacts["measure"] == HORIZONTAL):
+        contact = contacts[k]
+        first = lines.first[contact["line"]]
+        last = first + lines.runs[contact["line"]] - 1
+        begin, end = rest[0, [runs.first[first], runs.first[last] + runs.links[last]]]
+        contact["begin"] = begin + np.sign(end - begin) * contact["begin"]
 
 
 def load_springs(bodies: Bodies, u: Array, w: Array) -> None:

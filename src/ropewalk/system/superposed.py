@@ -23,10 +23,10 @@ from ropewalk.mechanics.loading import loading_of
 from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
-from ropewalk.system.assembly import Assembled, contacts_of, measure_from_ends, refuse_beyond, structure_of
+from ropewalk.system.assembly import Assembled, contacts_of, refuse_beyond, structure_of
 from ropewalk.system.frames import FrameBuilder
 from ropewalk.system.passing import Passing
-from ropewalk.system.standing import Carried, Standing, load_springs
+from ropewalk.system.standing import Carried, Standing, load_springs, measure_from_ends
 from ropewalk.system.statics import Potential, about_rest, at_rest
 from ropewalk.system.structure import WORKS, State, Structure
 from ropewalk.webs.fabric import tensions_of
@@ -65,7 +65,7 @@ class Superposed:
         measure_from_ends(contacts, structure, rest)
         contacts["margin"] = contacts["step"] = 0.0
         self._still = _Rest(structure, rest)
-        self.modes = Modes.of(*self._still.equations, self._still.free, run.modes)
+        self.modes = Modes.of(*self._still.equations, free=self._still.free, count=run.modes)
         carried = Carried(contacts, self._tables, self._of)
         self._standing = Standing(self._linear, rest, carried)
         self._potential = Potential(self._linear, self._standing, float(np.ptp(rest, axis=1).max()))
