@@ -12,14 +12,13 @@ import numpy as np
 
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.models import turns_of
-from ropewalk.mechanics.assembly import speed_table, vector_table
+from ropewalk.mechanics.assembly import speed_table
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.mechanics.travelled import Travelled
-from ropewalk.mechanics.wheels import wheels_of
 from ropewalk.model.beginning import UP
 from ropewalk.model.division import links_of_line
 from ropewalk.model.line import spatial
-from ropewalk.model.load import AnyLoad, Foreign, MovingForce
+from ropewalk.model.load import AnyLoad, Foreign
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic, Quasistatic
@@ -38,7 +37,7 @@ from ropewalk.wires.lines import journey_of, shown_of, wire_of
 from ropewalk.wires.mesh import links_of
 from ropewalk.wires.partners import Foreigner
 from ropewalk.wires.partners import rider_of as foreign_rider
-from ropewalk.wires.plan import Array, Contact, Plan, Rider
+from ropewalk.wires.plan import Array, Plan
 from ropewalk.wires.task import Shown, Start, Task, unstretched
 
 _HEAVY = 500.0  # N: droppers bear about 100 N
@@ -71,40 +70,33 @@ def task_of(scenario: Scenario) -> Task:
     elements += [links_of_line(line) for line in scenario.lines.values()]
     if nonlinear or slow:
         plan = unstretched(plan, elements)
-    loading = loading_of(scenario, until) if scenario.lines else None
+    others = {name: load for name, load in scenario.loads.items() if not isinstance(load, Pantograph)}
+    bearing = scenario.model_copy(update={"loads": others})
+    loading = loading_of(bearing, until)
+    numbers = dict(zip(sections, (offset + CONTACT for offset in offsets), strict=True))
+    numbers |= {name: first + i for i, name in enumerate(scenario.lines)}
     journeys: list[Journey] = []
     contacts: list[str] = []
     shown: list[Shown] = []
     foreigners: list[Foreigner] = []
     for name, load in scenario.loads.items():
-        number = len(journeys)
+        number, on = len(journeys), numbers[load.on]
         if isinstance(load, Pantograph):
-            at = list(sections).index(load.on)
-            journeys.append(_pantograph(name, load, sections[load.on], offsets[at] + CONTACT, until, slow=slow))
+            journeys.append(_pantograph(name, load, sections[load.on], on, until, slow=slow))
             contacts.append(name)
             shown += _masses(name, load, number)
             continue
         if isinstance(load, Foreign):
-            wires = [wire.name for wire in plan.wires]
-            on = offsets[list(sections).index(load.on)] + CONTACT if load.on in sections else wires.index(load.on)
-            own = [wheel.name for wheel in wheels_of(scenario) if wheel.load == name]
+            own = [wheel.name for wheel in loading.wheels if wheel.load == name]
             rider = foreign_rider(name, on, len(own), load.exchange.stiffness, load.exchange.damping)
             journeys.append(Journey(rider, np.zeros_like))
             foreigners.append(Foreigner(number, partial(turns_of, name, load, until)))
             contacts += own
             continue
-        if load.on in sections:
-            assert isinstance(load, MovingForce)
-            journeys.append(_force(name, load, offsets[list(sections).index(load.on)] + CONTACT, until))
-            contacts.append(name)
-            continue
-        assert loading is not None
-        line = scenario.lines[load.on]
-        on = first + list(scenario.lines).index(load.on)
-        journey, system = journey_of(loading, name, load, on, line, plan.wires[on].length)
+        journey, system = journey_of(loading, name, load, on, plan.wires[on])
         journeys.append(journey)
         contacts += [wheel.name for wheel in loading.wheels if wheel.load == name]
-        shown += shown_of(loading, system, number, line) if system is not None else []
+        shown += shown_of(loading, system, number, plan.wires[on]) if system is not None else []
     more: dict[str, Any] = {}
     if isinstance(run, Dynamic):
         more = {
@@ -187,18 +179,6 @@ def _unseen(name: str, line: OverheadLine) -> Iterator[str]:
         yield f"overhead_lines.{name}.ends: in linearised motion tensions are constant, whatever holds the ends"
     if line.messenger_supports.along == "held":
         yield f"overhead_lines.{name}.messenger_supports.along: in linearised motion nothing moves along the line"
-
-
-def _force(name: str, load: MovingForce, wire: int, until: float) -> Journey:
-    """A given force on a contact wire."""
-    (time, value), none = vector_table(load.force, until, ("x", "z")), np.zeros((0, 0))
-    contact = Contact(wire, stiffness=0.0, material=load.travel.measured == "material")
-
-    def given(times: Array) -> Array:
-        return np.asarray(np.interp(times, time, value[-1]))[:, None]
-
-    place = partial(Travelled(*speed_table(load.travel.speed, until)).at, start=load.travel.start)
-    return Journey(Rider(name, none, none, none, (contact,)), place, given=given)
 
 
 def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until: float, *, slow: bool) -> Journey:

@@ -36,8 +36,7 @@ _PATTERNS = {
     MISSING: {
         "loads on networks, nets and in wind: forces, masses, footsteps": rf"loads\.[^.:]*\.kind: {_NOT} joined",
         "loads on stiff lines: no trolleys and walkers": rf"(loads\.[^.:]*\.kind|lines\.[^:]*): {_NOT} beams",
-        "overhead lines bear pantographs and foreign models":
-            rf"loads\.[^.:]*\.kind: {_NOT} overhead lines|\.travel\.at_end: {_NOT} beams",
+        "loads on stiff and overhead lines do not stay at an end": rf"\.travel\.at_end: {_NOT} beams",
         "inextensible lines do not move": rf"\.law\.kind: {_NOT} (?!beams)",
         "no free travel": rf"\.travel\.kind: {_NOT}",
         "travel measured as material or horizontal only": rf"\.travel\.measured: {_NOT} (beams|joined)",

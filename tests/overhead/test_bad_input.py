@@ -96,12 +96,21 @@ def test_a_pantograph_runs_under_overhead_lines_only() -> None:
     assert "name one of overhead_lines: line" in message
 
 
-def test_nothing_else_runs_under_overhead_lines() -> None:
+def test_trolleys_do_not_run_along_overhead_lines() -> None:
+    trolley = "    mass: 100 kg\n    payload: {mass: 50 kg, length: 2 m}\n"
+    text = EXAMPLE.read_text(encoding="utf-8").replace("    model: en50318-2002\n", trolley)
+    message = problems(text.replace("kind: pantograph", "kind: trolley"))
+    assert "loads.pantograph.kind: is not implemented for" in message
+    assert "overhead lines, given trolley; write force, mass, oscillator, vehicle, matrices, pantograph" in message
+
+
+def test_masses_that_start_beyond_the_end_or_meet_are_refused() -> None:
+    """As they are on lines."""
     text = EXAMPLE.read_text(encoding="utf-8").replace("    model: en50318-2002\n", "    mass: 100 kg\n")
-    message = problems(text.replace("kind: pantograph", "kind: mass"))
-    said = "is not implemented for overhead lines, given mass; write pantograph, force, stepper or fmu"
-    assert f"loads.pantograph.kind: {said}" in message
-    assert "write pantograph" in message
+    text = text.replace("kind: pantograph", "kind: mass")
+    assert "would start beyond the end of line" in problems(text.replace("from: 10 m", "from: 601 m"))
+    other = "loads:\n  other: {kind: mass, mass: 5 kg, on: line, travel: {speed: 10 m/s, from: 30 m}}"
+    assert "meets load other at" in problems(text.replace("loads:", other))
 
 
 @pytest.mark.parametrize(

@@ -139,14 +139,15 @@ def traces(
     found = {}
     for wheel, names in wheels.items():
         load = load_of(scenario, wheel)
+        line = f"{load.on}.{CONTACT_WIRE}" if load.on in scenario.overhead_lines else load.on
         each = [k for k, name in enumerate(result["load"].values.tolist()) if name in names]
         if isinstance(load, Pantograph):
             limits = analysed_stations(scenario.overhead_lines[load.on])
-            found[wheel] = _filtered(_sampled(result, each[0], f"{load.on}.{CONTACT_WIRE}", level), *limits)
+            found[wheel] = _filtered(_sampled(result, each[0], line, level), *limits)
         elif has_samples(result) and len(each) == 1:
-            found[wheel] = _sampled(result, each[0], load.on, level)
+            found[wheel] = _sampled(result, each[0], line, level)
         elif each:
-            found[wheel] = _together([_framed(result, k, load.on, level) for k in each])
+            found[wheel] = _together([_framed(result, k, line, level) for k in each])
     return found
 
 

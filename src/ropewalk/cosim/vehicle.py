@@ -32,7 +32,7 @@ from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.wires.journey import Journey
-from ropewalk.wires.lines import journey_of
+from ropewalk.wires.lines import journey_of, wire_of
 from ropewalk.wiring import task_of
 
 Gives = Literal["force", "motion"]
@@ -118,12 +118,12 @@ def alone(scenario: Scenario, name: str, *, contact_stiffness: float | None = No
         raise RopewalkError(f"load {name}: a free travel is decided with the line; prescribe travel.speed")
     until = run.until if isinstance(run, Dynamic) else 1.0
     lone = scenario.model_copy(update={"loads": {name: load}})
-    if isinstance(load, Pantograph):
+    if isinstance(load, Pantograph) or load.on in scenario.overhead_lines:
         (journey,) = task_of(lone).journeys
     else:
         line = scenario.lines.get(load.on) or _level(scenario.nets[load.on], load)
         lone = lone.model_copy(update={"lines": {load.on: line}, "nets": {}})
-        journey, _ = journey_of(loading_of(lone, until), name, load, 0, line)
+        journey, _ = journey_of(loading_of(lone, until), name, load, 0, wire_of(load.on, line))
     if journey.rider.size and not np.all(np.linalg.eigvalsh(journey.rider.mass) > 0.0):
         raise RopewalkError(f"load {name}: a coordinate has no mass; give it one")
     touches = _touches(name, journey, contact_stiffness)

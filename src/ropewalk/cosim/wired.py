@@ -183,7 +183,8 @@ class Wired(Stepwise):
         """Forces of the ends of all wires on them, by name, (axis,) N; of holds as at the last step's beginning."""
         known = self._record is not None
         hold = self.motion.hold_at_rest + self._record.hold[0] if known else self._run.holds_at_first()
-        return dict(zip(supports_of(self._run.task.plan)[0], self._run.reactions(hold), strict=True))
+        tie = self.motion.tie_at_rest + self._record.tie[0] if known else self._run.ties_at_first()
+        return dict(zip(supports_of(self._run.task.plan)[0], self._run.reactions(hold, tie), strict=True))
 
     def get_state(self) -> Tree:
         """All that changes, copied."""

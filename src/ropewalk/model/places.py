@@ -46,15 +46,14 @@ def margin(load: AnyLoad, line: Line | OverheadLine) -> float:
 def travels(parts: Parts) -> Iterator[Finding]:
     """Find loads that start off their line, or that would pass an end of it and are to be refused there."""
     for name, load in parts.loads.items():
-        overhead = parts.overhead.get(load.on) if isinstance(load, Pantograph | Fmu | MovingForce) else None
-        if isinstance(load, Pantograph | Fmu | MovingForce) and overhead is not None:
-            start, length = load.travel.start, overhead.length
-            if start > length * (1.0 + 1e-9):
-                remedy = f"start at most {length:g} m from the start of the line"
-                wrong = f"the load would start beyond the end of {load.on}"
-                yield Finding(("loads", name, "travel", "from"), wrong, f"{start:g} m", remedy)
-            elif isinstance(parts.run, Dynamic):
-                yield from _passing(name, load, load.on, overhead, parts.run.until)
+        overhead = parts.overhead.get(load.on) if load is not None else None
+        if load is None or overhead is None:
+            continue
+        if (wrong_start := _off_the_line(load, load.on, overhead, parts.gravity)) is not None:
+            wrong, given, remedy = wrong_start
+            yield Finding(("loads", name, *_start_key(load)), wrong, given, remedy)
+        elif isinstance(parts.run, Dynamic):
+            yield from _passing(name, load, load.on, overhead, parts.run.until)
     for name, load, on, line in parts.complete():
         places = load.starts()
         measured = places[0].measured
@@ -80,7 +79,12 @@ def travels(parts: Parts) -> Iterator[Finding]:
 
 def meetings(parts: Parts) -> Iterator[Finding]:
     """Find loads that start at one place, and those with a prescribed travel that meet later."""
-    for (one, first, on, line), (two, second, other, _) in combinations(parts.complete(), 2):
+    everybody: list[tuple[str, AnyLoad, str, Line | OverheadLine]] = list(parts.complete())
+    for name, load in parts.loads.items():
+        wire = parts.overhead.get(load.on) if load is not None else None
+        if load is not None and wire is not None and not isinstance(load, Pantograph):
+            everybody.append((name, load, load.on, wire))
+    for (one, first, on, line), (two, second, other, _) in combinations(everybody, 2):
         if on != other:
             continue
         pairs = list(product(first.starts(), second.starts()))
@@ -104,7 +108,7 @@ def meetings(parts: Parts) -> Iterator[Finding]:
 
 
 def _start_key(load: AnyLoad) -> tuple[str, ...]:
-    return ("travel", "from") if isinstance(load, Travelling | Fmu) else ("from",)
+    return ("travel", "from") if isinstance(load, Travelling | Pantograph | Fmu) else ("from",)
 
 
 def _prescribed(load: AnyLoad) -> _Prescribed | None:
@@ -118,7 +122,9 @@ def _coincide(a: Place, b: Place) -> bool:
     return a.measured == b.measured and math.isclose(a.start, b.start, rel_tol=1e-12)
 
 
-def _off_the_line(load: AnyLoad, on: str, line: Line, gravity: float | None) -> tuple[str, str, str] | None:
+def _off_the_line(
+    load: AnyLoad, on: str, line: Line | OverheadLine, gravity: float | None
+) -> tuple[str, str, str] | None:
     """Say which place is off the line at the start, what was given and what to do."""
     start = load.travel.start if isinstance(load, Travelling | Pantograph | Fmu) else load.start
     for place in load.starts():
@@ -142,11 +148,11 @@ def _comes_by_itself(load: AnyLoad) -> bool:
     return travel is not None and travel.at_end == "leave"
 
 
-def _beyond(line: Line, place: Place, gravity: float | None) -> float | None:
+def _beyond(line: Line | OverheadLine, place: Place, gravity: float | None) -> float | None:
     """The length in m that a start exceeds for certain, None if it may be on the line."""
     limit = reach(line, place.measured)
-    if limit is not None:
-        return limit if place.start > limit * (1.0 + 1e-9) else None
+    if limit is not None or isinstance(line, OverheadLine):
+        return limit if limit is not None and place.start > limit * (1.0 + 1e-9) else None
     if line.tension is not None and gravity is not None and place.measured == "material" and line.is_held_fast:
         hangs = line.mass * gravity * line.distance / line.tension
         most = line.distance * (1.0 + hangs**2 / 12.0)  # twice what the sag adds to the chord
@@ -208,7 +214,7 @@ def _floor(time: float) -> float:
 
 
 def _meeting(
-    a: tuple[_Prescribed, float], b: tuple[_Prescribed, float], line: Line, until: float
+    a: tuple[_Prescribed, float], b: tuple[_Prescribed, float], line: Line | OverheadLine, until: float
 ) -> tuple[float, float] | None:
     """Time in s and place in m where two places that travel meet for certain while both are on the line."""
     ahead, behind = (a, b) if a[1] > b[1] else (b, a)
@@ -223,7 +229,9 @@ def _meeting(
     for (travel, _), way in zip((ahead, behind), ways, strict=True):
         limit = reach(line, travel.measured)
         if limit is None:  # not known exactly; a load that would be refused there does not matter
-            limit = math.inf if travel.at_end == "refuse" else 0.5 * line.distance
+            limit = math.inf
+            if travel.at_end != "refuse" and isinstance(line, Line):
+                limit = 0.5 * line.distance
         if _leaves(way, limit, time):
             return None
     return time, place_at(ways[0], time)

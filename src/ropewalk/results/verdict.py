@@ -24,6 +24,7 @@ UNBALANCED = 1e-3  # of all weights: what the support forces at rest may miss
 NOTHING = 1e-10  # of the largest tension, or of the weight of the line: a load that presses less does not press
 SLACK = 100.0  # times the speed of waves: a line is slack there
 FAST = 0.8  # of the speed of transverse waves: forces of masses are hard to resolve beyond
+_UNREMARKED = ("footsteps", "stepper", "fmu", "pantograph")  # loads that come by themselves, or grow
 
 
 class _Balance:
@@ -238,11 +239,12 @@ class Watch:
             return
         for name in dict.fromkeys(self.loads):
             load = self.scenario.loads.get(name)
-            if load is None or load.on not in self.scenario.lines or load.kind in ("footsteps", "stepper", "fmu"):
+            if load is None or load.on in self.scenario.nets or load.kind in _UNREMARKED:
                 continue
+            wire = f"{load.on}.contact" if load.on in self.scenario.overhead_lines else load.on
             k = self.loads.index(name)
             state, xi = (float(values[k]) for values in self._at_start)
-            here = [x for x, line in zip(self.layout.node_xi, self.layout.node_line, strict=True) if line == load.on]
+            here = [x for x, line in zip(self.layout.node_xi, self.layout.node_line, strict=True) if line == wire]
             if state != OFF_LINE and here and min(here) < xi < max(here):
                 rest = "to begin at rest with it write run.start: {with_loads: true}, or let it start at an end"
                 if any(line.is_stiff for line in self.scenario.lines.values()):  # which begin without loads

@@ -12,7 +12,6 @@ from ropewalk.model.load import Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
-from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, common_interval, every_of
 from ropewalk.model.small import check_small
@@ -26,11 +25,6 @@ _AT_REST = ("force", "mass", "oscillator", "vehicle", "matrices", "pantograph")
 
 
 def _on_overhead_lines(parts: Parts) -> Iterator[Finding]:
-    for name, load in parts.loads.items():
-        if load is not None and load.on in parts.overhead and not isinstance(load, Pantograph | Foreign | MovingForce):
-            yield missing(
-                ("loads", name, "kind"), "overhead lines", load.kind, "write pantograph, force, stepper or fmu"
-            )
     if isinstance(parts.run, Dynamic) and parts.run.geometry == "nonlinear":
         for name, line in parts.overhead.items():
             if line is not None and line.stitch_wire is not None:

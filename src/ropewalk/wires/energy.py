@@ -32,7 +32,7 @@ from ropewalk.wires.riders import (
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.spline import WIDTH
 
-_NOTHING = 1e-200  # J: small motion begins with 1e-150 m instead of nothing
+_NOTHING = 1e-100  # J: small motion begins with 1e-150 m instead of nothing, and weights are lifted so far
 
 
 class Energies:

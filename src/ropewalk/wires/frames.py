@@ -126,7 +126,8 @@ class Wires:
         self.motion.pace.last[:] -= account.step * self._first("rate")
         self._energies = Energies(self.mesh, self.riders, self.motion, start.position, start.unstrained)
         self._in_air = np.zeros(self.riders.owner.size)
-        self._steep, self._pushed = set[str](), set[str]()  # contacts and wires that have been doubted
+        # Contacts and wires that have been doubted.
+        self._steep, self._pushed, self._left = set[str](), set[str](), set[str]()
         self._partners = [self._partner(*pair) for pair in zip(task.foreigners, self.turns, strict=True)]
         watched = rows(self.motion.watched, self.mesh.nodes) @ self._at_rest[2]
         self._watched_at_rest = watched if start.rest is None else np.zeros_like(watched)
@@ -150,6 +151,7 @@ class Wires:
             "partners": [partner.get_state() for partner in self._partners],
             "stations": self._stations.copy(), "before": copied(arrays_of(self._before)),
             "in_air": self._in_air.copy(), "steep": sorted(self._steep), "pushed": sorted(self._pushed),
+            "left": sorted(self._left),
         }  # fmt: skip
 
     def set_state(self, tree: Tree) -> None:
@@ -160,7 +162,7 @@ class Wires:
             partner.set_state(own)
         put({"stations": self._stations, "in_air": self._in_air} | arrays_of(self._before),
             {"stations": tree["stations"], "in_air": tree["in_air"]} | tree["before"])  # fmt: skip
-        self._steep, self._pushed = set(tree["steep"]), set(tree["pushed"])
+        self._steep, self._pushed, self._left = (set(tree[key]) for key in ("steep", "pushed", "left"))
 
     def _doubt_sag(self, rest: Rest) -> None:
         """Small motion is about a rest that is nearly straight: nothing that sags stretches there."""
@@ -175,7 +177,8 @@ class Wires:
                 )  # fmt: skip
 
     def remark(self, frame: Frame) -> None:
-        """Doubt loads on steep lines, and compression that no bending stiffness bears on the mesh."""
+        """Doubt loads on steep lines, those thrown off wires, and compression that no bending stiffness bears."""
+        self._doubt_leaving(frame)
         if self._failed or not isinstance(self.motion, LargeMotion):
             return
         strands, last, z, x = self.mesh.strands, 0, frame.position[:, -1], frame.position[:, 0]
@@ -186,11 +189,15 @@ class Wires:
             name, wire = self.task.contacts[k], self.task.plan.wires[a].name
             if slope > _STEEP and name not in self._steep:
                 self._steep.add(name)
+                key, remedy = f"lines.{wire}.bending_stiffness", "leave it out, if the line is a rope"
+                if section := wire.rpartition(".")[0]:
+                    key, remedy = f"overhead_lines.{section}.contact_wire.tension", "give more of it, or a lighter load"
                 self.account.doubt(
                     f"load {name} rides where {wire} slopes by {slope:.2g}, at t = {frame.path:.4g} s",
-                    "on lines with bending stiffness a load moves up and down only, its inertia along them is left out",
-                    f"lines.{wire}.bending_stiffness", "leave it out, if the line is a rope",
-                )  # fmt: skip
+                    "on such lines a load moves up and down only, its inertia along them is left out",
+                    key,
+                    remedy,
+                )
         for a, wire_ in enumerate(self.task.plan.wires):
             first, last = last, last + int(strands.links[a])
             pushed = -float(frame.tension[first:last].min())
@@ -202,6 +209,19 @@ class Wires:
                     f"between two nodes it bears {borne:.4g} N and buckles beyond, into waves that no mesh resolves",
                     f"lines.{wire_.name}.bending_stiffness",
                     "leave it out and write law: {kind: tension_only}, or give more drag",
+                )  # fmt: skip
+
+    def _doubt_leaving(self, frame: Frame) -> None:
+        """At the fixed end of a string the path of a mass jumps, however slow it is: the mesh bounds its force."""
+        for k in np.flatnonzero((frame.contact_state == OFF_LINE) & np.isinf(self.riders.spring)):
+            journey, wire = self.task.journeys[self.riders.owner[k]], self.task.plan.wires[self.riders.wire[k]]
+            begin, name = float(journey.place(np.zeros(1))[0] - self.riders.behind[k]), self.task.contacts[k]
+            if "." in wire.name and name not in self._left and 0.0 <= begin <= wire.length:
+                self._left.add(name)
+                self.account.doubt(
+                    f"load {name} left {wire.name} at t = {frame.path:.4g} s on a rigid wheel",
+                    "close to the end of a wire the force of such a wheel grows without bounds with finer links",
+                    f"loads.{name.partition('.')[0]}", "give it a contact_stiffness, or end the run before",
                 )  # fmt: skip
 
     def _partner(self, foreigner: Foreigner, turns: Turns) -> Partner:
@@ -302,7 +322,7 @@ class Wires:
 
     def _with_forces(self, frame: Frame, seen: Contacts, drive: Drive, now: Record) -> Frame:
         motion, on, before, stations = self.motion, drive.where[0] == ON_WIRE, self._before, self._stations
-        station = drive.station[0]
+        station, tie = drive.station[0], now.tie[0] + self.motion.tie_at_rest
         seen.position[on], seen.force[on], seen.hold[on] = 0.0, 0.0, 0.0
         seen.position[on, -1], seen.force[on, -1] = now.height[0, on], now.force[0, on]
         first = np.concatenate([[0], np.cumsum(self.mesh.strands.links)[:-1]])
@@ -318,8 +338,8 @@ class Wires:
         seen.speed[on] = (counted * (drive.station[1] - station) / self.sample)[on]
         seen.state[on], seen.in_air[:] = np.where(in_air, IN_AIR, MOVES)[on], self._in_air
         return replace(
-            frame, reaction=self.reactions(motion.hold_at_rest + now.hold[0], position=frame.position),
-            tie_force=now.tie[0] + motion.tie_at_rest,
+            frame, reaction=self.reactions(motion.hold_at_rest + now.hold[0], tie, position=frame.position),
+            tie_force=tie,
             sampled_station=stations, sampled_force=before.force,
             sampled_height=before.height, sampled_tie_force=before.tie + motion.tie_at_rest,
             sampled_uplift=np.where(np.abs(before.watched) < _NOTHING, 0.0, before.watched - self._watched_at_rest),
@@ -367,23 +387,27 @@ class Wires:
         at_ends = -self._potential.bare_pull(self._at_rest)[:, np.maximum(node, 0)].T
         return np.where((node < 0)[:, None], self._potential.hold_forces(self._at_rest), at_ends)
 
-    def reactions(self, hold: Array, position: Array | None = None) -> Array:
+    def ties_at_first(self) -> Array:
+        """Forces of all ties at the beginning, (tie,) N."""
+        is_large = isinstance(self.motion, LargeMotion)
+        return self._potential.tie_forces(self._at_rest) if is_large else self.motion.tie_at_rest
+
+    def reactions(self, hold: Array, tie: Array, position: Array | None = None) -> Array:
         """Forces of all that holds wires on them, (support, axis) N.
 
         Args:
             hold: (hold, 3) N, those of holds.
+            tie: (tie,) N, those of ties.
             position: (node, axis) m; None: of now.
         """
-        strands, supports = self.mesh.strands, self._supports
+        strands, supports, r = self.mesh.strands, self._supports, self.motion.position
+        if position is not None:
+            r[self.axes] = position.T
         if isinstance(self.motion, LargeMotion):
-            r = self.motion.position
-            if position is not None:
-                r[self.axes] = position.T
-            return supports.of(self._potential.bare_pull(r)[:, supports.ends].T, hold)[:, self.axes]
-        height = self.motion.position[2] if position is None else position[:, -1]
+            return supports.of(self._potential.bare_pull(r)[:, supports.ends].T, hold, tie, r)[:, self.axes]
         bare = np.zeros((supports.ends.size, 3))
-        bare[:, 2] = self._risen - self._end_stiffness @ height - self._end_weight
-        force = supports.of(bare, hold)
+        bare[:, 2] = self._risen - self._end_stiffness @ r[2] - self._end_weight
+        force = supports.of(bare, hold, tie, r)
         force[: 2 * strands.first.size, 0] = np.stack([-strands.tension, strands.tension], axis=1).ravel()
         return force[:, self.axes]
 

@@ -163,10 +163,14 @@ def restrain(holders, begin, end, now, other, gain, dt, work, found, row, noted)
 
 
 @inlined
-def grip(holders, other, gain, work, found, row, noted):
-    """What holds fast, or goes as prescribed, at the end of a step."""
+def grip(holders, other, gain, work, found, row, noted, begins):
+    """What holds fast, or goes as prescribed, at the end of a step; `begins`: in the first sweep over all of them."""
     for e in range(holders.fast):
-        F = (holders.place[e] + holders.moved[e, AHEAD] - coordinate(holders, e, other)) / holders.soft[e]
+        if begins:
+            holders.force[e] = 0.0
+        gap = holders.place[e] + holders.moved[e, AHEAD] - coordinate(holders, e, other)
+        F = (gap - holders.local[e] * holders.force[e]) / holders.soft[e]
+        holders.force[e] += F
         work[MOVED] += 0.5 * F * (holders.moved[e, AHEAD] - holders.moved[e, A_STEP_AGO])
         if noted:
             write_force(holders, e, F, found, row)

@@ -350,8 +350,8 @@ def advance(strands, threads, strings, holders, watched, riders, pace, level, sl
             ride(riders, pace)
             restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, pace.work, record.hold,
                      row, step == 0)  # fmt: skip
-            for _ in range(sweeps):
-                grip(holders, other, threads.gain, pace.work, record.hold, row, step == 0)
+            for sweep in range(sweeps):
+                grip(holders, other, threads.gain, pace.work, record.hold, row, step == 0, sweep == 0)
                 for k in range(riders.owner.size):
                     if np.isinf(riders.spring[k]):
                         _join(strands, threads, riders, pace, other, drive, record, row, step, steps, k, w)
@@ -364,7 +364,7 @@ def advance(strands, threads, strings, holders, watched, riders, pace, level, sl
                     _move(strands, threads, now, other, room, q, level, slope, small, dt)
                     restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, pace.work,
                              record.hold, row, False)  # fmt: skip
-                    grip(holders, other, threads.gain, pace.work, record.hold, row, False)
+                    grip(holders, other, threads.gain, pace.work, record.hold, row, False, True)
                     now, other = other, now
                 if part == inner // 2 and threads.damped and gone % every == 0:  # in the middle between two pushes
                     lost = _lost(strands, threads, now, other, dt)

@@ -6,8 +6,8 @@ import numpy as np
 
 from ropewalk.results.frame import Layout, uniform
 from ropewalk.wires.mesh import Mesh
-from ropewalk.wires.plan import Array, Integers, Plan
-from ropewalk.wires.rest import without_supports
+from ropewalk.wires.plan import Array, Integers, Plan, Spot
+from ropewalk.wires.rest import rows, without_supports
 from ropewalk.wires.task import Task
 
 
@@ -19,9 +19,15 @@ def axes_of(task: Task) -> list[int]:
 def supports_of(plan: Plan) -> tuple[tuple[str, ...], Integers]:
     """Names of all that holds wires, ends first, and which of them each hold is."""
     ends = [f"{wire.name}.{end}" for wire in plan.wires for end in ("start", "end")]
-    names = tuple(dict.fromkeys([*ends, *(hold.name for hold in plan.holds)]))
+    arms = (plan.ties[i].name for i in _arms(plan))
+    names = tuple(dict.fromkeys([*ends, *(hold.name for hold in plan.holds), *arms]))
     number = {name: i for i, name in enumerate(names)}
     return names, np.array([number[hold.name] for hold in plan.holds], dtype=np.int64)
+
+
+def _arms(plan: Plan) -> list[int]:
+    """Ties to the ground."""
+    return [i for i, tie in enumerate(plan.ties) if not isinstance(tie.other, Spot)]
 
 
 class Reactions:
@@ -38,16 +44,24 @@ class Reactions:
         self._weight[:, 2] = -mesh.plan.gravity * mass
         self._share = (mass / mesh.mass[self.ends])[:, None]  # of the mass of an end that is its support's
         self._supports, self._fixed = len(names), mesh.fixed[:, self.ends].T
+        self._arms = _arms(mesh.plan)
+        self._own = [names.index(mesh.plan.ties[i].name) for i in self._arms]
+        self._low, self._ground = rows(mesh.ties.one, mesh.nodes)[self._arms], mesh.ties.ground[self._arms]
 
-    def of(self, bare: Array, hold: Array) -> Array:
+    def of(self, bare: Array, hold: Array, tie: Array, position: Array) -> Array:
         """Find them, (support, 3) N.
 
         Args:
             bare: (end, 3) N on the ends of wires but for what holds do.
             hold: (hold, 3) N.
+            tie: (tie,) N; those to the ground hold wires, too.
+            position: (3, node) m.
         """
         out = np.zeros((self._supports, 3))
         np.add.at(out, self._which, hold)
+        if self._arms:
+            way = self._ground - (self._low @ position.T)
+            out[self._own] += tie[self._arms, None] * way / np.linalg.norm(way, axis=1)[:, None]
         held = out[: self.ends.size]
         inertia = self._share * (bare + held)
         out[: self.ends.size] = np.where(self._fixed, self._weight - bare, held + self._weight - inertia)

@@ -48,14 +48,12 @@ def _pulled(line: Line) -> float | None:
     return min(found, default=None)
 
 
-def journey_of(
-    loading: Loading, name: str, load: AnyLoad, wire: int, line: Line, length: float | None = None
-) -> tuple[Journey, Multibody | None]:
-    """The journey of a load on its line, and how it was put together if it has a mass.
+def journey_of(loading: Loading, name: str, load: AnyLoad, number: int, wire: Wire) -> tuple[Journey, Multibody | None]:
+    """The journey of a load on its wire, and how it was put together if it has a mass.
 
     Args:
-        wire: number of the wire that the line has become.
-        length: m, what stations along it count up to; None: as the line says.
+        number: of the wire.
+        wire: the line that it travels on, or a contact wire.
 
     Raises:
         RopewalkError: its matrices cannot be used.
@@ -64,20 +62,19 @@ def journey_of(
     starts = np.array([loading.wheels[int(k)].start for k in wheels])
     behind = starts.max() - starts
     material = bool(loading.loads.measure[wheels[0]] == MATERIAL)
-    scale = 1.0 if material else (length or line.length or line.distance) / abs(line.end[0] - line.start[0])
+    scale = 1.0 if material else wire.length / abs(wire.end[0] - wire.start[0])
     place = _place(loading.loads, int(wheels[np.argmax(starts)]), scale * float(starts.max()), scale)
-    ground = spatial(line.start)[2]
     if isinstance(load, MovingForce):
         k, up = int(wheels[0]), len(loading.axes) - 1
         none = np.zeros((0, 0))
-        rider = Rider(name, none, none, none, (Contact(wire, stiffness=0.0, material=material),))
+        rider = Rider(name, none, none, none, (Contact(number, stiffness=0.0, material=material),))
 
         def given(times: Array) -> Array:
             return np.array([[force_at(loading.loads, k, float(t), up)] for t in times])
 
         return Journey(rider, place, given=given), None
     system = multibody_of(loading, name, load, behind)
-    rider = _rider(system, name, load, wire, scale * behind, ground, material=material)
+    rider = _rider(system, name, load, number, scale * behind, wire.start[2], material=material)
     return Journey(rider, place, beside=ON_GROUND, stands=True), system
 
 
@@ -122,7 +119,7 @@ def _rider(
     return Rider(name, M[np.ix_(keep, keep)], reduced[1], reduced[0], tuple(contacts))
 
 
-def shown_of(loading: Loading, system: Multibody, journey: int, line: Line) -> list[Shown]:
+def shown_of(loading: Loading, system: Multibody, journey: int, wire: Wire) -> list[Shown]:
     """The bodies of a load that results show: what moves up and down."""
     assert loading.fleet is not None
     heavy = int((np.diag(system.mass) > 0.0).sum())
@@ -130,7 +127,7 @@ def shown_of(loading: Loading, system: Multibody, journey: int, line: Line) -> l
     for body in loading.fleet.shown:
         if body.wheel in system.wheels and body.coordinates[-1] in system.coordinates:
             c = system.coordinates.index(body.coordinates[-1])
-            base = spatial(line.start)[2] + float(system.rest[c])
+            base = wire.start[2] + float(system.rest[c])
             wheel = system.wheels.tolist().index(body.wheel)
             found.append(Shown(body.name, journey, np.eye(heavy)[c], base, body.ahead, wheel))
     return found

@@ -120,9 +120,10 @@ class Still:
         return out
 
     def _reactions(self, r: Array) -> Array:
-        """Forces of ends and holds on their wires, (support, 3) N."""
+        """Forces of ends, holds and arms on their wires, (support, 3) N."""
         potential = self._bearing.potential
-        return self._supports.of(potential.bare_pull(r)[:, self._supports.ends].T, potential.hold_forces(r))
+        bare = potential.bare_pull(r)[:, self._supports.ends].T
+        return self._supports.of(bare, potential.hold_forces(r), potential.tie_forces(r), r)
 
     def _energy(self, found: Borne) -> Array:
         potential, r = self._bearing.potential, found.position
