@@ -79,11 +79,12 @@ def travels(parts: Parts) -> Iterator[Finding]:
 
 def meetings(parts: Parts) -> Iterator[Finding]:
     """Find loads that start at one place, and those with a prescribed travel that meet later."""
-    above = [
-        (name, load, load.on, line) for name, load in parts.loads.items()
-        if load is not None and not isinstance(load, Pantograph) and (line := parts.overhead.get(load.on)) is not None
-    ]  # fmt: skip
-    for (one, first, on, line), (two, second, other, _) in combinations([*parts.complete(), *above], 2):
+    everybody: list[tuple[str, AnyLoad, str, Line | OverheadLine]] = list(parts.complete())
+    for name, load in parts.loads.items():
+        wire = parts.overhead.get(load.on) if load is not None else None
+        if load is not None and wire is not None and not isinstance(load, Pantograph):
+            everybody.append((name, load, load.on, wire))
+    for (one, first, on, line), (two, second, other, _) in combinations(everybody, 2):
         if on != other:
             continue
         pairs = list(product(first.starts(), second.starts()))
@@ -228,8 +229,9 @@ def _meeting(
     for (travel, _), way in zip((ahead, behind), ways, strict=True):
         limit = reach(line, travel.measured)
         if limit is None:  # not known exactly; a load that would be refused there does not matter
-            far = travel.at_end == "refuse" or isinstance(line, OverheadLine)
-            limit = math.inf if far else 0.5 * line.distance
+            limit = math.inf
+            if travel.at_end != "refuse" and isinstance(line, Line):
+                limit = 0.5 * line.distance
         if _leaves(way, limit, time):
             return None
     return time, place_at(ways[0], time)
