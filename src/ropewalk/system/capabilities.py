@@ -46,7 +46,7 @@ def _over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
         if getattr(line, key):
             yield missing(("lines", name, key), what, str(getattr(line, key)), f"leave {key} out")
     for sheave, wheel in line.sheaves.items():
-        if wheel.to in parts.joints and not _has_mass(wheel.to, parts):
+        if wheel.to is not None and wheel.to in parts.joints and not _has_mass(wheel.to, parts):
             remedy = f"give joints.{wheel.to} a mass"
             feature = "a joint without mass that hangs on sheaves alone"
             yield missing(("lines", name, "sheaves", sheave, "to"), what, wheel.to, remedy, feature=feature)

@@ -58,7 +58,7 @@ def largest_frequency(structure: Structure, contacts: Any, bodies: Bodies, r: Ar
     square = max((line for line, _ in _of_lines(structure, r)), default=0.0)
     square += (2.0 / min(_of_bodies(contacts, bodies), default=np.inf)) ** 2
     springs = [
-        float(np.linalg.eigvalsh(held.stiffness[e])[-1]) / float(held.mass[e] + mass[held.members(e)].sum())
+        float(np.linalg.eigvalsh(held.stiffness[e])[-1]) / float(held.mass[e] + mass[held.members(int(e))].sum())
         for e in np.flatnonzero(held.stiffness.any(axis=(1, 2)))
     ]
     table, pressed = compliances()[0][:, (NEAR - 1) * PARTS :].max(axis=1), [0.0]
@@ -90,7 +90,7 @@ def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list
     eased = stiffer(structure, r, r if rest is None else rest) if structure.inertia.along.size else None
     for s in np.flatnonzero(runs.firm == 0.0):
         part = slice(runs.first[s], runs.first[s] + runs.links[s] + 1)
-        stretched, tensions = _strained(structure, r, s)
+        stretched, tensions = _strained(structure, r, int(s))
         taut, h, rho = float(tensions.max()) * _ARCS, runs.h[s], runs.rho[s]
         stiffest, viscosity = float(stretched.max()), runs.damping[s]
         if eased is not None:
