@@ -18,10 +18,10 @@ import scipy.sparse as sparse
 from continuous_beams import EI, MASS, under_a_moving_force
 from ropewalk.capabilities import SUPERPOSED, engine_of
 from ropewalk.errors import EquilibriumError
-from ropewalk.linear.modal import STAGES, Modes, Step
 from ropewalk.model import Linear, Scenario
 from ropewalk.results.frame import Account, Frame
 from ropewalk.simulate import output_times, simulate
+from ropewalk.solve.modal import STAGES, Modes, Step
 from ropewalk.system.superposed import Superposed
 from ropewalk.theory import beam_crossing
 from ropewalk.theory import membrane as theory

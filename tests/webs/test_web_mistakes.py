@@ -27,7 +27,6 @@ run: {kind: dynamic, until: 1 s}
 # What is replaced, by what; line, key and words of the only problem.
 MISTAKES = {
     "path on a line": ("speed: 1}", "speed: 1, path: [[0, 1], [1, 1]]}", 8, "loads.p.travel.path", "is for nets"),
-    "linear": ("kind: dynamic, until: 1 s", "kind: linear, until: 1 s", 9, "run.kind", "not implemented for joined"),
     "method": ("until: 1 s", "until: 1 s, method: rkn6", 9, "run.method", "write auto, explicit or verlet"),
     "wind that nothing feels": (
         "run: {kind: dynamic", "wind: {direction: [1, 0], speed: 5}\nrun: {kind: dynamic",

@@ -7,5 +7,5 @@ directions and travels over it alone, with constant speed. This is what the nonl
 within the theory, and wrong where the theory is (near supports, at finite angles, beyond the wave speed).
 
 What is joined, held on its way or a surface has no closed form: it swings in the modes of its own stiffness and masses
-about rest (`modal.py`, `superposition.py`), in all directions, with what stands on it.
+about rest (`solve/modal.py`, `solve/superposition.py`), in all directions, with what stands on it.
 """

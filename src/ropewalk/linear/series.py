@@ -9,8 +9,8 @@ import numpy as np
 
 from ropewalk.errors import RopewalkError
 from ropewalk.linear.chord import Chord
-from ropewalk.linear.modal import STAGES, Complex, Step, alone
 from ropewalk.mechanics.chain import Array
+from ropewalk.solve.modal import STAGES, Complex, Step, alone
 
 _LEFT_OUT = 1e-6  # of the deflection under a force at rest in the middle
 _MOST = 2000  # modes

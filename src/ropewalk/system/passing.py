@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ropewalk.linear.superposition import Touch
 from ropewalk.mechanics.chain import ARC, HORIZONTAL, SLIP, Array
 from ropewalk.mechanics.compiled import lean
 from ropewalk.mechanics.rider import look_up
+from ropewalk.solve.superposition import Touch
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import AWAY, ON, sit, stiffen
 from ropewalk.system.standing import Standing

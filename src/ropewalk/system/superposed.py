@@ -1,7 +1,7 @@
 """A run of kind linear on the system: small motion about rest in all directions, by superposition of modes.
 
 Modes are those of the stiffness, masses and dampers of the structure at rest without loads. What travels over it goes
-along its lines as they rest; `linear/superposition.py` does the rest.
+along its lines as they rest; `solve/superposition.py` does the rest.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from ropewalk.errors import RopewalkError
-from ropewalk.linear.modal import Modes
-from ropewalk.linear.superposition import TOLERANCE, Bodies, Moment, Stretch, Superposition
 from ropewalk.mechanics.assembly import axes_of
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
+from ropewalk.solve.modal import Modes
+from ropewalk.solve.superposition import TOLERANCE, Bodies, Moment, Stretch, Superposition
 from ropewalk.system.assembly import Assembled, contacts_of, refuse_beyond, structure_of
 from ropewalk.system.frames import FrameBuilder
 from ropewalk.system.passing import Passing

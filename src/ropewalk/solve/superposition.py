@@ -20,8 +20,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ropewalk.linear.modal import RATE_AT_END, STAGES, Complex, Modes, Step
 from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.solve.modal import RATE_AT_END, STAGES, Complex, Modes, Step
 
 _ROOT = np.sqrt(6.0)
 RADAU: Array = np.array(

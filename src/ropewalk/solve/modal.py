@@ -152,7 +152,7 @@ def _coupled(w: Array, D: Array) -> tuple[Complex, Complex, Complex]:
     missed = np.abs((vectors * values) @ inverse - A).max()
     if not missed <= _CLEAN * scale:
         raise RopewalkError(
-            "damped modes of the structure coincide, and are not known separately; change a damping by a thousandth"
+            "damped modes of the structure coincide and cannot be told apart; change a damping by a thousandth"
         )
     kept = np.flatnonzero(values.imag >= 0.0)
     twice = np.where(values[kept].imag > 0.0, 2.0, 1.0)
