@@ -115,7 +115,7 @@ class Implicit:
         self._gone[: self.system.state.r.size] = 0.0
         self._gone[np.unique(self._free.indices)] = 0.0
         self._last: _Taken | None = None
-        self._factored, self._solvers = 0.0, None
+        self._factored = 0.0
 
     def _linearise(self) -> None:
         """Take stiffness and damping of what is there now."""
@@ -138,7 +138,6 @@ class Implicit:
                 splu((pair**2 * self._M + pair * self._C + self._K).astype(complex).tocsc()).solve,
             )
             self._factored = dt
-        assert self._solvers is not None
         return self._solvers
 
     def _go(self, end: float) -> int:
@@ -231,7 +230,7 @@ class Implicit:
             g = T_INVERSE @ g
             x, y = real(g[0]), pair(g[1] + 1j * g[2])
             step = T @ np.array([x, y.real, y.imag])
-            Z = Z + step
+            Z = np.asarray(Z + step)
             change = float(np.abs(self._free @ step.T).max(initial=0.0))
             theta = change / before
             self._quick = theta < _SLOW

@@ -119,8 +119,9 @@ class Forces:
             force -= (self._surfaces.damping(state.r) @ state.v.ravel()).reshape(force.shape)
         held = structure.holdings
         first = held.node[held.first]
-        np.add.at(force, (slice(None), first), held.force.T)
-        for e in self._sprung:
+        for e, n in enumerate(first):
+            force[:, n] += held.force[e]
+        for e in self._sprung.tolist():
             away, rate = self._place(e, t) - state.r[:, first[e]], state.v[:, first[e]] - self._rate(e, t)
             force[:, first[e]] += held.stiffness[e] @ away - held.damping[e] @ rate
         out = np.zeros(shape.size)

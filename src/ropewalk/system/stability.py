@@ -58,7 +58,7 @@ def largest_frequency(structure: Structure, contacts: Any, bodies: Bodies, r: Ar
     square += (2.0 / min(_of_bodies(contacts, bodies), default=np.inf)) ** 2
     springs = [
         float(np.linalg.eigvalsh(held.stiffness[e])[-1]) / float(held.mass[e] + mass[held.members(e)].sum())
-        for e in np.flatnonzero(held.stiffness.any(axis=(1, 2)))
+        for e in np.flatnonzero(held.stiffness.any(axis=(1, 2))).tolist()
     ]
     table, pressed = compliances()[0][:, (NEAR - 1) * PARTS :].max(axis=1), [0.0]
     for contact in contacts[contacts["kind"] == BODY]:
@@ -87,7 +87,7 @@ def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list
     runs, found = structure.runs, []
     around, viscous = of_cells(structure)
     eased = stiffer(structure, r, r if rest is None else rest) if structure.inertia.along.size else None
-    for s in np.flatnonzero(runs.firm == 0.0):
+    for s in np.flatnonzero(runs.firm == 0.0).tolist():
         part = slice(runs.first[s], runs.first[s] + runs.links[s] + 1)
         stretched, tensions = _strained(structure, r, s)
         taut, h, rho = float(tensions.max()) * _ARCS, runs.h[s], runs.rho[s]
