@@ -93,8 +93,8 @@ class Dynamic(Declaration):
     step: PositiveTime | None = Field(default=None, description="largest time step (default: from accuracy)")
     accuracy: PositiveLength | None = Field(
         default=None,
-        description="of ropes, and elsewhere with method: rkn6: wanted accuracy in time of the positions (default: "
-        "1 mm, and with Verlet's method the largest stable step)",
+        description="of ropes, and elsewhere with rkn6 and implicit: wanted accuracy in time of the positions "
+        "(default: 1 mm, and with Verlet's method the largest stable step)",
     )
     start: Start = Field(default=Start(), description="the state at the beginning")
     geometry: Geometry = Field(

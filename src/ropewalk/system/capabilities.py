@@ -183,7 +183,7 @@ MOTION = replace(
     what=_SYSTEM,
     only={
         "run.kind": ("dynamic",),
-        "run.method": ("auto", "explicit", "verlet", "rkn6"),
+        "run.method": ("auto", "explicit", "verlet", "rkn6", "implicit"),
         **_ALIKE,
         "loads.kind": (
             "force",

@@ -29,6 +29,9 @@ def of_methods(parts: Parts) -> Iterator[Finding]:
     if parts.run.method in ("rkn6", "implicit") and parts.run.window is not None:
         asked, remedy = parts.run.method, "use auto or verlet, or leave window out"
         yield missing(("run", "method"), _MOTION, asked, remedy, feature=f"{asked} with a window")
+    if parts.run.method == "implicit" and parts.run.axial_inertia != 1.0:
+        remedy = "use auto or verlet, or leave axial_inertia out: implicit steps are not bound by waves along lines"
+        yield missing(("run", "method"), _MOTION, "implicit", remedy, feature="implicit with an axial inertia")
     check = {"rkn6": _not_of_sixth_order, "implicit": _not_implicit}.get(parts.run.method)
     if check is not None and (found := next(check(parts), None)) is not None:
         feature, otherwise = found

@@ -35,6 +35,7 @@ from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
 from ropewalk.system.frames import FrameBuilder
 from ropewalk.system.holding import on_friction
+from ropewalk.system.implicit import Implicit
 from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.stability import SAFETY, largest_frequency, largest_step
@@ -128,6 +129,11 @@ class Motion:
         self._stand(with_loads=asked.start.with_loads)
         self._lead()
         self._window = None if asked.window is None else Window(self.structure, asked.window)
+        self._implicit: Implicit | None = None
+        if asked.method == "implicit":
+            longest = asked.until if asked.step is None else asked.step
+            stable = largest_step(self.structure, self.contacts, self.bodies, self.rest)
+            self._implicit = Implicit(self._system(), self.rest, asked.precision, longest, stable)
         tension = tensions(self.structure, self.state.r)
         doubt_slack(scenario, account, self.layout.link_line, tension[self._builder.link])
 
@@ -154,6 +160,9 @@ class Motion:
             safe = RKN6_LIMIT / max(frequency, 1e-300)
             relative = asked.precision / float((self.structure.runs.h * self.structure.runs.links).max())
             self._step = RKN6_SAFETY * rkn6_step(Bounds(frequency, 0.0), relative)
+        if asked.method == "implicit":
+            account.method, safe, self._step = "implicit", np.inf, asked.until
+            account.reason = "as asked: Radau's method of order 5; contacts on a spline of the fourth order"
         if asked.step is not None:
             self._step = asked.step
         if self._step > safe:
@@ -161,8 +170,13 @@ class Motion:
                 f"the step of {self._step:.3g} s is larger than {safe:.3g} s, up to which the motion is "
                 "stable for certain; write a smaller run.step, or leave it out"
             )
-        self.contacts["step"] = self._step if self._method is VERLET else 0.0
+        self.contacts["step"] = self._step if self._gives_way else 0.0
         account.step = self._step
+
+    @property
+    def _gives_way(self) -> bool:
+        """Whether stiff contacts give way within a step."""
+        return self.account.method == "explicit"
 
     def _refuse_limp(self, scenario: Scenario) -> None:
         """Refuse runs that resist nothing across themselves to the first order about rest, least where loads stand.
@@ -206,7 +220,7 @@ class Motion:
         Raises:
             EquilibriumError: there is no such rest.
         """
-        if self.times.size > 1 and self._method is VERLET:
+        if self.times.size > 1 and self._gives_way:
             self.contacts["step"] = self._in_steps(1)[1]
         carried = Carried(self.contacts, self.tables, self.bodies)
         standing = Standing(self.structure, self.rest, carried, as_moving=True)
@@ -263,8 +277,11 @@ class Motion:
         """Go on to output instant i."""
         if not i:
             return None
-        status = (self._asking.to if self._window is None else self._go_in_window)(float(self.times[i]))
-        self.account.steps, self._carrier.steps = self.account.steps + self._carrier.steps, 0
+        if self._implicit is not None:
+            status, self.account.steps = self._implicit.to(float(self.times[i])), self._implicit.steps
+        else:
+            status = (self._asking.to if self._window is None else self._go_in_window)(float(self.times[i]))
+            self.account.steps, self._carrier.steps = self.account.steps + self._carrier.steps, 0
         if status == motion.RUNNING:
             return None
         outcome, advice = ("load failed", self._asking.message) if status == FAILED else _ENDS[status]
@@ -363,7 +380,7 @@ class Motion:
         self._asking.set_state(tree["guides"])
 
     def _changing(self) -> dict[str, Any]:
-        return {
-            **self._system().changing(),
-            "loads": {"fast": self._fast, "slipped": self._slipped, "turned": self._turned},
-        }
+        own = {"fast": self._fast, "slipped": self._slipped, "turned": self._turned}
+        if self._implicit is not None:
+            own["step"] = self._implicit.memory
+        return {**self._system().changing(), "loads": own}

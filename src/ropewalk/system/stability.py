@@ -26,8 +26,7 @@ SAFETY_OF_NETS = 0.5
 _BENDING = 80.0 / 3.0
 # Square of the angle by which lines are expected to turn from where they are heavier along than across.
 _TURNED = 0.15**2
-# Stiffness of a link that sticks at a sheave near one of its ends, over its own: that of a fortieth of it is stable.
-_STUCK = 15.0
+_STUCK = 4.0  # stiffness of a link that sticks at a sheave near one of its ends, over its own
 _ARCS = 1.0 + CORRECTION / 3.0 + 2.0 * SHORT / 3.0
 
 
@@ -58,8 +57,8 @@ def largest_frequency(structure: Structure, contacts: Any, bodies: Bodies, r: Ar
     square = max((line for line, _ in _of_lines(structure, r)), default=0.0)
     square += (2.0 / min(_of_bodies(contacts, bodies), default=np.inf)) ** 2
     springs = [
-        float(np.linalg.eigvalsh(held.stiffness[e])[-1]) / float(held.mass[e] + mass[held.members(int(e))].sum())
-        for e in np.flatnonzero(held.stiffness.any(axis=(1, 2)))
+        float(np.linalg.eigvalsh(held.stiffness[e])[-1]) / float(held.mass[e] + mass[held.members(e)].sum())
+        for e in np.flatnonzero(held.stiffness.any(axis=(1, 2))).tolist()
     ]
     table, pressed = compliances()[0][:, (NEAR - 1) * PARTS :].max(axis=1), [0.0]
     for contact in contacts[contacts["kind"] == BODY]:
@@ -88,9 +87,9 @@ def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list
     runs, found = structure.runs, []
     around, viscous = of_cells(structure)
     eased = stiffer(structure, r, r if rest is None else rest) if structure.inertia.along.size else None
-    for s in np.flatnonzero(runs.firm == 0.0):
+    for s in np.flatnonzero(runs.firm == 0.0).tolist():
         part = slice(runs.first[s], runs.first[s] + runs.links[s] + 1)
-        stretched, tensions = _strained(structure, r, int(s))
+        stretched, tensions = _strained(structure, r, s)
         taut, h, rho = float(tensions.max()) * _ARCS, runs.h[s], runs.rho[s]
         stiffest, viscosity = float(stretched.max()), runs.damping[s]
         if eased is not None:

@@ -69,7 +69,7 @@ class Standing:
         if carried is not None:
             self.weight[: self.own] = carried.bodies.force
             self._light[: self.own] = as_moving & (carried.bodies.per_mass == 0.0)
-            self.K = _gathered(carried.bodies, carried.bodies.K, count)
+            self.K = gathered(carried.bodies, carried.bodies.K, count)
         none = np.zeros(0)
         self._tables = (
             Tables(none, none, none, none, np.zeros((dim, 0)), none, none) if carried is None else carried.tables
@@ -198,13 +198,13 @@ class Standing:
         bodies, count = self._carried.bodies, self.weight.size
         alone = np.zeros(count)
         alone[: self.own] = np.where(bodies.alone == 1, bodies.mass, 0.0)
-        return (_gathered(bodies, bodies.M, count) + sparse.diags(alone)).tocsc()
+        return (gathered(bodies, bodies.M, count) + sparse.diags(alone)).tocsc()
 
     def damping(self, u: Array) -> sparse.csc_matrix:
         """Dampers of all coordinates and of taut tethers, (coordinate, coordinate) N s/m."""
         if self._carried is None:
             return sparse.csc_matrix(self.K.shape)
-        C = _gathered(self._carried.bodies, self._carried.bodies.C, self.weight.size).tolil()
+        C = gathered(self._carried.bodies, self._carried.bodies.C, self.weight.size).tolil()
         for tether in self._tethers:
             above, below = self._ends(tether)
             way = u[below] - u[above]
@@ -237,7 +237,7 @@ def load_springs(bodies: Bodies, u: Array, w: Array) -> None:
         w[at[free]] = -solve @ across @ w[at[on]]
 
 
-def _gathered(bodies: Bodies, parts: Array, count: int) -> sparse.csc_matrix:
+def gathered(bodies: Bodies, parts: Array, count: int) -> sparse.csc_matrix:
     """Matrices of all parts as one, (coordinate, coordinate)."""
     rows, columns, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
     for p, n in enumerate(bodies.size):

@@ -1,0 +1,241 @@
+"""Forces of everything at given velocities, and the powers of what is audited.
+
+The kernels of explicit motion know strain rates as differences in time and kick holdings and bodies by their dampers;
+here all of that is a function of places and velocities.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ropewalk.mechanics.bodies import PULLS
+from ropewalk.mechanics.chain import Array
+from ropewalk.solve.collocation import D
+from ropewalk.system import motion
+from ropewalk.system.bodies import STAYS
+from ropewalk.system.carrier import System
+from ropewalk.system.contacts import BODY, FORCE, ON
+from ropewalk.system.standing import Standing, gathered
+from ropewalk.system.structure import CARRIED, DAMPED, HELD, IN_BODIES, LOADED, MOVED, STRUCK, WORKS
+
+# Part of a step over which strains are differenced along their velocities: rounding is as small as what it cuts off.
+_LITTLE = 1e-3
+
+
+class Forces:
+    """Forces on places of nodes (axis, node), then on coordinates of loads, then on places of given forces.
+
+    Args:
+        system: what moves.
+        standing: its loads, with coordinates of given forces.
+    """
+
+    def __init__(self, system: System, standing: Standing) -> None:
+        self.system, self._standing = system, standing
+        structure, bodies, own = system.structure, system.bodies, system.bodies.mass.size
+        held = structure.holdings
+        self.K, self.C = (gathered(bodies, matrix, own).tocsr() for matrix in (bodies.K, bodies.C))
+        rank = np.einsum("eaa->e", held.free)
+        self._driven = np.flatnonzero((held.entries > 1) & (rank < 0.5))
+        self._sprung = np.flatnonzero(held.stiffness.any(axis=(1, 2)) | held.damping.any(axis=(1, 2)))
+        self._damped_links = np.zeros(structure.nodes.mass.size)  # c of links, N s
+        self._h = np.ones(structure.nodes.mass.size)
+        for first, n, h, c in zip(
+            *(getattr(structure.runs, k) for k in ("first", "links", "h", "damping")), strict=True
+        ):
+            self._damped_links[first : first + n], self._h[first : first + n] = c, h
+        surfaces = structure.surfaces
+        self._surfaces = surfaces if surfaces is not None and surfaces.damped else None
+        self._little, self._span = 0.0, (0.0, 0.0)
+
+    def begin(self, dt: float, until: float) -> None:
+        """Let strains be differenced as suits steps of about dt in s, from now until contacts change."""
+        self._little, self._span = _LITTLE * dt, (float(self.system.state.t[0]), until)
+
+    def _sides(self, t: float) -> tuple[tuple[float, float], ...]:
+        """Instants about t at which strains are looked at for their rates, and weights of the second order of these."""
+        if t - self._little < self._span[0]:
+            return (0.0, -3.0), (1.0, 4.0), (2.0, -1.0)
+        if t + self._little > self._span[1]:
+            return (0.0, 3.0), (-1.0, -4.0), (-2.0, 1.0)
+        return (1.0, 1.0), (-1.0, -1.0)
+
+    def taken(self) -> tuple[Array, Array]:
+        """Places and velocities of everything as it is."""
+        state, given = self.system.state, self._standing.weight.size - self.system.bodies.mass.size
+        none = np.zeros(given)
+        return np.concatenate([state.r.ravel(), state.u, none]), np.concatenate([state.v.ravel(), state.w, none])
+
+    def _place(self, e: int, t: float) -> Array:
+        held = self.system.structure.holdings
+        part = slice(int(held.table[e]), int(held.table[e] + held.entries[e]))
+        return np.asarray(held.place[e] + [np.interp(t, held.time[part], row[part]) for row in held.moved])
+
+    def _rate(self, e: int, t: float) -> Array:
+        if self.system.structure.holdings.entries[e] < 2:
+            return np.zeros(self.system.state.r.shape[0])
+        return (self._place(e, t) - self._place(e, t - self._little)) / self._little
+
+    def _all_driven(self, found: Array, values: list[Array]) -> Array:
+        axes, n = self.system.state.r.shape
+        for e, value in zip(self._driven, values, strict=True):
+            for a in range(axes):
+                found[a * n + self.system.structure.holdings.members(int(e))] = value[a]
+        return found
+
+    def driven(self, t: float) -> Array:
+        """Places of what moves as prescribed at time t in s, zero elsewhere."""
+        none = np.zeros(self.system.state.r.size + self._standing.weight.size)
+        return self._all_driven(none, [self._place(int(e), t) for e in self._driven])
+
+    def driven_rates(self, t: float) -> Array:
+        """The same of velocities."""
+        none = np.zeros(self.system.state.r.size + self._standing.weight.size)
+        return self._all_driven(none, [self._rate(int(e), t) for e in self._driven])
+
+    def _look(self, t: float, shape: Array, rates: Array) -> None:
+        state = self.system.state
+        nodes, own = state.r.size, state.u.size
+        state.t[0] = t
+        state.r[:], state.v[:] = shape[:nodes].reshape(state.r.shape), rates[:nodes].reshape(state.r.shape)
+        state.u[:], state.w[:] = shape[nodes : nodes + own], rates[nodes : nodes + own]
+        motion.advance(*self.system, 0.0, motion.GIVEN)
+
+    def at(self, t: float, shape: Array, rates: Array) -> Array:
+        """Forces at time t in s, N; the state is left there."""
+        room, state, structure = self.system.room, self.system.state, self.system.structure
+        if self._damped_links.any():
+            room.rate[:], total = 0.0, np.zeros_like(room.rate)
+            for side, part in self._sides(t):
+                self._look(t + side * self._little, shape + side * self._little * rates, rates)
+                total += part * room.strain
+            room.rate[:] = total / (2.0 * self._little)
+        self._look(t, shape, rates)
+        force = room.force - structure.nodes.mass * structure.nodes.drag * state.v
+        if self._surfaces is not None:
+            force -= (self._surfaces.damping(state.r) @ state.v.ravel()).reshape(force.shape)
+        held = structure.holdings
+        first = held.node[held.first]
+        for e, n in enumerate(first):
+            force[:, n] += held.force[e]
+        for e in self._sprung.tolist():
+            away, rate = self._place(e, t) - state.r[:, first[e]], state.v[:, first[e]] - self._rate(e, t)
+            force[:, first[e]] += held.stiffness[e] @ away - held.damping[e] @ rate
+        out = np.zeros(shape.size)
+        out[: force.size], out[force.size : force.size + state.u.size] = force.ravel(), self._on_bodies()
+        return out
+
+    def _on_bodies(self) -> Array:
+        """Forces on coordinates of loads, N."""
+        state, contacts, bodies = self.system.state, self.system.contacts, self.system.bodies
+        axes = state.r.shape[0]
+        out = np.asarray(bodies.force - self.K @ state.u - self.C @ state.w)
+        for contact in contacts[(contacts["kind"] == BODY) & (contacts["state"] == ON)]:
+            first = int(contact["first"])
+            out[first : first + axes] += contact["given"][:axes] - contact["N"][:axes]
+        for tether, way, T, _ in self.tethers():
+            below, above = int(tether["first"]), int(contacts[tether["contact"]]["first"])
+            out[below : below + axes] -= T * way
+            out[above : above + axes] += T * way
+        for blown in bodies.blown:
+            own = slice(int(blown["first"]), int(blown["first"]) + axes)
+            out[own] -= blown["drag"] * np.linalg.norm(state.w[own]) * state.w[own]
+        return out
+
+    def tethers(self) -> Iterator[tuple[Any, Array, float, float]]:
+        """All tethers that hold: records, unit vectors, tensions and those of their dampers alone, N."""
+        state, contacts, axes = self.system.state, self.system.contacts, self.system.state.r.shape[0]
+        for tether in self.system.bodies.tethers:
+            below, above = int(tether["first"]), int(contacts[tether["contact"]]["first"])
+            across = tether["across"][:axes]
+            span = state.u[below : below + axes] - state.u[above : above + axes]
+            span = span - (across @ span) * across
+            long = float(np.linalg.norm(span))
+            spring = float(tether["stiffness"]) * (long - float(tether["length"]))
+            if not tether["on"] or (tether["way"] == PULLS and spring <= 0.0):
+                continue
+            way = span / max(long, 1e-300)
+            damper = float(tether["damping"] * (way @ (state.w[below : below + axes] - state.w[above : above + axes])))
+            if (spring + damper) * tether["way"] > 0.0:
+                yield tether, way, spring + damper, damper
+
+    def react(self, acceleration: Array) -> None:
+        """Note reactions of supports, whose nodes are accelerated as given, m/s^2."""
+        room, state, held = self.system.room, self.system.state, self.system.structure.holdings
+        nodes, a = self.system.structure.nodes, acceleration[: state.r.size].reshape(state.r.shape)
+        for e in range(held.mass.size):
+            own = held.members(e)
+            drag = nodes.mass[own] * nodes.drag[own] * state.v[:, own] * float(held.free[e].any())
+            room.reaction[e] = (nodes.mass[own] * a[:, own] + drag - room.force[:, own]).sum(axis=1)
+
+    def losses(self, t: float) -> Array:
+        """Powers (work,) of what is audited, W, but for those of contacts, which depend on how they move."""
+        structure, state, room = self.system.structure, self.system.state, self.system.room
+        nodes, held, power = structure.nodes, structure.holdings, np.zeros(WORKS)
+        power[DAMPED] = float((self._damped_links * self._h * room.rate**2).sum())
+        power[DAMPED] += float((nodes.mass * nodes.drag * state.v**2).sum())
+        if self._surfaces is not None:
+            v = state.v.ravel()
+            power[DAMPED] += float(v @ (self._surfaces.damping(state.r) @ v))
+        if structure.wind.direction.any():
+            power[LOADED] = float((room.air * state.v).sum())
+        for e in np.union1d(self._sprung, self._driven):
+            n = int(held.node[held.first[e]])
+            moves, rate = self._rate(e, t), state.v[:, n] - self._rate(e, t)
+            power[DAMPED] += float(rate @ held.damping[e] @ rate)
+            bears = held.stiffness[e] @ (self._place(e, t) - state.r[:, n]) - held.damping[e] @ rate
+            if e in self._driven:
+                bears = -(held.force[e] + room.force[:, held.members(e)].sum(axis=1))
+            power[MOVED] += float(moves @ bears)
+        bodies = self.system.bodies
+        w = np.where(bodies.gone[bodies.load] == STAYS, state.w, 0.0) if bodies.load.size else state.w
+        power[IN_BODIES] = float(w @ (self.C @ w))
+        for tether, way, _, damper in self.tethers():
+            below, above = int(tether["first"]), int(self.system.contacts[tether["contact"]]["first"])
+            axes = state.r.shape[0]
+            power[IN_BODIES] += damper * float(way @ (state.w[below : below + axes] - state.w[above : above + axes]))
+        for blown in self.system.bodies.blown:
+            own = slice(int(blown["first"]), int(blown["first"]) + state.r.shape[0])
+            power[IN_BODIES] += float(blown["drag"]) * float(np.linalg.norm(state.w[own])) ** 3
+        return power
+
+
+class Powers:
+    """Powers at the stages of a step: of contacts, by how their places and kinks change along its polynomial.
+
+    Args:
+        forces: of everything.
+        contacts: as they were at the start of the step.
+    """
+
+    def __init__(self, forces: Forces, contacts: Any) -> None:
+        self._forces, self.force = forces, np.zeros(0)
+        self._seen, self._power = [contacts], list[Array]()
+
+    def see(self, t: float, shape: Array, rates: Array) -> None:
+        """Look at the next stage."""
+        self.force = self._forces.at(t, shape, rates)
+        self._seen.append(self._forces.system.contacts.copy())
+        self._power.append(self._forces.losses(t))
+
+    def at_stages(self, dt: float) -> Iterator[Array]:
+        """Powers (work,) of all stages, W; dt in s."""
+        begin, *stages = self._seen
+        axes = self._forces.system.state.r.shape[0]
+        for j, (stage, power) in enumerate(zip(stages, self._power, strict=True)):
+            place, d = (
+                sum(D[j, m] * (other[key] - begin[key])[:, :axes] for m, other in enumerate(stages)) / dt
+                for key in ("place", "d")
+            )
+            on = stage["state"] == ON
+            work = (stage["given"][:, :axes] * place).sum(axis=1)
+            power[LOADED] += float(work[on].sum())
+            power[HELD] += float((stage["hold"] * place[:, 0])[on & (stage["kind"] == FORCE)].sum())
+            power[CARRIED] += float((stage["carried"] * (stage["d"][:, :axes] * d).sum(axis=1))[on].sum())
+            push = stage["push"] * stage["speed"]
+            power[STRUCK] -= float(push[on & (stage["kind"] == FORCE)].sum())
+            power[HELD] += float(push[on & (stage["kind"] == BODY)].sum())
+            yield power
