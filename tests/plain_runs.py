@@ -81,6 +81,8 @@ def scenarios() -> dict[str, dict[str, Any]]:
         **knot,
         "loads": {"f": on("force"), "m": {**on("mass", 15.0), "on": "other"}},
     }
+    tight = {"rope": {**bare["rope"], "axial_stiffness": None, "length": 6.5, "law": {"kind": "inextensible"}, **sides}}
+    out["system: inextensible"] = {"lines": tight, "loads": {"f": on("force"), "m": on("mass", 20.0, 2.0)}}
     out["webs: sheave"] = {"lines": wheel, "loads": {"m": beyond}}
     out["webs: wind"] = {"lines": {"rope": {**ROPE, "wind_drag": 0.1}}, "wind": GUST, "loads": {"m": on("mass")}}
     rubbed = on("force", start=2.0, contact="dragged", friction=0.1)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from ropewalk.linear import capabilities as linear
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import Capabilities, missing, refusal
+from ropewalk.model.law import Inextensible
 from ropewalk.model.load import AnyLoad, Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.pantograph import Pantograph
@@ -44,7 +45,18 @@ def engine_of(asked: Parts | Scenario) -> Engine:
         return _of_linear_theory(parts)
     if parts.is_web:
         return _of_networks(parts)
-    return _of_beams(parts) if parts.is_stiff else _of_ropes(parts)
+    if parts.is_stiff:
+        return _of_beams(parts)
+    return SYSTEM if _moves_inextensible(parts) else _of_ropes(parts)
+
+
+def has_inextensible(parts: Parts) -> bool:
+    """Whether a line is inextensible."""
+    return any(isinstance(line.law, Inextensible) for line in parts.lines.values() if line is not None)
+
+
+def _moves_inextensible(parts: Parts) -> bool:
+    return isinstance(parts.run, Dynamic) and has_inextensible(parts)
 
 
 def _of_linear_theory(parts: Parts) -> Engine:

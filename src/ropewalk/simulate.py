@@ -18,6 +18,7 @@ from ropewalk.capabilities import (
     engine_at,
     engine_of,
     engine_of_spectrum,
+    has_inextensible,
     is_system_linearised,
 )
 from ropewalk.checkpoint import Tree
@@ -296,8 +297,10 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
         scenario = scenario.model_copy(update={"run": run.model_copy(update={"geometry": "nonlinear"})})
     if at is not None:
         run = _check_instant(scenario, at)
-    if scenario.is_web:
-        if (engine_of_spectrum(scenario, with_loads=with_loads) if at is None else engine_at(scenario)) is SYSTEM:
+    tight = has_inextensible(scenario.parts)
+    if scenario.is_web or tight:
+        engine = engine_of_spectrum(scenario, with_loads=with_loads) if at is None else engine_at(scenario)
+        if engine is SYSTEM or tight:
             from ropewalk.system import spectrum as system  # lazy: a run does not need the eigenvalue solvers
 
             if at is not None:

@@ -77,10 +77,11 @@ def test_a_name_stands_for_one_thing() -> None:
     assert any("joints.c: a line has the same name" in row for row in rows)
 
 
-def test_inextensible_lines_are_refused() -> None:
+def test_inextensible_lines_do_not_resist_bending_in_webs_either() -> None:
     old, stretch = "length: 5, mass: 1, axial_stiffness: 1e5, end_support: {kind: joined, to: a", "axial_stiffness: 1e5"
-    text = WEB.replace(old, old.replace(stretch, "law: {kind: inextensible}"))
-    assert any(key == "lines.c.law.kind" and "not implemented" in row for _, key, row in problems_of(text))
+    text = WEB.replace(old, old.replace(stretch, "law: {kind: inextensible}, bending_stiffness: 5"))
+    rows = problems_of(text)
+    assert any(key == "lines.c.bending_stiffness" and "for inextensible lines" in row for _, key, row in rows)
 
 
 def test_a_stiff_line_may_rest_in_a_web_without_nets() -> None:

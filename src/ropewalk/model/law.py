@@ -76,7 +76,7 @@ class Tabulated(Declaration):
 
 
 class Inextensible(Declaration):
-    """eps = 0 wherever the line pulls: the tension is what keeps it so; for rest and slow motion."""
+    """eps = 0 wherever the line pulls: the tension is what keeps it so. Lines without bending stiffness."""
 
     kind: Literal["inextensible"] = "inextensible"
 

@@ -31,6 +31,7 @@ from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
 from ropewalk.system import friction
 from ropewalk.system.bodies import BLOWN, Bodies
+from ropewalk.system.constrained import lent, nearly
 from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
 from ropewalk.system.friction import NOT, STANDS
 from ropewalk.system.inertia import Inertia
@@ -106,7 +107,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     Raises:
         EquilibriumError: its lines have no rest.
     """
-    laid, rest = laid_at_rest(scenario.model_copy(update={"loads": {}}), until)
+    laid, rest = laid_at_rest(nearly(scenario), until)
     axes = axes or axes_of(scenario)
     shown, dim = [0, 2] if len(axes) == 2 else [0, 1, 2], len(axes)
     nets = Nets(scenario, laid) if scenario.nets else None
@@ -194,6 +195,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
             np.array(lengths),
         ),
         holdings, _wind(scenario, until, axes), About.nothing(dim), Inertia.nothing(dim), surfaces, sheaves,
+        np.zeros(n) if (runs.law[:, 0] == law.RIGID).any() else None,
     )  # fmt: skip
     where = {int(n): e for e in range(holdings.mass.size) for n in holdings.members(e)}
     at_ends = {end.name: int(np.flatnonzero(original == end.node)[0]) for end in laid.ends}
@@ -310,7 +312,10 @@ def contacts_of(
         loads.speed_time, loads.speed_value, loads.speed_path, loads.force_time, loads.force_value, np.zeros(1),
         np.zeros(1),
     )  # fmt: skip
-    heavy = [k for k, wheel in enumerate(wheels) if not _only_presses(scenario.loads[wheel.load])]
+    lends = lent(structure, contacts)
+    given = np.array([_only_presses(scenario.loads[wheel.load]) for wheel in wheels], dtype=np.bool_)
+    heavy = np.flatnonzero(~given | (lends > 0.0)).tolist()
+    contacts["lent"] = np.where(given, lends, 0.0)
     tables = _with_steps(scenario, loading, structure, contacts, tables)
     contacts["led"] = led = [isinstance(scenario.loads[wheel.load], Walker | Foreign) for wheel in wheels]
     contacts["kind"] = FORCE
@@ -328,9 +333,12 @@ def contacts_of(
             _travel_freely(contact, wheel.free, float(length))
     contacts["margin"][led] = 0.0
     places = dim * len(heavy)
+    load = np.repeat(contacts["load"][heavy], dim).astype(np.int64)
     if loading.fleet is None:
-        none = np.zeros((0, 2), dtype=np.int64)
-        return contacts, tables, _bodies([], np.zeros(0), np.zeros(0), none, none[:, 0], len(names))
+        owner = np.stack([np.repeat(heavy, dim), np.tile(np.arange(dim), len(heavy))], axis=1).astype(np.int64)
+        mass = np.repeat(lends[heavy], dim)
+        contacts["light"][heavy] = np.divide(1.0, lends[heavy])
+        return contacts, tables, _bodies([], mass, np.zeros(places), owner, load, len(names))
     fleet = loading.fleet.bodies
     tables = tables._replace(drive_time=fleet.drive_time, drive_value=fleet.drive_value)
     for key in ("drive_first", "drive_count"):
@@ -341,10 +349,10 @@ def contacts_of(
         own = contacts[k]["first"] + np.arange(dim)
         mass[own] = fleet.wheels[k]["mass"][:dim]
         force[own[-1]] = -scenario.gravity * mass[own[-1]]
+        mass[own] = np.where(mass[own] > 0.0, mass[own], lends[k])
         owner[own, 0], owner[own, 1] = k, np.arange(dim)
     parts = []
-    load = np.zeros(count, dtype=np.int64)
-    load[:places] = np.repeat(contacts["load"][heavy], dim)
+    load = np.pad(load, (0, count - places))
     for v, vehicle in enumerate(fleet.vehicles):
         own, n = int(vehicle["coordinates"]), int(vehicle["coordinates"] + vehicle["wheels"])
         at = [places + int(vehicle["first"]) + i for i in range(own)]

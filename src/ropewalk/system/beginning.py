@@ -14,6 +14,7 @@ from ropewalk.model.line import spatial
 from ropewalk.model.run import Start
 from ropewalk.results.stored import stored_instant
 from ropewalk.solve.mode_of_structure import mode_of
+from ropewalk.system.constrained import bring, ways
 from ropewalk.system.standing import Standing
 from ropewalk.system.statics import Potential
 from ropewalk.system.structure import State, Structure
@@ -53,6 +54,10 @@ def begin_elsewhere(
         beside, omega = _mode(potential, state, number, np.cross(chord, way), on)
         state.v[:] += start.amplitude * omega * beside
     state.r[:] += start.amplitude * shape
+    if structure.taut is not None:
+        solve = sparse.linalg.lsqr(potential.free, state.v.ravel(), atol=0.0, btol=0.0)[0]
+        r, rate = bring(potential, state.r.ravel(), solve)
+        state.r[:], state.v[:] = r.reshape(state.r.shape), (potential.free @ rate).reshape(state.v.shape)
 
 
 def _mode(potential: Potential, state: State, number: int, way: Array, on: np.ndarray | None) -> tuple[Array, float]:
@@ -62,6 +67,9 @@ def _mode(potential: Potential, state: State, number: int, way: Array, on: np.nd
     K, inner = potential.stability(at)
     M = potential.masses()[inner][:, inner]
     free = potential.free[:, inner].tocsr()
+    if potential.structure.taut is not None:
+        Z = sparse.csr_matrix(ways(potential, at, inner))
+        K, M, free = Z.T @ K @ Z, Z.T @ M @ Z, free @ Z
     component = {2: (0, 2), 3: (0, 1, 2)}[axes]  # of x, y, z
     own = np.add.outer(3 * np.arange(n), component).T.ravel()  # rows of nodes one after the other
     spread = sparse.csr_matrix((np.ones(axes * n), (own, np.arange(axes * n))), shape=(3 * n, axes * n))

@@ -104,6 +104,8 @@ def _tensions(p, strain, tension, begin, n):
             x = max(e[i], floor)
             T[i] = x * (c1 + x * (c2 + x * c3))
         return
+    if p[0] == law.RIGID:  # its tension keeps its length, see `constraints.py`
+        return
     for i in range(n):
         T[i] = law.tension(p, e[i])
 

@@ -11,6 +11,7 @@ from ropewalk.model.division import links_of_line
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import rows
 from ropewalk.model.joint import Joined
+from ropewalk.model.law import Inextensible
 from ropewalk.model.line import Line
 from ropewalk.model.load import Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
@@ -70,6 +71,38 @@ def between_nodes(name: str, elements: int) -> Finding:
     feature = "a line joined between two nodes of another, or an inner support there,"
     remedy = "choose elements so that one of its nodes is there"
     return missing(("lines", name, "elements"), "lines with bending stiffness", str(elements), remedy, feature=feature)
+
+
+def _inextensible(parts: Parts) -> Iterator[Finding]:
+    """What moves inextensible lines has no stiffness beside their tension, and begins at the rest of lines alone."""
+    run, what = parts.run, "inextensible lines"
+    found = [name for name, line in parts.lines.items() if line is not None and isinstance(line.law, Inextensible)]
+    for name in found:
+        line = parts.lines[name]
+        if line is not None and line.sheaves:
+            yield missing(("lines", name, "sheaves"), what, remedy="end the line at the sheave, or give it a law")
+        for key in ("bending_stiffness", "foundation"):
+            if line is not None and getattr(line, key):
+                remedy = f"leave {key} out, or give an axial_stiffness with law hooke"
+                yield missing(("lines", name, key), what, f"{getattr(line, key):g}", remedy)
+    if not found or not isinstance(run, Dynamic):
+        return
+    if run.method in ("rkn6", "implicit"):
+        yield missing(("run", "method"), what, run.method, "use auto or verlet")
+    if run.window is not None:
+        yield missing(("run", "window"), what, "a window", "leave it out")
+    if run.axial_inertia != 1.0:
+        yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave it out")
+    for name, load in parts.loads.items():
+        if getattr(load, "contact", None) in ("coulomb", "dragged"):
+            remedy = "write clamped or frictionless, or give an axial_stiffness with law hooke"
+            yield missing(("loads", name, "contact"), what, str(getattr(load, "contact", "")), remedy)
+        if run.start.with_loads and load is not None and isinstance(getattr(load, "travel", None), FreeTravel):
+            feature, remedy = "a load that travels freely from rest on them", "leave with_loads out"
+            yield missing(("loads", name, "travel", "kind"), what, "free", remedy, feature=feature)
+    if run.geometry == "linearised":
+        feature, remedy = "linearised geometry", "write geometry: nonlinear"
+        yield missing(("run", "geometry"), what, "linearised", remedy, feature=feature)
 
 
 def _joined_between_nodes(parts: Parts) -> Iterator[Finding]:
@@ -185,6 +218,7 @@ MOTION = replace(
         "run.kind": ("dynamic",),
         "run.method": ("auto", "explicit", "verlet", "rkn6", "implicit"),
         **_ALIKE,
+        "lines.law.kind": (*webs.MOTION.only["lines.law.kind"], "inextensible"),
         "loads.kind": (
             "force",
             "mass",
@@ -202,6 +236,7 @@ MOTION = replace(
     more=(
         _accuracy,
         _only_lines,
+        _inextensible,
         _in_a_window,
         _joined_between_nodes,
         _of_loads,
@@ -266,7 +301,7 @@ LINEAR = replace(
     what=_LINEAR,
     only={
         "run.kind": ("linear",),
-        "lines.law.kind": MOTION.only["lines.law.kind"],
+        "lines.law.kind": webs.MOTION.only["lines.law.kind"],
         "loads.kind": ("force", "mass", "oscillator", "vehicle", "matrices"),
         "loads.travel.kind": ("prescribed",),
         "loads.travel.margin": (None,),

@@ -28,6 +28,9 @@ from ropewalk.system.travel import Tables
 
 # Part of a leg to which it is found when it lands or takes off, and tries of finding it.
 CLOSE, TRIES = 3e-10, 40
+# By which steps get shorter as tensions of inextensible lines grow: for twice as much of these.
+SHORTER = 0.7
+NEAR, WILD = 1e-9, 1e-3  # parts of a step that are none any more, and that no tension asks for
 
 
 class System(NamedTuple):
@@ -62,6 +65,8 @@ class System(NamedTuple):
         if alone and self.is_verlet:
             self.contacts["step"] = dt
         self.bodies.inverse[:] = with_step(self.bodies, dt).inverse
+        if self.room.tight is not None:
+            self.room.tight.step_by(self.structure, dt)
         for part in portions(steps, self.state.r.shape[1], self.method[1].size):
             status = int(motion.advance(*self, dt, part)[0])
             if status != motion.RUNNING:
@@ -373,14 +378,34 @@ class SystemCarrier:
     def go_on(self, h: float) -> None:
         """Move a twin on by h seconds, or up to where somebody is to be asked."""
         self.system.settle()
-        self.system.go(self.t + h, self.longest)
+        self.go_far(self.t + h, alone=False)
+
+    def go_far(self, end: float, *, alone: bool) -> int:
+        """Go on to a time in s, by shorter steps where tensions of inextensible lines ask for them."""
+        while (status := self._go(end, alone)[0]) == motion.TOO_LONG:
+            pass
+        return status
+
+    def _go(self, end: float, alone: bool = False) -> tuple[int, int]:
+        """Go on to a time in s, or until steps are too long for the tensions: they are shorter from then on."""
+        status, steps = self.system.go(end, self.longest, alone)
+        self.steps += steps
+        if status == motion.TOO_LONG:
+            tight = self.system.room.tight
+            assert tight is not None
+            fit = float(np.sqrt(tight.time[3] / tight.time[2]))
+            if not fit > WILD * self.longest:
+                return motion.NOT_FINITE, steps
+            self.longest = SHORTER * min(self.longest, fit)
+            if end - self.t <= NEAR * self.longest:
+                self.system.state.t[0], status = end, motion.RUNNING
+        return status, steps
 
     def go(self, end: float) -> int:
         """Go on to a time in s where nobody is asked on the way; returns what has come of it."""
         status = motion.RUNNING
         for until in self.system.pieces(end):
-            status, steps = self.system.go(until, self.longest, alone=True)
-            self.steps += steps
+            status = self.go_far(until, alone=True)
             if status != motion.RUNNING:
                 break
         return status
@@ -393,9 +418,11 @@ class SystemCarrier:
         system = self.system
         if (gap := system.gap()) <= 0.0:
             return motion.ASKED
-        before, begin = {} if gap == np.inf else copied(system.changing()), self.t
-        status, steps = system.go(end, self.longest)
-        self.steps += steps
+        while True:
+            before, begin = {} if gap == np.inf else copied(system.changing()), self.t
+            status, steps = self._go(end)
+            if status != motion.TOO_LONG:
+                break
         if status != motion.ASKED:
             return status
         low, high, high_gap, side = 0.0, (self.t - begin) / steps, system.gap(), 0

@@ -89,6 +89,7 @@ CONTACT = np.dtype(
         ("before", *_VECTOR),  # m, when it was last looked at
         ("last", *_VECTOR),  # N, given force then
         ("d", *_VECTOR),  # m
+        ("lent", _REAL),  # kg, of what has no mass on an inextensible line, which lends it; 0: it has its own
         ("given", *_VECTOR),  # N, given force
         ("hold", _REAL),  # N, horizontal force that holds it across its line
         ("N", *_VECTOR),  # N on the line
@@ -165,12 +166,34 @@ def _tension_under(structure, room, contacts, k, kink):
     for j in range(3):
         q = contacts[k].part[j]
         if q > 0.0:
+            if p[0] == law.RIGID:
+                T += q * h / contacts[k].h[j] * room.tension[contacts[k].link[j]]
+                continue
             length = np.sqrt(room.length[contacts[k].link[j]] ** 2 + 2.0 * q * kink)
             strain = length / contacts[k].h[j] - 1.0
             own = h * law.tension(p, strain) / length
             T += q * own
             slope += q * q * (law.tangent(p, strain) * h / contacts[k].h[j] - own) / (length * length)
     return T, slope
+
+
+@lean_inner
+def soften(structure, contacts, table, out, k, T):
+    """The same as of `_soften`; on inextensible lines in proportion to T."""
+    run = contacts[k].run
+    if structure.runs.law[run, 0] != law.RIGID:
+        return _soften(structure, contacts, table, out, k, T)
+    h, U = structure.runs.h[run], contacts[k].speed
+    compliance(contacts[k].x, structure.runs.links[run], 0.0, table, out)
+    kappa = max(out[0], LEAST)
+    slope = 1.0 / (h * kappa)
+    contacts[k].by_tension, contacts[k].firm, contacts[k].curve = slope, 0.0, 0.0
+    contacts[k].turn, contacts[k].carried = slope * T * out[2] / (kappa * h), 0.0
+    if U != 0.0 and contacts[k].travel != FREE and T > 0.0:
+        moving = min(structure.runs.rho[run] * U * U, FASTEST * T)
+        contacts[k].carried = slope * (T - (T - moving) / kinetic(moving / T, KINETIC))
+    contacts[k].moving = slope * T - contacts[k].carried
+    return slope
 
 
 @lean_inner
@@ -270,7 +293,7 @@ def _kink(structure, room, contacts, table, out, k, square):
     for _ in range(AGAIN):
         K = contacts[k].kink
         T, change = _tension_under(structure, room, contacts, k, K)
-        slope = _soften(structure, contacts, table, out, k, T)
+        slope = soften(structure, contacts, table, out, k, T)
         miss = K - 0.5 * square * h * contacts[k].by_tension
         if abs(miss) <= FOUND * K:
             break
@@ -335,6 +358,8 @@ def bend(structure, room, contacts, state, table, out):
                 contacts[k].place[a] = contacts[k].p[a] + contacts[k].d[a]
             continue
         stiffen(structure, room, contacts, state, table, out, k)
+        if contacts[k].frictionless == 1:
+            _hold(contacts, k, axes)
     for k in range(contacts.size):
         if structure.about.links.size == 0 and (contacts[k].state == ON or contacts[k].kink > 0.0):
             for j in range(3):
@@ -450,7 +475,7 @@ def press(structure, room, contacts, state, table, out):
         if structure.about.links.size > 0:
             _stiffen_little(structure, room, contacts, table, out, k)
         elif contacts[k].kind == BODY:
-            _soften(structure, contacts, table, out, k, structure.runs.h[run] * pull)
+            soften(structure, contacts, table, out, k, structure.runs.h[run] * pull)
         push = 0.0
         for j in range(3):
             push += contacts[k].change[j] * room.pull[contacts[k].link[j]]

@@ -153,7 +153,9 @@ class FrameBuilder:
         on_net = runs.firm[contact["run"]] > 0.0
         seen.position[k], seen.force[k], seen.hold[k] = contact["place"][:dim], contact["N"][:dim], 0.0
         seen.hold[k, 0] = contact["hold"]
-        given = contact["kind"] == FORCE or contact["first"] >= state.u.size
+        if contact["lent"] > 0.0:  # its mass is the line's
+            seen.force[k] = contact["given"][:dim] + seen.hold[k]
+        given = contact["kind"] == FORCE or contact["first"] >= state.u.size or contact["lent"] > 0.0
         if (
             not given and not contact["frictionless"] and contact["travel"] == PRESCRIBED
         ):  # what the line is gripped with

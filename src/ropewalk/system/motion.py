@@ -12,6 +12,7 @@ from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.rider import look_up
 from ropewalk.system.bodies import LEAVES, STAYS, arrive, balance, drift, ground, kick
 from ropewalk.system.cables import blow, energy_of, guess, pull_all, stretch_all
+from ropewalk.system.constraints import draw, is_too_long, note_kick
 from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, bend, press
 from ropewalk.system.friction import NOT, rub
 from ropewalk.system.inertia import kick_along
@@ -21,7 +22,7 @@ from ropewalk.system.surfaces import damp_surfaces, follow, hand_over, is_damped
 from ropewalk.system.tethers import gap, grow
 from ropewalk.system.travel import fade, locate
 
-RUNNING, NOT_FINITE, AT_END, ASKED, AT_SHEAVE, LINE_OUT = 0, 1, 2, 3, 4, 5
+RUNNING, NOT_FINITE, AT_END, ASKED, AT_SHEAVE, LINE_OUT, TOO_LONG = 0, 1, 2, 3, 4, 5, 6
 GIVEN, SETTLE, LOCATE, LOOK = -3, -2, -1, 0  # instead of a number of steps
 
 
@@ -63,6 +64,8 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
         _let_go(contacts, bodies)
     if steps != GIVEN and bodies.mass.size > 0:  # a call hands all arrays on, which costs as much as fifty nodes
         arrive(structure, contacts, bodies, state)
+    draw(room.tight, structure, room, contacts, bodies, state, table, out, since)
+    if steps != GIVEN and bodies.mass.size > 0:
         balance(structure, room, contacts, bodies, state, table, out, since)
     for k in range(contacts.size):
         if contacts[k].rubs != NOT and contacts[k].state == ON:
@@ -346,8 +349,9 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
         whole = i > 0 and stage == 0
         ends = whole and _is_refused(contacts, state)
         asked = whole and bodies.tethers.size > 0 and gap(structure, contacts, bodies, state) <= 0.0
+        too_long = whole and is_too_long(room.tight, dt)
         stands = exist(structure.sheaves) and is_at_sheave(structure.sheaves, structure, contacts, state)
-        if ends or asked or stands or runs_out:
+        if ends or asked or stands or runs_out or too_long:
             half, h = 1, kicks[stages] * dt
         state.work[DAMPED] += h * lost
         state.work[LOADED] += h * blown
@@ -357,9 +361,10 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
         else:
             state.work[DAMPED] += _kick_nodes(structure, room, state, h, dragged)
         _kick_holdings(structure, room, state, h, yielding, A, b)
+        note_kick(room.tight, h)
         if bodies.mass.size > 0:
             kick(contacts, bodies, state, h, half)
-        if i < last and not (asked or stands or runs_out):
+        if i < last and not (asked or stands or runs_out or too_long):
             since = drifts[stage] * dt
             gone = (gone if stage > 0 else 0.0) + drifts[stage]
             state.work[DRIVEN] += grow(contacts, bodies, state, since)
@@ -378,6 +383,8 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
             return AT_SHEAVE, stored
         if asked:
             return ASKED, stored
+        if too_long:
+            return TOO_LONG, stored
     if steps == SETTLE:
         _book(structure, contacts, state)
     return (RUNNING if _is_finite(state.r, state.v) else NOT_FINITE), stored

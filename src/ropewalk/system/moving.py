@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -23,14 +24,13 @@ from ropewalk.model.trolley import Trolley
 from ropewalk.results.exchanges import foreign_in
 from ropewalk.results.frame import Account, Frame, Layout
 from ropewalk.results.running import Ending
-from ropewalk.solve import minimum
 from ropewalk.solve.choice import RKN6_LIMIT, Bounds, rkn6_step
 from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.system import motion
 from ropewalk.system.asking import FAILED, Asking
 from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
 from ropewalk.system.beginning import begin_elsewhere
-from ropewalk.system.carrier import System, SystemCarrier
+from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
 from ropewalk.system.frames import FrameBuilder
@@ -38,9 +38,9 @@ from ropewalk.system.holding import on_friction
 from ropewalk.system.implicit import Implicit
 from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.spline import WIDTH
-from ropewalk.system.stability import SAFETY, largest_frequency, largest_step
+from ropewalk.system.stability import GROWN, SAFETY, largest_frequency, largest_step, waves_of, while_passing
 from ropewalk.system.standing import Carried, Standing, load_springs, measure_from_ends
-from ropewalk.system.statics import Potential, about_rest, at_rest, tensions
+from ropewalk.system.statics import Potential, about_rest, at_rest, least, tensions
 from ropewalk.system.structure import WORKS, Room, State
 from ropewalk.system.window import Window
 from ropewalk.webs.lengths import doubt_slack
@@ -53,6 +53,8 @@ RKN6_SAFETY = 0.9
 
 # Tension over axial stiffness from which on a line without bending stiffness is slack.
 _LIMP = 1e-12
+# Part of the largest tension with which an inextensible line may be pushed together.
+_PUSHED = 0.1
 
 _ENDS = {
     motion.NOT_FINITE: ("diverged", "positions stopped being numbers; take a smaller run.step"),
@@ -114,6 +116,7 @@ class Motion:
         self._A, self._b = np.zeros((3, 4)), np.zeros(3)
         self._method, self._step = VERLET, 0.0
         self._choose(asked)
+        self._limit_tension()
         windy = scenario.wind is not None and not scenario.wind.is_calm
         self._builder = FrameBuilder(self.assembled, loading, self.bodies, windy)
         self._turned = np.zeros(1, dtype=np.int64)  # 1: it has been said that lines have turned far
@@ -127,6 +130,7 @@ class Motion:
                 within=scenario.is_plane,
             )  # fmt: skip
         self._stand(with_loads=asked.start.with_loads)
+        self._step = min(self._step, self._allowed())
         self._lead()
         self._window = None if asked.window is None else Window(self.structure, asked.window)
         self._implicit: Implicit | None = None
@@ -143,6 +147,11 @@ class Motion:
         return replace(self._builder.layout, foreign=foreign_in(self._scenario))
 
     @property
+    def tension(self) -> Array:
+        """Tensions of links by their first node, N."""
+        return self._room.tension
+
+    @property
     def shown(self) -> Integers:
         """Nodes in the order of the result."""
         return self._builder.node
@@ -152,6 +161,7 @@ class Motion:
         account, parts = self.account, (self.structure, self.contacts, self.bodies, self.rest)
         account.reason = "Verlet's method for all nodes and bodies; contacts on a spline of the fourth order"
         account.method, stable = "explicit", largest_step(*parts)
+        stable = min(stable, while_passing(self.structure, self.contacts, self.tables))
         safe, self._step = stable / SAFETY, stable
         if asked.method == "rkn6":
             self._method, account.method = RKN6, "rkn6"
@@ -197,6 +207,31 @@ class Motion:
                     "across it: write geometry: nonlinear, or give it less length"
                 )
 
+    def _limit_tension(self) -> None:
+        """Note how far tensions of inextensible lines may grow before steps are too long for their waves."""
+        if (tight := self._room.tight) is None:
+            return
+        for s in np.flatnonzero(self.structure.runs.law[:, 0] == law.RIGID):
+            part = slice(self.structure.runs.first[s], self.structure.runs.first[s] + self.structure.runs.links[s])
+            tight.fast[part] *= waves_of(self.structure, self.contacts, int(s))
+        tight.time[3] = (2.0 * GROWN) ** 2
+
+    def _allowed(self) -> float:
+        """The step in s that tensions of inextensible lines allow that bear what is there at the beginning."""
+        if (tight := self._room.tight) is None:
+            return float("inf")
+        standing = Standing(self.structure, self.rest, Carried(self.contacts, self.tables, self.bodies), as_moving=True)
+        standing.stand(0.0, self.rest)
+        potential = Potential(self.structure, standing, float(np.ptp(self.rest, axis=1).max()))
+        pull = self._room.tension
+        with (
+            suppress(EquilibriumError),
+            np.errstate(all="ignore"),
+        ):  # set down suddenly it pulls about as much as at rest
+            least(potential, potential.taken())
+            pull = np.maximum(potential.room.tension, pull)
+        return SHORTER * float(np.sqrt(tight.time[3] / max((tight.fast * pull).max(), 1e-300)))
+
     def _lead(self) -> None:
         """Let loads that decide on the way take their first decisions."""
         places = len(self.assembled.axes) * int((self.contacts["kind"] == BODY).sum())
@@ -226,8 +261,10 @@ class Motion:
         standing = Standing(self.structure, self.rest, carried, as_moving=True)
         standing.stand(0.0, self.rest)
         potential = Potential(self.structure, standing, float(np.ptp(self.rest, axis=1).max()))
-        r, u = potential.put(minimum.settle(potential, potential.taken()))
+        r, u = potential.put(least(potential, potential.taken()))
         self.state.r[:], self.state.u[:] = r, u[: standing.own]
+        if self._room.tight is not None:
+            self._room.tension[:] = potential.room.tension
 
     def _stand(self, *, with_loads: bool) -> None:
         """Let bodies move along with the line; where they do not rest on it, with springs without force but weights."""
@@ -320,6 +357,7 @@ class Motion:
         """Doubt kinks that are carried along faster than transverse waves; ask whether friction is enough."""
         runs = self.structure.runs
         self._ask_turned(frame.path)
+        self._doubt_struts(frame)
         for k, (wheel, contact) in enumerate(zip(self.loading.wheels, self.contacts, strict=True)):
             if contact["state"] != ON:
                 continue
@@ -353,6 +391,23 @@ class Motion:
                 self._slipped[k] = 1
                 self.account.warnings.append(f"at t = {frame.path:.4g} s, {found}")
 
+    def _doubt_struts(self, frame: Frame) -> None:
+        """Doubt inextensible lines that are pushed together: there they are bars, which fold as the mesh lets them."""
+        if self.structure.taut is None:
+            return
+        assert self._room.tight is not None
+        pull, rigid = self._room.tension, self._room.tight.h > 0.0
+        for s, name in enumerate(self.assembled.line):
+            first, n = int(self.structure.runs.first[s]), int(self.structure.runs.links[s])
+            own, key = pull[first : first + n], f"lines.{name}.law"
+            if not rigid[first] or float(own.min()) >= -_PUSHED * float(np.abs(pull[rigid]).max()):
+                continue
+            if all(doubt.key != key for doubt in self.account.doubts):
+                self.account.doubt(
+                    f"line {name} is pushed together at t = {frame.path:.4g} s, and folds as its elements let it",
+                    "it is inextensible, and slack there", key, "give it an axial_stiffness with law: tension_only",
+                )  # fmt: skip
+
     def _doubt(self, name: str, load: str, speed: float, t: float) -> None:
         if any(doubt.key == f"loads.{load}.travel.speed" for doubt in self.account.doubts):
             return
@@ -370,11 +425,13 @@ class Motion:
             RopewalkError: a load is a model of somebody else's that gives no state.
         """
         changing = {name: copied(arrays) for name, arrays in self._changing().items()}
-        return {"frames": self._builder.get_state(), **changing, "guides": self._asking.get_state()}
+        own = {"frames": self._builder.get_state(), "longest": self._carrier.longest}
+        return {**own, **changing, "guides": self._asking.get_state()}
 
     def set_state(self, tree: Tree) -> None:
         """Go on from there."""
         self._builder.set_state(tree["frames"])
+        self._carrier.longest = tree["longest"]
         for name, arrays in self._changing().items():
             put(arrays, tree[name])
         self._asking.set_state(tree["guides"])

@@ -13,6 +13,7 @@ from ropewalk.results.spectrum import Spectrum
 from ropewalk.solve.equations import Equations
 from ropewalk.solve.free_vibration import free_vibration
 from ropewalk.system.compliance import AT_REST
+from ropewalk.system.constrained import ways
 from ropewalk.system.moving import Motion
 from ropewalk.system.standing import Carried, Standing
 from ropewalk.system.statics import Potential
@@ -51,6 +52,8 @@ def spectrum_at(scenario: Scenario, t: float, how_many: int | None = None) -> Sp
     standing = Standing(moving.structure, moving.rest, carried)
     standing.stand_as(moving.state, moving.contacts)
     potential = Potential(moving.structure, standing, float(np.ptp(moving.rest, axis=1).max()), part=AT_REST)
+    if potential.structure.taut is not None:
+        potential.room.tension[:] = moving.tension
     for _ in range(_AGAIN):  # what stands there presses as it does in motion, where contacts give way in a step
         potential.forces(potential.taken())
         for k in standing.on:
@@ -71,5 +74,8 @@ def _equations(potential: Potential, shape: Array, nodes: Integers, layout: Layo
     n = potential.structure.nodes.mass.size
     moves = potential.free.tocsr()[(nodes[:, None] + n * np.arange(3)).ravel()]
     position = potential.put(shape)[0][:, nodes].T.copy()
+    if potential.structure.taut is not None:
+        Z = sparse.csr_matrix(ways(potential, shape))
+        K, M, C, moves = Z.T @ K @ Z, (Z.T @ M @ Z).tocsc(), (Z.T @ C @ Z).tocsc(), moves @ Z
     K = (0.5 * (K + K.T)).tocsc()
     return Equations("system", K, M, C, sparse.csr_matrix(moves), position, layout.node_line)

@@ -16,17 +16,22 @@ from ropewalk.system.compliance import CORRECTION, NEAR, PARTS, SHARES, SHORT, c
 from ropewalk.system.contacts import BODY
 from ropewalk.system.inertia import stiffer
 from ropewalk.system.structure import Structure
+from ropewalk.system.travel import Tables
 from ropewalk.webs.fabric import bounds_of_cells
 
 # Part of the stable step that is used. A contact of a body gives way within a step so that it needs half of the square
 # of the largest frequency, and leaves the other half.
 SAFETY, WITHOUT_LOADS = 0.7, 0.9
 SAFETY_OF_NETS = 0.5
+# The same of inextensible lines, whose tension grows, and what of it is left when it has; part of a link that a load
+# goes on in a step there.
+HARD, GROWN, PASSED = 0.5, 0.8, 0.2
 # Largest eigenvalues of the differences of links: of the second one squared with that of its change, over 4.
 _BENDING = 80.0 / 3.0
 # Square of the angle by which lines are expected to turn from where they are heavier along than across.
 _TURNED = 0.15**2
 _STUCK = 4.0  # stiffness of a link that sticks at a sheave near one of its ends, over its own
+_SHARED = 0.7  # sum of the squares of the parts of nodes in the point of a contact, at most
 _ARCS = 1.0 + CORRECTION / 3.0 + 2.0 * SHORT / 3.0
 
 
@@ -42,6 +47,7 @@ def largest_step(structure: Structure, contacts: Any, bodies: Bodies, r: Array, 
     """
     steps = [_stable(square, rate) for square, rate in _of_lines(structure, r, rest)]
     steps.extend(_of_bodies(contacts, bodies))
+    steps.extend(_of_rigid(structure, contacts))
     if structure.surfaces is not None:
         return SAFETY_OF_NETS * float(min(steps, default=np.inf))
     return (SAFETY if contacts.size else WITHOUT_LOADS) * float(min(steps, default=np.inf))
@@ -89,6 +95,8 @@ def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list
     eased = stiffer(structure, r, r if rest is None else rest) if structure.inertia.along.size else None
     for s in np.flatnonzero(runs.firm == 0.0).tolist():
         part = slice(runs.first[s], runs.first[s] + runs.links[s] + 1)
+        if runs.law[s, 0] == law.RIGID:  # see `_of_rigid`
+            continue
         stretched, tensions = _strained(structure, r, s)
         taut, h, rho = float(tensions.max()) * _ARCS, runs.h[s], runs.rho[s]
         stiffest, viscosity = float(stretched.max()), runs.damping[s]
@@ -104,6 +112,17 @@ def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list
         found.append((square, rate))
     found.extend(_at_sheaves(structure, r))
     return found + [(float(k), float(c)) for k, c in zip(around, viscous, strict=True)]
+
+
+def _of_rigid(structure: Structure, contacts: Any) -> list[float]:
+    """Steps in s of inextensible lines: transverse waves, and bodies on kinks, under a tension that may grow."""
+    runs, steps = structure.runs, []
+    for s in np.flatnonzero(runs.law[:, 0] == law.RIGID):
+        assert structure.taut is not None
+        pull = float(structure.taut[runs.first[s] : runs.first[s] + runs.links[s]].max())
+        bears = waves_of(structure, contacts, int(s)) * max(pull, 0.0) / (runs.rho[s] * runs.h[s] ** 2)
+        steps.append(HARD / SAFETY * _stable(bears, 0.0))
+    return steps
 
 
 def _of_bodies(contacts: Any, bodies: Bodies) -> list[float]:
@@ -146,6 +165,29 @@ def _at_sheaves(structure: Structure, r: Array) -> Iterator[tuple[float, float]]
         x = np.geomspace(1.01, 1e4, 400)  # of the sheave
         square = np.maximum((2.0 * k + 2.0 * own / (1.0 - 1.0 / x)) / m, 4.0 * own * x / M)
         yield float(square.min()), 4.0 * float(runs.damping[s]) / (m * h)
+
+
+def waves_of(structure: Structure, contacts: Any, s: int) -> float:
+    """Square of the largest frequency on inextensible run s, with bodies that stand on it, over T/(rho h^2)."""
+    runs, lines, found = structure.runs, structure.lines, 4.0 * _ARCS
+    for contact in contacts[contacts["kind"] == BODY]:
+        first = lines.first[contact["line"]]
+        if first <= s < first + lines.runs[contact["line"]]:
+            here = (_SHARED + runs.rho[s] * runs.h[s] * float(contact["light"])) * float(compliances()[0, 0].max())
+            found = max(found, 4.0 * _ARCS + here)
+    return found
+
+
+def while_passing(structure: Structure, contacts: Any, tables: Tables) -> float:
+    """The time in s in which no load of prescribed speed goes on further than it may on inextensible lines."""
+    runs, least = structure.runs, np.inf
+    for contact in contacts:
+        run = structure.lines.first[contact["line"]]
+        if runs.law[run, 0] == law.RIGID:
+            part = slice(contact["speed_first"], contact["speed_first"] + contact["speed_count"])
+            fastest = float(np.abs(tables.speed_value[part]).max(initial=0.0))
+            least = min(least, PASSED * float(runs.h[run]) / max(fastest, 1e-300))
+    return float(least)
 
 
 def _stable(square: float, rate: float) -> float:

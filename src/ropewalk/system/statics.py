@@ -18,6 +18,7 @@ from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean, lean_inner, records
 from ropewalk.solve import minimum
 from ropewalk.solve.symmetric import Way
+from ropewalk.system import constrained
 from ropewalk.system.cables import energy_of, pull_all, stretch_all
 from ropewalk.system.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
 from ropewalk.system.contacts import ON, bend, press
@@ -241,7 +242,10 @@ class Potential:
         for s, (first, links) in enumerate(zip(runs.first, runs.links, strict=True)):
             part = slice(first, first + links)
             h[part] = runs.h[s]
-            slope[part] = law.tangents(runs.law[s], strain[part])
+            if runs.law[s, 0] == law.RIGID:  # what its tension changes by is an unknown of its own
+                slope[part] = runs.h[s] * tension[part] / length[part]
+            else:
+                slope[part] = law.tangents(runs.law[s], strain[part])
             EI[first : first + links + 1] = runs.bending[s] / runs.h[s] ** 3
             bed[first : first + links + 1] = runs.bed[s] * runs.h[s]
             bed[[first, first + links]] *= 0.5
@@ -417,7 +421,17 @@ def settle(structure: Structure, start: Array, *, within: bool = False) -> Array
         EquilibriumError: no rest was found.
     """
     potential = Potential(structure, Standing(structure, start), float(np.ptp(start, axis=1).max()), within=within)
-    return minimum.settle(potential, start.ravel()).reshape(start.shape)
+    return least(potential, start.ravel()).reshape(start.shape)
+
+
+def least(potential: Potential, start: Array) -> Array:
+    """The rest next to a shape, at which inextensible links have their lengths.
+
+    Raises:
+        EquilibriumError: there is none.
+    """
+    found = minimum.settle if potential.structure.taut is None else constrained.settle
+    return found(potential, start)
 
 
 def at_rest(structure: Structure, gravity: Array, start: Array, *, within: bool = False) -> tuple[Structure, Array]:

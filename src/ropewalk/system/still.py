@@ -16,7 +16,6 @@ from ropewalk.mechanics.loading import loading_of
 from ropewalk.mechanics.rider import look_up_integral
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account, Frame, Layout
-from ropewalk.solve import minimum
 from ropewalk.solve.following import schedule, slow_motion
 from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
 from ropewalk.system.cables import blow
@@ -25,7 +24,7 @@ from ropewalk.system.contacts import ON
 from ropewalk.system.frames import FrameBuilder
 from ropewalk.system.holding import Holding, on_friction
 from ropewalk.system.standing import Carried, Standing
-from ropewalk.system.statics import Potential, at_rest
+from ropewalk.system.statics import Potential, at_rest, least
 from ropewalk.system.structure import State
 from ropewalk.webs.lengths import doubt_slack
 
@@ -150,12 +149,12 @@ class Still:
         """
         potential, structure = self.potential, self._structure
         if not structure.wind.direction.any():
-            return minimum.settle(potential, shape)
+            return least(potential, shape)
         for _ in range(_ROUNDS):
             r = potential.put(shape)[0]
             _blow(structure, potential.room, r, np.zeros_like(r), t)
             potential.blown[:] = potential.room.air
-            last, shape = shape, minimum.settle(potential, shape)
+            last, shape = shape, least(potential, shape)
             if float(np.abs(shape - last).max()) <= _NEAR * potential.size:
                 return shape
         raise EquilibriumError("lines find no rest in the wind: they flutter or lift; give wind less speed")

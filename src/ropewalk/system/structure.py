@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import records
 from ropewalk.system.inertia import Inertia
@@ -128,11 +129,57 @@ class Structure(NamedTuple):
     inertia: Inertia
     surfaces: Surfaces | None
     sheaves: Sheaves | None
+    taut: Array | None = None  # (node,) N, tension at rest of inextensible links; None: there are none
 
     @property
     def is_linearised(self) -> bool:
         """Whether its runs are linearised about rest."""
         return bool(self.about.links.size > 0)
+
+
+class Tight(NamedTuple):
+    """What keeps inextensible links at their lengths (`constraints.py`); (node,), links by their first node."""
+
+    h: Array  # m, of these links; 0: it is no such link
+    fast: Array  # m/kg, square of the largest frequency of waves over the tension
+    time: Array  # s for which tensions have kicked; 1: there are two to go on from; 1/s^2 the square of the largest
+    # frequency; the most that it may be times the square of the step
+    guess: Array  # N, tensions that have kicked
+    found: Array  # N, as they should have been
+    before: Array  # N, a step before
+    miss: Array  # m^2
+    x: Array  # N s/m, impulses over lengths
+    p: Array  # room of conjugate gradients
+    y: Array
+    z: Array
+    band: Array  # (4, node)
+    g: Array  # (axis, 4, node) m, change of the squares of lengths over 2 with nodes
+    move: Array  # (axis, node) m/s
+    whole: Array  # (holding, axis) m/s
+    mobile: Array  # (holding, axis, axis) 1/kg, of holdings in a step
+
+    @staticmethod
+    def of(structure: Structure, axes: int) -> Tight | None:
+        """Of a structure, if it has inextensible links."""
+        runs, n, held = structure.runs, structure.nodes.mass.size, structure.holdings.mass.size
+        if structure.taut is None:
+            return None
+        h, fast = np.zeros(n), np.zeros(n)
+        for s in np.flatnonzero(runs.law[:, 0] == law.RIGID):
+            part = slice(runs.first[s], runs.first[s] + runs.links[s])
+            h[part], fast[part] = runs.h[s], 1.0 / (runs.rho[s] * runs.h[s] ** 2)
+        room = [np.zeros(n) for _ in range(8)]
+        room[2][:] = structure.taut
+        more = [np.zeros(size) for size in ((4, n), (axes, 4, n), (axes, n), (held, axes), (held, axes, axes))]
+        return Tight(h, fast, np.zeros(4), *room, *more)
+
+    def step_by(self, structure: Structure, dt: float) -> None:
+        """Note how holdings yield in a step of the length dt in s, as they are kicked."""
+        held, axes = structure.holdings, self.move.shape[0]
+        for e in range(held.mass.size):
+            P, mass = held.free[e], float(held.mass[e] + structure.nodes.mass[held.members(e)].sum())
+            A = mass * np.eye(axes) + 0.5 * dt * held.damping[e] + 0.25 * dt * dt * held.stiffness[e]
+            self.mobile[e] = P @ np.linalg.inv(P @ A @ P + np.eye(axes) - P) @ P
 
 
 class Room(NamedTuple):
@@ -152,13 +199,17 @@ class Room(NamedTuple):
     air: Array  # (axis, node) N, of the wind
     guess: Array  # (axis, node) m/s, in the middle of a kick
     reaction: Array  # (holding, axis) N, of the support on the structure
+    tight: Tight | None
 
     @staticmethod
     def of(structure: Structure, axes: int) -> Room:
         """Room of the right size."""
         n, held = structure.nodes.mass.size, structure.holdings.mass.size
         sizes = [(n,)] * 9 + [(axes, n)] * 4 + [(held, axes)]
-        return Room(*(np.zeros(size) for size in sizes))
+        room = Room(*(np.zeros(size) for size in sizes), tight=Tight.of(structure, axes))  # type: ignore[misc]
+        if structure.taut is not None:
+            room.tension[:] = structure.taut
+        return room
 
     def react(self, holdings: Holdings) -> None:
         """Note reactions of supports on what stands still, whose forces are known."""

@@ -163,6 +163,8 @@ def _straighten(structure, contacts, state, k):
     waves = np.sqrt(max(contacts[k].tension, 0.0) / max(structure.runs.rho[run], 1e-300))
     speed = max(abs(contacts[k].speed), waves)
     contacts[k].fade = 4.0 * contacts[k].kink * speed / structure.runs.h[run]
+    if structure.runs.law[run, 0] == law.RIGID:  # over two links: these cannot give way, and would push
+        contacts[k].fade = 0.5 * contacts[k].kink * waves / structure.runs.h[run]
 
 
 @lean_inner
@@ -353,13 +355,18 @@ def _resistance(structure, room, contacts, state, table, out, k, s, since):
     run, h = contacts[k].run, structure.runs.h[contacts[k].run]
     T, stretch, along, square = 0.0, 0.0, 0.0, 0.0
     push, tangent, damper = 0.0, 0.0, 0.0
+    tight = (
+        contacts[k].moving / contacts[k].by_tension
+    )  # mean of inextensible links: what it differs by is of a step ago
     for j in range(3):
         link, q = contacts[k].link[j], contacts[k].part[j]
         if q <= 0.0 and contacts[k].change[j] == 0.0:
             continue
         length = np.sqrt(room.length[link] ** 2 + 2.0 * q * contacts[k].kink)
         stretch += q * length / contacts[k].h[j]  # not of the spline, which cuts the corner
-        own = law.tension(structure.runs.law[run], length / contacts[k].h[j] - 1.0)
+        own = tight
+        if structure.runs.law[run, 0] != law.RIGID:
+            own = law.tension(structure.runs.law[run], length / contacts[k].h[j] - 1.0)
         T += q * own
         lengthens = contacts[k].change[j] / h * contacts[k].kink / max(length, 1e-300)
         push += lengthens * own
