@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from ropewalk.capabilities import SYSTEM, WEBS, WIRES, engine_of
+from ropewalk.capabilities import SUPERPOSED, SYSTEM, WEBS, WIRES, engine_of
 from ropewalk.errors import ScenarioError
 from ropewalk.model import InnerGuided, Line
 from ropewalk.scenario import loads
@@ -51,10 +51,11 @@ def test_a_file_with_inner_supports_is_read_and_written() -> None:
         (("lines.deck.supports.pier.at=7.77777 m",), WIRES),
         (PLAIN, SYSTEM),
         ((*PLAIN, "run.kind=equilibrium", "run.until=null"), WEBS),
+        (("run.kind=linear",), SUPERPOSED),
     ],
     ids=[
         "beam", "small motion", "a mass in small motion", "a pier off its place", "a pull", "beam at rest",
-        "between nodes", "rope", "rope at rest",
+        "between nodes", "rope", "rope at rest", "the linear theory",
     ],
 )  # fmt: skip
 def test_who_computes_them(overrides: tuple[str, ...], engine: Any) -> None:
@@ -82,7 +83,6 @@ def test_what_does_not_fit_is_said_at_its_key(override: str) -> None:
 
 REFUSED = {
     "a tension": (("lines.deck.length=null", "lines.deck.tension=1 kN"), "lines.deck.tension"),
-    "the linear theory": (("run.kind=linear",), "lines.deck.supports"),
 }  # fmt: skip
 
 

@@ -324,8 +324,8 @@ def contacts_of(
     runs, first = structure.runs, structure.lines.first[contacts["line"]]
     h = np.where(runs.firm[first] > 0.0, 0.0, runs.h[first])  # no support is at the ends of a way on a net
     contacts["margin"][heavy] = MARGIN * h[heavy]
-    given = [k for k, wheel in enumerate(wheels) if wheel.margin is not None]
-    contacts["margin"][given] = [wheels[k].margin for k in given]
+    told = [k for k, wheel in enumerate(wheels) if wheel.margin is not None]
+    contacts["margin"][told] = [wheels[k].margin for k in told]
     lengths = structure.lines.length[contacts["line"]]
     for contact, wheel, length in zip(contacts, wheels, lengths, strict=True):
         contact["brake_low"], contact["brake_high"] = -np.inf, np.inf

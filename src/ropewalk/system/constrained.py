@@ -33,7 +33,7 @@ _NEUTRAL = 1e-14  # of the sum of squares, what keeps equations for the first te
 def links_of(structure: Structure) -> tuple[Integers, Array]:
     """Inextensible links by their first node, and their lengths in m."""
     runs, none = structure.runs, np.zeros(0)
-    rigid = np.flatnonzero(runs.law[:, 0] == law.RIGID) if structure.taut is not None else []
+    rigid = np.flatnonzero(runs.law[:, 0] == law.RIGID).tolist() if structure.taut is not None else []
     links = [runs.first[s] + np.arange(runs.links[s]) for s in rigid]
     lengths = [np.full(runs.links[s], runs.h[s]) for s in rigid]
     return np.concatenate([none.astype(np.int64), *links]), np.concatenate([none, *lengths])
@@ -128,6 +128,6 @@ def settle(potential: Any, start: Array) -> Array:
         if longest <= _CLOSE * size or (longest >= before and longest <= 1e3 * _CLOSE * size):
             if not potential.standing.on.size:
                 structure.taut[:] = room.tension
-            return shape
+            return np.asarray(shape)
         before = longest
     raise EquilibriumError("inextensible lines find no rest; check their lengths, supports and joints")

@@ -206,7 +206,8 @@ class Room(NamedTuple):
         """Room of the right size."""
         n, held = structure.nodes.mass.size, structure.holdings.mass.size
         sizes = [(n,)] * 9 + [(axes, n)] * 4 + [(held, axes)]
-        room = Room(*(np.zeros(size) for size in sizes), tight=Tight.of(structure, axes))  # type: ignore[misc]
+        arrays: list[Any] = [np.zeros(size) for size in sizes]
+        room = Room(*arrays, Tight.of(structure, axes))
         if structure.taut is not None:
             room.tension[:] = structure.taut
         return room

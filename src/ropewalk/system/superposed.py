@@ -65,7 +65,8 @@ class Superposed:
         measure_from_ends(contacts, structure, rest)
         contacts["margin"] = contacts["step"] = 0.0
         self._still = _Rest(structure, rest)
-        self.modes = Modes.of(*self._still.equations, free=self._still.free, count=run.modes)
+        K, M, C = self._still.equations
+        self.modes = Modes.of(K, M, C, self._still.free, run.modes)
         carried = Carried(contacts, self._tables, self._of)
         self._standing = Standing(self._linear, rest, carried)
         self._potential = Potential(self._linear, self._standing, float(np.ptp(rest, axis=1).max()))
