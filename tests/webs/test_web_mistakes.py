@@ -27,7 +27,7 @@ run: {kind: dynamic, until: 1 s}
 # What is replaced, by what; line, key and words of the only problem.
 MISTAKES = {
     "path on a line": ("speed: 1}", "speed: 1, path: [[0, 1], [1, 1]]}", 8, "loads.p.travel.path", "is for nets"),
-    "method": ("until: 1 s", "until: 1 s, method: rkn6, window: 3 m, geometry: linearised", 9, "run.method", "leave window out"),
+    "method": ("1 s", "1 s, method: rkn6, window: 3 m, geometry: linearised", 9, "run.method", "leave window out"),
     "wind that nothing feels": (
         "run: {kind: dynamic", "wind: {direction: [1, 0], speed: 5}\nrun: {kind: dynamic",
         9, "wind", "no line has wind_drag",

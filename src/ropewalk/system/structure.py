@@ -206,8 +206,8 @@ class Room(NamedTuple):
         """Room of the right size."""
         n, held = structure.nodes.mass.size, structure.holdings.mass.size
         sizes = [(n,)] * 9 + [(axes, n)] * 4 + [(held, axes)]
-        arrays: list[Any] = [np.zeros(size) for size in sizes]
-        room = Room(*arrays, Tight.of(structure, axes))
+        parts: list[Any] = [*(np.zeros(size) for size in sizes), Tight.of(structure, axes)]
+        room = Room(*parts)
         if structure.taut is not None:
             room.tension[:] = structure.taut
         return room
