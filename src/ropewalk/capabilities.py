@@ -119,7 +119,7 @@ def _of_beams(parts: Parts) -> Engine:
     """The engine of the system for motions of lines that are slack or have inner supports, or if it supports more.
 
     Linearised motions of straight lines are vertical only with the other one, which is faster for it; with an axial
-    inertia it takes longer steps, with a window fewer nodes.
+    inertia it takes longer steps on straight lines, with a window fewer nodes.
     """
     if parts.overhead or (isinstance(parts.run, Dynamic) and parts.run.window is not None and not parts.is_supported):
         return WIRES
@@ -128,8 +128,9 @@ def _of_beams(parts: Parts) -> Engine:
     refused, slack = _refused(SYSTEM, parts), False
     for line in parts.lines.values():
         slack = slack or (line is not None and (line.length or 0.0) > line.distance)
-    better = slack or (parts.is_supported and not _is_linearised(parts))
-    better = better and isinstance(parts.run, Dynamic) and parts.run.axial_inertia == 1.0
+    run, better = parts.run, False
+    if isinstance(run, Dynamic):
+        better = slack or (parts.is_supported and not _is_linearised(parts) and run.axial_inertia == 1.0)
     return SYSTEM if refused < _refused(WIRES, parts) or (better and not refused) else WIRES
 
 

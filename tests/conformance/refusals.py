@@ -53,7 +53,9 @@ _PATTERNS = {
         "no implicit method over sheaves": rf"implicit with lines over sheaves {_NOT}",
         "a joint without mass cannot hang on sheaves alone": rf"joint without mass .* {_NOT} lines over sheaves",
         "results do not hold the slip over sheaves": rf"run\.start\.kind: {_NOT} lines over sheaves",
-        "stiff lines and networks move explicitly": rf"run\.method: {_NOT} (beams|joined)",
+        "inextensible and overhead lines move explicitly": rf"run\.method: {_NOT} (beams|joined|inextensible)",
+        "inextensible lines begin near their rest": r"inextensible lines cannot begin so far",
+        "no driver and no brake on inextensible lines": rf"\.travel\.(driver|brake): {_NOT} inextensible",
         "friction of prescribed travel on ropes alone": rf"\.friction(_model)?: {_NOT}",
         "no friction of prescribed travel in linear theory, nor in spectra at an instant":
             rf"\.contact: {_NOT} (the motion of ropes|kind: linear|the spectrum)",

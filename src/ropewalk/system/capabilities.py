@@ -97,9 +97,16 @@ def _inextensible(parts: Parts) -> Iterator[Finding]:
         if getattr(load, "contact", None) in ("coulomb", "dragged"):
             remedy = "write clamped or frictionless, or give an axial_stiffness with law hooke"
             yield missing(("loads", name, "contact"), what, str(getattr(load, "contact", "")), remedy)
-        if run.start.with_loads and load is not None and isinstance(getattr(load, "travel", None), FreeTravel):
+        travel = getattr(load, "travel", None)
+        if not isinstance(travel, FreeTravel):
+            continue
+        if run.start.with_loads:
             feature, remedy = "a load that travels freely from rest on them", "leave with_loads out"
             yield missing(("loads", name, "travel", "kind"), what, "free", remedy, feature=feature)
+        for key in ("driver", "brake"):
+            if getattr(travel, key) is not None:
+                remedy = f"leave {key} out, or give an axial_stiffness with law hooke"
+                yield missing(("loads", name, "travel", key), what, "a block", remedy)
     if run.geometry == "linearised":
         feature, remedy = "linearised geometry", "write geometry: nonlinear"
         yield missing(("run", "geometry"), what, "linearised", remedy, feature=feature)

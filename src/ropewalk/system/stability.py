@@ -30,7 +30,8 @@ HARD, GROWN, PASSED = 0.5, 0.8, 0.2
 _BENDING = 80.0 / 3.0
 # Square of the angle by which lines are expected to turn from where they are heavier along than across.
 _TURNED = 0.15**2
-_STUCK = 4.0  # stiffness of a link that sticks at a sheave near one of its ends, over its own
+# Stiffness of a link that sticks at a sheave near one of its ends, over its own: that of a fortieth of it is stable.
+_STUCK = 15.0
 _SHARED = 0.7  # sum of the squares of the parts of nodes in the point of a contact, at most
 _ARCS = 1.0 + CORRECTION / 3.0 + 2.0 * SHORT / 3.0
 
