@@ -163,7 +163,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
                 clamped[s, side], turned[s, side] = 1, way if side == 0 else -way
     if nets is not None:
         nets.lump(mass, lag)
-    width = max((cable.law.size for cable in own), default=0)
+    width = max((cable.law.size for cable in own), default=1)
     runs = Runs(
         np.array(first, dtype=np.int64), np.array(links, dtype=np.int64), np.array(h),
         np.array([cable.mass for cable in own]),
