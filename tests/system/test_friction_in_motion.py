@@ -103,7 +103,7 @@ def test_a_mass_without_friction_is_held_as_on_a_rope_that_is_divided_at_it() ->
     missed = [imbalance(frames) for frames in runs]
     print(missed)
     assert missed[0] < 5e-6  # kinks are found to 1e-9: orders from 1.3 on
-    assert missed[2] < 0.3 * missed[0]
+    assert missed[2] < 0.4 * missed[0]
 
 
 def test_a_motion_does_not_begin_at_rest_with_what_rubs() -> None:

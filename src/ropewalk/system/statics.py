@@ -417,11 +417,29 @@ class Potential:
 def settle(structure: Structure, start: Array, *, within: bool = False) -> Array:
     """Places of all nodes at rest without loads next to a shape (axis, node), m; `within` as of `Potential`.
 
+    A node right at a sheave is on the tip of a cone of energy, to and fro over which it passes without end: such a line
+    stays as it was laid out, at rest as a polygon.
+
     Raises:
         EquilibriumError: no rest was found.
     """
+    laid = _copies(structure) if structure.sheaves is not None else []
     potential = Potential(structure, Standing(structure, start), float(np.ptp(start, axis=1).max()), within=within)
-    return least(potential, start.ravel()).reshape(start.shape)
+    try:
+        return least(potential, start.ravel()).reshape(start.shape)
+    except EquilibriumError:
+        if structure.sheaves is None:
+            raise
+        for array, copy in laid:
+            array[:] = copy
+        return start.copy()
+
+
+def _copies(structure: Structure) -> list[tuple[Array, Array]]:
+    """What changes as nodes pass sheaves, and copies of it."""
+    assert structure.sheaves is not None
+    parts = structure.runs.first, structure.runs.links, structure.lines.begin, structure.sheaves.ahead
+    return [(array, array.copy()) for array in parts]
 
 
 def least(potential: Potential, start: Array) -> Array:
