@@ -12,7 +12,7 @@ from typing import Any
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import missing
 from ropewalk.model.footsteps import Footsteps
-from ropewalk.model.load import AnyLoad, Foreign
+from ropewalk.model.load import AnyLoad, Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic
@@ -75,6 +75,8 @@ def _not_implicit(parts: Parts) -> Iterator[tuple[str, str]]:
             continue
         if isinstance(load, Footsteps | Walker | Foreign):
             yield "a load that decides on the way", "kind: force"
+        if isinstance(load, MovingForce) and parts.is_airy and load.travel.speed != 0.0:  # steps become ever shorter
+            yield "a force that moves along in wind", "leave wind_drag out"
         yield from _not_smooth(load)
 
 

@@ -435,7 +435,7 @@ def settle(structure: Structure, start: Array, *, within: bool = False) -> Array
         return start.copy()
 
 
-def _copies(structure: Structure) -> list[tuple[Array, Array]]:
+def _copies(structure: Structure) -> list[tuple[Any, Any]]:
     """What changes as nodes pass sheaves, and copies of it."""
     assert structure.sheaves is not None
     parts = structure.runs.first, structure.runs.links, structure.lines.begin, structure.sheaves.ahead
