@@ -358,7 +358,7 @@ def bend(structure, room, contacts, state, table, out):
                 contacts[k].place[a] = contacts[k].p[a] + contacts[k].d[a]
             continue
         stiffen(structure, room, contacts, state, table, out, k)
-        if contacts[k].frictionless == 1:
+        if contacts[k].frictionless == 1 and contacts[k].step > 0.0:  # at rest `Holding` finds it
             _hold(contacts, k, axes)
     for k in range(contacts.size):
         if structure.about.links.size == 0 and (contacts[k].state == ON or contacts[k].kink > 0.0):

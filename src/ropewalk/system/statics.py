@@ -8,6 +8,7 @@ T the mean of h T/l of the links, kinks included.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse

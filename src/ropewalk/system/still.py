@@ -67,7 +67,6 @@ class Still:
         self._carried = Carried(*contacts_of(scenario, loading, structure, assembled.on))
         refuse_beyond(scenario, loading, self._carried.contacts, structure)
         self._carried.contacts["margin"] = 0.0
-        self._carried.contacts["frictionless"] = 0  # their hold forces are found, see `Holding`
         self._scenario, self._account, self._structure, self._loading = scenario, account, structure, loading
         self._standing = Standing(structure, rest, self._carried)
         size = float(np.ptp(rest, axis=1).max())
