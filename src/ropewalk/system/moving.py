@@ -168,7 +168,10 @@ class Motion:
             account.reason = "as asked: sixth order for all nodes and bodies; contacts on a spline of the fourth order"
             frequency = largest_frequency(*parts)
             safe = RKN6_LIMIT / max(frequency, 1e-300)
-            relative = asked.precision / float((self.structure.runs.h * self.structure.runs.links).max())
+            longest = (self.structure.runs.h * self.structure.runs.links).max(
+                initial=float(np.ptp(self.rest, axis=1).max())
+            )
+            relative = asked.precision / float(longest)
             self._step = RKN6_SAFETY * rkn6_step(Bounds(frequency, 0.0), relative)
         if asked.method == "implicit":
             account.method, safe, self._step = "implicit", np.inf, asked.until
