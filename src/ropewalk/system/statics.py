@@ -8,7 +8,6 @@ T the mean of h T/l of the links, kinks included.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
@@ -418,29 +417,15 @@ class Potential:
 def settle(structure: Structure, start: Array, *, within: bool = False) -> Array:
     """Places of all nodes at rest without loads next to a shape (axis, node), m; `within` as of `Potential`.
 
-    A node right at a sheave is on the tip of a cone of energy, to and fro over which it passes without end: such a line
-    stays as it was laid out, at rest as a polygon.
-
     Raises:
         EquilibriumError: no rest was found.
     """
-    laid = _copies(structure) if structure.sheaves is not None else []
     potential = Potential(structure, Standing(structure, start), float(np.ptp(start, axis=1).max()), within=within)
     try:
         return least(potential, start.ravel()).reshape(start.shape)
-    except EquilibriumError:
-        if structure.sheaves is None:
-            raise
-        for array, copy in laid:
-            array[:] = copy
-        return start.copy()
-
-
-def _copies(structure: Structure) -> list[tuple[Any, Any]]:
-    """What changes as nodes pass sheaves, and copies of it."""
-    assert structure.sheaves is not None
-    parts = structure.runs.first, structure.runs.links, structure.lines.begin, structure.sheaves.ahead
-    return [(array, array.copy()) for array in parts]
+    except EquilibriumError as error:
+        remedy = "; where a node comes to rest right at a sheave, choose another number of elements"
+        raise EquilibriumError(f"{error}{remedy if structure.sheaves is not None else ''}") from error
 
 
 def least(potential: Potential, start: Array) -> Array:
