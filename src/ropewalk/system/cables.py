@@ -308,6 +308,8 @@ def _guess_held(structure, room, h):
             M, gained = held.mass[e], 0.0
             for n in mine:
                 M += nodes.mass[n]
+            if M == 0.0:  # a sheave that stands fast
+                continue
             for c in range(axes):
                 F = held.force[e, c]
                 for n in mine:
