@@ -12,6 +12,14 @@ from ropewalk.results.frame import ENERGY_FORMS, Account, Frame
 from ropewalk.results.running import TimeHistory
 from ropewalk.system.moving import Motion
 
+ROPE = {"start": [0, 0], "end": [20, 1], "length": 20.4, "mass": 1.0, "axial_stiffness": 1e5, "elements": 40}
+TRIPOD = {
+    "deck": {**ROPE, "axial_damping": 30.0},
+    "stay": {"start": [9, 6], "end": [10, -1.5], "end_support": {"kind": "joined", "to": "deck", "at": 10.2},
+             "length": 8.6, "mass": 0.4, "axial_stiffness": 4e4, "elements": 10},
+}  # fmt: skip
+"""A rope that sags, and the same with another one that holds it to the side."""
+
 
 def with_steps_of(scenario: Scenario, part: float) -> Scenario:
     """The same in steps of a part of those that would be taken."""

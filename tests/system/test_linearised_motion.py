@@ -26,14 +26,8 @@ from ropewalk.system.standing import Standing
 from ropewalk.system.statics import Potential, about_rest, at_rest
 from ropewalk.theory import beam_crossing
 from ropewalk.theory.image_sum import travelling_force
-from system_cases import frames_of, imbalance, scenario, with_steps_of
+from system_cases import ROPE, TRIPOD, frames_of, imbalance, scenario, with_steps_of
 
-ROPE = {"start": [0, 0], "end": [20, 1], "length": 20.4, "mass": 1.0, "axial_stiffness": 1e5, "elements": 40}
-TRIPOD = {
-    "deck": {**ROPE, "axial_damping": 30.0},
-    "stay": {"start": [9, 6], "end": [10, -1.5], "end_support": {"kind": "joined", "to": "deck", "at": 10.2},
-             "length": 8.6, "mass": 0.4, "axial_stiffness": 4e4, "elements": 10},
-}  # fmt: skip
 SAGGING = {**ROPE, "bending_stiffness": 50.0}
 GEOMETRIES = ("linearised", "nonlinear")
 STRUCTURES = {"slack rope": {"deck": ROPE}, "joined ropes": TRIPOD, "stiff cable": {"deck": SAGGING}}
