@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from ropewalk.linear import capabilities as linear
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import Capabilities, missing, refusal
-from ropewalk.model.law import Inextensible
 from ropewalk.model.load import AnyLoad, Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.pantograph import Pantograph
@@ -45,25 +44,14 @@ def engine_of(asked: Parts | Scenario) -> Engine:
         return _of_linear_theory(parts)
     if parts.is_web:
         return _of_networks(parts)
-    if parts.is_stiff:
-        return _of_beams(parts)
-    return SYSTEM if _moves_inextensible(parts) else _of_ropes(parts)
-
-
-def has_inextensible(parts: Parts) -> bool:
-    """Whether a line is inextensible."""
-    return any(isinstance(line.law, Inextensible) for line in parts.lines.values() if line is not None)
-
-
-def _moves_inextensible(parts: Parts) -> bool:
-    return isinstance(parts.run, Dynamic) and has_inextensible(parts)
+    return _of_beams(parts) if parts.is_stiff else _of_ropes(parts)
 
 
 def _of_linear_theory(parts: Parts) -> Engine:
     """Closed forms of lines by themselves, or the modes of what is joined, held on its way or a surface."""
     if parts.overhead:
         return LINEAR
-    if _runs_over_sheaves(parts):
+    if parts.runs_over_sheaves:
         return WEBS
     return SUPERPOSED if parts.is_web or parts.is_supported else LINEAR
 
@@ -83,7 +71,7 @@ def _of_ropes(parts: Parts) -> Engine:
     if not isinstance(run, Dynamic):
         return ROPES
     rubs = any(_rubs(load) for load in parts.loads.values())
-    if rubs or run.axial_inertia != 1.0 or _is_linearised(parts):
+    if rubs or run.axial_inertia != 1.0 or _is_linearised(parts) or parts.has_inextensible:
         return SYSTEM
     return SYSTEM if _asks_for_a_method(parts) and _refused(SYSTEM, parts) < _refused(ROPES, parts) else ROPES
 
@@ -104,15 +92,11 @@ def _of_networks(parts: Parts) -> Engine:
     first order of the mesh on splines, where these bend sharply.
     """
     moves = isinstance(parts.run, Dynamic)
-    if _runs_over_sheaves(parts):
+    if parts.runs_over_sheaves:
         return SYSTEM if moves else WEBS
     refused = _refused(SYSTEM, parts)
     better = (moves and not refused) or _is_linearised(parts) or bool(parts.nets) or _asks_for_a_method(parts)
     return SYSTEM if better or refused < _refused(WEBS, parts) else WEBS
-
-
-def _runs_over_sheaves(parts: Parts) -> bool:
-    return any(line is not None and line.sheaves for line in parts.lines.values())
 
 
 def _of_beams(parts: Parts) -> Engine:
@@ -165,7 +149,7 @@ def engine_of_spectrum(scenario: Scenario, *, with_loads: bool) -> Engine:
 
     With loads, the one that is exact at rest.
     """
-    if _runs_over_sheaves(scenario.parts):
+    if scenario.parts.runs_over_sheaves:
         return WEBS
     refused = _of_rest(SYSTEM, scenario, with_loads=with_loads) or list(_blown(scenario))
     if not refused and not (with_loads and scenario.loads):
@@ -175,7 +159,7 @@ def engine_of_spectrum(scenario: Scenario, *, with_loads: bool) -> Engine:
 
 def engine_at(scenario: Scenario) -> Engine:
     """Choose the engine that finds the spectrum of a network at an instant of its motion."""
-    only = _runs_over_sheaves(scenario.parts)
+    only = scenario.parts.runs_over_sheaves
     return WEBS if only or not _of_rest(WEBS, scenario, with_loads=True) else SYSTEM
 
 

@@ -18,7 +18,6 @@ from ropewalk.capabilities import (
     engine_at,
     engine_of,
     engine_of_spectrum,
-    has_inextensible,
     is_system_linearised,
 )
 from ropewalk.checkpoint import Tree
@@ -297,10 +296,9 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
         scenario = scenario.model_copy(update={"run": run.model_copy(update={"geometry": "nonlinear"})})
     if at is not None:
         run = _check_instant(scenario, at)
-    tight = has_inextensible(scenario.parts)
-    if scenario.is_web or tight:
+    if scenario.is_web or scenario.parts.has_inextensible:
         engine = engine_of_spectrum(scenario, with_loads=with_loads) if at is None else engine_at(scenario)
-        if engine is SYSTEM or tight:
+        if engine is SYSTEM:
             from ropewalk.system import spectrum as system  # lazy: a run does not need the eigenvalue solvers
 
             if at is not None:

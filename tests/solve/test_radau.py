@@ -14,10 +14,11 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import CONTACT, LINE_DAMPING, LOAD_WORK, OFF, Buffers, State
 from ropewalk.model import Scenario
 from ropewalk.solve.banded import factorise, substitute
-from ropewalk.solve.collocation import REJECTIONS, A, C, E, balance
+from ropewalk.solve.collocation import REJECTIONS, E, balance
 from ropewalk.solve.composition import VERLET
 from ropewalk.solve.jacobian import linearise
 from ropewalk.solve.radau import NO_CONVERGENCE, advance_implicit, workspace_for
+from ropewalk.solve.radau_iia import A, C
 from ropewalk.solve.splitting import END_OF_LINE, NOT_FINITE, RUNNING, TOO_MANY_STEPS, advance
 from ropewalk.solve.start import Setting, setting_of, start_state
 

@@ -21,7 +21,8 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.model import Linear, Scenario
 from ropewalk.results.frame import Account, Frame
 from ropewalk.simulate import output_times, simulate
-from ropewalk.solve.modal import STAGES, Modes, Step
+from ropewalk.solve.modal import Modes, Step
+from ropewalk.solve.radau_iia import C as STAGES
 from ropewalk.system.superposed import Superposed
 from ropewalk.theory import beam_crossing
 from ropewalk.theory import membrane as theory

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ropewalk.errors import RopewalkError
 from ropewalk.linear.chord import Chord, chords
 from ropewalk.linear.field import Field
 from ropewalk.linear.ride import Ride, ride_of
@@ -17,6 +16,7 @@ from ropewalk.model.load import MovingForce
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, Account, Contacts, Frame
 from ropewalk.solve.start import Setting
+from ropewalk.solve.superposition import passed_an_end
 
 _OF_LOADS = [ENERGY_FORMS.index(form) for form in ("load_kinetic", "load_potential")]
 _IN_IMPACTS = ENERGY_FORMS.index("contact_dissipation")
@@ -57,10 +57,7 @@ def _refuse_to_pass(setting: Setting, scenario: Scenario, fields: list[Field], t
             off = (place < -slack) | (place > field.chord.length + slack)
             if setting.loads.at_end[k] == REFUSE and off.any():
                 name, t = setting.wheels[int(k)].load, float(times[int(off.argmax())])
-                raise RopewalkError(
-                    f"loads.{name}.travel.at_end: the load has passed an end of its line at t = {t:.4g} s; write "
-                    "leave, or end the run before"
-                )
+                raise passed_an_end(name, t)
 
 
 def _frame(

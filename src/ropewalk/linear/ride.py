@@ -20,6 +20,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account
 from ropewalk.solve.multibody import Multibody, multibody_of
 from ropewalk.solve.start import Setting
+from ropewalk.solve.superposition import held_by_pulling
 from ropewalk.theory import beam, string
 from ropewalk.theory.beam_flight import MODES
 from ropewalk.theory.image_sum import travelling_force
@@ -241,10 +242,7 @@ def _vehicle(body: Multibody) -> beam.Vehicle:
 
 
 def _mention_pull(name: str, time: float, remedy: str, account: Account) -> None:
-    account.warnings.append(
-        f"load {name}: contact is lost at t = {time:.4g} s, from where on this solution holds the wheel to the line by "
-        f"pulling; {remedy}"
-    )
+    account.warnings.append(held_by_pulling(name, time, remedy))
 
 
 def _vectors(chord: Chord, moved: Array, rate: Array) -> tuple[Array, Array]:

@@ -6,16 +6,18 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.errors import RopewalkError
 from ropewalk.linear.chord import Chord
 from ropewalk.mechanics.chain import Array
-from ropewalk.solve.modal import STAGES, Complex, Step, alone
+from ropewalk.solve.crossings import CLOSE, LOOKS, crossings
+from ropewalk.solve.modal import Complex, Step, alone
+from ropewalk.solve.radau_iia import C as STAGES
 
 _LEFT_OUT = 1e-6  # of the deflection under a force at rest in the middle
 _MOST = 2000  # modes
 _TURN = 0.5  # by which the argument of the highest sine changes in a step
-_CLOSE = 1e-12  # of the time: when a force comes to its line
 
 
 class Series:
@@ -55,24 +57,19 @@ class Series:
 
     def _boundaries(self, jumps: Array, until: float) -> Array:
         """Instants between steps: at jumps, as a force comes and goes, and so close that its place changes little."""
-        looks = np.linspace(0.0, until, 1001)
-        on = self._is_on(looks)
-        events = [0.0, until, *jumps[(jumps > 0.0) & (jumps < until)]]
-        for i in np.flatnonzero(on[1:] != on[:-1]):
-            low, high = float(looks[i]), float(looks[i + 1])
-            while high - low > _CLOSE * until:
-                middle = 0.5 * (low + high)
-                low, high = (middle, high) if self._is_on(np.array([middle]))[0] == on[i] else (low, middle)
-            events.append(0.5 * (low + high))
+        looks = np.linspace(0.0, until, LOOKS + 1)
+        seen = self._is_on(looks)[:, None]
+        comings = crossings(looks, seen, lambda t: self._is_on(np.array([t])), CLOSE * until)
+        events = [0.0, until, *jumps[(jumps > 0.0) & (jumps < until)], *comings]
         found, instants = [np.zeros(1)], np.unique(np.array(events))
         for begin, end in pairwise(instants):
             turns = float(np.abs(np.diff(self._path(np.linspace(begin, end, 33)))).sum() * self._k.max())
             found.append(np.linspace(begin, end, max(2, int(np.ceil(turns / _TURN))) + 1)[1:])
         return np.concatenate(found)
 
-    def _is_on(self, t: Array) -> Array:
+    def _is_on(self, t: Array) -> NDArray[np.bool_]:
         x = self._path(t)
-        return np.asarray((x >= 0.0) & (x <= self._chord.length))
+        return (x >= 0.0) & (x <= self._chord.length)
 
     def _go(self, step: Step, z: Complex, places: Array, sizes: Array) -> Complex:
         """One step of all modes, with places and sizes of the force at its stages."""

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from ropewalk.model.joint import Joint
+from ropewalk.model.law import Inextensible
 from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad
 from ropewalk.model.net import AnyNet
@@ -54,6 +55,16 @@ class Parts:
     def is_stiff(self) -> bool:
         """Whether lines have bending stiffness or a bed, or there are overhead lines."""
         return bool(self.overhead) or any(line is not None and line.is_stiff for line in self.lines.values())
+
+    @property
+    def runs_over_sheaves(self) -> bool:
+        """Whether a line does."""
+        return any(line is not None and bool(line.sheaves) for line in self.lines.values())
+
+    @property
+    def has_inextensible(self) -> bool:
+        """Whether a line is inextensible."""
+        return any(line is not None and isinstance(line.law, Inextensible) for line in self.lines.values())
 
     def complete(self) -> Iterator[tuple[str, AnyLoad, str, Line]]:
         """List the loads that are themselves right and stand on a line that is, too: name, load, line's name, line."""

@@ -45,17 +45,10 @@ from ropewalk.mechanics.rider import (
 )
 from ropewalk.solve.banded import substitute
 from ropewalk.solve.jacobian import shifted
+from ropewalk.solve.radau_iia import A
 from ropewalk.solve.splitting import _pull_beside
 
 _S = np.sqrt(6.0)
-C = np.array([(4.0 - _S) / 10.0, (4.0 + _S) / 10.0, 1.0])
-A = np.array(
-    [
-        [(88.0 - 7.0 * _S) / 360.0, (296.0 - 169.0 * _S) / 1800.0, (-2.0 + 3.0 * _S) / 225.0],
-        [(296.0 + 169.0 * _S) / 1800.0, (88.0 + 7.0 * _S) / 360.0, (-2.0 - 3.0 * _S) / 225.0],
-        [(16.0 - _S) / 36.0, (16.0 + _S) / 36.0, 1.0 / 9.0],
-    ]
-)
 D = np.linalg.inv(A)
 D_SUM = D.sum(axis=1)
 # Weights of the embedded error estimate: dt times the derivative at the start less that of the collocation polynomial.

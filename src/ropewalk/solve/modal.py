@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from ropewalk.errors import EquilibriumError, RopewalkError
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.solve.free_vibration import lowest
+from ropewalk.solve.radau_iia import C as STAGES
 from ropewalk.solve.symmetric import Solver
 
 Complex = NDArray[np.complex128]
@@ -30,8 +31,6 @@ AMONG = 400  # modes that are taken of more unknowns, if nothing is said
 _ALONE = 1e-10  # of the damping of two modes: what couples them is nothing
 _APART = 1e-6  # of a frequency: damping that is as close to the critical one is taken this much off it
 _CLEAN = 1e-7  # of all rates: what coupled modes miss of their equations
-# Stages of a step, at which forces are known or found: Radau's, of which the last one is its end.
-STAGES: Array = np.array([(4.0 - np.sqrt(6.0)) / 10.0, (4.0 + np.sqrt(6.0)) / 10.0, 1.0])
 _POWERS: Array = np.asarray(np.linalg.inv(np.vander(STAGES, increasing=True)).T, dtype=np.float64)
 """(stage, power) of the polynomials that are one at a stage and zero at the others."""
 RATE_AT_END: Array = _POWERS @ np.arange(3.0)

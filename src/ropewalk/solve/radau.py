@@ -17,8 +17,6 @@ from ropewalk.solve.collocation import (
     JACOBIANS,
     MOST_ITERATIONS,
     REJECTIONS,
-    A,
-    C,
     Workspace,
     balance,
     estimate,
@@ -28,6 +26,7 @@ from ropewalk.solve.collocation import (
     stage_of,
 )
 from ropewalk.solve.jacobian import linearise
+from ropewalk.solve.radau_iia import A, C
 from ropewalk.solve.splitting import (
     END_OF_LINE,
     NO_CONVERGENCE,

@@ -20,17 +20,12 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array, Integers
-from ropewalk.solve.modal import RATE_AT_END, STAGES, Complex, Modes, Step
+from ropewalk.solve.modal import RATE_AT_END, Complex, Modes, Step
+from ropewalk.solve.radau_iia import A as RADAU
+from ropewalk.solve.radau_iia import C as STAGES
 
-_ROOT = np.sqrt(6.0)
-RADAU: Array = np.array(
-    [
-        [(88.0 - 7.0 * _ROOT) / 360.0, (296.0 - 169.0 * _ROOT) / 1800.0, (-2.0 + 3.0 * _ROOT) / 225.0],
-        [(296.0 + 169.0 * _ROOT) / 1800.0, (88.0 + 7.0 * _ROOT) / 360.0, (-2.0 - 3.0 * _ROOT) / 225.0],
-        [(16.0 - _ROOT) / 36.0, (16.0 + _ROOT) / 36.0, 1.0 / 9.0],
-    ]
-)
 # What half the steps may change of the largest displacement, and how many times more of the largest contact force, in
 # which the shortest waves of the mesh ring on.
 TOLERANCE, _RINGING = 1e-5, 100.0
@@ -360,6 +355,22 @@ class Superposition:
             ]
             velocity = velocity + np.tensordot(RATE_AT_END / pressed.h, follows, axes=1)
         return Moment(seen.u, seen.w, seen.force, place, velocity, acceleration)
+
+
+def passed_an_end(load: str, t: float) -> RopewalkError:
+    """Say that a load has passed an end of its line at t in s, which it must not."""
+    return RopewalkError(
+        f"loads.{load}.travel.at_end: the load has passed an end of its line at t = {t:.4g} s; write leave, or end the "
+        "run before"
+    )
+
+
+def held_by_pulling(wheel: str, t: float, remedy: str) -> str:
+    """Say that a wheel would have left its line at t in s."""
+    return (
+        f"load {wheel}: contact is lost at t = {t:.4g} s, from where on this solution holds the wheel to the line by "
+        f"pulling; {remedy}"
+    )
 
 
 def _differ(values: Array, before: Array) -> float:

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ropewalk.mechanics.chain import Array, Integers
-from ropewalk.system.contacts import GONE, PRESCRIBED
+from ropewalk.system.contacts import GONE, ON, PRESCRIBED
 from ropewalk.system.structure import State, Structure
 from ropewalk.system.travel import Tables
 
-AWAY, ON, STOPPED = 0, 1, 2
+STOPPED = 3  # beside the states of contacts: at an end of its line
 # Parts of the time ahead of which each is looked at; what comes and goes within one of them is not seen.
 _PARTS = 16
 

@@ -19,14 +19,13 @@ from scipy import optimize
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import CLAMPED, COULOMB, DRAGGED, FRICTIONLESS, Array, Integers
+from ropewalk.system.friction import SHARP, STRAIGHT
 from ropewalk.system.structure import Runs, Structure
 
 # Forces of the line along itself come out to this part of those on it: above the rounding of shapes at rest.
 _EQUAL = 1e-8
 # Links from a contact, where its line is as beyond the kink.
 _BESIDE = 1.5
-# Half the angle below which a line does not turn.
-_STRAIGHT = 1e-6
 
 
 def beside(contact: Any, runs: Runs, tension: Array) -> tuple[float, float]:
@@ -68,8 +67,8 @@ class Grip(NamedTuple):
         """Force along the line that the friction of a contact bears, N."""
         mu = float(contact["friction"])
         if contact["block"]:
-            return mu / max(float(np.cos(self.half)), 1e-3) * self.across
-        return (float(np.tanh(mu * self.half) / np.sin(self.half)) if self.half > _STRAIGHT else mu) * self.across
+            return mu / max(float(np.cos(self.half)), SHARP) * self.across
+        return (float(np.tanh(mu * self.half) / np.sin(self.half)) if self.half > STRAIGHT else mu) * self.across
 
     def needed(self, contact: Any) -> float:
         """The friction coefficient that a contact needs at least."""
@@ -80,7 +79,7 @@ class Grip(NamedTuple):
         ratio = abs(self.along) / self.across
         if contact["block"]:
             return float(ratio * np.cos(self.half))
-        if self.half <= _STRAIGHT:
+        if self.half <= STRAIGHT:
             return ratio
         part = ratio * np.sin(self.half)
         return float(np.arctanh(part) / self.half) if part < 1.0 else np.inf

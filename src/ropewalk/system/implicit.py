@@ -21,8 +21,9 @@ from scipy.sparse.linalg import splu
 
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.run import ACCURACY
-from ropewalk.solve.collocation import D_SUM, PAIR, REAL, T_INVERSE, A, C, D, E, T
+from ropewalk.solve.collocation import D_SUM, PAIR, REAL, T_INVERSE, D, E, T
 from ropewalk.solve.radau import GROWTH, LOCAL, NEWTON, SAFETY
+from ropewalk.solve.radau_iia import A, C
 from ropewalk.system import motion
 from ropewalk.system.arrivals import next_change
 from ropewalk.system.carrier import System

@@ -64,7 +64,7 @@ def _not_of_sixth_order(parts: Parts) -> Iterator[tuple[str, str]]:
 
 def _over_sheaves(parts: Parts) -> Iterator[tuple[str, str]]:
     """Nodes pass them all of a sudden, and friction knows the slip before."""
-    if any(line is not None and line.sheaves for line in parts.lines.values()):
+    if parts.runs_over_sheaves:
         yield "lines over sheaves", "end the line at the sheave"
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,7 +35,6 @@ from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
 from ropewalk.system.frames import FrameBuilder
 from ropewalk.system.holding import on_friction
-from ropewalk.system.implicit import Implicit
 from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.stability import GROWN, SAFETY, largest_frequency, largest_step, waves_of, while_passing
@@ -44,6 +43,9 @@ from ropewalk.system.statics import Potential, about_rest, at_rest, least, tensi
 from ropewalk.system.structure import WORKS, Room, State
 from ropewalk.system.window import Window
 from ropewalk.webs.lengths import doubt_slack
+
+if TYPE_CHECKING:
+    from ropewalk.system.implicit import Implicit
 
 # Part of a run for which a load may be faster than the waves of its line, as where that is slack for a while.
 LONG = 0.2
@@ -135,6 +137,8 @@ class Motion:
         self._window = None if asked.window is None else Window(self.structure, asked.window)
         self._implicit: Implicit | None = None
         if asked.method == "implicit":
+            from ropewalk.system.implicit import Implicit  # lazy: few runs need it
+
             longest = asked.until if asked.step is None else asked.step
             stable = largest_step(self.structure, self.contacts, self.bodies, self.rest)
             self._implicit = Implicit(self._system(), self.rest, asked.precision, longest, stable)
@@ -223,10 +227,7 @@ class Motion:
         """The step in s that tensions of inextensible lines allow that bear what is there at the beginning."""
         if (tight := self._room.tight) is None:
             return float("inf")
-        standing = Standing(self.structure, self.rest, Carried(self.contacts, self.tables, self.bodies), as_moving=True)
-        standing.stand(0.0, self.rest)
-        potential = Potential(self.structure, standing, float(np.ptp(self.rest, axis=1).max()))
-        pull = self._room.tension
+        potential, pull = self._bearing(), self._room.tension
         with (
             suppress(EquilibriumError),
             np.errstate(all="ignore"),
@@ -252,6 +253,13 @@ class Motion:
             self._A, self._b, self._method,
         )  # fmt: skip
 
+    def _bearing(self) -> Potential:
+        """Potential energy of lines and of the loads where they begin, with kinks as in motion."""
+        carried = Carried(self.contacts, self.tables, self.bodies)
+        standing = Standing(self.structure, self.rest, carried, as_moving=True)
+        standing.stand(0.0, self.rest)
+        return Potential(self.structure, standing, float(np.ptp(self.rest, axis=1).max()))
+
     def _settle(self) -> None:
         """Let lines and loads rest together, with kinks as in the steps to come.
 
@@ -260,12 +268,9 @@ class Motion:
         """
         if self.times.size > 1 and self._gives_way:
             self.contacts["step"] = self._in_steps(1)[1]
-        carried = Carried(self.contacts, self.tables, self.bodies)
-        standing = Standing(self.structure, self.rest, carried, as_moving=True)
-        standing.stand(0.0, self.rest)
-        potential = Potential(self.structure, standing, float(np.ptp(self.rest, axis=1).max()))
+        potential = self._bearing()
         r, u = potential.put(least(potential, potential.taken()))
-        self.state.r[:], self.state.u[:] = r, u[: standing.own]
+        self.state.r[:], self.state.u[:] = r, u[: potential.standing.own]
         if self._room.tight is not None:
             self._room.tension[:] = potential.room.tension
 

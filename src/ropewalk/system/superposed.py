@@ -14,15 +14,23 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
-from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.assembly import axes_of
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
+from ropewalk.solve.crossings import CLOSE, LOOKS, crossings
 from ropewalk.solve.modal import Modes
-from ropewalk.solve.superposition import TOLERANCE, Bodies, Moment, Stretch, Superposition
+from ropewalk.solve.superposition import (
+    TOLERANCE,
+    Bodies,
+    Moment,
+    Stretch,
+    Superposition,
+    held_by_pulling,
+    passed_an_end,
+)
 from ropewalk.system.assembly import Assembled, contacts_of, refuse_beyond, structure_of
 from ropewalk.system.frames import FrameBuilder
 from ropewalk.system.passing import Passing
@@ -34,7 +42,6 @@ from ropewalk.webs.lengths import doubt_slack
 
 _STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
 _KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]
-_LOOKS, _CLOSE = 1000, 1e-12  # instants at which it is asked who is on a line; of the time: when who comes and goes
 _LINKS = 0.5  # of a link, that contacts go in the longest step
 _LITTLE = 1e-4  # of the largest displacement, over which differences are taken
 
@@ -146,7 +153,7 @@ class Superposed:
         jumps = np.concatenate([tables.speed_time, tables.force_time])
         events = [*self._times, *jumps[(jumps > 0.0) & (jumps < until)], *self._comings(until)]
         instants = np.unique(np.array(events))
-        kept = np.concatenate([[True], np.diff(instants) > _CLOSE * until])
+        kept = np.concatenate([[True], np.diff(instants) > CLOSE * until])
         instants = instants[kept]
         shown = {int(np.abs(instants - t).argmin()) for t in self._times}
         contacts = self._standing.contacts
@@ -165,27 +172,16 @@ class Superposed:
     def _refuse_to_leave(self, off: NDArray[np.bool_], t: float) -> None:
         for k in np.flatnonzero(off & (self._standing.contacts["refuses"] == 1)):
             name = self._builder.loading.wheels[int(k)].load
-            raise RopewalkError(
-                f"loads.{name}.travel.at_end: the load has passed an end of its line at t = {t:.4g} s; write leave, or "
-                "end the run before"
-            )
+            raise passed_an_end(name, t)
 
     def _comings(self, until: float) -> Iterator[float]:
         """Instants at which loads come to their lines or leave them, s."""
         nobody = np.zeros(self._standing.contacts.size, dtype=np.bool_)
         if not nobody.size:
             return
-        looks = np.unique(np.concatenate([np.linspace(0.0, until, _LOOKS), self._times]))
-        on = np.array([self._passing.whether_on(float(t), nobody) for t in looks])
-        for i, k in zip(*np.nonzero(on[1:] != on[:-1]), strict=True):
-            low, high = float(looks[i]), float(looks[i + 1])
-            while high - low > _CLOSE * until:
-                middle = 0.5 * (low + high)
-                if self._passing.whether_on(middle, nobody)[k] == on[i, k]:
-                    low = middle
-                else:
-                    high = middle
-            yield 0.5 * (low + high)
+        looks = np.unique(np.concatenate([np.linspace(0.0, until, LOOKS), self._times]))
+        seen = np.array([self._passing.whether_on(float(t), nobody) for t in looks])
+        yield from crossings(looks, seen, lambda t: self._passing.whether_on(t, nobody), CLOSE * until)
 
     def _ask_contact(self, t: float, moment: Moment, lost: set[int]) -> None:
         """Note once where a contact holds a wheel by pulling."""
@@ -194,10 +190,8 @@ class Superposed:
             if k not in lost:
                 lost.add(int(k))
                 name = self._builder.loading.wheels[int(k)].name
-                self._account.warnings.append(
-                    f"load {name}: contact is lost at t = {t:.4g} s, from where on this solution holds the wheel "
-                    "to the line by pulling; kind: dynamic with lift_off: true lets it fly"
-                )
+                remedy = "kind: dynamic with lift_off: true lets it fly"
+                self._account.warnings.append(held_by_pulling(name, t, remedy))
 
     def _frame(self, t: float, moment: Moment, on: NDArray[np.bool_]) -> Frame:
         standing, potential, dim = self._standing, self._potential, self.rest.shape[0]

@@ -20,8 +20,7 @@ def _beside_others(parts: Parts) -> Iterator[Finding]:
 
 def _over_sheaves(parts: Parts) -> Iterator[Finding]:
     """Results do not hold how far lines have run over their sheaves."""
-    runs_over = any(line is not None and line.sheaves for line in parts.lines.values())
-    if runs_over and isinstance(parts.run, Dynamic) and parts.run.start.kind == "result":
+    if parts.runs_over_sheaves and isinstance(parts.run, Dynamic) and parts.run.start.kind == "result":
         yield missing(("run", "start", "kind"), "lines over sheaves", "result", "start at rest, or from a mode")
 
 
