@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from ropewalk.linear import capabilities as linear
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import Capabilities, missing, refusal
-from ropewalk.model.load import AnyLoad, Foreign, MovingForce
+from ropewalk.model.load import RUBBING, AnyLoad, Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
-from ropewalk.model.run import Dynamic, Equilibrium, Linear
+from ropewalk.model.run import HIGH_ORDER, Dynamic, Equilibrium, Linear
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.walker import Walker
 from ropewalk.solve import capabilities as ropes
@@ -78,11 +78,11 @@ def _of_ropes(parts: Parts) -> Engine:
 
 def _asks_for_a_method(parts: Parts) -> bool:
     """Whether it names one that only ropes and the system have."""
-    return isinstance(parts.run, Dynamic) and parts.run.method in ("rkn6", "implicit")
+    return isinstance(parts.run, Dynamic) and parts.run.method in HIGH_ORDER
 
 
 def _rubs(load: AnyLoad | None) -> bool:
-    return isinstance(load, MovingForce) and load.contact in ("coulomb", "dragged")
+    return isinstance(load, MovingForce) and load.contact in RUBBING
 
 
 def _of_networks(parts: Parts) -> Engine:

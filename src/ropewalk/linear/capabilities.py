@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import Capabilities, missing
+from ropewalk.model.capabilities import OF_LINEAR_THEORY, Capabilities, missing
 from ropewalk.model.history import SpeedTable, rows
 from ropewalk.model.line import Line
 from ropewalk.model.mass import MovingMass
@@ -122,14 +122,7 @@ CAPABILITIES = Capabilities(
         "lines.law.kind": ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table"),
         "lines.start_support.clamped": (False,),
         "lines.end_support.clamped": (False,),
-        "loads.kind": ("force", "mass", "oscillator", "vehicle", "matrices"),
-        "loads.travel.kind": ("prescribed",),
-        "loads.travel.margin": (None,),
-        "loads.contact": ("clamped", "frictionless"),
-        "loads.friction": (None,),
-        "loads.friction_model": ("capstan",),
-        "loads.contact_stiffness": (None,),
-        "loads.air_drag": (0.0,),
+        **OF_LINEAR_THEORY,
     },
     instead={
         "lines.law.kind": "ask for kind: quasistatic or equilibrium, or give an axial_stiffness with law hooke",

@@ -14,6 +14,18 @@ from ropewalk.model.quantity import unit_of
 _DECIDES = {"kind": "", "contact": "friction"}
 """Keys without whose value other keys of the same block, which begin so, are not looked at."""
 
+OF_LINEAR_THEORY: Mapping[str, tuple[Any, ...]] = {
+    "loads.kind": ("force", "mass", "oscillator", "vehicle", "matrices"),
+    "loads.travel.kind": ("prescribed",),
+    "loads.travel.margin": (None,),
+    "loads.contact": ("clamped", "frictionless"),
+    "loads.friction": (None,),
+    "loads.friction_model": ("capstan",),
+    "loads.contact_stiffness": (None,),
+    "loads.air_drag": (0.0,),
+}
+"""What the linear theory supports of loads, by closed forms as by modes."""
+
 
 @dataclass(frozen=True)
 class Capabilities:

@@ -24,6 +24,8 @@ from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 
 Contact = Literal["clamped", "frictionless", "coulomb", "dragged"]
+RUBBING = ("coulomb", "dragged")
+"""Contacts whose prescribed travel rubs."""
 
 
 class MovingForce(Declaration):
@@ -59,7 +61,7 @@ class MovingForce(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         findings = []
-        if self.contact in ("coulomb", "dragged") and self.friction is None:
+        if self.contact in RUBBING and self.friction is None:
             remedy = "add friction: its coefficient, for example 0.3"
             findings.append(Finding(("friction",), f"is missing, contact {self.contact} needs it", remedy=remedy))
         if self.contact == "frictionless" and self.friction:

@@ -13,6 +13,8 @@ from ropewalk.model.quantity import Count, Direction, Factor, PositiveLength, Po
 
 Geometry = Literal["nonlinear", "linearised"]
 Method = Literal["auto", "explicit", "verlet", "rkn6", "implicit"]
+HIGH_ORDER = ("rkn6", "implicit")
+"""Methods of a higher order than the second, which need forces that are smooth."""
 ACCURACY = 1e-3
 """Accuracy in time of the positions where none is asked for, m."""
 

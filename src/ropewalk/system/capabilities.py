@@ -6,19 +6,19 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import missing, supported_by_tension
+from ropewalk.model.capabilities import OF_LINEAR_THEORY, missing, supported_by_tension
 from ropewalk.model.division import links_of_line
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import rows
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import Inextensible
 from ropewalk.model.line import Line
-from ropewalk.model.load import Foreign, MovingForce
+from ropewalk.model.load import RUBBING, Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
-from ropewalk.model.run import Dynamic
+from ropewalk.model.run import HIGH_ORDER, Dynamic
 from ropewalk.model.support import Moving
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.vehicle import Vehicle
@@ -87,14 +87,14 @@ def _inextensible(parts: Parts) -> Iterator[Finding]:
                 yield missing(("lines", name, key), what, f"{getattr(line, key):g}", remedy)
     if not found or not isinstance(run, Dynamic):
         return
-    if run.method in ("rkn6", "implicit"):
+    if run.method in HIGH_ORDER:
         yield missing(("run", "method"), what, run.method, "use auto or verlet")
     if run.window is not None:
         yield missing(("run", "window"), what, "a window", "leave it out")
     if run.axial_inertia != 1.0:
         yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave it out")
     for name, load in parts.loads.items():
-        if getattr(load, "contact", None) in ("coulomb", "dragged"):
+        if getattr(load, "contact", None) in RUBBING:
             remedy = "write clamped or frictionless, or give an axial_stiffness with law hooke"
             yield missing(("loads", name, "contact"), what, str(getattr(load, "contact", "")), remedy)
         travel = getattr(load, "travel", None)
@@ -134,7 +134,7 @@ def _joined_to(name: str, parts: Parts) -> Iterator[float]:
 def _accuracy(parts: Parts) -> Iterator[Finding]:
     """Verlet's steps are as long as they are stable; what that makes of the accuracy is not known."""
     run = parts.run
-    if isinstance(run, Dynamic) and run.accuracy is not None and run.method not in ("rkn6", "implicit"):
+    if isinstance(run, Dynamic) and run.accuracy is not None and run.method not in HIGH_ORDER:
         remedy = "write method: rkn6 or implicit, or step, or leave accuracy out"
         yield missing(("run", "accuracy"), f"{_SYSTEM} by Verlet's method", f"{run.accuracy:g} m", remedy)
 
@@ -309,15 +309,8 @@ LINEAR = replace(
     only={
         "run.kind": ("linear",),
         "lines.law.kind": webs.MOTION.only["lines.law.kind"],
-        "loads.kind": ("force", "mass", "oscillator", "vehicle", "matrices"),
-        "loads.travel.kind": ("prescribed",),
-        "loads.travel.margin": (None,),
-        "loads.contact": ("clamped", "frictionless"),
-        "loads.friction": (None,),
-        "loads.friction_model": ("capstan",),
+        **OF_LINEAR_THEORY,
         "loads.lift_off": (False,),
-        "loads.contact_stiffness": (None,),
-        "loads.air_drag": (0.0,),
     },
     instead={
         **MOTION.instead,

@@ -12,10 +12,10 @@ from typing import Any
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import missing
 from ropewalk.model.footsteps import Footsteps
-from ropewalk.model.load import AnyLoad, Foreign, MovingForce
+from ropewalk.model.load import RUBBING, AnyLoad, Foreign, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.parts import Parts
-from ropewalk.model.run import Dynamic
+from ropewalk.model.run import HIGH_ORDER, Dynamic
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
 
@@ -26,7 +26,7 @@ def of_methods(parts: Parts) -> Iterator[Finding]:
     """Find what the method asked for does not bear."""
     if not isinstance(parts.run, Dynamic):
         return
-    if parts.run.method in ("rkn6", "implicit") and parts.run.window is not None:
+    if parts.run.method in HIGH_ORDER and parts.run.window is not None:
         asked, remedy = parts.run.method, "use auto or verlet, or leave window out"
         yield missing(("run", "method"), _MOTION, asked, remedy, feature=f"{asked} with a window")
     if parts.run.method == "implicit" and parts.run.axial_inertia != 1.0:
@@ -88,7 +88,7 @@ def _not_smooth(load: AnyLoad) -> Iterator[tuple[str, str]]:
     elif travel is not None and travel.measured != "material":
         yield f"travel that is measured as {travel.measured}", "write measured: material"
     contact = getattr(load, "contact", "clamped")
-    if contact in ("coulomb", "dragged") or (contact == "frictionless" and isinstance(load, MovingMass)):
+    if contact in RUBBING or (contact == "frictionless" and isinstance(load, MovingMass)):
         yield f"a contact of kind {contact}", "write contact: clamped"
     if _has(load.model_dump(), ("lift_off", "contact_stiffness")):
         yield "contacts that come off", "leave lift_off and contact_stiffness out"
