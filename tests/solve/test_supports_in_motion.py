@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from motion_cases import order
+from ropewalk.capabilities import ROPES, SYSTEM, engine_of
 from ropewalk.chains.spectrum import state_at
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import State
@@ -433,8 +434,10 @@ def test_auto_takes_an_explicit_method_and_says_why(support: Any, damping: float
 )
 def test_what_does_not_know_them_refuses_them(support: Any) -> None:
     line = rope(20, end_support=support, axial_damping=50.0)
-    with pytest.raises(ValueError, match="implicit with a support that yields or moves is not implemented"):
-        scenario(line, until=0.1, method="implicit")
+    asked = scenario(line, until=0.1, method="implicit")
+    refused = "implicit with a support that yields or moves is not implemented"
+    assert any(refused in found.wrong for found in ROPES.motion.unsupported(asked.parts))
+    assert engine_of(asked) is SYSTEM  # which knows them
     with pytest.raises(ValueError, match="a support that yields or moves is not implemented for kind: linear"):
         Scenario(lines={"rope": line}, run=Linear(until=0.1))
     # The spectrum does: inner nodes out of the plane, too, and an end that yields in its directions.
