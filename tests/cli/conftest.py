@@ -46,9 +46,12 @@ def call(monkeypatch):
     return lambda *arguments: CliRunner().invoke(app, [str(a) for a in arguments])
 
 
-def _hear():
+@pytest.fixture(autouse=True)
+def _heard():
     """Shells let what they run in the background ignore Ctrl-C: tests, too, and all that these start."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture
@@ -59,7 +62,7 @@ def start(folder):
     def begin(*arguments):
         command = [sys.executable, standin.__file__, *map(str, arguments)]
         pipe = subprocess.PIPE
-        started.append(subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, cwd=folder, preexec_fn=_hear))
+        started.append(subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, cwd=folder))
         return started[-1]
 
     yield begin

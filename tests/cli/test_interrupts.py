@@ -46,14 +46,6 @@ BRIEFLY = ("--set", "run.until=0.2 ms", "--set", "run.every=0.2 ms")
 FOR_HOURS = ("--set", "run.until=2000 s", "--set", "run.every=2000 s")
 
 
-@pytest.fixture(autouse=True)
-def _heard():
-    """Commands in the background of a shell ignore Ctrl-C, and so would all that is started here."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
 def start(*words, folder, **variables):
     pipe = subprocess.PIPE
     return subprocess.Popen(

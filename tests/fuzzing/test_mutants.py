@@ -7,7 +7,7 @@ import pytest
 from fuzzing.mutants import mutant, originals
 from fuzzing.reading import READ, REFUSED, outcome
 
-EACH = 1000
+EACH = 2000
 WAS_WRONG = {
     "a line from a place to itself, in small motion": """
 gravity: 0

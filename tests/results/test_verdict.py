@@ -352,8 +352,8 @@ NET = {
 }
 OVER = {
     "rope": {
-        "start": [0, 0], "end": [20, 0], "length": 19.9, "mass": 1.0, "axial_stiffness": 1e6, "elements": 80,
-        "wind_drag": 0.02, "sheaves": {"tower": {"at": [12, 1], "friction": 0.05}},
+        "start": [0, 0], "end": [20, 0], "length": 20.5, "mass": 1.0, "axial_stiffness": 1e6, "elements": 41,
+        "wind_drag": 0.02, "sheaves": {"tower": {"at": [10, 1]}},
     }
 }  # fmt: skip
 
