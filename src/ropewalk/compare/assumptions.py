@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.compare.stretches import Reach
-from ropewalk.compare.trace import CONTACT_WIRE, Level, Trace
+from ropewalk.compare.trace import Level, Trace
 from ropewalk.coupling import largest, percent
 from ropewalk.mechanics.chain import Array
+from ropewalk.model.overhead import CONTACT_WIRE
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.contract import path_name
 from ropewalk.results.statistics import Summary, lines

@@ -13,9 +13,10 @@ from ropewalk.compare.quantities import QUANTITIES, errors_of, quantities_of, wa
 from ropewalk.compare.result import Ladder, Step
 from ropewalk.compare.rungs import FULL, LINEAR, RUNGS, Climb, Rung, top_of
 from ropewalk.compare.stretches import Reach, reach_of
-from ropewalk.compare.trace import CONTACT_WIRE, Level, level_of, load_of, pressed, traces
+from ropewalk.compare.trace import Level, level_of, load_of, pressed, traces
 from ropewalk.compare.verdict import TOLERANCE, thresholds
 from ropewalk.errors import Problem, RopewalkError, ScenarioError, did_you_mean
+from ropewalk.model.overhead import CONTACT_WIRE
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.contact_statistics import analysed_stations

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 # over nothing, and that of the link next to a support, would say nothing of the model. A string comes to that part at
 # 1.3 % of its span.
 FLOOR = 0.05
-# Name of the contact wire of an overhead line, behind that of the line.
-CONTACT_WIRE = "contact"
 
 
 @dataclass(frozen=True)
@@ -139,7 +137,7 @@ def traces(
     found = {}
     for wheel, names in wheels.items():
         load = load_of(scenario, wheel)
-        line = f"{load.on}.{CONTACT_WIRE}" if load.on in scenario.overhead_lines else load.on
+        line = scenario.carrier_of(load)
         each = [k for k, name in enumerate(result["load"].values.tolist()) if name in names]
         if isinstance(load, Pantograph):
             limits = analysed_stations(scenario.overhead_lines[load.on])

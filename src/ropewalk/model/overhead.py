@@ -270,6 +270,10 @@ class MessengerSupports(Declaration):
         return self.along == "swings" or (self.along is None and not isinstance(self.stiffness, tuple))
 
 
+CONTACT_WIRE = "contact"
+"""Name of the contact wire in results, behind that of its overhead line."""
+
+
 class OverheadLine(Declaration):
     """One section of overhead line along x: a contact wire that hangs by droppers from a messenger wire."""
 

@@ -10,9 +10,9 @@ from ropewalk.model._base import Declaration, report
 from ropewalk.model.consistency import check
 from ropewalk.model.joint import Joint
 from ropewalk.model.line import Line
-from ropewalk.model.load import Load
+from ropewalk.model.load import AnyLoad, Load
 from ropewalk.model.net import AnyNet
-from ropewalk.model.overhead import OverheadLine
+from ropewalk.model.overhead import CONTACT_WIRE, OverheadLine
 from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import Acceleration, Name
 from ropewalk.model.run import Dynamic, Run
@@ -47,6 +47,10 @@ class Scenario(Declaration):
         return Parts(
             self.lines, self.loads, self.run, self.gravity, on, self.overhead_lines, self.nets, self.joints, self.wind
         )
+
+    def carrier_of(self, load: AnyLoad) -> str:
+        """Name in results of the line that a load travels on: of an overhead line, that of its contact wire."""
+        return f"{load.on}.{CONTACT_WIRE}" if load.on in self.overhead_lines else load.on
 
     @property
     def is_web(self) -> bool:

@@ -241,10 +241,9 @@ class Watch:
             load = self.scenario.loads.get(name)
             if load is None or load.on in self.scenario.nets or load.kind in _UNREMARKED:
                 continue
-            wire = f"{load.on}.contact" if load.on in self.scenario.overhead_lines else load.on
-            k = self.loads.index(name)
+            on, k = self.scenario.carrier_of(load), self.loads.index(name)
             state, xi = (float(values[k]) for values in self._at_start)
-            here = [x for x, line in zip(self.layout.node_xi, self.layout.node_line, strict=True) if line == wire]
+            here = [x for x, line in zip(self.layout.node_xi, self.layout.node_line, strict=True) if line == on]
             if state != OFF_LINE and here and min(here) < xi < max(here):
                 rest = "to begin at rest with it write run.start: {with_loads: true}, or let it start at an end"
                 if any(line.is_stiff for line in self.scenario.lines.values()):  # which begin without loads
