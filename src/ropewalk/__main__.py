@@ -3,7 +3,7 @@
 import gc
 import sys
 import warnings
-from typing import Any
+from typing import Any, NoReturn
 
 from ropewalk.interrupts import EXIT_CODE, is_interrupted, listen
 
@@ -17,16 +17,23 @@ def main() -> None:
 
         app()
     except SystemExit as end:
-        if isinstance(getattr(end.__context__, "__cause__", None), KeyboardInterrupt):  # of which typer says nothing
-            print("interrupted", file=sys.stderr)
-        sys.exit(EXIT_CODE if end.code and is_interrupted() else end.code)
+        # Of the first typer says nothing, and code of others may have swallowed the second.
+        told = not isinstance(getattr(end.__context__, "__cause__", None), KeyboardInterrupt) and end.code
+        if is_interrupted():
+            _end_interrupted(bool(told))
+        raise
     except BaseException:  # what extension modules make of an interrupt
         if not is_interrupted():
             raise
-        print("interrupted", file=sys.stderr)
-        sys.exit(EXIT_CODE)
+        _end_interrupted(told=False)
     finally:
         gc.freeze()  # or the interpreter, before it ends, looks for cycles in half a second's worth of objects
+
+
+def _end_interrupted(told: bool) -> NoReturn:
+    if not told:
+        print("interrupted", file=sys.stderr)
+    sys.exit(EXIT_CODE)
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:

@@ -166,6 +166,45 @@ except KeyboardInterrupt:
     assert (run.returncode, run.stdout, run.stderr) == (0, "heard\n", "")
 
 
+def test_an_interrupt_that_others_swallow_ends_the_command(tmp_path):
+    run = listening(
+        """
+import ropewalk.cli
+
+def swallow():
+    try:
+        signal.raise_signal(signal.SIGINT)
+    except KeyboardInterrupt:
+        sys.exit(0)
+
+ropewalk.cli.app = swallow
+line.main()
+""",
+        tmp_path,
+    )
+    assert (run.returncode, run.stderr) == (130, "interrupted\n")
+
+
+def test_an_interrupt_that_others_swallow_is_heard_between_portions(tmp_path):
+    run = listening(
+        """
+from ropewalk.mechanics.portions import portions
+
+try:
+    signal.raise_signal(signal.SIGINT)
+except KeyboardInterrupt:
+    pass
+try:
+    for _ in portions(10, 10):
+        print("never")
+except KeyboardInterrupt:
+    print("heard")
+""",
+        tmp_path,
+    )
+    assert (run.returncode, run.stdout, run.stderr) == (0, "heard\n", "")
+
+
 def test_other_faults_in_destructors_are_told(tmp_path):
     run = listening(
         """

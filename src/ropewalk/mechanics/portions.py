@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ropewalk.interrupts import is_interrupted
+
 # Steps times nodes in a call: 5 to 200 ms, against some 20 us that a call costs.
 _WORK = 2_000_000
 _BESIDES = 100  # nodes that cost as much in a step as what is there besides the nodes
@@ -23,4 +25,6 @@ def portions(steps: int, nodes: int, effort: int = 1) -> Iterator[int]:
     """Steps of the calls, one after the other, that make a number of steps."""
     most = portion(nodes, effort)
     for begun in range(0, steps, most):
+        if is_interrupted():  # what code of others that was at work has swallowed
+            raise KeyboardInterrupt
         yield min(most, steps - begun)
