@@ -24,7 +24,7 @@ what is asked   `Dynamic` (from a `Start`), `Quasistatic`, `Equilibrium`, `Linea
 files           `load` and `save` a scenario, `open_result`; `export_fmu` writes a line or a vehicle as an FMU
 answers         `simulate`, `resume`, `spectrum`; `feedback` gives a `Comparison` with a run `without_feedback`,
                 `ladder` a `Ladder` of simpler models, `adequacy` an `AdequacyMap` over two `Axis`es; `summary`,
-                `figure` and `film` of a result; `contact_statistics` and `html_report` of overhead lines
+                `tables`, `figure` and `film` of a result; `contact_statistics` and `html_report` of overhead lines
 closed forms    `theory`: what the simulation is checked against
 errors          `RopewalkError`, and of its kind `ScenarioError`, `EquilibriumError`, `ResultError`
 ==============  ======================================================================================
@@ -121,7 +121,7 @@ if TYPE_CHECKING:
         Wheel,
         Wind,
     )
-    from ropewalk.results import ResultError, figure, film, html_report, open_result, summary
+    from ropewalk.results import ResultError, figure, film, html_report, open_result, summary, tables
     from ropewalk.results.contact_statistics import contact_statistics
     from ropewalk.resuming import resume
     from ropewalk.scenario import load, save
@@ -222,6 +222,7 @@ __all__ = [
     "simulate",
     "spectrum",
     "summary",
+    "tables",
     "theory",
     "without_feedback",
 ]
@@ -317,6 +318,7 @@ _HOME = {
     "save": "scenario",
     "spectrum": "simulate",
     "summary": "results",
+    "tables": "results",
     "without_feedback": "decouple",
 }
 _NAME_AT_HOME = {"export_fmu": "export", "spectrum": "spectrum_of"}

@@ -18,6 +18,7 @@ from ropewalk.console import (
     FIGURE_SUFFIXES,
     FILM_SUFFIXES,
     REPORT_SUFFIX,
+    TABLE_SUFFIXES,
     TRACEBACK,
     check_picture,
     fail,
@@ -28,10 +29,10 @@ from ropewalk.console import (
     print_summary,
     progress_bar,
     progress_of_many,
+    quantity_of,
     reported,
     save_figure,
     say,
-    time_of,
     write_text,
 )
 
@@ -163,7 +164,7 @@ def resume(
         from ropewalk.resuming import taken_up
         from ropewalk.simulate import must_compile
 
-        end = None if until is None else time_of(until)
+        end = None if until is None else quantity_of(until, "s")
         with taken_up(result, end) as rest:
             if no_code:
                 import_module("ropewalk.foreign.models").refuse_code(rest.scenario.loads)
@@ -184,17 +185,27 @@ def show(
         typer.Option(
             "-o",
             "--output",
-            metavar="FIG|FILM|REPORT|PVD",
-            help="Write a .png, .svg, .pdf, .gif, .mp4, .html, or a .pvd for ParaView.",
+            metavar="FIG|FILM|REPORT|TABLE|PVD",
+            help="Write a .png, .svg, .pdf, .gif, .mp4, .html, .csv, .xlsx, .parquet, or a .pvd for ParaView.",
         ),
+    ] = None,
+    every: Annotated[
+        str | None, typer.Option("--every", metavar="TIME", help="Of a table: one row for each interval, as 0.1s.")
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option("--at", metavar="TIME", help="Of a table: the row at an instant; may be repeated."),
     ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Print the summary of a result, or make a figure, a film, a report or an export for ParaView of it."""
+    """Print the summary of a result, or make a figure, a film, a report, tables or an export for ParaView of it."""
     with reported():
         if output is not None:
             check_picture(output)
+        tabled = output is not None and output.suffix.lower() in TABLE_SUFFIXES
+        if (every or at) and not tabled:
+            fail(f"--every and --at choose the rows of tables; write one with -o OUT{', OUT'.join(TABLE_SUFFIXES)}")
         from ropewalk.results import open_result, summary
 
         with open_result(result) as dataset:
@@ -212,6 +223,13 @@ def show(
 
                 with progress_bar("exporting", quiet) as progress:
                     export(dataset, output, progress=progress)
+            elif tabled:
+                from ropewalk.results import write_tables
+
+                unit = "s" if "time" in dataset.dims else "m"
+                thinned = None if every is None else quantity_of(every, unit)
+                chosen = None if at is None else [quantity_of(text, unit) for text in at]
+                written = write_tables(dataset, output, every=thinned, at=chosen)
             elif output.suffix.lower() == REPORT_SUFFIX:
                 from ropewalk.results import html_report
 
@@ -221,7 +239,7 @@ def show(
 
                 save_figure(figure(dataset), output)
         if not quiet:
-            say(f"{output} written")
+            say(f"{' and '.join(map(str, written)) if tabled else output} written")
 
 
 @app.command()

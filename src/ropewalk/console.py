@@ -29,6 +29,7 @@ FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 FILM_SUFFIXES = (".gif", ".mp4")
 REPORT_SUFFIX = ".html"
 EXPORT_SUFFIX = ".pvd"
+TABLE_SUFFIXES = (".csv", ".xlsx", ".parquet")
 Progress = Callable[[float], None]
 _READ: ContextVar[tuple[Path, tuple[str, ...]] | None] = ContextVar("read", default=None)  # file and settings
 TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
@@ -83,10 +84,11 @@ def print_columns(rows: list[tuple[str, ...]]) -> None:
 
 
 def check_picture(
-    output: Path, known: tuple[str, ...] = (*FIGURE_SUFFIXES, *FILM_SUFFIXES, REPORT_SUFFIX, EXPORT_SUFFIX)
+    output: Path,
+    known: tuple[str, ...] = (*FIGURE_SUFFIXES, *FILM_SUFFIXES, REPORT_SUFFIX, EXPORT_SUFFIX, *TABLE_SUFFIXES),
 ) -> None:
     if output.suffix.lower() not in known:
-        fail(f"{output}: unknown kind of picture or report; the name must end in {', '.join(known)}")
+        fail(f"{output}: unknown kind of picture, report or table; the name must end in {', '.join(known)}")
     if not output.parent.is_dir():
         fail(f"{output}: the folder {output.parent} does not exist; create it or choose another place")
 
@@ -105,13 +107,13 @@ def save_figure(drawn: Any, output: Path) -> None:
         fail(f"{output}: cannot be written ({problem.strerror or problem})")
 
 
-def time_of(text: str) -> float:
-    """A time in s, from a number or a text with a unit."""
+def quantity_of(text: str, unit: str) -> float:
+    """A quantity in SI units, from a number or a text with a unit."""
     from ropewalk.errors import Refused
     from ropewalk.units import to_si
 
     try:
-        return to_si(text, "s")
+        return to_si(text, unit)
     except Refused as problem:
         fail(f"{text}: {problem}")
         raise

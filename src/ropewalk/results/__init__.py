@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ropewalk.results.report import html_report
     from ropewalk.results.statistics import summary
     from ropewalk.results.table import text
+    from ropewalk.results.table_export import tables, write_tables
     from ropewalk.results.target import check_target
     from ropewalk.results.vtk_export import export
 
@@ -38,7 +39,9 @@ _HOME = {
     "open_result": "files",
     "single": "figures",
     "summary": "statistics",
+    "tables": "table_export",
     "text": "table",
+    "write_tables": "table_export",
 }
 
 __all__ = [
@@ -58,7 +61,9 @@ __all__ = [
     "open_result",
     "single",
     "summary",
+    "tables",
     "text",
+    "write_tables",
 ]
 
 

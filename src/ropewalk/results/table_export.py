@@ -1,0 +1,210 @@
+"""Results as tables: series over time, samples between outputs and the summary, every column with its unit."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ropewalk.results.contract import path_name
+from ropewalk.results.files import ResultError
+from ropewalk.results.frame import Array
+from ropewalk.results.statistics import blocks, lines, sag, summary
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+SUFFIXES = (".csv", ".xlsx", ".parquet")
+SERIES, SAMPLES, SUMMARY = "series", "samples", "summary"
+_NEEDS = {".xlsx": "openpyxl", ".parquet": "pyarrow"}
+_ROWS = 1_048_575  # of a sheet, without its head
+# Quantities of single points in the order of the columns, with the dimension that names the point.
+_OF_POINTS = (
+    ("contact", "load"), ("body", "body"), ("support", "support"), ("tie", "tie"), ("foreign", "foreign"),
+    ("form", "form"),
+)  # fmt: skip
+_WHERE = {"line": "line", "xi": "xi [m]", "x": "x [m]", "y": "y [m]", "time": "time [s]", "load_path": "load_path [m]"}
+
+
+def tables(
+    dataset: xr.Dataset, *, every: float | None = None, at: Sequence[float] | None = None
+) -> dict[str, pd.DataFrame]:
+    """Give a result as tables whose columns are named `NAME.QUANTITY.COMPONENT [UNIT]`.
+
+    Args:
+        dataset: a result, in memory or lazy.
+        every: s (m of a slow motion), one row for each such interval; without it all output instants.
+        at: s (m), rows at these instants only. Both take the output instants that are nearest.
+
+    Returns:
+        `series`: over the output instants, of every line its largest and smallest tension and its sag, and all
+        quantities of loads, bodies, supports, ties and energies. `samples`: what is sampled between them, if anything
+        is. `summary`: the numbers of `summary`, one in each row.
+
+    Raises:
+        ResultError: an interval that is not above zero, or an instant that the result does not reach.
+    """
+    import pandas as pd
+
+    found = {SERIES: _series(dataset, _chosen(dataset, every, at))}
+    if dataset.sizes.get("sample", 0):
+        found[SAMPLES] = _samples(dataset)
+    rows = list(_rows("", summary(dataset), "1"))
+    found[SUMMARY] = pd.DataFrame(rows, columns=["quantity", "value", "unit", "text", *_WHERE.values()]).dropna(
+        axis="columns", how="all"
+    )
+    return found
+
+
+def write_tables(
+    dataset: xr.Dataset, path: str | Path, *, every: float | None = None, at: Sequence[float] | None = None
+) -> list[Path]:
+    """Write the tables of a result: sheets of one `.xlsx`, or `OUT.csv`, `OUT.summary.csv`, ... beside each other.
+
+    Args:
+        dataset: a result.
+        path: where to write; ends in `.csv`, `.xlsx` or `.parquet`.
+        every: s (m), see `tables`.
+        at: s (m), see `tables`.
+
+    Returns:
+        The files written.
+
+    Raises:
+        ResultError: another suffix, a package that is missing, too many rows for a sheet, or a file that cannot be
+            written.
+    """
+    import pandas as pd
+
+    path, suffix = Path(path), Path(path).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise ResultError(f"{path}: tables end in {', '.join(SUFFIXES)}")
+    package = _NEEDS.get(suffix)
+    if package and importlib.util.find_spec(package) is None:
+        raise ResultError(f"{path}: {package} is not installed; pip install 'ropewalk[tables]', or write a .csv")
+    found = tables(dataset, every=every, at=at)
+    try:
+        if suffix == ".xlsx":
+            for name, table in found.items():
+                if len(table) > _ROWS:
+                    raise ResultError(f"{path}: {name} has {len(table)} rows, a sheet {_ROWS}; write a .csv or --every")
+            with pd.ExcelWriter(path, engine="openpyxl") as book:
+                for name, table in found.items():
+                    table.to_excel(book, sheet_name=name, index=name != SUMMARY, freeze_panes=(1, int(name != SUMMARY)))
+            return [path]
+        files = [path if name == SERIES else path.with_suffix(f".{name}{suffix}") for name in found]
+        for file, (name, table) in zip(files, found.items(), strict=True):
+            if suffix == ".csv":
+                table.to_csv(file, index=name != SUMMARY)
+            else:
+                table.to_parquet(file, engine="pyarrow", index=name != SUMMARY)
+        return files
+    except OSError as problem:
+        raise ResultError(f"{path}: cannot be written ({problem.strerror or problem})") from None
+
+
+def _chosen(dataset: xr.Dataset, every: float | None, at: Sequence[float] | None) -> list[int]:
+    """Numbers of the frames that are asked for, in order."""
+    name = path_name(dataset)
+    instants, unit = dataset[name].values, dataset[name].attrs["units"]
+    if every is None and at is None:
+        return list(range(instants.size))
+    if every is not None and not every > 0.0:
+        raise ResultError(f"every is {every:g} {unit}; it must be above zero")
+    wanted = list(at or ())
+    outside = [t for t in wanted if not instants[0] <= t <= instants[-1]]
+    if outside:
+        reach = f"from {instants[0]:g} to {instants[-1]:g} {unit}"
+        raise ResultError(f"at {outside[0]:g} {unit}: the result goes {reach}")
+    if every is not None:
+        wanted += list(np.arange(instants[0], instants[-1] * (1.0 + 1e-12), every))
+    return sorted({int(np.abs(instants - t).argmin()) for t in wanted})
+
+
+def _series(dataset: xr.Dataset, chosen: list[int]) -> pd.DataFrame:
+    import pandas as pd
+
+    name = path_name(dataset)
+    dataset = dataset.isel({name: chosen})
+    parts = [dict([*_of_lines(block), *_of_points(block)]) for block in blocks(dataset)] or [{}]
+    columns = {column: np.concatenate([part[column] for part in parts]) for column in parts[0]}
+    head = f"{name} [{dataset[name].attrs['units']}]"
+    return pd.DataFrame(columns, index=pd.Index(dataset[name].values, name=head))
+
+
+def _of_lines(dataset: xr.Dataset) -> Iterator[tuple[str, Array]]:
+    """Largest and smallest tension and strain of every line, and its largest sag."""
+    for line in lines(dataset):
+        here = np.flatnonzero(dataset["link_line"].values == line)
+        for quantity in ("tension", "strain"):
+            values, unit = dataset[quantity].values[:, here], dataset[quantity].attrs["units"]
+            yield f"{line}.largest_{quantity} [{unit}]", values.max(axis=1)
+            yield f"{line}.smallest_{quantity} [{unit}]", values.min(axis=1)
+        yield f"{line}.largest_sag [m]", sag(dataset, line).max(axis=1)
+
+
+def _of_points(dataset: xr.Dataset) -> Iterator[tuple[str, Array]]:
+    """All quantities of points that have names: a column for each component."""
+    path = path_name(dataset)
+    for dim, label in _OF_POINTS:
+        names = dataset[label].values.tolist() if label in dataset.variables else []
+        quantities = [q for q in dataset.data_vars if dataset[q].dims[:2] == (path, dim)]
+        for k, name in enumerate(names):
+            for quantity in quantities:
+                values, unit = dataset[quantity].isel({dim: k}), dataset[quantity].attrs["units"]
+                what = f"energy.{name}" if dim == "form" else f"{name}.{_alone(str(quantity))}"
+                if values.ndim == 1:
+                    yield f"{what} [{unit}]", values.values
+                else:
+                    for j, part in enumerate(dataset[str(values.dims[1])].values.tolist()):
+                        yield f"{what}.{part} [{unit}]", values.values[:, j]
+
+
+def _alone(quantity: str) -> str:
+    """Name of a quantity behind the name of its point: `force`, not `contact_force`, of a load."""
+    for known in ("sampled_", "contact_", "tie_"):  # bodies keep theirs: loads may bear the same name
+        quantity = quantity.removeprefix(known)
+    return quantity
+
+
+def _samples(dataset: xr.Dataset) -> pd.DataFrame:
+    """What is sampled between outputs, one row for each sample."""
+    import pandas as pd
+
+    name = path_name(dataset)
+    instants = (dataset[name].values[:, None] + dataset["sample"].values).ravel()
+    columns = {}
+    for quantity in (q for q in dataset.data_vars if "sample" in dataset[q].dims):
+        dim = str(dataset[quantity].dims[-1])
+        label, unit = {"contact": "load"}.get(dim, dim), dataset[quantity].attrs["units"]
+        values = dataset[quantity].values.reshape(instants.size, -1)
+        for k, point in enumerate(dataset[label].values.tolist()):
+            columns[f"{point}.{_alone(str(quantity))} [{unit}]"] = values[:, k]
+    return pd.DataFrame(columns, index=pd.Index(instants, name=f"{name} [s]"))
+
+
+def _rows(name: str, found: Any, unit: str) -> Iterator[dict[str, Any]]:
+    """The numbers and texts of a summary, one in each row, with unit, place and instant."""
+    if isinstance(found, dict):
+        unit = found.get("unit", unit)
+        where = [key for key in _WHERE if key in found and "value" in found]
+        for key, value in found.items():
+            if key in ("unit", "always_zero", *where):
+                continue
+            if key == "value":
+                place = {_WHERE[at]: found[at] for at in where}
+                yield from (row | place for row in _rows(name, value, unit))
+            else:
+                yield from _rows(f"{name}.{key}".lstrip("."), value, "1" if key == "relative" else unit)
+    elif isinstance(found, list | tuple):
+        for k, value in enumerate(found):
+            yield from _rows(f"{name}.{k + 1}", value, unit)
+    elif isinstance(found, bool | str):
+        if found != "":
+            yield {"quantity": name, "text": str(found)}
+    elif found is not None:
+        yield {"quantity": name, "value": float(found), "unit": unit}
