@@ -70,6 +70,7 @@ SECTIONS = {
         "AdequacyMap",
         "Axis",
         "summary",
+        "tables",
         "figure",
         "film",
         "contact_statistics",
