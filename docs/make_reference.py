@@ -76,6 +76,7 @@ SECTIONS = {
         "contact_statistics",
         "html_report",
     ),
+    "Many runs": ("sweep", "Sweep", "sweep_figure", "sweep_table"),
     "Closed forms": ("theory",),
     "Errors": ("RopewalkError", "ScenarioError", "EquilibriumError", "ResultError"),
 }

@@ -23,7 +23,7 @@ STOREYS = (
     ("resuming",), ("console",), ("cli", "__main__"),
 )  # fmt: skip
 # Wings above the house may look at everything; a wing not named here must be given its place first.
-ABOVE = ("compare", "paper", "sweep", "cosim", "studio")
+ABOVE = ("compare", "paper", "sweeps", "cosim", "studio")
 # Who may set closed forms beside the discrete solution.
 USES_THEORY = ("theory", "linear", "compare", "paper")
 LONGEST_FILE = 500

@@ -25,6 +25,7 @@ files           `load` and `save` a scenario, `open_result`; `export_fmu` writes
 answers         `simulate`, `resume`, `spectrum`; `feedback` gives a `Comparison` with a run `without_feedback`,
                 `ladder` a `Ladder` of simpler models, `adequacy` an `AdequacyMap` over two `Axis`es; `summary`,
                 `tables`, `figure` and `film` of a result; `contact_statistics` and `html_report` of overhead lines
+many runs       `sweep` gives one dataset over what varies (`Sweep`), `sweep_figure` and `sweep_table` are of it
 closed forms    `theory`: what the simulation is checked against
 errors          `RopewalkError`, and of its kind `ScenarioError`, `EquilibriumError`, `ResultError`
 ==============  ======================================================================================
@@ -112,6 +113,7 @@ if TYPE_CHECKING:
         SteadyArms,
         Stepper,
         StitchWire,
+        Sweep,
         Tabulated,
         TensionOnly,
         Travel,
@@ -127,6 +129,9 @@ if TYPE_CHECKING:
     from ropewalk.scenario import load, save
     from ropewalk.simulate import simulate
     from ropewalk.simulate import spectrum_of as spectrum
+    from ropewalk.sweeps.dataset import sweep_table
+    from ropewalk.sweeps.figure import sweep_figure
+    from ropewalk.sweeps.sweeping import sweep
 
 __version__ = "0.1.0"
 
@@ -199,6 +204,7 @@ __all__ = [
     "SteadyArms",
     "Stepper",
     "StitchWire",
+    "Sweep",
     "Tabulated",
     "TensionOnly",
     "Travel",
@@ -222,6 +228,9 @@ __all__ = [
     "simulate",
     "spectrum",
     "summary",
+    "sweep",
+    "sweep_figure",
+    "sweep_table",
     "tables",
     "theory",
     "without_feedback",
@@ -296,6 +305,7 @@ _HOME = {
     "SteadyArms": "model",
     "Stepper": "model",
     "StitchWire": "model",
+    "Sweep": "model",
     "Tabulated": "model",
     "TensionOnly": "model",
     "Travel": "model",
@@ -318,6 +328,9 @@ _HOME = {
     "save": "scenario",
     "spectrum": "simulate",
     "summary": "results",
+    "sweep": "sweeps.sweeping",
+    "sweep_figure": "sweeps.figure",
+    "sweep_table": "sweeps.dataset",
     "tables": "results",
     "without_feedback": "decouple",
 }

@@ -14,10 +14,12 @@ import typer
 
 import ropewalk
 from ropewalk.console import (
+    DOUBTFUL,
     EXPORT_SUFFIX,
     FIGURE_SUFFIXES,
     FILM_SUFFIXES,
     REPORT_SUFFIX,
+    STOPPED_EARLY,
     TABLE_SUFFIXES,
     TRACEBACK,
     check_picture,
@@ -35,6 +37,7 @@ from ropewalk.console import (
     say,
     write_text,
 )
+from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -372,6 +375,59 @@ def adequacy(
         print_json(found.as_dict())
     elif not quiet:
         typer.echo("\n".join(str(found.coverage(name)) for name in rung))
+
+
+@app.command()
+def sweep(
+    file: ScenarioFile,
+    over: Annotated[
+        list[str] | None, typer.Option("--over", metavar="KEY=VALUES", help="What varies: 100:350:5km/h, or a,b,c.")
+    ] = None,
+    derive: Annotated[
+        list[str] | None, typer.Option("--derive", metavar="KEY=EXPR", help="What follows: run.until='9 m / speed'.")
+    ] = None,
+    record: Annotated[
+        str | None, typer.Option("--record", metavar="NAMES", help="What is kept: 'max tension, largest_sag'.")
+    ] = None,
+    output: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "-o", "--output", metavar="OUT", help=".nc, .csv, .xlsx, .parquet, .png, .svg or .pdf; repeat it."
+        ),
+    ] = None,
+    combine: Annotated[
+        str | None, typer.Option("--combine", help="grid (default), zip, latin_hypercube, sobol or random.")
+    ] = None,
+    count: Annotated[int | None, typer.Option("--count", help="Of cases that are drawn.")] = None,
+    seed: Annotated[int | None, typer.Option("--seed", help="Of drawing.")] = None,
+    store: Annotated[Path | None, typer.Option("--store", help="Finished cases [default: FILE.sweep.jsonl].")] = None,
+    workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
+    cluster: Annotated[str | None, typer.Option("--cluster", metavar="tcp://...", help="A Dask scheduler.")] = None,
+    retry: Annotated[bool, typer.Option("--retry", help="Compute cases that have failed once more.")] = False,
+    no_code: NoCode = False,
+    settings: Settings = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a scenario many times with other values, on all cores; go on where a sweep was stopped."""
+    with reported():
+        wing, outputs = import_module("ropewalk.sweeps.command"), output or []
+        store = store or Path(f"{file.stem}.sweep.jsonl")
+        scenario = load_scenario(file, settings, no_code)
+        with progress_of_many(quiet) as progress:
+            found = wing.sweep_from_text(
+                scenario, over or [], derive or [], outputs, progress, record=record, combine=combine, count=count,
+                seed=seed, store=store, workers=workers, cluster=cluster, retry=retry,
+            )  # fmt: skip
+        if as_json:
+            print_json(wing.plain(found))
+        elif not quiet:
+            typer.echo(wing.table_text(found))
+        word, told = wing.verdict(found, store, outputs)
+        if word != "completed":
+            fail(told, {"interrupted": INTERRUPTED, "doubtful": DOUBTFUL}.get(word, STOPPED_EARLY))
+        if not quiet:
+            say(told)
 
 
 @app.command()

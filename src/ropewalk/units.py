@@ -92,6 +92,16 @@ def written(value: float, unit: str) -> str | float:
     return float(value) if unit == "dimensionless" else f"{text} {unit}"
 
 
+def factor_of(unit: str) -> tuple[float, tuple[int, int, int]]:
+    """The SI factor of a unit such as "km/h", and its exponents of metre, kilogram and second.
+
+    Raises:
+        Refused: there is no such unit.
+    """
+    factor, dimension = _product(unit.translate(_SAME).replace("**", "^").strip(), "dimensionless")
+    return float(factor), dimension
+
+
 def _meaning(unit: str) -> str:
     return _MEANING.get(unit, (f"a quantity in {unit}", ""))[0]
 

@@ -15,14 +15,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import ropewalk
-from ropewalk.compare.axes import Axis, overlap
+from ropewalk.compare.axes import Axis
 from ropewalk.compare.coverage import Coverage, coverage_of
 from ropewalk.compare.points import Distances, Outcome, Place, Points
-from ropewalk.compare.pool import cores, each
 from ropewalk.errors import Problem, RopewalkError, ScenarioError, did_you_mean
 from ropewalk.mechanics.chain import Array
 from ropewalk.model import Scenario
 from ropewalk.scenario import dump, loads
+from ropewalk.sweeps.keys import overlap
+from ropewalk.sweeps.pool import DIED, cores, each
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -164,7 +165,8 @@ def adequacy(
         missing = [(i, j) for j in range(len(y.values)) for i in range(len(x.values)) if (i, j) not in points.done]
         if progress is not None:
             progress(total - len(missing), total)
-        finished = each(missing, compute, min(workers, max(len(missing), 1)))
+        processes = min(workers, len(missing)) if workers > 1 else 0
+        finished = each(missing, compute, processes, Outcome(reason=DIED))
         try:
             for place, outcome in finished:
                 points.add(place, outcome)
@@ -248,7 +250,7 @@ def _first_possible(text: str, base: Scenario, axis: Axis) -> list[str]:
 
 
 def _hash(scenario: Scenario) -> str:
-    untitled = scenario.model_copy(update={"title": ""})
+    untitled = scenario.model_copy(update={"title": "", "sweep": None})
     return hashlib.sha256(dump(untitled).encode()).hexdigest()
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Literal
@@ -15,6 +14,7 @@ import numpy as np
 from ropewalk.compare.ratios import RATIOS, SYMBOLS, Changes, Pair
 from ropewalk.errors import Problem, ScenarioError, did_you_mean
 from ropewalk.model import Scenario
+from ropewalk.sweeps.keys import unit_at
 
 Scale = Literal["linear", "log"]
 SCALES = ("linear", "log")
@@ -23,7 +23,6 @@ MOST = 1000
 FORM = 'write KEY=FROM:TO:COUNT or KEY=FROM:TO:COUNT:log, for example "load ratio=0.001:0.3:12:log"'
 
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
-_WRITTEN = re.compile(r"-?\d\S* (\S+)")  # as declarations write themselves: "10 m/s"
 
 
 @dataclass(frozen=True)
@@ -105,7 +104,8 @@ class Axis:
         if self.is_ratio:
             pair = Pair.of(scenario, self.key, self.load, self.line)
             return replace(self, load=pair.load, line=pair.line)
-        return self if self.unit else replace(self, unit=_unit_at(scenario, self.key))
+        written = scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
+        return self if self.unit else replace(self, unit=unit_at(written, self.key))
 
     def changes(self, scenario: Scenario, value: float) -> Changes:
         """What gives the scenario a value of this axis: new values by their keys.
@@ -199,27 +199,9 @@ def _quantity(key: str, text: str) -> tuple[float, str]:
     return float(found[1]), found[2]
 
 
-def _unit_at(scenario: Scenario, key: str) -> str:
-    """The SI unit of what stands at a key; empty where it is a plain number or not one quantity."""
-    value: Any = scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
-    for part in key.split("."):
-        if isinstance(value, list) and part.isdecimal() and int(part) < len(value):
-            value = value[int(part)]
-        else:
-            value = value.get(part) if isinstance(value, Mapping) else None
-    found = _WRITTEN.fullmatch(value) if isinstance(value, str) else None
-    return found[1] if found else ""
-
-
 def _yaml(value: Any) -> str:
     """A changed value in YAML, which JSON is."""
     return value if isinstance(value, str) else json.dumps(value)
-
-
-def overlap(one: Iterable[str], other: Iterable[str]) -> list[str]:
-    """Keys that two sets of changes both touch, whole or in part."""
-    others = list(other)
-    return [a for a in one if any(a == b or a.startswith(f"{b}.") or b.startswith(f"{a}.") for b in others)]
 
 
 def _refuse(key: str, wrong: str, given: str, remedy: str) -> None:

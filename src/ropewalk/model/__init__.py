@@ -28,6 +28,7 @@ from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, Run, S
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
+from ropewalk.model.sweep import Sweep
 from ropewalk.model.travel import AnyTravel, Brake, Driver, FreeTravel, Travel
 from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.model.vehicle import RigidBody, Spring, Vehicle, Wheel
@@ -102,6 +103,7 @@ __all__ = [
     "Stepper",
     "StitchWire",
     "Support",
+    "Sweep",
     "Tabulated",
     "TensionOnly",
     "Travel",

@@ -17,6 +17,7 @@ from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import Acceleration, Name
 from ropewalk.model.run import Dynamic, Run
 from ropewalk.model.space import leaving
+from ropewalk.model.sweep import Sweep
 from ropewalk.model.wind import Wind
 
 
@@ -34,6 +35,7 @@ class Scenario(Declaration):
     wind: Wind | None = Field(default=None, description="moving air")
     loads: dict[Name, Load] = Field(default_factory=dict, description="what travels on them, by name")
     run: Run = Field(default=Dynamic(until=1.0), description="what is asked")
+    sweep: Sweep | None = Field(default=None, description="what varies in `ropewalk sweep`")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ropewalk.results.report import html_report
     from ropewalk.results.statistics import summary
     from ropewalk.results.table import text
-    from ropewalk.results.table_export import tables, write_tables
+    from ropewalk.results.table_export import named_numbers, series_table, tables, write_frames, write_tables
     from ropewalk.results.target import check_target
     from ropewalk.results.vtk_export import export
 
@@ -36,11 +36,14 @@ _HOME = {
     "film": "animation",
     "html_report": "report",
     "links": "contract",
+    "named_numbers": "table_export",
     "open_result": "files",
+    "series_table": "table_export",
     "single": "figures",
     "summary": "statistics",
     "tables": "table_export",
     "text": "table",
+    "write_frames": "table_export",
     "write_tables": "table_export",
 }
 
@@ -58,11 +61,14 @@ __all__ = [
     "film",
     "html_report",
     "links",
+    "named_numbers",
     "open_result",
+    "series_table",
     "single",
     "summary",
     "tables",
     "text",
+    "write_frames",
     "write_tables",
 ]
 

@@ -53,11 +53,22 @@ def tables(
     found = {SERIES: _series(dataset, _chosen(dataset, every, at))}
     if dataset.sizes.get("sample", 0):
         found[SAMPLES] = _samples(dataset)
-    rows = list(_rows("", summary(dataset), "1"))
+    rows = [row for row in _rows("", summary(dataset), "1") if row.get("value") is not None or "text" in row]
     found[SUMMARY] = pd.DataFrame(rows, columns=["quantity", "value", "unit", "text", *_WHERE.values()]).dropna(
         axis="columns", how="all"
     )
     return found
+
+
+def series_table(dataset: xr.Dataset) -> pd.DataFrame:
+    """The table `series` of `tables`, of all output instants."""
+    return _series(dataset, _chosen(dataset, None, None))
+
+
+def named_numbers(dataset: xr.Dataset) -> dict[str, tuple[float | None, str]]:
+    """The numbers of a summary by the names that they have in tables, with their units; absent ones are None."""
+    rows = _rows("", summary(dataset), "1")
+    return {row["quantity"]: (row["value"], row["unit"]) for row in rows if "text" not in row}
 
 
 def write_tables(
@@ -78,33 +89,63 @@ def write_tables(
         ResultError: another suffix, a package that is missing, too many rows for a sheet, or a file that cannot be
             written.
     """
+    check_tables(Path(path))
+    found = tables(dataset, every=every, at=at)
+    return write_frames(found, path, first=SERIES, unnumbered=(SUMMARY,), fewer=" or --every")
+
+
+def write_frames(
+    found: dict[str, pd.DataFrame], path: str | Path, *, first: str, unnumbered: Sequence[str] = (), fewer: str = ""
+) -> list[Path]:
+    """Write tables: sheets of one `.xlsx`, or files beside each other, one of which has the name that is given.
+
+    Args:
+        found: the tables by name.
+        path: where to write; ends in `.csv`, `.xlsx` or `.parquet`.
+        first: name of the table that goes to `path` itself.
+        unnumbered: names of tables whose index is not written.
+        fewer: what else can be done where a sheet has too few rows.
+
+    Raises:
+        ResultError: as `write_tables`.
+    """
     import pandas as pd
 
     path, suffix = Path(path), Path(path).suffix.lower()
+    check_tables(path)
+    try:
+        if suffix == ".xlsx":
+            for name, table in found.items():
+                if len(table) > _ROWS:
+                    raise ResultError(f"{path}: {name} has {len(table)} rows, a sheet {_ROWS}; write a .csv{fewer}")
+            with pd.ExcelWriter(path, engine="openpyxl") as book:
+                for name, table in found.items():
+                    with_index = name not in unnumbered
+                    table.to_excel(book, sheet_name=name, index=with_index, freeze_panes=(1, int(with_index)))
+            return [path]
+        files = [path if name == first else path.with_suffix(f".{name}{suffix}") for name in found]
+        for file, (name, table) in zip(files, found.items(), strict=True):
+            if suffix == ".csv":
+                table.to_csv(file, index=name not in unnumbered)
+            else:
+                table.to_parquet(file, engine="pyarrow", index=name not in unnumbered)
+        return files
+    except OSError as problem:
+        raise ResultError(f"{path}: cannot be written ({problem.strerror or problem})") from None
+
+
+def check_tables(path: Path) -> None:
+    """Refuse a file that no table can be written to.
+
+    Raises:
+        ResultError: another suffix, or a package that is missing.
+    """
+    suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise ResultError(f"{path}: tables end in {', '.join(SUFFIXES)}")
     package = _NEEDS.get(suffix)
     if package and importlib.util.find_spec(package) is None:
         raise ResultError(f"{path}: {package} is not installed; pip install 'ropewalk[tables]', or write a .csv")
-    found = tables(dataset, every=every, at=at)
-    try:
-        if suffix == ".xlsx":
-            for name, table in found.items():
-                if len(table) > _ROWS:
-                    raise ResultError(f"{path}: {name} has {len(table)} rows, a sheet {_ROWS}; write a .csv or --every")
-            with pd.ExcelWriter(path, engine="openpyxl") as book:
-                for name, table in found.items():
-                    table.to_excel(book, sheet_name=name, index=name != SUMMARY, freeze_panes=(1, int(name != SUMMARY)))
-            return [path]
-        files = [path if name == SERIES else path.with_suffix(f".{name}{suffix}") for name in found]
-        for file, (name, table) in zip(files, found.items(), strict=True):
-            if suffix == ".csv":
-                table.to_csv(file, index=name != SUMMARY)
-            else:
-                table.to_parquet(file, engine="pyarrow", index=name != SUMMARY)
-        return files
-    except OSError as problem:
-        raise ResultError(f"{path}: cannot be written ({problem.strerror or problem})") from None
 
 
 def _chosen(dataset: xr.Dataset, every: float | None, at: Sequence[float] | None) -> list[int]:
@@ -188,7 +229,7 @@ def _samples(dataset: xr.Dataset) -> pd.DataFrame:
 
 
 def _rows(name: str, found: Any, unit: str) -> Iterator[dict[str, Any]]:
-    """The numbers and texts of a summary, one in each row, with unit, place and instant."""
+    """The numbers and texts of a summary, one in each row, with unit, place and instant; absent numbers are None."""
     if isinstance(found, dict):
         unit = found.get("unit", unit)
         where = [key for key in _WHERE if key in found and "value" in found]
@@ -206,5 +247,5 @@ def _rows(name: str, found: Any, unit: str) -> Iterator[dict[str, Any]]:
     elif isinstance(found, bool | str):
         if found != "":
             yield {"quantity": name, "text": str(found)}
-    elif found is not None:
-        yield {"quantity": name, "value": float(found), "unit": unit}
+    else:
+        yield {"quantity": name, "value": None if found is None else float(found), "unit": unit}

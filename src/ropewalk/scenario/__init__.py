@@ -4,7 +4,7 @@ The one place that maps names to declarations and files to models.
 """
 
 from ropewalk.errors import Problem, ScenarioError
-from ropewalk.scenario.loading import load, loads
+from ropewalk.scenario.loading import load, loads, varying
 from ropewalk.scenario.reference import reference
 from ropewalk.scenario.schema import json_schema
 from ropewalk.scenario.template import template
@@ -20,4 +20,5 @@ __all__ = [
     "reference",
     "save",
     "template",
+    "varying",
 ]

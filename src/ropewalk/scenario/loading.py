@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 
@@ -40,6 +41,25 @@ def loads(text: str, name: str = "scenario", overrides: Iterable[str] = ()) -> S
     Raises:
         ScenarioError: the scenario cannot be read or run; it holds every problem found.
     """
+    return _changed(_checked(text, name), overrides)
+
+
+def varying(text: str, name: str = "scenario") -> Callable[[Iterable[str]], Scenario]:
+    """Read text once, to make many scenarios of it: the function that is given takes the overrides of one.
+
+    Args:
+        text: as for `loads`.
+        name: as for `loads`.
+
+    Raises:
+        ScenarioError: the text cannot be read.
+    """
+    source = _checked(text, name)
+    return lambda overrides: _changed(deepcopy(source), overrides)
+
+
+def _checked(text: str, name: str) -> Source:
+    """The text as a block of plain values."""
     source = _read(text, name)
     if source.tree is None and not source.problems:
         raise syntax_error(name, 1, "the scenario is empty", "begin with  ropewalk new NAME")
@@ -49,6 +69,10 @@ def loads(text: str, name: str = "scenario", overrides: Iterable[str] = ()) -> S
         remedy = "write the keys lines, loads and run"
         error = syntax_error(name, line, f"{what} stands where the scenario should be", remedy)
         raise ScenarioError([*source.problems, *error.problems])
+    return source
+
+
+def _changed(source: Source, overrides: Iterable[str]) -> Scenario:
     for override in overrides:
         _overrides.apply(source, override)
     return validate(source)

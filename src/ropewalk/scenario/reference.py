@@ -31,6 +31,7 @@ _SECTIONS = [
     ("Tables", ["SpeedTable", "ForceTable", "DriveTable", "DisplacementTable"]),
     ("Runs", ["Dynamic", "Quasistatic", "Equilibrium", "Linear"]),
     ("The start of a motion", ["Start"]),
+    ("Many runs", ["Sweep"]),
 ]
 
 

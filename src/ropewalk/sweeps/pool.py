@@ -1,4 +1,4 @@
-"""Points computed one after another, or side by side in processes of their own that may die."""
+"""Tasks computed one after another, or side by side in processes of their own that may die."""
 
 from __future__ import annotations
 
@@ -12,20 +12,22 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeVar, cast
 
-from ropewalk.compare.points import Outcome, Place
 from ropewalk.errors import RopewalkError
 
 DIED = (
     "the process that computed it died: killed from outside, out of memory, or a crash of compiled code; "
     "--retry computes it again"
 )
-# One thread for each process: the points themselves fill the cores.
+TRIES = 2
+"""How often a task is computed alone before it counts as what kills its process."""
+# One thread for each process: the tasks themselves fill the cores, and sums come out the same on any number of them.
 _THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
-Compute = Callable[[Place], Outcome]
-Outcomes = Generator[tuple[Place, Outcome], None, None]
+_END = object()
+Task = TypeVar("Task")
+Answer = TypeVar("Answer")
 
 
 def cores() -> int:
@@ -33,50 +35,63 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def each(places: Iterable[Place], compute: Compute, workers: int) -> Outcomes:
-    """Compute points in any order; close the iterator to stop.
+def each(
+    tasks: Iterable[Task], compute: Callable[[Task], Answer], processes: int, lost: Answer
+) -> Generator[tuple[Task, Answer], None, None]:
+    """Compute tasks in any order; close the iterator to stop.
 
     Args:
-        places: the points.
-        compute: must go into another process (pickle) where there are several workers.
-        workers: processes; 1: this one.
+        tasks: asked for one after the other, when a process is free.
+        compute: must go into another process (pickle), unless there are none.
+        processes: of one thread each, so that no answer depends on how many there are; 0: this one, as it is.
+        lost: the answer of a task whose process dies, even when nothing else is under way.
 
     Raises:
         RopewalkError: processes die before they compute anything.
     """
-    return _side_by_side(deque(places), compute, workers) if workers > 1 else ((at, compute(at)) for at in places)
+    return _side_by_side(iter(tasks), compute, processes, lost) if processes else ((at, compute(at)) for at in tasks)
 
 
-def _side_by_side(waiting: deque[Place], compute: Compute, workers: int) -> Outcomes:
-    """Points in several processes.
+def _side_by_side(
+    ahead: Iterator[Task], compute: Callable[[Task], Answer], processes: int, lost: Answer
+) -> Generator[tuple[Task, Answer], None, None]:
+    """Tasks in several processes.
 
-    A process that dies breaks its pool, and nobody knows which point was its last. Those that were under way are
-    computed once more, each alone in a pool: there it is known.
+    A process that dies breaks its pool, and nobody knows which task was its last. Those that were under way are
+    computed once more, each alone in a pool: there it is known. Something else may have killed it; it gets TRIES.
     """
-    suspects: deque[Place] = deque()
-    while waiting or suspects:
-        queue, size = (suspects, 1) if suspects else (waiting, workers)
+    suspects = deque[tuple[Task, int]]()  # and how often each has died alone
+    waiting = next(ahead, _END)
+    while waiting is not _END or suspects:
+        alone = bool(suspects)
+        size = 1 if alone else processes
         with _pool(size) as pool:
-            running: dict[Future[Outcome], Place] = {}
-            lost, broken = list[Place](), False
-            while running or (queue and not broken):
-                while queue and not broken and len(running) < size:
+            running: dict[Future[Answer], tuple[Task, int]] = {}
+            broken = False
+            while running or not broken:
+                while not broken and len(running) < size and (suspects if alone else waiting is not _END):
+                    task, died = suspects[0] if alone else (cast(Task, waiting), 0)
                     try:
-                        running[_submit(pool, compute, queue[0])] = queue[0]
-                        queue.popleft()
+                        running[_submit(pool, compute, task)] = task, died
                     except BrokenProcessPool:  # it has died since the last look
                         broken = True
-                for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    place = running.pop(future)
-                    if isinstance(future.exception(), BrokenProcessPool):
-                        lost.append(place)
-                        broken = True
                     else:
-                        yield place, future.result()
-        if size == 1:
-            yield from ((place, Outcome(reason=DIED)) for place in lost)
-        else:
-            suspects.extend(lost)
+                        if alone:
+                            suspects.popleft()
+                        else:
+                            waiting = next(ahead, _END)
+                if not running:
+                    break
+                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    task, died = running.pop(future)
+                    if not isinstance(future.exception(), BrokenProcessPool):
+                        yield task, future.result()
+                        continue
+                    broken = True
+                    if alone and died + 1 == TRIES:
+                        yield task, lost
+                    else:
+                        suspects.append((task, died + alone))
 
 
 @contextmanager
@@ -91,8 +106,8 @@ def _pool(size: int) -> Iterator[ProcessPoolExecutor]:
                 _submit(pool, os.getpid).result()
             except BrokenProcessPool:
                 raise RopewalkError(
-                    "processes for the points die as soon as they begin; a script must call this under  "
-                    'if __name__ == "__main__":  , and workers=1 (--workers 1) does without them'
+                    "the processes that are to compute die as soon as they begin; a script must call this under  "
+                    'if __name__ == "__main__":  , as for all processes in Python'
                 ) from None
             yield pool
             pool.shutdown()

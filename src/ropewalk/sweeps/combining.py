@@ -1,0 +1,70 @@
+"""How the values of parameters are combined to cases."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from ropewalk.model.sweep import DRAWN
+from ropewalk.sweeps.parameters import Parameter, refuse
+
+MOST = 1_000_000
+"""The most cases of a sweep."""
+
+
+def combined(parameters: Sequence[Parameter], how: str, count: int | None, seed: int) -> list[tuple[Any, ...]]:
+    """The values of all parameters, case by case; of a grid the last parameter changes first.
+
+    Args:
+        parameters: with values, or distributions to draw from.
+        how: grid, zip, latin_hypercube, sobol or random. A Latin hypercube (McKay, Beckman and Conover,
+            Technometrics 21, 1979) has one value in each of `count` equally likely intervals of every parameter, a
+            scrambled Sobol sequence (Owen, Journal of Complexity 14, 1998) is even in all of them together, best for a
+            power of two. Of random and Sobol cases the first ones stay where there are to be more.
+        count: of cases that are drawn.
+        seed: of drawing.
+
+    Raises:
+        ScenarioError: a distribution stands in a grid, lists that go together differ in length, or there are too many.
+    """
+    if how in DRAWN:
+        assert count is not None
+        parts = _parts(len(parameters), how, count, seed)
+        return [tuple(p.at(float(part)) for p, part in zip(parameters, row, strict=True)) for row in parts]
+    for parameter in parameters:
+        if parameter.drawn is not None:
+            remedy = f"write combine: {' | '.join(DRAWN)} with a count, or give values"
+            refuse(parameter.key, f"values are drawn from a distribution, which combine: {how} does not", "", remedy)
+    levels = [parameter.levels for parameter in parameters]
+    if how == "zip":
+        sizes = {len(values) for values in levels}
+        if len(sizes) > 1:
+            told = ", ".join(f"{p.key}: {len(p.levels)}" for p in parameters)
+            refuse(
+                "sweep.combine", "lists that go together have the same length", told, "change the lists, or write grid"
+            )
+        return list(zip(*levels, strict=True))
+    total = math.prod(len(values) for values in levels)
+    if total > MOST:
+        refuse("sweep.over", f"the grid has more than {MOST} cases", str(total), "take fewer values, or draw cases")
+    return list(product(*levels))
+
+
+def _parts(size: int, how: str, count: int, seed: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Points (case, parameter) of the unit cube."""
+    chance = np.random.default_rng(seed)
+    if how == "random":
+        return chance.random((count, size))
+    if how == "latin_hypercube":
+        order = chance.permuted(np.tile(np.arange(count), (size, 1)), axis=1).T
+        return (order + chance.random((count, size))) / count
+    from scipy.stats import qmc
+
+    points: np.ndarray[Any, np.dtype[np.float64]] = qmc.Sobol(size, scramble=True, rng=chance).random_base2(
+        math.ceil(math.log2(count))
+    )
+    return points[:count]

@@ -1,0 +1,113 @@
+"""The command `sweep`: what was written on the command line, as arguments, and the answer as text."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ropewalk.errors import Problem, ScenarioError
+from ropewalk.model import Scenario
+from ropewalk.sweeps.case import FINE
+from ropewalk.sweeps.dataset import counted, named, sweep_table
+from ropewalk.sweeps.sweeping import sweep
+from ropewalk.sweeps.writing import check_outputs, write
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+LONGEST = 40  # rows of a table on a terminal
+
+
+def sweep_from_text(
+    scenario: Scenario,
+    over: Sequence[str],
+    derived: Sequence[str],
+    outputs: list[Path],
+    progress: Callable[[str, float], None] | None,
+    **more: Any,
+) -> xr.Dataset:
+    """Compute a sweep from text, and write it.
+
+    Args:
+        scenario: what the cases are changes of.
+        over: KEY=VALUES.
+        derived: KEY=EXPRESSION.
+        outputs: files to write.
+        progress: called with how many cases there are and the part of them that is done.
+        more: as for `sweep`.
+
+    Raises:
+        ScenarioError, ResultError: as `sweep` and `write`.
+    """
+    check_outputs(outputs)
+    problems = list[Problem]()
+    keys, expressions = _pairs(over, "--over", problems), _pairs(derived, "--derive", problems)
+    if problems:
+        raise ScenarioError(problems)
+
+    def told(done: int, total: int) -> None:
+        if progress is not None:
+            progress(f"{total} cases", done / total)
+
+    origins = {"sweep.derived": "--derive"} | dict.fromkeys(keys, "--over") | dict.fromkeys(expressions, "--derive")
+    if more.get("record") is not None:
+        origins["sweep.record"] = "--record"
+    try:
+        found = sweep(scenario, keys or None, derived=expressions or None, progress=told, **more)
+    except ScenarioError as error:
+        raise ScenarioError([replace(p, file=p.file or origins.get(p.key, "")) for p in error.problems]) from None
+    for file in outputs:
+        write(found, file)
+    return found
+
+
+def _pairs(texts: Sequence[str], origin: str, problems: list[Problem]) -> dict[str, str]:
+    pairs = {}
+    for text in texts:
+        key, sign, value = (part.strip() for part in text.partition("="))
+        if not (sign and key and value):
+            remedy = "write KEY=100:350:5 km/h" if origin == "--over" else "write KEY=EXPRESSION"
+            problems.append(Problem("", "this is not KEY=VALUE", repr(text), remedy, origin))
+        elif key in pairs:
+            problems.append(Problem(key, "is given twice", remedy="leave one of them out", file=origin))
+        else:
+            pairs[key] = value
+    return pairs
+
+
+def table_text(dataset: xr.Dataset) -> str:
+    """The table for a terminal, the middle of a long one left out."""
+    import pandas as pd
+
+    frame = sweep_table(dataset).drop(columns=["seconds [s]"])
+    frame["doubts"] = frame["doubts"].str.replace("\n", "; ")
+    frame = frame[[name for name in frame.columns if name not in ("doubts", "reason") or frame[name].any()]]
+    with pd.option_context("display.max_colwidth", 60):
+        shown = frame.to_string(index=False, max_rows=LONGEST, float_format=lambda value: f"{value:.6g}", na_rep="")
+    return str(shown)
+
+
+def plain(dataset: xr.Dataset) -> dict[str, Any]:
+    """The sweep as plain values that fit into JSON."""
+    frame = sweep_table(dataset)
+    rows = [
+        {name: None if isinstance(value, float) and value != value else value for name, value in row.items()}
+        for row in frame.to_dict(orient="records")
+    ]
+    about = {name: named(dataset, name) for name in ("parameters", "quantities")}
+    return {"title": dataset.attrs["title"], "outcome": dataset.attrs["outcome"], **about, "cases": rows}
+
+
+def verdict(dataset: xr.Dataset, store: Path, outputs: list[Path]) -> tuple[str, str]:
+    """How a sweep has ended, in a word (completed, doubtful, failed, interrupted), and what is to be said of it."""
+    counts = counted(dataset)
+    total, fine = sum(counts.values()), sum(counts.get(name, 0) for name in FINE)
+    kept = f"; {' and '.join(map(str, outputs))} written" if outputs else ""
+    if dataset.attrs["outcome"] == "interrupted":
+        told = f"interrupted; {fine} of {total} cases are done and kept in {store}: the same command goes on there"
+        return "interrupted", told + kept.replace("written", "holds a part")
+    told = ", ".join(f"{number} {name}" for name, number in counts.items())
+    word = "failed" if fine < total else "doubtful" if counts.get("doubtful") else "completed"
+    return word, f"{total} cases: {told}{kept}"

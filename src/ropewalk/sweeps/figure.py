@@ -1,0 +1,196 @@
+"""Figures of sweeps: curves over one parameter, maps or families of curves over two, clouds of drawn cases."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ropewalk.errors import did_you_mean
+from ropewalk.results import style
+from ropewalk.sweeps.dataset import counted, named
+from ropewalk.sweeps.parameters import refuse
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+MAP = 5  # values of both parameters from which on a map is drawn
+MOST = 12  # curves in one panel
+DOUBTFUL: dict[str, Any] = {
+    "marker": "o", "s": 60, "facecolors": "none", "edgecolors": style.ORANGE, "linewidths": 1.6, "zorder": 4,
+}  # fmt: skip
+FAILED: dict[str, Any] = {"marker": "x", "s": 30, "color": style.BLACK, "linewidths": 1.2, "zorder": 4}
+
+
+def sweep_figure(dataset: xr.Dataset, quantities: Sequence[str] | None = None) -> Figure:
+    """Draw a sweep: a panel for each quantity, with doubtful cases in rings and those without a value as crosses.
+
+    Over one parameter curves; over two maps with contours, or families of curves where one of them has few values or
+    no numbers; over more families; of cases that were drawn or zipped, points over each parameter.
+
+    Args:
+        dataset: from `sweep`, or a part of it.
+        quantities: which (default: all).
+
+    Raises:
+        ScenarioError: there is no such quantity, or there would be too many curves.
+    """
+    known = named(dataset, "quantities")
+    for name in quantities or ():
+        if name not in known:
+            refuse("quantity", "there is no such quantity", repr(name), did_you_mean(name, known))
+    chosen = list(quantities or known)
+    varied = [name for name in named(dataset, "parameters") if dataset[name].size > 1] or named(dataset, "parameters")
+    if "case" in dataset.dims:
+        figure, panels = _panels(dataset, len(chosen), len(varied))
+        for row, quantity in zip(panels, chosen, strict=True):
+            for ax, name in zip(row, varied, strict=True):
+                _cloud(ax, dataset, quantity, name)
+    elif len(varied) == 2 and all(_is_numeric(dataset[name]) and dataset[name].size >= MAP for name in varied):
+        columns = min(len(chosen), 2)
+        figure, panels = _panels(dataset, -(-len(chosen) // columns), columns, height=3.9)
+        for ax in panels.flat[len(chosen) :]:
+            ax.set_axis_off()
+        for ax, quantity in zip(panels.flat, chosen, strict=False):
+            _map(figure, ax, dataset, quantity, varied)
+    else:
+        figure, panels = _panels(dataset, len(chosen), 1)
+        for ax, quantity in zip(panels[:, 0], chosen, strict=True):
+            _family(ax, dataset, quantity, varied)
+    return figure
+
+
+def _panels(dataset: xr.Dataset, rows: int, columns: int, height: float = 2.9) -> tuple[Figure, NDArray[Any]]:
+    width = 7.6 if columns == 1 else 4.6 * columns
+    figure = Figure(figsize=(width, height * rows + 0.7), dpi=style.DPI, layout="constrained")
+    told = ", ".join(f"{number} {name}" for name, number in counted(dataset).items())
+    cut = "" if dataset.attrs["outcome"] == "completed" else f" ({dataset.attrs['outcome']})"
+    figure.suptitle(f"{dataset.attrs['title']}: {told}{cut}", fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
+    return figure, figure.subplots(rows, columns, squeeze=False)
+
+
+def _label(dataset: xr.Dataset, name: str) -> str:
+    unit = dataset[name].attrs.get("units", "")
+    return f"{name.replace('_', ' ')} ({unit})" if unit and unit != "1" else name.replace("_", " ")
+
+
+def _is_numeric(values: xr.DataArray) -> bool:
+    return values.dtype.kind == "f"
+
+
+def _along(dataset: xr.Dataset, name: str) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Where the values of a parameter stand along an axis, and their order there."""
+    values = dataset[name].values
+    if not _is_numeric(dataset[name]):
+        values = np.unique(values.astype(str), return_inverse=True)[1]
+    place = np.asarray(values, dtype=np.float64)
+    return place, np.argsort(place, kind="stable")
+
+
+def _dress(ax: Axes, dataset: xr.Dataset, x: str, y: str, title: str = "") -> None:
+    style.dress(ax, title, _label(dataset, x), y)
+    if not _is_numeric(dataset[x]):
+        words = np.unique(dataset[x].values.astype(str))
+        ax.set_xticks(range(len(words)), [str(word) for word in words])
+    elif _is_geometric(dataset[x].values):
+        ax.set_xscale("log")
+
+
+def _is_geometric(values: NDArray[np.float64]) -> bool:
+    """Whether values stand further apart the larger they are, over more than a decade."""
+    if values.size < 3 or not (values > 0.0).all() or values.max() < 10.0 * values.min():
+        return False
+    steps = np.diff(np.log(np.sort(values)))
+    return bool(steps.max() < 1.5 * steps.min())
+
+
+def _mark(ax: Axes, x: NDArray[Any], y: NDArray[Any], outcome: NDArray[Any], colour: Any = style.BLACK) -> None:
+    """Rings around what is doubtful, crosses at the foot for what has no value."""
+    doubtful = (outcome == "doubtful") & np.isfinite(y)
+    without = ~np.isfinite(y)
+    if doubtful.any():
+        ax.scatter(x[doubtful], y[doubtful], **DOUBTFUL, label="_doubtful" if _has(ax, "doubtful") else "doubtful")
+    if without.any():
+        foot = ax.get_xaxis_transform()
+        at = np.full(int(without.sum()), 0.03)
+        label = "_no value" if _has(ax, "no value") else "no value"
+        ax.scatter(x[without], at, **(FAILED | {"color": colour}), transform=foot, label=label, clip_on=False)
+
+
+def _has(ax: Axes, label: str) -> bool:
+    return label in ax.get_legend_handles_labels()[1]
+
+
+def _family(ax: Axes, dataset: xr.Dataset, quantity: str, varied: list[str]) -> None:
+    """Curves over the parameter with most numbers, one for each combination of the others."""
+    x = max(varied, key=lambda name: (_is_numeric(dataset[name]), dataset[name].size))
+    others = [name for name in varied if name != x]
+    sizes = [dataset[name].size for name in others]
+    if math.prod(sizes) > MOST:
+        remedy = "draw a part of it, such as dataset.isel(...), or write a table"
+        refuse("figure", f"{math.prod(sizes)} curves are too many for one panel", ", ".join(others), remedy)
+    place, order = _along(dataset, x)
+    shades = style.colours(style.INSTANTS)(np.linspace(0.0, 1.0, max(math.prod(sizes), 2)))
+    few = math.prod(sizes) <= len(style.CYCLE)
+    for k, chosen in enumerate(product(*map(range, sizes))):
+        part = dataset.isel(dict(zip(others, chosen, strict=True))).squeeze()
+        values = np.atleast_1d(np.asarray(part[quantity].values, dtype=np.float64))[order]
+        label = ", ".join(_told(dataset, name, i) for name, i in zip(others, chosen, strict=True))
+        colour = style.CYCLE[k] if few else shades[k]
+        joined = "-" if _is_numeric(dataset[x]) else "none"
+        dots: dict[str, Any] = {"marker": "o", "markersize": 3.0, "linestyle": joined, "linewidth": style.LINE}
+        ax.plot(place[order], values, color=colour, label=label, **dots)
+        _mark(ax, place[order], values, np.atleast_1d(part["outcome"].values)[order], colour)
+    _dress(ax, dataset, x, _label(dataset, quantity))
+    style.legend(ax)
+
+
+def _told(dataset: xr.Dataset, name: str, i: int) -> str:
+    value = dataset[name].values[i]
+    unit = dataset[name].attrs.get("units", "")
+    return f"{name} {value:g} {unit}".strip() if _is_numeric(dataset[name]) else f"{name} {value}"
+
+
+def _map(figure: Figure, ax: Axes, dataset: xr.Dataset, quantity: str, varied: list[str]) -> None:
+    """Colours and contours over two parameters."""
+    x, y = varied
+    part = dataset.squeeze().transpose(y, x, ...)
+    (px, ox), (py, oy) = _along(dataset, x), _along(dataset, y)
+    values = np.asarray(part[quantity].values, dtype=np.float64)[np.ix_(oy, ox)]
+    outcome = part["outcome"].values[np.ix_(oy, ox)]
+    gx, gy = np.meshgrid(px[ox], py[oy])
+    known = values[np.isfinite(values)]
+    if known.size:
+        filled = ax.pcolormesh(gx, gy, values, cmap=style.colours(style.INSTANTS), shading="nearest", rasterized=True)
+        bar = figure.colorbar(filled, ax=ax)
+        bar.set_label(_label(dataset, quantity), fontsize=style.LABEL, color=style.INK)
+        bar.ax.tick_params(labelsize=style.TICK, colors=style.INK, width=0.6, length=3)
+        if known.max() > known.min():
+            lines = ax.contour(gx, gy, values, colors="white", linewidths=style.THIN)
+            ax.clabel(lines, fontsize=style.NOTE, fmt="%g")
+    doubtful, without = outcome == "doubtful", ~np.isfinite(values)
+    if doubtful.any():
+        ax.scatter(gx[doubtful], gy[doubtful], **DOUBTFUL, label="doubtful")
+    if without.any():
+        ax.scatter(gx[without], gy[without], **FAILED, label="no value")
+    _dress(ax, dataset, x, _label(dataset, y))
+    if _is_geometric(dataset[y].values):
+        ax.set_yscale("log")
+    ax.grid(visible=False)
+    style.legend(ax)
+
+
+def _cloud(ax: Axes, dataset: xr.Dataset, quantity: str, name: str) -> None:
+    """Points of all cases over one parameter."""
+    place, _ = _along(dataset, name)
+    values = np.asarray(dataset[quantity].values, dtype=np.float64)
+    ax.plot(place, values, "o", markersize=3.0, color=style.BLUE)
+    _mark(ax, place, values, dataset["outcome"].values)
+    _dress(ax, dataset, name, _label(dataset, quantity))
+    style.legend(ax)

@@ -1,0 +1,136 @@
+"""What is kept of a run: `largest_tension`, `max tension`, `std walker.speed`, `sigma pantographs.front`."""
+
+from __future__ import annotations
+
+import fnmatch
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ropewalk.errors import Problem, ScenarioError, did_you_mean
+from ropewalk.mechanics.chain import Array
+from ropewalk.results import named_numbers, series_table
+from ropewalk.sweeps.keys import ends_with
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Measured = dict[str, tuple[float | None, str]]
+"""Values by the names that were asked for, with their units; None: the run has none."""
+
+_MEASURES: dict[str, Callable[..., Any]] = {"max": np.max, "min": np.min, "mean": np.mean, "std": np.std}
+_SAME = {"sigma": "std", "largest": "max", "smallest": "min", "average": "mean"}
+# How numbers of a summary are called that are such a measure: before their name, and after it.
+_BEFORE = {"max": "largest_", "min": "smallest_"}
+_AFTER = {
+    "max": ("max", "maximum"), "min": ("min", "minimum"), "mean": ("mean",), "std": ("std", "deviation"),
+}  # fmt: skip
+_OF_ALL = {"contact_force": "contacts.*.force.magnitude"}
+_FORM = "write a name of the summary, or max, min, mean or std of one or of a column of the table of series"
+
+
+def measured(dataset: xr.Dataset, names: Sequence[str]) -> Measured:
+    """The quantities of a result.
+
+    Args:
+        dataset: a result.
+        names: as above.
+
+    Raises:
+        ScenarioError: a result of this kind has no such quantities; with all that are unknown.
+    """
+    return _Result(dataset).all(names)
+
+
+class _Result:
+    """The numbers of a result by their names."""
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self.numbers = named_numbers(dataset)
+        self._dataset = dataset
+
+    @cached_property
+    def series(self) -> dict[str, tuple[Array, str]]:
+        """All that changes over the output instants: values and unit, by name."""
+        found = {}
+        table = series_table(self._dataset)
+        for column in table.columns:
+            name, _, unit = str(column).rpartition(" [")
+            found[name] = table[column].to_numpy(dtype=np.float64), unit.removesuffix("]")
+        return found
+
+    def all(self, names: Sequence[str]) -> Measured:
+        """The values, or all mistakes in the names."""
+        problems, found = list[Problem](), Measured()
+        for name in names:
+            try:
+                found[name] = self.one(name)
+            except ScenarioError as error:
+                problems += error.problems
+        if problems:
+            raise ScenarioError(problems)
+        return found
+
+    def one(self, name: str) -> tuple[float | None, str]:
+        """The value of one name."""
+        measure, _, what = name.strip().partition(" ")
+        measure, what = _SAME.get(measure, measure), what.strip()
+        if measure in _MEASURES and what:
+            return self._reduced(name, measure, what)
+        keys = _among(self.numbers, [name.strip()])
+        if len(keys) > 1:
+            raise _unknown(name, f"may be {' or '.join(keys[:4])}", "write more of the name")
+        if not keys:
+            raise _unknown(name, "a run of this kind has no such quantity", did_you_mean(name, self._names(), _FORM))
+        return self.numbers[keys[0]]
+
+    def _reduced(self, name: str, measure: str, what: str) -> tuple[float | None, str]:
+        what = _OF_ALL.get(what, what)
+        before = _BEFORE.get(measure, "") + what
+        keys = _among(self.numbers, [before] * (measure in _BEFORE) + [f"{what}.{word}" for word in _AFTER[measure]])
+        columns = [] if keys else _among(self.series, [what])
+        if not keys and not columns:
+            known = [f"{measure} {known}" for known in self._names(measure)]
+            raise _unknown(name, "a run of this kind has no such quantity", did_you_mean(name, known, _FORM))
+        if len(keys) + len(columns) > 1 and ("*" not in what or measure not in _BEFORE):
+            found = " or ".join((keys or columns)[:4])
+            raise _unknown(name, f"may be {found}", "write more of the name, or * in it for max and min of all")
+        if keys:
+            if len(keys) == 1:  # it is such a measure by itself
+                return self.numbers[keys[0]]
+            values = np.array([value for key in keys if (value := self.numbers[key][0]) is not None])
+            unit = self.numbers[keys[0]][1]
+        else:
+            values = np.concatenate([self.series[column][0] for column in columns])
+            unit = self.series[columns[0]][1]
+        kept = values[np.isfinite(values)]
+        return (float(_MEASURES[measure](kept)) if kept.size else None), unit
+
+    def _names(self, measure: str = "") -> list[str]:
+        """What can be asked for: of a measure without the word for it."""
+        if not measure:
+            return list(self.numbers)
+        first = _BEFORE.get(measure, " ")
+        names = [known.removeprefix(first) for known in self.numbers if known.startswith(first)]
+        last = [f".{word}" for word in _AFTER[measure]]
+        names += [known[: -len(end)] for known in self.numbers for end in last if known.endswith(end)]
+        return [*names, *_OF_ALL, *self.series]
+
+
+def _among(known: Any, wanted: Sequence[str]) -> list[str]:
+    """Names that are wanted, that end so, or that a pattern fits; the first of several wishes that finds any."""
+    for wish in wanted:
+        if wish in known:
+            return [wish]
+        found = [name for name in known if ends_with(name, wish)]
+        if "*" in wish:
+            found = fnmatch.filter(known, wish)
+        if found:
+            return found
+    return []
+
+
+def _unknown(name: str, wrong: str, remedy: str) -> ScenarioError:
+    return ScenarioError([Problem("sweep.record", wrong, repr(name), remedy)])

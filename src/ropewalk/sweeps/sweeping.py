@@ -1,0 +1,118 @@
+"""The sweep: many runs, side by side, kept as they come, and answered as one dataset."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ropewalk.model import Scenario
+from ropewalk.sweeps.case import LOST, Case, Outcome, check_record, computed
+from ropewalk.sweeps.dataset import dataset_of
+from ropewalk.sweeps.parameters import refuse
+from ropewalk.sweeps.plan import Plan, asked
+from ropewalk.sweeps.pool import DIED, cores, each
+from ropewalk.sweeps.store import Store
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Progress = Callable[[int, int], None]
+
+
+def sweep(
+    scenario: Scenario,
+    over: Mapping[str, Any] | None = None,
+    *,
+    record: str | Sequence[str] | None = None,
+    derived: Mapping[str, str] | None = None,
+    combine: str | None = None,
+    count: int | None = None,
+    seed: int | None = None,
+    store: str | os.PathLike[str] | None = None,
+    workers: int | None = None,
+    cluster: Any = None,
+    retry: bool = False,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Run a scenario many times with other values, and answer with one dataset over the parameters.
+
+    What is not given is what the scenario's `sweep` says. A script must call this under `if __name__ == "__main__":`,
+    as for all processes in Python. An interrupt (Ctrl-C) ends it with what there is.
+
+    Args:
+        scenario: what the cases are changes of.
+        over: what varies: by keys such as "loads.train.travel.speed" a list of values or text, "100:350:5 km/h".
+        record: quantities that are kept, as a list or with commas: "max tension, sigma pantographs.front".
+        derived: values that follow from others, by key: {"run.until": "bridge.length / speed + 2 s"}.
+        combine: grid (each value with each), zip, or count cases by latin_hypercube, sobol or random.
+        count: of cases that are drawn.
+        seed: of drawing.
+        store: file of JSON lines for the finished cases; what is in it is not computed again.
+        workers: processes (default: one for each core; 0: none but this one, whose last bits may be others).
+        cluster: address of a Dask scheduler, or a client of one, instead of processes.
+        retry: compute cases that have failed once more.
+        progress: called with the number of finished cases and that of all.
+
+    Returns:
+        The quantities over a dimension for each parameter (of a grid), or over `case`; NaN where there are none. In
+        `outcome` stands what became of each run, in `doubts` why it must not be trusted, in `reason` why it has no
+        values. The attribute `outcome` is "completed" or "interrupted".
+
+    Raises:
+        ScenarioError: the values, a key, an expression or a quantity cannot be, or no case is a scenario.
+        ResultError: the store is something else.
+        RopewalkError: processes cannot begin, or the cluster cannot be reached.
+    """
+    if workers is not None and workers < 0:
+        refuse("workers", "must not be negative", str(workers), "leave it out to use all cores")
+    wish = asked(scenario, over, derived=derived, record=record, combine=combine, count=count, seed=seed)
+    plan = Plan.of(scenario, wish)
+    cases = {row.case.key: (row.case, row.settings) for row in plan.rows if row.case is not None}
+    outcome = "completed"
+    with Store(None if store is None else Path(store), retry) as kept:
+        lost: dict[str, Outcome] = {}
+
+        def told() -> None:
+            if progress is not None:
+                done = sum(row.case is None or row.case.key in kept.done or row.case.key in lost for row in plan.rows)
+                progress(done, len(plan.rows))
+
+        missing = [case for key, (case, _) in cases.items() if key not in kept.done]
+        told()
+        try:
+            if missing:
+                check_record(missing[0])
+            finished = _engine(_still(missing, kept), len(missing), workers, cluster)
+            try:
+                for case, found in finished:
+                    if found.outcome == LOST:  # not for ever: another time nothing may kill it
+                        lost[case.key] = found
+                    else:
+                        kept.add(case.key, found, cases[case.key][1])
+                    told()
+            finally:
+                finished.close()
+        except KeyboardInterrupt:
+            outcome = "interrupted"
+        return dataset_of(plan, lost | kept.done, outcome)
+
+
+def _still(missing: Iterable[Case], kept: Store) -> Iterator[Case]:
+    """Cases that nobody else has finished in the meantime."""
+    for case in missing:
+        kept.look()
+        if case.key not in kept.done:
+            yield case
+
+
+def _engine(
+    cases: Iterable[Case], count: int, workers: int | None, cluster: Any
+) -> Generator[tuple[Case, Outcome], None, None]:
+    lost = Outcome(LOST, {}, reason=DIED)
+    if cluster is not None:
+        from ropewalk.sweeps.cluster import each_on
+
+        return each_on(cluster, cases, count, computed, lost)
+    return each(cases, computed, min(cores() if workers is None else workers, count), lost)
