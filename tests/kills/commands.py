@@ -44,9 +44,13 @@ SCENARIOS = {
     "network": JOINED,
     "overhead line": (EXAMPLES / "en50318-2002-250.yaml").read_text(encoding="utf-8"),
     "adequacy": ROPE.replace("LOAD", "{kind: force, on: rope, force: [0, -500], travel: {speed: 15, from: 10 m}}"),
+    "sweep": ROPE.replace("LOAD", "{kind: force, on: rope, force: [0, -500], travel: {speed: 15, from: 10 m}}"),
 }
 SETTINGS = {"overhead line": ["--set", "run.until=2 s", "--set", "run.every=20 ms"]}
 MAP = ["--x", "loads.one.travel.speed=5:20:3", "--y", "lines.rope.mass=1:2:3", "--set", "run.until=0.5 s"]
+SWEEP = ["--over", "loads.one.travel.speed=5:20:1", "--over", "lines.rope.mass=1,2", "--set", "run.until=0.5 s",
+         "--record", "max tension, largest_sag, turnover", "-o", "one.csv"]  # fmt: skip
+STORES = {"adequacy": "one.adequacy.jsonl", "sweep": "one.sweep.jsonl"}
 
 
 @dataclass(frozen=True)
@@ -68,12 +72,14 @@ class Command:
     @property
     def result(self) -> Path:
         """What it writes."""
-        return self.folder / ("one.adequacy.jsonl" if self.name == "adequacy" else "one.nc")
+        return self.folder / STORES.get(self.name, "one.nc")
 
     def start(self, *, resume: bool = False) -> subprocess.Popen[str]:
         """Begin it, or take it up again."""
         if self.name == "adequacy":
             words = ["adequacy", "one.yaml", *MAP, "--workers", "2", "--json"]
+        elif self.name == "sweep":
+            words = ["sweep", "one.yaml", *SWEEP, "--workers", "2", "--quiet"]
         elif resume:
             words = ["resume", "one.nc"]
         else:
@@ -109,19 +115,21 @@ class Command:
         """
         if not self.result.exists():
             return 0
-        if self.name == "adequacy":
+        if self.name in STORES:
             return len(self.result.read_text(encoding="utf-8").splitlines())
         with open_result(self.result) as result:
             return int(result.sizes["time"])
 
     def content(self, frames: int | None = None) -> str:
         """Hash of all numbers of the first frames."""
-        if self.name == "adequacy":
+        if self.name in STORES:
             lines = self.result.read_text(encoding="utf-8").splitlines()
             points = [json.loads(line) for line in lines]
             for point in points:
                 point.pop("seconds", None)
-            return hashlib.sha256(json.dumps(sorted(map(str, points))).encode()).hexdigest()
+            table = self.folder / "one.csv"
+            cases = [row.rpartition(",")[0] for row in table.read_text("utf-8").splitlines()] if table.exists() else []
+            return hashlib.sha256(json.dumps([*sorted(map(str, points)), *cases]).encode()).hexdigest()
         found = hashlib.sha256()
         with open_result(self.result) as result:
             for name in sorted(map(str, result.variables)):
@@ -137,7 +145,7 @@ def trial(name: str, folder: Path, after: float, whole: Command) -> str:
     if not one.killed(after):
         return "" if one.content() == whole.content() else "differs, though it was not killed"
     frames = one.frames()
-    if frames and name != "adequacy" and one.content(frames) != whole.content(frames):
+    if frames and name not in STORES and one.content(frames) != whole.content(frames):
         return f"{frames} frames differ"
     with one.start(resume=bool(frames)) as process:
         _, told = process.communicate()

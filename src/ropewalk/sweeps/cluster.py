@@ -12,6 +12,8 @@ Task = TypeVar("Task")
 Answer = TypeVar("Answer")
 CHUNK = 8
 """The most cases that are sent together: sending costs milliseconds, what is lost with a worker is computed again."""
+PATIENCE = 10.0
+"""Seconds that a scheduler has to answer."""
 AHEAD = 2
 """Chunks for each thread that are under way or wait at the scheduler."""
 
@@ -44,7 +46,7 @@ def each_on(
         yield from _sent(cluster, iter(tasks), count, compute, lost)
         return
     try:
-        client = Client(cluster, timeout=10)
+        client = Client(cluster, timeout=PATIENCE)
     except (OSError, ValueError, TimeoutError) as error:
         raise RopewalkError(f"the cluster at {cluster} cannot be reached ({error})") from None
     try:

@@ -18,7 +18,7 @@ Dimension = tuple[Fraction, Fraction, Fraction]
 NONE: Dimension = (Fraction(0), Fraction(0), Fraction(0))
 LONGEST = 500  # characters
 _QUANTITY = re.compile(
-    r"(?<![\w.\]])(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)[ ]*"
+    r"(?<![\w.\]])((?>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))[ ]*"
     r"([^\W\d_][\w]*|%|°)((?:[*/^][^\W\d_]\w*|\^[+-]?\d+)*)"
 )
 _WRITTEN = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")

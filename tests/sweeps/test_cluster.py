@@ -1,0 +1,75 @@
+"""Sweeps on a Dask cluster of real processes, whose workers are killed."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+
+import pytest
+import xarray as xr
+
+import ropewalk
+import sweep_cases as cases
+from ropewalk.errors import RopewalkError
+from ropewalk.sweeps.cluster import each_on
+
+pytest.importorskip("distributed")
+OVER = {"lines.rope.length": "10.5:10.9:0.05 m"}
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    """A scheduler and two workers of one thread: its address, and what starts another worker."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    address, started = f"tcp://127.0.0.1:{port}", []
+    here = os.path.dirname(cases.__file__)
+    path = os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
+
+    def begin(*words):
+        command = [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]]
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+        environment = os.environ | threads | {"PYTHONPATH": path}
+        started.append(subprocess.Popen(command, **quiet, env=environment, cwd=tmp_path, start_new_session=True))
+        return started[-1]
+
+    def worker():
+        return begin("dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--death-timeout", "60")
+
+    begin("dask_scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard", "--no-jupyter")
+    try:
+        yield address, worker, [worker(), worker()]
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+
+
+def test_a_cluster_whose_workers_are_killed_gives_what_this_machine_gives(cluster, tmp_path):
+    address, worker, workers = cluster
+    killed = []
+
+    def kill(done, total):
+        if done in (2, 5) and len(killed) < 2:
+            workers[len(killed)].send_signal(signal.SIGKILL)
+            killed.append(done)
+            worker()
+
+    store = tmp_path / "s.jsonl"
+    found = ropewalk.sweep(cases.scenario(), OVER, record="largest_sag", cluster=address, store=store, progress=kill)
+    assert len(killed) == 2
+    assert (found["outcome"] == "completed").all()
+    assert len(store.read_text("utf-8").splitlines()) == 1 + found["outcome"].size
+    here = ropewalk.sweep(cases.scenario(), OVER, record="largest_sag", workers=1)
+    xr.testing.assert_identical(found.drop_vars("seconds"), here.drop_vars("seconds"))
+
+
+def test_a_cluster_that_is_not_there_is_told(monkeypatch):
+    monkeypatch.setattr("ropewalk.sweeps.cluster.PATIENCE", 0.5)
+    with pytest.raises(RopewalkError, match="cannot be reached"):
+        list(each_on("tcp://127.0.0.1:9", [1], 1, cases.squared, -1))
