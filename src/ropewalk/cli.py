@@ -14,12 +14,10 @@ import typer
 
 import ropewalk
 from ropewalk.console import (
-    DOUBTFUL,
     EXPORT_SUFFIX,
     FIGURE_SUFFIXES,
     FILM_SUFFIXES,
     REPORT_SUFFIX,
-    STOPPED_EARLY,
     TABLE_SUFFIXES,
     TRACEBACK,
     check_picture,
@@ -37,7 +35,6 @@ from ropewalk.console import (
     say,
     write_text,
 )
-from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -105,6 +102,8 @@ def check(file: ScenarioFile, settings: Settings = None) -> None:
         scenario = load_scenario(file, settings)
         if scenario.loads:
             import_module("ropewalk.foreign.models").check_foreign(scenario.loads)
+        if scenario.sweep is not None:
+            import_module("ropewalk.sweeps.plan").Plan.of(scenario, scenario.sweep)
         names = ", ".join((*scenario.lines, *scenario.overhead_lines, *scenario.loads))
         typer.echo(f"{file}: fine ({scenario.title}: {names}; {scenario.run.kind})")
 
@@ -204,6 +203,9 @@ def show(
 ) -> None:
     """Print the summary of a result, or make a figure, a film, a report, tables or an export for ParaView of it."""
     with reported():
+        if (many := import_module("ropewalk.sweeps.writing").read(result)) is not None:
+            import_module("ropewalk.sweeps.command").tell(many, [output] if output else [], as_json, quiet)
+            return
         if output is not None:
             check_picture(output)
         tabled = output is not None and output.suffix.lower() in TABLE_SUFFIXES
@@ -412,22 +414,16 @@ def sweep(
     """Run a scenario many times with other values, on all cores; go on where a sweep was stopped."""
     with reported():
         wing, outputs = import_module("ropewalk.sweeps.command"), output or []
+        wing.check_outputs(outputs)
         store = store or Path(f"{file.stem}.sweep.jsonl")
         scenario = load_scenario(file, settings, no_code)
         with progress_of_many(quiet) as progress:
             found = wing.sweep_from_text(
-                scenario, over or [], derive or [], outputs, progress, record=record, combine=combine, count=count,
+                scenario, over or [], derive or [], progress, record=record, combine=combine, count=count,
                 seed=seed, store=store, workers=workers, cluster=cluster, retry=retry,
             )  # fmt: skip
-        if as_json:
-            print_json(wing.plain(found))
-        elif not quiet:
-            typer.echo(wing.table_text(found))
-        word, told = wing.verdict(found, store, outputs)
-        if word != "completed":
-            fail(told, {"interrupted": INTERRUPTED, "doubtful": DOUBTFUL}.get(word, STOPPED_EARLY))
-        if not quiet:
-            say(told)
+        wing.tell(found, outputs, as_json, quiet)
+        wing.finish(found, store, outputs, quiet)
 
 
 @app.command()

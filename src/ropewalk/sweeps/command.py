@@ -7,7 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import typer
+
+from ropewalk.console import DOUBTFUL, STOPPED_EARLY, fail, print_json, say
 from ropewalk.errors import Problem, ScenarioError
+from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
 from ropewalk.model import Scenario
 from ropewalk.sweeps.case import FINE
 from ropewalk.sweeps.dataset import counted, named, sweep_table
@@ -24,24 +28,21 @@ def sweep_from_text(
     scenario: Scenario,
     over: Sequence[str],
     derived: Sequence[str],
-    outputs: list[Path],
     progress: Callable[[str, float], None] | None,
     **more: Any,
 ) -> xr.Dataset:
-    """Compute a sweep from text, and write it.
+    """Compute a sweep from text.
 
     Args:
         scenario: what the cases are changes of.
         over: KEY=VALUES.
         derived: KEY=EXPRESSION.
-        outputs: files to write.
         progress: called with how many cases there are and the part of them that is done.
         more: as for `sweep`.
 
     Raises:
-        ScenarioError, ResultError: as `sweep` and `write`.
+        ScenarioError, ResultError: as `sweep`.
     """
-    check_outputs(outputs)
     problems = list[Problem]()
     keys, expressions = _pairs(over, "--over", problems), _pairs(derived, "--derive", problems)
     if problems:
@@ -55,12 +56,43 @@ def sweep_from_text(
     if more.get("record") is not None:
         origins["sweep.record"] = "--record"
     try:
-        found = sweep(scenario, keys or None, derived=expressions or None, progress=told, **more)
+        return sweep(scenario, keys or None, derived=expressions or None, progress=told, **more)
     except ScenarioError as error:
         raise ScenarioError([replace(p, file=p.file or origins.get(p.key, "")) for p in error.problems]) from None
+
+
+def tell(dataset: xr.Dataset, outputs: list[Path], as_json: bool, quiet: bool) -> None:
+    """Write a sweep into all files that are asked for, and print its table.
+
+    Raises:
+        ResultError, ScenarioError: as `check_outputs` and `write`.
+    """
+    check_outputs(outputs)
     for file in outputs:
-        write(found, file)
-    return found
+        write(dataset, file)
+        if not quiet:
+            say(f"{file} written")
+    if as_json:
+        print_json(plain(dataset))
+    elif not quiet:
+        typer.echo(table_text(dataset))
+
+
+def finish(dataset: xr.Dataset, store: Path, outputs: list[Path], quiet: bool) -> None:
+    """Say how a sweep has ended, and leave with the exit code that a run of this kind has."""
+    counts = counted(dataset)
+    total, fine = sum(counts.values()), sum(counts.get(name, 0) for name in FINE)
+    if dataset.attrs["outcome"] == "interrupted":
+        told = f"interrupted; {fine} of {total} cases are done and kept in {store}: the same command goes on there"
+        partial = "".join(f"; {file} holds these" for file in outputs)
+        fail(told + partial, INTERRUPTED)
+    told = f"{total} cases: {', '.join(f'{number} {name}' for name, number in counts.items())}"
+    if fine < total:
+        fail(told, STOPPED_EARLY)
+    if counts.get("doubtful"):
+        fail(told, DOUBTFUL)
+    if not quiet:
+        say(told)
 
 
 def _pairs(texts: Sequence[str], origin: str, problems: list[Problem]) -> dict[str, str]:
@@ -98,16 +130,3 @@ def plain(dataset: xr.Dataset) -> dict[str, Any]:
     ]
     about = {name: named(dataset, name) for name in ("parameters", "quantities")}
     return {"title": dataset.attrs["title"], "outcome": dataset.attrs["outcome"], **about, "cases": rows}
-
-
-def verdict(dataset: xr.Dataset, store: Path, outputs: list[Path]) -> tuple[str, str]:
-    """How a sweep has ended, in a word (completed, doubtful, failed, interrupted), and what is to be said of it."""
-    counts = counted(dataset)
-    total, fine = sum(counts.values()), sum(counts.get(name, 0) for name in FINE)
-    kept = f"; {' and '.join(map(str, outputs))} written" if outputs else ""
-    if dataset.attrs["outcome"] == "interrupted":
-        told = f"interrupted; {fine} of {total} cases are done and kept in {store}: the same command goes on there"
-        return "interrupted", told + kept.replace("written", "holds a part")
-    told = ", ".join(f"{number} {name}" for name, number in counts.items())
-    word = "failed" if fine < total else "doubtful" if counts.get("doubtful") else "completed"
-    return word, f"{total} cases: {told}{kept}"

@@ -22,6 +22,8 @@ DIED = (
 )
 TRIES = 2
 """How often a task is computed alone before it counts as what kills its process."""
+BEGINNINGS = 3
+"""How often processes may die before they compute anything: from a script without its guard they always do."""
 # One thread for each process: the tasks themselves fill the cores, and sums come out the same on any number of them.
 _THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -97,27 +99,31 @@ def _side_by_side(
 @contextmanager
 def _pool(size: int) -> Iterator[ProcessPoolExecutor]:
     """A pool whose processes have one thread each, and end with it, whatever they are doing."""
-    before = {process.pid for process in multiprocessing.active_children()}
-    with _environment(dict.fromkeys(_THREADS, "1")):
-        context = multiprocessing.get_context("spawn")
-        pool = ProcessPoolExecutor(size, mp_context=context, initializer=_begin)
-        try:
+    for chance in range(BEGINNINGS):
+        before = {process.pid for process in multiprocessing.active_children()}
+        with _environment(dict.fromkeys(_THREADS, "1")):
+            context = multiprocessing.get_context("spawn")
+            pool = ProcessPoolExecutor(size, mp_context=context, initializer=_begin)
             try:
-                _submit(pool, os.getpid).result()
-            except BrokenProcessPool:
-                raise RopewalkError(
-                    "the processes that are to compute die as soon as they begin; a script must call this under  "
-                    'if __name__ == "__main__":  , as for all processes in Python'
-                ) from None
-            yield pool
-            pool.shutdown()
-        finally:
-            mine = [process for process in multiprocessing.active_children() if process.pid not in before]
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in mine:
-                process.terminate()
-            for process in mine:
-                process.join()
+                try:
+                    _submit(pool, os.getpid).result()
+                except BrokenProcessPool:
+                    if chance + 1 < BEGINNINGS:  # somebody may have killed it
+                        continue
+                    raise RopewalkError(
+                        "the processes that are to compute die as soon as they begin; a script must call this under  "
+                        'if __name__ == "__main__":  , as for all processes in Python'
+                    ) from None
+                yield pool
+                pool.shutdown()
+                return
+            finally:
+                mine = [process for process in multiprocessing.active_children() if process.pid not in before]
+                pool.shutdown(wait=False, cancel_futures=True)
+                for process in mine:
+                    process.terminate()
+                for process in mine:
+                    process.join()
 
 
 def _submit(pool: ProcessPoolExecutor, function: Callable[..., Any], *arguments: Any) -> Future[Any]:

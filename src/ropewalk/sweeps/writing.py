@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ropewalk.results import ResultError, write_frames
+from ropewalk.results.files import is_netcdf
 from ropewalk.results.table_export import SUFFIXES as TABLES
 from ropewalk.results.table_export import check_tables
-from ropewalk.sweeps.dataset import sweep_table
+from ropewalk.sweeps.dataset import KIND, sweep_table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,6 +32,23 @@ def check_outputs(files: list[Path]) -> None:
             raise ResultError(f"{file}: the folder {file.parent} does not exist; create it or choose another place")
         if file.suffix.lower() in TABLES:
             check_tables(file)
+
+
+def read(file: Path) -> xr.Dataset | None:
+    """Read a sweep that was written as NetCDF, None if the file is anything else."""
+    import xarray as xr
+
+    if not is_netcdf(file):
+        return None
+    import netCDF4
+
+    try:
+        with netCDF4.Dataset(file) as stored:
+            if getattr(stored, "kind", "") != KIND:
+                return None
+        return xr.load_dataset(file, engine="netcdf4")
+    except (OSError, RuntimeError, ValueError):
+        return None  # who reads results says what is wrong with it
 
 
 def write(dataset: xr.Dataset, file: Path) -> None:
