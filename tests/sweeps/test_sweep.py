@@ -123,7 +123,8 @@ def test_what_cannot_be_is_a_row_with_its_reason(counted):
 
 def test_a_run_that_stops_early_is_a_row_with_its_reason():
     run = {"kind": "dynamic", "until": 0.2, "every": 0.02}
-    found = swept({"loads.man.travel.speed": [1, 100]}, record="largest_sag", scenario=cases.scenario(run=run))
+    travels = [{"speed": speed, "from": 5, "measured": "arc"} for speed in (1, 100)]
+    found = swept({"loads.man.travel": travels}, record="largest_sag", scenario=cases.scenario(run=run))
     assert (found["outcome"].values == "failed").tolist() == [False, True]
     assert "travel ended" in str(found["reason"].values[1])
     assert np.isfinite(found["largest_sag"].values).tolist() == [True, False]
