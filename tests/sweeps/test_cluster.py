@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import json
 import os
 import signal
 import socket
@@ -34,25 +36,26 @@ def cluster(tmp_path):
         command = [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]]
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-        environment = os.environ | threads | {"PYTHONPATH": path}
+        environment = os.environ | threads | {"PYTHONPATH": path, "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
         started.append(subprocess.Popen(command, **quiet, env=environment, cwd=tmp_path, start_new_session=True))
         return started[-1]
 
-    def worker():
-        return begin("dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--death-timeout", "60")
+    def worker(nanny="--no-nanny"):
+        return begin("dask_worker", address, "--nthreads", "1", nanny, "--no-dashboard", "--death-timeout", "60")
 
-    begin("dask_scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard", "--no-jupyter")
+    scheduler = begin("dask_scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard", "--no-jupyter")
     try:
-        yield address, worker, [worker(), worker()]
+        yield address, worker, scheduler
     finally:
         for process in started:
-            process.kill()
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)  # nannies have workers
             process.wait()
 
 
 def test_a_cluster_whose_workers_are_killed_gives_what_this_machine_gives(cluster, tmp_path):
-    address, worker, workers = cluster
-    killed = []
+    address, worker, _ = cluster
+    workers, killed = [worker(), worker()], []
 
     def kill(done, total):
         if done in (2, 5) and len(killed) < 2:
@@ -67,6 +70,29 @@ def test_a_cluster_whose_workers_are_killed_gives_what_this_machine_gives(cluste
     assert len(store.read_text("utf-8").splitlines()) == 1 + found["outcome"].size
     here = ropewalk.sweep(cases.scenario(), OVER, record="largest_sag", workers=1)
     xr.testing.assert_identical(found.drop_vars("seconds"), here.drop_vars("seconds"))
+
+
+def test_only_the_task_that_kills_its_workers_is_lost(cluster):
+    address, worker, _ = cluster
+    worker("--nanny")
+    found = dict(each_on(address, range(8), 8, cases.deadly, -1))
+    assert found == {number: -1 if number == 3 else number * number for number in range(8)}
+
+
+def test_a_scheduler_that_goes_is_told_and_nothing_is_lost(cluster, tmp_path):
+    address, worker, scheduler = cluster
+    worker()
+    store = tmp_path / "s.jsonl"
+
+    def kill(done, total):
+        if done == 3:
+            scheduler.kill()
+
+    with pytest.raises(RopewalkError, match="goes on where it was"):
+        ropewalk.sweep(cases.scenario(), OVER, record="largest_sag", cluster=address, store=store, progress=kill)
+    found = ropewalk.sweep(cases.scenario(), OVER, record="largest_sag", workers=0, store=store)
+    keys = [json.loads(line)["key"] for line in store.read_text("utf-8").splitlines()[1:]]
+    assert len(keys) == len(set(keys)) == found["outcome"].size
 
 
 def test_a_cluster_that_is_not_there_is_told(monkeypatch):

@@ -23,8 +23,8 @@ def each_on(
 ) -> Generator[tuple[Task, Answer], None, None]:
     """Compute tasks on a cluster in any order; close the iterator to stop.
 
-    A chunk that kills its workers again and again (Dask gives up after some) is sent case by case; what kills them then
-    is lost.
+    A chunk whose workers die again and again (Dask gives up after some) is sent case by case, and then alone, for
+    others may have been to blame; what kills its workers then is lost.
 
     Args:
         cluster: address of a scheduler, as tcp://host:8786, or a client.
@@ -62,30 +62,35 @@ def _sent(
     from distributed.client import FutureCancelledError
     from distributed.comm.core import CommClosedError
 
-    under_way: dict[Any, list[Task]] = {}
+    under_way: dict[Any, tuple[list[Task], bool]] = {}  # and whether nothing else is
+    singles, suspects = list[Task](), list[Task]()
     try:
-        singles: list[Task] = []
         while True:
             threads = max(1, sum(client.nthreads().values()))
             size = min(max(count // (4 * threads), 1), CHUNK)
             for _ in range(max(AHEAD * threads - len(under_way), 0)):
                 chunk = [singles.pop()] if singles else list(islice(tasks, size))
+                if alone := not chunk and not under_way and bool(suspects):
+                    chunk = [suspects.pop()]
                 if not chunk:
                     break
-                under_way[client.submit(_chunk, compute, chunk, pure=False)] = chunk
+                under_way[client.submit(_chunk, compute, chunk, pure=False)] = chunk, alone
+                if alone:
+                    break
             if not under_way:
                 return
             for future in wait(list(under_way), return_when="FIRST_COMPLETED").done:
-                chunk = under_way.pop(future)
+                chunk, alone = under_way.pop(future)
                 if future.status == "finished":
                     yield from zip(chunk, future.result(), strict=True)
-                elif isinstance(future.exception(), KilledWorker):
-                    if len(chunk) > 1:
-                        singles += chunk
-                    else:
-                        yield chunk[0], lost
-                else:
+                elif not isinstance(future.exception(), KilledWorker):
                     future.result()
+                elif alone:
+                    yield chunk[0], lost
+                elif len(chunk) > 1:
+                    singles += chunk
+                else:
+                    suspects += chunk
     except (CommClosedError, FutureCancelledError, OSError) as error:
         raise RopewalkError(
             f"the cluster has gone ({type(error).__name__}); with a store, the same call goes on where it was"
