@@ -14,13 +14,12 @@ import typer
 
 import ropewalk
 from ropewalk.console import (
-    EXPORT_SUFFIX,
     FIGURE_SUFFIXES,
     FILM_SUFFIXES,
-    REPORT_SUFFIX,
     TABLE_SUFFIXES,
     TRACEBACK,
     check_picture,
+    display_units,
     fail,
     finish,
     load_scenario,
@@ -33,11 +32,13 @@ from ropewalk.console import (
     reported,
     save_figure,
     say,
-    write_text,
+    show_in,
 )
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from ropewalk.results.display_units import DisplayUnits
 
 app = typer.Typer(
     name="ropewalk",
@@ -58,6 +59,12 @@ Picture = Annotated[Path | None, typer.Option("-o", "--output", metavar="FIG", h
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 NoCode = Annotated[
     bool, typer.Option("--no-code", help="Refuse files that run code of somebody else: steppers and FMUs.")
+]
+Units = Annotated[
+    str,
+    typer.Option(
+        "--units", metavar="UNITS", help="Of what is shown: engineering, SI, or a list as kN,mm,km/h [JSON is in SI]."
+    ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table, errors only.")]
 
@@ -119,6 +126,7 @@ def run(
     ] = False,
     no_code: NoCode = False,
     settings: Settings = None,
+    units: Units = "engineering",
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -128,6 +136,7 @@ def run(
         from ropewalk.results import check_target
 
         scenario = load_scenario(file, settings, no_code)
+        shown = display_units(units)
         check_target(target)
         replaced = " (replaced)" if target.exists() else ""
         from ropewalk.simulate import must_compile, simulate
@@ -136,16 +145,16 @@ def run(
             say(f"compiling (first run only, {how_long})")
         with progress_bar("running", quiet) as progress:
             dataset = simulate(scenario, file=target, overwrite=overwrite, progress=progress)
-        _close(dataset, target, replaced, as_json=as_json, quiet=quiet)
+        _close(dataset, target, replaced, shown, as_json=as_json, quiet=quiet)
 
 
-def _close(dataset: xr.Dataset, file: Path, remark: str, *, as_json: bool, quiet: bool) -> None:
+def _close(dataset: xr.Dataset, file: Path, remark: str, units: DisplayUnits, *, as_json: bool, quiet: bool) -> None:
     """Print the summary of a result that has just been written, and end as its outcome says."""
     from ropewalk.results import summary
 
     with dataset:
         found = summary(dataset)
-    print_summary({"file": str(file), **found}, as_json, quiet)
+    print_summary({"file": str(file), **found}, as_json, quiet, units)
     if not quiet:
         say(f"result in {file}{remark}")
     finish(found, file)
@@ -158,6 +167,7 @@ def resume(
         str | None, typer.Option("--until", metavar="TIME", help="New end of the run, as 20s [default: as it was].")
     ] = None,
     no_code: NoCode = False,
+    units: Units = "engineering",
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -167,6 +177,7 @@ def resume(
         from ropewalk.simulate import must_compile
 
         end = None if until is None else quantity_of(until, "s")
+        shown = display_units(units)
         with taken_up(result, end) as rest:
             if no_code:
                 import_module("ropewalk.foreign.models").refuse_code(rest.scenario.loads)
@@ -176,7 +187,7 @@ def resume(
                     say(f"compiling (first run only, {how_long})")
             with progress_bar("running", quiet) as progress:
                 dataset = rest.run(progress)
-        _close(dataset, result, "", as_json=as_json, quiet=quiet)
+        _close(dataset, result, "", shown, as_json=as_json, quiet=quiet)
 
 
 @app.command()
@@ -198,6 +209,18 @@ def show(
         list[str] | None,
         typer.Option("--at", metavar="TIME", help="Of a table: the row at an instant; may be repeated."),
     ] = None,
+    panels: Annotated[
+        str | None,
+        typer.Option("--panels", metavar="NAMES", help="Of a figure, also as a table: tension,contact_force,..."),
+    ] = None,
+    size: Annotated[
+        str | None,
+        typer.Option("--size", metavar="SIZE", help="Of a figure: 16x9cm, report, journal; of a film: 1280x720."),
+    ] = None,
+    units: Annotated[
+        str | None,
+        typer.Option("--units", metavar="UNITS", help="engineering, SI, or a list as kN,mm,km/h [tables: SI]."),
+    ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -208,43 +231,25 @@ def show(
             return
         if output is not None:
             check_picture(output)
-        tabled = output is not None and output.suffix.lower() in TABLE_SUFFIXES
-        if (every or at) and not tabled:
+        kind = "" if output is None else output.suffix.lower()
+        if (every or at) and (kind not in TABLE_SUFFIXES or panels):
             fail(f"--every and --at choose the rows of tables; write one with -o OUT{', OUT'.join(TABLE_SUFFIXES)}")
+        if panels and kind not in (*FIGURE_SUFFIXES, *TABLE_SUFFIXES):
+            fail(f"--panels chooses what a figure shows; write one with -o OUT{', OUT'.join(FIGURE_SUFFIXES)}")
+        if size and kind not in (*FIGURE_SUFFIXES, *FILM_SUFFIXES):
+            fail("--size is that of a figure or a film; write one with -o")
+        shown = display_units(units or "engineering")
         from ropewalk.results import open_result, summary
 
         with open_result(result) as dataset:
             if output is None or as_json:
-                print_summary({"file": str(result), **summary(dataset)}, as_json, quiet)
+                print_summary({"file": str(result), **summary(dataset)}, as_json, quiet, shown)
             if output is None:
                 return
-            if output.suffix.lower() in FILM_SUFFIXES:
-                from ropewalk.results import film
-
-                with progress_bar("filming", quiet) as progress:
-                    film(dataset, output, progress=progress)
-            elif output.suffix.lower() == EXPORT_SUFFIX:
-                from ropewalk.results import export
-
-                with progress_bar("exporting", quiet) as progress:
-                    export(dataset, output, progress=progress)
-            elif tabled:
-                from ropewalk.results import write_tables
-
-                unit = "s" if "time" in dataset.dims else "m"
-                thinned = None if every is None else quantity_of(every, unit)
-                chosen = None if at is None else [quantity_of(text, unit) for text in at]
-                written = write_tables(dataset, output, every=thinned, at=chosen)
-            elif output.suffix.lower() == REPORT_SUFFIX:
-                from ropewalk.results import html_report
-
-                write_text(html_report(dataset), output)
-            else:
-                from ropewalk.results import figure
-
-                save_figure(figure(dataset), output)
+            names = None if panels is None else [name.strip() for name in panels.split(",")]
+            written = show_in(dataset, output, quiet, names, size, None if units is None else shown, every, at)
         if not quiet:
-            say(f"{' and '.join(map(str, written)) if tabled else output} written")
+            say(f"{' and '.join(map(str, written))} written")
 
 
 @app.command()

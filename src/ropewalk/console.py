@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import partial
@@ -22,7 +22,10 @@ from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
 from ropewalk.interrupts import is_interrupted
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from ropewalk.model import Scenario
+    from ropewalk.results.display_units import DisplayUnits
 
 FAULT, BAD_INPUT, STOPPED_EARLY, DOUBTFUL = 1, 2, 3, 4
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
@@ -62,13 +65,25 @@ def finish(found: dict[str, Any], target: Path) -> None:
     fail(f"the run stopped early: {outcome}; what was computed is kept in {target}{advice}", STOPPED_EARLY)
 
 
-def print_summary(found: dict[str, Any], as_json: bool, quiet: bool) -> None:
+def display_units(text: str) -> DisplayUnits:
+    """Read a choice of units in which results are shown."""
+    from ropewalk.errors import Refused
+    from ropewalk.results.display_units import DisplayUnits
+
+    try:
+        return DisplayUnits.read(text)
+    except Refused as problem:
+        fail(f"--units {text}: {problem}")
+        raise
+
+
+def print_summary(found: dict[str, Any], as_json: bool, quiet: bool, units: DisplayUnits) -> None:
     if as_json:
         print_json(found)
     elif not quiet:
         from ropewalk.results import text
 
-        typer.echo(text(found))
+        typer.echo(text(found, units))
 
 
 def print_json(value: Any) -> None:
@@ -105,6 +120,46 @@ def save_figure(drawn: Any, output: Path) -> None:
         drawn.savefig(output)
     except OSError as problem:
         fail(f"{output}: cannot be written ({problem.strerror or problem})")
+
+
+def show_in(
+    dataset: xr.Dataset,
+    output: Path,
+    quiet: bool,
+    panels: Sequence[str] | None,
+    size: str | None,
+    units: DisplayUnits | None,
+    every: str | None,
+    at: Sequence[str] | None,
+) -> list[Path]:
+    """Write a result as what the name of the file asks for; gives the files written."""
+    from ropewalk import results
+    from ropewalk.errors import Refused
+
+    kind = output.suffix.lower()
+    try:
+        if kind in FILM_SUFFIXES:
+            with progress_bar("filming", quiet) as progress:
+                results.film(dataset, output, size=size, units=units, progress=progress)
+        elif kind == EXPORT_SUFFIX:
+            with progress_bar("exporting", quiet) as progress:
+                results.export(dataset, output, progress=progress)
+        elif kind in TABLE_SUFFIXES and panels is not None:
+            from ropewalk.results.table_export import save_tables
+
+            return save_tables(results.figure_data(dataset, panels=panels, units=units), output)
+        elif kind in TABLE_SUFFIXES:
+            unit = "s" if "time" in dataset.dims else "m"
+            thinned = None if every is None else quantity_of(every, unit)
+            chosen = None if at is None else [quantity_of(text, unit) for text in at]
+            return results.write_tables(dataset, output, every=thinned, at=chosen, units=units)
+        elif kind == REPORT_SUFFIX:
+            write_text(results.html_report(dataset, units=units), output)
+        else:
+            save_figure(results.figure(dataset, panels=panels, size=size, units=units), output)
+    except Refused as problem:  # of the size, which is all that is still to be read
+        fail(f"--size {size}: {problem}")
+    return [output]
 
 
 def quantity_of(text: str, unit: str) -> float:

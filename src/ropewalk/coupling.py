@@ -15,9 +15,9 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.model.run import Dynamic, Equilibrium
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.contract import doubts_of
+from ropewalk.results.display_units import number
 from ropewalk.results.nets import net_names
 from ropewalk.results.statistics import Summary, lines, summary
-from ropewalk.results.table import number
 from ropewalk.simulate import simulate
 from ropewalk.solve.start import setting_of
 

@@ -92,13 +92,13 @@ def written(value: float, unit: str) -> str | float:
     return float(value) if unit == "dimensionless" else f"{text} {unit}"
 
 
-def factor_of(unit: str) -> tuple[float, tuple[int, int, int]]:
-    """The SI factor of a unit such as "km/h", and its exponents of metre, kilogram and second.
+def measure(unit: str) -> tuple[float, _Dimension]:
+    """Read a unit such as "kN/m" as its size in SI units and its exponents of metre, kilogram and second.
 
     Raises:
-        Refused: there is no such unit.
+        Refused: (a ValueError) it is no unit.
     """
-    factor, dimension = _product(unit.translate(_SAME).replace("**", "^").strip(), "dimensionless")
+    factor, dimension = _product(unit.translate(_SAME).replace("**", "^").strip(), unit)
     return float(factor), dimension
 
 

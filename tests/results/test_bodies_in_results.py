@@ -57,7 +57,7 @@ def test_a_load_that_is_still_moving_has_no_last_speed(result):
 def test_the_table_leaves_out_forms_of_energy_that_stay_zero_and_json_keeps_them(result):
     found = summary(result)
     table = text(found)
-    assert "lost to friction" not in table
+    assert "dissipated by friction" not in table
     assert "work of the loads" in table
     assert found["energy"]["final"]["friction"] == 0.0
     assert "friction" in found["energy"]["always_zero"]

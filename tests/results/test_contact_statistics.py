@@ -14,7 +14,6 @@ from PIL import Image
 from ropewalk.model import Scenario
 from ropewalk.results import Account, Frame, Layout, Recorder, figure, film, html_report, summary, text
 from ropewalk.results.acceptance import acceptance_of, against_en50318_2002, against_simple_ac
-from ropewalk.results.contact_figure import contact_figure
 from ropewalk.results.contact_film import ContactStage
 from ropewalk.results.contact_statistics import (
     contact_statistics,
@@ -334,7 +333,7 @@ def test_the_table_tells_of_pantographs_and_leaves_out_what_is_unknown(small):
     table = text(found)
     headings = re.findall(r"\n\n(.+)\n", table)
     pantographs = ["Pantograph first", "Pantograph second"]
-    assert headings == ["Line", "Supports", *pantographs, "Overhead line line", "Energy at the end", "Method"]
+    assert headings == ["Lines", "Supports", *pantographs, "Overhead line line", "Energy at the end", "Method"]
     assert "no audit was kept" in table
     assert "all 10 " in table
     assert len(re.findall(r"\nline\.(?:contact|messenger|support|arm)\S* ", table)) == 3
@@ -359,15 +358,18 @@ def test_the_figure_shows_what_the_statistics_say(reference):
         assert (level, level) in levels
     supports = line_statistics(reference)["line"].supports.values()
     marks = next(line for line in height.lines if line.get_marker() == "^")
-    np.testing.assert_allclose(marks.get_ydata(), [1e3 * support.uplift for support in supports])
+    np.testing.assert_allclose(marks.get_ydata(), [support.uplift for support in supports])
+    assert height.get_ylabel() == "height (mm)"  # axes show another unit than they are drawn in
     assert len(droppers.collections[0].get_segments()) == 90
     for ax in fig.axes:
         assert re.search(r"\(.+\)$", ax.get_ylabel()), ax.get_title("left")
 
 
-def test_several_pantographs_are_drawn_together(small):
-    labels = contact_figure(small).axes[0].get_legend_handles_labels()[1]
-    assert labels == ["first", "second"]
+def test_each_pantograph_has_a_panel_of_its_force_and_a_look_of_its_own(small):
+    fig = figure(small)
+    assert [ax.get_title("left") for ax in fig.axes[:2]] == ["Contact force of first", "Contact force of second"]
+    heights = [line for line in fig.axes[2].lines if line.get_label().startswith("contact of ")]
+    assert len({line.get_color() for line in heights}) == len({line.get_marker() for line in heights}) == 2
 
 
 def test_a_film_follows_the_pantograph(small, tmp_path):
@@ -412,7 +414,7 @@ def test_a_report_of_any_result_has_its_table_and_its_figure(make):
     assert "<h1>&lt;b&gt;Rope&lt;/b&gt;</h1>" in page
     assert "watch &amp; learn" in page
     assert page.count("<img ") == 1
-    assert "<h3>Line</h3>" in page
+    assert "<h3>Lines</h3>" in page
 
 
 def test_the_command_line_writes_reports(result, tmp_path, monkeypatch):

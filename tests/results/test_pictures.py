@@ -46,7 +46,7 @@ def test_every_view_stands_alone(view, result, tmp_path):
 
 
 def test_an_unknown_view_is_refused_with_a_list(result):
-    with pytest.raises(ValueError, match="no view 'tensoin'; there are shapes, tension"):
+    with pytest.raises(ResultError, match="no panel 'tensoin' in this result; did you mean tension"):
         single(result, "tensoin")
 
 

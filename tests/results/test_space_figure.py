@@ -10,7 +10,8 @@ from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
 from ropewalk.results import figure, single
-from ropewalk.results.space_figure import CELLS, MESH, Chosen, _panels, shading, space
+from ropewalk.results.figures import panels_of
+from ropewalk.results.space_figure import CELLS, MESH, Chosen, shading, space
 
 FEW = np.linspace(0.0, 2.0, 5)
 
@@ -46,14 +47,14 @@ def test_many_lines_are_drawn_once_and_shaded_by_tension():
     shade = shading(bridge["tension"].values[2], "plasma")
     deck = np.flatnonzero(bridge["link_line"].values == "deck")
     np.testing.assert_allclose(ropes[2].get_colors(), shade.to_rgba(bridge["tension"].values[2, deck]))
-    assert "tension (N)" in [ax.get_ylabel() for ax in drawn.axes]
+    assert "tension (kN)" in [ax.get_ylabel() for ax in drawn.axes]
 
 
 def test_nets_are_triangles_shaded_by_their_larger_tension(tent):
     faces = next(part for part in three(tent).collections if isinstance(part, Poly3DCollection))
     assert len(faces.get_facecolor()) == 32
     labels = [ax.get_ylabel() for ax in tent.axes]
-    assert {"tension of the net (N/m)", "tension of the lines (N)", "z (m)"} <= set(labels)
+    assert {"tension of the net (kN/m)", "tension of the lines (kN)", "z (m)"} <= set(labels)
     net = cases.net(times=[1.0], side=5)
     scene = space(net, Figure().add_subplot())
     colours = scene.axes.collections[0]._facecolor3d
@@ -92,14 +93,14 @@ def test_every_panel_has_labels_with_units_and_a_title(tent):
 
 def test_panels_without_anything_to_show_are_left_out(tent):
     assert {"Tension", "The 3 largest support forces of 4", "Place of the load sideways"} <= set(titles(tent))
-    alone, slow = _panels(cases.net(times=FEW, side=5)), _panels(cases.bridge(times=FEW, path="load_path"))
+    alone, slow = panels_of(cases.net(times=FEW, side=5)), panels_of(cases.bridge(times=FEW, path="load_path"))
     assert "net_tension" in alone
     assert not {"tension", "reactions", "friction_power"} & set(alone)
     assert "imbalance" in alone
     assert not {"net_tension", "imbalance"} & set(slow)
-    assert _panels(cases.whirl(times=FEW)) == ["tension", "energy", "reactions"]
-    assert _panels(cases.whirl(times=[0.0])) == ["tension_along"]
-    assert _panels(cases.net(times=[0.0], side=3)) == []
+    assert panels_of(cases.whirl(times=FEW)) == ["space", "plan", "tension", "energy", "reactions"]
+    assert panels_of(cases.whirl(times=[0.0])) == ["space", "plan", "tension_along"]
+    assert panels_of(cases.net(times=[0.0], side=3)) == ["space", "plan"]
 
 
 def test_titles_and_legends_of_neighbours_do_not_meet(tent):

@@ -46,7 +46,7 @@ def test_lines_nets_loads_and_bodies_are_where_they_belong():
     np.testing.assert_array_equal(shown._ties._segments3d[0], [spot, body])
     assert len(shown._traces[0].get_data_3d()[0]) == 4
     np.testing.assert_array_equal(shown._arrows._segments3d[0][1], spot)
-    assert shown._clock.get_text() == "time 1.5 s"
+    assert shown._clock.get_text() == "time 1.5 s\nwalker  801 N"
     tent = cases.net(times=FEW, side=5, ropes=True)
     shown = stage(tent)
     shown.picture(2)

@@ -9,8 +9,8 @@ import pytest
 import travelling_wave as wave
 
 from ropewalk.results import Account, Frame, Layout, Recorder, statistics, summary, text
+from ropewalk.results.display_units import number
 from ropewalk.results.frame import ENERGY_FORMS
-from ropewalk.results.table import number
 
 NAN = np.nan
 LAYOUT = Layout(
@@ -91,12 +91,12 @@ def found():
 
 
 def test_the_largest_tension_is_given_with_line_place_and_instant(found):
-    expected = {"value": 20.0, "unit": "N", "line": "left", "xi": 1.5, "time": 0.0}
+    expected = {"value": 20.0, "unit": "N", "line": "left", "xi": 1.5, "x": 1.5, "time": 0.0}
     assert found["largest_tension"] == expected
 
 
 def test_compression_and_the_range_of_strain_are_found(found):
-    where = {"line": "right", "xi": 2.0, "time": 0.5}
+    where = {"line": "right", "xi": 2.0, "x": 4.0, "time": 0.5}
     assert found["smallest_tension"] == {"value": -7.0, "unit": "N", **where}
     assert found["smallest_strain"] == {"value": -0.07, "unit": "1", **where}
     assert found["largest_strain"]["value"] == 0.2
@@ -166,10 +166,10 @@ def test_a_quasistatic_result_has_no_pace_and_places_on_the_load_path(make):
 def test_the_table_answers_the_first_questions(found):
     table = text(found)
     for row in (
-        "largest tension                 20.00 N  left at xi = 1.500 m  t = 0 s",
-        "largest sag                     1.000 m  left at xi = 1.000 m  t = 0 s",
-        "left.start                      50.00 N  t = 0.5000 s  x: -30.00 to -6.000 N  z: 8.000 to 40.00 N",
-        "time taken                      0.250 s  4.00 times real time",
+        "largest tension                 20.00 N  left at x = 1.500 m, xi = 1.500 m  t = 0 s",
+        "largest sag                     1.000 m  left at x = 1.000 m, xi = 1.000 m  t = 0 s",
+        "left.start                      50.00 N  t = 0.5000 s  x: -30.00 to -6.00 N  z: 8.00 to 40.00 N",
+        "time taken                      250 ms  4.00 times real time",
         "warning: compression",
     ):
         assert row.split() in [line.split() for line in table.splitlines()]

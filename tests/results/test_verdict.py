@@ -236,7 +236,7 @@ def test_the_impulse_of_entering_is_told_and_not_counted() -> None:
     assert walker["impulses"]["entering"]["time"] == pytest.approx(TIMES[20])
     assert walker["impulses"]["leaving"] is None
     assert walker["force"]["magnitude"]["max"] < 2e3
-    assert "blow when entering" in text(found)
+    assert "impact when entering" in text(found)
 
 
 def test_doubts_stand_in_the_first_lines_of_the_summary() -> None:

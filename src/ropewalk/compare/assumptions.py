@@ -15,8 +15,8 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.model.overhead import CONTACT_WIRE
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.contract import path_name
+from ropewalk.results.display_units import number
 from ropewalk.results.statistics import Summary, lines
-from ropewalk.results.table import number
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,8 +9,8 @@ import numpy as np
 from ropewalk.compare.trace import Difference
 from ropewalk.coupling import percent
 from ropewalk.mechanics.chain import Array
+from ropewalk.results.display_units import number
 from ropewalk.results.statistics import Summary
-from ropewalk.results.table import number
 
 # Curves that cross agree for a moment, which means nothing: good stretches shorter than this part of the way between
 # bad ones are none.

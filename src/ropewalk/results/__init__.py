@@ -11,19 +11,21 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ropewalk.results.animation import film
     from ropewalk.results.contract import links
-    from ropewalk.results.figures import figure, single
+    from ropewalk.results.display_units import DisplayUnits
+    from ropewalk.results.figures import figure, figure_data, single
     from ropewalk.results.files import ResultError, WriteError, open_result
     from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
     from ropewalk.results.recorder import Recorder
     from ropewalk.results.report import html_report
     from ropewalk.results.statistics import summary
     from ropewalk.results.table import text
-    from ropewalk.results.table_export import named_numbers, series_table, tables, write_frames, write_tables
+    from ropewalk.results.table_export import named_numbers, save_tables, series_table, tables, write_tables
     from ropewalk.results.target import check_target
     from ropewalk.results.vtk_export import export
 
 _HOME = {
     "Account": "frame",
+    "DisplayUnits": "display_units",
     "ENERGY_FORMS": "frame",
     "Frame": "frame",
     "Layout": "frame",
@@ -33,23 +35,25 @@ _HOME = {
     "check_target": "target",
     "export": "vtk_export",
     "figure": "figures",
+    "figure_data": "figures",
     "film": "animation",
     "html_report": "report",
     "links": "contract",
     "named_numbers": "table_export",
     "open_result": "files",
+    "save_tables": "table_export",
     "series_table": "table_export",
     "single": "figures",
     "summary": "statistics",
     "tables": "table_export",
     "text": "table",
-    "write_frames": "table_export",
     "write_tables": "table_export",
 }
 
 __all__ = [
     "ENERGY_FORMS",
     "Account",
+    "DisplayUnits",
     "Frame",
     "Layout",
     "Recorder",
@@ -58,17 +62,18 @@ __all__ = [
     "check_target",
     "export",
     "figure",
+    "figure_data",
     "film",
     "html_report",
     "links",
     "named_numbers",
     "open_result",
+    "save_tables",
     "series_table",
     "single",
     "summary",
     "tables",
     "text",
-    "write_frames",
     "write_tables",
 ]
 

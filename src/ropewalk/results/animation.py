@@ -17,12 +17,17 @@ from matplotlib.figure import Figure
 from matplotlib.markers import CARETUP
 from numpy.typing import NDArray
 
+from ropewalk.errors import Refused
 from ropewalk.results import style
+from ropewalk.results.axis_units import show_units
 from ropewalk.results.contact_film import ContactStage, is_filmed_here
 from ropewalk.results.contract import path_name
+from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
+from ropewalk.results.meter import Meter
 from ropewalk.results.nets import is_spatial
+from ropewalk.results.page import INCHES, read_size
 from ropewalk.results.space_film import SpaceStage
 from ropewalk.results.statistics import lines
 from ropewalk.results.ties import tied, ties
@@ -37,6 +42,8 @@ Progress = Callable[[float], None]
 SUFFIXES = (".gif", ".mp4")
 WIDTH = 960  # pixels
 HEIGHTS = (360, 720)  # pixels, as the shape needs
+LEAST, MOST = 160, 4096  # pixels: sides of a film
+FILM_DPI = 100
 FRAMES, FRAMES_FOLLOWING = 151, 401
 LINKS = 1500  # most links drawn of one line
 DELAYS = (40, 50, 60, 80, 100, 120, 150, 200)  # ms between pictures; GIF counts in 10 ms, 40 ms look fluent
@@ -52,7 +59,15 @@ class Tempo:
     label: str
 
 
-def film(dataset: xr.Dataset, path: str | Path, *, frames: int | None = None, progress: Progress | None = None) -> None:
+def film(
+    dataset: xr.Dataset,
+    path: str | Path,
+    *,
+    frames: int | None = None,
+    size: str | None = None,
+    units: DisplayUnits | None = None,
+    progress: Progress | None = None,
+) -> None:
     """Write a film: GIF by Pillow, MP4 if imageio-ffmpeg is installed.
 
     Pantographs are followed along their line; what leaves the x-z plane, and nets, are filmed in three dimensions.
@@ -61,9 +76,12 @@ def film(dataset: xr.Dataset, path: str | Path, *, frames: int | None = None, pr
         dataset: a result with at least two frames.
         path: where to write; the suffix decides.
         frames: most pictures in the film (default: 151, or 401 that follow a pantograph).
+        size: width and height in pixels, as "1280x720" (default: 960 wide, as high as needed).
+        units: that forces and tensions are shown in (default: of engineering, by their size).
         progress: is told the fraction done.
 
     Raises:
+        Refused: (a ValueError) `size` cannot be read, or not be filmed.
         ResultError: unknown suffix, too few frames, the file cannot be written, or MP4 without imageio-ffmpeg.
     """
     path = Path(path)
@@ -77,10 +95,14 @@ def film(dataset: xr.Dataset, path: str | Path, *, frames: int | None = None, pr
     else:
         pace = tempo(dataset, frames or FRAMES)
     stage: Stage | ContactStage | SpaceStage
-    if follows:
-        stage = ContactStage(dataset, pace.frames, pace.label)
-    else:
-        stage = SpaceStage(dataset, pace.frames, pace.label) if is_spatial(dataset) else Stage(dataset, pace)
+    pixels, units = _pixels(size), units or DisplayUnits.read(None)
+    with style.scaled(1.0 if pixels is None else min(pixels[0] / WIDTH, pixels[1] / HEIGHTS[0])):
+        if follows:
+            stage = ContactStage(dataset, pace.frames, pace.label, pixels, units)
+        elif is_spatial(dataset):
+            stage = SpaceStage(dataset, pace.frames, pace.label, pixels, units)
+        else:
+            stage = Stage(dataset, pace, pixels, units)
     try:
         write(path, stage, pace.delay, progress or (lambda done: None))
     except BaseException as problem:
@@ -89,6 +111,18 @@ def film(dataset: xr.Dataset, path: str | Path, *, frames: int | None = None, pr
         if isinstance(problem, OSError):
             raise ResultError(f"{path}: cannot be written ({problem})") from problem
         raise
+
+
+def _pixels(size: str | None) -> tuple[int, int] | None:
+    """Width and height in pixels, both even, as video wants them."""
+    if size is None:
+        return None
+    width, height, unit = read_size(size, "px")
+    scale = 1.0 if unit == "px" else INCHES[unit] * FILM_DPI
+    sides = tuple(round(side * scale / 2.0) * 2 for side in (width, height))
+    if not all(LEAST <= side <= MOST for side in sides):
+        raise Refused(f"a film of {sides[0]} x {sides[1]} pixels cannot be made", f"stay within {LEAST} to {MOST}")
+    return sides[0], sides[1]
 
 
 def tempo(dataset: xr.Dataset, most: int = FRAMES) -> Tempo:
@@ -137,9 +171,17 @@ class Stage:
     Args:
         dataset: a result.
         pace: the frames to show.
+        pixels: width and height, if they are given.
+        units: that forces and tensions are shown in.
     """
 
-    def __init__(self, dataset: xr.Dataset, pace: Tempo) -> None:
+    def __init__(
+        self,
+        dataset: xr.Dataset,
+        pace: Tempo,
+        pixels: tuple[int, int] | None = None,
+        units: DisplayUnits | None = None,
+    ) -> None:
         name = path_name(dataset)
         shown = dataset.isel({name: pace.frames})
         self._path = shown[name].values
@@ -149,14 +191,16 @@ class Stage:
         self._pairs = ties(dataset)
         self._forces: Array = shown["contact_force"].values[..., [0, -1]]
         seen = [shown["position"].values[..., [0, -1]], self._bodies]
-        height = _height(np.concatenate([points.reshape(-1, 2) for points in seen]))
-        self._figure = Figure(figsize=(WIDTH / 100, height / 100), dpi=100, layout="constrained")
+        width, height = pixels or (WIDTH, _height(np.concatenate([points.reshape(-1, 2) for points in seen])))
+        self._figure = Figure(figsize=(width / FILM_DPI, height / FILM_DPI), dpi=FILM_DPI, layout="constrained")
         self._canvas = _canvas(self._figure)
         self._axes = self._figure.add_subplot()
         size = np.linalg.norm(self._forces, axis=2)
         self._unit = float(np.nanmax(size, initial=0.0)) or 1.0
+        self._meter = Meter(dataset["load"].values.tolist(), size, units)
         self._clock_text = f"{name.replace('_', ' ')} {{:.{style.digits(self._path)}f}} {dataset[name].attrs['units']}"
         self._set_up(shown, pace)
+        show_units(self._figure, units or DisplayUnits.read(None))
         self._canvas.draw()  # the layout is settled here, and the ground that all pictures share
         self._figure.set_layout_engine("none")
         self._ground = self._canvas.copy_from_bbox(self._figure.bbox)
@@ -179,7 +223,9 @@ class Stage:
             "animated": True,
         }
         self._links: list[Any] = [
-            ax.add_collection(LineCollection([], linewidths=3.0, capstyle="round", **options), autolim=False)
+            ax.add_collection(
+                LineCollection([], linewidths=style.sized(3.0), capstyle="round", **options), autolim=False
+            )
             for _ in self._lines
         ]
         bar = self._figure.colorbar(self._links[0], ax=ax, fraction=0.035, pad=0.01, extend=beyond)
@@ -189,7 +235,7 @@ class Stage:
         for curve in self._lines:
             ends = np.ptp(curve.points[:, [0, -1]], axis=0).max()
             if ends <= 1e-9 * np.ptp(curve.points):  # supports that stand still
-                foot: dict[str, Any] = {"linestyle": "none", "marker": CARETUP, "markersize": 9}
+                foot: dict[str, Any] = {"linestyle": "none", "marker": CARETUP, "markersize": style.sized(9)}
                 ax.plot(*curve.points[0, [0, -1]].T, color=style.INK, clip_on=False, **foot)
         loads = shown.sizes["contact"]
         self._traces = [
@@ -206,9 +252,9 @@ class Stage:
         size: dict[str, Any] = {"width": 0.005, "headwidth": 4.0, "headlength": 4.5, "headaxislength": 4.0}
         arrow |= {"color": style.INK, "animated": True, "zorder": 5}
         self._arrows = ax.quiver(empty, empty, empty, empty, **arrow, **size)
-        dot: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 7, "zorder": 6}
+        dot: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": style.sized(7), "zorder": 6}
         (self._dots,) = ax.plot([], [], color=style.INK, markeredgecolor="white", animated=True, **dot)
-        body: dict[str, Any] = {"linestyle": "none", "marker": "s", "markersize": 8, "zorder": 6}
+        body: dict[str, Any] = {"linestyle": "none", "marker": "s", "markersize": style.sized(8), "zorder": 6}
         (self._masses,) = ax.plot([], [], color=style.BLUE, markeredgecolor="white", animated=True, **body)
         self._ties: Any = ax.add_collection(
             LineCollection([], colors=[style.BLUE], linewidths=style.LINE, animated=True), autolim=False
@@ -218,6 +264,8 @@ class Stage:
             "va": "top",
             "fontsize": style.LABEL,
             "color": style.INK,
+            "zorder": 7,
+            "bbox": {"boxstyle": "square,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
         }
         self._clock = ax.text(0.985, 0.965, "", ha="right", family="monospace", animated=True, **note)
         factor = set_scale(ax, shown["position"], [self._spots.reshape(-1, 2), self._bodies.reshape(-1, 2)], room=ARROW)
@@ -242,7 +290,7 @@ class Stage:
         return np.asarray(self._canvas.buffer_rgba())[:, :, :3].copy()
 
     def _move(self, k: int) -> None:
-        self._clock.set_text(self._clock_text.format(self._path[k]))
+        self._clock.set_text("\n".join((self._clock_text.format(self._path[k]), self._meter.told(k))).strip())
         for links, curve in zip(self._links, self._lines, strict=True):
             points = curve.points[k]
             links.set_segments(np.stack([points[:-1], points[1:]], axis=1))
@@ -300,8 +348,9 @@ def _write_gif(path: Path, stage: Stage | ContactStage | SpaceStage, delay: int,
     def images() -> Iterator[Any]:
         for k in range(len(stage)):
             picture = stage.picture(k)
-            image = pillow.fromarray(picture).quantize(palette=palette, dither=pillow.Dither.NONE)
-            ground = pillow.fromarray(255 * (picture.min(axis=2) == 255).astype(np.uint8))
+            full = pillow.fromarray(picture)
+            image = full.quantize(palette=palette, dither=pillow.Dither.NONE)
+            ground = full.convert("L").point([0] * 255 + [255])  # far quicker than by NumPy
             image.paste(white, mask=ground)  # the nearest colour is found roughly only: white would turn grey
             yield image
             progress((k + 1) / len(stage))

@@ -1,8 +1,9 @@
-"""The figure of a run below an overhead line: contact force, heights, droppers, and what frequencies are in it."""
+"""Panels of a run below an overhead line: contact force, heights, droppers, and what frequencies are in it."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -10,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 
 from ropewalk.results import style
@@ -29,6 +29,7 @@ from ropewalk.results.contact_statistics import (
     scenario_of,
 )
 from ropewalk.results.frame import Array
+from ropewalk.results.table import ROUND_OFF
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,6 +39,8 @@ if TYPE_CHECKING:
     from ropewalk.model.overhead import OverheadLine
 
 POINTS = 6000  # most points drawn of one curve
+LABELLED = 25  # with more supports than these their uplifts are not written beside them
+FORCE, STATION = "pantograph_force", "distance along the line (m)"
 FASTEST = 100.0  # Hz, end of the spectrum
 BINS = 40
 _SHADE: dict[str, Any] = {"color": style.SKY, "alpha": 0.12, "linewidth": 0.0, "zorder": 0}
@@ -62,43 +65,55 @@ def is_of_overhead_line(dataset: xr.Dataset) -> bool:
     return has_samples(dataset) and bool(contact_statistics(dataset))
 
 
-def contact_figure(dataset: xr.Dataset) -> Figure:
-    """Draw what pantographs and overhead line do to each other, over the distance along the line.
+@dataclass(frozen=True)
+class Collection:
+    """What the panels of a run below an overhead line are drawn from."""
 
-    Args:
-        dataset: a result with pantographs and samples.
-    """
-    scenario = scenario_of(dataset)
-    rides = _rides(dataset)
-    names = {ride.found.line for ride in rides}
-    lines = {name: found for name, found in line_statistics(dataset).items() if not names - {""} or name in names}
-    line = _declared(scenario, next(iter(lines), ""))
-    fig = Figure(figsize=(11.0, 11.5), dpi=style.DPI, layout="constrained")
-    layout: list[Any] = [["force", "force"], ["height", "height"], ["droppers", "droppers"], ["spectrum", "share"]]
-    ax = fig.subplot_mosaic(layout, height_ratios=(1.35, 1.0, 1.0, 1.0))
-    _headline(fig, dataset)
-    _force(ax["force"], rides)
-    _height(ax["height"], rides, lines, 0.0 if line is None else line.start[-1])
-    _droppers(ax["droppers"], lines)
-    _spectrum(ax["spectrum"], rides, line)
-    _share(ax["share"], rides)
-    along = [ax[name] for name in ("force", "height", "droppers")]
-    stations = [support.station for found in lines.values() for support in found.supports.values()]
-    for panel in along:
-        for station in stations:
-            panel.axvline(station, color=style.FAINT, linewidth=0.6, linestyle=(0, (2, 2)), zorder=0)
-        limits = analysed_stations(line)
+    rides: tuple[_Ride, ...]
+    lines: dict[str, LineStatistics]  # those with pantographs
+    line: OverheadLine | None  # the first of them, as declared
+
+    @classmethod
+    def of(cls, dataset: xr.Dataset) -> Collection:
+        """Take a result with pantographs and samples apart."""
+        rides = _rides(dataset)
+        names = {ride.found.line for ride in rides}
+        lines = {name: found for name, found in line_statistics(dataset).items() if not names - {""} or name in names}
+        return cls(tuple(rides), lines, _declared(scenario_of(dataset), next(iter(lines), "")))
+
+    @property
+    def panels(self) -> list[str]:
+        """Names of all panels that there is something to show in: with the force of each pantograph."""
+        hung = any(found.droppers for found in self.lines.values())
+        forces = [f"{FORCE}.{ride.name}" for ride in self.rides]
+        return [*forces, "pantograph_height", *(["droppers"] if hung else []), "force_spectrum", "force_histogram"]
+
+    def draw(self, panel: str, ax: Axes) -> None:
+        """Draw a panel on empty axes.
+
+        Args:
+            panel: one of `panels`.
+        """
+        if panel.startswith(f"{FORCE}."):
+            mine = [ride for ride in self.rides if ride.name == panel.removeprefix(f"{FORCE}.")]
+            _force(ax, mine[0], alone=len(self.rides) == 1)
+        elif panel == "pantograph_height":
+            _height(ax, self.rides, self.lines, 0.0 if self.line is None else self.line.start[-1])
+        elif panel == "droppers":
+            _droppers(ax, self.lines)
+        elif panel == "force_spectrum":
+            _spectrum(ax, self.rides, self.line)
+            return
+        else:
+            _share(ax, self.rides)
+            return
+        for found in self.lines.values():
+            for support in found.supports.values():
+                ax.axvline(support.station, color=style.FAINT, linewidth=0.6, linestyle=(0, (2, 2)), zorder=0)
+        limits = analysed_stations(self.line)
         if all(map(math.isfinite, limits)):
-            panel.axvspan(*limits, **_SHADE)
-    for panel in along[1:]:
-        panel.sharex(along[0])
-    for panel in along[:-1]:
-        panel.set_xlabel("")
-        panel.tick_params(labelbottom=False)
-    along[0].set_xlim(*_reach(rides, line))
-    style.lift_titles([ax["spectrum"], ax["share"]])
-    fig.align_ylabels([*along, ax["spectrum"]])
-    return fig
+            ax.axvspan(*limits, **_SHADE)
+        ax.set_xlim(*_reach(self.rides, self.line))
 
 
 def _declared(scenario: Scenario | None, name: str) -> OverheadLine | None:
@@ -118,77 +133,72 @@ def _rides(dataset: xr.Dataset) -> list[_Ride]:
     return out
 
 
-def _reach(rides: list[_Ride], line: OverheadLine | None) -> tuple[float, float]:
+def _reach(rides: Sequence[_Ride], line: OverheadLine | None) -> tuple[float, float]:
     stations = np.concatenate([ride.station[np.isfinite(ride.station)] for ride in rides])
     ends = (0.0, line.length) if line is not None else (stations.min(), stations.max())
     return float(ends[0]), float(ends[1])
 
 
-def _headline(fig: Figure, dataset: xr.Dataset) -> None:
-    outcome = dataset.attrs.get("outcome", "")
-    note = "" if outcome == "completed" else f"  ({outcome})"
-    title = f"{dataset.attrs.get('title', '')}{note}"
-    fig.suptitle(title, fontsize=style.TITLE + 2, color=style.INK, fontweight="bold", x=0.01, ha="left")
-
-
-def _force(ax: Axes, rides: list[_Ride]) -> None:
-    alone = len(rides) == 1
-    for ride in rides:
-        some = style.thinned(ride.station.size, POINTS)
-        faint: dict[str, Any] = {"color": style.FAINT if alone else ride.colour, "alpha": 0.75 if alone else 0.35}
-        ax.plot(ride.station[some], ride.raw[some], linewidth=0.5, **faint, label="as computed" if alone else None)
-        label = f"up to {CUTOFF:g} Hz" if alone else ride.name
-        ax.plot(ride.station[some], ride.force[some], color=ride.colour, linewidth=style.LINE, label=label)
-        found = ride.found
-        if not math.isfinite(found.mean):
-            continue
+def _force(ax: Axes, ride: _Ride, *, alone: bool) -> None:
+    some = style.thinned(ride.station.size, POINTS)
+    faint: dict[str, Any] = {"color": style.FAINT, "alpha": 0.75, "linewidth": 0.5}
+    ax.plot(ride.station[some], ride.raw[some], **faint, label="as computed")
+    bold: dict[str, Any] = {"color": ride.colour, "linewidth": style.LINE}
+    ax.plot(ride.station[some], ride.force[some], **bold, label=f"up to {CUTOFF:g} Hz")
+    found = ride.found
+    if math.isfinite(found.mean):
         ends = [found.first, found.last]
-        level: dict[str, Any] = {"color": style.RED if alone else ride.colour, "linewidth": style.LINE}
-        ax.plot(ends, [found.mean] * 2, **level, label=f"mean {found.mean:.1f} N" if alone else None)
+        level: dict[str, Any] = {"color": style.BLACK, "linewidth": style.LINE}
+        ax.plot(ends, [found.mean] * 2, **level, label=f"mean {found.mean:.1f} N")
         bounds = found.statistical_minimum, found.statistical_maximum
         for i, bound in enumerate(bounds):
-            told = f"mean ± 3σ: {bounds[0]:.1f} and {bounds[1]:.1f} N" if alone and not i else None
-            ax.plot(ends, [bound] * 2, **level, linestyle=(0, (5, 2)), label=told)
+            told = "" if i else f"mean ± 3σ: {bounds[0]:.1f} and {bounds[1]:.1f} N"
+            ax.plot(ends, [bound] * 2, **level, linestyle=(0, (5, 2)), label=told or "_mean + 3σ")
         if math.isfinite(found.target):
-            told = f"asked for: {found.target:.1f} N" if alone else None
-            ax.plot(ends, [found.target] * 2, color=style.GREEN, linewidth=style.LINE, linestyle=":", label=told)
+            target: dict[str, Any] = {"color": style.GREEN, "linewidth": style.LINE, "linestyle": ":"}
+            ax.plot(ends, [found.target] * 2, **target, label=f"asked for: {found.target:.1f} N")
     # A spike as a pantograph leaves the line would hide everything else.
-    seen = np.concatenate([ride.force[np.isfinite(ride.force)] for ride in rides])
+    seen = ride.force[np.isfinite(ride.force)]
     high = float(np.percentile(seen, 99.9)) if seen.size else 1.0
-    low = min([0.0, *(r.found.statistical_minimum for r in rides if math.isfinite(r.found.deviation))])
-    ax.set_ylim(min(1.1 * low, -0.03 * high), 1.35 * high)
-    title = "Contact force, with mean and mean ± 3σ of the analysed spans (shaded)"
-    style.dress(ax, title, "distance along the line (m)", "force (N)")
+    low = min(0.0, found.statistical_minimum) if math.isfinite(found.deviation) else 0.0
+    ax.set_ylim(low - 0.04 * high, 1.35 * high)
+    style.dress(ax, "Contact force" if alone else f"Contact force of {ride.name}", STATION, "force (N)")
     style.legend(ax)
 
 
-def _height(ax: Axes, rides: list[_Ride], lines: dict[str, LineStatistics], level: float) -> None:
-    for ride in rides:
+def _height(ax: Axes, rides: Sequence[_Ride], lines: dict[str, LineStatistics], level: float) -> None:
+    for i, ride in enumerate(rides):
         some = style.thinned(ride.station.size, POINTS)
         label = "contact" if len(rides) == 1 else f"contact of {ride.name}"
-        height = 1e3 * (ride.height[some] - level)
-        ax.plot(ride.station[some], height, color=ride.colour, linewidth=style.LINE, label=label)
+        drawn: dict[str, Any] = {"color": ride.colour, "linewidth": style.LINE, **style.marks(i, len(rides), some.size)}
+        ax.plot(ride.station[some], ride.height[some] - level, **drawn, label=label)
     supports = [support for found in lines.values() for support in found.supports.values()]
     if supports:
-        dots: dict[str, Any] = {"linestyle": "none", "marker": "^", "markersize": 7, "markeredgecolor": "white"}
-        uplift = [1e3 * support.uplift for support in supports]
+        dots: dict[str, Any] = {
+            "linestyle": "none",
+            "marker": "^",
+            "markersize": style.sized(7),
+            "markeredgecolor": "white",
+        }
+        uplift = [support.uplift for support in supports]
         stations = [support.station for support in supports]
-        ax.plot(stations, uplift, color=style.RED, **dots, label="largest uplift at supports", zorder=4)
-        if len(supports) <= 25:
-            note: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": style.NOTE, "color": style.RED}
+        ax.plot(stations, uplift, color=style.BLACK, **dots, label="largest uplift at supports", zorder=4)
+        if len(supports) <= LABELLED:
+            note: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": style.NOTE, "color": style.BLACK}
             ground = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"}
             for station, value in zip(stations, uplift, strict=True):
-                ax.text(station, 0.99, f"{value:.1f}", transform=ax.get_xaxis_transform(), bbox=ground, **note)
+                told = f"{1e3 * value:.1f}" if abs(value) > ROUND_OFF else "0"
+                ax.text(station, 0.99, told, transform=ax.get_xaxis_transform(), bbox=ground, **note)
+            style.remark(ax, "numbers: uplift in mm")
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + 0.12 * (high - low))
-    title, label = "Height of the contact over the wire's ends, and uplift at supports", "height (mm)"
-    style.dress(ax, title, "distance along the line (m)", label)
+    style.dress(ax, "Height of the contact over the wire's ends", STATION, "height (m)")
     style.legend(ax)
 
 
 def _droppers(ax: Axes, lines: dict[str, LineStatistics]) -> None:
     droppers = [dropper for found in lines.values() for dropper in found.droppers.values()]
-    style.dress(ax, "Droppers: least to largest force", "distance along the line (m)", "force (N)")
+    style.dress(ax, "Droppers: least to largest force", STATION, "force (N)")
     if not droppers:
         return
     station, low, high, slack = (
@@ -197,13 +207,16 @@ def _droppers(ax: Axes, lines: dict[str, LineStatistics]) -> None:
     most = float(np.nanmax(slack, initial=0.0))
     scale = Normalize(0.0, most if most > 0.0 else 1.0)
     shades = style.colours(style.TENSION)
-    ax.vlines(station, low, high, colors=shades(scale(slack)), linewidth=2.0)
-    ax.plot(station, high, color=style.INK, marker="_", markersize=5, linestyle="none")
+    ax.vlines(station, low, high, colors=shades(scale(slack)), linewidth=style.sized(2.0))
+    ax.plot(station, high, color=style.INK, marker="_", markersize=style.sized(5), linestyle="none", label="_largest")
     loose = slack > 0.0
-    dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 3.5, "markeredgewidth": 0.9}
+    dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": style.sized(3.5), "markeredgewidth": 0.9}
     taut = low[~loose]
-    ax.plot(station[~loose], taut, color=style.INK, marker="_", markersize=5, linestyle="none")
-    ax.plot(station[loose], low[loose], color=style.RED, markerfacecolor="white", **dots, label="slackens")
+    ax.plot(
+        station[~loose], taut, color=style.INK, marker="_", markersize=style.sized(5), linestyle="none", label="_least"
+    )
+    if loose.any():
+        ax.plot(station[loose], low[loose], color=style.RED, markerfacecolor="white", **dots, label="slackens")
     bar = ax.figure.colorbar(ScalarMappable(scale, shades), ax=ax, fraction=0.03, pad=0.01, aspect=18)
     bar.set_label("time slack (%)", fontsize=style.LABEL, color=style.INK)
     bar.ax.yaxis.set_major_formatter(PercentFormatter(1.0, symbol=""))
@@ -212,9 +225,9 @@ def _droppers(ax: Axes, lines: dict[str, LineStatistics]) -> None:
     style.legend(ax)
 
 
-def _spectrum(ax: Axes, rides: list[_Ride], line: OverheadLine | None) -> None:
+def _spectrum(ax: Axes, rides: Sequence[_Ride], line: OverheadLine | None) -> None:
     """Amplitudes of the unfiltered force in the analysed spans, with a Hann window."""
-    for ride in rides:
+    for i, ride in enumerate(rides):
         force = ride.raw[_analysed(ride)]
         if force.size < 16:
             continue
@@ -222,7 +235,12 @@ def _spectrum(ax: Axes, rides: list[_Ride], line: OverheadLine | None) -> None:
         amplitude = 2.0 * np.abs(np.fft.rfft((force - force.mean()) * window)) / window.sum()
         frequency = np.fft.rfftfreq(force.size, ride.interval)
         shown = (frequency > 0.0) & (frequency <= FASTEST)
-        ax.plot(frequency[shown], amplitude[shown], color=ride.colour, linewidth=style.THIN)
+        drawn: dict[str, Any] = {
+            "color": ride.colour,
+            "linewidth": style.THIN,
+            **style.marks(i, len(rides), int(shown.sum())),
+        }
+        ax.plot(frequency[shown], amplitude[shown], **drawn, label=ride.name if len(rides) > 1 else "_force")
         ax.fill_between(frequency[shown], amplitude[shown], color=ride.colour, alpha=0.15, linewidth=0.0)
     marks: list[tuple[float, str, str]] = [(f, f"{f:g} Hz", style.FAINT) for f in (BETWEEN, CUTOFF)]
     speed = rides[0].found.speed if rides else math.nan
@@ -240,9 +258,10 @@ def _spectrum(ax: Axes, rides: list[_Ride], line: OverheadLine | None) -> None:
     ax.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     ax.set_ylim(0.0, 1.3 * ax.get_ylim()[1])
     style.dress(ax, "Spectrum of the force as computed", "frequency (Hz)", "amplitude (N)")
+    style.legend(ax)
 
 
-def _share(ax: Axes, rides: list[_Ride]) -> None:
+def _share(ax: Axes, rides: Sequence[_Ride]) -> None:
     """How often which force acts, in the analysed spans."""
     parts = [(ride, ride.force[_analysed(ride)], ride.raw[_analysed(ride)]) for ride in rides]
     parts = [part for part in parts if part[1].size]
@@ -250,13 +269,15 @@ def _share(ax: Axes, rides: list[_Ride]) -> None:
         every = np.concatenate([raw for _, _, raw in parts])
         edges = np.linspace(min(0.0, every.min()), every.max(), BINS + 1)
         for ride, force, raw in parts:
-            options: dict[str, Any] = {"bins": edges, "weights": np.full(force.size, 100.0 / force.size)}
-            alone = len(rides) == 1
-            faint = style.FAINT if alone else ride.colour
-            ax.hist(raw, **options, histtype="step", color=faint, linewidth=style.THIN,
-                    label="as computed" if alone else None)  # fmt: skip
-            label = f"up to {CUTOFF:g} Hz" if alone else ride.name
-            ax.hist(force, **options, color=ride.colour, alpha=0.45, label=label)
+            middle, alone = 0.5 * (edges[1:] + edges[:-1]), len(rides) == 1
+            shares = [100.0 * np.histogram(values, edges)[0] / force.size for values in (raw, force)]
+            step: dict[str, Any] = {"drawstyle": "steps-mid", "linewidth": style.THIN}
+            name = "" if alone else f"{ride.name}, "
+            ax.plot(middle, shares[0], color=style.FAINT if alone else ride.colour, linestyle=(0, (1, 1)), **step,
+                    label=f"{name}as computed")  # fmt: skip
+            ax.plot(middle, shares[1], color=ride.colour, **step, label=f"{name}up to {CUTOFF:g} Hz")
+            ax.fill_between(middle, shares[1], step="mid", color=ride.colour, alpha=0.35, linewidth=0.0)
+        ax.set_ylim(bottom=0.0)
     style.dress(ax, "Share of the time", "force (N)", "time (%)")
     style.legend(ax)
 

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ropewalk.results import style
+from ropewalk.results.axis_units import show_units
 from ropewalk.results.contact_statistics import (
     CUTOFF,
     contact_statistics,
@@ -21,7 +22,9 @@ from ropewalk.results.contact_statistics import (
     samples,
     scenario_of,
 )
+from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.frame import Array
+from ropewalk.results.meter import Meter
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,9 +48,18 @@ class ContactStage:
         dataset: a result with pantographs and samples.
         frames: those to show, by number.
         pace: the scale of time, in words.
+        pixels: width and height, if they are given.
+        units: that forces are shown in.
     """
 
-    def __init__(self, dataset: xr.Dataset, frames: NDArray[np.intp], pace: str) -> None:
+    def __init__(
+        self,
+        dataset: xr.Dataset,
+        frames: NDArray[np.intp],
+        pace: str,
+        pixels: tuple[int, int] | None = None,
+        units: DisplayUnits | None = None,
+    ) -> None:
         self._dataset, self._frames = dataset, frames
         self._time: Array = dataset["time"].values[frames]
         every = pantographs(dataset, scenario_of(dataset))
@@ -67,7 +79,11 @@ class ContactStage:
         self._own = [[i for i, b in enumerate(bodies) if b.rpartition(".")[0] == name] for name in self._names]
         self._stations = self._filled(dataset["contact_xi"].values[frames][:, self._contacts])
         self._set_forces()
-        self._set_up(str(dataset.attrs.get("title", "")), pace)
+        last = np.clip(np.searchsorted(self._instant, self._time + 1e-9, side="right") - 1, 0, None)
+        self._meter = Meter(self._names, self._force[last], units)
+        self._set_up(
+            pixels or (WIDTH, HEIGHT), units or DisplayUnits.read(None), str(dataset.attrs.get("title", "")), pace
+        )
 
     def __len__(self) -> int:
         return len(self._frames)
@@ -127,8 +143,8 @@ class ContactStage:
         seen = self._raw[np.isfinite(self._raw)]
         self._largest = float(np.percentile(seen, 99.5)) if seen.size else 1.0
 
-    def _set_up(self, title: str, pace: str) -> None:
-        self._figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100, layout="constrained")
+    def _set_up(self, pixels: tuple[int, int], units: DisplayUnits, title: str, pace: str) -> None:
+        self._figure = Figure(figsize=(pixels[0] / 100, pixels[1] / 100), dpi=100, layout="constrained")
         self._canvas = _canvas(self._figure)
         line, rise, force = self._figure.subplots(3, 1, height_ratios=(1.7, 0.8, 1.0), sharex=True)
         for panel in (line, rise):
@@ -136,10 +152,10 @@ class ContactStage:
         line.set_xlim(-AROUND, AROUND)
         force.set_ylim(-0.03 * self._largest, 1.25 * self._largest)
         low, high = self._risen()
-        rise.set_ylim(1e3 * low - 5.0, 1e3 * high + 5.0)
+        rise.set_ylim(low - 5e-3, high + 5e-3)
         style.dress(line, title, "", "z (m)")
         line.set_title(pace, loc="right", fontsize=style.NOTE, color=style.FAINT)
-        style.dress(rise, "", "", "rise (mm)")
+        style.dress(rise, "", "", "rise (m)")
         style.dress(force, "", "distance from the pantograph (m)", "force (N)")
         self._artists: list[tuple[Any, Any]] = []
         posts = [self._add(panel, LineCollection([], **_SUPPORT)) for panel in (line, rise, force)]
@@ -150,27 +166,28 @@ class ContactStage:
             w: self._curve(rise, style.INK if w == "contact" else style.FAINT, widths.get(w, 0.9))
             for w in ("messenger", "contact")
         }
-        self._droppers = self._add(line, LineCollection([], linewidths=1.2))
+        self._droppers = self._add(line, LineCollection([], linewidths=style.sized(1.2)))
         self._pantographs = []
         for i in range(len(self._contacts)):
             colour = style.CYCLE[i % len(style.CYCLE)]
             raw = self._curve(force, colour, 0.6)
             raw.set_alpha(0.45)
             body = self._curve(line, colour, 1.6)
-            body.set(marker="s", markersize=6)
+            body.set(marker="s", markersize=style.sized(6))
             self._pantographs.append((self._curve(line, colour, 4.0), body, raw, self._curve(force, colour, 1.8)))
         note: dict[str, Any] = {"fontsize": style.LABEL, "color": style.INK, "family": "monospace", "animated": True}
         note["bbox"] = {"boxstyle": "square,pad=0.15", "facecolor": "white", "edgecolor": "none"}
         corner: dict[str, Any] = {"ha": "right", "va": "top"}
         self._clock = line.text(0.99, 0.97, "", transform=line.transAxes, **corner, **note)
-        self._meter = force.text(0.99, 0.97, "", transform=force.transAxes, **corner, **note)
-        self._artists += [(line, self._clock), (force, self._meter)]
+        self._reading = force.text(0.99, 0.97, "", transform=force.transAxes, **corner, **note)
+        self._artists += [(line, self._clock), (force, self._reading)]
         own = style.BLUE
         _legend(
             line, (("dropper", style.GREEN, 1.2), ("slack", style.RED, 1.2), ("pantograph, its masses apart", own, 4))
         )
         _legend(rise, (("contact wire", style.INK, 1.8), ("messenger", style.FAINT, 0.9)))
         _legend(force, (("as computed", own, 0.6), (f"up to {CUTOFF:g} Hz", own, 1.8)))
+        show_units(self._figure, units)
         self._figure.align_ylabels([line, rise, force])
         self._canvas.draw()  # the layout is settled here, and the ground that all pictures share
         self._figure.set_layout_engine("none")
@@ -223,7 +240,7 @@ class ContactStage:
             nodes = nodes[np.abs(x[nodes]) < 1.1 * AROUND]
             curve.set_data(x[nodes], z[nodes])
             if wire in self._rises:
-                self._rises[wire].set_data(x[nodes], 1e3 * (z - self._rest)[nodes])
+                self._rises[wire].set_data(x[nodes], (z - self._rest)[nodes])
         self._hang(frame, here, x, z)
         near = self._supports[np.abs(self._supports - here) < AROUND] - here
         for post, panel in self._posts:
@@ -240,9 +257,7 @@ class ContactStage:
             raw.set_data(self._along[seen, i] - here, self._raw[seen, i])
             force.set_data(self._along[seen, i] - here, self._force[seen, i])
         self._clock.set_text(f"time {self._time[k]:.2f} s   at {here:6.1f} m")
-        last = np.flatnonzero(self._instant <= self._time[k] + 1e-9)
-        now = self._force[last[-1], 0] if last.size else np.nan
-        self._meter.set_text(f"{now:5.0f} N" if np.isfinite(now) else "")
+        self._reading.set_text(self._meter.told(k))
 
     def _hang(self, frame: int, here: float, x: Array, z: Array) -> None:
         """Droppers in view, slack ones in another colour."""

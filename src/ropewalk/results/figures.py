@@ -1,84 +1,281 @@
-"""Figures: an overview of a result and its single views, drawn on Figure objects without pyplot's global state."""
+"""Figures: an overview of a result, or the panels that are asked for, on Figure objects without pyplot's state."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
 
+import numpy as np
 from matplotlib.figure import Figure
 
+from ropewalk.errors import did_you_mean
 from ropewalk.results import style
-from ropewalk.results.contact_figure import contact_figure, is_of_overhead_line
+from ropewalk.results.audit import AUDIT
+from ropewalk.results.axis_units import show_units, shown_size
+from ropewalk.results.contact_figure import FORCE, Collection, is_of_overhead_line
 from ropewalk.results.contract import path_name
+from ropewalk.results.display_units import DisplayUnits
+from ropewalk.results.files import ResultError
+from ropewalk.results.frame import Array
 from ropewalk.results.nets import is_spatial
-from ropewalk.results.space_figure import SPACE_VIEWS, space_figure, space_single
-from ropewalk.results.views import VIEWS, any_of, headline, shapes, tension_along
+from ropewalk.results.page import Page
+from ropewalk.results.space_figure import is_long, plan, space
+from ropewalk.results.table import NOTHING, ROUND_OFF
+from ropewalk.results.views import VIEWS, any_of, headline
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
+
+ALL_VIEWS = (*VIEWS, "space", "plan")
+WHOLE_ROW = ("shapes", "space", "pantograph_height", "droppers")  # panels that need all of the width
+TALL = {"shapes": 1.4, "space": 2.3, FORCE: 1.3, "plan": 1.5}  # heights of panels beside that of others
+SLIM = 0.7  # and of the plan of what is long
+ROW, HEAD = 2.1, 0.3  # in: on a screen, of a panel and of the title
+COLUMN = 5.5  # in: width of a panel on a screen
+GRID = 2  # parts of the width
+SCENE = (1.75, 1.0)  # widths of a view in space and the plan beside it
 
 
-def figure(dataset: xr.Dataset) -> Figure:
-    """Draw the overview: shapes, tension, contact, energy and support forces, all axes with units.
-
-    Hold forces give way to contact forces where there are none, the imbalance of the energy to friction where nothing
-    moves in time; loads that lose power to friction get a row for that and for their speed. Pantographs have a figure
-    of their own; so has what leaves the x-z plane.
+def figure(
+    dataset: xr.Dataset,
+    *,
+    panels: Sequence[str] | None = None,
+    size: str | None = None,
+    units: DisplayUnits | None = None,
+) -> Figure:
+    """Draw panels of a result, all axes with units; in an overview those in which there is something to see.
 
     Args:
-        dataset: a result; one with a single frame (an equilibrium) gets its shape and its tension.
+        dataset: a result.
+        panels: names of the panels in order: of those that `panels_of` lists, or any of `ALL_VIEWS`; without them an
+            overview.
+        size: `screen`, `report` or `journal` (16 and 8.8 cm wide), or as "16x9cm"; on paper the title is left to the
+            caption.
+        units: that axes are labelled in (default: of engineering, by the size of the numbers).
+
+    Raises:
+        ResultError: there is no such panel in this result.
+        Refused: (a ValueError) `size` cannot be read.
     """
-    frames = dataset.sizes[path_name(dataset)]
-    if frames > 1 and is_of_overhead_line(dataset):
-        return contact_figure(dataset)
-    if frames and is_spatial(dataset):
-        return space_figure(dataset)
-    if frames < 2:
-        return _rest_figure(dataset)
-    force = "hold_force" if any_of(dataset, "hold_force") or not any_of(dataset, "contact_force") else "contact_force"
-    audit = "imbalance" if path_name(dataset) == "time" else "contact_friction"
-    layout: list[Any] = [["shapes", "shapes"], ["tension", "contact_height"], ["energy", force]]
-    if any_of(dataset, "friction_power"):
-        layout.append(["contact_speed", "friction_power"])
-    layout.append([audit, "reactions"])
-    rows = len(layout)
-    fig = Figure(figsize=(11.0, 2.1 + 2.1 * rows), dpi=style.DPI, layout="constrained")
-    ax = fig.subplot_mosaic(layout, height_ratios=(1.35, *(1.0,) * (rows - 2), 0.8))
-    headline(fig, dataset)
-    for name, panel in ax.items():
-        VIEWS[name](dataset, panel)
-    below = [ax[name] for row in layout[1:] for name in row]
-    for other in below[1:]:
-        other.sharex(below[0])
-    for upper in below[:-2]:
-        upper.set_xlabel("")
-        upper.tick_params(labelbottom=False)
-    for row in layout[1:]:
-        style.lift_titles([ax[name] for name in row])
-    for column in range(2):
-        fig.align_ylabels([ax[row[column]] for row in layout[1:]])
-    return fig
+    return _draw(dataset, panels, Page.of(size), units)[0]
 
 
 def single(dataset: xr.Dataset, view: str) -> Figure:
-    """Draw one of the VIEWS, or of the SPACE_VIEWS, on a figure of its own.
+    """Draw one panel on a figure of its own.
 
     Raises:
-        ValueError: there is no such view.
+        ResultError: there is no such panel in this result.
     """
-    if view in SPACE_VIEWS:
-        return space_single(dataset, view)
-    if view not in VIEWS:
-        raise ValueError(f"no view {view!r}; there are {', '.join((*VIEWS, *SPACE_VIEWS))}")
-    fig = Figure(figsize=(8.0, 4.5), dpi=style.DPI, layout="constrained")
-    VIEWS[view](dataset, fig.add_subplot())
-    return fig
+    return figure(dataset, panels=[view], size="8x4.5in")
 
 
-def _rest_figure(dataset: xr.Dataset) -> Figure:
-    fig = Figure(figsize=(11.0, 6.5), dpi=style.DPI, layout="constrained")
-    upper, lower = fig.subplots(2, 1, height_ratios=(1.4, 1.0))
-    headline(fig, dataset)
-    if dataset.sizes[path_name(dataset)]:
-        shapes(dataset, upper)
-        tension_along(dataset, lower)
-    return fig
+def figure_data(
+    dataset: xr.Dataset, *, panels: Sequence[str] | None = None, units: DisplayUnits | None = None
+) -> dict[str, pd.DataFrame]:
+    """Give what the panels of a figure show as tables: of each panel the curve, and both coordinates with their units.
+
+    Args:
+        dataset: a result.
+        panels: see `figure`; views in three dimensions have no table.
+        units: see `figure`.
+
+    Raises:
+        ResultError: there is no such panel in this result.
+    """
+    import pandas as pd
+
+    _, drawn = _draw(dataset, panels, Page.of(None), units)
+    found = {}
+    for name, ax in drawn.items():
+        parts = [pd.DataFrame(columns=["curve", _head(ax.get_xlabel()), _head(ax.get_ylabel())])]
+        for line in ax.lines:
+            label, points = str(line.get_label()), np.asarray(line.get_xydata())
+            if not re.match(r"_child\d", label) and len(points):
+                named = {"curve": label.removeprefix("_")}
+                values = zip(parts[0].columns[1:], (points[:, 0], points[:, 1] / shown_size(ax)), strict=True)
+                parts.append(pd.DataFrame(named | dict(values)))
+        if name != "space":
+            found[name] = pd.concat(parts[1:] or parts, ignore_index=True)
+    return found
+
+
+def _head(label: str) -> str:
+    """The label of an axis as the head of a column."""
+    return re.sub(r"\((.+)\).*", r"[\1]", label)
+
+
+def panels_of(dataset: xr.Dataset) -> list[str]:
+    """Names of the panels of the overview: those in which there is something to see.
+
+    Args:
+        dataset: a result.
+    """
+    if is_of_overhead_line(dataset):
+        return Collection.of(dataset).panels
+    frames = dataset.sizes[path_name(dataset)]
+    first = ["space", "plan"] if frames and is_spatial(dataset) else ["shapes"]
+    if frames < 2:
+        return [*first, *(["tension_along"] if frames and any_of(dataset, "tension") else [])]
+    force = "hold_force" if _matters(dataset, "hold_force", "contact_force") else "contact_force"
+    aside = "y" in dataset["axis"].values and _moves(dataset["contact_position"].sel(axis="y").values)
+    in_time, loads = path_name(dataset) == "time", dataset.sizes["contact"] > 0
+    wanted = {
+        "tension": any_of(dataset, "tension"),
+        "net_tension": "cell_tension" in dataset and any_of(dataset, "cell_tension"),
+        "contact_height": loads,
+        "contact_sideways": loads and aside,
+        "energy": any_of(dataset, "energy"),
+        force: any_of(dataset, force),
+        "contact_speed": any_of(dataset, "friction_power"),
+        "friction_power": any_of(dataset, "friction_power"),
+        "imbalance": in_time and any_of(dataset.sel(form=AUDIT), "energy"),
+        "contact_friction": not in_time and any_of(dataset, "contact_friction"),
+        "reactions": any_of(dataset, "reaction"),
+    }
+    return [*first, *(view for view, there in wanted.items() if there)]
+
+
+def _moves(places: Array) -> bool:
+    """Whether coordinates (frame, point) in m change at all."""
+    kept = places[:, np.isfinite(places).any(axis=0)]
+    return bool((np.nanmax(kept, axis=0) - np.nanmin(kept, axis=0) > ROUND_OFF).any()) if kept.size else False
+
+
+def _matters(dataset: xr.Dataset, name: str, beside: str) -> bool:
+    """Whether a quantity is more than rounding beside another."""
+    here, there = (float(np.nanmax(np.abs(dataset[each].values), initial=0.0)) for each in (name, beside))
+    return here > NOTHING * there
+
+
+@dataclass
+class _Place:
+    """A panel and where it stands: its row and the parts of the width."""
+
+    name: str
+    row: int
+    first: int
+    last: int
+
+    def covers(self, others: Sequence[_Place]) -> bool:
+        """Whether panels of the next row stand below all of this one."""
+        below = [other for other in others if other.first < self.last and other.last > self.first]
+        return sum(min(o.last, self.last) - max(o.first, self.first) for o in below) == self.last - self.first
+
+
+def _places(names: Sequence[str], columns: int, long: bool) -> list[list[_Place]]:
+    """Rows of panels in their order, side by side where there is room."""
+    rows: list[list[str]] = []
+    for name in names:
+        whole = columns == 1 or name in WHOLE_ROW or name.startswith(FORCE) or (name == "plan" and long)
+        last = rows[-1] if rows else []
+        if name == "plan" and last == ["space"] and not whole:
+            last.append(name)
+        elif whole or not last or len(last) == columns or last[0] in WHOLE_ROW or last[0].startswith(FORCE):
+            rows.append([name])
+        else:
+            last.append(name)
+        if whole:
+            rows[-1] = [name]
+    placed = []
+    for r, row in enumerate(rows):
+        ends = [GRID * k // len(row) for k in range(len(row) + 1)]
+        placed.append([_Place(name, r, a, b) for name, (a, b) in zip(row, pairwise(ends), strict=True)])
+    return placed
+
+
+def _draw(
+    dataset: xr.Dataset, panels: Sequence[str] | None, page: Page, units: DisplayUnits | None
+) -> tuple[Figure, dict[str, Axes]]:
+    """The figure, and its panels by name."""
+    collection = Collection.of(dataset) if is_of_overhead_line(dataset) else None
+    names = panels_of(dataset) if panels is None else _known(panels, collection)
+    spatial = {"space", "plan"} & set(names)
+    long = bool(spatial and dataset.sizes[path_name(dataset)] and is_long(dataset))
+    rows = _places(names, page.columns, long)
+    tallness = {**TALL, "plan": SLIM} if long else TALL
+    heights = [max(tallness.get(place.name.partition(".")[0], 1.0) for place in row) for row in rows]
+    share = 0.35 + 0.65 * page.width / page.columns / COLUMN
+    titled = panels is None and page == Page.of(None)
+    with style.scaled(page.scale):
+        tall = page.tall(ROW * share * sum(heights) + HEAD)
+        fig = Figure(figsize=(page.width, tall), dpi=page.dpi, layout="constrained")
+        if titled:
+            headline(fig, dataset)
+        drawn: dict[str, Axes] = {}
+        scenes = []
+        for place, ax in _stand(fig, rows, heights):
+            drawn[place.name] = ax
+            if not dataset.sizes[path_name(dataset)]:
+                style.dress(ax, place.name)
+            elif place.name == "space":
+                scenes.append(space(dataset, ax))
+            elif collection is not None and place.name in collection.panels:
+                collection.draw(place.name, ax)
+            else:
+                (plan if place.name == "plan" else VIEWS[place.name])(dataset, ax)
+        show_units(fig, units or DisplayUnits.read(None))
+        _share_labels(rows, drawn)
+        placed = [[drawn[place.name] for place in row] for row in rows]
+        for ax in drawn.values():
+            if (legend := ax.get_legend()) is not None:
+                legend.set_in_layout(False)
+        fig.draw_without_rendering()
+        style.settle(placed)
+        if page.height is None:
+            lines = sum(max(style.legend_rows(row) - 1, 0) for row in placed)
+            fig.set_figheight(page.tall(tall + lines * style.LINE_HEIGHT * style.NOTE / 72.0))
+        flat = [place for row in rows for place in row if row[0].name != "space"]
+        for start in {place.first for place in flat}:
+            fig.align_ylabels([drawn[place.name] for place in flat if place.first == start])
+        for scene in scenes:
+            scene.settle()
+    return fig, drawn
+
+
+def _stand(fig: Figure, rows: Sequence[Sequence[_Place]], heights: Sequence[float]) -> Iterator[tuple[_Place, Axes]]:
+    """Panels with their empty axes; views in space and plans have a grid of their own above the others."""
+    head = sum(all(place.name in ("space", "plan") for place in row) for row in rows)
+    blocks = [(a, b) for a, b in ((0, head), (head, len(rows))) if b > a]
+    outer = fig.add_gridspec(len(blocks), 1, height_ratios=[sum(heights[a:b]) for a, b in blocks])
+    for k, (a, b) in enumerate(blocks):
+        aside = any(len(row) > 1 for row in rows[a:b])
+        widths = SCENE if aside and b == head else (1.0,) * GRID
+        grid = outer[k].subgridspec(b - a, len(widths), height_ratios=heights[a:b], width_ratios=widths)
+        for r, row in enumerate(rows[a:b]):
+            for place in row:
+                yield place, fig.add_subplot(grid[r, place.first : place.last] if aside else grid[r, :])
+
+
+def _known(panels: Sequence[str], collection: Collection | None) -> list[str]:
+    """The panels asked for, those of pantographs each on its own."""
+    own = collection.panels if collection is not None else []
+    out = []
+    for name in panels:
+        each = [panel for panel in own if panel.startswith(f"{FORCE}.")] if name == FORCE else [name]
+        if not each or not set(each) <= {*own, *ALL_VIEWS}:
+            remedy = did_you_mean(name, [*own, *ALL_VIEWS], otherwise=f"there are {', '.join([*own, *ALL_VIEWS])}")
+            raise ResultError(f"no panel {name!r} in this result; {remedy}")
+        out += each
+    return list(dict.fromkeys(out))
+
+
+def _share_labels(rows: Sequence[Sequence[_Place]], drawn: dict[str, Axes]) -> None:
+    """Panels over the same quantity share its axis, and only the lowest of those above each other has its label."""
+    labels = {name: ax.get_xlabel() for name, ax in drawn.items()}
+    first: dict[str, Axes] = {}
+    for name, ax in drawn.items():
+        if labels[name] in ("", "x (m)"):  # shapes and plans have scales of their own
+            continue
+        if (leader := first.setdefault(labels[name], ax)) is not ax:
+            ax.sharex(leader)
+    for row, below in pairwise(rows):
+        for place in row:
+            under = [o for o in below if o.first < place.last and o.last > place.first]
+            if place.covers(below) and {labels[o.name] for o in under} == {labels[place.name]} != {"x (m)"}:
+                drawn[place.name].set_xlabel("")
+                drawn[place.name].tick_params(labelbottom=False)

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from ropewalk.results.contact_figure import is_of_overhead_line
 from ropewalk.results.contact_statistics import analysed_stations, scenario_of
+from ropewalk.results.display_units import DisplayUnits, number
 from ropewalk.results.figures import figure
 from ropewalk.results.statistics import Summary, summary
-from ropewalk.results.table import number, rows
+from ropewalk.results.table import rows
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,7 +60,7 @@ $body
 Cells = Sequence[str]
 
 
-def html_report(dataset: xr.Dataset) -> str:
+def html_report(dataset: xr.Dataset, *, units: DisplayUnits | None = None) -> str:
     """Write a report as HTML: data, statistics, figures, how it was computed, and the scenario that made it.
 
     Runs below overhead lines are told in full, with reference models beside the ranges that they should meet; other
@@ -67,18 +68,19 @@ def html_report(dataset: xr.Dataset) -> str:
 
     Args:
         dataset: a result.
+        units: that numbers are shown in (default: of engineering, by their size).
     """
     found, scenario = summary(dataset), scenario_of(dataset)
     body = [*_warnings(found)]
     if scenario is not None and scenario.overhead_lines:
         body += [*_data(scenario)]
     if found["pantographs"]:
-        body += [*_collection(found)]
+        body += [*_collection(found, units)]
     else:
-        body += [_section("Summary"), *_tables(_blocks(found))]
+        body += [_section("Summary"), *_tables(_blocks(found, units))]
     label = "Contact force, heights and droppers" if is_of_overhead_line(dataset) else "Overview"
-    body += [_section("Figures"), _picture(figure(dataset), label)]
-    body += [*_droppers(found), *_method(dataset, found), _section("Scenario"), _scenario_text(dataset)]
+    body += [_section("Figures"), _picture(figure(dataset, units=units), label)]
+    body += [*_droppers(found), *_method(dataset, found, units), _section("Scenario"), _scenario_text(dataset)]
     simulated = found["simulated"]
     outcome = found["outcome"] or "unknown outcome"
     subtitle = f"{outcome}; {number(simulated['value'])} {simulated['unit']}; {dataset.attrs.get('source', 'ropewalk')}"
@@ -205,10 +207,10 @@ def _range(values: Sequence[float]) -> str:
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
-def _blocks(found: Summary) -> Iterator[tuple[str, list[Cells]]]:
+def _blocks(found: Summary, units: DisplayUnits | None) -> Iterator[tuple[str, list[Cells]]]:
     """Headings of the table of the command line, each with its rows."""
     title, body = "", list[Cells]()
-    for row in rows(found):
+    for row in rows(found, units):
         if row[1]:
             body.append(row)
             continue
@@ -219,13 +221,13 @@ def _blocks(found: Summary) -> Iterator[tuple[str, list[Cells]]]:
         yield title, body
 
 
-def _collection(found: Summary) -> Iterator[str]:
+def _collection(found: Summary, units: DisplayUnits | None) -> Iterator[str]:
     """Statistics of pantographs and lines, and reference models beside their ranges."""
     yield _section("Current collection")
     titles = {told["acceptance"]["title"] for told in found["pantographs"].values() if told["acceptance"]}
     wanted = [f"Pantograph {name}" for name in found["pantographs"]]
     wanted += [f"Overhead line {name}" for name in found["overhead_lines"]]
-    for title, body in _blocks(found):
+    for title, body in _blocks(found, units):
         if title in wanted:
             yield f"<h3>{_text(title)}</h3>"
             yield _table(body)
@@ -238,7 +240,7 @@ def _collection(found: Summary) -> Iterator[str]:
         "standards leave it open.</p>"
     )
     yield _section("Forces and energy")
-    yield from _tables((title, body) for title, body in _blocks(found) if title not in (*wanted, *titles))
+    yield from _tables((title, body) for title, body in _blocks(found, units) if title not in (*wanted, *titles))
 
 
 def _acceptance(title: str, body: list[Cells]) -> Iterator[str]:
@@ -286,9 +288,9 @@ def _of_dropper(label: str, one: dict[str, Any]) -> Cells:
     )  # fmt: skip
 
 
-def _method(dataset: xr.Dataset, found: Summary) -> Iterator[str]:
+def _method(dataset: xr.Dataset, found: Summary, units: DisplayUnits | None) -> Iterator[str]:
     yield _section("How it was computed")
-    body = [row for title, block in _blocks(found) if title == "Method" for row in block]
+    body = [row for title, block in _blocks(found, units) if title == "Method" for row in block]
     told = dataset.attrs
     body.append(("version", f"ropewalk {told.get('ropewalk_version', '')}", ""))
     body.append(("SHA-256 of the scenario", str(told.get("scenario_sha256", ""))))

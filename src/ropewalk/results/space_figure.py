@@ -1,4 +1,4 @@
-"""Stills in three dimensions: lines and nets with their loads, a plan, and the overview of a result in space."""
+"""Stills in three dimensions: lines and nets with their loads, and a plan."""
 
 from __future__ import annotations
 
@@ -9,13 +9,12 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
 from matplotlib.markers import CARETUP
 from numpy.typing import NDArray
 
 from ropewalk.results import style
-from ropewalk.results.audit import AUDIT
 from ropewalk.results.contract import path_name
+from ropewalk.results.display_units import number
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import (
     Mesh,
@@ -28,14 +27,10 @@ from ropewalk.results.nets import (
 )
 from ropewalk.results.scene import LONG, Scene, faces, segments
 from ropewalk.results.statistics import lines
-from ropewalk.results.table import number
 from ropewalk.results.ties import tied, ties
 from ropewalk.results.views import (
     POINTS,
     SHAPES,
-    VIEWS,
-    any_of,
-    headline,
     instants_bar,
     load_colour,
     set_scale,
@@ -47,10 +42,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 CELLS = 12_000  # most triangles drawn in a still
-UPPER = {True: 5.6, False: 4.9}  # height of view and plan in inches: of what is long, and of what is not
 CROWD = 6  # more lines than these are drawn at one instant
 SLIMMEST = 0.05  # slimmer plans than this (width to length) are drawn wider
-ROW = 2.1  # inches
 MESH = 1_500  # with fewer triangles than these their sides are drawn
 NET, ROPE, HEIGHT = style.TENSION, style.INSTANTS, "cividis"  # colour maps: tension of nets and lines, height
 _PATH: dict[str, Any] = {"linewidth": style.LINE, "linestyle": (0, (1, 1.2))}
@@ -154,10 +147,16 @@ def _ropes(dataset: xr.Dataset, scene: Scene, chosen: Chosen) -> None:
             else:
                 links = np.flatnonzero(dataset["link_line"].values == line)[kept[:-1]]
                 strokes = np.stack((place[:-1], place[1:]), axis=1)
-                options: dict[str, Any] = {"linewidths": 2.5, "capstyle": "round", "zorder": 3}
+                options: dict[str, Any] = {"linewidths": style.sized(2.5), "capstyle": "round", "zorder": 3}
                 scene.axes.add_collection3d(segments(strokes, colors=shade.to_rgba(pull[links]), **options))
         ends += line_ends(dataset, line).tolist()
-    foot: dict[str, Any] = {"linestyle": "none", "marker": CARETUP, "markersize": 8, "color": style.INK, "zorder": 4}
+    foot: dict[str, Any] = {
+        "linestyle": "none",
+        "marker": CARETUP,
+        "markersize": style.sized(8),
+        "color": style.INK,
+        "zorder": 4,
+    }
     if ends:
         scene.axes.plot(*chosen.position[0, ends].T, **foot)
 
@@ -175,8 +174,8 @@ def _loads(dataset: xr.Dataset, scene: Scene, chosen: Chosen) -> None:
         if len(pieces):
             scene.axes.add_collection3d(segments(pieces, colors=[colour], linewidths=style.THIN, zorder=7))
         dot: dict[str, Any] = {"linestyle": "none", "color": colour, "markeredgecolor": "white", "zorder": 8}
-        scene.axes.plot(*contacts.T, marker="o", markersize=6, **dot)
-        scene.axes.plot(*bodies.T, marker="s", markersize=6, **dot)
+        scene.axes.plot(*contacts.T, marker="o", markersize=style.sized(6), **dot)
+        scene.axes.plot(*bodies.T, marker="s", markersize=style.sized(6), **dot)
 
 
 def _labelled(scene: Scene, path: Array, label: str, **options: Any) -> None:
@@ -208,7 +207,13 @@ def plan(dataset: xr.Dataset, ax: Axes) -> None:
             ax.plot(shape[:, 0], shape[:, 1], color=colour, linewidth=style.LINE, zorder=3)
         ends += line_ends(dataset, line).tolist()
     if ends:
-        foot: dict[str, Any] = {"linestyle": "none", "marker": "s", "markersize": 4, "zorder": 4, "clip_on": False}
+        foot: dict[str, Any] = {
+            "linestyle": "none",
+            "marker": "s",
+            "markersize": style.sized(4),
+            "zorder": 4,
+            "clip_on": False,
+        }
         ax.plot(*place[ends, :2].T, color=style.INK, **foot)
     flat = [*np.moveaxis(chosen.contacts, 1, 0), *np.moveaxis(chosen.bodies, 1, 0)]
     for i in range(chosen.bodies.shape[1]):
@@ -216,87 +221,24 @@ def plan(dataset: xr.Dataset, ax: Axes) -> None:
     for k in range(chosen.contacts.shape[1]):
         ax.plot(*chosen.contacts[:, k, :2].T, **_PATH, color=load_colour(dataset, k), zorder=6)
         there = chosen.contacts[chosen.frames, k]
-        ax.scatter(there[:, 0], there[:, 1], c=chosen.colours, s=26, zorder=7, edgecolors="white", linewidths=0.7)
+        ax.scatter(
+            there[:, 0],
+            there[:, 1],
+            c=chosen.colours,
+            s=style.sized(style.sized(26)),
+            zorder=7,
+            edgecolors="white",
+            linewidths=0.7,
+        )
     factor = set_scale(ax, chosen.position[..., :2], [curve[:, :2] for curve in flat], flattest=SLIMMEST)
     style.dress(ax, "Plan", "x (m)", "y (m)")
     style.remark(ax, "true to scale" if factor == 1.0 else f"drawn {factor:g} times as wide")
 
 
-SPACE_VIEWS = ("space", "plan")
-
-
-def space_single(dataset: xr.Dataset, view: str) -> Figure:
-    """Draw one of the SPACE_VIEWS on a figure of its own."""
-    fig = Figure(figsize=(8.0, 5.5), dpi=style.DPI, layout="constrained")
-    if view == "plan":
-        plan(dataset, fig.add_subplot())
-    else:
-        space(dataset, fig.add_subplot()).settle()
-    return fig
-
-
-def space_figure(dataset: xr.Dataset) -> Figure:
-    """Draw the overview of a result in space: the view of everything, a plan, and panels of what there is.
-
-    Args:
-        dataset: a result with at least one frame.
-    """
-    panels = _panels(dataset)
+def is_long(dataset: xr.Dataset) -> bool:
+    """Whether a result is much longer than wide."""
     extent = np.nanmax(points := Chosen.of(dataset).points, axis=0) - np.nanmin(points, axis=0)
-    is_long = bool(extent[0] > LONG * extent[1])
-    rows = -(-len(panels) // 2)
-    tall, low = UPPER[is_long], ROW * rows
-    fig = Figure(figsize=(11.0, tall + low + 0.3), dpi=style.DPI)
-    fig.set_layout_engine("constrained", wspace=0.04)
-    headline(fig, dataset)
-    parts = fig.add_gridspec(2, 1, height_ratios=(tall, low)) if rows else fig.add_gridspec(1, 1)
-    shape: dict[str, Any] = {"height_ratios": (3.0, 1.0)} if is_long else {"width_ratios": (1.75, 1.0)}
-    upper = parts[0].subgridspec(*((2, 1) if is_long else (1, 2)), **shape)
-    scene = space(dataset, fig.add_subplot(upper[0]))
-    plan(dataset, fig.add_subplot(upper[1]))
-    if rows:
-        axes: Any = parts[1].subgridspec(rows, min(len(panels), 2)).subplots(squeeze=False)
-        _below(dataset, panels, axes.ravel().tolist())
-    scene.settle()
-    return fig
-
-
-def _panels(dataset: xr.Dataset) -> list[str]:
-    """Names of the views over time that have something to show."""
-    if dataset.sizes[path_name(dataset)] < 2:
-        return ["tension_along"] if dataset.sizes["link"] else []
-    force = "hold_force" if any_of(dataset, "hold_force") else "contact_force"
-    aside = "y" in dataset["axis"].values and any_of(dataset.sel(axis="y"), "contact_position")
-    wanted = {
-        "tension": dataset.sizes["link"] > 0,
-        "net_tension": "cell_tension" in dataset,
-        "contact_height": dataset.sizes["contact"] > 0,
-        "contact_sideways": dataset.sizes["contact"] > 0 and aside,
-        force: dataset.sizes["contact"] > 0,
-        "contact_speed": any_of(dataset, "friction_power"),
-        "friction_power": any_of(dataset, "friction_power"),
-        "energy": any_of(dataset, "energy"),
-        "imbalance": path_name(dataset) == "time" and any_of(dataset.sel(form=AUDIT), "energy"),
-        "contact_friction": path_name(dataset) != "time" and any_of(dataset, "contact_friction"),
-        "reactions": dataset.sizes["support"] > 0 and any_of(dataset, "reaction"),
-    }
-    return [view for view, there in wanted.items() if there]
-
-
-def _below(dataset: xr.Dataset, names: list[str], axes: list[Axes]) -> None:
-    """Two columns of views that share their path; the labels of the path stand below each column."""
-    for name, ax in zip(names, axes, strict=False):
-        VIEWS[name](dataset, ax)
-    for left in axes[len(names) :]:
-        left.set_axis_off()
-    axes = axes[: len(names)]
-    for other in axes[1:]:
-        other.sharex(axes[0])
-    for upper in axes[:-2]:
-        upper.set_xlabel("")
-        upper.tick_params(labelbottom=False)
-    for first in range(0, len(axes), 2):
-        style.lift_titles(axes[first : first + 2])
+    return bool(extent[0] > LONG * extent[1])
 
 
 def shading(values: Array, name: str) -> ScalarMappable:

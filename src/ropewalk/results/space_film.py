@@ -12,8 +12,11 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from ropewalk.results import style
+from ropewalk.results.axis_units import show_units
 from ropewalk.results.contract import path_name
+from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.frame import Array
+from ropewalk.results.meter import Meter
 from ropewalk.results.nets import Mesh, cell_values, in_space, line_ends, triangles
 from ropewalk.results.scene import LONG, Scene, faces, segments
 from ropewalk.results.space_figure import HEIGHT, NET, ROPE, bar, shading
@@ -41,9 +44,18 @@ class SpaceStage:
         dataset: a result.
         frames: those to show, by number.
         pace: the scale of time, in words.
+        pixels: width and height, if they are given.
+        units: that forces and tensions are shown in.
     """
 
-    def __init__(self, dataset: xr.Dataset, frames: NDArray[np.intp], pace: str) -> None:
+    def __init__(
+        self,
+        dataset: xr.Dataset,
+        frames: NDArray[np.intp],
+        pace: str,
+        pixels: tuple[int, int] | None = None,
+        units: DisplayUnits | None = None,
+    ) -> None:
         self._dataset, self._frames = dataset, frames
         name = path_name(dataset)
         self._path: Array = dataset[name].values[frames]
@@ -51,18 +63,21 @@ class SpaceStage:
         self._spots = in_space(dataset["contact_position"].values[frames])
         self._forces = in_space(dataset["contact_force"].values[frames])
         self._bodies = in_space(dataset["body_position"].values[frames])
-        self._unit = float(np.nanmax(np.linalg.norm(self._forces, axis=2), initial=0.0)) or 1.0
+        size = np.linalg.norm(self._forces, axis=2)
+        self._unit = float(np.nanmax(size, initial=0.0)) or 1.0
+        self._meter = Meter(dataset["load"].values.tolist(), size, units)
         self._pairs = ties(dataset)
         self._mesh = Mesh(triangles(dataset), self._place(0), CELLS)
         self._links = self._strokes()
         points = self._reach()
         extent = np.nanmax(points, axis=0) - np.nanmin(points, axis=0)
-        height = LOW if extent[0] > LONG * extent[1] else TALL
-        self._figure = Figure(figsize=(WIDTH / 100, height / 100), dpi=100, layout="constrained")
+        width, height = pixels or (WIDTH, LOW if extent[0] > LONG * extent[1] else TALL)
+        self._figure = Figure(figsize=(width / 100, height / 100), dpi=100, layout="constrained")
         self._canvas = _canvas(self._figure)
         self._scene = Scene(self._figure.add_subplot(), points)
         self._artists: list[Any] = []
         self._set_up(pace)
+        show_units(self._figure, units or DisplayUnits.read(None))
         self._scene.settle()
         self._canvas.draw()  # the ground that all pictures share
         self._ground = self._canvas.copy_from_bbox(self._figure.bbox)
@@ -127,7 +142,12 @@ class SpaceStage:
             values = np.concatenate([self._shades(int(k)) for k in sample])
             self._net_shade = shading(values, NET if self._is_tense else HEIGHT)
             corners = self._place(0)
-            options: dict[str, Any] = {"facecolors": "white", "edgecolors": "white", "linewidths": 0.3, **moving}
+            options: dict[str, Any] = {
+                "facecolors": "white",
+                "edgecolors": "white",
+                "linewidths": style.sized(0.3),
+                **moving,
+            }
             self._net = scene.axes.add_collection3d(faces(corners[self._mesh.cells], **options))
             rim: dict[str, Any] = {"colors": style.INK, "linewidths": style.LINE, **moving}
             self._rim = scene.axes.add_collection3d(segments(corners[self._mesh.edges], **rim))
@@ -137,7 +157,7 @@ class SpaceStage:
             both = bool(len(self._mesh.cells))
             self._rope_shade = shading(np.concatenate([self._pull(int(k)) for k in sample]), ROPE if both else NET)
             bar(scene.panel, self._rope_shade, "tension of the lines (N)" if both else "tension (N)")
-            thick: dict[str, Any] = {"linewidths": 3.0, "capstyle": "round", **moving}
+            thick: dict[str, Any] = {"linewidths": style.sized(3.0), "capstyle": "round", **moving}
             self._ropes = scene.axes.add_collection3d(segments(np.zeros((1, 2, 3)), **thick))
             self._artists.append(self._ropes)
             self._feet()
@@ -155,7 +175,12 @@ class SpaceStage:
         ends = [node for line in lines(self._dataset) for node in line_ends(self._dataset, line).tolist()]
         way = self._dataset["position"].isel(node=ends).values
         still = np.ptp(way, axis=0).max(axis=-1, initial=0.0) <= 1e-9 * np.ptp(self._scene.high - self._scene.low)
-        foot: dict[str, Any] = {"linestyle": "none", "marker": CARETUP, "markersize": 9, "color": style.INK}
+        foot: dict[str, Any] = {
+            "linestyle": "none",
+            "marker": CARETUP,
+            "markersize": style.sized(9),
+            "color": style.INK,
+        }
         if still.any():
             self._scene.axes.plot(*in_space(way[0][still]).T, **foot)
 
@@ -165,11 +190,11 @@ class SpaceStage:
         dashed["path_effects"] = [withStroke(linewidth=2.5, foreground="white")]  # nets may be as dark as the path
         halo: dict[str, Any] = {"path_effects": [withStroke(linewidth=4.0, foreground="white")], **moving}
         self._traces = [axes.plot([], [], [], **dashed)[0] for _ in range(self._spots.shape[1])]
-        self._arrows = axes.add_collection3d(segments(none, colors=style.INK, linewidths=2.0, **halo))
+        self._arrows = axes.add_collection3d(segments(none, colors=style.INK, linewidths=style.sized(2.0), **halo))
         self._ties = axes.add_collection3d(segments(none, colors=style.BLUE, linewidths=style.LINE, **moving))
         dot: dict[str, Any] = {"linestyle": "none", "markeredgecolor": "white", **moving}
-        (self._dots,) = axes.plot([], [], [], color=style.INK, marker="o", markersize=7, **dot)
-        (self._masses,) = axes.plot([], [], [], color=style.BLUE, marker="s", markersize=8, **dot)
+        (self._dots,) = axes.plot([], [], [], color=style.INK, marker="o", markersize=style.sized(7), **dot)
+        (self._masses,) = axes.plot([], [], [], color=style.BLUE, marker="s", markersize=style.sized(8), **dot)
         self._artists += [*self._traces, self._arrows, self._ties, self._dots, self._masses]
 
     def _move(self, k: int) -> None:
@@ -192,7 +217,7 @@ class SpaceStage:
         self._ties.set_segments(tied(bodies, spots, self._pairs))
         self._dots.set_data_3d(*spots.T)
         self._masses.set_data_3d(*bodies.T)
-        self._clock.set_text(self._clock_text.format(self._path[k]))
+        self._clock.set_text("\n".join((self._clock_text.format(self._path[k]), self._meter.told(k))).strip())
 
 
 def _canvas(figure: Figure) -> Any:

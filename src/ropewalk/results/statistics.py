@@ -16,6 +16,7 @@ from ropewalk.results.exchanges import exchange_summary
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
 from ropewalk.results.net_statistics import net_summary
 from ropewalk.results.nets import net_names
+from ropewalk.results.payload_statistics import payload_summary
 from ropewalk.results.peaks import impulses
 
 if TYPE_CHECKING:
@@ -29,8 +30,9 @@ Summary = dict[str, Any]
 def summary(dataset: xr.Dataset) -> Summary:
     """Give the few numbers that describe a result; NaN (a load off its line) is left out, absent values are None.
 
-    Every quantity is `{value, unit, ...}` with the place (`line`, `xi` in m) and the instant (`time` in s, or
-    `load_path` in m) where it was found; forces list their `components` by axis.
+    Every quantity is `{value, unit, ...}` with the place (`line`, `xi` in m, and where that is then: `x`, in space also
+    `y`, in m) and the instant (`time` in s, or `load_path` in m) where it was found; forces list their `components` by
+    axis.
 
     Args:
         dataset: a result, in memory or lazy.
@@ -55,6 +57,7 @@ def summary(dataset: xr.Dataset) -> Summary:
         "nets": net_summary(dataset, blocks(dataset)),
         "supports": {label: _vector(dataset, dataset["reaction"][:, k]) for k, label in supports},
         "contacts": {label: _contact(dataset, k) for k, label in loads},
+        "payloads": payload_summary(dataset),
         **contact_summary(dataset),
         "exchanges": exchange_summary(dataset),
         "energy": _energy(dataset),
@@ -144,7 +147,7 @@ Pick = Callable[[NDArray[Any]], Any]
 
 def _extreme(dataset: xr.Dataset, name: str, pick: Pick) -> Summary | None:
     """The extreme value of a link quantity, where and when."""
-    best: tuple[float, int, float] | None = None
+    best: tuple[float, int, float, Summary] | None = None
     for block in blocks(dataset):
         values = block[name].values
         if not np.isfinite(values).any():
@@ -152,12 +155,23 @@ def _extreme(dataset: xr.Dataset, name: str, pick: Pick) -> Summary | None:
         value = pick(values)
         if best is None or pick(np.array([value, best[0]])) != best[0]:
             frame, link = np.argwhere(values == value)[0]
-            best = (float(value), int(link), float(block[path_name(block)].values[frame]))
+            when = float(block[path_name(block)].values[frame])
+            best = float(value), int(link), when, _middle(block, int(frame), int(link))
     if best is None:
         return None
-    value, link, when = best
-    where = {"line": dataset["link_line"].values[link], "xi": dataset["link_xi"].values[link]}
+    value, link, when, there = best
+    where = {"line": dataset["link_line"].values[link], "xi": dataset["link_xi"].values[link], **there}
     return {"value": value, "unit": dataset[name].attrs["units"], **where, path_name(dataset): when}
+
+
+def _middle(dataset: xr.Dataset, frame: int, link: int) -> Summary:
+    """Level coordinates of the middle of a link, m: between the nodes at both sides of its material coordinate."""
+    nodes = np.flatnonzero(dataset["line"].values == dataset["link_line"].values[link])
+    xi, here = dataset["xi"].values[nodes], float(dataset["link_xi"].values[link])
+    place = dataset["position"][frame].values[nodes]
+    return {
+        axis: float(np.interp(here, xi, place[:, k])) for k, axis in enumerate(dataset["axis"].values.tolist()[:-1])
+    }
 
 
 def _furthest(dataset: xr.Dataset, away: Callable[[xr.Dataset, str], Array]) -> Summary | None:

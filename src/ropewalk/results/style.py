@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +14,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.colors import LinearSegmentedColormap
+    from matplotlib.legend import Legend
 
 # Okabe and Ito (2008), https://jfly.uni-koeln.de/color/, without the yellow that vanishes on white
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY, BLACK = (
@@ -32,12 +35,56 @@ RANGE = (0.0, 0.88)  # of both maps: their light ends are hard to see on white
 INK = "#333333"
 FAINT = "#8A8A8A"
 GRID = "#E3E3E3"
-LINE = 1.5
-THIN = 0.9
-TITLE, LABEL, TICK, NOTE = 10.5, 9.5, 8.5, 8.0  # points
+if TYPE_CHECKING:
+    TITLE: float
+    LABEL: float
+    TICK: float
+    NOTE: float
+    LINE: float
+    THIN: float
+_POINTS = {"TITLE": 10.5, "LABEL": 9.5, "TICK": 8.5, "NOTE": 8.0, "LINE": 1.5, "THIN": 0.9}
+_SCALE: ContextVar[float] = ContextVar("scale", default=1.0)  # of all these
 DPI = 150
 LEGEND_COLUMNS = 3
-_TITLE: dict[str, Any] = {"fontsize": TITLE, "color": INK, "fontweight": "bold"}
+LINE_HEIGHT = 1.4  # of legends, in letters
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+_MARK, _MARKS = 4.0, 8  # points, and how many along a curve
+
+
+def __getattr__(name: str) -> float:
+    """Sizes of letters and lines in points, as the page wants them."""
+    if name not in _POINTS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return sized(_POINTS[name])
+
+
+@contextmanager
+def scaled(scale: float) -> Iterator[None]:
+    """Draw with letters and lines that are so many times as large."""
+    token = _SCALE.set(scale)
+    try:
+        yield
+    finally:
+        _SCALE.reset(token)
+
+
+def sized(size: float) -> float:
+    """A size in points, as the page wants it."""
+    return size * _SCALE.get()
+
+
+def points(name: str) -> float:
+    """One of the sizes, as the page wants it."""
+    return __getattr__(name)
+
+
+def marks(k: int, of: int, points: int) -> dict[str, Any]:
+    """Marks along the k-th of several curves, which tell them apart without colours; none on a curve that is alone."""
+    if of < 2:
+        return {}
+    spread = max(points // _MARKS, 1)
+    size: dict[str, Any] = {"markersize": sized(_MARK), "markeredgewidth": 0.6, "markeredgecolor": "white"}
+    return {"marker": MARKERS[k % len(MARKERS)], "markevery": (k * spread // of, spread), **size}
 
 
 def colours(name: str) -> LinearSegmentedColormap:
@@ -50,10 +97,10 @@ def colours(name: str) -> LinearSegmentedColormap:
 
 def dress(ax: Axes, title: str = "", x: str = "", y: str = "") -> None:
     """Give axes their look, a title and labels (with units, as in "time (s)")."""
-    ax.set_title(title, loc="left", **_TITLE)
-    ax.set_xlabel(x, fontsize=LABEL, color=INK)
-    ax.set_ylabel(y, fontsize=LABEL, color=INK)
-    ax.tick_params(labelsize=TICK, colors=INK, width=0.6, length=3)
+    ax.set_title(title, loc="left", **_title())
+    ax.set_xlabel(x, fontsize=points("LABEL"), color=INK)
+    ax.set_ylabel(y, fontsize=points("LABEL"), color=INK)
+    ax.tick_params(labelsize=points("TICK"), colors=INK, width=0.6, length=3)
     ax.grid(visible=True, color=GRID, linewidth=0.6)
     ax.set_axisbelow(True)
     for side in ("top", "right"):
@@ -62,29 +109,75 @@ def dress(ax: Axes, title: str = "", x: str = "", y: str = "") -> None:
         ax.spines[side].set(color=FAINT, linewidth=0.6)
 
 
+def _title() -> dict[str, Any]:
+    return {"fontsize": points("TITLE"), "color": INK, "fontweight": "bold"}
+
+
 def remark(ax: Axes, text: str) -> None:
     """A small remark at the right end of the title."""
-    ax.set_title(text, loc="right", fontsize=NOTE, color=FAINT)
+    ax.set_title(text, loc="right", fontsize=points("NOTE"), color=FAINT)
 
 
-def legend(ax: Axes) -> None:
+def legend(ax: Axes, columns: int = LEGEND_COLUMNS) -> None:
     """A legend between title and axes, where it hides nothing, if anything carries a label."""
     handles, labels = ax.get_legend_handles_labels()
     if not handles:
         return
-    options: dict[str, Any] = {"fontsize": NOTE, "labelcolor": INK, "handlelength": 1.8, "columnspacing": 1.4}
+    options: dict[str, Any] = {"fontsize": points("NOTE"), "labelcolor": INK, "handlelength": 1.8, "columnspacing": 1.4}
+    options["labelspacing"] = 0.3
     place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "borderaxespad": 0.2}
-    ax.legend(handles, labels, **options, **place, ncols=LEGEND_COLUMNS, frameon=False, borderpad=0.1)
+    ax.legend(handles, labels, **options, **place, ncols=columns, frameon=False, borderpad=0.1)
     lift_titles([ax])
+
+
+def settle(rows: Iterable[Sequence[Axes]]) -> None:
+    """Give legends as many columns as there is room for, once axes have their places, and titles of a row one height.
+
+    Args:
+        rows: panels that stand side by side.
+    """
+    for row in rows:
+        for ax in row:
+            if (found := ax.get_legend()) is not None:
+                legend(ax, _columns(ax, found))
+            _part_titles(ax)
+        lift_titles(row)
+
+
+def _part_titles(ax: Axes) -> None:
+    """A remark that there is no room for beside the title goes below it."""
+    title, note = ax.get_title("left"), ax.get_title("right")
+    if not note:
+        return
+    letter = points("NOTE") * ax.figure.dpi / 72.0
+    drawn: Any = ax  # whose types do not know of these
+    widths = [text.get_window_extent().width for text in (drawn._left_title, drawn._right_title)]
+    if sum(widths) + 2.0 * letter > ax.get_window_extent().width:
+        ax.set_title(f"{title}\n{note}", loc="left", **_title())
+        ax.set_title("", loc="right")
+
+
+def legend_rows(axes: Iterable[Axes]) -> int:
+    """Lines of the largest legend above some axes."""
+    legends: list[Any] = [found for ax in axes if (found := ax.get_legend()) is not None]
+    return max((math.ceil(len(found.get_texts()) / found._ncols) for found in legends), default=0)
+
+
+def _columns(ax: Axes, found: Legend) -> int:
+    """How many columns of a legend fit above its axes."""
+    letter = points("NOTE") * ax.figure.dpi / 72.0
+    widths = [text.get_window_extent().width + 4.2 * letter for text in found.get_texts()]  # handle and gaps included
+    room = ax.get_window_extent().width + 1.4 * letter
+    fitting = (n for n in range(len(widths), 1, -1) if sum(map(max, np.array_split(widths, n))) <= room)
+    return next(fitting, 1)
 
 
 def lift_titles(axes: Iterable[Axes]) -> None:
     """Put the titles of neighbouring axes at one height, above the largest of their legends."""
     axes = list(axes)
-    legends = [found for ax in axes if (found := ax.get_legend()) is not None]
-    rows = max((math.ceil(len(found.get_texts()) / LEGEND_COLUMNS) for found in legends), default=0)
+    pad = 6.0 + LINE_HEIGHT * points("NOTE") * legend_rows(axes)
     for ax in axes:
-        ax.set_title(ax.get_title("left"), loc="left", pad=6.0 + 1.35 * NOTE * rows, **_TITLE)
+        ax.set_title(ax.get_title("left"), loc="left", pad=pad, **_title())
 
 
 def nice(value: float) -> float:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
+from ropewalk.results.display_units import Column, DisplayUnits, number, quantities
 from ropewalk.results.statistics import Summary
 
 Row = tuple[str, str, str]
@@ -13,45 +13,33 @@ Row = tuple[str, str, str]
 
 SUPPORTS, LARGEST = 8, 3  # with more supports than this only so many of them get a row
 ROUND_OFF = 1e-9  # m: what is no further aside has not left its plane, what is lifted no higher is at rest
+ZERO = 1e-9  # of the largest of its kind: what is no larger is rounding, and written as zero
+NOTHING = 1e-5  # of the largest of its kind: what is no larger gets no row
 ENERGY_LABELS = {
     "kinetic": "kinetic",
     "elastic": "elastic",
     "gravitational": "gravitational",
-    "line_damping": "damped in lines and supports",
+    "line_damping": "dissipated in lines and supports",
     "load_work": "work of the loads",
     "hold_work": "work of the hold forces",
-    "contact_dissipation": "lost at the contacts",
+    "contact_dissipation": "dissipated at the contacts",
     "support_work": "work of moving supports",
     "load_kinetic": "kinetic, of the loads",
     "load_potential": "potential, of the loads",
-    "load_damping": "damped in loads and air",
-    "friction": "lost to friction",
+    "load_damping": "dissipated in loads and air",
+    "friction": "dissipated by friction",
     "drive_work": "work of drives",
 }
 
 
-def number(value: float | None, digits: int = 4) -> str:
-    """A number with so many significant digits, or a dash for none."""
-    if value is None:
-        return "–"
-    if value == 0.0:
-        return "0"
-    if not 1e-4 <= abs(value) < 1e6:
-        return f"{value:.{digits - 1}e}"
-    return f"{value:.{max(digits - 1 - math.floor(math.log10(abs(value))), 0)}f}"
-
-
-def _millimetres(length: float) -> str:
-    return f"{number(1e3 * length if abs(length) > ROUND_OFF else 0.0, 3)} mm"
-
-
-def text(found: Summary) -> str:
+def text(found: Summary, units: DisplayUnits | None = None) -> str:
     """The table as lines of text, in aligned columns.
 
     Args:
         found: what `summary` gives.
+        units: that numbers are written in (default: of engineering, by their size).
     """
-    body = list(rows(found))
+    body = list(rows(found, units))
     first, second = (max((len(row[k]) for row in body if row[1]), default=0) for k in (0, 1))
     lines = [_headline(found)]
     for what, value, where in body:
@@ -70,59 +58,99 @@ def _headline(found: Summary) -> str:
     return "\n".join([head, *([f"advice: {found['advice']}"] if found["advice"] else []), *doubts])
 
 
-def rows(found: Summary) -> Iterator[Row]:
-    """Rows of the table; a row without a value is a heading."""
-    if found["largest_tension"] is not None or not found["nets"]:
-        yield "Line", "", ""
-        yield _quantity("largest tension", found["largest_tension"])
-        yield _quantity("smallest tension", found["smallest_tension"])
-        yield _quantity("largest strain", found["largest_strain"])
-        yield _quantity("smallest strain", found["smallest_strain"])
-        yield _quantity("largest sag", found["largest_sag"])
+def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
+    """Rows of the table; a row without a value is a heading.
+
+    Args:
+        found: what `summary` gives.
+        units: that numbers are written in.
+    """
+    units = units or DisplayUnits.read(None)
+    extremes = [found[key] for key in _EXTREMES]
+    pulls = [abs(v) for unit, v in quantities({"a": extremes[:2], "b": found["supports"], "c": found["contacts"]})
+             if unit == "N"]  # fmt: skip
+    largest = max(pulls, default=0.0)
+    floor = {"N": ZERO * largest, "m": ROUND_OFF}
+
+    def column(*parts: Any) -> Column:
+        return Column(units, *parts, floor=floor)
+
+    lines = column(*extremes[:2], *found["supports"].values(), found["largest_sag"], found["largest_sideways"])
+    if any(extremes) or (not found["nets"] and found["largest_sag"] is not None):
+        yield "Lines", "", ""
+        for key, what in _EXTREMES.items():
+            if found[key] is not None and (found[key]["value"] or found[_OTHER_END[key]]["value"]):
+                yield _quantity(what, found[key], lines, "strain" if "strain" in key else "")
+        if found["largest_sag"] is not None:
+            yield _quantity("largest sag", found["largest_sag"], lines)
         aside = found["largest_sideways"]
         if aside is not None and aside["value"] > ROUND_OFF:
-            yield _quantity("largest way sideways", aside)
+            yield _quantity("largest sideways deflection", aside, lines)
     for name, net in found["nets"].items():
-        yield from _net_rows(name, net)
+        yield from _net_rows(name, net, column(net))
     if found["supports"]:
         yield "Supports", "", ""
-        yield from _support_rows(found["supports"])
+        yield from _support_rows(found["supports"], lines)
     for name, contact in found["contacts"].items():
         if name in found["pantographs"]:
-            yield from _pantograph_rows(name, found["pantographs"][name])
+            yield from _pantograph_rows(name, found["pantographs"][name], column(found["pantographs"][name]))
         else:
-            yield from _contact_rows(name, contact)
+            yield from _contact_rows(name, contact, column(contact["force"], contact["hold_force"]), largest)
+    for name, payload in found["payloads"].items():
+        yield from _payload_rows(name, payload, column(payload))
     for name, line in found["overhead_lines"].items():
-        yield from _overhead_rows(name, line)
+        uplifts = [{"value": support["uplift"], "unit": "m"} for support in line["supports"].values()]
+        yield from _overhead_rows(name, line, column(line["largest_dropper_force"], *uplifts))
     for name, exchange in found["exchanges"].items():
-        yield from _exchange_rows(name, exchange)
-    yield from _energy_rows(found["energy"])
-    yield from _method_rows(found["method"])
+        yield from _exchange_rows(name, exchange, column(exchange))
+    yield from _energy_rows(
+        found["energy"], column({"unit": "J", **found["energy"]["final"], "turnover": found["energy"]["turnover"]})
+    )
+    yield from _method_rows(found["method"], column())
 
 
-def _quantity(what: str, found: Summary | None) -> Row:
-    if found is None:
-        return what, "–", ""
-    unit = "" if found["unit"] == "1" else f" {found['unit']}"
-    where = f"{found['line']} at xi = {number(found['xi'])} m"
-    return what, f"{number(found['value'])}{unit}", "  ".join((where, *_when(found)))
+_EXTREMES = {
+    "largest_tension": "largest tension",
+    "smallest_tension": "smallest tension",
+    "largest_strain": "largest strain",
+    "smallest_strain": "smallest strain",
+}
 
 
-def _net_rows(name: str, net: Summary) -> Iterator[Row]:
+_OTHER_END = {
+    "largest_tension": "smallest_tension",
+    "smallest_tension": "largest_tension",
+    "largest_strain": "smallest_strain",
+    "smallest_strain": "largest_strain",
+}  # what is zero from one end to the other gets no row
+
+
+def _quantity(what: str, found: Summary, say: Column, unit: str = "") -> Row:
+    place = ", ".join(f"{name} = {_metres(found[name])} m" for name in (*"xyz", "xi") if found.get(name) is not None)
+    where = f"{found['line']} at {place}"
+    return what, say(found["value"], unit or found["unit"]), "  ".join((where, *_when(found)))
+
+
+def _metres(place: float) -> str:
+    """A coordinate to four digits, but no finer than a millimetre."""
+    return number(place) if abs(place) >= 1.0 else f"{place:.3f}"
+
+
+def _net_rows(name: str, net: Summary, say: Column) -> Iterator[Row]:
     yield f"Net {name}", "", ""
     for key, what in (("largest_tension", "largest"), ("smallest_tension", "smallest")):
         if net[key] is not None:
-            yield f"{what} tension per width", f"{number(net[key]['value'])} N/m", _place(net[key])
+            yield f"{what} tension per width", say(net[key]["value"], "N/m"), _place(net[key])
     if net["slack"] is not None and net["slack"]["value"]:
         told = "of the triangles pull in one direction at most"
         yield "slack, at most", f"{number(100 * net['slack']['value'], 2)} %", "  ".join((told, *_when(net["slack"])))
     if net["largest_sag"] is not None:
-        yield "largest sag", f"{number(net['largest_sag']['value'])} m", _place(net["largest_sag"])
+        yield "largest sag", say(net["largest_sag"]["value"], "m"), _place(net["largest_sag"])
     yield "nodes", f"{net['nodes']}", f"{net['cells']} triangles"
 
 
 def _place(found: Summary) -> str:
-    where = ", ".join(f"{axis} = {number(found[axis])}" for axis in "xyz")
+    where = ", ".join(f"{axis} = {_metres(found[axis])}" for axis in "xyz")
     return "  ".join((f"at {where} m", *_when(found)))
 
 
@@ -133,59 +161,68 @@ def _when(found: Summary) -> Iterator[str]:
         yield f"load path = {number(found['load_path'])} m"
 
 
-def _components(force: Summary) -> Iterator[str]:
+def _components(force: Summary, say: Column) -> Iterator[str]:
+    """The ranges of the components that are anything beside the whole."""
     for axis, span in force["components"].items():
-        if span["min"] is not None:
-            yield f"{axis}: {number(span['min'])} to {number(span['max'])} N"
+        if span["min"] is not None and max(abs(span["min"]), abs(span["max"])) > NOTHING * force["value"]:
+            yield f"{axis}: {say.span(span['min'], span['max'], 'N')}"
 
 
-def _support_rows(supports: Summary) -> Iterator[Row]:
+def _support_rows(supports: Summary, say: Column) -> Iterator[Row]:
     """All supports, or the largest forces and the range of many."""
     many = len(supports) > SUPPORTS
     order = sorted(supports, key=lambda name: -(supports[name]["value"] or 0.0))[:LARGEST] if many else list(supports)
     for name in order:
         force = supports[name]
-        yield name, f"{number(force['value'])} N", "  ".join((*_when(force), *_components(force)))
+        yield name, say(force["value"], "N"), "  ".join((*_when(force), *_components(force, say)))
     if many:
         sizes = [force["value"] for force in supports.values() if force["value"] is not None]
-        span = f"{number(min(sizes))} to {number(max(sizes))} N" if sizes else "–"
-        yield f"all {len(supports)}", span, "largest of each"
+        yield (
+            f"all {len(supports)}",
+            say.span(min(sizes, default=None), max(sizes, default=None), "N"),
+            "largest of each",
+        )
 
 
-def _pantograph_rows(name: str, found: Summary) -> Iterator[Row]:
+def _pantograph_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
     yield f"Pantograph {name}", "", ""
     value = {key: entry["value"] for key, entry in found.items() if isinstance(entry, dict) and "value" in entry}
+    uplift = "largest uplift of a support", say(value["uplift"], "m"), "while it is the closest pantograph"
     if value["mean"] is None:
         yield "contact force", "–", "it was not in the analysed spans"
+        if value["uplift"] is not None:
+            yield uplift
         return
     spans, limit, between = found["analysed_spans"], found["filter"]["limit"], found["filter"]["between"]
     where = [] if spans is None else [f"spans {spans[0]} to {spans[1]}" if spans[0] < spans[1] else f"span {spans[0]}"]
-    where.append(f"at {number(3.6 * value['speed'])} km/h")
+    where.append(f"at {say(value['speed'], 'm/s')}")
     if not found["complete"]:
         where.append("not from end to end")
     yield "analysed", f"{number(value['first'])} to {number(value['last'])} m", "  ".join(where)
     if value["fastest"] < limit:
         told = f"too far apart for {limit:g} Hz, the force is not filtered: write a smaller run.sample"
-        yield "samples", f"every {number(500.0 / value['fastest'], 3)} ms", told
+        yield "samples", f"every {say(0.5 / value['fastest'], 's', 3)}", told
     target = ""
     if value["target"] is not None:
-        target = f"{number(value['target_ratio'], 3)} of the {number(value['target'])} N asked for"
-    yield "mean contact force Fm", f"{number(value['mean'])} N", target
-    low, high = number(value["deviation_low"], 3), number(value["deviation_high"], 3)
-    bands = f"0-{between:g} Hz: {low} N  {between:g}-{limit:g} Hz: {high} N"
-    yield f"sigma, 0-{limit:g} Hz", f"{number(value['deviation'], 3)} N", bands
+        target = f"{number(value['target_ratio'], 3)} of the {say(value['target'], 'N')} asked for"
+    yield "mean contact force Fm", say(value["mean"], "N"), target
+    low, high = say(value["deviation_low"], "N", 3), say(value["deviation_high"], "N", 3)
+    yield (
+        f"sigma, 0-{limit:g} Hz",
+        say(value["deviation"], "N", 3),
+        (f"0-{between:g} Hz: {low}  {between:g}-{limit:g} Hz: {high}"),
+    )
     yield "sigma / Fm", number(value["relative_deviation"], 3), ""
-    extremes = number(value["statistical_minimum"], 3), number(value["statistical_maximum"], 3)
-    yield "Fm - 3 sigma, Fm + 3 sigma", f"{extremes[0]} to {extremes[1]} N", ""
+    yield "Fm - 3 sigma, Fm + 3 sigma", say.span(value["statistical_minimum"], value["statistical_maximum"], "N"), ""
     for key, what in (("maximum", "largest"), ("minimum", "smallest")):
-        yield f"{what} force", f"{number(value[key])} N", f"at {number(value[f'{key}_at'])} m"
-    raw = f"sigma {number(value['raw_deviation'], 3)} N"
-    yield "unfiltered force", f"{number(value['raw_minimum'], 3)} to {number(value['raw_maximum'], 3)} N", raw
-    yield "without contact", f"{number(100 * value['loss'], 2)} %", "of the time"
-    heights = f"{number(1e3 * value['lowest'], 3)} to {number(1e3 * value['highest'], 3)} mm"
-    yield "range of contact heights", f"{number(1e3 * value['height_range'], 3)} mm", heights
+        yield f"{what} force", say(value[key], "N"), f"at {number(value[f'{key}_at'])} m"
+    raw = f"sigma {say(value['raw_deviation'], 'N', 3)}"
+    yield "unfiltered force", say.span(value["raw_minimum"], value["raw_maximum"], "N"), raw
+    yield "loss of contact", f"{number(100 * value['loss'], 2)} %", "of the time"
+    heights = say.span(value["lowest"], value["highest"], "m")
+    yield "range of contact heights", say(value["height_range"], "m", 3), heights
     if value["uplift"] is not None:
-        yield "largest uplift of a support", _millimetres(value["uplift"]), "while it is the closest pantograph"
+        yield uplift
     if found["acceptance"] is not None:
         yield from _acceptance_rows(found["acceptance"])
 
@@ -200,7 +237,7 @@ def _acceptance_rows(found: Summary) -> Iterator[Row]:
     yield "inside", f"{inside} of {len(found['checks'])}", found["remark"]
 
 
-def _overhead_rows(name: str, found: Summary) -> Iterator[Row]:
+def _overhead_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
     yield f"Overhead line {name}", "", ""
     supports = {key: entry for key, entry in found["supports"].items() if entry["uplift"] is not None}
     shown = [key for key, entry in supports.items() if entry["analysed"]]
@@ -212,11 +249,11 @@ def _overhead_rows(name: str, found: Summary) -> Iterator[Row]:
     for key in shown:
         entry = supports[key]
         note = "" if entry["analysed"] else "  largest of all, beside the analysed spans"
-        yield f"uplift at {key}", _millimetres(entry["uplift"]), f"{number(entry['station'])} m{note}"
+        yield f"uplift at {key}", say(entry["uplift"], "m", 3), f"{number(entry['station'])} m{note}"
     pull, slack, count = found["largest_dropper_force"], found["most_slack"], len(found["droppers"])
     if pull is not None and pull["value"] is not None:
         where = f"{pull['dropper']} at {number(pull['station'])} m"
-        yield "largest dropper force", f"{number(pull['value'])} N", where
+        yield "largest dropper force", say(pull["value"], "N"), where
     if slack is not None and slack["value"]:
         where = f"of the time, {slack['dropper']} at {number(slack['station'])} m"
         yield "longest slack dropper", f"{number(100 * slack['value'], 2)} %", where
@@ -224,75 +261,104 @@ def _overhead_rows(name: str, found: Summary) -> Iterator[Row]:
         yield "droppers that slacken", f"{found['slackened']} of {count}", "whole line"
 
 
-def _contact_rows(name: str, contact: Summary) -> Iterator[Row]:
+def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> Iterator[Row]:
+    """What a load does; `largest` is the largest force of the result, beside which others may be nothing."""
     yield f"Load {name}", "", ""
     share = contact["share_on_line"]
     if not share:
         yield "on the line", "never", ""
         return
     size = contact["force"]["magnitude"]
-    spread = f"std {number(size['std'])} N  {number(size['min'])} to {number(size['max'])} N"
-    yield "contact force, mean", f"{number(size['mean'])} N", spread
+    if size["max"] is not None and size["max"] - size["min"] > NOTHING * size["max"]:
+        spread = f"std {say(size['std'], 'N')}  {say.span(size['min'], size['max'], 'N')}"
+        yield "contact force, mean", say(size["mean"], "N"), spread
+    else:
+        yield "contact force", say(size["mean"], "N"), "constant"
     for how, blow in contact["impulses"].items():
         if blow is not None:
             told = "  ".join((*_when(blow), "an impulse over one step, left out of the statistics"))
-            yield f"blow when {how}", f"{number(blow['value'])} N", told
+            yield f"impact when {how}", say(blow["value"], "N"), told
     jump = contact["tension_jump"]
-    if jump["value"] is not None:  # loads on nets have no two sides
-        yield "largest tension jump", f"{number(jump['value'])} N", "  ".join(_when(jump))
+    if jump["value"] is not None and abs(jump["value"]) > NOTHING * largest:  # loads on nets have no two sides
+        yield "largest tension jump", say(jump["value"], "N"), "  ".join(_when(jump))
     hold = contact["hold_force"]
-    if hold["value"]:
-        yield "largest hold force", f"{number(hold['value'])} N", "  ".join((*_when(hold), *_components(hold)))
+    if (hold["value"] or 0.0) > NOTHING * largest:
+        yield "largest hold force", say(hold["value"], "N"), "  ".join((*_when(hold), *_components(hold, say)))
     needed = contact["friction_needed"]
-    if needed["value"] is not None:
+    if (needed["value"] or 0.0) > NOTHING:
         yield "friction coefficient needed", number(needed["value"], 3), "  ".join(_when(needed))
     if contact["share_in_air"]:
         yield "in the air", f"{number(100 * contact['share_in_air'], 2)} %", "of its time"
     if contact["friction_power"]["value"]:
         power = contact["friction_power"]
-        yield "largest friction power", f"{number(power['value'])} W", "  ".join(_when(power))
+        yield "largest friction power", say(power["value"], "W"), "  ".join(_when(power))
     if contact["last_speed"] is not None:
         speed = contact["last_speed"]
-        yield "last speed", f"{number(speed['value'])} m/s", "  ".join((*_when(speed), "before it leaves or stops"))
+        yield "last speed", say(speed["value"], "m/s"), "  ".join((*_when(speed), "before it leaves or stops"))
     if share < 1.0:
         yield "on the line", f"{100 * share:.0f} %", "of the output instants"
 
 
-def _exchange_rows(name: str, exchange: Summary) -> Iterator[Row]:
+def _payload_rows(name: str, payload: Summary, say: Column) -> Iterator[Row]:
+    yield f"Payload of {name}", "", ""
+    sway, swing = payload["sway"], payload["swing"]
+    if sway is not None and sway["value"] > ROUND_OFF:
+        yield "largest sway", say(sway["value"], "m"), "  ".join(_when(sway))
+    if swing is not None and sway["value"] > ROUND_OFF:
+        yield "largest angle from the vertical", say(swing["value"], "rad", 3), "  ".join(_when(swing))
+    speed = payload["speed"]
+    if speed is not None and speed["value"]:
+        yield "largest speed", say(speed["value"], "m/s"), "  ".join(_when(speed))
+    pull, slack = payload["pull"], payload["slack"]["value"]
+    if pull is not None:
+        told = f"slack at {number(100 * slack, 2)} % of the output instants" if slack else ""
+        yield "largest pull of its rope", say(pull["value"], "N"), "  ".join((*_when(pull), *filter(None, [told])))
+
+
+def _exchange_rows(name: str, exchange: Summary, say: Column) -> Iterator[Row]:
     yield f"Exchange with {name}", "", ""
-    yield "work to and fro", f"{number(exchange['work'])} J", ""
-    share = "" if exchange["relative"] is None else f"{number(100 * exchange['relative'], 2)} % of it"
+    yield "work exchanged", say(exchange["work"], "J"), ""
+    share = "" if exchange["relative"] is None else f"{percent(exchange['relative'])} of it"
     peak = exchange["peak"]
-    most = "  ".join((f"at most {number(peak['value'], 2)} J in one interval", *_when(peak)))
-    yield "energy that it made", f"{number(exchange['made'], 3)} J", "  ".join(filter(None, (share, most)))
+    most = "  ".join((f"at most {say(peak['value'], 'J', 2)} in one interval", *_when(peak)))
+    yield "energy error of the exchange", say(exchange["made"], "J", 3), "  ".join(filter(None, (share, most)))
 
 
-def _energy_rows(energy: Summary) -> Iterator[Row]:
+def percent(part: float) -> str:
+    """A small part; what is of no interest is not spelt out."""
+    return f"{number(100 * part, 2)} %" if abs(part) >= NOTHING or not part else f"less than {100 * NOTHING:g} %"
+
+
+def _energy_rows(energy: Summary, say: Column) -> Iterator[Row]:
     if energy["audit"]:
         yield "Energy", "", ""
         yield "audit", "none", energy["audit"]
         return
-    yield "Energy at the end", "", ""
-    for form, label in ENERGY_LABELS.items():
-        if form not in energy["always_zero"]:
-            yield label, f"{number(energy['final'].get(form))} J", ""
+    final = {form: energy["final"].get(form) for form in ENERGY_LABELS if form not in energy["always_zero"]}
+    largest = max((abs(value) for value in (*final.values(), energy["turnover"]) if value is not None), default=0.0)
+    final = {form: value for form, value in final.items() if value is None or abs(value) > NOTHING * largest}
     worst: dict[str, Any] | None = energy["largest_imbalance"]
-    if worst is not None and "load_path" in worst:  # what stands still has no audit
+    stands = worst is not None and ("load_path" in worst or not energy["turnover"])  # that has no audit
+    if final or not stands:
+        yield "Energy at the end", "", ""
+    for form, value in final.items():
+        yield ENERGY_LABELS[form], say(value, "J"), ""
+    if stands:
         return
-    yield "energy turned over", f"{number(energy['turnover'])} J", "half the sum of all changes above since the start"
+    yield "energy turned over", say(energy["turnover"], "J"), "half the sum of all changes above since the start"
     if worst is None:
         yield "largest imbalance", "unknown", "no audit was kept"
         return
-    share = "" if worst["relative"] is None else f"{number(100 * worst['relative'], 2)} % of the energy turned over"
-    yield "largest imbalance", f"{number(worst['value'])} J", "  ".join(filter(None, (share, *_when(worst))))
+    share = "" if worst["relative"] is None else f"{percent(worst['relative'])} of the energy turned over"
+    yield "largest imbalance", say(worst["value"], "J"), "  ".join(filter(None, (share, *_when(worst))))
 
 
-def _method_rows(method: Summary) -> Iterator[Row]:
+def _method_rows(method: Summary, say: Column) -> Iterator[Row]:
     yield "Method", "", ""
     yield "method", method["name"] or "–", method["reason"]
     if method["step"]["value"] is not None:
-        yield "largest step", f"{number(method['step']['value'])} s", f"{method['steps']} steps"
+        yield "largest step", say(method["step"]["value"], "s"), f"{method['steps']} steps"
     if method["wall"]["value"] is not None:
         factor = method["real_time_factor"]
         pace = "" if factor is None else f"{number(factor, 3)} times real time"
-        yield "time taken", f"{number(method['wall']['value'], 3)} s", pace
+        yield "time taken", say(method["wall"]["value"], "s", 3), pace

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.results.contract import path_name
+from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
 from ropewalk.results.statistics import blocks, lines, sag, summary
@@ -21,17 +23,23 @@ if TYPE_CHECKING:
 SUFFIXES = (".csv", ".xlsx", ".parquet")
 SERIES, SAMPLES, SUMMARY = "series", "samples", "summary"
 _NEEDS = {".xlsx": "openpyxl", ".parquet": "pyarrow"}
-_ROWS = 1_048_575  # of a sheet, without its head
+_ROWS, _SHEET = 1_048_575, 31  # of a sheet: rows without its head, letters of its name
 # Quantities of single points in the order of the columns, with the dimension that names the point.
 _OF_POINTS = (
     ("contact", "load"), ("body", "body"), ("support", "support"), ("tie", "tie"), ("foreign", "foreign"),
     ("form", "form"),
 )  # fmt: skip
+_HEAD = re.compile(r"(.+) \[(.+)\]")
+_DISPLACEMENT = re.compile(r"sag|sideways|uplift|sway|height_range")  # lengths that are no places
 _WHERE = {"line": "line", "xi": "xi [m]", "x": "x [m]", "y": "y [m]", "time": "time [s]", "load_path": "load_path [m]"}
 
 
 def tables(
-    dataset: xr.Dataset, *, every: float | None = None, at: Sequence[float] | None = None
+    dataset: xr.Dataset,
+    *,
+    every: float | None = None,
+    at: Sequence[float] | None = None,
+    units: DisplayUnits | None = None,
 ) -> dict[str, pd.DataFrame]:
     """Give a result as tables whose columns are named `NAME.QUANTITY.COMPONENT [UNIT]`.
 
@@ -39,6 +47,8 @@ def tables(
         dataset: a result, in memory or lazy.
         every: s (m of a slow motion), one row for each such interval; without it all output instants.
         at: s (m), rows at these instants only. Both take the output instants that are nearest.
+        units: of the quantities (default: SI), each the same in all columns of a table; places and instants are in m
+            and s.
 
     Returns:
         `series`: over the output instants, of every line its largest and smallest tension and its sag, and all
@@ -57,7 +67,38 @@ def tables(
     found[SUMMARY] = pd.DataFrame(rows, columns=["quantity", "value", "unit", "text", *_WHERE.values()]).dropna(
         axis="columns", how="all"
     )
-    return found
+    return found if units is None else {name: _in_units(table, units) for name, table in found.items()}
+
+
+def _in_units(table: pd.DataFrame, units: DisplayUnits) -> pd.DataFrame:
+    """A table in the units to show: one unit for all that is measured in the same SI unit."""
+    table = table.copy()
+    if "quantity" in table.columns:  # a summary, with its units in the rows
+        keys = [_measured(*pair) for pair in zip(table["quantity"], table["unit"].fillna(""), strict=True)]
+        for key in dict.fromkeys(key for key in keys if key):
+            here = np.array([k == key for k in keys])
+            shown = units.of(key, [table.loc[here, "value"].to_numpy(dtype=float)])
+            table.loc[here, "value"] /= shown.size
+            table.loc[here, "unit"] = shown.symbol or "1"
+        return table
+    heads = [_HEAD.fullmatch(str(column)) for column in table.columns]
+    measured = [_measured(*head.groups()) if head is not None else "" for head in heads]
+    names, columns = list(table.columns), list(table.columns)
+    for key in dict.fromkeys(key for key in measured if key):
+        mine = [k for k, each in enumerate(measured) if each == key]
+        shown = units.of(key, [table[columns[k]].to_numpy() for k in mine])
+        for k in mine:
+            table[columns[k]] /= shown.size
+            names[k] = re.sub(r"\[.*\]$", f"[{shown.symbol or '1'}]", str(names[k]))
+    table.columns = names
+    return table
+
+
+def _measured(name: str, unit: str) -> str:
+    """The SI unit by which a unit is chosen; empty for places, which stay in m, and for numbers without a unit."""
+    if "strain" in name:
+        return "strain"
+    return "" if unit in ("1", "") or (unit == "m" and not _DISPLACEMENT.search(name)) or unit == "s" else unit
 
 
 def series_table(dataset: xr.Dataset) -> pd.DataFrame:
@@ -72,7 +113,12 @@ def named_numbers(dataset: xr.Dataset) -> dict[str, tuple[float | None, str]]:
 
 
 def write_tables(
-    dataset: xr.Dataset, path: str | Path, *, every: float | None = None, at: Sequence[float] | None = None
+    dataset: xr.Dataset,
+    path: str | Path,
+    *,
+    every: float | None = None,
+    at: Sequence[float] | None = None,
+    units: DisplayUnits | None = None,
 ) -> list[Path]:
     """Write the tables of a result: sheets of one `.xlsx`, or `OUT.csv`, `OUT.summary.csv`, ... beside each other.
 
@@ -81,6 +127,7 @@ def write_tables(
         path: where to write; ends in `.csv`, `.xlsx` or `.parquet`.
         every: s (m), see `tables`.
         at: s (m), see `tables`.
+        units: see `tables`.
 
     Returns:
         The files written.
@@ -89,63 +136,61 @@ def write_tables(
         ResultError: another suffix, a package that is missing, too many rows for a sheet, or a file that cannot be
             written.
     """
-    check_tables(Path(path))
-    found = tables(dataset, every=every, at=at)
-    return write_frames(found, path, first=SERIES, unnumbered=(SUMMARY,), fewer=" or --every")
-
-
-def write_frames(
-    found: dict[str, pd.DataFrame], path: str | Path, *, first: str, unnumbered: Sequence[str] = (), fewer: str = ""
-) -> list[Path]:
-    """Write tables: sheets of one `.xlsx`, or files beside each other, one of which has the name that is given.
-
-    Args:
-        found: the tables by name.
-        path: where to write; ends in `.csv`, `.xlsx` or `.parquet`.
-        first: name of the table that goes to `path` itself.
-        unnumbered: names of tables whose index is not written.
-        fewer: what else can be done where a sheet has too few rows.
-
-    Raises:
-        ResultError: as `write_tables`.
-    """
-    import pandas as pd
-
-    path, suffix = Path(path), Path(path).suffix.lower()
     check_tables(path)
-    try:
-        if suffix == ".xlsx":
-            for name, table in found.items():
-                if len(table) > _ROWS:
-                    raise ResultError(f"{path}: {name} has {len(table)} rows, a sheet {_ROWS}; write a .csv{fewer}")
-            with pd.ExcelWriter(path, engine="openpyxl") as book:
-                for name, table in found.items():
-                    with_index = name not in unnumbered
-                    table.to_excel(book, sheet_name=name, index=with_index, freeze_panes=(1, int(with_index)))
-            return [path]
-        files = [path if name == first else path.with_suffix(f".{name}{suffix}") for name in found]
-        for file, (name, table) in zip(files, found.items(), strict=True):
-            if suffix == ".csv":
-                table.to_csv(file, index=name not in unnumbered)
-            else:
-                table.to_parquet(file, engine="pyarrow", index=name not in unnumbered)
-        return files
-    except OSError as problem:
-        raise ResultError(f"{path}: cannot be written ({problem.strerror or problem})") from None
+    return save_tables(tables(dataset, every=every, at=at, units=units), path)
 
 
-def check_tables(path: Path) -> None:
-    """Refuse a file that no table can be written to.
+def check_tables(path: str | Path) -> None:
+    """Refuse a file for tables whose kind is not known, or needs a package that is missing.
 
     Raises:
-        ResultError: another suffix, or a package that is missing.
+        ResultError: so it is.
     """
-    suffix = path.suffix.lower()
+    suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
         raise ResultError(f"{path}: tables end in {', '.join(SUFFIXES)}")
     package = _NEEDS.get(suffix)
     if package and importlib.util.find_spec(package) is None:
         raise ResultError(f"{path}: {package} is not installed; pip install 'ropewalk[tables]', or write a .csv")
+
+
+def save_tables(found: dict[str, pd.DataFrame], path: str | Path) -> list[Path]:
+    """Write tables as sheets of a workbook, or as files beside each other, of which the first one has the name given.
+
+    Args:
+        found: by name; those with an index that has a name are written with it.
+        path: where to write; ends in `.csv`, `.xlsx` or `.parquet`.
+
+    Returns:
+        The files written.
+
+    Raises:
+        ResultError: see `write_tables`.
+    """
+    import pandas as pd
+
+    check_tables(path)
+    path, suffix = Path(path), Path(path).suffix.lower()
+    try:
+        if suffix == ".xlsx":
+            for name, table in found.items():
+                if len(table) > _ROWS:
+                    raise ResultError(f"{path}: {name} has {len(table)} rows, a sheet {_ROWS}; write a .csv")
+            with pd.ExcelWriter(path, engine="openpyxl") as book:
+                for name, table in found.items():
+                    index = table.index.name is not None
+                    table.to_excel(book, sheet_name=name[:_SHEET], index=index, freeze_panes=(1, int(index)))
+            return [path]
+        files = [path.with_suffix(f".{name}{suffix}") if k else path for k, name in enumerate(found)]
+        for file, table in zip(files, found.values(), strict=True):
+            index = table.index.name is not None
+            if suffix == ".csv":
+                table.to_csv(file, index=index)
+            else:
+                table.to_parquet(file, engine="pyarrow", index=index)
+        return files
+    except OSError as problem:
+        raise ResultError(f"{path}: cannot be written ({problem.strerror or problem})") from None
 
 
 def _chosen(dataset: xr.Dataset, every: float | None, at: Sequence[float] | None) -> list[int]:

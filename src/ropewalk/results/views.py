@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,10 +15,11 @@ from numpy.typing import NDArray
 from ropewalk.results import style
 from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.contract import path_name
+from ropewalk.results.display_units import number
 from ropewalk.results.frame import ENERGY_FORMS, Array
 from ropewalk.results.nets import line_ends, net_names
 from ropewalk.results.statistics import blocks, lines
-from ropewalk.results.table import ENERGY_LABELS, LARGEST, number
+from ropewalk.results.table import ENERGY_LABELS, LARGEST, percent
 from ropewalk.results.ties import tied, ties
 
 if TYPE_CHECKING:
@@ -28,8 +30,8 @@ if TYPE_CHECKING:
 SHAPES = 9  # instants drawn
 CURVES = 11  # more than these make a view unreadable
 POINTS = 2000  # most points drawn of one curve
+SEEN = 0.005  # of the largest value in a panel: what is no larger cannot be told from zero
 FLATTEST = 0.14  # flatter shapes than this (height to width) are drawn with exaggerated heights
-FORM_LABELS = {**ENERGY_LABELS, "imbalance": "imbalance"}
 
 
 def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
@@ -47,11 +49,11 @@ def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
         here = here[style.thinned(len(here), POINTS)]
         x, z = (chosen["position"].sel(axis=axis).values[:, here] for axis in ("x", "z"))
         for k in range(len(frames)):
-            ax.plot(x[k], z[k], color=colours[k], linewidth=style.LINE)
+            ax.plot(x[k], z[k], color=colours[k], linewidth=style.LINE, label=_instant(dataset, line, frames[k]))
         ends: dict[str, Any] = {
             "marker": CARETUP,
             "color": style.INK,
-            "markersize": 8,
+            "markersize": style.sized(8),
             "linestyle": "none",
             "zorder": 4,
         }
@@ -74,7 +76,7 @@ def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
             there[:, 0],
             there[:, -1],
             c=colours[: len(frames)],
-            s=26,
+            s=style.sized(style.sized(26)),
             zorder=5,
             edgecolors="white",
             linewidths=0.7,
@@ -87,6 +89,12 @@ def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
     if len(frames) > 1:
         instants_bar(ax, values, f"{word(dataset)} ({unit})")
     style.legend(ax)
+
+
+def _instant(dataset: xr.Dataset, line: str, frame: int) -> str:
+    """Name of a curve at an instant, which has a colour bar instead of an entry in the legend."""
+    name = path_name(dataset)
+    return f"_{line} at {word(dataset)} {number(float(dataset[name].values[frame]))} {dataset[name].attrs['units']}"
 
 
 def _draw_bodies(dataset: xr.Dataset, ax: Axes, frames: NDArray[np.intp], colours: Any) -> list[Array]:
@@ -104,7 +112,14 @@ def _draw_bodies(dataset: xr.Dataset, ax: Axes, frames: NDArray[np.intp], colour
             every[:, i, 0], every[:, i, 1], color=style.FAINT, linewidth=style.THIN, linestyle=(0, (4, 1.5)),
             label=f"path of {body}", zorder=1,
         )  # fmt: skip
-        ax.scatter(every[frames, i, 0], every[frames, i, 1], c=colours[: len(frames)], s=30, marker="s", zorder=5)
+        ax.scatter(
+            every[frames, i, 0],
+            every[frames, i, 1],
+            c=colours[: len(frames)],
+            s=style.sized(style.sized(30)),
+            marker="s",
+            zorder=5,
+        )
     return [every[:, i] for i in range(dataset.sizes["body"])]
 
 
@@ -116,15 +131,24 @@ def tension(dataset: xr.Dataset, ax: Axes) -> None:
         ax.plot(path, largest, color=style.INK, linewidth=style.LINE, label="largest")
     names = lines(dataset)
     several = len(names) > 1
+    count = (2 * len(names) if len(names) <= LARGEST else LARGEST) + 2 * dataset.sizes["contact"]
+    nth = iter(range(count))
     ends = ((0, "start", style.BLUE), (-1, "end", style.SKY))
     if len(names) > LARGEST:  # more lines than these make the view unreadable
-        _most_pulled(dataset, ax, names)
+        _most_pulled(dataset, ax, names, nth, count)
     for line in names if len(names) <= LARGEST else ():
         here = np.flatnonzero(dataset["link_line"].values == line)
         for index, end, colour in ends:
             values = dataset["tension"].isel(link=here[index]).values
             label = f"{end} of {line}" if several else f"at the {end}"
-            ax.plot(path, values, color=colour, linewidth=style.THIN, label=label)
+            ax.plot(
+                path,
+                values,
+                color=colour,
+                linewidth=style.THIN,
+                label=label,
+                **style.marks(next(nth), count, path.size),
+            )
     sides = ((0, "behind", style.RED, "-"), (1, "ahead of", style.ORANGE, "--"))
     alone = dataset.sizes["contact"] == 1
     for k, load in enumerate(dataset["load"].values.tolist()):
@@ -132,12 +156,13 @@ def tension(dataset: xr.Dataset, ax: Axes) -> None:
             colour = own if alone else colour_of(k)  # several loads have a colour each, and each side its dashes
             values = dataset["contact_tension"][:, k, index].values
             if np.isfinite(values).any():  # loads on nets have no two sides
-                ax.plot(path, values, color=colour, linestyle=dashes, linewidth=style.LINE, label=f"{side} {load}")
+                drawn: dict[str, Any] = {"color": colour, "linestyle": dashes, "linewidth": style.LINE}
+                ax.plot(path, values, **drawn, label=f"{side} {load}", **style.marks(next(nth), count, path.size))
     style.dress(ax, "Tension", path_label(dataset), "tension (N)")
     style.legend(ax)
 
 
-def _most_pulled(dataset: xr.Dataset, ax: Axes, names: list[str]) -> None:
+def _most_pulled(dataset: xr.Dataset, ax: Axes, names: list[str], nth: Iterator[int], count: int) -> None:
     """Draw the largest tension in each of the lines that are pulled most."""
     owner = np.array([names.index(line) for line in dataset["link_line"].values.tolist()])
     largest = np.full((dataset.sizes[path_name(dataset)], len(names)), -np.inf)
@@ -146,7 +171,8 @@ def _most_pulled(dataset: xr.Dataset, ax: Axes, names: list[str]) -> None:
     most = np.argsort(-np.nan_to_num(largest).max(axis=0), kind="stable")[:LARGEST]
     for colour, k in zip((style.BLUE, style.SKY, style.GREEN), most, strict=False):
         path = dataset[path_name(dataset)].values
-        ax.plot(path, largest[:, k], color=colour, linewidth=style.THIN, label=f"largest in {names[k]}")
+        drawn: dict[str, Any] = {"color": colour, "linewidth": style.THIN, **style.marks(next(nth), count, path.size)}
+        ax.plot(path, largest[:, k], **drawn, label=f"largest in {names[k]}")
 
 
 def net_tension(dataset: xr.Dataset, ax: Axes) -> None:
@@ -183,13 +209,16 @@ def _places(dataset: xr.Dataset, ax: Axes, axis: str) -> None:
     if axis not in dataset["axis"].values:
         return
     path = dataset[path_name(dataset)].values
-    for k, load in enumerate(dataset["load"].values.tolist()):
+    loads = dataset["load"].values.tolist()
+    count = len(loads) + dataset.sizes["body"]
+    for k, load in enumerate(loads):
         place = dataset["contact_position"][:, k].sel(axis=axis).values
-        ax.plot(path, place, color=colour_of(k), linewidth=style.LINE, label=load)
+        ax.plot(path, place, color=colour_of(k), linewidth=style.LINE, label=load, **style.marks(k, count, path.size))
     for i, body in enumerate(dataset["body"].values.tolist()):
         place = dataset["body_position"][:, i].sel(axis=axis).values
         colour = colour_of(dataset.sizes["contact"] + i)
-        ax.plot(path, place, color=colour, linewidth=style.LINE, linestyle=(0, (4, 1.5)), label=body)
+        drawn: dict[str, Any] = {"color": colour, "linewidth": style.LINE, "linestyle": (0, (4, 1.5))}
+        ax.plot(path, place, **drawn, label=body, **style.marks(len(loads) + i, count, path.size))
 
 
 def hold_force(dataset: xr.Dataset, ax: Axes) -> None:
@@ -244,21 +273,24 @@ def reactions(dataset: xr.Dataset, ax: Axes) -> None:
 
 
 def energy(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the change of every form of energy since the start; forms that stay zero are left out."""
+    """Draw the change of every form of energy since the start; forms whose changes could not be seen are left out."""
     path, values = dataset[path_name(dataset)].values, dataset["energy"].values
     change = values - values[:1]
     scale = np.nanmax(np.abs(change), initial=0.0)
     stored = ("kinetic", "elastic", "gravitational")
-    for k, form in enumerate(ENERGY_FORMS):
-        if form == AUDIT or not np.nanmax(np.abs(change[:, k]), initial=0.0) > 1e-6 * scale:
-            continue
+    there = [k for k, form in enumerate(ENERGY_FORMS)
+             if form != AUDIT and np.nanmax(np.abs(change[:, k]), initial=0.0) > SEEN * scale]  # fmt: skip
+    for n, k in enumerate(there):
+        form = ENERGY_FORMS[k]
         dashes: Any = "-" if form in stored else (0, (4, 1.5))
         ax.plot(
             path,
             change[:, k],
-            color=style.CYCLE[k % len(style.CYCLE)],
+            color=style.CYCLE[n % len(style.CYCLE)],
             linestyle=dashes,
-            label=FORM_LABELS[form],
+            linewidth=style.LINE,
+            label=ENERGY_LABELS[form],
+            **style.marks(n, len(there), path.size),
         )
     style.dress(ax, "Energy since the start", path_label(dataset), "energy (J)")
     style.legend(ax)
@@ -268,13 +300,12 @@ def imbalance(dataset: xr.Dataset, ax: Axes) -> None:
     """Draw what the energy audit misses, and say how large that is against the energy turned over."""
     path, values = dataset[path_name(dataset)].values, dataset["energy"].values
     missed = values[:, ENERGY_FORMS.index(AUDIT)]
-    ax.plot(path, missed, color=style.INK, linewidth=style.THIN)
+    ax.plot(path, missed, color=style.INK, linewidth=style.THIN, label="_imbalance")
     moved, worst = float(np.max(turnover(values))), float(np.nanmax(np.abs(missed), initial=0.0))
     style.dress(ax, "Imbalance", path_label(dataset), "energy (J)")
     if moved > 0.0:
-        share = number(100 * worst / moved, 2)
-        note = f"at most {share} % of the {number(moved, 3)} J turned over"
-        ax.set_title(note, loc="right", fontsize=style.NOTE, color=style.FAINT)
+        note = f"{percent(worst / moved)} of the turnover"
+        style.remark(ax, note if note.startswith("less") else f"at most {note}")
 
 
 def tension_along(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
@@ -287,7 +318,8 @@ def tension_along(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None
         here = here[style.thinned(len(here), POINTS)]
         values = dataset["tension"].isel({name: frames, "link": here}).values
         for k in range(len(frames)):
-            ax.plot(dataset["link_xi"].values[here], values[k], color=colours[k], linewidth=style.LINE)
+            curve = {"color": colours[k], "linewidth": style.LINE, "label": _instant(dataset, line, frames[k])}
+            ax.plot(dataset["link_xi"].values[here], values[k], **curve)
     style.dress(ax, "Tension along the line", "material coordinate xi (m)", "tension (N)")
     if len(frames) > 1:
         label = f"{word(dataset)} ({dataset[name].attrs['units']})"
@@ -378,8 +410,12 @@ def _of_contacts(dataset: xr.Dataset, ax: Axes, name: str) -> None:
     path, values = dataset[path_name(dataset)].values, dataset[name].values
     for k, load in enumerate(dataset["load"].values.tolist()):
         if np.nan_to_num(values[:, k]).any():
-            ax.plot(path, np.where(np.isfinite(values[:, k]), values[:, k], np.nan), color=colour_of(k), label=load,
-                    linewidth=style.LINE)  # fmt: skip
+            drawn: dict[str, Any] = {
+                "color": colour_of(k),
+                "linewidth": style.LINE,
+                **style.marks(k, values.shape[1], path.size),
+            }
+            ax.plot(path, np.where(np.isfinite(values[:, k]), values[:, k], np.nan), **drawn, label=load)
 
 
 def _row_max(values: Array) -> Array:
@@ -400,8 +436,9 @@ def _components(dataset: xr.Dataset, ax: Axes, force: xr.DataArray, names: list[
     dashes: dict[str, Any] = {"x": "-", "y": (0, (1, 1)), "z": (0, (5, 1.5))}
     for k, name in enumerate(names):
         for i, axis in enumerate(dataset["axis"].values.tolist()):
-            if np.nanmax(np.abs(values[:, k, i]), initial=0.0) > 1e-9 * scale:
+            if np.nanmax(np.abs(values[:, k, i]), initial=0.0) > SEEN * scale:
                 options = {"color": colour_of(k), "linestyle": dashes[axis], "linewidth": style.LINE}
+                options |= style.marks(k, len(names), path.size)
                 ax.plot(path, values[:, k, i], **options, label=f"{name}, {axis}")
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from ropewalk.errors import Refused, did_you_mean
 from ropewalk.sweeps.keys import ends_with
-from ropewalk.units import factor_of
+from ropewalk.units import measure
 
 Dimension = tuple[Fraction, Fraction, Fraction]
 NONE: Dimension = (Fraction(0), Fraction(0), Fraction(0))
@@ -94,7 +94,7 @@ def _quantity(number: str, unit: str) -> Amount:
     if not unit:
         return Amount(float(number))
     try:
-        factor, dimension = factor_of(unit)
+        factor, dimension = measure(unit)
     except Refused:
         raise Refused(f"unknown unit {unit}", "put spaces around * and / between values, none within units") from None
     m, kg, s = (Fraction(power) for power in dimension)

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ropewalk.results import ResultError, write_frames
+from ropewalk.results import ResultError, save_tables
 from ropewalk.results.files import is_netcdf
 from ropewalk.results.table_export import SUFFIXES as TABLES
 from ropewalk.results.table_export import check_tables
@@ -72,6 +72,6 @@ def write(dataset: xr.Dataset, file: Path) -> None:
             finally:
                 beside.unlink(missing_ok=True)
         else:
-            write_frames({"cases": sweep_table(dataset)}, file, first="cases", unnumbered=("cases",))
+            save_tables({"cases": sweep_table(dataset)}, file)
     except OSError as problem:
         raise ResultError(f"{file}: cannot be written ({problem.strerror or problem})") from None

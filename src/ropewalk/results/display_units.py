@@ -1,0 +1,187 @@
+"""Units in which results are shown: of engineering, by the size of the numbers, or those that the reader names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ropewalk.errors import Refused, did_you_mean
+from ropewalk.units import measure
+
+
+class DisplayUnit(NamedTuple):
+    """A unit by its symbol, its size in SI units, and the least size (in SI) of what it is taken for."""
+
+    symbol: str
+    size: float
+    since: float = 0.0
+
+
+_Ladder = tuple[DisplayUnit, ...]
+
+
+def _decimal(si: str, prefixes: str = " kM") -> _Ladder:
+    """An SI unit and its multiples by 1000."""
+    steps = (1000.0**k for k in range(len(prefixes)))
+    return tuple(
+        DisplayUnit(f"{p.strip()}{si}", s, s if s > 1.0 else 0.0) for p, s in zip(prefixes, steps, strict=True)
+    )
+
+
+ENGINEERING: Mapping[str, _Ladder] = {
+    "N": _decimal("N"),
+    "N/m": _decimal("N/m"),
+    "J": (DisplayUnit("J", 1.0), DisplayUnit("kJ", 1e3, 1e4), DisplayUnit("MJ", 1e6, 1e7)),  # forms differ in size
+    "W": _decimal("W"),
+    "m": (DisplayUnit("mm", 1e-3), DisplayUnit("m", 1.0, 1.0)),
+    "s": (DisplayUnit("µs", 1e-6), DisplayUnit("ms", 1e-3, 1e-3), DisplayUnit("s", 1.0, 1.0)),
+    "m/s": (DisplayUnit("m/s", 1.0), DisplayUnit("km/h", 1.0 / 3.6, 10.0)),
+    "rad": (DisplayUnit("°", np.pi / 180.0),),
+    "strain": (DisplayUnit("%", 0.01),),
+}
+"""Per SI unit those that are shown, small ones first; of several the last one that the largest value reaches."""
+
+_WITHOUT_DIMENSION = {"%": "strain", "deg": "rad", "rad": "rad", "mrad": "rad"}
+PLACES = ("line", "xi", "x", "y", "z", "time", "load_path", "station")
+"""Where and when something was found: always in m and s."""
+
+
+@dataclass(frozen=True)
+class DisplayUnits:
+    """What numbers are shown in, per SI unit; what is not listed is shown in SI."""
+
+    ladders: Mapping[str, _Ladder]
+
+    @classmethod
+    def read(cls, text: str | None) -> DisplayUnits:
+        """Read a choice of units.
+
+        Args:
+            text: `engineering` (also None), `SI`, or a list such as "kN,mm,km/h" of units which replace those of
+                engineering (after `SI,` those of the SI) for all that is measured in them.
+
+        Raises:
+            Refused: (a ValueError) no unit, or one of nothing that is shown.
+        """
+        ladders: dict[str, _Ladder] = dict(ENGINEERING)
+        for part in (part.strip() for part in (text or "").split(",")):
+            if part.lower() in ("", "engineering", "si"):
+                ladders = {} if part.lower() == "si" else ladders
+                continue
+            ladders[_quantity_of(part)] = (DisplayUnit("°" if part == "deg" else part, measure(part)[0]),)
+        return cls(ladders)
+
+    def of(self, unit: str, values: Iterable[Any]) -> DisplayUnit:
+        """The unit for numbers that stand beside each other, of which the largest one decides.
+
+        Args:
+            unit: SI unit of the numbers; `strain` for strains.
+            values: numbers or arrays; what is not finite does not count.
+        """
+        if unit not in self.ladders:
+            return DisplayUnit("" if unit in ("1", "strain") else unit, 1.0)
+        ladder = self.ladders[unit]
+        largest = max((_largest(value) for value in values), default=0.0)
+        if largest == 0.0 and len(ladder) > 1:
+            return next(step for step in ladder if step.symbol == unit)
+        return [step for step in ladder if largest >= step.since * (1.0 - 1e-12)][-1]
+
+
+class Column:
+    """Writes the numbers of one part of a summary: like things in one unit.
+
+    Args:
+        units: that are shown.
+        found: parts of a summary, whose numbers decide on the units.
+        floor: per SI unit, what is no larger is written as zero.
+    """
+
+    def __init__(self, units: DisplayUnits, *found: Any, floor: Mapping[str, float] | None = None) -> None:
+        self._units, self._floor = units, floor or {}
+        sizes: dict[str, list[float]] = {}
+        for unit, value in (pair for part in found for pair in quantities(part)):
+            sizes.setdefault(unit, []).append(value)
+        self._chosen = {unit: units.of(unit, values) for unit, values in sizes.items()}
+
+    def unit(self, unit: str, *values: float | None) -> DisplayUnit:
+        """What numbers in an SI unit are written in; numbers of quite another size than theirs get their own."""
+        own = self._units.of(unit, [value for value in values if value is not None])
+        shown = self._chosen.get(unit, own)
+        largest = max((abs(value) for value in values if value is not None), default=0.0) / shown.size
+        return shown if largest == 0.0 or 0.1 <= largest < 1e5 else own
+
+    def __call__(self, value: float | None, unit: str, digits: int = 4) -> str:
+        """A number with its unit, or a dash for none."""
+        if value is None:
+            return "–"
+        value = self._round(value, unit)
+        shown = self.unit(unit, value)
+        return f"{number(value / shown.size, digits)} {shown.symbol}".rstrip().replace(" °", "°")
+
+    def span(self, low: float | None, high: float | None, unit: str, digits: int = 4) -> str:
+        """A range of numbers with as many decimals at both ends; one number if it has no width."""
+        if low is None or high is None:
+            return "–"
+        low, high = self._round(low, unit), self._round(high, unit)
+        shown = self.unit(unit, low, high)
+        ends = low / shown.size, high / shown.size
+        if high - low <= 1e-6 * max(abs(low), abs(high)):
+            return self(high, unit, digits)
+        largest = max(map(abs, ends))
+        if not 1e-4 <= largest < 1e6:
+            told = [number(end, digits) for end in ends]
+        else:
+            told = [f"{end:.{decimals(largest, digits)}f}" for end in ends]
+            told = ["0" if float(text) == 0.0 else text for text in told]
+        return f"{told[0]} to {told[1]} {shown.symbol}".rstrip()
+
+    def _round(self, value: float, unit: str) -> float:
+        return 0.0 if abs(value) <= self._floor.get(unit, 0.0) else value
+
+
+def quantities(found: Any, unit: str = "1") -> Iterator[tuple[str, float]]:
+    """The numbers of a part of a summary with their SI units, without places and instants."""
+    if isinstance(found, dict):
+        unit = found.get("unit", unit)
+        for key, value in found.items():
+            if key not in ("unit", "relative", *PLACES):
+                yield from quantities(value, unit)
+    elif isinstance(found, int | float) and not isinstance(found, bool) and isinstance(unit, str):
+        yield unit, float(found)
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """A number with so many significant digits, or a dash for none."""
+    if value is None:
+        return "–"
+    if value == 0.0:
+        return "0"
+    if not 1e-4 <= abs(value) < 1e6:
+        return f"{value:.{digits - 1}e}"
+    return f"{value:.{decimals(value, digits)}f}"
+
+
+def decimals(value: float, digits: int) -> int:
+    """Decimals that give a number so many significant digits."""
+    return max(digits - 1 - int(np.floor(np.log10(abs(value)))), 0)
+
+
+def _quantity_of(text: str) -> str:
+    """The SI unit of what is measured in a unit."""
+    dimension = measure(text)[1]
+    if text in _WITHOUT_DIMENSION:
+        return _WITHOUT_DIMENSION[text]
+    for si in ENGINEERING:
+        if si not in _WITHOUT_DIMENSION.values() and measure(si)[1] == dimension:
+            return si
+    known = sorted({step.symbol for ladder in ENGINEERING.values() for step in ladder})
+    raise Refused(f"nothing is shown in {text}", did_you_mean(text, known, otherwise=f"write {', '.join(known)} or SI"))
+
+
+def _largest(value: Any) -> float:
+    kept = np.abs(np.asarray(value, dtype=np.float64))
+    kept = kept[np.isfinite(kept)]
+    return float(kept.max(initial=0.0))
