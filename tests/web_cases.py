@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ropewalk.model import Scenario
+from ropewalk.simulate import spectrum_of
 
 EA, N = 1e6, 8
 TENSION = {"west": 1000.0, "east": 1000.0, "south": 600.0, "north": 600.0}
@@ -32,3 +36,10 @@ HUNG = {
                    "end_support": {"kind": "joined", "to": "rope", "at": 8.5}},
     }
 }  # fmt: skip
+
+
+def frequencies(scenario: Scenario, how_many: int) -> NDArray[np.float64]:
+    """Lowest natural angular frequencies at rest, rad/s."""
+    modes = spectrum_of(scenario, how_many=how_many).modes
+    assert modes is not None
+    return modes.frequency

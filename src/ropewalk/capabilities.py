@@ -31,7 +31,7 @@ class Engine:
 
 ROPES = Engine(ropes.MOTION, ropes.AT_REST)
 WIRES = Engine(wires.MOTION, wires.AT_REST)
-WEBS = Engine(webs.MOTION, webs.AT_REST)
+WEBS = Engine(webs.AT_REST, webs.AT_REST)
 SYSTEM = Engine(system.MOTION, system.AT_REST)
 LINEAR = Engine(linear.CAPABILITIES, linear.CAPABILITIES)
 SUPERPOSED = Engine(system.LINEAR, system.LINEAR)
@@ -51,8 +51,6 @@ def _of_linear_theory(parts: Parts) -> Engine:
     """Closed forms of lines by themselves, or the modes of what is joined, held on its way or a surface."""
     if parts.overhead:
         return LINEAR
-    if parts.runs_over_sheaves:
-        return WEBS
     return SUPERPOSED if parts.is_web or parts.is_supported else LINEAR
 
 
@@ -86,17 +84,16 @@ def _rubs(load: AnyLoad | None) -> bool:
 
 
 def _of_networks(parts: Parts) -> Engine:
-    """The engine that supports what is asked of lines, or more of it than the other one.
+    """The system for motions; at rest the engine that supports what is asked of lines, or more of it.
 
-    Motions go to the system if both do. At rest point loads are exact on the polygons of networks, and right to the
+    There point loads are exact on the polygons of networks, and right to the
     first order of the mesh on splines, where these bend sharply.
     """
-    moves = isinstance(parts.run, Dynamic)
+    if isinstance(parts.run, Dynamic):
+        return SYSTEM
     if parts.runs_over_sheaves:
-        return SYSTEM if moves else WEBS
-    refused = _refused(SYSTEM, parts)
-    better = (moves and not refused) or _is_linearised(parts) or bool(parts.nets) or _asks_for_a_method(parts)
-    return SYSTEM if better or refused < _refused(WEBS, parts) else WEBS
+        return WEBS
+    return SYSTEM if parts.nets or _refused(SYSTEM, parts) < _refused(WEBS, parts) else WEBS
 
 
 def _of_beams(parts: Parts) -> Engine:
@@ -144,33 +141,6 @@ def _of_rest(engine: Engine, scenario: Scenario, *, with_loads: bool) -> list[Fi
     return [one for one in found if one.path[0] == "lines" or (one.path[0] == "loads" and with_loads)]
 
 
-def engine_of_spectrum(scenario: Scenario, *, with_loads: bool) -> Engine:
-    """Choose the engine that finds the spectrum of a network at rest: that of its motion, but for damping by wind.
-
-    With loads, the one that is exact at rest.
-    """
-    if scenario.parts.runs_over_sheaves:
-        return WEBS
-    refused = _of_rest(SYSTEM, scenario, with_loads=with_loads) or list(_blown(scenario))
-    if not refused and not (with_loads and scenario.loads):
-        return SYSTEM
-    return SYSTEM if _of_rest(WEBS, scenario, with_loads=with_loads) else WEBS
-
-
-def engine_at(scenario: Scenario) -> Engine:
-    """Choose the engine that finds the spectrum of a network at an instant of its motion."""
-    only = scenario.parts.runs_over_sheaves
-    return WEBS if only or not _of_rest(WEBS, scenario, with_loads=True) else SYSTEM
-
-
-def _blown(scenario: Scenario) -> Iterator[Finding]:
-    wind = scenario.wind
-    if wind is not None and not wind.is_calm:
-        feature, remedy = "wind", "give wind a speed of 0, or lines no bending stiffness, foundation or such loads"
-        yield missing(("wind", "speed"), "spectra of lines with bending stiffness, foundations or springs", "wind that "
-                      "blows", remedy, feature=feature)  # fmt: skip
-
-
 def _moves_otherwise(scenario: Scenario) -> Iterator[Finding]:
     """What those who find a spectrum at an instant do not know of the motion up to there."""
     run, what = scenario.run, "the spectrum at an instant"
@@ -199,10 +169,7 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
     for found in () if at_rest else _moves_otherwise(scenario):
         raise refusal(found)
     if scenario.is_web:
-        engine = engine_of_spectrum(scenario, with_loads=with_loads) if at_rest else engine_at(scenario)
-        for found in _of_rest(engine, scenario, with_loads=with_loads) if at_rest or engine is WEBS else ():
-            raise refusal(found)
-        for found in _blown(scenario) if engine is SYSTEM else ():
+        for found in _of_rest(SYSTEM, scenario, with_loads=with_loads) if at_rest else ():
             raise refusal(found)
     elif scenario.parts.is_supported:
         for found in _of_rest(WIRES, scenario, with_loads=with_loads):

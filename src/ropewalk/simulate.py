@@ -15,9 +15,7 @@ from ropewalk.capabilities import (
     WEBS,
     WIRES,
     check_spectrum,
-    engine_at,
     engine_of,
-    engine_of_spectrum,
     is_system_linearised,
 )
 from ropewalk.checkpoint import Tree
@@ -137,10 +135,6 @@ def must_compile(scenario: Scenario) -> str:
         from ropewalk.system import motion as system
 
         return "about half a minute" if _sizes(system.advance) == [] else ""
-    if engine is WEBS:
-        from ropewalk.webs import motion
-
-        return "about a minute" if _sizes(motion.advance) == [] else ""
     if engine is WIRES:
         from ropewalk.wires import large, small
 
@@ -199,10 +193,6 @@ def _motion(scenario: Scenario, run: Dynamic, account: Account, times: Array, pa
         from ropewalk.system.moving import Motion  # lazy: most runs do not need their kernels
 
         return Motion(scenario, account, times, past=past is not None)
-    if engine is WEBS:
-        from ropewalk.webs.moving import Motion as Web  # lazy: as above
-
-        return Web(scenario, account, times, past=past is not None)
     if engine is WIRES:
         from ropewalk.wires.frames import Wires  # lazy: as above
         from ropewalk.wiring import task_of
@@ -307,18 +297,11 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     if at is not None:
         run = _check_instant(scenario, at)
     if scenario.is_web or scenario.parts.has_inextensible:
-        engine = engine_of_spectrum(scenario, with_loads=with_loads) if at is None else engine_at(scenario)
-        if engine is SYSTEM:
-            from ropewalk.system import spectrum as system  # lazy: a run does not need the eigenvalue solvers
-
-            if at is not None:
-                return system.spectrum_at(scenario, at, how_many)
-            return system.spectrum(scenario, how_many, with_loads=with_loads)
-        from ropewalk.webs import spectrum as webs  # lazy: as above
+        from ropewalk.system import spectrum as system  # lazy: a run does not need the eigenvalue solvers
 
         if at is not None:
-            return webs.spectrum_at(scenario, at, how_many)
-        return (webs.spectrum_with_loads if with_loads and scenario.loads else webs.spectrum)(scenario, how_many)
+            return system.spectrum_at(scenario, at, how_many)
+        return system.spectrum(scenario, how_many, with_loads=with_loads)
     if scenario.is_stiff:
         from ropewalk.wires import spectrum as wires  # lazy: as above
         from ropewalk.wiring import task_of

@@ -37,7 +37,8 @@ _PATTERNS = {
         "loads on networks, nets and in wind: forces, masses, footsteps": rf"loads\.[^.:]*\.kind: {_NOT} joined",
         "loads on stiff lines: no trolleys and walkers": rf"(loads\.[^.:]*\.kind|lines\.[^:]*): {_NOT} beams",
         "loads on stiff and overhead lines do not stay at an end": rf"\.travel\.at_end: {_NOT} beams",
-        "no linear theory of inextensible lines, nor over sheaves": rf"\.law\.kind: {_NOT} (?!beams)",
+        "no linear theory of inextensible lines, nor over sheaves": 
+            rf"\.law\.kind: {_NOT} (?!beams)|\.sheaves: {_NOT} kind: linear",
         "inextensible lines do not move linearised":
             rf"run\.(window|geometry): (linearised geometry )?{_NOT} inextensible",
         "no free travel": rf"\.travel\.kind: {_NOT}",
@@ -46,7 +47,6 @@ _PATTERNS = {
         "no air drag of loads there": rf"\.air_drag: {_NOT}",
         "nothing rubs on inextensible lines": rf"\.contact: {_NOT} inextensible",
         "only clamped contacts in networks": rf"\.contact: {_NOT} (joined|nets)",
-        "no damping by wind in spectra of the system": rf"wind {_NOT} spectra",
         "nothing goes to the side on nets": rf"\.(lateral|balance): {_NOT} nets",
         "stiff lines and networks do not whirl": rf"\.whirl: {_NOT}|a mode outside the x-z plane {_NOT}",
         "no implicit method over sheaves": rf"implicit with lines over sheaves {_NOT}",
@@ -55,7 +55,7 @@ _PATTERNS = {
         "inextensible lines begin near their rest": r"inextensible lines cannot begin so far",
         "no driver and no brake on inextensible lines": rf"\.travel\.(driver|brake): {_NOT} inextensible",
         "friction of prescribed travel on ropes alone": rf"\.friction(_model)?: {_NOT}",
-        "no linear theory of lines over sheaves and overhead lines": rf"run\.kind: {_NOT} (joined|overhead)",
+        "no linear theory of overhead lines": rf"run\.kind: {_NOT} overhead",
         "linear theory knows few loads with a mass": rf"(a mass|a load|\.kind:|lift).* {_NOT} kind: linear",
         "nets do not move linearised":
             rf"run\.geometry: (linearised geometry )?{_NOT}|nets\.[^:]*: {_NOT} small motion",

@@ -10,7 +10,7 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.theory import membrane as theory
 from ropewalk.webs.fabric import tensions_of
 from ropewalk.webs.rest import settle
-from ropewalk.webs.spectrum import frequencies
+from web_cases import frequencies
 
 SIDES, N = (4.0, 3.0), 500.0
 

@@ -16,10 +16,10 @@ from net_cases import load, membrane, moved, net, order, rested, scenario, small
 from ropewalk.results import recorder
 from ropewalk.results.frame import Account
 from ropewalk.simulate import simulate
+from ropewalk.system.moving import Motion
 from ropewalk.system.still import Still
 from ropewalk.theory import membrane as theory
-from ropewalk.webs.spectrum import frequencies
-from ropewalk.webs.stability import largest_step
+from web_cases import frequencies
 
 PERSON = {"force": {"force": [0.0, 0.0, -600.0]}, "mass": {"mass": 60.0}}
 
@@ -117,11 +117,17 @@ def test_a_scenario_turned_in_space_has_the_turned_answer(vector) -> None:
     assert two.energy.values == pytest.approx(one.energy.values, abs=1e-7)
 
 
+def longest_step(sheet) -> float:
+    """The step that a motion of a net takes, s."""
+    Motion(scenario(sheet), account := Account(), np.array([0.0, 1.0]))
+    return account.step
+
+
 @pytest.mark.parametrize("what", ["force", "mass", "footsteps"])
 @pytest.mark.parametrize("sheet", [net([8, 6]), membrane([8, 6])], ids=["net", "membrane"])
 def test_energy_balances_in_motion_the_better_the_shorter_the_step(sheet, what) -> None:
     someone = steps() if what == "footsteps" else crossing(what)
-    longest = largest_step(standing(sheet)[0].web)
+    longest = longest_step(sheet)
     errors = []
     for part in (1.0, 0.25):
         found = moved(sheet, {"p": someone}, 0.5, gravity=9.81, step=part * longest)
@@ -136,7 +142,7 @@ def test_energy_balances_in_motion_the_better_the_shorter_the_step(sheet, what) 
 def test_forces_at_the_edge_the_load_and_the_weight_change_the_momentum(kind) -> None:
     sheet = net([12, 9])
     laid, _ = standing(sheet)
-    weight, step = laid.sheets[0].weight, 0.5 * largest_step(laid.web)
+    weight, step = laid.sheets[0].weight, 0.5 * longest_step(sheet)
     found = moved(sheet, {"p": crossing(kind)}, 200 * step, gravity=9.81, step=step, every=step)
     momentum = (found.velocity.values * weight[:, None]).sum(axis=1)
     edge = found.reaction.values[:, 0]

@@ -20,7 +20,7 @@ from ropewalk.simulate import simulate
 from ropewalk.theory import selfsimilar, string
 from ropewalk.webs.lengths import laid_at_rest
 from ropewalk.webs.rest import leave, settle
-from ropewalk.webs.spectrum import frequencies
+from web_cases import frequencies
 
 STILL = Wind(direction=(0.0, 1.0), speed=0.0)
 CALM = {"direction": [0.0, 1.0], "speed": 0.0}

@@ -125,3 +125,12 @@ def test_a_block_in_a_loop_hangs_on_twice_the_tension() -> None:
     across = 1.0 / (4.5 * (1.0 + tension[0] / 1e5))
     assert 2.0 * tension[0] * np.sqrt(1.0 - across**2) == pytest.approx(98.1, rel=1e-6)
     assert result.reaction.values[0].sum(axis=0) == pytest.approx([0.0, 98.1], abs=1e-3)
+
+
+def test_slow_motion_ends_where_a_load_comes_to_a_sheave() -> None:
+    """On the link over a sheave a load stood for a link more, with 1097 N beside it instead of 480."""
+    load = {"kind": "force", "on": "rope", "force": [0, -500.0], "travel": {"speed": 1, "from": 4.5}}
+    rope = over(length=13.0, mass=1e-6, elements=20)
+    result = run_of({"rope": rope}, {"kind": "quasistatic", "positions": 30}, loads={"p": load}, gravity=0.0)
+    assert "sheave" in result.attrs["advice"]
+    assert 5.0 < float(result.contact_xi.values[-1, 0]) < 6.0

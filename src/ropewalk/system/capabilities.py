@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import OF_LINEAR_THEORY, missing, supported_by_tension
+from ropewalk.model.capabilities import OF_LINEAR_THEORY, Capabilities, missing, supported_by_tension
 from ropewalk.model.division import links_of_line
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import rows
@@ -24,7 +24,6 @@ from ropewalk.model.travel import FreeTravel
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 from ropewalk.system.methods import of_methods
-from ropewalk.webs import capabilities as webs
 
 _SYSTEM = "joined lines, nets, lines on inner supports, lines in wind and lines with bending stiffness"
 
@@ -195,37 +194,14 @@ def _on_nets(parts: Parts) -> Iterator[Finding]:
             yield missing(("loads", name, "contact"), "nets", load.contact, "write clamped")  # type: ignore[union-attr]
 
 
-# What the engine of networks supports of motions, but for what this one supports as well, or otherwise.
-_ALIKE = {
-    key: values
-    for key, values in webs.MOTION.only.items()
-    if key
-    not in (
-        "run.kind",
-        "run.method",
-        "run.accuracy",
-        "run.start.whirl",
-        "run.geometry",
-        "run.axial_inertia",
-        "lines.bending_stiffness",
-        "lines.foundation",
-        "loads.air_drag",
-        "loads.travel.kind",
-        "loads.travel.measured",
-        "loads.contact",
-        "loads.friction",
-        "loads.friction_model",
-        "loads.lift_off",
-    )
-}
-MOTION = replace(
-    webs.MOTION,
-    what=_SYSTEM,
+_LAWS = ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table")
+MOTION = Capabilities(
+    _SYSTEM,
     only={
         "run.kind": ("dynamic",),
         "run.method": ("auto", "explicit", "verlet", "rkn6", "implicit"),
-        **_ALIKE,
-        "lines.law.kind": (*webs.MOTION.only["lines.law.kind"], "inextensible"),
+        "run.sample": (None,),
+        "lines.law.kind": (*_LAWS, "inextensible"),
         "loads.kind": (
             "force",
             "mass",
@@ -239,6 +215,11 @@ MOTION = replace(
             "fmu",
         ),
         "loads.contact": ("clamped", "frictionless", "coulomb", "dragged"),
+    },
+    instead={
+        "run.sample": "write every, which is the interval of all output",
+        "lines.law.kind": "give an axial_stiffness with law hooke",
+        "loads.travel.kind": "give a speed",
     },
     more=(
         _accuracy,
@@ -263,6 +244,10 @@ AT_REST = replace(
         "loads.travel.kind": ("prescribed",),
         "loads.travel.measured": ("material",),
     },
+    instead={
+        **MOTION.instead,
+        "loads.kind": "ask for kind: dynamic, or write kind: force with its weight as force",
+    },
 )
 
 
@@ -277,6 +262,8 @@ def _moves_little(parts: Parts) -> Iterator[Finding]:
     for name, line in parts.lines.items():
         if line is None:
             continue
+        if line.sheaves:
+            yield missing(("lines", name, "sheaves"), _LINEAR, remedy=_DYNAMIC)
         inner = ((("supports", key), support) for key, support in line.supports.items())
         for key, support in (*(((key,), support) for key, support in line.ends()), *inner):
             moved = getattr(support, "displacement", (0.0, 0.0))
@@ -308,7 +295,7 @@ LINEAR = replace(
     what=_LINEAR,
     only={
         "run.kind": ("linear",),
-        "lines.law.kind": webs.MOTION.only["lines.law.kind"],
+        "lines.law.kind": _LAWS,
         **OF_LINEAR_THEORY,
         "loads.lift_off": (False,),
     },

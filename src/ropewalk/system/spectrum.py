@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sparse
 
+from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account, Layout
@@ -12,7 +13,7 @@ from ropewalk.results.running import TimeHistory
 from ropewalk.results.spectrum import Spectrum
 from ropewalk.solve.equations import Equations
 from ropewalk.solve.free_vibration import free_vibration
-from ropewalk.system.compliance import AT_REST
+from ropewalk.system.compliance import AT_REST, compliance
 from ropewalk.system.constrained import ways
 from ropewalk.system.moving import Motion
 from ropewalk.system.standing import Carried, Standing
@@ -71,6 +72,7 @@ def equations_of(still: Still) -> Equations:
 def _equations(potential: Potential, shape: Array, nodes: Integers, layout: Layout) -> Equations:
     """Equations of motion about a shape, as results show its nodes."""
     K, M, C = potential.stiffness(shape), potential.masses(), potential.damping(shape)
+    K = K + _locked(potential)
     n = potential.structure.nodes.mass.size
     moves = potential.free.tocsr()[(nodes[:, None] + n * np.arange(3)).ravel()]
     position = potential.put(shape)[0][:, nodes].T.copy()
@@ -79,3 +81,24 @@ def _equations(potential: Potential, shape: Array, nodes: Integers, layout: Layo
         K, M, C, moves = Z.T @ K @ Z, (Z.T @ M @ Z).tocsc(), (Z.T @ C @ Z).tocsc(), moves @ Z
     K = (0.5 * (K + K.T)).tocsc()
     return Equations("system", K, M, C, sparse.csr_matrix(moves), position, layout.node_line)
+
+
+def _locked(potential: Potential) -> sparse.csc_matrix:
+    """What keeps contacts on their particles beyond their kinks, (unknown, unknown) N/m.
+
+    A kink gives way along its line as across it. There it is held by links that are stretched on one side and shortened
+    on the other: h kappa / EA, with kappa as without bending.
+    """
+    standing, runs, out = potential.standing, potential.structure.runs, np.zeros(4)
+    contacts, more = standing.contacts[standing.on], np.zeros(standing.on.size)
+    for i, contact in enumerate(contacts):
+        s = int(contact["run"])
+        if runs.firm[s] > 0.0 or runs.law[s, 0] == law.RIGID:  # a net; links that keep their lengths
+            continue
+        compliance(float(contact["x"]), int(runs.links[s]), 0.0, potential.table, out)
+        strain = law.strain(runs.law[s], max(float(contact["tension"]), 0.0))
+        more[i] = max(law.tangent(runs.law[s], strain) / (runs.h[s] * out[0]) - contact["moving"], 0.0)
+    way = contacts["along"][:, : potential.axes]
+    way = way / np.maximum(np.linalg.norm(way, axis=1), 1e-300)[:, None]
+    along = sum(sparse.diags(way[:, a]) @ reach for a, reach in enumerate(potential.reach())) @ potential.free
+    return (along.T @ sparse.diags(more) @ along).tocsc()

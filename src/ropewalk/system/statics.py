@@ -19,6 +19,7 @@ from ropewalk.mechanics.compiled import lean, lean_inner, records
 from ropewalk.solve import minimum
 from ropewalk.solve.symmetric import Way
 from ropewalk.system import constrained
+from ropewalk.system.air import damping_by_wind
 from ropewalk.system.cables import energy_of, pull_all, stretch_all
 from ropewalk.system.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
 from ropewalk.system.contacts import ON, bend, press
@@ -114,7 +115,7 @@ class Potential:
     ) -> None:  # fmt: skip
         self.structure, self.standing, self.size, self.within, self.how = structure, standing, size, within, how
         self.axes, n = standing.rest.shape
-        self.room, self._table, self._out = Room.of(structure, self.axes), compliances(part=part), np.zeros(4)
+        self.room, self.table, self._out = Room.of(structure, self.axes), compliances(part=part), np.zeros(4)
         self.blown = np.zeros((self.axes, n))  # N, of the wind
         held = structure.holdings
         moves = np.ones(n, dtype=np.bool_)
@@ -208,7 +209,7 @@ class Potential:
 
     def _arguments(self) -> tuple[object, ...]:
         standing = self.standing
-        return self.structure, self.room, standing.contacts, standing.state, self._table, self._out, self.how
+        return self.structure, self.room, standing.contacts, standing.state, self.table, self._out, self.how
 
     def _look(self, shape: Array) -> tuple[Array, Array]:
         """Find all forces in a shape, see `put`."""
@@ -342,7 +343,7 @@ class Potential:
         return (self.free.T @ M @ self.free).tocsc()
 
     def damping(self, shape: Array) -> sparse.csc_matrix:
-        """Forces of axial dampers, drag, supports and bodies over velocities of the unknowns, N s/m."""
+        """Forces of axial dampers, drag, wind, supports and bodies over velocities of the unknowns, N s/m."""
         runs, nodes, held, n = self.structure.runs, self.structure.nodes, self.structure.holdings, self.axes
         r, u = self._look(shape)
         rows, felt, on = self.rows(r, u.size), np.zeros(nodes.mass.size), self.standing.on
@@ -354,14 +355,13 @@ class Potential:
             stretched = sum(sparse.diags(contacts["d"][:, a]) @ reach[a] for a in range(n))
             rows = rows + self.borne().T @ sparse.diags(contacts["by_tension"]) @ stretched
         C = rows.T @ sparse.diags(felt) @ rows
-        drag = sparse.diags(np.tile(nodes.mass * nodes.drag, n))
-        C = C + sparse.block_diag([drag, self.standing.damping(u)])
+        by_nodes = sparse.diags(np.tile(nodes.mass * nodes.drag, n))
+        by_nodes = by_nodes + damping_by_wind(self.structure, r, float(self.standing.state.t[0]))
         if self.structure.surfaces is not None:
-            C = C + sparse.block_diag([self.structure.surfaces.damping(r), sparse.csc_matrix((u.size, u.size))])
+            by_nodes = by_nodes + self.structure.surfaces.damping(r)
         if self.structure.sheaves is not None:
-            over = damping_of(self.structure.sheaves, runs, r)
-            C = C + sparse.block_diag([over, sparse.csc_matrix((u.size, u.size))])
-        C = C.tolil()
+            by_nodes = by_nodes + damping_of(self.structure.sheaves, runs, r)
+        C = (C + sparse.block_diag([by_nodes, self.standing.damping(u)])).tolil()
         for e in np.flatnonzero(held.damping.any(axis=(1, 2))):
             at = held.node[held.first[e]] + nodes.mass.size * np.arange(n)
             C[np.ix_(at, at)] += held.damping[e]

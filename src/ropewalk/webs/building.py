@@ -60,14 +60,14 @@ class Builder:
     def __init__(self, scenario: Scenario, place: Array, number: Integers, until: float) -> None:
         self.scenario, self.place, self.number, self.until = scenario, place, number, until
         n = place.shape[0]
-        self.mass, self.force, self.lag = np.zeros(n), np.zeros((n, 3)), np.zeros(n)
-        self.links: list[tuple[int, int, float, int, float, float]] = []
+        self.mass, self.force = np.zeros(n), np.zeros((n, 3))
+        self.links: list[tuple[int, int, float, int, float]] = []
         self.laws: list[Array] = []
         self.cells: list[Triangles] = []
         self.fabrics: list[Array] = []
         self.fixed: set[int] = set()
         self.rails: list[tuple[int, Array]] = []
-        self.springs: list[tuple[int, Array, Array, Array]] = []
+        self.springs: list[tuple[int, Array, Array]] = []
         self.sheaves: list[tuple[int, int, int, int, float, float]] = []
         self.ends: list[End] = []
         self.moves: list[tuple[int, int, Array, Array, Array]] = []
@@ -75,20 +75,19 @@ class Builder:
     def line(self, name: str, line: Line, mine: Integers, xi: Array) -> Strand:
         """Add the links and masses of a line."""
         node, first = self.number[mine], len(self.links)
-        self._chain(node, np.diff(xi), pack(line.law, line.axial_stiffness), line.axial_damping, line.wind_drag)
-        self._masses(node, np.diff(xi), line.mass, line.drag)
+        self._chain(node, np.diff(xi), pack(line.law, line.axial_stiffness), line.wind_drag)
+        self._masses(node, np.diff(xi), line.mass)
         return Strand(name, node, xi, first)
 
-    def _chain(self, node: Integers, rest: Array, law: Array, damping: float, width: float) -> None:
+    def _chain(self, node: Integers, rest: Array, law: Array, width: float) -> None:
         self.laws.append(law)
         for i, j, length in zip(node[:-1], node[1:], rest, strict=True):
-            self.links.append((int(i), int(j), float(length), len(self.laws) - 1, damping, width))
+            self.links.append((int(i), int(j), float(length), len(self.laws) - 1, width))
 
-    def _masses(self, node: Integers, rest: Array, density: float, drag: float) -> None:
+    def _masses(self, node: Integers, rest: Array, density: float) -> None:
         half = 0.5 * density * rest
         for at in (node[:-1], node[1:]):
             np.add.at(self.mass, at, half)
-            np.add.at(self.lag, at, drag * half)
 
     def supports(self, name: str, line: Line, node: Integers, xi: Array) -> None:
         """Add what holds a line, whose nodes are at xi along it, m."""
@@ -96,7 +95,7 @@ class Builder:
             if isinstance(support, Joined):
                 continue
             n, mass = int(node[np.abs(xi - station).argmin()]), getattr(support, "mass", 0.0)
-            free, stiffness, damping, force = held_by(support, _XYZ)
+            free, stiffness, _, force = held_by(support, _XYZ)
             self.ends.append(End(f"{name}.{side}", n, mass, force))
             self.mass[n] += mass
             self.force[n] += force
@@ -113,7 +112,7 @@ class Builder:
                 continue
             if rank == 1:
                 self.rails.append((n, np.linalg.eigh(free)[1][:, -1]))
-            self.springs.append((n, place, stiffness, damping))
+            self.springs.append((n, place, stiffness))
 
     def joint(self, name: str, n: int) -> None:
         """Add the mass of a joint, and the force on it."""
@@ -131,11 +130,10 @@ class Builder:
         self.cells.append(Triangles(node[sheet.surface.triangle], inverse, 0.5 * twice))
         self.fabrics.append(sheet.fabric)
         self.mass[node] += sheet.weight
-        self.lag[node] += sheet.net.drag * sheet.weight
-        fixed, soft, k, c = held_at_edge(sheet)
+        fixed, soft, k, _ = held_at_edge(sheet)
         self.fixed |= {int(i) for i in node[fixed]}
-        for i, stiff, viscous in zip(soft, k, c, strict=True):
-            self.springs.append((int(node[i]), sheet.place[i], stiff * np.eye(3), viscous * np.eye(3)))
+        for i, stiff in zip(soft, k, strict=True):
+            self.springs.append((int(node[i]), sheet.place[i], stiff * np.eye(3)))
         return first
 
     def edge(self, sheet: Sheet, node: Integers) -> Iterator[Strand]:
@@ -149,8 +147,8 @@ class Builder:
         laid = np.linalg.norm(np.diff(sheet.place[loop], axis=0), axis=1)
         rest = laid / (1.0 + (edge.tension or 0.0) / edge.axial_stiffness)
         first = len(self.links)
-        self._chain(node[loop], rest, pack(Hooke(), edge.axial_stiffness), 0.0, 0.0)
-        self._masses(node[loop], rest, edge.mass, sheet.net.drag)
+        self._chain(node[loop], rest, pack(Hooke(), edge.axial_stiffness), 0.0)
+        self._masses(node[loop], rest, edge.mass)
         yield Strand(f"{sheet.name}.edge", node[loop], np.concatenate(([0.0], np.cumsum(rest))), first)
 
     def sheave(self, name: str, sheave: str, n: int, strand: Strand, xi: float) -> None:
@@ -181,16 +179,13 @@ class Builder:
             np.array([along for _, along in self.rails]).reshape(-1, 3),
             np.array([i for i, *_ in self.springs], dtype=np.int64),
             np.array([place for _, place, *_ in self.springs]).reshape(-1, 3),
-            np.array([k for *_, k, _ in self.springs]).reshape(-1, 3, 3),
-            np.array([c for *_, c in self.springs]).reshape(-1, 3, 3), np.zeros((len(self.springs), 3)), self._moves(),
+            np.array([k for *_, k in self.springs]).reshape(-1, 3, 3), self._moves(),
         )  # fmt: skip
         gravity = np.array([0.0, 0.0, -self.scenario.gravity])
         mass = np.concatenate([self.mass, np.zeros(contacts)])
         force = np.concatenate([self.force, np.zeros((contacts, 3))]) + mass[:, None] * gravity
-        drag = np.divide(self.lag, self.mass, out=np.zeros(n), where=self.mass > 0.0)
-        body = Body(mass, force, np.concatenate([drag, np.zeros(contacts)]))
         return Web(
-            self._links(contacts), self._cells(), held, self._sheaves(), seats, course, self._wind(), body,
+            self._links(contacts), self._cells(), held, self._sheaves(), seats, course, self._wind(), Body(mass, force),
             gravity, len(self.links), n,
         )  # fmt: skip
 
@@ -205,14 +200,14 @@ class Builder:
 
     def _links(self, contacts: int) -> Links:
         slots = np.zeros(LINK_SLOTS * contacts)
-        table = np.array(self.links, dtype=float).reshape(-1, 6)
-        one, other, rest, law, damping, width = (np.concatenate([column, slots]) for column in table.T)
+        table = np.array(self.links, dtype=float).reshape(-1, 5)
+        one, other, rest, law, width = (np.concatenate([column, slots]) for column in table.T)
         on = np.concatenate([np.ones(len(self.links), dtype=np.int64), slots.astype(np.int64)])
         on[[link for _, link, *_ in self.sheaves]] = 0
         rest[len(self.links) :] = 1.0
         wide = max((p.size for p in self.laws), default=5)
         laws = np.array([np.pad(p, (0, wide - p.size)) for p in self.laws]).reshape(-1, wide)
-        return Links(whole(one), whole(other), rest, whole(law), damping, width, on, laws)
+        return Links(whole(one), whole(other), rest, whole(law), width, on, laws)
 
     def _cells(self) -> Cells:
         node, inverse, area, fabric = np.zeros((0, 3)), np.zeros((0, 4)), np.zeros(0), np.zeros(0)

@@ -232,7 +232,7 @@ def lay(scenario: Scenario, lengths: Mapping[str, float], until: float) -> Laid:
         build.sheave(name, sheave, int(number[at]), strand, float(corner) * lengths[name])
     travellers = travellers_of(scenario, until)
     vertices = tuple(number[v] for v in vertex)
-    seats = seats_of(scenario, travellers, strands)
+    seats = seats_of(travellers, strands)
     web = build.web(seats, course_of(travellers, lengths))
     return Laid(
         web, place, tuple(strands), sheets, vertices, tuple(cells), tuple(build.ends),

@@ -16,7 +16,7 @@ from ropewalk.webs.geometry import distance
 from ropewalk.webs.pull import link_stiffness, pull_links, pull_softly
 from ropewalk.webs.seats import energy_of_pieces
 from ropewalk.webs.sheaves import pull_sheaves, sheave_energy
-from ropewalk.webs.web import OFF, WORKS, Array, Web
+from ropewalk.webs.web import OFF, Array, Web
 
 # Step for the stiffness of sheaves by central differences, as a part of the link: 1e-5 leaves an error of 1e-10.
 _NUDGE = 1e-5
@@ -26,7 +26,7 @@ _NUDGE = 1e-5
 def _stored(web, r, F):
     """Energy stored in links, cells, springs and at sheaves, J."""
     links, held, sheaves = web.links, web.held, web.sheaves
-    total = energy_of_pieces(web, 0, r)
+    total = energy_of_pieces(web, r)
     for e in range(web.cells.area.size):
         total += stored_in_cell(web.cells, e, r, F)
     for k in range(held.spring.size):
@@ -42,9 +42,9 @@ def _stored(web, r, F):
 
 
 @lean
-def pull_all(web, r, f, work, F, P):
+def pull_all(web, r, f, F, P):
     """Conservative forces f (node, 3) of everything, slots included, N."""
-    pull_softly(web, r, f, work, F, P)
+    pull_softly(web, r, f, F, P)
     pull_links(web.links, web.own_links, web.links.on.size, r, f)
 
 
@@ -55,7 +55,7 @@ def _put(rows, columns, values, at, i, j, value):
 
 
 @lean
-def _assemble(web, r, ahead, work, rows, columns, values, f, K, F, D):
+def _assemble(web, r, ahead, rows, columns, values, f, K, F, D):
     """Entries of the stiffness; returns their number."""
     links, cells, held, sheaves = web.links, web.cells, web.held, web.sheaves
     at = 0
@@ -93,7 +93,7 @@ def _assemble(web, r, ahead, work, rows, columns, values, f, K, F, D):
                         f[_of_sheave(links, sheaves, k, n), b] = 0.0
                 r[i, m % 3] = start + (nudge if side == 0 else -nudge)
                 sheaves.ahead[k] = ahead[k]
-                pull_sheaves(links, sheaves, r, f, work)
+                pull_sheaves(links, sheaves, r, f)
                 for n in range(9):
                     change = f[_of_sheave(links, sheaves, k, n // 3), n % 3]
                     K[n, m] = change if side == 0 else (change - K[n, m]) / (2.0 * nudge)
@@ -127,7 +127,7 @@ class Potential:
         self._ahead, self._friction = web.sheaves.ahead.copy(), web.sheaves.friction.copy()
         self.rubs = rubs and bool(self._friction.any())
         n = web.body.mass.size
-        self._work, self._F, self._P = np.zeros(WORKS), np.zeros((3, 2)), np.zeros((3, 2))
+        self._F, self._P = np.zeros((3, 2)), np.zeros((3, 2))
         self._K, self._D, self._f = np.zeros((9, 9)), np.zeros((4, 4)), np.zeros((n, 3))
         self._count = 0
         self.given = web.body.force.copy()
@@ -187,7 +187,7 @@ class Potential:
         """Forces on all nodes (node, 3), N, without those of what holds them; lines slip at sheaves."""
         self._rub()
         out = np.zeros_like(r)
-        pull_all(self.web, r, out, self._work, self._F, self._P)
+        pull_all(self.web, r, out, self._F, self._P)
         self._done()
         return out - self.web.body.force + self.given
 
@@ -206,7 +206,7 @@ class Potential:
         ahead = self._ahead.copy()
         self._rub()
         self._count = _assemble(
-            self.web, r.copy(), ahead, self._work, *self._entries, self._f, self._K, self._F, self._D,
+            self.web, r.copy(), ahead, *self._entries, self._f, self._K, self._F, self._D,
         )  # fmt: skip
         self._done()
         self.pull(r)
@@ -217,12 +217,3 @@ class Potential:
         rows, columns, _ = self._entries
         entries = (values, (rows[: self._count], columns[: self._count]))
         return (free.T @ sparse.coo_matrix(entries, shape=(n, n)).tocsc() @ free).tocsc()
-
-    def unknowns(self) -> int:
-        """Number of unknowns."""
-        return int(self.free.shape[1])
-
-
-def components_of(potential: Potential, shapes: Array) -> Array:
-    """Shapes (unknown, shape) as motions of all nodes (shape, node, 3)."""
-    return np.asarray((potential.free @ shapes).T.reshape(shapes.shape[1], -1, 3))

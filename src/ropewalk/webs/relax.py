@@ -11,19 +11,19 @@ import numpy as np
 from ropewalk.mechanics.compiled import lean
 from ropewalk.webs.potential import Potential, pull_all
 from ropewalk.webs.sheaves import hop
-from ropewalk.webs.stability import sums
-from ropewalk.webs.web import WORKS, Array
+from ropewalk.webs.stability import stiffness_around
+from ropewalk.webs.web import Array
 
 MOST_STEPS = 200_000
 NEAR = 1e-4  # of the largest given force on a node and the mean tension: what is out of balance at the end
 
 
 @lean
-def _relax(web, r, v, mass, given, along, movable, steps, enough, f, F, P, work):
+def _relax(web, r, v, mass, given, along, movable, steps, enough, f, F, P):
     """Go on for at most `steps` steps; returns the largest force out of balance, negative: a line has run out."""
     before, largest = 0.0, np.inf
     for _ in range(steps):
-        pull_all(web, r, f, work, F, P)
+        pull_all(web, r, f, F, P)
         energy, largest = 0.0, 0.0
         for n in range(mass.size):
             if movable[n] == 0:
@@ -48,7 +48,7 @@ def _relax(web, r, v, mass, given, along, movable, steps, enough, f, F, P, work)
                 if slows:
                     v[n, a] = 0.0
                 r[n, a] += v[n, a]
-        if web.sheaves.node.size > 0 and not hop(web.links, web.sheaves, r, v, mass, work):
+        if web.sheaves.node.size > 0 and not hop(web.links, web.sheaves, r, v):
             return -1.0
     return largest
 
@@ -59,7 +59,7 @@ def relaxed(potential: Potential, start: Array) -> Array | None:
     Lines slip freely at sheaves.
     """
     web = potential.web
-    mass = np.maximum(sums(web)[0], 1e-12)
+    mass = np.maximum(stiffness_around(web), 1e-12)
     movable = np.ones(mass.size, dtype=np.int64)
     movable[web.held.fixed] = 0
     movable[web.held.rail] = 2 + np.arange(web.held.rail.size)
@@ -73,7 +73,6 @@ def relaxed(potential: Potential, start: Array) -> Array | None:
     try:
         left = _relax(
             web, r, v, mass, given, web.held.along, movable, MOST_STEPS, NEAR * scale, f, square, square.copy(),
-            np.zeros(WORKS),
         )  # fmt: skip
     finally:
         web.sheaves.friction[:] = friction

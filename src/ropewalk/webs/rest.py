@@ -17,7 +17,7 @@ from ropewalk.webs.potential import Potential
 from ropewalk.webs.relax import relaxed
 from ropewalk.webs.seats import divide, join, seat
 from ropewalk.webs.sheaves import hop
-from ropewalk.webs.web import OFF, WORKS, Array, Web
+from ropewalk.webs.web import OFF, Array, Web
 
 # A node is at a sheave if it is closer than this part of a link.
 _AT = 1e-4
@@ -42,14 +42,24 @@ def stand(web: Web, r: Array, t: float) -> None:
     hold_at(web, r, t)
     join(web)
     seat(web, t)
+    _refuse_at_sheaves(web)
     for k in range(seats.kind.size):
         if seats.kind[k] == OFF or seats.last[k] == seats.cell[k]:
             continue
         e = seats.cell[k]
         r[web.nodes + k] = seats.weight[k] @ r[[web.links.one[e], web.links.other[e]]]
         seats.last[k] = seats.cell[k]
-    seats.before[:] = seats.weight
     divide(web)
+
+
+def _refuse_at_sheaves(web: Web) -> None:
+    """Refuse contacts on links over which sheaves stand, which stand for these already.
+
+    Raises:
+        EquilibriumError: there is one.
+    """
+    if np.isin(web.seats.cell[web.seats.kind != OFF], web.sheaves.link).any():
+        raise EquilibriumError("a load has come to a sheave, which it cannot pass; let it stay beside it")
 
 
 def hold_at(web: Web, r: Array, t: float) -> None:
@@ -126,10 +136,11 @@ class _Shape:
         out = r.copy()
         _push_over(web, out)
         before = web.sheaves.link.copy()
-        if not hop(web.links, web.sheaves, out, np.zeros_like(out), web.body.mass, np.zeros(WORKS)):
+        if not hop(web.links, web.sheaves, out, np.zeros_like(out)):
             raise EquilibriumError("a line runs over a sheave up to its end, or to the next sheave; make it longer")
         passed = bool((before != web.sheaves.link).any())
         if passed:
+            _refuse_at_sheaves(web)
             self.potential.settle_slip()
         return out, passed
 

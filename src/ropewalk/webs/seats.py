@@ -6,10 +6,9 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.rider import look_up
 from ropewalk.webs.geometry import distance
-from ropewalk.webs.web import FORCE, GONE, LEAVES, LINK_SLOTS, MASS, OFF, REFUSED, STOPPED
+from ropewalk.webs.web import FORCE, GONE, LEAVES, LINK_SLOTS, OFF
 
 # A contact is taken to be no closer to a node than this part of its link: it hops over what is left.
-# Its mass does not, see `hold_on`.
 CLEAR = 1e-3
 # Two contacts are taken to be no closer than this part of a link.
 TOUCHING = 1e-6
@@ -42,16 +41,14 @@ def _on_link(web, k):
     seats.cell[k] = first + p
     length = seats.station[base + p + 1] - seats.station[base + p]
     part = (xi - seats.station[base + p]) / length
-    true, part = part, min(max(part, CLEAR), 1.0 - CLEAR)
+    part = min(max(part, CLEAR), 1.0 - CLEAR)
     seats.weight[k, 0], seats.weight[k, 1] = 1.0 - part, part
-    seats.beyond[k, 0], seats.beyond[k, 1] = part - true, true - part
 
 
 @lean
 def seat(web, t):
-    """Find where all contacts are at time t, and the forces on them; returns whether one has changed its seat."""
+    """Find where all contacts are at time t, and the forces on them."""
     seats, course = web.seats, web.course
-    changed = False
     for k in range(seats.kind.size):
         xi, speed = place_at(course, k, t)
         kind = seats.wanted[k]
@@ -60,8 +57,6 @@ def seat(web, t):
             speed = 0.0
             if course.at_end[k] == LEAVES:
                 course.at_end[k] = GONE
-            elif course.at_end[k] == REFUSED:
-                course.at_end[k] = STOPPED
         if course.at_end[k] == GONE:  # for good
             kind = OFF
         seats.xi[k], seats.speed[k] = min(max(xi, course.low[k]), course.high[k]), speed
@@ -72,12 +67,9 @@ def seat(web, t):
             size += abs(F)
         if kind == FORCE and size == 0.0:
             kind = OFF  # a foot in the air
-        was, before = seats.cell[k], seats.kind[k]
         seats.kind[k] = kind
         if kind != OFF:
             _on_link(web, k)
-        changed = changed or kind != before or seats.cell[k] != was
-    return changed
 
 
 @lean_inner
@@ -147,74 +139,30 @@ def divide(web):
         if seats.kind[k] == OFF:
             continue
         seats.divided[k] = seats.cell[k]
-        for c in range(2):
-            seats.before[k, c] = seats.weight[k, c]
         if _is_first(seats, k):
             _divide_link(web, k)
 
 
-@lean
-def hold_on(web, k):
-    """Note what the mass of contact k holds on to: where it should be on the pieces around it."""
-    seats = web.seats
-    own = 1.0
-    for c in range(2):
-        own = min(own, 1.0 + seats.beyond[k, c] / seats.weight[k, c])
-    seats.hold[k, 0] = own
-    for c in range(2):
-        seats.hold[k, 1 + c] = seats.weight[k, c] * (1.0 - own) + seats.beyond[k, c]
-
-
-@inlined
-def corner(web, e, c):
-    """Node c of the link e."""
-    return web.links.one[e] if c == 0 else web.links.other[e]
-
-
-@lean
-def held_place(web, r, k, a):
-    """Component a of the place that the mass of contact k holds on to, m."""
-    seats = web.seats
-    place = seats.hold[k, 0] * r[web.nodes + k, a]
-    for c in range(2):
-        place += seats.hold[k, 1 + c] * r[corner(web, seats.divided[k], c), a]
-    return place
-
-
 @lean_inner
-def energy_of_link(links, p, r):
-    """Energy stored in a link, J."""
-    strain = distance(r, links.one[p], links.other[p]) / links.rest[p] - 1.0
-    return links.rest[p] * law.stored(links.laws[links.law[p]], strain)
-
-
-@lean_inner
-def energy_of_pieces(web, first_link, r):
-    """Energy stored in the links that are on, from a first one, J."""
-    links = web.links
-    total = 0.0
-    for p in range(first_link, links.on.size):
+def energy_of_pieces(web, r):
+    """Energy stored in all links that are on, slots included, J."""
+    links, total = web.links, 0.0
+    for p in range(links.on.size):
         if links.on[p] == 1:
-            total += energy_of_link(links, p, r)
+            strain = distance(r, links.one[p], links.other[p]) / links.rest[p] - 1.0
+            total += links.rest[p] * law.stored(links.laws[links.law[p]], strain)
     return total
 
 
-@lean_inner
-def extra_energy(web, r, q):
-    """Energy of the slots beyond that of what they stand for, and of the springs to masses at q, J."""
-    links, seats = web.links, web.seats
-    total = energy_of_pieces(web, web.own_links, r)
-    for k in range(seats.kind.size):
-        e = seats.divided[k]
-        if e < 0:
-            continue
-        if seats.wanted[k] == MASS:  # it may be about to leave
-            for a in range(3):
-                gap = q[k, a] - held_place(web, r, k, a)
-                total += 0.5 * seats.grip[k] * gap * gap
-        known = False
-        for i in range(k):
-            known = known or seats.divided[i] == e
-        if not known:
-            total -= energy_of_link(links, e, r)
-    return total
+@lean
+def neighbours(web, k):
+    """Slots of links behind and ahead of contact k on a line."""
+    links, n = web.links, web.nodes + k
+    behind, ahead = -1, -1
+    for p in range(web.own_links, links.on.size):
+        if links.on[p] == 1:
+            if links.other[p] == n:
+                behind = p
+            if links.one[p] == n:
+                ahead = p
+    return behind, ahead

@@ -12,7 +12,6 @@ import numpy as np
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.webs.geometry import attract, distance
-from ropewalk.webs.web import RUBBED
 
 # A sheave is taken to be no closer to a node than this part of the link over which it stands.
 CLOSEST = 1e-9
@@ -65,24 +64,14 @@ def sheave_energy(p, l1, l2, whole, s):
 
 
 @lean_inner
-def drive(p, l1, l2, whole, s):
-    """What drives unstrained length from ahead of a sheave to behind it: minus the slope of the energy by s, N."""
-    e1, e2 = l1 / s - 1.0, l2 / (whole - s) - 1.0
-    behind = law.stored(p, e1) - law.tension(p, e1) * (1.0 + e1)
-    return law.stored(p, e2) - law.tension(p, e2) * (1.0 + e2) - behind
-
-
-@lean_inner
-def pull_sheaves(links, sheaves, r, f, work):
-    """Let lines slip over their sheaves, and add their forces; what friction takes goes to `work`."""
+def pull_sheaves(links, sheaves, r, f):
+    """Let lines slip over their sheaves, and add their forces."""
     for k in range(sheaves.node.size):
         e, b = sheaves.link[k], sheaves.node[k]
         a, c, whole, p = links.one[e], links.other[e], links.rest[e], links.laws[links.law[e]]
         l1, l2 = max(distance(r, a, b), CLOSEST * whole), max(distance(r, b, c), CLOSEST * whole)
         ratio = np.exp(sheaves.friction[k] * _turning_angle(r, a, b, c, l1, l2))
-        s = slip(p, l1, l2, whole, sheaves.ahead[k], ratio)
-        work[RUBBED] += drive(p, l1, l2, whole, s) * (s - sheaves.ahead[k])
-        sheaves.ahead[k] = s
+        sheaves.ahead[k] = s = slip(p, l1, l2, whole, sheaves.ahead[k], ratio)
         one, two = law.tension(p, l1 / s - 1.0), law.tension(p, l2 / (whole - s) - 1.0)
         sheaves.tension[k, 0], sheaves.tension[k, 1] = one, two
         attract(r, a, b, one / l1, f)
@@ -90,8 +79,8 @@ def pull_sheaves(links, sheaves, r, f, work):
 
 
 @lean
-def hop(links, sheaves, r, v, mass, work):
-    """Let nodes that have come to a sheave pass to its other side; what that takes goes to `work`.
+def hop(links, sheaves, r, v):
+    """Let nodes that have come to a sheave pass to its other side.
 
     A node keeps its speed along the line and takes the direction of the piece beyond.
 
@@ -114,16 +103,13 @@ def hop(links, sheaves, r, v, mass, work):
                 continue
             if links.on[onto] == 0 or onto == (sheaves.first[k] if side == 0 else sheaves.last[k]):
                 return False
-            along, square, turned = 0.0, 0.0, 0.0
+            along = 0.0
             for a in range(3):
                 along += (v[near, a] - v[b, a]) * (r[near, a] - r[far, a]) / length
             over = passed / length
             for a in range(3):
-                square += v[near, a] * v[near, a]
                 v[near, a] += along * ((r[beyond, a] - r[b, a]) / away - (r[near, a] - r[far, a]) / length)
-                turned += v[near, a] * v[near, a]
                 r[near, a] = r[b, a] + over * (r[beyond, a] - r[b, a]) / away
-            work[RUBBED] += 0.5 * mass[near] * (square - turned)
             links.on[e], links.on[onto] = 1, 0
             sheaves.link[k] = onto
             whole = links.rest[onto]

@@ -11,10 +11,9 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account, Frame, Layout
 from ropewalk.solve.following import schedule, slow_motion
 from ropewalk.webs.frames import FrameBuilder
-from ropewalk.webs.laying import Laid
-from ropewalk.webs.pull import resistance
+from ropewalk.webs.pull import blown
 from ropewalk.webs.rest import Slip, put_slip, settle, size_of, slip_of, stand
-from ropewalk.webs.web import OFF, WORKS, Array, State
+from ropewalk.webs.web import OFF, Array
 
 # Rounds in which a web finds its rest in the wind, and the move over its size that is none any more.
 _ROUNDS, _NEAR = 100, 1e-10
@@ -33,31 +32,22 @@ class Still:
     """
 
     def __init__(self, scenario: Scenario, account: Account, until: float) -> None:
-        self._builder = FrameBuilder(scenario, account, until, "load_path")
+        self._builder = FrameBuilder(scenario, account, until)
         self.web = self._builder.web
         account.method, account.reason = "rest", "least potential energy"
-
-    @property
-    def laid(self) -> Laid:
-        """The web."""
-        return self._builder.laid
 
     @property
     def layout(self) -> Layout:
         """Names and coordinates of the result."""
         return self._builder.layout
 
-    def at_rest_with_loads(self) -> Array:
-        """Places (node, 3) in m at rest with the loads at their start, which stand there from now on."""
-        r = self._builder.rest.copy()
-        stand(self.web, r, 0.0)
-        return self._settled(r, 0.0)
-
     def standing(self) -> Frame:
         """The only frame of an equilibrium: at rest with the loads at their start."""
-        r = self.at_rest_with_loads()
+        r = self._builder.rest.copy()
+        stand(self.web, r, 0.0)
+        r = self._settled(r, 0.0)
         self._builder.note_slack(r)
-        return self._frame(r, 0.0, 0.0)
+        return self._builder.build(r, 0.0, 0.0)
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
         """Frames at equal steps of the path of the first load, until it comes to the end of its way.
@@ -86,7 +76,7 @@ class Still:
             r, slip = at.shape
             put_slip(web, slip)
             stand(web, r, at.t)
-            yield self._frame(r, at.path, at.t)
+            yield self._builder.build(r, at.path, at.t)
 
     def _schedule(self) -> tuple[Array, Array]:
         """Times and paths of the first load."""
@@ -100,7 +90,7 @@ class Still:
             late = np.maximum(times - time[i], 0.0)
             return np.asarray(start[i] + late * (speed[i] + 0.5 * slope[i] * late))
 
-        return schedule(self.laid.travellers[0].name, place, end, low)
+        return schedule(self._builder.laid.travellers[0].name, place, end, low)
 
     def _settled(self, r: Array, t: float) -> Array:
         """Rest (node, 3) in the wind as it blows at time t in s, next to the shape r: what it pushes at depends on it.
@@ -111,21 +101,13 @@ class Still:
         web = self.web
         if not web.wind.direction.any():
             return settle(web, r, rubs=True)
-        own, still = web.body.force.copy(), np.zeros_like(r)
+        own = web.body.force.copy()
         try:
             for _ in range(_ROUNDS):
-                web.body.force[:] = own + resistance(web, t, r, still)
+                web.body.force[:] = own + blown(web, t, r)
                 last, r = r, settle(web, r, rubs=True)
                 if float(np.abs(r - last).max()) <= _NEAR * size_of(r):
                     return r
         finally:
             web.body.force[:] = own
         raise EquilibriumError("the web finds no rest in the wind: it flutters or lifts; give wind less speed")
-
-    def _frame(self, r: Array, path: float, t: float) -> Frame:
-        nothing = np.zeros((self.web.seats.kind.size, 3))
-        q = r[self.web.nodes :].copy()
-        state = State(
-            np.array([t]), r, np.zeros_like(r), q, nothing, np.zeros(WORKS), nothing.copy(), nothing[:, 0].copy()
-        )
-        return self._builder.build(state, still=path)

@@ -8,12 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from ropewalk.mechanics.assembly import pack, speed_table, vector_table
+from ropewalk.mechanics.assembly import speed_table, vector_table
 from ropewalk.mechanics.fleet import MARGIN
-from ropewalk.mechanics.law import tangent
 from ropewalk.mechanics.travelled import Travelled
 from ropewalk.mechanics.wheels import Wheel, wheels_of
-from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.line import Line
 from ropewalk.model.load import MovingForce
 from ropewalk.model.mass import MovingMass
@@ -23,9 +21,6 @@ from ropewalk.webs.web import FORCE, LEAVES, MASS, OFF, REFUSED, STAYS, Array, C
 
 _AXES = ("x", "y", "z")
 _AT_END = {"leave": LEAVES, "stay": STAYS, "refuse": REFUSED}
-# The spring between a mass and its contact, over the stiffness of a link or the fabric where it stands.
-STIFF = 10.0
-_TAUT = 1e-9  # strain
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +32,7 @@ class Traveller:
     mass: float  # kg
     knots: Array  # (4, knot): time in s, place in m, speed in m/s and slope of the speed in m/s^2 after it
     at_end: int  # LEAVES, STAYS or REFUSED
-    margin: float  # m, from the ends of its line, at which these end for it
-    share: float  # the same as a part of its line, to be added
+    share: float  # of its line, how far from the ends of that these are for it
     force_time: Array
     force: Array  # (3, entry) N
 
@@ -61,25 +55,17 @@ class Strand:
 def travellers_of(scenario: Scenario, until: float) -> list[Traveller]:
     """All contacts of all loads on lines."""
     return [
-        _traveller(wheel, scenario.loads[wheel.load], i, scenario.lines[wheel.on], until)
-        for name in scenario.loads
-        for i, wheel in enumerate(w for w in wheels_of(scenario) if w.load == name)
+        _traveller(wheel, scenario.loads[wheel.load], scenario.lines[wheel.on], until) for wheel in wheels_of(scenario)
     ]
 
 
-def _traveller(wheel: Wheel, load: Any, foot: int, line: Line, until: float) -> Traveller:
+def _traveller(wheel: Wheel, load: Any, line: Line, until: float) -> Traveller:
     times, force = vector_table(wheel.force, until, _AXES)
-    if isinstance(load, Footsteps):
-        knots, at_end = _steps(load, foot, until), load.at_end
-        mass, room, share = 0.0, 0.0, 0.0
-    else:
-        assert isinstance(load, MovingForce | MovingMass)
-        assert isinstance(load.travel, Travel)
-        knots, at_end = _course(wheel.start, wheel.speed, until), load.travel.at_end
-        mass, room, share = wheel.mass, load.travel.margin or 0.0, 0.0
-        if mass and load.travel.margin is None:
-            share = MARGIN / line.elements
-    return Traveller(wheel.name, wheel.on, mass, knots, _AT_END[at_end], room, share, times, force)
+    assert isinstance(load, MovingForce | MovingMass)
+    assert isinstance(load.travel, Travel)
+    share = MARGIN / line.elements if wheel.mass else 0.0
+    knots = _course(wheel.start, wheel.speed, until)
+    return Traveller(wheel.name, wheel.on, wheel.mass, knots, _AT_END[load.travel.at_end], share, times, force)
 
 
 def _course(start: float, speed: Any, until: float) -> Array:
@@ -96,17 +82,6 @@ def _course(start: float, speed: Any, until: float) -> Array:
     return np.concatenate([knots, last], axis=1)
 
 
-def _steps(load: Footsteps, foot: int, until: float) -> Array:
-    """Knots of a foot: it jumps to its next place where it lands."""
-    period, ahead = 1.0 / load.frequency, 1.0 if load.towards == "end" else -1.0
-    count = int(np.ceil(until / period)) + 2
-    numbers = np.arange(foot, count, 2)
-    times = numbers * period
-    places = load.start + ahead * load.step_length * numbers
-    times[0] = 0.0
-    return np.array([times, places, np.zeros_like(times), np.zeros_like(times)])
-
-
 def course_of(travellers: list[Traveller], lengths: Mapping[str, float]) -> Course:
     """All contacts as tables; `lengths` of lines in m."""
 
@@ -117,8 +92,8 @@ def course_of(travellers: list[Traveller], lengths: Mapping[str, float]) -> Cour
         [c.knots for c in travellers], [c.force for c in travellers]))  # fmt: skip
     time, place, speed, slope = np.concatenate([np.zeros((4, 0)), *(c.knots for c in travellers)], axis=1).copy()
     length = np.array([lengths[c.on] for c in travellers], dtype=float)
-    start, room, share = np.array([(c.knots[1, 0], c.margin, c.share) for c in travellers]).reshape(-1, 3).T
-    room = room + share * length
+    start, share = np.array([(c.knots[1, 0], c.share) for c in travellers]).reshape(-1, 2).T
+    room = share * length
     return Course(
         first(knots), np.array(knots, dtype=np.int64), time, place, speed, slope, length,
         np.minimum(room, np.maximum(start, 0.0)), np.maximum(length - room, np.minimum(start, length)),
@@ -129,7 +104,7 @@ def course_of(travellers: list[Traveller], lengths: Mapping[str, float]) -> Cour
     )  # fmt: skip
 
 
-def seats_of(scenario: Scenario, travellers: list[Traveller], strands: Sequence[Strand]) -> Seats:
+def seats_of(travellers: list[Traveller], strands: Sequence[Strand]) -> Seats:
     """All contacts, nowhere yet."""
     contacts = len(travellers)
     strand, begin = {}, 0
@@ -137,22 +112,15 @@ def seats_of(scenario: Scenario, travellers: list[Traveller], strands: Sequence[
         strand[one.name] = one, begin
         begin += one.station.size
     first, pieces, base, cell = np.zeros((4, contacts), dtype=np.int64)
-    density, grip = np.zeros((2, contacts))
     for k, t in enumerate(travellers):
         one, base[k] = strand[t.on]
-        line = scenario.lines[t.on]
         first[k], pieces[k], cell[k] = one.first, one.node.size - 1, one.first
-        density[k] = line.mass
-        # Just taut: a line that cannot be compressed has no stiffness at length.
-        stiffness = float(tangent(pack(line.law, line.axial_stiffness), _TAUT) * pieces[k] / one.station[-1])
-        grip[k] = STIFF * stiffness if t.mass else 0.0
     off, weight, load = np.full(contacts, -1, dtype=np.int64), np.zeros((contacts, 2)), np.zeros((contacts, 3))
     wanted = np.array([t.kind for t in travellers], dtype=np.int64)
     return Seats(
         kind=np.full(contacts, OFF, dtype=np.int64), wanted=wanted,
         first=first.copy(), pieces=pieces.copy(), xi=np.zeros(contacts), load=load, speed=np.zeros(contacts),
-        cell=cell.copy(), divided=off, last=off.copy(), before=weight.copy(), weight=weight,
-        beyond=weight.copy(), hold=np.zeros((contacts, 3)),
+        cell=cell.copy(), divided=off, last=off.copy(), weight=weight,
         station=np.concatenate([np.zeros(0), *(one.station for one in strands)]), first_station=base.copy(),
-        mass=np.array([t.mass for t in travellers], dtype=float), grip=grip.copy(), density=density.copy(),
+        mass=np.array([t.mass for t in travellers], dtype=float),
     )  # fmt: skip

@@ -16,7 +16,7 @@ Integers = NDArray[np.int64]
 
 THREADS, SHEET = 0, 1  # kinds of fabric
 OFF, FORCE, MASS = 0, 1, 2  # what a contact is at present
-LEAVES, STAYS, REFUSED, GONE, STOPPED = 0, 1, 2, 3, 4  # what happens at an end of the way; the last two: has happened
+LEAVES, STAYS, REFUSED, GONE = 0, 1, 2, 3  # what happens at an end of the way; the last one: has happened
 LINK_SLOTS = 2  # for each contact
 
 
@@ -27,7 +27,6 @@ class Links(NamedTuple):
     other: Integers
     rest: Array  # (link,) m, unstrained length
     law: Integers  # (link,) row of `laws`
-    damping: Array  # (link,) N s, Kelvin-Voigt
     width: Array  # (link,) m, drag coefficient times width
     on: Integers  # (link,) 1: it pulls; 0: slots or a sheave stand for it
     laws: Array  # (law, parameter), see mechanics/law.py
@@ -52,8 +51,6 @@ class Held(NamedTuple):
     spring: Integers  # nodes on springs and dampers
     place: Array  # (spring, 3) m, without force there
     stiffness: Array  # (spring, 3, 3) N/m
-    damping: Array  # (spring, 3, 3) N s/m
-    rate: Array  # (spring, 3) m/s, of its place
     moves: Moves
 
 
@@ -94,15 +91,10 @@ class Seats(NamedTuple):
     cell: Integers  # (contact,) link on which it stands
     divided: Integers  # (contact,) link that is switched off for it, -1: none
     last: Integers  # (contact,) link on which it stood when the slots were made, -1: none
-    before: Array  # (contact, 2) its shares of start and end then
     weight: Array  # (contact, 2) of the start and the end of its link
-    beyond: Array  # (contact, 2) what they leave out where it is close to a node, see seats.py
-    hold: Array  # (contact, 3) shares of contact and nodes in the place that a mass holds, as the slots are
     station: Array  # m along each line, of its nodes, one line after the other
     first_station: Integers  # (contact,) where those of its line begin
     mass: Array  # (contact,) kg
-    grip: Array  # (contact,) N/m, spring between a mass and its contact; 0: a force acts on the contact itself
-    density: Array  # (contact,) kg/m of its line
 
 
 class Course(NamedTuple):
@@ -138,7 +130,6 @@ class Body(NamedTuple):
 
     mass: Array  # (node,) kg, contacts at the end
     force: Array  # (node, 3) N, weight and constant forces
-    drag: Array  # (node,) 1/s, mass-proportional damping
 
 
 class Web(NamedTuple):
@@ -155,23 +146,6 @@ class Web(NamedTuple):
     gravity: Array  # (3,) m/s^2
     own_links: int  # without slots
     nodes: int  # without contacts
-
-
-class State(NamedTuple):
-    """What changes in time."""
-
-    t: Array  # (1,) s
-    r: Array  # (node, 3) m
-    v: Array  # (node, 3) m/s
-    q: Array  # (contact, 3) m, places of masses
-    u: Array  # (contact, 3) m/s
-    work: Array  # (WORKS,) J, done or lost since the start
-    pushed: Array  # (contact, 3) N s, impulse of the contact on its line since the last look
-    parting: Array  # (contact,) J, lost with the pieces beside a mass that has left its line
-
-
-DAMPED, LOADS, CONTACTS, RUBBED, BLOWN, SUPPORTS = 0, 1, 2, 3, 4, 5  # entries of `work`
-WORKS = 6
 
 
 def whole(values: Array) -> Integers:
