@@ -102,10 +102,15 @@ def _of_networks(parts: Parts) -> Engine:
 def _of_beams(parts: Parts) -> Engine:
     """The engine of the system for motions of lines that are slack or have inner supports, or if it supports more.
 
+    Overhead lines go to the system with what only that one supports of their motion with all geometry.
+
     Linearised motions of straight lines are vertical only with the other one, which is faster for it; with an axial
     inertia it takes longer steps on straight lines, with a window fewer nodes.
     """
-    if parts.overhead or (isinstance(parts.run, Dynamic) and parts.run.window is not None and not parts.is_supported):
+    if parts.overhead:
+        refused, moves = _refused(WIRES, parts), isinstance(parts.run, Dynamic) and not _is_linearised(parts)
+        return SYSTEM if refused and _refused(SYSTEM, parts) < refused + moves else WIRES
+    if isinstance(parts.run, Dynamic) and parts.run.window is not None and not parts.is_supported:
         return WIRES
     if _asks_for_a_method(parts):
         return SYSTEM
@@ -147,8 +152,10 @@ def _of_rest(engine: Engine, scenario: Scenario, *, with_loads: bool) -> list[Fi
 def engine_of_spectrum(scenario: Scenario, *, with_loads: bool) -> Engine:
     """Choose the engine that finds the spectrum of a network at rest: that of its motion, but for damping by wind.
 
-    With loads, the one that is exact at rest.
+    With loads, the one that is exact at rest. Overhead lines whose motion is the system's are so, too.
     """
+    if scenario.overhead_lines:
+        return SYSTEM
     if scenario.parts.runs_over_sheaves:
         return WEBS
     refused = _of_rest(SYSTEM, scenario, with_loads=with_loads) or list(_blown(scenario))
@@ -159,6 +166,8 @@ def engine_of_spectrum(scenario: Scenario, *, with_loads: bool) -> Engine:
 
 def engine_at(scenario: Scenario) -> Engine:
     """Choose the engine that finds the spectrum of a network at an instant of its motion."""
+    if scenario.overhead_lines:
+        return SYSTEM
     only = scenario.parts.runs_over_sheaves
     return WEBS if only or not _of_rest(WEBS, scenario, with_loads=True) else SYSTEM
 
@@ -203,6 +212,9 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
         for found in _of_rest(engine, scenario, with_loads=with_loads) if at_rest or engine is WEBS else ():
             raise refusal(found)
         for found in _blown(scenario) if engine is SYSTEM else ():
+            raise refusal(found)
+    elif scenario.overhead_lines and engine_of(scenario) is SYSTEM:
+        for found in _of_rest(SYSTEM, scenario, with_loads=with_loads):
             raise refusal(found)
     elif scenario.parts.is_supported:
         for found in _of_rest(WIRES, scenario, with_loads=with_loads):
