@@ -99,10 +99,15 @@ def _of_networks(parts: Parts) -> Engine:
 def _of_beams(parts: Parts) -> Engine:
     """The engine of the system for motions of lines that are slack or have inner supports, or if it supports more.
 
+    Overhead lines go to the system with what only that one supports of their motion with all geometry.
+
     Linearised motions of straight lines are vertical only with the other one, which is faster for it; with an axial
     inertia it takes longer steps on straight lines, with a window fewer nodes.
     """
-    if parts.overhead or (isinstance(parts.run, Dynamic) and parts.run.window is not None and not parts.is_supported):
+    if parts.overhead:
+        refused, moves = _refused(WIRES, parts), isinstance(parts.run, Dynamic) and not _is_linearised(parts)
+        return SYSTEM if refused and _refused(SYSTEM, parts) < refused + moves else WIRES
+    if isinstance(parts.run, Dynamic) and parts.run.window is not None and not parts.is_supported:
         return WIRES
     if _asks_for_a_method(parts):
         return SYSTEM
@@ -170,6 +175,9 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
         raise refusal(found)
     if scenario.is_web:
         for found in _of_rest(SYSTEM, scenario, with_loads=with_loads) if at_rest else ():
+            raise refusal(found)
+    elif scenario.overhead_lines and engine_of(scenario) is SYSTEM:
+        for found in _of_rest(SYSTEM, scenario, with_loads=with_loads):
             raise refusal(found)
     elif scenario.parts.is_supported:
         for found in _of_rest(WIRES, scenario, with_loads=with_loads):

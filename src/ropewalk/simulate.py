@@ -296,7 +296,8 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
         scenario = scenario.model_copy(update={"run": run.model_copy(update={"geometry": "nonlinear"})})
     if at is not None:
         run = _check_instant(scenario, at)
-    if scenario.is_web or scenario.parts.has_inextensible:
+    on_system = bool(scenario.overhead_lines) and engine_of(scenario) is SYSTEM
+    if on_system or scenario.is_web or scenario.parts.has_inextensible:
         from ropewalk.system import spectrum as system  # lazy: a run does not need the eigenvalue solvers
 
         if at is not None:

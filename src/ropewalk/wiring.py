@@ -56,7 +56,7 @@ def task_of(scenario: Scenario) -> Task:
     slow = not isinstance(run, Dynamic)
     nonlinear = isinstance(run, Dynamic) and run.geometry == "nonlinear"
     space = nonlinear and not scenario.lines and any(section.stagger.any() for section in sections.values())
-    near = tuple(_near(section) for section in sections.values()) if space else ()
+    near = tuple(section.near for section in sections.values()) if space else ()
     laid = [in_space(s, scenario.overhead_lines[name]) if space else s for name, s in sections.items()]
     plan, offsets = joined(laid) if sections else (Plan((), gravity=scenario.gravity), [])
     elements = [links_of(wire, section.element) for section in sections.values() for wire in section.plan.wires]
@@ -150,15 +150,6 @@ def _as_stored(start: Beginning, groups: Mapping[str, range], space: bool, rest:
             f"{start.file}: an end stands {away:.3g} m elsewhere in the stored result; use the same lines"
         )
     return position, velocity
-
-
-def _near(section: Section) -> Array:
-    """Where the wires of a staggered section rest but for little: its rest without going aside, put aside."""
-    mesh, position = section.mesh(), section.rest.position.copy()
-    for i in range(len(section.plan.wires)):
-        part = mesh.of(i)
-        position[1, part] = section.aside(position[0, part] - position[0, part][0], i)
-    return position
 
 
 def _remarks(section: Section) -> Iterator[str]:

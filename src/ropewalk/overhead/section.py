@@ -73,6 +73,15 @@ class Section:
         """Its rest on that mesh."""
         return rest_of(self.mesh())
 
+    @property
+    def near(self) -> Array:
+        """About where its wires rest in space, (3, node) m: its rest without going aside, put aside."""
+        mesh, position = self.mesh(), self.rest.position.copy()
+        for i in range(len(self.plan.wires)):
+            part = mesh.of(i)
+            position[1, part] = self.aside(position[0, part] - position[0, part][0], i)
+        return position
+
     def aside(self, station: Array, wire: int = CONTACT) -> Array:
         """Where a wire runs in plan view, y in m at stations in m."""
         if wire != CONTACT and self.straight_messenger:

@@ -22,6 +22,9 @@ _LONGEST = 0.1
 _CLOSE, _ALMOST = 1e-11, 1e-8
 # Of the largest stiffness: what rounding may take from the smallest one, which a structure free to slide has none of.
 _NEUTRAL = 1e-12
+# Of the largest stiffness times the size: forces that rounding makes; and how many shapes in a row with no others tell
+# that nothing but that is left.
+_ROUNDING, _STALLED = 4.0 * np.finfo(np.float64).eps, 5
 _STIFFEST = 1e6  # shift, of the largest stiffness, with which a search downhill gives up
 _LEAPS = 0.1, 1e-2, 1e-3, 1e-4  # of the size, off a saddle
 
@@ -113,10 +116,15 @@ def newton(potential: Potential, start: Array, way: Way = "auto") -> tuple[Array
     """
     r, size, before = start.copy(), potential.size, np.inf
     solver: Solver | None = None
+    stalled = list[Array]()  # shapes out of balance by no more than rounding
     for _ in range(_FULL_STEPS):
         K, out = potential.stiffness(r), potential.out_of_balance(r)
         if potential.is_symmetric and solver is None:
             solver = Solver(_with_diagonal(potential.pattern(r)), way)
+        if np.abs(out).max() <= _ROUNDING * size * float(np.abs(K.diagonal()).max()):
+            stalled.append(r)
+        if len(stalled) == _STALLED:  # what is free to slide is moved by rounding for ever
+            return stalled[0], False
         step, definite = _step(solver, K, out)
         largest = float(np.abs(step).max(initial=0.0))
         if not np.isfinite(largest):

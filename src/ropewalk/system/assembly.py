@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,12 +29,14 @@ from ropewalk.model.support import Fixed
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
 from ropewalk.system import friction
+from ropewalk.system.assembled import Assembled
 from ropewalk.system.bodies import BLOWN, Bodies
 from ropewalk.system.constrained import lent, nearly
 from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
 from ropewalk.system.friction import NOT, STANDS
 from ropewalk.system.inertia import Inertia
 from ropewalk.system.laying import Nets
+from ropewalk.system.overhead_lines import overhead_lines_of
 from ropewalk.system.sections import sections_of, sheaves_of
 from ropewalk.system.structure import About, Holdings, Lines, Nodes, Runs, Structure, Wind
 from ropewalk.system.tethers import TETHER
@@ -45,20 +46,6 @@ from ropewalk.webs.lengths import laid_at_rest
 
 # Part of the compliance of its springs by which a contact without mass gives way at a support.
 FIRM = 1e-12
-
-
-@dataclass(frozen=True, eq=False)
-class Assembled:
-    """A structure, and what results name of it."""
-
-    structure: Structure
-    axes: tuple[str, ...]
-    near: Array  # (axis, node) m, about where its nodes rest
-    station: Array  # (node,) m along the line of each
-    line: tuple[str, ...]  # (run,) but for those of ways on nets, which come last
-    on: dict[str, int]  # line on which each load travels
-    supports: tuple[tuple[str, int], ...]  # names of supports, and which holdings they are
-    nets: Nets | None
 
 
 class _Cable(NamedTuple):
@@ -107,6 +94,8 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     Raises:
         EquilibriumError: its lines have no rest.
     """
+    if scenario.overhead_lines:
+        return overhead_lines_of(scenario, axes)
     laid, rest = laid_at_rest(nearly(scenario), until)
     axes = axes or axes_of(scenario)
     shown, dim = [0, 2] if len(axes) == 2 else [0, 1, 2], len(axes)

@@ -29,14 +29,42 @@ _SYSTEM = "joined lines, nets, lines on inner supports, lines in wind and lines 
 
 
 def _only_lines(parts: Parts) -> Iterator[Finding]:
-    if parts.overhead:
-        yield missing(("overhead_lines",), _SYSTEM, remedy="compute them in a scenario of their own")
     run = parts.run
     for name in parts.nets if isinstance(run, Dynamic) and run.geometry == "linearised" else ():
         yield missing(("nets", name), "small motion", remedy="write geometry: nonlinear")
     for name, line in parts.lines.items():
         if line is not None and line.sheaves:
             yield from _over_sheaves(name, line, parts)
+
+
+def _overhead(parts: Parts) -> Iterator[Finding]:
+    """Overhead lines move with all geometry, by themselves; other ways of theirs are known to another engine."""
+    run, what = parts.run, "overhead lines together with such loads, travel or methods"
+    if not parts.overhead:
+        return
+    if parts.lines or parts.nets:
+        yield missing(("overhead_lines",), _SYSTEM, remedy="compute them in a scenario of their own")
+    if not isinstance(run, Dynamic):
+        yield missing(("overhead_lines",), _SYSTEM, remedy="ask for kind: dynamic", feature="rest")
+        return
+    if run.geometry == "linearised":
+        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
+    if run.start.kind != "rest":
+        yield missing(("run", "start", "kind"), what, run.start.kind, "start at rest")
+    for name, line in parts.overhead.items():
+        if line is None:
+            continue
+        if line.stitch_wire is not None:
+            yield missing(("overhead_lines", name, "stitch_wire"), what, remedy="leave stitch_wire out")
+        for key in ("contact_wire", "messenger_wire"):
+            if late := getattr(line, key).retardation:
+                remedy = "leave retardation out, or use drag"
+                yield missing(("overhead_lines", name, key, "retardation"), what, f"{late:g} s", remedy)
+    for name, load in parts.loads.items():
+        if isinstance(load, Footsteps) and load.on in parts.overhead and load.lateral:
+            yield missing(("loads", name, "lateral"), what, str(load.lateral), "leave lateral out")
+        if isinstance(load, Walker) and load.on in parts.overhead and load.balance is not None:
+            yield missing(("loads", name, "balance"), what, "a block", "leave balance out")
 
 
 def _over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
@@ -224,6 +252,7 @@ MOTION = Capabilities(
     more=(
         _accuracy,
         _only_lines,
+        _overhead,
         _inextensible,
         _in_a_window,
         _joined_between_nodes,
@@ -305,6 +334,14 @@ LINEAR = replace(
         "loads.lift_off": f"leave it out to be warned where contact would be lost, or {_DYNAMIC}",
         "loads.air_drag": f"leave it out, or {_DYNAMIC}",
     },
-    more=(_only_lines, _joined_between_nodes, _on_nets, supported_by_tension, _moves_little, _stays_in_contact),
+    more=(
+        _only_lines,
+        _overhead,
+        _joined_between_nodes,
+        _on_nets,
+        supported_by_tension,
+        _moves_little,
+        _stays_in_contact,
+    ),
 )
 """Small motion about rest, by modes."""

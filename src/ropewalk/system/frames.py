@@ -12,7 +12,7 @@ from ropewalk.mechanics.fleet import FIRM
 from ropewalk.mechanics.loading import Loading
 from ropewalk.results.audit import Audit, energies
 from ropewalk.results.frame import IN_AIR, MOVES, STICKS, Contacts, Frame, Layout
-from ropewalk.system.assembly import Assembled
+from ropewalk.system.assembled import Assembled
 from ropewalk.system.bodies import Bodies
 from ropewalk.system.contacts import FORCE, ON, PRESCRIBED
 from ropewalk.system.holding import Grip, beside
@@ -67,6 +67,11 @@ class FrameBuilder:
         joints = np.setdiff1d(np.arange(held.mass.size), supports)
         weight = -float(assembled.structure.nodes.force[-1].sum() + held.force[joints, -1].sum())
         shown = () if loading.fleet is None else loading.fleet.shown
+        attached = assembled.attached
+        more: dict[str, Any] = {}
+        if attached is not None:
+            more = {"tie": attached.tie, "tie_station": attached.station, "watched": attached.watched}
+            more |= {"watched_station": attached.watched_station, "sample": (0.0,) if path == "time" else ()}
         self.layout = Layout(
             axes=assembled.axes,
             node_line=(
@@ -77,7 +82,10 @@ class FrameBuilder:
             link_line=tuple(name for name, own in zip(line, links, strict=True) for _ in own),
             link_xi=0.5 * (assembled.station[self.link] + assembled.station[self.link + 1]),
             contact_load=tuple(wheel.name for wheel in loading.wheels),
-            support=(*(name for name, _ in assembled.supports), *(f"{sheet.name}.edge" for sheet in sheets)),
+            support=(
+                *(name for name, _ in assembled.supports), *(() if attached is None else attached.support),
+                *(f"{sheet.name}.edge" for sheet in sheets),
+            ),
             cell=tuple(
                 (int(i), int(j), int(k))
                 for sheet, at in zip(sheets, begin, strict=False)
@@ -87,7 +95,8 @@ class FrameBuilder:
             body=tuple(body.name for body in shown),
             path=path,
             weight=float("nan") if windy or runs.bed.any() else weight,
-        )
+            **more,
+        )  # fmt: skip
         self._audit = Audit()
 
     def get_state(self) -> Tree:
@@ -113,9 +122,9 @@ class FrameBuilder:
         return Frame(
             path=float(state.t[0]) if still is None else still,
             position=state.r[:, self.node].T.copy(), velocity=state.v[:, self.node].T.copy(),
-            tension=tension[self.link], strain=room.strain[self.link], **seen.told(),
+            tension=tension[self.link], strain=self._strains(room), **seen.told(),
             body_position=places, body_velocity=velocities,
-            reaction=self._reactions(room),
+            reaction=self._reactions(room, state), **self._of_ties(state, seen, still=still is not None),
             cell_tension=self._cell_tensions(state),
             energy=self._energy(state, contacts, elastic, still=still is not None),
         )  # fmt: skip
@@ -126,11 +135,40 @@ class FrameBuilder:
         at = np.flatnonzero(held.node == node)
         return int(np.searchsorted(held.first, at[0], side="right")) - 1 if at.size else -1
 
-    def _reactions(self, room: Room) -> Array:
+    def _strains(self, room: Room) -> Array:
+        """Strains of links from where they are without force."""
+        runs, strain = self.assembled.structure.runs, room.strain.copy()
+        if self.assembled.stretch is not None:
+            for first, n, e0 in zip(runs.first, runs.links, self.assembled.stretch, strict=True):
+                strain[first : first + n] = e0 + (1.0 + e0) * strain[first : first + n]
+        return np.asarray(strain[self.link])
+
+    def _reactions(self, room: Room, state: State) -> Array:
         """Forces of supports on lines, and of edges on nets, (support, axis) N."""
         edges = [room.reaction[own[own >= 0]].sum(axis=0) for own in self._edges]
         ends = [room.reaction[e] for _, e in self.assembled.supports]
-        return np.array([*ends, *edges]).reshape(-1, room.reaction.shape[1])
+        on_way = list[Array]()
+        if (attached := self.assembled.attached) is not None:
+            ties = self.assembled.structure.ties
+            assert ties is not None
+            pull = ties.forces(state.r, state.v)[:, None] * ties.look(state.r)[0]
+            on_way = [pull[attached.holds == e].sum(axis=0) for e in range(len(attached.support))]
+        return np.array([*ends, *on_way, *edges]).reshape(-1, room.reaction.shape[1])
+
+    def _of_ties(self, state: State, seen: Contacts, *, still: bool) -> dict[str, Array]:
+        """Tensions of ties; samples of a motion are those of its frames."""
+        attached, ties = self.assembled.attached, self.assembled.structure.ties
+        if attached is None or ties is None:
+            return {}
+        force = ties.forces(state.r, state.v)[: len(attached.tie)]
+        if still:
+            return {"tie_force": force}
+        rise = attached.watch @ (state.r[-1] - self.assembled.near[-1])
+        return {
+            "tie_force": force, "sampled_station": seen.xi[None], "sampled_force": seen.force[None, :, -1],
+            "sampled_height": seen.position[None, :, -1], "sampled_tie_force": force[None],
+            "sampled_uplift": np.asarray(rise)[None],
+        }  # fmt: skip
 
     def _cell_tensions(self, state: State) -> Array | None:
         surfaces = self.assembled.structure.surfaces

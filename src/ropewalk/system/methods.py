@@ -52,6 +52,10 @@ def _not_of_sixth_order(parts: Parts) -> Iterator[tuple[str, str]]:
             yield "Kelvin-Voigt damping", "leave axial_damping or damping out"
         if _is_damped(held):
             yield "dampers at supports", "leave their damping out"
+    for line in parts.overhead.values():
+        tree = {} if line is None else line.model_dump()
+        if _has(tree, ("drag", "damping")):
+            yield "dampers or the drag of overhead lines", "leave drag and damping out"
     for load in parts.loads.values():
         if load is None:
             continue

@@ -20,6 +20,7 @@ from ropewalk.system.sheaves import RUBS, exist, is_at_sheave, pass_nodes, pull_
 from ropewalk.system.structure import CARRIED, DAMPED, DRIVEN, HELD, LOADED, MOVED, RUBBED, STRUCK
 from ropewalk.system.surfaces import damp_surfaces, follow, hand_over, is_damped, pull_surfaces, stored_in
 from ropewalk.system.tethers import gap, grow
+from ropewalk.system.ties import are_damped, damp_ties, pull_ties, stored_in_ties, tie_up
 from ropewalk.system.travel import fade, locate
 
 RUNNING, NOT_FINITE, AT_END, ASKED, AT_SHEAVE, LINE_OUT, TOO_LONG = 0, 1, 2, 3, 4, 5, 6
@@ -75,7 +76,7 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
         state.work[RUBBED] += slip(structure.sheaves, structure.runs, state.r, RUBS)
     if steps <= LOOK:
         stored = energy_of(structure, room, state.r) + stored_in(structure.surfaces, state.r)
-        stored += stored_at(structure.sheaves, structure.runs, state.r)
+        stored += stored_at(structure.sheaves, structure.runs, state.r) + stored_in_ties(structure.ties, state.r)
         for k in range(contacts.size):
             if contacts[k].state == ON:
                 for a in range(state.r.shape[0]):
@@ -84,11 +85,14 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
     press(structure, room, contacts, state, table, out)
     hand_over(structure.surfaces, room.force)
     pull_surfaces(structure.surfaces, state.r, room.force)
+    if tie_up(structure.ties):
+        pull_ties(structure.ties, state.r, room.force)
     if exist(structure.sheaves):
         lost += pull_sheaves(structure.sheaves, structure.runs, room, state.r, since)
-    if since > 0.0 and is_damped(structure.surfaces):
+    if since > 0.0 and (is_damped(structure.surfaces) or are_damped(structure.ties)):
         guess(structure, room, state.v, dt)
         lost += damp_surfaces(structure.surfaces, state.r, room.guess, room.force)
+        lost += damp_ties(structure.ties, room.guess, room.force)
     if windy:
         blown = blow(structure, room, state.r, state.v, state.t[0], dt)
     return lost, blown, stored

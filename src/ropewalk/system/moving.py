@@ -102,8 +102,8 @@ class Motion:
         if asked.axial_inertia != 1.0:
             self.structure = with_inertia(self.structure, self.rest, asked.axial_inertia)
             remark_inertia(account, asked.axial_inertia, self.structure, self.rest, self.assembled.line)
-        self.assembled = replace(self.assembled, structure=self.structure)
-        loading = loading_of(scenario, asked.until, axes=axes)
+        self.assembled = replace(self.assembled, structure=self.structure, near=self.rest)
+        loading = loading_of(scenario, asked.until, axes=self.assembled.axes)
         self.loading = loading
         self.contacts, self.tables, self.bodies = contacts_of(scenario, loading, self.structure, self.assembled.on)
         self._scenario = scenario

@@ -47,8 +47,8 @@ class Forces:
             *(getattr(structure.runs, k) for k in ("first", "links", "h", "damping")), strict=True
         ):
             self._damped_links[first : first + n], self._h[first : first + n] = c, h
-        surfaces = structure.surfaces
-        self._surfaces = surfaces if surfaces is not None and surfaces.damped else None
+        groups = (structure.surfaces, structure.ties)
+        self._damped = [group for group in groups if group is not None and group.damped]
         self._little, self._span = 0.0, (0.0, 0.0)
 
     def begin(self, dt: float, until: float) -> None:
@@ -115,8 +115,8 @@ class Forces:
             room.rate[:] = total / (2.0 * self._little)
         self._look(t, shape, rates)
         force = room.force - structure.nodes.mass * structure.nodes.drag * state.v
-        if self._surfaces is not None:
-            force -= (self._surfaces.damping(state.r) @ state.v.ravel()).reshape(force.shape)
+        for group in self._damped:
+            force -= (group.damping(state.r) @ state.v.ravel()).reshape(force.shape)
         held = structure.holdings
         first = held.node[held.first]
         for e, n in enumerate(first):
@@ -177,9 +177,9 @@ class Forces:
         nodes, held, power = structure.nodes, structure.holdings, np.zeros(WORKS)
         power[DAMPED] = float((self._damped_links * self._h * room.rate**2).sum())
         power[DAMPED] += float((nodes.mass * nodes.drag * state.v**2).sum())
-        if self._surfaces is not None:
+        for group in self._damped:
             v = state.v.ravel()
-            power[DAMPED] += float(v @ (self._surfaces.damping(state.r) @ v))
+            power[DAMPED] += float(v @ (group.damping(state.r) @ v))
         if structure.wind.direction.any():
             power[LOADED] = float((room.air * state.v).sum())
         for e in np.union1d(self._sprung, self._driven):

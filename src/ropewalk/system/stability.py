@@ -94,6 +94,9 @@ def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list
     runs, found = structure.runs, []
     around, viscous = of_cells(structure)
     eased = stiffer(structure, r, r if rest is None else rest) if structure.inertia.along.size else None
+    tied, taken = np.zeros((2, structure.nodes.mass.size))
+    if structure.ties is not None:
+        tied, taken = structure.ties.bounds(structure.nodes.mass)
     for s in np.flatnonzero(runs.firm == 0.0).tolist():
         part = slice(runs.first[s], runs.first[s] + runs.links[s] + 1)
         if runs.law[s, 0] == law.RIGID:  # see `_of_rigid`
@@ -105,8 +108,8 @@ def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list
             own = np.minimum(eased[part][:-1] + (_TURNED if rest is None else 0.0), 1.0)
             stiffest, viscosity = taut + float((own * stretched[:-1]).max()), viscosity * float(own.max())
         square = 4.0 * max(stiffest, taut) / (rho * h * h) + _BENDING * runs.bending[s] / (rho * h**4)
-        square += runs.bed[s] / rho
-        rate = 4.0 * viscosity / (rho * h * h)
+        square += runs.bed[s] / rho + float(tied[part].max())
+        rate = 4.0 * viscosity / (rho * h * h) + float(taken[part].max())
         if around.size:  # edge cables bear cells, too
             square, rate = square + float(around[part].max()), rate + float(viscous[part].max())
             around[part] = 0.0

@@ -36,6 +36,7 @@ from ropewalk.system.spline import WIDTH
 from ropewalk.system.standing import Standing
 from ropewalk.system.structure import REST, WORKS, About, Room, Structure
 from ropewalk.system.surfaces import hand_over, pull_surfaces, stored_in
+from ropewalk.system.ties import pull_ties, stored_in_ties
 
 
 @lean_inner
@@ -63,7 +64,7 @@ def _stored(structure, room, contacts, state, table, out, how):
     """Energy stored in all runs with their kinks, J."""
     _stretch(structure, room, contacts, state, table, out, how)
     total = energy_of(structure, room, state.r) + stored_in(structure.surfaces, state.r)
-    total += stored_at(structure.sheaves, structure.runs, state.r)
+    total += stored_at(structure.sheaves, structure.runs, state.r) + stored_in_ties(structure.ties, state.r)
     for k in range(contacts.size):
         if contacts[k].state == ON:
             for a in range(state.r.shape[0]):
@@ -85,6 +86,7 @@ def _forces(structure, room, contacts, state, table, out, how, given, firm):
     pull_all(structure, room, state.r, 0.0)
     press(structure, room, contacts, state, table, out)
     pull_surfaces(structure.surfaces, state.r, room.force)
+    pull_ties(structure.ties, state.r, room.force)
     pull_sheaves(structure.sheaves, structure.runs, room, state.r, 0.0)
     for k in range(contacts.size):
         if contacts[k].state == ON and contacts[k].first >= given:
@@ -239,10 +241,10 @@ class Potential:
         tension, strain, length = self.room.tension.copy(), self.room.strain.copy(), self.room.length.copy()
         if self.structure.is_linearised:
             tension[:], strain[:] = self.structure.about.links["tension"], self.structure.about.links["strain"]
-        h, slope, EI, bed = np.ones(n), np.zeros(n), np.zeros(n), np.zeros(n)
+        h, slope, EI, bed, is_link = np.ones(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.bool_)
         for s, (first, links) in enumerate(zip(runs.first, runs.links, strict=True)):
             part = slice(first, first + links)
-            h[part] = runs.h[s]
+            h[part], is_link[part] = runs.h[s], True
             if runs.law[s, 0] == law.RIGID:  # what its tension changes by is an unknown of its own
                 slope[part] = runs.h[s] * tension[part] / length[part]
             else:
@@ -252,9 +254,6 @@ class Potential:
             bed[[first, first + links]] *= 0.5
             tension[first + links] = 0.0
             h[first + links] = runs.h[s]
-        is_link = np.zeros(n, dtype=np.bool_)
-        for first, links in zip(runs.first, runs.links, strict=True):
-            is_link[first : first + links] = True
         length[~is_link] = 1.0
         q = tension / length
         rise = (slope / h - q) / length**2  # change of T/l with l^2/2
@@ -266,18 +265,22 @@ class Potential:
         blocks = [across + bent] * (axes - 1) + [across + bent + sparse.diags(bed)]
         rows = self.rows(r, u.size)
         K = sparse.block_diag([*blocks, self.standing.stiffness(u)]) + rows.T @ sparse.diags(rise) @ rows
-        K = K + self._kinks(rows, rise)
-        if self.structure.surfaces is not None:
-            K = K + sparse.block_diag([self.structure.surfaces.stiffness(r), sparse.csc_matrix((u.size, u.size))])
-        if self.structure.sheaves is not None:
-            over = stiffness_of(self.structure.sheaves, runs, r, self.how)
-            K = K + sparse.block_diag([over, sparse.csc_matrix((u.size, u.size))])
-        K = K.tolil()
+        K = (K + self._kinks(rows, rise) + self._of_groups("stiffness", r, u.size)).tolil()
         held = self.structure.holdings
         for e in np.flatnonzero(held.stiffness.any(axis=(1, 2))):
             at = held.node[held.first[e]] + n * np.arange(axes)
             K[np.ix_(at, at)] += held.stiffness[e]
         return (self.free.T @ K.tocsc() @ self.free).tocsc()
+
+    def _of_groups(self, what: str, r: Array, more: int) -> sparse.csc_matrix:
+        """Second derivatives of cells, ties and pieces at sheaves, or their dampers; see `rows`."""
+        structure, runs = self.structure, self.structure.runs
+        found = [getattr(g, what)(r) for g in (structure.surfaces, structure.ties) if g is not None]
+        if (over := structure.sheaves) is not None:
+            is_stiffness = what == "stiffness"
+            found.append(stiffness_of(over, runs, r, self.how) if is_stiffness else damping_of(over, runs, r))
+        total = sum(found, start=sparse.csc_matrix((r.size, r.size)))
+        return sparse.block_diag([total, sparse.csc_matrix((more, more))], format="csc")
 
     def rows(self, r: Array, more: int) -> sparse.csr_matrix:
         """Change of l^2/2 of all links, without kinks, with a shape of `more` coordinates of loads, (node, place) m.
@@ -355,13 +358,10 @@ class Potential:
             stretched = sum(sparse.diags(contacts["d"][:, a]) @ reach[a] for a in range(n))
             rows = rows + self.borne().T @ sparse.diags(contacts["by_tension"]) @ stretched
         C = rows.T @ sparse.diags(felt) @ rows
-        by_nodes = sparse.diags(np.tile(nodes.mass * nodes.drag, n))
-        by_nodes = by_nodes + damping_by_wind(self.structure, r, float(self.standing.state.t[0]))
-        if self.structure.surfaces is not None:
-            by_nodes = by_nodes + self.structure.surfaces.damping(r)
-        if self.structure.sheaves is not None:
-            by_nodes = by_nodes + damping_of(self.structure.sheaves, runs, r)
-        C = (C + sparse.block_diag([by_nodes, self.standing.damping(u)])).tolil()
+        by_wind = damping_by_wind(self.structure, r, float(self.standing.state.t[0]))
+        by_nodes = sparse.diags(np.tile(nodes.mass * nodes.drag, n)) + by_wind
+        by_nodes = sparse.block_diag([by_nodes, self.standing.damping(u)])
+        C = (C + by_nodes + self._of_groups("damping", r, u.size)).tolil()
         for e in np.flatnonzero(held.damping.any(axis=(1, 2))):
             at = held.node[held.first[e]] + nodes.mass.size * np.arange(n)
             C[np.ix_(at, at)] += held.damping[e]
@@ -372,13 +372,12 @@ class Potential:
     def pattern(self, shape: Array) -> sparse.csc_matrix:
         K, structure = abs(self.stiffness(shape)), self.structure
         n, count = structure.nodes.mass.size, self.standing.weight.size
-        if structure.surfaces is not None:  # cells that are slack have none now
-            near = sparse.block_diag([structure.surfaces.neighbours(n), sparse.csc_matrix((count, count))])
-            K = K + K.T + abs(self.free).T @ near @ abs(self.free)
-        if structure.sheaves is not None:  # lines that are drawn straight up have zeros there now
-            over = neighbours_of(structure.sheaves, structure.runs, n, self.axes)
-            near = sparse.block_diag([over, sparse.csc_matrix((count, count))])
-            K = K + K.T + abs(self.free).T @ near @ abs(self.free)
+        # Cells and ties that are slack, and lines that are drawn straight up over sheaves, have zeros there now.
+        near = [group.neighbours(n) for group in (structure.surfaces, structure.ties) if group is not None]
+        if structure.sheaves is not None:
+            near.append(neighbours_of(structure.sheaves, structure.runs, n, self.axes))
+        for part in near:
+            K = K + K.T + abs(self.free).T @ sparse.block_diag([part, np.zeros((count, count))]) @ abs(self.free)
         return K.tocsc()
 
     def stability(self, shape: Array) -> tuple[sparse.csc_matrix, Integers]:
@@ -483,9 +482,9 @@ def at_rest(structure: Structure, gravity: Array, start: Array, *, within: bool 
 
 def about_rest(structure: Structure, rest: Array) -> Structure:
     """The same structure, linearised about places of its nodes at rest (axis, node) in m."""
-    potential, runs = Potential(structure, Standing(structure, rest), 1.0), structure.runs
+    potential, found = Potential(structure, Standing(structure, rest), 1.0), records(rest.shape[1], REST)
     potential.forces(rest.ravel())
-    room, found = potential.room, records(rest.shape[1], REST)
+    room, runs = potential.room, structure.runs
     for key in ("strain", "tension", "length", "pull"):
         found[key] = getattr(room, key)
     for s, (first, links) in enumerate(zip(runs.first, runs.links, strict=True)):

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.mechanics.assembly import axes_of
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean
 from ropewalk.mechanics.loading import loading_of
@@ -59,11 +58,11 @@ class Still:
     """
 
     def __init__(self, scenario: Scenario, account: Account, until: float, *, space: bool = False) -> None:
-        axes = ("x", "y", "z") if space else axes_of(scenario)
-        assembled, loading = structure_of(scenario, until, axes), loading_of(scenario, until, axes=axes)
+        assembled = structure_of(scenario, until, ("x", "y", "z") if space else None)
+        loading = loading_of(scenario, until, axes=assembled.axes)
         within = scenario.is_plane
         structure, rest = at_rest(assembled.structure, loading.gravity, assembled.near, within=within)
-        assembled = replace(assembled, structure=structure)
+        assembled = replace(assembled, structure=structure, near=rest)
         self._carried = Carried(*contacts_of(scenario, loading, structure, assembled.on))
         refuse_beyond(scenario, loading, self._carried.contacts, structure)
         self._carried.contacts["margin"] = 0.0

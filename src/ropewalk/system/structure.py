@@ -16,6 +16,7 @@ from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import records
 from ropewalk.system.inertia import Inertia
 from ropewalk.system.surfaces import Surfaces
+from ropewalk.system.ties import Ties
 
 
 class Runs(NamedTuple):
@@ -130,6 +131,7 @@ class Structure(NamedTuple):
     surfaces: Surfaces | None
     sheaves: Sheaves | None
     taut: Array | None = None  # (node,) N, tension at rest of inextensible links; None: there are none
+    ties: Ties | None = None
 
     @property
     def is_linearised(self) -> bool:

@@ -31,7 +31,8 @@ from ropewalk.solve.superposition import (
     held_by_pulling,
     passed_an_end,
 )
-from ropewalk.system.assembly import Assembled, contacts_of, refuse_beyond, structure_of
+from ropewalk.system.assembled import Assembled
+from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
 from ropewalk.system.frames import FrameBuilder
 from ropewalk.system.passing import Passing
 from ropewalk.system.standing import Carried, Standing, load_springs, measure_from_ends
