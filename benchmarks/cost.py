@@ -1,4 +1,4 @@
-"""Cost per node and step from 50 to 100 000 links, import time, and the time of the first calls."""
+"""Cost per node and step from 50 to 100 000 links, of two joined ropes beside one, import time, and first calls."""
 
 from __future__ import annotations
 
@@ -7,14 +7,21 @@ import subprocess
 import sys
 import tempfile
 import time as clock
+from copy import deepcopy
 from statistics import median
 
+import numpy as np
+
 from ropewalk.mechanics.chain import Buffers
+from ropewalk.mechanics.compiled import entry_of
 from ropewalk.model import Dynamic, Line, MovingForce, Scenario, Travel
+from ropewalk.results.frame import Account
 from ropewalk.solve.choice import RKN6_LIMIT, bounds, verlet_step
 from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.solve.splitting import advance
 from ropewalk.solve.start import setting_of, start_state
+from ropewalk.system import motion
+from ropewalk.system.moving import Motion
 
 LINKS = (50, 200, 800, 3200, 12_800, 100_000)
 WORK = 4e6  # node steps per measurement
@@ -68,6 +75,48 @@ def scaling() -> None:
         print(f"{elements:8}" + "".join(f"{value:10.2f}" for value in row), flush=True)
 
 
+def joined_ropes(load: dict[str, object], elements: int) -> Scenario:
+    """The same rope in two halves, joined in its middle."""
+    half = {"length": 10.0, "mass": 1.0, "axial_stiffness": 1e5, "elements": elements // 2}
+    joint = {"kind": "joined", "to": "knot"}
+    return Scenario.model_validate({
+        "lines": {
+            "one": {**half, "start": (0, 0), "end": (10.1, 0), "end_support": joint},
+            "two": {**half, "start": (10.1, 0), "end": (20.2, 0), "start_support": joint},
+        },
+        "joints": {"knot": {}},
+        "loads": {"load": {**load, "on": "one", "travel": {"speed": 10.0, "from": 3.0}}},
+        "run": {"kind": "dynamic", "until": 0.5},
+    })  # fmt: skip
+
+
+def microseconds(load: dict[str, object], elements: int) -> float:
+    """Median CPU time of a step of two joined ropes in us."""
+    moving = Motion(joined_ropes(load, elements), Account(), np.linspace(0.0, 0.5, 3))
+    system, count = moving._system(), 1000
+    begin, arguments = deepcopy(system.changing()), (*system, moving.account.step, count)
+    go, times = entry_of(motion.advance, arguments), []
+    for _ in range(20):
+        system.put(begin)
+        start = clock.process_time()
+        go(*arguments)
+        times.append((clock.process_time() - start) / count)
+    return 1e6 * median(times[1:])
+
+
+def joined() -> None:
+    """Print what a step of two joined ropes costs beside one of a single rope."""
+    print("\nA step of 400 links, us")
+    print(f"  one rope under a force {0.4 * nanoseconds(400, 'verlet', 0.0):6.2f}")
+    loads: dict[str, dict[str, object]] = {
+        "force": {"kind": "force", "force": (0.0, -300.0)},
+        "mass": {"kind": "mass", "mass": 30.0},
+        "oscillator": {"kind": "oscillator", "mass": 30.0, "stiffness": 2e4, "damping": 100.0},
+    }
+    for name, load in loads.items():
+        print(f"  two joined ropes, {name:10} {microseconds(load, 400):6.2f}", flush=True)
+
+
 FIRST_RUN = """
 import time
 begin = time.perf_counter()
@@ -99,6 +148,7 @@ def start_up() -> None:
 
 
 def main() -> None:
-    """Print scaling and start-up."""
+    """Print scaling, joined ropes and start-up."""
     scaling()
+    joined()
     start_up()

@@ -37,7 +37,7 @@ _PATTERNS = {
         "loads on networks, nets and in wind: forces, masses, footsteps": rf"loads\.[^.:]*\.kind: {_NOT} joined",
         "loads on stiff lines: no trolleys and walkers": rf"(loads\.[^.:]*\.kind|lines\.[^:]*): {_NOT} beams",
         "loads on stiff and overhead lines do not stay at an end": rf"\.travel\.at_end: {_NOT} beams",
-        "no linear theory of inextensible lines, nor over sheaves": 
+        "no linear theory of inextensible lines, nor over sheaves":
             rf"\.law\.kind: {_NOT} (?!beams)|\.sheaves: {_NOT} kind: linear",
         "inextensible lines do not move linearised":
             rf"run\.(window|geometry): (linearised geometry )?{_NOT} inextensible",

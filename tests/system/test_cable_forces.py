@@ -23,13 +23,22 @@ def beam(elements: int, support: dict[str, object] | None = None, **keys: object
     return Scenario.model_validate({"lines": {"beam": line | ends | keys}})
 
 
+def joined_beams(bending_stiffness: float) -> Scenario:
+    """Two beams that are alike but for their bending stiffness; if they are so in this as well, they share loops."""
+    line, joined = {"mass": 2.0, "axial_stiffness": 1e4, "elements": 4}, {"kind": "joined", "to": "knot"}
+    one = line | {"start": [0, 0], "end": [2, 1], "length": 2.2, "bending_stiffness": 30.0, "start_support": CLAMPED}
+    two = line | {"start": [2, 1], "end": [4, 0], "length": 2.2, "bending_stiffness": bending_stiffness}
+    lines = {"one": one | {"end_support": joined}, "two": two | {"start_support": joined, "end_support": CLAMPED}}
+    return Scenario.model_validate({"lines": lines, "joints": {"knot": {}}})
+
+
 @pytest.mark.parametrize(
     "scenario",
     [
         beam(6), beam(6, bending_stiffness=30.0), beam(7, CLAMPED, bending_stiffness=30.0),
-        beam(6, {"kind": "elastic", "stiffness": 2e3}, foundation=70.0),
+        beam(6, {"kind": "elastic", "stiffness": 2e3}, foundation=70.0), joined_beams(30.0), joined_beams(20.0),
     ],
-    ids=["rope", "hinged beam", "clamped beam", "on springs"],
+    ids=["rope", "hinged beam", "clamped beam", "on springs", "alike beams", "unlike beams"],
 )  # fmt: skip
 def test_forces_and_stiffness_are_derivatives_of_the_energy(scenario: Scenario) -> None:
     found = structure_of(scenario, 0.0)

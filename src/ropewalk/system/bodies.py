@@ -13,7 +13,7 @@ import numpy as np
 
 from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array, Integers
-from ropewalk.mechanics.compiled import lean_inner
+from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.fleet import FIRM
 from ropewalk.system.contacts import AWAY, FORCE, FREE, GONE, ON, stiffen
 from ropewalk.system.spline import WIDTH
@@ -153,7 +153,7 @@ def balance(structure, room, contacts, bodies, state, table, out, since):
                 state.w[c] = (state.u[c] - bodies.old[c]) * rate
 
 
-@lean_inner
+@inlined
 def kick(contacts, bodies, state, h, half):
     """Kick all bodies for the time h; those of a load that has just left its line, up to now.
 
@@ -309,7 +309,7 @@ def energy_of_bodies(bodies, state):
     return total
 
 
-@lean_inner
+@inlined
 def drift(bodies, state, h):
     """Move all bodies for the time h, but those of loads that are gone."""
     for c in range(state.u.size):

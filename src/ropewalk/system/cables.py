@@ -24,41 +24,54 @@ from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.rider import look_up
 from ropewalk.system.compliance import ARC, SHORT_ARC, SMOOTH
 from ropewalk.system.inertia import hold_back
-from ropewalk.system.sheaves import blow_over
+from ropewalk.system.sheaves import blow_over, exist
 
 
 @lean_inner
-def _bend(x, out, square, begin, n, axis, clamped, turned, arcs):
-    """Second differences of one component, and what they add to the arcs of links."""
-    a, d, q = x[begin : begin + n + 1], out[begin : begin + n + 1], square[begin : begin + n]
-    d[0] = 2.0 * (a[1] - a[0] - turned[0, axis]) if clamped[0] == 1 else 0.0
-    d[n] = 2.0 * (a[n - 1] - a[n] - turned[1, axis]) if clamped[1] == 1 else 0.0
+def _alike(structure, s):
+    """Last of the runs from s on whose nodes follow each other and whose links are alike: one loop goes through all.
+
+    A loop for each costs as much as tens of nodes before its vectors begin and after they end; runs may have few.
+    """
+    runs = structure.runs
+    while s + 1 < runs.first.size and not exist(structure.sheaves):  # these divide the links between runs
+        alike = runs.first[s + 1] == runs.first[s] + runs.links[s] + 1 and runs.h[s + 1] == runs.h[s]
+        alike = alike and runs.arcs[s + 1] == runs.arcs[s] and runs.bending[s + 1] == runs.bending[s]
+        for i in range(runs.law.shape[1]):
+            alike = alike and runs.law[s + 1, i] == runs.law[s, i]
+        if not alike:
+            break
+        s += 1
+    return s
+
+
+@lean_inner
+def _bend(x, bent, begin, n):
+    """Second differences of one component between the first and the last node."""
+    a, d = x[begin : begin + n + 1], bent[begin : begin + n + 1]
     for i in range(1, n):
         d[i] = (a[i + 1] - a[i]) - (a[i] - a[i - 1])
-    if axis == 0:
-        for i in range(n):
-            q[i] = 0.0
-    arc, short = arcs * ARC, arcs * SHORT_ARC
-    for i in range(n):
-        change = d[i + 1] - d[i]
-        q[i] += arc * (d[i] * d[i] + d[i + 1] * d[i + 1]) + short * change * change
 
 
 @lean_inner
-def _stretch(x, y, z, strain, square, length, begin, n, h):
-    """Lengths and strains of all links of a run, arcs included."""
+def _stretch(x, y, z, bx, by, bz, strain, length, begin, n, h, arcs):
+    """Lengths and strains of all links, arcs included, by places of nodes and their second differences."""
     a, c = x[begin : begin + n + 1], z[begin : begin + n + 1]
-    e, q, c0 = strain[begin : begin + n], square[begin : begin + n], length[begin : begin + n]
+    p, q = bx[begin : begin + n + 1], bz[begin : begin + n + 1]
+    e, c0 = strain[begin : begin + n], length[begin : begin + n]
     if y is not None:
-        b = y[begin : begin + n + 1]
-    inverse = 1.0 / h
+        b, o = y[begin : begin + n + 1], by[begin : begin + n + 1]
+    inverse, arc, short = 1.0 / h, 2.0 * arcs * ARC, 2.0 * arcs * SHORT_ARC
     for i in range(n):
-        dx, dz = a[i + 1] - a[i], c[i + 1] - c[i]
-        s = dx * dx + dz * dz
+        dx, dz, turn_x, turn_z = a[i + 1] - a[i], c[i + 1] - c[i], p[i + 1] - p[i], q[i + 1] - q[i]
+        chord, bent = dx * dx + dz * dz, p[i] * p[i] + p[i + 1] * p[i + 1] + q[i] * q[i] + q[i + 1] * q[i + 1]
+        change = turn_x * turn_x + turn_z * turn_z
         if y is not None:
-            dy = b[i + 1] - b[i]
-            s += dy * dy
-        c0[i] = np.sqrt(s + 2.0 * q[i])
+            dy, turn_y = b[i + 1] - b[i], o[i + 1] - o[i]
+            chord += dy * dy
+            bent += o[i] * o[i] + o[i + 1] * o[i + 1]
+            change += turn_y * turn_y
+        c0[i] = np.sqrt(chord + arc * bent + short * change)
         e[i] = c0[i] * inverse - 1.0
 
 
@@ -82,15 +95,26 @@ def _stretch_little(structure, room, r):
 @inlined
 def stretch_all(structure, room, r):
     """Strain of all links without kinks; second differences of the nodes."""
-    runs, last = structure.runs, r.shape[0] - 1
-    for s in range(runs.first.size):
-        begin, n, h = runs.first[s], runs.links[s], runs.h[s]
+    runs, last, bent, s = structure.runs, r.shape[0] - 1, room.bent, 0
+    while s < runs.first.size:
+        end = _alike(structure, s)
+        begin, h = runs.first[s], runs.h[s]
+        n = runs.first[end] + runs.links[end] - begin
         for a in range(last + 1):
-            _bend(r[a], room.bent[a], room.square, begin, n, a, runs.clamped[s], runs.turned[s], runs.arcs[s])
-        if last == 1:
-            _stretch(r[0], None, r[1], room.strain, room.square, room.length, begin, n, h)
-        else:
-            _stretch(r[0], r[1], r[2], room.strain, room.square, room.length, begin, n, h)
+            _bend(r[a], bent[a], begin, n)
+            for j in range(s, end + 1):
+                i, k = runs.first[j], runs.first[j] + runs.links[j]
+                bent[a, i] = 2.0 * (r[a, i + 1] - r[a, i] - runs.turned[j, 0, a]) if runs.clamped[j, 0] == 1 else 0.0
+                bent[a, k] = 2.0 * (r[a, k - 1] - r[a, k] - runs.turned[j, 1, a]) if runs.clamped[j, 1] == 1 else 0.0
+        if structure.about.links.size == 0:
+            if last == 1:
+                _stretch(r[0], None, r[1], bent[0], None, bent[1], room.strain, room.length, begin, n, h, runs.arcs[s])
+            else:
+                _stretch(r[0], r[1], r[2], bent[0], bent[1], bent[2], room.strain, room.length, begin, n, h,
+                         runs.arcs[s])  # fmt: skip
+            for j in range(s, end):  # what is between two runs is no link
+                room.length[runs.first[j + 1] - 1] = room.strain[runs.first[j + 1] - 1] = 0.0
+        s = end + 1
     if structure.about.links.size > 0:
         _stretch_little(structure, room, r)
 
@@ -135,27 +159,34 @@ def _over_length(tension, length, pull, begin, n):
 
 
 @lean_inner
-def _pull(x, force, bent, moment, pull, begin, n, h, bending, arcs, clamp0, clamp1):
-    """Add the forces of links and bending to one component."""
-    a, f, d = x[begin : begin + n + 1], force[begin : begin + n + 1], bent[begin : begin + n + 1]
-    q, m = pull[begin : begin + n], moment[begin : begin + n + 1]
-    arc, short, stiff = 2.0 * arcs * ARC, 2.0 * arcs * SHORT_ARC, bending / (h * h * h)
-    smooth = stiff * SMOOTH
-    f[0] += q[0] * (a[1] - a[0])
-    f[n] -= q[n - 1] * (a[n] - a[n - 1])
-    for i in range(1, n):
-        f[i] += q[i] * (a[i + 1] - a[i]) - q[i - 1] * (a[i] - a[i - 1])
-    m[0] = m[n] = 0.0
+def _moments(bent, moment, pull, begin, n, stiff, arcs):
+    """Moments at inner nodes over the length of a link, of one component."""
+    d, q, m = bent[begin : begin + n + 1], pull[begin : begin + n], moment[begin : begin + n + 1]
+    arc, short, smooth = 2.0 * arcs * ARC, 2.0 * arcs * SHORT_ARC, stiff * SMOOTH
     for i in range(1, n):
         m[i] = (
             (stiff + arc * (q[i - 1] + q[i])) * d[i]
             + (smooth + short * q[i - 1]) * (d[i] - d[i - 1])
             + (smooth + short * q[i]) * (d[i] - d[i + 1])
         )
+
+
+@lean_inner
+def _pull(x, force, moment, pull, begin, n):
+    """Add the forces of links and of moments, which are nothing at ends, to one component."""
+    a, f = x[begin : begin + n + 1], force[begin : begin + n + 1]
+    q, m = pull[begin : begin + n], moment[begin : begin + n + 1]
+    f[0] += q[0] * (a[1] - a[0]) - m[1]
+    f[n] -= q[n - 1] * (a[n] - a[n - 1]) + m[n - 1]
     for i in range(1, n):
-        f[i] -= m[i - 1] - 2.0 * m[i] + m[i + 1]
-    f[0] -= m[1]
-    f[n] -= m[n - 1]
+        f[i] += (q[i] * (a[i + 1] - a[i]) - q[i - 1] * (a[i] - a[i - 1])) - (m[i - 1] - 2.0 * m[i] + m[i + 1])
+
+
+@lean_inner
+def _turn_ends(force, bent, pull, begin, n, stiff, arcs, clamp0, clamp1):
+    """Add what holds the direction of a run at its ends to one component of the forces."""
+    f, d, q = force[begin : begin + n + 1], bent[begin : begin + n + 1], pull[begin : begin + n]
+    arc, short, smooth = 2.0 * arcs * ARC, 2.0 * arcs * SHORT_ARC, stiff * SMOOTH
     if clamp0 == 1:
         end = 2.0 * ((0.5 * stiff + arc * q[0]) * d[0] + (smooth + short * q[0]) * (d[0] - d[1]))
         f[0] += end
@@ -175,10 +206,10 @@ def _tensions_little(links, room, begin, n):
 
 @lean_inner
 def _changes(links, room, begin, n, h):
-    """By how much tension over length has changed since rest, to the first order: to `room.square`."""
+    """By how much tension over length has changed since rest, to the first order: to `room.change`."""
     for i in range(begin, begin + n):
         longer = h * (room.strain[i] - links[i].strain)
-        room.square[i] = (room.tension[i] - links[i].tension - links[i].pull * longer) / links[i].length
+        room.change[i] = (room.tension[i] - links[i].tension - links[i].pull * longer) / links[i].length
 
 
 @inlined
@@ -191,32 +222,47 @@ def pull_all(structure, room, r, dt):
     Returns:
         Power that Kelvin-Voigt damping takes, W.
     """
-    runs, about, last, lost = structure.runs, structure.about, r.shape[0] - 1, 0.0
+    runs, about, last, lost, s = structure.runs, structure.about, r.shape[0] - 1, 0.0, 0
     small = about.links.size > 0
-    for s in range(runs.first.size):
-        begin, n, h = runs.first[s], runs.links[s], runs.h[s]
+    while s < runs.first.size:
+        end = _alike(structure, s)
+        begin, h = runs.first[s], runs.h[s]
+        n = runs.first[end] + runs.links[end] - begin
         if small:
-            _tensions_little(about.links, room, begin, n)
+            for j in range(s, end + 1):
+                _tensions_little(about.links, room, runs.first[j], runs.links[j])
         else:
             _tensions(runs.law[s], room.strain, room.tension, begin, n)
-        if runs.damping[s] > 0.0:
-            lost += _resist(runs.damping[s], h, room.strain, room.before, room.rate, room.tension, begin, n, dt)
-        if small:
-            _changes(about.links, room, begin, n, h)
-        else:
+        for j in range(s, end + 1):
+            if runs.damping[j] > 0.0:
+                lost += _resist(runs.damping[j], h, room.strain, room.before, room.rate, room.tension, runs.first[j],
+                                runs.links[j], dt)  # fmt: skip
+            if small:
+                _changes(about.links, room, runs.first[j], runs.links[j], h)
+        if not small:
             _over_length(room.tension, room.length, room.pull, begin, n)
-        x, bent, pull, bending = r, room.bent, room.pull, runs.bending[s]
+        x, bent, pull, stiff = r, room.bent, room.pull, runs.bending[s] / (h * h * h)
         for again in range(2 if small else 1):
             if again == 1:  # by what changes, links pull at the places of rest
-                x, bent, pull, bending = about.shape[0], about.shape[1], room.square, 0.0
+                x, bent, pull, stiff = about.shape[0], about.shape[1], room.change, 0.0
+            for j in range(s, end):  # what is between two runs is no link
+                pull[runs.first[j + 1] - 1] = 0.0
             for a in range(last + 1):
-                _pull(x[a], room.force[a], bent[a], room.moment, pull, begin, n, h,
-                      bending, runs.arcs[s], runs.clamped[s, 0], runs.clamped[s, 1])  # fmt: skip
-        if runs.bed[s] > 0.0:
-            k = runs.bed[s] * h
-            for i in range(begin, begin + n + 1):
-                part = 0.5 if i in (begin, begin + n) else 1.0
-                room.force[last, i] -= part * k * (r[last, i] - structure.nodes.level[i])
+                _moments(bent[a], room.moment, pull, begin, n, stiff, runs.arcs[s])
+                for j in range(s, end + 1):
+                    room.moment[runs.first[j]] = room.moment[runs.first[j] + runs.links[j]] = 0.0
+                _pull(x[a], room.force[a], room.moment, pull, begin, n)
+                for j in range(s, end + 1):
+                    if runs.clamped[j, 0] == 1 or runs.clamped[j, 1] == 1:
+                        _turn_ends(room.force[a], bent[a], pull, runs.first[j], runs.links[j], stiff, runs.arcs[s],
+                                   runs.clamped[j, 0], runs.clamped[j, 1])  # fmt: skip
+        for j in range(s, end + 1):
+            if runs.bed[j] > 0.0:
+                k = runs.bed[j] * h
+                for i in range(runs.first[j], runs.first[j] + runs.links[j] + 1):
+                    part = 0.5 if i in (runs.first[j], runs.first[j] + runs.links[j]) else 1.0
+                    room.force[last, i] -= part * k * (r[last, i] - structure.nodes.level[i])
+        s = end + 1
     return lost
 
 

@@ -27,6 +27,8 @@ FASTEST = 0.9025
 
 # Rounds in which a kink and the tension that it makes find each other, and the part of the kink to which they do.
 AGAIN, FOUND = 40, 1e-9
+# Kink over h^2 of a given force with which it is sought from none, and beyond which it is not.
+BEGIN, MOST = 5e-5, 5e5
 
 FORCE, BODY = 0, 1  # what touches: a given force, or coordinates that move
 AWAY, ON, GONE = 0, 1, 2  # not on its line, on it, off it with all of its load, for good
@@ -158,7 +160,7 @@ def sit(structure, contacts, state, k, s):
         contacts[k].p[a], contacts[k].along[a] = here, slope / h
 
 
-@lean_inner
+@inlined
 def _tension_under(structure, room, contacts, k, kink):
     """Mean of h T/l of the links under a contact if a kink is added to them, and its change with that."""
     run, T, slope = contacts[k].run, 0.0, 0.0
@@ -177,7 +179,7 @@ def _tension_under(structure, room, contacts, k, kink):
     return T, slope
 
 
-@lean_inner
+@inlined
 def soften(structure, contacts, table, out, k, T):
     """The same as of `_soften`; on inextensible lines in proportion to T."""
     run = contacts[k].run
@@ -196,7 +198,7 @@ def soften(structure, contacts, table, out, k, T):
     return slope
 
 
-@lean_inner
+@inlined
 def _soften(structure, contacts, table, out, k, T):
     """Stiffness of contact k under the tension T, at rest and carried along.
 
@@ -261,7 +263,8 @@ def _stiffness(whole, bending, h, n, factor, x, free, table, out):
     if bending > 0.0:
         zeta = 1.0 if straight else bending / whole
     root = np.sqrt(zeta)
-    compliance(x, n, root, table, out)
+    if bending > 0.0 or factor == 1.0:  # else it was looked up for the kink at rest
+        compliance(x, n, root, table, out)
     kappa = max(out[0], LEAST)
     first, second = -out[1] / kappa**2, (2.0 * out[1] ** 2 / kappa - out[3]) / kappa**2  # of 1/kappa
     moving = kappa * (1.0 + (1.0 - zeta) * (factor - 1.0))
@@ -279,31 +282,45 @@ def _stiffness(whole, bending, h, n, factor, x, free, table, out):
 
 
 @lean_inner
-def _kink(structure, room, contacts, table, out, k, square):
+def find_kink(structure, room, contacts, table, out, k, square, F):
     """Find the kink of contact k, and its stiffness under the tension that the kink makes, by Newton's method.
 
     Args:
         square: m^2, of d.
+        F: N, a given force, which d follows: |d| = F / S; 0: it is as long as given.
 
     Returns:
-        Changes of the stiffness with the tension, and of the tension with the kink.
+        Changes of the stiffness with the tension, and of the tension with the kink; the square of d.
     """
     h = structure.runs.h[contacts[k].run]
-    low, high, slope, change = 0.0, np.inf, 0.0, 0.0
+    low, high, slope, change, step, before = 0.0, np.inf, 0.0, 0.0, 0.0, 0.0
     for _ in range(AGAIN):
         K = contacts[k].kink
         T, change = _tension_under(structure, room, contacts, k, K)
         slope = soften(structure, contacts, table, out, k, T)
-        miss = K - 0.5 * square * h * contacts[k].by_tension
+        S, first, falls = contacts[k].moving, contacts[k].by_tension, -contacts[k].curve
+        if F > 0.0:
+            square = (F / S) ** 2 if S > 0.0 else np.inf
+            falls += 2.0 * first * slope / S
+        miss = K - 0.5 * square * h * first
         if abs(miss) <= FOUND * K:
             break
         if miss > 0.0:
             high = K
         else:
             low = K
-        new = K - miss / max(1.0 - 0.5 * square * h * contacts[k].curve * change, 1.0)
+        rise = max(1.0 + 0.5 * square * h * falls * change, 1.0)
+        if step != 0.0 and 0.5 < (miss - before) / (step * rise) < 2.0:  # with how a kink carried along depends on T
+            rise = (miss - before) / step
+        new = K - miss / rise
+        if F > 0.0 and miss < -K:  # where links are slack, the first steps are wild
+            if K / (h * h) > MOST:
+                square = 2.0 * K / (h * first)
+                break
+            new = max(4.0 * K, BEGIN * h * h)
         contacts[k].kink = new if low <= new <= high else 0.5 * (low + high)
-    return slope, change
+        step, before = contacts[k].kink - K, miss
+    return slope, change, square
 
 
 @lean_inner
@@ -336,11 +353,11 @@ def stiffen(structure, room, contacts, state, table, out, k):
         return
     for a in range(axes):
         square += contacts[k].d[a] ** 2
-    slope, change = _kink(structure, room, contacts, table, out, k, square)
+    slope, change, _ = find_kink(structure, room, contacts, table, out, k, square, 0.0)
     contacts[k].rise = slope * change * h * contacts[k].by_tension
 
 
-@lean_inner
+@inlined
 def bend(structure, room, contacts, state, table, out):
     """Find how far all contacts are from their splines, and let the kinks lengthen the links below."""
     axes = state.r.shape[0]
@@ -352,7 +369,7 @@ def bend(structure, room, contacts, state, table, out):
             continue
         if contacts[k].kind == FORCE:
             F = _hold(contacts, k, axes)
-            length = yield_to(structure, room, contacts, k, table, out, F)
+            length = np.sqrt(find_kink(structure, room, contacts, table, out, k, 0.0, F)[2])
             for a in range(axes):
                 contacts[k].d[a] = length * contacts[k].N[a] / F if F > 0.0 else 0.0
                 contacts[k].place[a] = contacts[k].p[a] + contacts[k].d[a]
@@ -423,39 +440,7 @@ def _above(contacts, k, axes):
     return d[z] - along / square * t[z]
 
 
-@lean_inner
-def yield_to(structure, room, contacts, k, table, out, F):
-    """Length of d under a given force F, where the kink itself raises the tension: S d grows with d.
-
-    Newton's method within a bracket.
-    """
-    h = structure.runs.h[contacts[k].run]
-    if F == 0.0:
-        _kink(structure, room, contacts, table, out, k, 0.0)
-        return 0.0
-    low, high, length = 0.0, np.inf, 0.0
-    for a in range(3):
-        length += contacts[k].d[a] ** 2
-    length = np.sqrt(length) if length > 0.0 else 0.01 * h
-    for _ in range(60):
-        slope, change = _kink(structure, room, contacts, table, out, k, length * length)
-        S = contacts[k].moving
-        miss = S * length - F
-        if miss > 0.0:
-            high = length
-        else:
-            low = length
-        rise = S + slope * change * h * contacts[k].by_tension * length * length
-        new = length - miss / rise if rise > 0.0 else -1.0
-        if not low < new < min(high, 4.0 * length):  # where links are slack, the first steps are wild
-            new = min(0.5 * (low + high), 4.0 * length)
-        step, length = abs(new - length), new
-        if step <= 1e-12 * length or length > 1e3 * h:
-            break
-    return length
-
-
-@lean_inner
+@inlined
 def press(structure, room, contacts, state, table, out):
     """Forces of all contacts on their lines, added to those of the nodes; `room.pull` is known."""
     axes = state.r.shape[0]

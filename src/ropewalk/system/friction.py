@@ -15,7 +15,7 @@ import numpy as np
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import lean_inner
-from ropewalk.system.contacts import slope_at_rest, yield_to
+from ropewalk.system.contacts import find_kink, slope_at_rest
 
 # How a contact rubs: not at all, as far as it needs to, or in full.
 NOT, STANDS, DRAGGED = 0, 1, 2
@@ -58,7 +58,7 @@ def _pressed(structure, room, contacts, state, table, out, k, hold):
         for j in range(3):
             T += contacts[k].part[j] * structure.about.links[contacts[k].link[j]].tension
     else:
-        length = yield_to(structure, room, contacts, k, table, out, F)
+        length = np.sqrt(find_kink(structure, room, contacts, table, out, k, 0.0, F)[2])
         for j in range(3):
             link, q = contacts[k].link[j], contacts[k].part[j]
             longer = np.sqrt(room.length[link] ** 2 + 2.0 * max(q, 0.0) * contacts[k].kink)

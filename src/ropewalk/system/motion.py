@@ -33,7 +33,7 @@ def _displaced(holdings, e, a, t):
     return holdings.place[e, a] + look_up(holdings.time, holdings.moved[a], holdings.table[e], holdings.entries[e], t)
 
 
-@lean_inner
+@inlined
 def _look(structure, room, contacts, tables, bodies, state, table, out, dt, since, windy, steps):
     """All forces at the places of now: on nodes to `room.force`, of contacts to their records.
 
@@ -98,7 +98,7 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
     return lost, blown, stored
 
 
-@lean_inner
+@inlined
 def _kick_nodes(structure, room, state, h, dragged):
     """Kick all nodes that no holding moves; returns what drag takes, J."""
     nodes, v, lost = structure.nodes, state.v, 0.0
@@ -118,7 +118,7 @@ def _kick_nodes(structure, room, state, h, dragged):
     return h * lost
 
 
-@lean_inner
+@inlined
 def _kick_holdings(structure, room, state, h, dt, A, b):
     """Kick what is held: (M + h/2 C + dt^2/4 K) dv = h (F - C (v - v')), in the directions that are free."""
     held, nodes, r, v, t = structure.holdings, structure.nodes, state.r, state.v, state.t[0]
@@ -149,10 +149,10 @@ def _kick_holdings(structure, room, state, h, dt, A, b):
         for a in range(axes):
             F = b[a]
             for c in range(axes):
-                far = _displaced(held, e, c, t)
                 rate = (_displaced(held, e, c, t + 0.5 * h) - _displaced(held, e, c, t - 0.5 * h)) / h if moves else 0.0
-                spring = held.stiffness[e, a, c] * (far - r[c, first])
-                F += spring - held.damping[e, a, c] * (v[c, first] - rate)
+                F -= held.damping[e, a, c] * (v[c, first] - rate)
+                if held.stiffness[e, a, c] != 0.0:
+                    F += held.stiffness[e, a, c] * (_displaced(held, e, c, t) - r[c, first])
             A[a, axes] = h * (F - drag * v[a, first])
         # within the free directions: P A P + (1 - P)
         for a in range(axes):
@@ -175,13 +175,12 @@ def _kick_holdings(structure, room, state, h, dt, A, b):
                 way = _displaced(held, e, a, t + 0.5 * h) - _displaced(held, e, a, t - 0.5 * h)
                 rate_a -= way / h
             for c in range(axes):
-                rate_c, far = v[c, first] + 0.5 * b[c], _displaced(held, e, c, t)
+                rate_c = v[c, first] + 0.5 * b[c]
                 if moves:
                     rate_c -= (_displaced(held, e, c, t + 0.5 * h) - _displaced(held, e, c, t - 0.5 * h)) / h
+                    spring = held.stiffness[e, a, c] * (_displaced(held, e, c, t) - r[c, first])
+                    state.work[MOVED] += way * (spring - held.damping[e, a, c] * rate_c)
                 lost += rate_a * held.damping[e, a, c] * rate_c
-                state.work[MOVED] += way * (
-                    held.stiffness[e, a, c] * (far - r[c, first]) - held.damping[e, a, c] * rate_c
-                )
             lost += drag * (v[a, first] + 0.5 * b[a]) ** 2
         state.work[DAMPED] += h * lost
         for a in range(axes):
@@ -209,7 +208,7 @@ def _cramer(A, b, n):
         b[c] /= A[c, c]
 
 
-@lean_inner
+@inlined
 def _drift(structure, state, h):
     """Move all nodes for the time h; what moves as prescribed comes to its place."""
     r, v, held = state.r, state.v, structure.holdings
@@ -230,7 +229,7 @@ def _drift(structure, state, h):
                     r[a, n] = place
 
 
-@lean_inner
+@inlined
 def _let_go(contacts, bodies):
     """Note loads all of whose contacts have left their lines."""
     for i in range(bodies.gone.size):
@@ -257,7 +256,7 @@ def _along(contacts, k, axes):
     return 0.5 * contacts[k].moving * along * along / square
 
 
-@lean_inner
+@inlined
 def _book(structure, contacts, state):
     """Works at all contacts since the last look: of given forces, of what moves contacts along, of friction."""
     axes = state.r.shape[0]
@@ -300,7 +299,7 @@ def _book(structure, contacts, state):
             contacts[k].before[a], contacts[k].last[a] = contacts[k].place[a], contacts[k].given[a]
 
 
-@lean_inner
+@inlined
 def _is_refused(contacts, state):
     """Whether a load that was to stay on its line has come to an end of it."""
     found = False
@@ -319,6 +318,15 @@ def _is_finite(r, v):
     return np.isfinite(total)
 
 
+@inlined
+def _is_any(values):
+    """Whether any is not zero. Kernels that are handed a `False` as it is written are compiled once more for that."""
+    found = False
+    for i in range(values.size):
+        found = found or values[i] != 0.0
+    return found
+
+
 @lean
 def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, method, dt, steps):
     """Move a state by some steps of the length dt in s. One kernel for all, which is compiled once.
@@ -333,11 +341,8 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
         RUNNING, or what went wrong; and, if nothing moves, the energy stored in all runs with their kinks, J.
     """
     kicks, drifts = method
-    windy, dragged, runs_out, stored, stages = False, False, False, 0.0, drifts.size
-    for a in range(state.r.shape[0]):
-        windy = windy or structure.wind.direction[a] != 0.0
-    for i in range(structure.nodes.drag.size):
-        dragged = dragged or structure.nodes.drag[i] > 0.0
+    windy, dragged = _is_any(structure.wind.direction), _is_any(structure.nodes.drag)
+    runs_out, stored, stages = False, 0.0, drifts.size
     begin, since, gone, last = state.t[0], 0.0, 0.0, max(steps, 0) * stages
     yielding = dt if stages == 1 else 0.0  # springs of supports give way within a step of the second order
     for i in range(last + 1):

@@ -192,7 +192,7 @@ class Room(NamedTuple):
     rate: Array  # 1/s, of the strain then
     tension: Array  # N
     length: Array  # m
-    square: Array  # m^2, half of what arcs add to the squares of lengths; then, of what is linearised, change of `pull`
+    change: Array  # N/m, of what is linearised, change of `pull`
     pull: Array  # N/m, tension over length; of what is linearised, at rest
     moment: Array  # N, of one component
     path: Array  # m, length of a line up to each of its nodes

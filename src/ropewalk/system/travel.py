@@ -59,7 +59,7 @@ def _travelled(tables, contacts, k, t):
     )
 
 
-@lean_inner
+@inlined
 def locate(structure, room, contacts, tables, state, table, out, since):
     """Put all contacts where they are along their lines now.
 
@@ -167,7 +167,7 @@ def _straighten(structure, contacts, state, k):
         contacts[k].fade = 0.5 * contacts[k].kink * waves / structure.runs.h[run]
 
 
-@lean_inner
+@inlined
 def fade(room, contacts, since):
     """Let the kinks of contacts that have left straighten for a time in s; returns what their links lose by it, J."""
     lost = 0.0
@@ -196,7 +196,7 @@ def place(structure, room, contacts, tables, state):
             sit(structure, contacts, state, k, s)
 
 
-@lean_inner
+@inlined
 def _measure_lines(structure, room, contacts):
     """Lengths of all lines up to each of their nodes, to `room.path`, if any contact measures them."""
     lines, runs, measured = structure.lines, structure.runs, False
