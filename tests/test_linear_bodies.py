@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from ropewalk.capabilities import SUPERPOSED, engine_of
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model import Line, Linear, MovingForce, Scenario, Travel
 from ropewalk.scenario import loads as read
@@ -304,28 +305,14 @@ SLOPE = RIGID.replace("[1, 0]", "[1, 0.1]").replace("length: 1,", "length: 1.1,"
         (RIGID, "kind: trolley, mass: 1, travel: {speed: 0.1}, payload: {mass: 1, length: 1}", "kind",
          "not implemented"),
         (RIGID, "kind: mass, mass: 1, travel: {kind: free}", "travel.kind", "given free; ask for kind: dynamic"),
-        (RIGID, "kind: mass, mass: 1, travel: {speed: {time: [0, 1], value: [1, 2]}, at_end: leave}", "travel.speed",
-         "a mass whose speed varies"),
-        (RIGID, "kind: mass, mass: 1, travel: {speed: 0, from: 0.5}", "travel.speed", "a mass that stands still"),
-        (RIGID, "kind: mass, mass: 1, travel: {speed: 1, measured: arc, at_end: leave}", "travel.measured",
-         "write material or horizontal"),
         (RIGID, "kind: mass, mass: 1, travel: {speed: 1, at_end: stay}", "travel.at_end", "write leave"),
         (RIGID, "kind: mass, mass: 1, lift_off: true, side: below, travel: {speed: 0.1}", "side", "write above"),
         (RIGID, "kind: mass, mass: 1, air_drag: 1, travel: {speed: 0.1}", "air_drag", "leave it out"),
-        (RIGID, "kind: mass, mass: 1, force: [1, 0], travel: {speed: 0.1}", "force", "not constant and vertical"),
-        (RIGID, "kind: mass, mass: 1, force: {time: [0, 1], value: [[0, 1], [0, 2]]}, travel: {speed: 0.1}", "force",
-         "not constant and vertical"),
         (RIGID, "kind: oscillator, mass: 1, stiffness: 1, lift_off: true, contact_stiffness: 9, travel: {speed: 0.1}",
          "contact_stiffness", "given 9 N/m; leave it out"),
         (RIGID, "kind: vehicle, travel: {speed: 0.1}, lift_off: true, wheels: {w: {mass: 1, contact_stiffness: 9}}",
          "wheels.w.contact_stiffness", "given 9 N/m; leave it out"),
-        (SLOPE, "kind: mass, mass: 1, travel: {speed: 0.1}", "on", "ends differ in height"),
-        (TAUT, "kind: vehicle, travel: {speed: 0.1}, wheels: {w: {mass: 1}}", "kind", "give the line a bending_stiff"),
         (TAUT, "kind: mass, mass: 1, lift_off: true, travel: {speed: 0.1}", "lift_off", "lift-off on a line"),
-        (TAUT, "kind: mass, mass: 1, travel: {speed: 0.1, from: 0.5}", "travel.from", "between the ends"),
-        (TAUT, "kind: mass, mass: 1, travel: {speed: -0.1, from: 0.5, measured: horizontal}", "travel.from", "between"),
-        (RIGID, "kind: vehicle, travel: {speed: 0.1}, wheels: {f: {mass: 1}, r: {at: -1, mass: 1}}", "travel.at_end",
-         "write at_end: leave"),
     ],
 )  # fmt: skip
 def test_what_is_not_known_is_refused_with_advice(line: str, load: str, key: str, says: str) -> None:
@@ -335,10 +322,41 @@ def test_what_is_not_known_is_refused_with_advice(line: str, load: str, key: str
     assert says in str(caught.value)
 
 
-def test_a_mass_is_alone_on_its_line() -> None:
-    other = "  b: {kind: force, on: line, force: [0, -1], travel: {speed: 0.1, from: 0.5}}\n"
-    with pytest.raises(ScenarioError, match=r"loads\.a\.on: a load with a mass beside other loads .*, given with b"):
-        run(RIGID, "kind: mass, mass: 1, travel: {speed: 0.1}", "until: 1", others=other)
+BY_MODES = {
+    "its speed varies": (RIGID, "kind: mass, mass: 1, travel: {speed: {time: [0, 9], value: [1, 2]}, at_end: leave}"),
+    "it stands": (RIGID, "kind: mass, mass: 1, travel: {speed: 0, from: 0.5}"),
+    "along the arc": (RIGID, "kind: mass, mass: 1, travel: {speed: 1, measured: arc, at_end: leave}"),
+    "a force aside": (RIGID, "kind: mass, mass: 1, force: [1, 0], travel: {speed: 0.1}"),
+    "uphill": (SLOPE, "kind: mass, mass: 1, travel: {speed: 0.1}"),
+    "a vehicle on a string": (TAUT, "kind: vehicle, travel: {speed: 0.1}, wheels: {w: {mass: 1}}"),
+    "inside a string": (TAUT, "kind: mass, mass: 1, travel: {speed: 0.1, from: 0.5}"),
+    "beside another": (RIGID, "kind: mass, mass: 1, travel: {speed: 0.1}}, b: {kind: force, on: line, force: [0, -1], "
+                              "travel: {speed: 0.1, from: 0.5}"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("line", "load"), BY_MODES.values(), ids=BY_MODES)
+def test_what_has_no_closed_form_goes_by_the_modes_of_its_own_rest(line: str, load: str) -> None:
+    tree = f"{{lines: {{line: {line}}}, loads: {{a: {{on: line, {load}}}}}, run: {{kind: linear, until: 1}}}}"
+    assert engine_of(read(tree, name="case.yaml")) is SUPERPOSED
+
+
+def test_a_mass_that_starts_inside_a_string_moves_as_it_does_step_by_step() -> None:
+    """Small motion by another engine, on a level string and uphill; the contact force is that of the mesh, too."""
+    for end in ([20, 0], [20, 6]):
+        line = {"start": [0, 0], "end": end, "tension": 1e4, "mass": 1.0, "axial_stiffness": 1e6, "elements": 60}
+        load = {"kind": "mass", "on": "line", "mass": 20.0, "travel": {"speed": 20.0, "from": 5.0}}
+        ways = {"kind": "linear"}, {"kind": "dynamic", "geometry": "linearised"}
+        modes, steps = (
+            simulate(Scenario.model_validate(
+                {"lines": {"line": line}, "loads": {"a": load}, "run": {**way, "until": 0.5, "every": 0.05}}
+            )) for way in ways
+        )  # fmt: skip
+        moved = steps.contact_position.values - steps.contact_position.values[0]
+        away = np.abs(modes.contact_position.values - steps.contact_position.values).max()
+        print(away, np.abs(moved[..., 1]).max())
+        assert np.abs(moved[..., 1]).max() > 0.1
+        assert away < 5e-4
 
 
 def test_what_the_theory_refuses_is_said_of_the_load() -> None:

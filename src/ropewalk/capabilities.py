@@ -48,10 +48,11 @@ def engine_of(asked: Parts | Scenario) -> Engine:
 
 
 def _of_linear_theory(parts: Parts) -> Engine:
-    """Closed forms of lines by themselves, or the modes of what is joined, held on its way or a surface."""
+    """Closed forms of lines by themselves; modes of what is joined, held or a surface, or where there are none."""
     if parts.overhead:
         return LINEAR
-    return SUPERPOSED if parts.is_web or parts.is_supported else LINEAR
+    joined = parts.is_web or parts.is_supported
+    return SUPERPOSED if joined or _refused(SUPERPOSED, parts) < _refused(LINEAR, parts) else LINEAR
 
 
 def is_system_linearised(scenario: Scenario) -> bool:

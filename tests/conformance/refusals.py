@@ -60,7 +60,7 @@ _PATTERNS = {
         "nets do not move linearised":
             rf"run\.geometry: (linearised geometry )?{_NOT}|nets\.[^:]*: {_NOT} small motion",
         "no axial inertia over sheaves, nor in spectra at an instant": rf"axial_inertia: {_NOT}",
-        "the sixth order is for what does not damp": rf"rkn6 with .* {_NOT}",
+        "the sixth order needs forces that do not jump": rf"rkn6 with .* {_NOT}",
         "feedback on single ropes only": rf"{_NOT} a run without feedback",
         "the implicit method needs forces that do not jump": rf"implicit with .* {_NOT}",
         "no linear theory in wind that blows": rf"wind {_NOT} kind: linear",

@@ -6,6 +6,7 @@ not stretch; deflections of all forces add up. A mass, an oscillator or a vehicl
 directions and travels over it alone, with constant speed. This is what the nonlinear answer is compared with: exact
 within the theory, and wrong where the theory is (near supports, at finite angles, beyond the wave speed).
 
-What is joined, held on its way or a surface has no closed form: it swings in the modes of its own stiffness and masses
-about rest (`solve/modal.py`, `solve/superposition.py`), in all directions, with what stands on it.
+What is joined, held on its way or a surface has no closed form, nor have some loads with a mass, as those that start
+on a string between its ends or run uphill: there lines swing in the modes of their own stiffness and masses about rest
+(`solve/modal.py`, `solve/superposition.py`), in all directions, with what stands on it.
 """

@@ -34,7 +34,8 @@ class MovingForce(Declaration):
     What holds it at its place along the line is its contact. `clamped`: the line feels the given force alone and its
     tension jumps at the load. `frictionless`: a horizontal hold force is added that keeps the tension equal on both
     sides. `coulomb`: it stands by friction, and where that does not suffice the least hold force is added. `dragged`:
-    it slides all the time, friction acts in full against its travel, and the hold force does the rest.
+    it slides all the time, friction acts in full against its travel, and the hold force does the rest. On nets all of
+    this is along its path, which guides it to the side as a rail would, and friction is that of a point.
     """
 
     kind: Literal["force"] = "force"

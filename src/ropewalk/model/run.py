@@ -165,8 +165,8 @@ class Linear(Declaration):
     """The classical linear theory: small deflections that add up.
 
     Every line by itself is a taut string, or a beam, along its chord, and moves across that. Of joined lines, of lines
-    on inner supports, of lines in calm air, of nets and of membranes it is small motion about rest in all directions,
-    by superposition of modes.
+    on inner supports, of lines in calm air, of nets and of membranes, and under loads with a mass for which a string
+    or beam has no answer, it is small motion about rest in all directions, by superposition of modes.
     """
 
     kind: Literal["linear"] = "linear"

@@ -45,14 +45,13 @@ from ropewalk.mechanics.rider import (
 )
 from ropewalk.solve.banded import substitute
 from ropewalk.solve.jacobian import shifted
-from ropewalk.solve.radau_iia import A
 from ropewalk.solve.splitting import _pull_beside
+from ropewalk.solve.stages import RADAU
 
-_S = np.sqrt(6.0)
-D = np.linalg.inv(A)
+A, D = RADAU.A, RADAU.D
 D_SUM = D.sum(axis=1)
 # Weights of the embedded error estimate: dt times the derivative at the start less that of the collocation polynomial.
-E = np.array([-(13.0 + 7.0 * _S) / 3.0, (-13.0 + 7.0 * _S) / 3.0, -1.0 / 3.0])
+E = -RADAU.guide
 
 
 def _modes() -> tuple[float, complex, NDArray[np.float64], NDArray[np.float64]]:

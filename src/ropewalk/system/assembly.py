@@ -44,6 +44,8 @@ from ropewalk.system.travel import Tables
 from ropewalk.webs.laying import Laid
 from ropewalk.webs.lengths import laid_at_rest
 
+# Sine of the angle to the vertical below which a way on a net goes straight up.
+_UPRIGHT = 1e-9
 # Part of the compliance of its springs by which a contact without mass gives way at a support.
 FIRM = 1e-12
 
@@ -161,7 +163,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
         np.array([cable.bed for cable in own]), np.array([cable.width for cable in own]), clamped, turned,
         np.zeros((len(links), 2, 2)),
         np.array([float(name in scenario.lines) for name, *_ in sections] + [0.0] * len(ways)),
-        np.array([0.0] * len(sections) + [way.firm for way in ways]),
+        np.array([0.0] * len(sections) + [way.firm for way in ways]), np.tile(np.eye(dim)[0], (len(links), 1)),
     )  # fmt: skip
     holdings = _holdings(scenario, laid, sections, original, gravity, until, axes, nets)
     light = np.divide(1.0, mass, out=np.zeros(n), where=mass > 0.0)
@@ -171,6 +173,8 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     if surfaces is not None:
         A = surfaces.shares(n)
         r += np.asarray((A @ r.T).T)
+        for s in range(len(sections), len(links)):
+            runs.ahead[s] = _level(r[:, first[s] + links[s]] - r[:, first[s]])
         mobile[surfaces.node] = np.asarray(abs(A) @ (mobile * np.asarray(abs(A).sum(axis=0)).ravel()))[surfaces.node]
     count = np.bincount(of, minlength=len(lengths))
     structure = Structure(
@@ -191,6 +195,13 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     supports = tuple((name, where[node]) for name, node in at_ends.items())
     station = np.concatenate([*(station for *_, station in sections), np.full(n, np.nan)])[:n]
     return Assembled(structure, axes, r, station, tuple(name for name, *_ in sections), on, supports, nets)
+
+
+def _level(way: Array) -> Array:
+    """Unit vector (axis,) above which a way goes; along x if it goes straight up."""
+    level = np.concatenate([way[:-1], [0.0]])
+    size = float(np.linalg.norm(level))
+    return level / size if size > _UPRIGHT * float(np.linalg.norm(way)) else np.eye(way.size)[0]
 
 
 def _mobile(mass: Array, light: Array, holdings: Holdings) -> Array:

@@ -154,7 +154,7 @@ def balance(structure, room, contacts, bodies, state, table, out, since):
 
 
 @inlined
-def kick(contacts, bodies, state, h, half):
+def kick(structure, contacts, bodies, state, h, half):
     """Kick all bodies for the time h; those of a load that has just left its line, up to now.
 
     Args:
@@ -166,8 +166,8 @@ def kick(contacts, bodies, state, h, half):
         f[c], old[c] = bodies.force[c], w[c]
         if k >= 0:
             f[c] += contacts[k].given[bodies.axis[c]] - contacts[k].N[bodies.axis[c]]
-            if bodies.axis[c] == 0 and contacts[k].frictionless == 1:
-                f[c] += contacts[k].hold
+            if contacts[k].frictionless == 1:
+                f[c] += contacts[k].hold * structure.runs.ahead[contacts[k].run, bodies.axis[c]]
     hang(contacts, bodies, state)
     for p in range(bodies.size.size):
         n, lost = bodies.size[p], 0.0
@@ -201,8 +201,9 @@ def kick(contacts, bodies, state, h, half):
             continue
         if bodies.alone[c] == 1:
             w[c] += (h if stage == STAYS or half == 1 else 0.5 * h) * f[c] * bodies.per_mass[c]
-            if k >= 0 and bodies.axis[c] == 0 and contacts[k].frictionless == 1:
-                state.work[HELD] += 0.5 * h * contacts[k].hold * (w[c] + old[c])
+            if k >= 0 and contacts[k].frictionless == 1:
+                level = structure.runs.ahead[contacts[k].run, bodies.axis[c]]
+                state.work[HELD] += 0.5 * h * contacts[k].hold * level * (w[c] + old[c])
     for e in range(bodies.tethers.size):
         first, own = bodies.tethers[e].first, contacts[bodies.tethers[e].contact].first
         if bodies.gone[bodies.load[first]] == STAYS:

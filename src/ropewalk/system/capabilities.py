@@ -218,8 +218,6 @@ def _on_nets(parts: Parts) -> Iterator[Finding]:
             yield missing(("loads", name, "lateral"), "nets", str(load.lateral), "leave lateral out")
         if isinstance(load, Walker) and load.balance is not None:
             yield missing(("loads", name, "balance"), "nets", "a block", "leave balance out")
-        if getattr(load, "contact", "clamped") != "clamped":
-            yield missing(("loads", name, "contact"), "nets", load.contact, "write clamped")  # type: ignore[union-attr]
 
 
 _LAWS = ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table")

@@ -24,7 +24,6 @@ from ropewalk.system.spline import WIDTH, links_under, share
 
 # Largest square of a speed over that of transverse waves with which a kink is carried along.
 FASTEST = 0.9025
-
 # Rounds in which a kink and the tension that it makes find each other, and the part of the kink to which they do.
 AGAIN, FOUND = 40, 1e-9
 # Kink over h^2 of a given force with which it is sought from none, and beyond which it is not.
@@ -112,6 +111,7 @@ CONTACT = np.dtype(
         ("was_at", _REAL),  # m, s
         ("driven", _REAL),  # N
         ("held_by", _REAL),  # N
+        ("evened", _REAL),  # N, what holds a body without friction beside `hold`, in the step before
         ("stretch", _REAL),  # of the line at the contact, as its speed is measured
         ("step", _REAL),  # s, of the motion: what gives way within it keeps a stiff contact stable
         ("light", _REAL),  # 1/kg, about what a force accelerates above it
@@ -368,7 +368,7 @@ def bend(structure, room, contacts, state, table, out):
             _yield_little(structure, room, contacts, k, table, out, axes)
             continue
         if contacts[k].kind == FORCE:
-            F = _hold(contacts, k, axes)
+            F = _hold(structure, contacts, k, axes)
             length = np.sqrt(find_kink(structure, room, contacts, table, out, k, 0.0, F)[2])
             for a in range(axes):
                 contacts[k].d[a] = length * contacts[k].N[a] / F if F > 0.0 else 0.0
@@ -376,7 +376,7 @@ def bend(structure, room, contacts, state, table, out):
             continue
         stiffen(structure, room, contacts, state, table, out, k)
         if contacts[k].frictionless == 1 and contacts[k].step > 0.0:  # at rest `Holding` finds it
-            _hold(contacts, k, axes)
+            _hold(structure, contacts, k, axes)
     for k in range(contacts.size):
         if structure.about.links.size == 0 and (contacts[k].state == ON or contacts[k].kink > 0.0):
             for j in range(3):
@@ -387,20 +387,20 @@ def bend(structure, room, contacts, state, table, out):
 
 
 @lean_inner
-def _hold(contacts, k, axes):
+def _hold(structure, contacts, k, axes):
     """Force of contact k, which is given, on its line; one without friction is held so that it does not pull along it.
 
     Returns:
         Its magnitude, N.
     """
-    along, F = 0.0, 0.0
+    along, ahead, F, level = 0.0, 0.0, 0.0, structure.runs.ahead[contacts[k].run]
     for a in range(axes):
-        contacts[k].N[a] = contacts[k].given[a]
         along += contacts[k].given[a] * contacts[k].along[a]
+        ahead += level[a] * contacts[k].along[a]
     if contacts[k].frictionless == 1:
-        contacts[k].hold = -along / contacts[k].along[0]
-    contacts[k].N[0] += contacts[k].hold
+        contacts[k].hold = -along / ahead
     for a in range(axes):
+        contacts[k].N[a] = contacts[k].given[a] + contacts[k].hold * level[a]
         F += contacts[k].N[a] ** 2
     return np.sqrt(F)
 
@@ -409,13 +409,16 @@ def _hold(contacts, k, axes):
 def _yield_little(structure, room, contacts, k, table, out, axes):
     """Let contact k give way under its given force, which is held across the line at rest where it has no friction."""
     _stiffen_little(structure, room, contacts, table, out, k)
+    level = structure.runs.ahead[contacts[k].run]
     if contacts[k].frictionless == 1:
-        along = 0.0
+        along, ahead = 0.0, 0.0
         for a in range(axes):
-            along += contacts[k].given[a] * slope_at_rest(structure, contacts, k, a)
-        contacts[k].hold = -along / slope_at_rest(structure, contacts, k, 0)
+            slope = slope_at_rest(structure, contacts, k, a)
+            along += contacts[k].given[a] * slope
+            ahead += level[a] * slope
+        contacts[k].hold = -along / ahead
     for a in range(axes):
-        contacts[k].N[a] = contacts[k].given[a] + (contacts[k].hold if a == 0 else 0.0)
+        contacts[k].N[a] = contacts[k].given[a] + contacts[k].hold * level[a]
         contacts[k].d[a] = contacts[k].N[a] / contacts[k].moving
         contacts[k].place[a] = contacts[k].p[a] + contacts[k].d[a]
 

@@ -190,7 +190,7 @@ class FrameBuilder:
         runs, dim = self.assembled.structure.runs, state.r.shape[0]
         on_net = runs.firm[contact["run"]] > 0.0
         seen.position[k], seen.force[k], seen.hold[k] = contact["place"][:dim], contact["N"][:dim], 0.0
-        seen.hold[k, 0] = contact["hold"]
+        seen.hold[k] = (contact["hold"] + contact["evened"]) * runs.ahead[contact["run"]]
         if contact["lent"] > 0.0:  # its mass is the line's
             seen.force[k] = contact["given"][:dim] + seen.hold[k]
         given = contact["kind"] == FORCE or contact["first"] >= state.u.size or contact["lent"] > 0.0

@@ -6,7 +6,8 @@ to R of the force N across, with half the angle by which the line turns there:
     sin(half) = |N| / (2 (T + EI/h^2)),   R = tanh(mu half) / sin(half)  (capstan)  or  mu / cos(half)  (block).
 
 Friction that stands bears what it can; friction that is dragged acts in full against the travel. The kink of the
-contact, the tension that it makes and the hold force are found together at each instant.
+contact, the tension that it makes and the hold force are found together at each instant. A net does not bend around a
+contact: there R = mu.
 """
 
 from __future__ import annotations
@@ -45,13 +46,16 @@ def _pressed(structure, room, contacts, state, table, out, k, hold):
     """
     axes, small = state.r.shape[0], structure.about.links.size > 0
     run, h = contacts[k].run, structure.runs.h[contacts[k].run]
-    F = along = square = 0.0
+    F = along = square = first = aside = 0.0
+    level = structure.runs.ahead[run]
     for a in range(axes):
-        contacts[k].N[a] = contacts[k].given[a] + (hold if a == 0 else 0.0)
+        contacts[k].N[a] = contacts[k].given[a] + hold * level[a]
         F += contacts[k].N[a] ** 2
         way = slope_at_rest(structure, contacts, k, a) if small else contacts[k].along[a]
         along += contacts[k].N[a] * way
         square += way * way
+        first += level[a] * way
+        aside += level[a] * contacts[k].N[a]
     F, stretch, T, turned = np.sqrt(F), 0.0, 0.0, 0.0
     if small:
         stretch = np.sqrt(square)
@@ -70,10 +74,11 @@ def _pressed(structure, room, contacts, state, table, out, k, hold):
         for a in range(axes):
             contacts[k].d[a] = length * contacts[k].N[a] / F if F > 0.0 else 0.0
     across = max(F * F - along * along / square, 0.0)
-    first = slope_at_rest(structure, contacts, k, 0) if small else contacts[k].along[0]
-    across, aside = np.sqrt(across), contacts[k].N[0] - along / square * first
+    across, aside = np.sqrt(across), aside - along / square * first
     whole, half = 2.0 * (T + structure.runs.bending[run] / (h * h)), 0.5 * np.pi
-    if across < whole:
+    if structure.runs.firm[run] > 0.0:
+        half, stretch = 0.0, np.sqrt(square)
+    elif across < whole:
         half = np.arcsin(across / whole)
     R = grip(contacts[k].friction, contacts[k].block, half)
     return (along - turned) / stretch, R * across, first / stretch, R * aside / max(across, 1e-300)

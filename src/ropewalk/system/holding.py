@@ -163,8 +163,9 @@ class Holding:
         first = contacts["hold"][slides] / size
         for i, k in enumerate(slides):
             if first[i] == 0.0:  # as on a line that stays as it is
-                grip, way = self._grip(contacts[k], s[k]), contacts[k]["along"]
-                first[i] = -grip.along * float(np.linalg.norm(way)) / way[0] / size
+                grip, way = self._grip(contacts[k], s[k]), contacts[k]["along"][: self._axes]
+                level = self._structure.runs.ahead[contacts[k]["run"]]
+                first[i] = -grip.along * float(np.linalg.norm(way)) / float(way @ level) / size
         solved = optimize.root(miss, first, method="hybr", options={"xtol": 1e-12, "eps": 1e-7})
         if np.abs(miss(solved.x)).max() > _EQUAL:
             raise EquilibriumError("nothing holds a load there: the force that it takes grows beyond all bounds")

@@ -1,12 +1,13 @@
-"""Implicit motion: the Radau IIA method of order 5 on the same state and the same forces as the explicit ones.
+"""Implicit motion: a method of Radau or Lobatto (`solve/stages.py`) on the same state and forces as the explicit ones.
 
-Source: Hairer & Wanner, Solving Ordinary Differential Equations II, section IV.8; stages and their transformation as in
-`solve/collocation.py`. With Z the unknowns of the three stages less those at the start, velocities are V = D Z / dt,
-accelerations (D V - (D 1) v) / dt, and what is left is one balance of forces for each stage. Its Jacobian
+Source: Hairer & Wanner, Solving Ordinary Differential Equations II, section IV.8. With Z the unknowns of the stages
+less those at the start, velocities are V = D Z / dt, accelerations (D V - (D 1) v) / dt, and what is left is one
+balance of forces for each stage. Its Jacobian
 
     D^2/dt^2 (x) M  +  D/dt (x) C  +  1 (x) K
 
-has K and C of rest (`statics.py`), for the contacts as they stand; Newton's method keeps it as long as it converges.
+falls apart into the modes of D. It has K and C of rest (`statics.py`), for the contacts as they stand; Newton's method
+keeps it as long as it converges.
 Forces are those of the kernels (`motion.GIVEN`), with dampers at the velocities of the stage. Coordinates without mass
 have an equation without acceleration. Steps end where contacts come, leave or stop (`arrivals.py`).
 """
@@ -21,9 +22,8 @@ from scipy.sparse.linalg import splu
 
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.run import ACCURACY
-from ropewalk.solve.collocation import D_SUM, PAIR, REAL, T_INVERSE, D, E, T
 from ropewalk.solve.radau import GROWTH, LOCAL, NEWTON, SAFETY
-from ropewalk.solve.radau_iia import A, C
+from ropewalk.solve.stages import Stages
 from ropewalk.system import motion
 from ropewalk.system.arrivals import next_change
 from ropewalk.system.carrier import System
@@ -60,10 +60,13 @@ class Implicit:
         accuracy: wanted of positions over the whole motion, m.
         longest: step, s.
         first: about the stable step of explicit motion, s.
+        method: its stages.
     """
 
-    def __init__(self, system: System, rest: Array, accuracy: float, longest: float, first: float) -> None:
-        self.system, self._accuracy, self._longest = system, accuracy, longest
+    def __init__(
+        self, system: System, rest: Array, accuracy: float, longest: float, first: float, method: Stages
+    ) -> None:
+        self.system, self._accuracy, self._longest, self._method = system, accuracy, longest, method
         carried = Carried(system.contacts, system.tables, system.bodies)
         self._standing = Standing(system.structure, rest, carried, as_moving=True)
         size = float(np.ptp(rest, axis=1).max())
@@ -131,15 +134,19 @@ class Implicit:
         )
         self._factored = 0.0
 
-    def _factor(self, dt: float) -> tuple[Callable[[Array], Array], Callable[[Any], Any]]:
+    def _factor(self, dt: float) -> tuple[Callable[[Any], Any], ...]:
+        """What solves for each mode of the stages, and, last, for the error."""
         if self._factored == 0.0 or abs(dt / self._factored - 1.0) > _SAME:
-            real, pair = REAL / dt, PAIR / dt
-            self._solvers = (
-                splu((real**2 * self._M + real * self._C + self._K).tocsc()).solve,
-                splu((pair**2 * self._M + pair * self._C + self._K).astype(complex).tocsc()).solve,
-            )
+            first, *others = (self._solver(mode.value / dt) for mode in self._method.modes)
+            value = self._method.modes[0].value
+            self._solvers = (first, *others, first if value.imag == 0.0 else self._solver(abs(value) / dt))
             self._factored = dt
         return self._solvers
+
+    def _solver(self, rate: complex) -> Callable[[Any], Any]:
+        rate = rate.real if rate.imag == 0.0 else rate
+        solve: Callable[[Any], Any] = splu((rate**2 * self._M + rate * self._C + self._K).tocsc()).solve
+        return solve
 
     def _go(self, end: float) -> int:
         """Go on to a time in s up to which no contact changes."""
@@ -182,13 +189,13 @@ class Implicit:
             forces.at(t, shape, rates)
             self.memory[0] = dt * max(0.2, SAFETY * error**-0.25)
             return None
-        V = D @ Z / dt
-        acceleration = self._free @ ((D[2] @ V - D_SUM[2] * v) / dt)
+        V = self._method.D @ Z / dt
+        acceleration = self._free @ (self._method.D[-1] @ (V - v) / dt)
         powers, work = Powers(forces, contacts), np.zeros(WORKS)
-        for j in range(3):
+        for j in range(Z.shape[0]):
             powers.see(*self._stage(t, dt, shape, Z, V, j))
-        for j, power in enumerate(powers.at_stages(dt)):
-            work += dt * A[2, j] * power
+        for weight, power in zip(self._method.A[-1], powers.at_stages(dt, self._method.D), strict=True):
+            work += dt * weight * power
         state.work[:] += work
         forces.react(acceleration)
         self._last, self.steps = _Taken(dt, Z), self.steps + 1
@@ -199,39 +206,42 @@ class Implicit:
 
     def _stage(self, t: float, dt: float, shape: Array, Z: Array, V: Array, j: int) -> tuple[float, Array, Array]:
         """Time, places and velocities of everything at stage j."""
-        when = t + C[j] * dt
+        when = t + self._method.C[j] * dt
         moved = shape + self._free @ Z[j] + self._forces.driven(when) - self._forces.driven(t)
         return when, moved, self._free @ V[j] + self._forces.driven_rates(when) + self._gone
 
     def _guess(self, dt: float, v: Array) -> Array:
         """Stages as the polynomial of the step before goes on."""
+        C = self._method.C
         if self._last is None:
             return np.outer(C * dt, v)
-        at, x = np.concatenate([[0.0], C]), 1.0 + C * dt / self._last.dt
-        values = np.vstack([np.zeros(v.size), self._last.Z])
-        out = -np.tile(self._last.Z[2], (3, 1))
-        for i in range(4):
-            basis = np.prod([(x - at[k]) / (at[i] - at[k]) for k in range(4) if k != i], axis=0)
+        later = C > 0.0
+        at, x = np.concatenate([[0.0], C[later]]), 1.0 + C * dt / self._last.dt
+        values = np.vstack([np.zeros(v.size), self._last.Z[later]])
+        out = -np.tile(self._last.Z[-1], (C.size, 1))
+        for i in range(at.size):
+            basis = np.prod([(x - at[k]) / (at[i] - at[k]) for k in range(at.size) if k != i], axis=0)
             out += np.outer(basis, values[i])
         return out
 
     def _newton(self, t: float, dt: float, shape: Array, v: Array) -> Array | None:
         """Stages of a step, (stage, unknown); None: they are not found."""
-        real, pair = self._factor(dt)
+        solvers, D = self._factor(dt), self._method.D
         Z, before, theta = self._guess(dt, v), np.inf, 0.0
         self._quick = True
         for iteration in range(_MOST):
             V = D @ Z / dt
-            M_a = self._M @ ((D @ V - np.outer(D_SUM, v)) / dt).T
+            M_a = self._M @ (D @ (V - v) / dt).T
             g = np.array([
-                self._free.T @ self._forces.at(*self._stage(t, dt, shape, Z, V, j)) - M_a[:, j] for j in range(3)
+                self._free.T @ self._forces.at(*self._stage(t, dt, shape, Z, V, j)) - M_a[:, j] for j in range(len(Z))
             ])  # fmt: skip
             if not np.isfinite(g).all():
                 return None
-            g = T_INVERSE @ g
-            x, y = real(g[0]), pair(g[1] + 1j * g[2])
-            step = T @ np.array([x, y.real, y.imag])
-            Z = np.asarray(Z + step)
+            step = np.zeros_like(Z)
+            for (value, of_stages, share), solve in zip(self._method.modes, solvers, strict=False):
+                x = solve((of_stages.real if value.imag == 0.0 else of_stages) @ g)
+                step += np.outer(share, x).real
+            Z = Z + step
             change = float(np.abs(self._free @ step.T).max(initial=0.0))
             theta = change / before
             self._quick = theta < _SLOW
@@ -244,8 +254,7 @@ class Implicit:
 
     def _error(self, dt: float, Z: Array, v: Array, before: Array) -> float:
         """The embedded estimate of the error of a step, over what it may be."""
-        V = D @ Z / dt
-        first, second = v + E @ Z / dt, before + self._M @ (E @ (V - v)) / dt
-        real, _ = self._factor(dt)
-        found = real(second + REAL / dt * (self._M @ first) + self._C @ first)
+        V, guide, rate = self._method.D @ Z / dt, self._method.guide, abs(self._method.modes[0].value) / dt
+        first, second = v - guide @ Z / dt, before - self._M @ (guide @ (V - v)) / dt
+        found = self._factor(dt)[-1](second + rate * (self._M @ first) + self._C @ first)
         return float(np.abs(self._free @ found).max(initial=0.0)) / (LOCAL * self._accuracy)

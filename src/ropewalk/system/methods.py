@@ -1,7 +1,9 @@
 """What methods of time integration do not bear in motions of the system.
 
-The sixth order needs forces that depend on places and time alone, and springs as they are: its steps also go back in
-time. The implicit method needs forces that depend on places, velocities and time in a smooth way.
+The sixth order by composition needs forces that depend on places and time alone, and springs as they are: its steps
+also go back in time (Blanes & Casas 2005: beyond the second order, steps of real kicks and drifts must). Where
+something damps it is that of an implicit method. These need forces that depend on places, velocities and time in a
+smooth way.
 """
 
 from __future__ import annotations
@@ -29,51 +31,42 @@ def of_methods(parts: Parts) -> Iterator[Finding]:
     if parts.run.method in HIGH_ORDER and parts.run.window is not None:
         asked, remedy = parts.run.method, "use auto or verlet, or leave window out"
         yield missing(("run", "method"), _MOTION, asked, remedy, feature=f"{asked} with a window")
-    if parts.run.method == "implicit" and parts.run.axial_inertia != 1.0:
+    implicit = parts.run.method == "implicit" or (parts.run.method == "rkn6" and first_damper(parts) is not None)
+    if implicit and parts.run.axial_inertia != 1.0:
+        asked, feature = parts.run.method, "implicit with an axial inertia"
         remedy = "use auto or verlet, or leave axial_inertia out: implicit steps are not bound by waves along lines"
-        yield missing(("run", "method"), _MOTION, "implicit", remedy, feature="implicit with an axial inertia")
-    check = {"rkn6": _not_of_sixth_order, "implicit": _not_implicit}.get(parts.run.method)
-    if check is not None and (found := next(check(parts), None)) is not None:
+        yield missing(("run", "method"), _MOTION, asked, remedy, feature=feature)
+    if parts.run.method in HIGH_ORDER and (found := next(_not_smooth(parts), None)) is not None:
         feature, otherwise = found
         given, remedy = parts.run.method, f"use auto or verlet, or {otherwise}"
         yield missing(("run", "method"), _MOTION, given, remedy, feature=f"{given} with {feature}")
 
 
-def _not_of_sixth_order(parts: Parts) -> Iterator[tuple[str, str]]:
+def first_damper(parts: Parts) -> str | None:
+    """What depends on velocities, if anything does, as messages name it."""
     if parts.is_airy:
-        yield "wind", "leave wind_drag out"
-    yield from _over_sheaves(parts)
+        return "wind"
     for part in (*parts.lines.values(), *parts.nets.values()):
         tree = {} if part is None else part.model_dump()
         held = {key: tree.pop(key, None) for key in ("start_support", "end_support", "supports", "edge")}
         if tree.get("drag"):
-            yield "the drag of lines", "leave drag out"
+            return "the drag of lines"
         if _is_damped(tree):
-            yield "Kelvin-Voigt damping", "leave axial_damping or damping out"
+            return "Kelvin-Voigt damping"
         if _is_damped(held):
-            yield "dampers at supports", "leave their damping out"
+            return "dampers at supports"
     for line in parts.overhead.values():
-        tree = {} if line is None else line.model_dump()
-        if _has(tree, ("drag", "damping")):
-            yield "dampers or the drag of overhead lines", "leave drag and damping out"
-    for load in parts.loads.values():
-        if load is None:
-            continue
-        if _is_damped(load.model_dump()):
-            yield "dampers or the drag of loads", "leave damping and air_drag out"
-        yield from _not_smooth(load)
-        if isinstance(load, Walker | Foreign):
-            yield "a load that decides on the way", "kind: force"
+        if _has({} if line is None else line.model_dump(), ("drag", "damping")):
+            return "dampers or the drag of overhead lines"
+    if any(_is_damped(load.model_dump()) for load in parts.loads.values() if load is not None):
+        return "dampers or the drag of loads"
+    return None
 
 
-def _over_sheaves(parts: Parts) -> Iterator[tuple[str, str]]:
-    """Nodes pass them all of a sudden, and friction knows the slip before."""
+def _not_smooth(parts: Parts) -> Iterator[tuple[str, str]]:
+    """Find what makes forces jump. Over sheaves nodes pass all of a sudden, and friction knows the slip before."""
     if parts.runs_over_sheaves:
         yield "lines over sheaves", "end the line at the sheave"
-
-
-def _not_implicit(parts: Parts) -> Iterator[tuple[str, str]]:
-    yield from _over_sheaves(parts)
     for load in parts.loads.values():
         if load is None:
             continue
@@ -81,10 +74,15 @@ def _not_implicit(parts: Parts) -> Iterator[tuple[str, str]]:
             yield "a load that decides on the way", "kind: force"
         if isinstance(load, MovingForce) and parts.is_airy and load.travel.speed != 0.0:  # steps become ever shorter
             yield "a force that moves along in wind", "leave wind_drag out"
-        yield from _not_smooth(load)
+        line = parts.lines.get(load.on)
+        limp = line is not None and line.axial_damping and not line.bending_stiffness
+        sixth = isinstance(parts.run, Dynamic) and parts.run.method == "rkn6"
+        if sixth and limp and isinstance(load, MovingForce) and load.travel.speed != 0.0:  # the same
+            yield "a force that moves along a line with axial damping", "method: implicit"
+        yield from _jumps(load)
 
 
-def _not_smooth(load: AnyLoad) -> Iterator[tuple[str, str]]:
+def _jumps(load: AnyLoad) -> Iterator[tuple[str, str]]:
     """Find what lets a load's contact jump, or makes its place depend on the places that it had before."""
     travel = getattr(load, "travel", None)
     if isinstance(travel, FreeTravel):

@@ -269,8 +269,9 @@ def _book(structure, contacts, state):
             way = contacts[k].place[a] - contacts[k].before[a]
             if np.isfinite(way):
                 state.work[LOADED] += 0.5 * (contacts[k].given[a] + contacts[k].last[a]) * way
-                if a == 0 and contacts[k].kind != BODY:
-                    state.work[HELD] += 0.5 * (contacts[k].hold + contacts[k].held_by) * way
+                if contacts[k].kind != BODY:
+                    level = structure.runs.ahead[contacts[k].run, a]
+                    state.work[HELD] += 0.5 * (contacts[k].hold + contacts[k].held_by) * level * way
             push = contacts[k].carried * contacts[k].d[a]
             if np.isfinite(way):
                 state.work[CARRIED] += 0.5 * (push + contacts[k].lagged[a]) * (contacts[k].d[a] - contacts[k].was[a])
@@ -372,7 +373,7 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
         _kick_holdings(structure, room, state, h, yielding, A, b)
         note_kick(room.tight, h)
         if bodies.mass.size > 0:
-            kick(contacts, bodies, state, h, half)
+            kick(structure, contacts, bodies, state, h, half)
         if i < last and not (asked or stands or runs_out or too_long):
             since = drifts[stage] * dt
             gone = (gone if stage > 0 else 0.0) + drifts[stage]

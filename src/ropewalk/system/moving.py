@@ -26,6 +26,7 @@ from ropewalk.results.frame import Account, Frame, Layout
 from ropewalk.results.running import Ending
 from ropewalk.solve.choice import RKN6_LIMIT, Bounds, rkn6_step
 from ropewalk.solve.composition import RKN6, VERLET
+from ropewalk.solve.stages import LOBATTO, RADAU, Stages
 from ropewalk.system import motion
 from ropewalk.system.asking import FAILED, Asking
 from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
@@ -36,6 +37,7 @@ from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
 from ropewalk.system.frames import FrameBuilder
 from ropewalk.system.holding import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
+from ropewalk.system.methods import first_damper
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.stability import GROWN, SAFETY, largest_frequency, largest_step, waves_of, while_passing
 from ropewalk.system.standing import Carried, Standing, load_springs, measure_from_ends
@@ -117,7 +119,7 @@ class Motion:
         self._room, self._table, self._out = Room.of(self.structure, dim), compliances(), np.zeros(4)
         self._A, self._b = np.zeros((3, 4)), np.zeros(3)
         self._method, self._step = VERLET, 0.0
-        self._choose(asked)
+        stages = self._choose(asked)
         self._limit_tension()
         windy = scenario.wind is not None and not scenario.wind.is_calm
         self._builder = FrameBuilder(self.assembled, loading, self.bodies, windy)
@@ -136,12 +138,12 @@ class Motion:
         self._lead()
         self._window = None if asked.window is None else Window(self.structure, asked.window)
         self._implicit: Implicit | None = None
-        if asked.method == "implicit":
+        if stages is not None:
             from ropewalk.system.implicit import Implicit  # lazy: few runs need it
 
             longest = asked.until if asked.step is None else asked.step
             stable = largest_step(self.structure, self.contacts, self.bodies, self.rest)
-            self._implicit = Implicit(self._system(), self.rest, asked.precision, longest, stable)
+            self._implicit = Implicit(self._system(), self.rest, asked.precision, longest, stable, stages)
         tension = tensions(self.structure, self.state.r)
         doubt_slack(scenario, account, self.layout.link_line, tension[self._builder.link])
 
@@ -160,14 +162,21 @@ class Motion:
         """Nodes in the order of the result."""
         return self._builder.node
 
-    def _choose(self, asked: Dynamic) -> None:
-        """Choose method and step."""
+    def _choose(self, asked: Dynamic) -> Stages | None:
+        """Choose method and step; returns the stages of an implicit one."""
         account, parts = self.account, (self.structure, self.contacts, self.bodies, self.rest)
         account.reason = "Verlet's method for all nodes and bodies; contacts on a spline of the fourth order"
         account.method, stable = "explicit", largest_step(*parts)
         stable = min(stable, while_passing(self.structure, self.contacts, self.tables))
         safe, self._step = stable / SAFETY, stable
-        if asked.method == "rkn6":
+        stages: Stages | None = None
+        if asked.method == "rkn6" and (damper := first_damper(self._scenario.parts)) is not None:
+            stages, account.method = LOBATTO, "rkn6"
+            account.reason = (
+                f"as asked: sixth order, by Lobatto's method IIIC, for steps that also go back in time do not bear "
+                f"{damper}; contacts on a spline of the fourth order"
+            )
+        elif asked.method == "rkn6":
             self._method, account.method = RKN6, "rkn6"
             account.reason = "as asked: sixth order for all nodes and bodies; contacts on a spline of the fourth order"
             frequency = largest_frequency(*parts)
@@ -178,8 +187,10 @@ class Motion:
             relative = asked.precision / float(longest)
             self._step = RKN6_SAFETY * rkn6_step(Bounds(frequency, 0.0), relative)
         if asked.method == "implicit":
-            account.method, safe, self._step = "implicit", np.inf, asked.until
+            stages, account.method = RADAU, "implicit"
             account.reason = "as asked: Radau's method of order 5; contacts on a spline of the fourth order"
+        if stages is not None:
+            safe, self._step = np.inf, asked.until
         if asked.step is not None:
             self._step = asked.step
         if self._step > safe:
@@ -189,6 +200,7 @@ class Motion:
             )
         self.contacts["step"] = self._step if self._gives_way else 0.0
         account.step = self._step
+        return stages
 
     @property
     def _gives_way(self) -> bool:

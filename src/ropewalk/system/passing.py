@@ -82,7 +82,9 @@ class Passing:
         force = contacts["given"][:, :dim].copy()
         along, held = contacts["along"][:, :dim], contacts["frictionless"] == 1
         if held.any():  # a horizontal force holds it across its line at rest
-            force[held, 0] -= (force[held] * along[held]).sum(axis=1) / along[held, 0]
+            level = self.structure.runs.ahead[contacts["run"][held]]
+            hold = (force[held] * along[held]).sum(axis=1) / (level * along[held]).sum(axis=1)
+            force[held] -= hold[:, None] * level
         return Touch(
             here, contacts["near"].copy(), contacts["weight"].copy(), 1.0 / contacts["moving"],
             contacts["p"][:, :dim].copy(), contacts["speed"][:, None] * along, force,

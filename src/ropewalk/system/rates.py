@@ -13,7 +13,6 @@ import numpy as np
 
 from ropewalk.mechanics.bodies import PULLS
 from ropewalk.mechanics.chain import Array
-from ropewalk.solve.collocation import D
 from ropewalk.system import motion
 from ropewalk.system.bodies import STAYS
 from ropewalk.system.carrier import System
@@ -221,8 +220,8 @@ class Powers:
         self._seen.append(self._forces.system.contacts.copy())
         self._power.append(self._forces.losses(t))
 
-    def at_stages(self, dt: float) -> Iterator[Array]:
-        """Powers (work,) of all stages, W; dt in s."""
+    def at_stages(self, dt: float, D: Array) -> Iterator[Array]:
+        """Powers (work,) of all stages, W; dt in s, D: (stage, stage), rates of stages over dt."""
         begin, *stages = self._seen
         axes = self._forces.system.state.r.shape[0]
         for j, (stage, power) in enumerate(zip(stages, self._power, strict=True)):
@@ -233,7 +232,9 @@ class Powers:
             on = stage["state"] == ON
             work = (stage["given"][:, :axes] * place).sum(axis=1)
             power[LOADED] += float(work[on].sum())
-            power[HELD] += float((stage["hold"] * place[:, 0])[on & (stage["kind"] == FORCE)].sum())
+            level = self._forces.system.structure.runs.ahead[stage["run"]]
+            held = stage["hold"] * (level * place).sum(axis=1)
+            power[HELD] += float(held[on & (stage["kind"] == FORCE)].sum())
             power[CARRIED] += float((stage["carried"] * (stage["d"][:, :axes] * d).sum(axis=1))[on].sum())
             push = stage["push"] * stage["speed"]
             power[STRUCK] -= float(push[on & (stage["kind"] == FORCE)].sum())

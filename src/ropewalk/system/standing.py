@@ -155,9 +155,8 @@ class Standing:
 
     def _given(self, k: int) -> Array:
         """Given force of contact k and what holds it, N."""
-        force = self.contacts[k]["given"][: self.rest.shape[0]].copy()
-        force[0] += self.contacts[k]["hold"]
-        return np.asarray(force)
+        contact, runs = self.contacts[k], self.structure.runs
+        return np.asarray(contact["given"][: self.rest.shape[0]] + contact["hold"] * runs.ahead[contact["run"]])
 
     def forces(self, u: Array) -> Array:
         """Forces on all coordinates, N, with those of the lines at their contacts, which are known."""

@@ -36,6 +36,7 @@ class Runs(NamedTuple):
     shift: Array  # (run, side, 2) parts of the wind on a link that the next two nodes bear for an end
     arcs: Array  # 1: links are arcs; 0: chords, as the edges of the cells beside them
     firm: Array  # N/m, stiffness of contacts on a way on a net; 0: it is a cable
+    ahead: Array  # (run, axis) unit vector, level, along which a horizontal force holds contacts
 
 
 class Nodes(NamedTuple):

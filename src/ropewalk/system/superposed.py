@@ -207,7 +207,8 @@ class Superposed:
             shape[first : first + dim] = below + moment.force[k] * touch.soft[i]
             contact["hold"] = 0.0
             if contact["frictionless"]:
-                contact["hold"] = moment.force[k, 0] - contact["given"][0]
+                level = self._linear.runs.ahead[contact["run"]]
+                contact["hold"] = level @ (moment.force[k] - contact["given"][:dim])
         potential.forces(shape)
         room, v = potential.room, moment.velocity.reshape(r.shape)
         inertia, forces = self._still.mass * moment.acceleration, self._still.forces(x, moment.velocity)

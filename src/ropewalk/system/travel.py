@@ -118,7 +118,7 @@ def locate(structure, room, contacts, tables, state, table, out, since):
         sit(structure, contacts, state, k, s)
         if contacts[k].kind == BODY and contacts[k].frictionless == 1:
             if contacts[k].apart == 1 or was != ON:
-                contacts[k].hold = 0.0
+                contacts[k].hold = contacts[k].evened = 0.0
             elif since > 0.0:
                 _even_out(structure, room, contacts, state, table, out, k, since)
         if contacts[k].travel == FREE or contacts[k].held == 1:
@@ -131,23 +131,30 @@ def locate(structure, room, contacts, tables, state, table, out, since):
 
 @lean_inner
 def _even_out(structure, room, contacts, state, table, out, k, since):
-    """Put the body of contact k, which has no friction, along x where it takes nothing to move the contact along.
+    """Put the body of contact k, which has no friction, where it takes nothing to move the contact along its line.
 
-    What this changes the hold force of the step before by is noted: the next one begins with that.
+    It moves level, as the force does that holds it, which is noted.
     """
-    x, h, s = contacts[k].first, structure.runs.h[contacts[k].run], state.s[k]
-    begin, slack = state.u[x], _least_stiffness(structure, contacts, k)
+    axes, first, s, gone, rate = state.r.shape[0], contacts[k].first, state.s[k], 0.0, 0.0
+    h, level = structure.runs.h[contacts[k].run], structure.runs.ahead[contacts[k].run]
+    slack = _least_stiffness(structure, contacts, k)
     for _ in range(ROUNDS):
         push = _resistance(structure, room, contacts, state, table, out, k, s, since)[0]
-        slope = (max(contacts[k].moving, 0.0) + slack) * contacts[k].along[0]
+        slope = 0.0
+        for a in range(axes):
+            slope += (max(contacts[k].moving, 0.0) + slack) * contacts[k].along[a] * level[a]
         step = min(max(push / slope, -FAR * h), FAR * h) if slope != 0.0 else 0.0
-        state.u[x] += step
+        gone += step
+        for a in range(axes):
+            state.u[first + a] += step * level[a]
         if abs(step) <= CLOSE * h:
             break
-    change = (state.u[x] - begin) / since
-    state.w[x] += change
-    state.work[HELD] += change / contacts[k].light * (state.w[x] - 0.5 * change)
-    contacts[k].hold += change / (contacts[k].light * since)
+    change = gone / since
+    for a in range(axes):
+        state.w[first + a] += change * level[a]
+        rate += state.w[first + a] * level[a]
+    state.work[HELD] += change / contacts[k].light * (rate - 0.5 * change)
+    contacts[k].evened = change / (contacts[k].light * since)
 
 
 @inlined
