@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from . import bodies, continuum, cosim, cost, endurance, nets, overhead, statics, theory
+from . import bodies, continuum, cosim, cost, endurance, gate, nets, overhead, statics, theory
 from .peers import __main__ as peers
 
 
@@ -15,14 +15,17 @@ def main() -> None:
     parser.add_argument(
         "what", nargs="?", default="all",
         choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies", "overhead", "nets", "cosim",
-                 "endurance"],
+                 "endurance", "gate"],
         help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling; "
         "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields; "
         "bodies: masses, walkers, models of one's own, and Exudyn's sliding joint; overhead: against real time; "
         "nets: a mass on nets of more and more nodes; cosim: what an exchange with an FMU costs; "
-        "endurance: long runs, large lines, large results, checkpoints",
+        "endurance: long runs, large lines, large results, checkpoints; "
+        "gate: one problem, two schemes for contacts, one exact answer (only rows whose names contain --row)",
     )  # fmt: skip
-    what = parser.parse_args().what
+    parser.add_argument("--row", action="append", default=[], help="part of the names of rows of gate")
+    asked = parser.parse_args()
+    what = asked.what
     if what in ("all", "continuum"):
         continuum.main()
     if what in ("all", "cost"):
@@ -41,6 +44,8 @@ def main() -> None:
         cosim.main()
     if what in ("all", "endurance"):
         endurance.main()
+    if what in ("all", "gate"):
+        gate.main(asked.row)
     if what in ("all", "peers"):
         sys.argv = ["benchmarks.peers", "--case", "all"]
         peers.main()

@@ -1,7 +1,7 @@
 """Lines that are held between their ends, in motion.
 
 Sources: superposition of the exact modes of a beam over two spans (`continuous_beams.py`); a string with a spring and a
-mass at a station by Ritz's method with the static kink there; the same thing said in other words.
+mass at a station by its characteristics (`held_strings.py`); the same thing said in other words.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import xarray as xr
 
 from continuous_beams import EI, MASS, SPANS, Array, three_moments, under_a_moving_force
 from example_routes import deck_under_a_vehicle
+from held_strings import HeldString, Rider, Station, crossed
 from ropewalk.capabilities import SYSTEM, engine_of
 from ropewalk.model import Scenario
 from ropewalk.scenario import load
@@ -87,40 +88,6 @@ def test_a_force_crosses_a_pier_as_modes_of_two_spans_say() -> None:
     assert orders(errors) == pytest.approx([2.9, 2.9], abs=0.25)
 
 
-def on_a_spring(at: float, stiffness: float, mass: float, times: Array) -> Array:
-    """Deflection in m at a spring with a mass below a station of a string that a unit force crosses.
-
-    Characteristics: sources at +-(v t + 2 j L) are felt within their cones, c/2T per impulse. So are those
-    of the support, I = k U + m u' with U the integral of u: u = u0 - c/2T (I(t) + sum of +-I(t - delays)), by the
-    method of Heun.
-    """
-    tension, whole, c = 1e4, 20.0, np.sqrt(1e4 * (1.0 + STRAIN))
-    speed, half = SPEED * (1.0 + STRAIN), 0.5 * c / tension
-    t = np.linspace(0.0, times[-1], 40_001)
-    images = [(sign, 2.0 * j * whole) for j in range(-6, 7) for sign in (1.0, -1.0)]
-    u0 = np.zeros_like(t)
-    for sign, far in images:
-        x = at - far
-        felt = np.minimum((c * t - x) / (c - sign * speed), (c * t + x) / (c + sign * speed))
-        u0 += half * sign * np.clip(felt, 0.0, t)
-    delays = [(sign, round(abs(at - far - sign * at) / c / t[1])) for sign, far in images]
-    delays = [(sign, late) for sign, late in delays if 0 < late < t.size]
-    u, rate, whole_u, impulse = (np.zeros_like(t) for _ in range(4))
-    for i in range(1, t.size):
-        late = sum(sign * impulse[i - n] for sign, n in delays if n <= i)
-        if mass:  # half (k U + m u') = u0 - u - half late
-            new = u[i - 1] + t[1] * rate[i - 1]
-            U = whole_u[i - 1] + 0.5 * t[1] * (u[i - 1] + new)
-            rate[i] = ((u0[i] - new) / half - late - stiffness * U) / mass
-            u[i] = u[i - 1] + 0.5 * t[1] * (rate[i - 1] + rate[i])
-        else:
-            U = whole_u[i - 1] + 0.5 * t[1] * u[i - 1]
-            u[i] = (u0[i] - half * (late + stiffness * U)) / (1.0 + 0.5 * t[1] * half * stiffness)
-        whole_u[i] = whole_u[i - 1] + 0.5 * t[1] * (u[i - 1] + u[i])
-        impulse[i] = stiffness * whole_u[i] + mass * rate[i]
-    return np.interp(times, t, u)
-
-
 @pytest.mark.parametrize(
     ("stiffness", "mass", "order"), [(2e3, 0.0, 1.4), (2e3, 5.0, 2.0), (0.0, 5.0, 2.0)], ids=["spring", "both", "mass"]
 )
@@ -134,7 +101,8 @@ def test_a_string_on_a_spring_at_a_station_yields_to_a_force_as_its_characterist
         line = ROPE | {"elements": elements, "supports": {"spring": support}}
         found = moving(line, 0.9, 0.01, loads=crossing(1e-3))
         node = int(np.abs(found.xi.values - support["at"]).argmin())
-        exact = -1e-3 * on_a_spring(at, stiffness, mass, found.time.values)
+        string = HeldString(20.0, 1e4, 1.0 / (1.0 + STRAIN), Station(at, stiffness, mass=mass))
+        exact = -crossed(string, SPEED * (1.0 + STRAIN), found.time.values, Rider(force=1e-3))[0]
         away = found.position.values[:, node, 1] - exact
         errors.append(float(np.sqrt((away**2).mean()) / np.abs(exact).max()))
         reaction = found.reaction.sel(axis="z").values[:, 2]

@@ -15,7 +15,7 @@ from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.fleet import FIRM
-from ropewalk.system.contacts import AWAY, FORCE, FREE, GONE, ON, stiffen
+from ropewalk.system.contacts import AWAY, FORCE, FREE, GONE, ON, find_kinks, stiffen
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import HELD, IN_BODIES, STRUCK
 from ropewalk.system.tethers import bear, hang
@@ -91,66 +91,80 @@ def _solve(A, b, n):
 
 
 @lean_inner
+def _balance(structure, room, contacts, bodies, state, table, out, p, rate):
+    """Balance one part, beside the kinks of others as they are; returns whether some of its contacts share links."""
+    A, b, n, crowded = bodies.A, bodies.b, bodies.size[p], False
+    for _ in range(ROUNDS):
+        for i in range(n):
+            c = bodies.at[p, i]
+            k, a = bodies.contact[c], bodies.axis[c]
+            for j in range(n):
+                A[i, j] = 0.0
+            if bodies.per_mass[c] > 0.0 or (k >= 0 and contacts[k].state != ON):
+                A[i, i], b[i] = 1.0, state.u[c]
+                continue
+            b[i] = bodies.force[c] + (contacts[k].given[a] if k >= 0 else 0.0)
+            for j in range(n):
+                d = bodies.at[p, j]
+                A[i, j] = bodies.K[p, i, j]
+                if bodies.per_mass[d] > 0.0 or rate == 0.0:
+                    b[i] -= bodies.C[p, i, j] * state.w[d]
+                else:
+                    A[i, j] += bodies.C[p, i, j] * rate
+                    b[i] += bodies.C[p, i, j] * rate * bodies.old[d]
+            if k >= 0:
+                stiffen(structure, room, contacts, state, table, out, k)
+                for j in range(n):  # N changes by S and by the tension that the kink makes
+                    d = bodies.at[p, j]
+                    if bodies.contact[d] == k:
+                        stiff = contacts[k].rise * contacts[k].d[a] * contacts[k].d[bodies.axis[d]]
+                        stiff += contacts[k].moving if d == c and contacts[k].apart == 0 else 0.0
+                        A[i, j] += stiff
+                        b[i] += stiff * state.u[d]
+                b[i] -= contacts[k].moving * contacts[k].d[a]
+                bear(contacts, bodies, state, A, b, p, i, rate)
+        _solve(A, b, n)
+        most = 0.0
+        for i in range(n):
+            c = bodies.at[p, i]
+            k = bodies.contact[c]
+            if bodies.per_mass[c] == 0.0:
+                if k >= 0 and contacts[k].state == ON:
+                    most = max(most, abs(b[i] - state.u[c]) / structure.runs.h[contacts[k].run])
+                    crowded = crowded or contacts[k].crowded == 1
+                state.u[c] = b[i]
+        if most < SETTLED:
+            break
+    return crowded
+
+
+@lean_inner
 def balance(structure, room, contacts, bodies, state, table, out, since):
     """Put coordinates without mass where springs above and the line below are in balance, by Newton's method.
 
     Args:
         since: s, since this was done before; 0: nothing has moved since, and velocities are known.
     """
-    A, b, rate = bodies.A, bodies.b, 1.0 / since if since > 0.0 else 0.0
+    rate = 1.0 / since if since > 0.0 else 0.0
     for c in range(bodies.mass.size):
         if bodies.alone[c] == 1 and bodies.per_mass[c] == 0.0 and contacts[bodies.contact[c]].state == ON:
             state.u[c] = contacts[bodies.contact[c]].p[bodies.axis[c]]  # nothing above moves or holds it
+    for c in range(bodies.mass.size):
+        bodies.old[c] = state.u[c]
+    for _ in range(ROUNDS):
+        crowded = False
+        for p in range(bodies.size.size):
+            here = bodies.weightless[p] > 0 and bodies.gone[bodies.load[bodies.at[p, 0]]] == STAYS
+            if here and _balance(structure, room, contacts, bodies, state, table, out, p, rate):
+                crowded = True
+        if not crowded or not find_kinks(structure, room, contacts, state, table, out):
+            break
     for p in range(bodies.size.size):
-        n = bodies.size[p]
-        if bodies.weightless[p] == 0 or bodies.gone[bodies.load[bodies.at[p, 0]]] != STAYS:
-            continue
-        for i in range(n):
-            bodies.old[bodies.at[p, i]] = state.u[bodies.at[p, i]]
-        for _ in range(ROUNDS):
-            for i in range(n):
+        if bodies.weightless[p] > 0 and bodies.gone[bodies.load[bodies.at[p, 0]]] == STAYS:
+            for i in range(bodies.size[p]):
                 c = bodies.at[p, i]
-                k, a = bodies.contact[c], bodies.axis[c]
-                for j in range(n):
-                    A[i, j] = 0.0
-                if bodies.per_mass[c] > 0.0 or (k >= 0 and contacts[k].state != ON):
-                    A[i, i], b[i] = 1.0, state.u[c]
-                    continue
-                b[i] = bodies.force[c] + (contacts[k].given[a] if k >= 0 else 0.0)
-                for j in range(n):
-                    d = bodies.at[p, j]
-                    A[i, j] = bodies.K[p, i, j]
-                    if bodies.per_mass[d] > 0.0 or rate == 0.0:
-                        b[i] -= bodies.C[p, i, j] * state.w[d]
-                    else:
-                        A[i, j] += bodies.C[p, i, j] * rate
-                        b[i] += bodies.C[p, i, j] * rate * bodies.old[d]
-                if k >= 0:
-                    stiffen(structure, room, contacts, state, table, out, k)
-                    for j in range(n):  # N changes by S and by the tension that the kink makes
-                        d = bodies.at[p, j]
-                        if bodies.contact[d] == k:
-                            stiff = contacts[k].rise * contacts[k].d[a] * contacts[k].d[bodies.axis[d]]
-                            stiff += contacts[k].moving if d == c and contacts[k].apart == 0 else 0.0
-                            A[i, j] += stiff
-                            b[i] += stiff * state.u[d]
-                    b[i] -= contacts[k].moving * contacts[k].d[a]
-                    bear(contacts, bodies, state, A, b, p, i, rate)
-            _solve(A, b, n)
-            most = 0.0
-            for i in range(n):
-                c = bodies.at[p, i]
-                k = bodies.contact[c]
-                if bodies.per_mass[c] == 0.0:
-                    if k >= 0 and contacts[k].state == ON:
-                        most = max(most, abs(b[i] - state.u[c]) / structure.runs.h[contacts[k].run])
-                    state.u[c] = b[i]
-            if most < SETTLED:
-                break
-        for i in range(n):
-            c = bodies.at[p, i]
-            if bodies.per_mass[c] == 0.0 and rate > 0.0:
-                state.w[c] = (state.u[c] - bodies.old[c]) * rate
+                if bodies.per_mass[c] == 0.0 and rate > 0.0:
+                    state.w[c] = (state.u[c] - bodies.old[c]) * rate
 
 
 @inlined

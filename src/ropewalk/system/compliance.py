@@ -136,3 +136,41 @@ def kinetic(square, table):
         i += 1
     part = min((square - table[0, i]) / (table[0, i + 1] - table[0, i]), 1.0)
     return table[1, i] + part * (table[1, i + 1] - table[1, i])
+
+
+@lean_inner
+def stiffness(whole, bending, h, n, factor, x, free, table, out):
+    """S = 1/(h kappa/whole + free), its change with the tension, the part of it that is not `free`, and its curvature.
+
+    In compression it goes on in a straight line.
+
+    Args:
+        whole: N, tension and EI/h^2.
+        bending: N, EI/h^2.
+        h: m.
+        n: links of the run.
+        factor: of kappa in tension, of a kink that is carried along.
+        x: links along it.
+        free: m/N, what else gives way.
+        table, out: see `compliance`; out is left as it was at x.
+    """
+    zeta, straight = 0.0, bending > 0.0 and whole <= bending
+    if bending > 0.0:
+        zeta = 1.0 if straight else bending / whole
+    root = np.sqrt(zeta)
+    if bending > 0.0 or factor == 1.0:  # else it was looked up for the kink at rest
+        compliance(x, n, root, table, out)
+    kappa = max(out[0], LEAST)
+    first, second = -out[1] / kappa**2, (2.0 * out[1] ** 2 / kappa - out[3]) / kappa**2  # of 1/kappa
+    moving = kappa * (1.0 + (1.0 - zeta) * (factor - 1.0))
+    slope = (1.0 - 0.5 * root * first * kappa) / (h * moving)
+    S, curve = whole / (h * moving), 0.0
+    if straight:
+        S = bending / (h * moving) + (whole - bending) * slope
+    elif zeta > 0.0:
+        curve = -0.25 * root * (first - root * second) / (whole * h)
+    taken = 1.0
+    if S > 0.0:
+        taken = 1.0 / (1.0 + free * S)
+    curve = (curve - 2.0 * free * slope**2 * taken) * taken * taken
+    return S * taken, slope * taken * taken, taken, curve

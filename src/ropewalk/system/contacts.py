@@ -19,7 +19,8 @@ import numpy as np
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import inlined, lean_inner
-from ropewalk.system.compliance import KINETIC, LEAST, compliance, kinetic
+from ropewalk.system.compliance import KINETIC, LEAST, compliance, kinetic, stiffness
+from ropewalk.system.sharing import see_others
 from ropewalk.system.spline import WIDTH, links_under, share
 
 # Largest square of a speed over that of transverse waves with which a kink is carried along.
@@ -28,6 +29,7 @@ FASTEST = 0.9025
 AGAIN, FOUND = 40, 1e-9
 # Kink over h^2 of a given force with which it is sought from none, and beyond which it is not.
 BEGIN, MOST = 5e-5, 5e5
+TOGETHER = 1e-12  # the same of those that share links, where no last step of Newton's method makes it better
 
 FORCE, BODY = 0, 1  # what touches: a given force, or coordinates that move
 AWAY, ON, GONE = 0, 1, 2  # not on its line, on it, off it with all of its load, for good
@@ -104,6 +106,8 @@ CONTACT = np.dtype(
         ("was", *_VECTOR),  # m, d when it was last looked at
         ("lagged", *_VECTOR),  # N, `carried` times d then
         ("kink", _REAL),  # m^2, K
+        ("beside", "f8", (3,)),  # m^2, what other kinks add to l^2/2 of the links below
+        ("crowded", _CODE),  # 1: others stand on these, too
         ("fade", _REAL),  # m^2/s, by which it straightens after the contact has left
         ("turn", _REAL),  # J/m, change of the energy of the kink with s, beside that of p
         ("push", _REAL),  # N, change of all energy with s: what it takes to move it along
@@ -171,11 +175,12 @@ def _tension_under(structure, room, contacts, k, kink):
             if p[0] == law.RIGID:
                 T += q * h / contacts[k].h[j] * room.tension[contacts[k].link[j]]
                 continue
-            length = np.sqrt(room.length[contacts[k].link[j]] ** 2 + 2.0 * q * kink)
+            square = room.length[contacts[k].link[j]] ** 2 + 2.0 * (q * kink + contacts[k].beside[j])
+            length = np.sqrt(square)
             strain = length / contacts[k].h[j] - 1.0
             own = h * law.tension(p, strain) / length
             T += q * own
-            slope += q * q * (law.tangent(p, strain) * h / contacts[k].h[j] - own) / (length * length)
+            slope += q * q * (law.tangent(p, strain) * h / contacts[k].h[j] - own) / square
     return T, slope
 
 
@@ -216,7 +221,7 @@ def _soften(structure, contacts, table, out, k, T):
     if contacts[k].kind == BODY:
         free += 0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light)
     whole = T + bending
-    S, slope, taken, contacts[k].curve = _stiffness(whole, bending, h, n, 1.0, contacts[k].x, free, table, out)
+    S, slope, taken, contacts[k].curve = stiffness(whole, bending, h, n, 1.0, contacts[k].x, free, table, out)
     contacts[k].by_tension, contacts[k].firm = slope, S - T * slope
     contacts[k].turn = S * taken * out[2] / (max(out[0], LEAST) * h)
     contacts[k].moving, contacts[k].carried = S, 0.0
@@ -225,7 +230,7 @@ def _soften(structure, contacts, table, out, k, T):
     moving = min(structure.runs.rho[run] * U * U, FASTEST * whole)
     less = max(T - moving, min(T, 0.0)) if bending > 0.0 else T - moving
     factor = kinetic(moving / whole, KINETIC)
-    contacts[k].moving, slope, taken, _ = _stiffness(
+    contacts[k].moving, slope, taken, _ = stiffness(
         less + bending, bending, h, n, factor, contacts[k].x, free, table, out
     )
     contacts[k].carried = S - contacts[k].moving
@@ -244,44 +249,6 @@ def _stay_firm(structure, contacts, k):
 
 
 @lean_inner
-def _stiffness(whole, bending, h, n, factor, x, free, table, out):
-    """S = 1/(h kappa/whole + free), its change with the tension, the part of it that is not `free`, and its curvature.
-
-    In compression it goes on in a straight line.
-
-    Args:
-        whole: N, tension and EI/h^2.
-        bending: N, EI/h^2.
-        h: m.
-        n: links of the run.
-        factor: of kappa in tension, of a kink that is carried along.
-        x: links along it.
-        free: m/N, what else gives way.
-        table, out: see `compliance`; out is left as it was at x.
-    """
-    zeta, straight = 0.0, bending > 0.0 and whole <= bending
-    if bending > 0.0:
-        zeta = 1.0 if straight else bending / whole
-    root = np.sqrt(zeta)
-    if bending > 0.0 or factor == 1.0:  # else it was looked up for the kink at rest
-        compliance(x, n, root, table, out)
-    kappa = max(out[0], LEAST)
-    first, second = -out[1] / kappa**2, (2.0 * out[1] ** 2 / kappa - out[3]) / kappa**2  # of 1/kappa
-    moving = kappa * (1.0 + (1.0 - zeta) * (factor - 1.0))
-    slope = (1.0 - 0.5 * root * first * kappa) / (h * moving)
-    S, curve = whole / (h * moving), 0.0
-    if straight:
-        S = bending / (h * moving) + (whole - bending) * slope
-    elif zeta > 0.0:
-        curve = -0.25 * root * (first - root * second) / (whole * h)
-    taken = 1.0
-    if S > 0.0:
-        taken = 1.0 / (1.0 + free * S)
-    curve = (curve - 2.0 * free * slope**2 * taken) * taken * taken
-    return S * taken, slope * taken * taken, taken, curve
-
-
-@lean_inner
 def find_kink(structure, room, contacts, table, out, k, square, F):
     """Find the kink of contact k, and its stiffness under the tension that the kink makes, by Newton's method.
 
@@ -294,6 +261,7 @@ def find_kink(structure, room, contacts, table, out, k, square, F):
     """
     h = structure.runs.h[contacts[k].run]
     low, high, slope, change, step, before = 0.0, np.inf, 0.0, 0.0, 0.0, 0.0
+    see_others(contacts, k, ON)
     for _ in range(AGAIN):
         K = contacts[k].kink
         T, change = _tension_under(structure, room, contacts, k, K)
@@ -303,7 +271,8 @@ def find_kink(structure, room, contacts, table, out, k, square, F):
             square = (F / S) ** 2 if S > 0.0 else np.inf
             falls += 2.0 * first * slope / S
         miss = K - 0.5 * square * h * first
-        if abs(miss) <= FOUND * K:
+        found = abs(miss) <= FOUND * K
+        if found and contacts[k].crowded == 0:
             break
         if miss > 0.0:
             high = K
@@ -320,6 +289,8 @@ def find_kink(structure, room, contacts, table, out, k, square, F):
             new = max(4.0 * K, BEGIN * h * h)
         contacts[k].kink = new if low <= new <= high else 0.5 * (low + high)
         step, before = contacts[k].kink - K, miss
+        if found:
+            break
     return slope, change, square
 
 
@@ -358,25 +329,43 @@ def stiffen(structure, room, contacts, state, table, out, k):
 
 
 @inlined
-def bend(structure, room, contacts, state, table, out):
-    """Find how far all contacts are from their splines, and let the kinks lengthen the links below."""
+def _bend(structure, room, contacts, state, table, out, k):
+    """Find how far contact k is from its spline, with the kinks of others as they are."""
     axes = state.r.shape[0]
-    for k in range(contacts.size):
-        if contacts[k].state != ON:
-            continue
-        if structure.about.links.size > 0 and contacts[k].kind == FORCE:
-            _yield_little(structure, room, contacts, k, table, out, axes)
-            continue
-        if contacts[k].kind == FORCE:
-            F = _hold(structure, contacts, k, axes)
-            length = np.sqrt(find_kink(structure, room, contacts, table, out, k, 0.0, F)[2])
-            for a in range(axes):
-                contacts[k].d[a] = length * contacts[k].N[a] / F if F > 0.0 else 0.0
-                contacts[k].place[a] = contacts[k].p[a] + contacts[k].d[a]
-            continue
+    if contacts[k].kind == BODY:
         stiffen(structure, room, contacts, state, table, out, k)
         if contacts[k].frictionless == 1 and contacts[k].step > 0.0:  # at rest `Holding` finds it
             _hold(structure, contacts, k, axes)
+    elif structure.about.links.size > 0:
+        _yield_little(structure, room, contacts, k, table, out, axes)
+    else:
+        F = _hold(structure, contacts, k, axes)
+        length = np.sqrt(find_kink(structure, room, contacts, table, out, k, 0.0, F)[2])
+        for a in range(axes):
+            contacts[k].d[a] = length * contacts[k].N[a] / F if F > 0.0 else 0.0
+            contacts[k].place[a] = contacts[k].p[a] + contacts[k].d[a]
+
+
+@lean_inner
+def find_kinks(structure, room, contacts, state, table, out):
+    """Find how far all contacts are from their splines; returns whether some were not found before."""
+    for again in range(AGAIN):
+        moved = False
+        for k in range(contacts.size):
+            before = contacts[k].kink
+            if contacts[k].state == ON:
+                _bend(structure, room, contacts, state, table, out, k)
+            if contacts[k].crowded == 1 and abs(contacts[k].kink - before) > TOGETHER * contacts[k].kink:
+                moved = True
+        if not moved:
+            return again > 0
+    return True
+
+
+@inlined
+def bend(structure, room, contacts, state, table, out):
+    """Find how far all contacts are from their splines, and let the kinks lengthen the links below."""
+    find_kinks(structure, room, contacts, state, table, out)
     for k in range(contacts.size):
         if structure.about.links.size == 0 and (contacts[k].state == ON or contacts[k].kink > 0.0):
             for j in range(3):

@@ -333,18 +333,6 @@ def _below(structure, contacts, state, k, s):
 
 
 @lean_inner
-def _kinked(contacts, k, link):
-    """What kinks of other contacts than k add to the square of the length of a link, m^2."""
-    square = 0.0
-    for m in range(contacts.size):
-        if m != k and (contacts[m].state == ON or contacts[m].kink > 0.0):
-            for j in range(3):
-                if contacts[m].link[j] == link:
-                    square += 2.0 * max(contacts[m].part[j], 0.0) * contacts[m].kink
-    return square
-
-
-@lean_inner
 def _least_stiffness(structure, contacts, k):
     """Stiffness that keeps contact k where its body is while its line is slack, N/m."""
     return SLACK / max(0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light), 1e-300)
@@ -369,7 +357,8 @@ def _resistance(structure, room, contacts, state, table, out, k, s, since):
         link, q = contacts[k].link[j], contacts[k].part[j]
         if q <= 0.0 and contacts[k].change[j] == 0.0:
             continue
-        length = np.sqrt(room.length[link] ** 2 + 2.0 * q * contacts[k].kink)
+        kinks = q * contacts[k].kink + contacts[k].beside[j]
+        length = np.sqrt(room.length[link] ** 2 + 2.0 * kinks)
         stretch += q * length / contacts[k].h[j]  # not of the spline, which cuts the corner
         own = tight
         if structure.runs.law[run, 0] != law.RIGID:
@@ -381,8 +370,7 @@ def _resistance(structure, room, contacts, state, table, out, k, s, since):
             # As the link is damped where it is sought: with the rate of the step before, a kink whose damper
             # stiffens it more than its contact does is thrown back and forth, further at each step.
             c = structure.runs.damping[run] / since
-            whole = np.sqrt(length**2 + _kinked(contacts, k, link))
-            push += lengthens * c * (whole / contacts[k].h[j] - 1.0 - room.before[link])
+            push += lengthens * c * (length / contacts[k].h[j] - 1.0 - room.before[link])
             damper += c * lengthens**2 / contacts[k].h[j]
     slack = _least_stiffness(structure, contacts, k)
     for a in range(state.r.shape[0]):
