@@ -18,6 +18,7 @@ import xarray as xr
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model._base import Declaration, declarations_in
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.sweep import Sweep
 from ropewalk.simulate import simulate
 
 from .bases import BASES, EARLIER, HILLS
@@ -99,20 +100,21 @@ def base_scenario(name: str) -> Scenario:
 
 
 def optional(model: type[Declaration]) -> Iterator[str]:
-    """Optional keys of a declaration as written, but for `kind`."""
+    """Optional keys of a declaration as written, but for `kind` and for what a run takes no notice of."""
     for name, field in model.model_fields.items():
-        if not field.is_required() and name != "kind":
+        if not field.is_required() and name not in ("kind", "sweep"):
             yield field.alias or name
 
 
 @cache
 def declarations() -> tuple[type[Declaration], ...]:
-    """Every declaration that a scenario can hold."""
+    """Every declaration of which a run takes notice: not what says which runs there are to be, whose keys have
+    tests/sweeps/test_sweep.py."""
     found: list[type[Declaration]] = []
     waiting: list[type[Declaration]] = [Scenario]
     while waiting:
         model = waiting.pop()
-        if model not in found:
+        if model not in found and model is not Sweep:
             found.append(model)
             waiting += [inner for field in model.model_fields.values() for inner in declarations_in(field.annotation)]
     return tuple(found)

@@ -11,11 +11,17 @@ import xarray as xr
 import ropewalk
 import sweep_cases as cases
 from ropewalk.errors import ScenarioError
+from ropewalk.model import Sweep
 from ropewalk.sweeps import sweeping
 from ropewalk.sweeps.case import Case, computed
 from ropewalk.sweeps.quantities import measured
 
 LENGTH, FORCE = "lines.rope.length", "loads.man.force.1"
+FELT = (
+    {"over": {LENGTH: "uniform(10.2 m, 12 m)"}}, {"derived": {FORCE: "-(10 N/m) * length"}}, {"combine": "random"},
+    {"count": 5}, {"seed": 2}, {"record": ["largest_tension"]},
+)  # fmt: skip
+"""Another value of each key of a sweep."""
 
 
 @pytest.fixture
@@ -165,6 +171,16 @@ def test_the_file_says_what_the_sweep_is_and_what_is_given_comes_first():
     assert ((found["length"] > 10.2) & (found["length"] < 11.0)).all()
     assert (np.diff(found["largest_sag"].values[np.argsort(found["length"].values)]) > 0.0).all()
     assert swept(None, scenario=cases.scenario(sweep=block), count=2).sizes["case"] == 2
+
+
+@pytest.mark.parametrize("changed", FELT, ids=lambda changed: next(iter(changed)))
+def test_every_key_of_a_sweep_is_felt(changed):
+    block = {"over": {LENGTH: "uniform(10.2 m, 11 m)"}, "combine": "sobol", "count": 4, "record": ["largest_sag"]}
+    one, other = (
+        swept(None, scenario=cases.scenario(sweep=block | more)).drop_vars("seconds") for more in ({}, changed)
+    )
+    assert not one.equals(other)
+    assert {next(iter(case)) for case in FELT} == set(Sweep.model_fields)
 
 
 def test_an_interrupt_leaves_what_there_is(monkeypatch, tmp_path):

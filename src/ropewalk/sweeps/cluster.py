@@ -81,16 +81,17 @@ def _sent(
                 return
             for future in wait(list(under_way), return_when="FIRST_COMPLETED").done:
                 chunk, alone = under_way.pop(future)
-                if future.status == "finished":
-                    yield from zip(chunk, future.result(), strict=True)
-                elif not isinstance(future.exception(), KilledWorker):
-                    future.result()
-                elif alone:
-                    yield chunk[0], lost
-                elif len(chunk) > 1:
-                    singles += chunk
-                else:
-                    suspects += chunk
+                try:  # not its status: a worker that dies after the wait takes its answer with it, to be computed again
+                    answers = future.result()
+                except KilledWorker:
+                    if alone:
+                        yield chunk[0], lost
+                    elif len(chunk) > 1:
+                        singles += chunk
+                    else:
+                        suspects += chunk
+                    continue
+                yield from zip(chunk, answers, strict=True)
     except (CommClosedError, FutureCancelledError, OSError) as error:
         raise RopewalkError(
             f"the cluster has gone ({type(error).__name__}); with a store, the same call goes on where it was"

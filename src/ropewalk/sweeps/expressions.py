@@ -162,7 +162,7 @@ def _binary(op: ast.operator, a: Amount, b: Amount) -> Amount:
             if isinstance(value, complex):
                 raise ArithmeticError
             return Amount(value, (m, kg, s))
-    raise Refused("this operator is not known", _KNOWN)
+    raise Refused("there is no such operator", _KNOWN)
 
 
 def _function(name: str, arguments: list[Amount]) -> Amount:
