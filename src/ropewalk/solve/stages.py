@@ -42,7 +42,8 @@ class Stages(NamedTuple):
         for i in later:
             others = [C[k] for k in later if k != i]
             guide[i] = np.prod([-c / (C[i] - c) for c in others]) / C[i]
-        values, vectors = np.linalg.eig(D.astype(np.complex128))
+        values, vectors = np.linalg.eig(D)  # of real numbers, for pairs that are conjugate to the last bit
+        values, vectors = values.astype(np.complex128), vectors.astype(np.complex128)
         inverse = np.linalg.inv(vectors)
         modes = [
             Mode(complex(values[i]), inverse[i], vectors[:, i] * complex(1.0 if values[i].imag == 0.0 else 2.0))
