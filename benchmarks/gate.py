@@ -1,5 +1,5 @@
 """One problem, two schemes, one exact answer (docs/notes/gate-of-contacts.md): how loads meet lines by the engines of
-ropes, stiff lines and networks, with events where a load passes a node, and by contacts on splines, which have none.
+ropes and stiff lines, with events where a load passes a node, and by contacts on splines, which have none.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from ropewalk.webs.moving import Motion as Web
 from tests import continuous_beams, held_strings
 
 from ropewalk.chains.moving import Chain
@@ -48,7 +47,6 @@ def motion(engine: Callable[[Scenario, Account, Array], Engine]) -> Ways:
 
 OLD: dict[str, Ways] = {
     "ropes": motion(Chain),
-    "networks": motion(Web),
     "stiff lines": motion(lambda scenario, account, times: Wires(task_of(scenario), times, account)),
 }
 NEW = motion(Motion)
@@ -378,7 +376,6 @@ PROBLEMS = (
     Problem("the same on a stiff line, 0.85 c", "drift", (192, 384, 768), "stiff lines", begins(0.85, "clamped", True)),
     *(Problem(f"mass of the string, {a} c", "deflection, m g L/P", FINER, "ropes", mass(a))
       for a in (0.2, 0.5, 0.8, 0.95)),
-    Problem("  by networks, 0.8 c", "deflection, m g L/P", FINER, "networks", mass(0.8)),
     *(Problem(f"mass of the string, {a} c", "force, m g, rms", FINER, "ropes", mass(a, of="force"))
       for a in (0.2, 0.5, 0.8)),
     Problem("  until waves come back, 0.8 c", "force, m g, rms", FINER, "ropes", mass(0.8, of="force", part=0.85)),

@@ -89,17 +89,17 @@ def test_a_mass_without_friction_is_held_as_on_a_rope_that_is_divided_at_it() ->
     """Set down suddenly on a damped rope: path to 1 % of a metre, as links of half a metre are."""
     keys = {"kind": "mass", "mass": 80.0, "contact": "frictionless", "speed": 2.0, "force": [0, 0]}
     loose = {"axial_damping": 50.0, "length": 30.4}
-    plain, calm = (asked(dict(keys), moved(1.0), calm=calm, **loose) for calm in (False, True))
+    plain, calm = (asked(dict(keys), moved(1.0, every=0.002), calm=calm, **loose) for calm in (False, True))
     assert engine_of(plain) is ROPES
     assert engine_of(calm) is SYSTEM
     exact, found = simulate(plain), simulate(calm)
     print(np.abs(found.contact_position - exact.contact_position).max().item())
-    print(found.hold_force.values[:, 0, 0], exact.hold_force.values[:, 0, 0])
     assert found.contact_position.values == pytest.approx(exact.contact_position.values, abs=0.01)
     assert np.ptp(found.contact_position.values[:, 0, 1]) > 1.0
     held, right = (one.hold_force.values[5:, 0, 0] for one in (found, exact))
-    print(held.mean(), right.mean())
-    assert held.mean() == pytest.approx(right.mean(), rel=0.05)  # at instants they differ as contact forces do
+    print(held.mean(), right.mean(), held.std(), right.std())
+    assert held.mean() == pytest.approx(right.mean(), rel=0.03)  # measured 1.1 %
+    assert held.std() == pytest.approx(right.std(), rel=0.15)  # 9 %: at instants they differ as contact forces do
     assert np.abs(found.contact_friction.values[2:]).max() < 1e-3
     steps = [3e-4, 1.5e-4, 7.5e-5]
     runs = [frames_of(asked(dict(keys), moved(0.5, step=step), calm=True, **loose)) for step in steps]

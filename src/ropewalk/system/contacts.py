@@ -115,7 +115,7 @@ CONTACT = np.dtype(
         ("was_at", _REAL),  # m, s
         ("driven", _REAL),  # N
         ("held_by", _REAL),  # N
-        ("evened", _REAL),  # N, what holds a body without friction beside `hold`, in the step before
+        ("evened", _REAL),  # N, what holds a body without friction beside `hold`, as of late
         ("stretch", _REAL),  # of the line at the contact, as its speed is measured
         ("step", _REAL),  # s, of the motion: what gives way within it keeps a stiff contact stable
         ("light", _REAL),  # 1/kg, about what a force accelerates above it

@@ -13,15 +13,24 @@ import numpy as np
 
 from ropewalk.mechanics.bodies import PULLS
 from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.compiled import lean
 from ropewalk.system import motion
 from ropewalk.system.bodies import STAYS
 from ropewalk.system.carrier import System
 from ropewalk.system.contacts import BODY, FORCE, ON
 from ropewalk.system.standing import Standing, gathered
 from ropewalk.system.structure import CARRIED, DAMPED, HELD, IN_BODIES, LOADED, MOVED, STRUCK, WORKS
+from ropewalk.system.surfaces import damp_surfaces
+from ropewalk.system.ties import damp_ties
 
 # Part of a step over which strains are differenced along their velocities: rounding is as small as what it cuts off.
 _LITTLE = 1e-3
+
+
+@lean
+def _damp(surfaces, ties, r, v, force):
+    """Add the forces of the dampers of cells and of ties, which have been looked at; returns the power they take, W."""
+    return damp_surfaces(surfaces, r, v, force) + damp_ties(ties, v, force)
 
 
 class Forces:
@@ -47,7 +56,7 @@ class Forces:
         ):
             self._damped_links[first : first + n], self._h[first : first + n] = c, h
         groups = (structure.surfaces, structure.ties)
-        self._damped = [group for group in groups if group is not None and group.damped]
+        self._has_dampers = any(group is not None and group.damped for group in groups)
         self._little, self._span = 0.0, (0.0, 0.0)
 
     def begin(self, dt: float, until: float) -> None:
@@ -114,8 +123,8 @@ class Forces:
             room.rate[:] = total / (2.0 * self._little)
         self._look(t, shape, rates)
         force = room.force - structure.nodes.mass * structure.nodes.drag * state.v
-        for group in self._damped:
-            force -= (group.damping(state.r) @ state.v.ravel()).reshape(force.shape)
+        if self._has_dampers:
+            _damp(structure.surfaces, structure.ties, state.r, state.v, force)
         held = structure.holdings
         first = held.node[held.first]
         for e, n in enumerate(first):
@@ -176,9 +185,8 @@ class Forces:
         nodes, held, power = structure.nodes, structure.holdings, np.zeros(WORKS)
         power[DAMPED] = float((self._damped_links * self._h * room.rate**2).sum())
         power[DAMPED] += float((nodes.mass * nodes.drag * state.v**2).sum())
-        for group in self._damped:
-            v = state.v.ravel()
-            power[DAMPED] += float(v @ (group.damping(state.r) @ v))
+        if self._has_dampers:
+            power[DAMPED] += _damp(structure.surfaces, structure.ties, state.r, state.v, np.zeros_like(state.v))
         if structure.wind.direction.any():
             power[LOADED] = float((room.air * state.v).sum())
         for e in np.union1d(self._sprung, self._driven):
