@@ -20,6 +20,7 @@ from ropewalk.mechanics.loading import loading_of
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.travel import FreeTravel
 from ropewalk.model.trolley import Trolley
 from ropewalk.results.exchanges import foreign_in
 from ropewalk.results.frame import Account, Frame, Layout
@@ -69,6 +70,17 @@ _ENDS = {
     motion.AT_SHEAVE: ("travel ended", "a load has come to a sheave, which it cannot pass; let it turn back before"),
     motion.LINE_OUT: ("line ran out", "a line has run over a sheave up to its end, to another sheave or to a joint"),
 }
+
+
+def _shaken(scenario: Scenario) -> list[str]:
+    """Loads that rub by themselves on lines whose own waves nothing damps (docs/notes/contacts-on-splines.md)."""
+    return [
+        f"loads.{name} slides with friction on {load.on}, along which waves are not damped: they shake the contact, "
+        f"and friction bears less than it should; give lines.{load.on} an axial_damping"
+        for name, load in scenario.loads.items()
+        if isinstance(travel := getattr(load, "travel", None), FreeTravel) and travel.friction > 0.0
+        if (line := scenario.lines.get(load.on)) is not None and not line.axial_damping
+    ]
 
 
 class Motion:
@@ -146,6 +158,7 @@ class Motion:
             self._implicit = Implicit(self._system(), self.rest, asked.precision, longest, stable, stages)
         tension = tensions(self.structure, self.state.r)
         doubt_slack(scenario, account, self.layout.link_line, tension[self._builder.link])
+        account.warnings += _shaken(scenario)
 
     @property
     def layout(self) -> Layout:
