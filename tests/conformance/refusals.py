@@ -47,6 +47,7 @@ _PATTERNS = {
         "no air drag of loads there": rf"\.air_drag: {_NOT}",
         "nothing rubs on inextensible lines": rf"\.contact: {_NOT} inextensible",
         "only clamped contacts in networks": rf"\.contact: {_NOT} (joined|nets)",
+        "nothing goes to the side on overhead lines": rf"\.(lateral|balance): {_NOT} overhead",
         "nothing goes to the side on nets": rf"\.(lateral|balance): {_NOT} nets",
         "stiff lines and networks do not whirl": rf"\.whirl: {_NOT}|a mode outside the x-z plane {_NOT}",
         "no implicit method over sheaves": rf"implicit with lines over sheaves {_NOT}",

@@ -55,7 +55,7 @@ def _overhead(parts: Parts) -> Iterator[Finding]:
         if line is None:
             continue
         if line.stitch_wire is not None:
-            yield missing(("overhead_lines", name, "stitch_wire"), what, remedy="leave stitch_wire out")
+            yield missing(("overhead_lines", name, "stitch_wire"), what, remedy="write run.geometry: linearised, or leave stitch_wire out")
         for key in ("contact_wire", "messenger_wire"):
             if late := getattr(line, key).retardation:
                 remedy = "leave retardation out, or use drag"
