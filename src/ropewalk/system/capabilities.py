@@ -55,7 +55,8 @@ def _overhead(parts: Parts) -> Iterator[Finding]:
         if line is None:
             continue
         if line.stitch_wire is not None:
-            yield missing(("overhead_lines", name, "stitch_wire"), what, remedy="write run.geometry: linearised, or leave stitch_wire out")
+            remedy = "write run.geometry: linearised, or leave stitch_wire out"
+            yield missing(("overhead_lines", name, "stitch_wire"), what, remedy=remedy)
         for key in ("contact_wire", "messenger_wire"):
             if late := getattr(line, key).retardation:
                 remedy = "leave retardation out, or use drag"
