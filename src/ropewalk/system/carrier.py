@@ -211,14 +211,16 @@ class SystemCarrier:
     longest: float  # s, of a step
     looks_ahead: bool = False
     steps: int = 0
-    _entry: tuple[Structure, Callable[..., tuple[int, float]]] | None = None
+    _known: tuple[System, Callable[..., tuple[int, float]]] | None = None
 
     def advance(self, dt: float, steps: int) -> tuple[int, float]:
-        """The kernel of the motion; what its arguments are is found out once, for the structure of the beginning."""
-        if self._entry is None:
-            self._entry = self.system.structure, entry_of(motion.advance, (*self.system, dt, steps))
-        structure, entry = self._entry
-        return entry(*self.system, dt, steps) if self.system.structure is structure else self.system.advance(dt, steps)
+        """The kernel of the motion; what its arguments are is found out once, for those of the beginning."""
+        if self._known is None:
+            self._known = self.system, entry_of(motion.advance, (*self.system, dt, steps))
+        (first, entry), system = self._known, self.system
+        if system.structure is first.structure and system.state is first.state:  # no twin, and no window
+            return entry(*system, dt, steps)
+        return system.advance(dt, steps)
 
     @property
     def t(self) -> float:
