@@ -98,8 +98,8 @@ def record(
 ) -> xr.Dataset:
     """Let a run go to its end, and record all that is still to come of it."""
     try:
-        for frame in run.frames():
-            recorder.append(frame)
+        for frames in run.blocks():
+            recorder.extend(frames)
             if watch.is_due():
                 account.wall_seconds, account.cpu_seconds = watch.read()
             if progress is not None:

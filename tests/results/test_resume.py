@@ -22,7 +22,7 @@ import ropewalk
 from resume_cases import KINDS, case
 from ropewalk.cli import app
 from ropewalk.model import Scenario
-from ropewalk.results import ResultError, open_result, recorder, slots
+from ropewalk.results import ResultError, frames, open_result, recorder, slots
 from ropewalk.results.checksums import CHECKED, FRAMES, HEAD, NONE
 from ropewalk.results.past import Past
 from ropewalk.simulate import output_times
@@ -32,7 +32,8 @@ SPENT = ("cpu_seconds", "wall_seconds")
 
 @pytest.fixture
 def at_once(monkeypatch):
-    """Every frame is synchronised, with a checkpoint."""
+    """No frame waits for others, and every one is synchronised, with a checkpoint."""
+    monkeypatch.setattr(frames, "WAIT", 0.0)
     monkeypatch.setattr(recorder, "SYNC_SECONDS", 0.0)
     monkeypatch.setattr(slots, "SECONDS", 0.0)
     monkeypatch.setattr(slots, "SHARE", np.inf)

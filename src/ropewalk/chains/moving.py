@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 
 from ropewalk.chains.beginning import initial_state
@@ -16,6 +17,7 @@ from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.exchanges import foreign_in
 from ropewalk.results.frame import ENERGY_FORMS, Account, Frame
+from ropewalk.results.frames import Frames
 from ropewalk.results.running import Ending
 from ropewalk.solve.carrier import RopeCarrier
 from ropewalk.solve.choice import Choice, choose, cut_by_damping
@@ -47,7 +49,7 @@ class Chain:
         RopewalkError: there is no state to begin with.
     """
 
-    looks_ahead = False
+    looks_ahead, together = False, True
 
     def __init__(self, scenario: Scenario, account: Account, times: Array, past: Tree | None = None) -> None:
         run = scenario.run
@@ -106,14 +108,20 @@ class Chain:
         outcome, advice = progress.told()
         return Ending(outcome, f"stopped at t = {state.t[0]:.6g} s: {advice}")
 
-    def frame(self) -> Frame | None:
+    def note(self) -> Frame | None:
         """The present frame; none where nothing of the motion can be trusted any more."""
         status, begins = self.progress.status, self.state.t[0] <= 0.0
         if status == RUNNING or (status in (END_OF_LINE, MET, STOPPED) and not begins):
-            return self._builder.build(self.state)
+            frame = self._builder.build(self.state)
+            self._remark(frame)
+            return frame
         return None
 
-    def remark(self, frame: Frame) -> None:
+    def frames(self, notes: Sequence[Frame]) -> Frames:
+        """The frames of some notes."""
+        return Frames.together(notes)
+
+    def _remark(self, frame: Frame) -> None:
         """Note what one should know of a frame of the motion."""
         if self.progress.status != RUNNING or frame.path <= 0.0:
             return

@@ -191,9 +191,9 @@ def _on_wires(rung: Rung, progress: Callable[[float], None]) -> xr.Dataset:
     times = output_times(run)
     found = TimeHistory(Wires(rung.task, times, account, run.sample, run.step), account)
     with Recorder(found.layout, scenario, account, None) as recorder:
-        for count, frame in enumerate(found.frames(), start=1):
-            recorder.append(frame)
-            progress(min(count / times.size, 1.0))
+        for frames in found.blocks():
+            recorder.extend(frames)
+            progress(min(recorder.frames / times.size, 1.0))
         return recorder.close()
 
 

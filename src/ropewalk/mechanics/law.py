@@ -133,6 +133,15 @@ def strain(p, force):
 
 
 @kernel
+def strains(p, force):
+    """Strains for an array of tensions, each with a law of its own, p (tension, parameter)."""
+    out = np.empty(force.size)
+    for i in range(force.size):
+        out[i] = strain(p[i], force[i])
+    return out
+
+
+@kernel
 def tensions(p, eps):
     """Tensions for an array of strains."""
     out = np.empty(eps.size)

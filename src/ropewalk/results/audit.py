@@ -13,11 +13,15 @@ AUDIT = "imbalance"
 GIVEN = ("load_work", "hold_work", "support_work", "drive_work")
 
 
-def energies(**forms: float) -> Array:
-    """Energies stored and works since the start in the order of ENERGY_FORMS, J; what is not named is zero."""
-    found = np.zeros(len(ENERGY_FORMS))
+def energies(**forms: Array | float) -> Array:
+    """Energies stored and works since the start in the order of ENERGY_FORMS, J, the last dimension of the result.
+
+    What is not named is zero; what is may be numbers, or arrays (instant,).
+    """
+    instants = max(map(np.shape, forms.values()), key=len, default=())
+    found = np.zeros((*instants, len(ENERGY_FORMS)))
     for form, value in forms.items():
-        found[ENERGY_FORMS.index(form)] = value
+        found[..., ENERGY_FORMS.index(form)] = value
     return found
 
 
@@ -27,12 +31,13 @@ class Audit:
     def __init__(self) -> None:
         self._first: float | None = None
 
-    def of(self, **forms: float) -> Array:
-        """Energies of a frame in the order of ENERGY_FORMS, the imbalance with them, J."""
+    def of(self, **forms: Array | float) -> Array:
+        """Energies of frames as by `energies`, the imbalance with them, J."""
         energy = energies(**forms)
-        total = float(energy.sum()) - 2.0 * sum(forms.get(form, 0.0) for form in GIVEN)
-        self._first = total if self._first is None else self._first
-        energy[ENERGY_FORMS.index(AUDIT)] = total - self._first
+        given = [ENERGY_FORMS.index(form) for form in GIVEN]
+        total = energy.sum(axis=-1) - 2.0 * energy[..., given].sum(axis=-1)
+        self._first = float(total.flat[0]) if self._first is None else self._first
+        energy[..., ENERGY_FORMS.index(AUDIT)] = total - self._first
         return energy
 
     def get_state(self) -> Tree:
@@ -44,15 +49,17 @@ class Audit:
         self._first = tree
 
 
-def turnover(energy: Array) -> Array:
+def turnover(energy: Array, first: Array | None = None) -> Array:
     """Energy that has changed its form since the start, in J: half the sum of all changes.
 
     Args:
         energy: array (frame, form) in J, in the order of ENERGY_FORMS.
+        first: (form,) J, at the start; None: the first of these.
 
     Returns:
         Array (frame,).
     """
     forms = [k for k, form in enumerate(ENERGY_FORMS) if form != AUDIT]
-    moved: Array = np.nansum(np.abs(energy[:, forms] - energy[:1, forms]), axis=1) / 2
+    begin = energy[0] if first is None else first
+    moved: Array = np.nansum(np.abs(energy[:, forms] - begin[forms]), axis=1) / 2
     return moved

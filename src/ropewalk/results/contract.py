@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -177,6 +178,11 @@ def shapes(layout: Layout) -> dict[str, tuple[int, ...]]:
     """Shape of every variable in one frame."""
     size = sizes(layout)
     return {name: tuple(size[d] for d in quantity.dims) for name, quantity in VARIABLES.items()}
+
+
+def numbers(layout: Layout) -> int:
+    """How many bytes the numbers of one frame take."""
+    return 8 * sum(math.prod(shape) for shape in shapes(layout).values())
 
 
 def scenario_text(scenario: Scenario) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from ropewalk.foreign.turns import Turns, closing
 from ropewalk.model.load import Foreign
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Account, Frame
+from ropewalk.results.frame import Account, Array
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,15 +32,15 @@ def exchanging(turns: Sequence[Turns], account: Account) -> Iterator[None]:
             account.warnings += [remark for partner in turns for remark in partner.verdict()]
 
 
-def exchanged(frame: Frame, turns: Sequence[Turns], account: Account) -> Frame:
-    """The frame with what has gone through all interfaces; what is to be remarked goes to the account."""
+def told(turns: Sequence[Turns], account: Account) -> dict[str, Array]:
+    """What has gone through all interfaces, by the names of `Frame`; what is to be remarked goes to the account."""
     if not turns:
-        return frame
+        return {}
     for partner in turns:
         account.warnings += partner.remarks
         partner.remarks.clear()
     work, residual, peak = np.array([partner.told() for partner in turns]).T
-    return replace(frame, exchange_work=work, exchange_residual=residual, exchange_peak=peak)
+    return {"exchange_work": work, "exchange_residual": residual, "exchange_peak": peak}
 
 
 def exchange_summary(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:

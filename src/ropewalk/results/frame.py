@@ -96,13 +96,18 @@ class Frame:
 
 
 class Contacts:
-    """What a frame tells of contacts, to be filled in: at first they are off the line."""
+    """What a frame tells of contacts, to be filled in: at first they are off the line.
 
-    def __init__(self, count: int, dim: int) -> None:
-        self.position, self.force, self.hold = (np.full((count, dim), np.nan) for _ in range(3))
-        self.xi, self.speed, self.friction = (np.full(count, np.nan) for _ in range(3))
-        self.tension, self.state = np.full((count, 2), np.nan), np.full(count, OFF_LINE)
-        self.in_air, self.power = np.zeros(count), np.zeros(count)
+    Args:
+        sizes: (contact, axis); of several frames with their number in front.
+    """
+
+    def __init__(self, *sizes: int) -> None:
+        one = sizes[:-1]
+        self.position, self.force, self.hold = (np.full(sizes, np.nan) for _ in range(3))
+        self.xi, self.speed, self.friction = (np.full(one, np.nan) for _ in range(3))
+        self.tension, self.state = np.full((*one, 2), np.nan), np.full(one, OFF_LINE)
+        self.in_air, self.power = np.zeros(one), np.zeros(one)
 
     def told(self) -> dict[str, Array]:
         """The same by the names of `Frame`."""

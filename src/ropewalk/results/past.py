@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,8 @@ from ropewalk.checkpoint import Tree
 from ropewalk.results import contract
 from ropewalk.results.checksums import CutShortError, DamagedError, check_whole
 from ropewalk.results.files import ResultError
-from ropewalk.results.frame import Array, Frame, Layout
+from ropewalk.results.frame import Array, Layout
+from ropewalk.results.frames import Frames
 from ropewalk.results.slots import newest
 
 _BLOCK = 64  # frames that are read at a time
@@ -79,8 +80,8 @@ class Past:
         except (OSError, ValueError, RuntimeError, MemoryError) as problem:
             raise ResultError(f"{path}: cannot be read ({problem})") from problem
 
-    def frames(self, layout: Layout) -> Iterator[Frame]:
-        """The frames before the checkpoint, one after the other.
+    def frames(self, layout: Layout) -> Iterator[Frames]:
+        """The frames before the checkpoint, some at a time.
 
         Raises:
             ResultError: they are of another layout.
@@ -97,16 +98,9 @@ class Past:
             for first in range(0, self.count, _BLOCK):
                 last = min(first + _BLOCK, self.count)
                 block = {
-                    name: np.asarray(file.variables[name][first:last]) for name in shapes if name in file.variables
+                    name: np.asarray(file.variables[name][first:last])
+                    if name in file.variables
+                    else np.zeros((last - first, *shape))
+                    for name, shape in shapes.items()
                 }
-                for row in range(last - first):
-                    yield _frame(float(self.times[first + row]), block, row, shapes)
-
-
-def _frame(path: float, block: dict[str, Array], row: int, shapes: dict[str, tuple[int, ...]]) -> Frame:
-    values = {
-        each.name: block[each.name][row] if each.name in block else np.zeros(shapes[each.name])
-        for each in fields(Frame)
-        if each.name != "path"
-    }
-    return Frame(path=path, **values)
+                yield Frames(self.times[first:last], block)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import time
 import zlib
 from collections.abc import Callable, Iterable
@@ -20,6 +19,7 @@ from ropewalk.checkpoint import Tree
 from ropewalk.results import checksums, contract
 from ropewalk.results.files import WriteError, beside, open_result
 from ropewalk.results.frame import Account, Array, Frame, Layout
+from ropewalk.results.frames import Frames
 from ropewalk.results.past import Past
 from ropewalk.results.slots import Slots, cut, digests
 from ropewalk.results.target import alone, check_target
@@ -34,6 +34,7 @@ SLOW_FRAME = 0.1  # frames that come more slowly, in s, are written at once: it 
 BLOCK_BYTES = 1_000_000  # frames wait in memory up to this size: fewer and larger writes
 BLOCK_ROWS = 512
 _CUT_SHORT = ("interrupted", "failed")  # outcomes of runs that did not come to where they were before
+_TOLD = ("method", "reason", "step", "doubts", "warnings")  # attributes that are kept up to date while a run goes on
 RESERVE = 16 * 1024  # bytes kept free in the header for attributes that grow, or else the data would have to move
 
 
@@ -72,8 +73,8 @@ class Recorder:
         self._closed = False
         fixed = contract.scenario_attributes(scenario)
         if past is not None:
-            for frame in past.frames(layout):
-                self._watch.see(frame)
+            for frames in past.frames(layout):
+                self._watch.see(frames)
         kept = None if run is None or file is None else partial(_checkpoint, digests(scenario), account, run)
         self._store: _Store = _Memory(layout, fixed) if file is None else _File(layout, fixed, file, run, kept, past)
 
@@ -83,7 +84,11 @@ class Recorder:
         return self._store.count
 
     def append(self, frame: Frame) -> None:
-        """Record a frame; its arrays are copied and may be used again.
+        """Record a frame, as `extend` does."""
+        self.extend(Frames.together([frame]))
+
+    def extend(self, frames: Frames) -> None:
+        """Record frames; their arrays are copied and may be used again.
 
         Raises:
             ValueError: an array does not have the shape of the layout.
@@ -92,11 +97,11 @@ class Recorder:
         if self._closed:
             raise ValueError("the recorder is closed")
         for name, shape in self._shapes.items():
-            given = np.shape(getattr(frame, name))
-            if given != shape and not (getattr(frame, name) is None and 0 in shape):
+            given = frames.of[name].shape[1:] if name in frames.of else None
+            if given != shape and not (given is None and 0 in shape):
                 raise ValueError(f"frame {self.frames}: {name} has shape {given}, the layout says {shape}")
-        self._watch.see(frame)
-        self._store.append(frame, self._account)
+        self._watch.see(frames)
+        self._store.extend(frames, self._account)
 
     def close(self) -> xr.Dataset:
         """Finish the record and give it as a dataset; a file is complete and closed then.
@@ -151,7 +156,7 @@ def _checkpoint(data: dict[str, str], account: Account, run: Run) -> Tree | None
 class _Store(Protocol):
     count: int
 
-    def append(self, frame: Frame, account: Account) -> None: ...
+    def extend(self, frames: Frames, account: Account) -> None: ...
 
     def finish(self, account: Account) -> None: ...
 
@@ -165,10 +170,13 @@ def _rows(layout: Layout, rows: int) -> dict[str, Array]:
     return {contract.PATH: np.full(rows, np.nan), **arrays}
 
 
-def _put(frame: Frame, arrays: dict[str, Array], row: int) -> None:
+def _put(frames: Frames, arrays: dict[str, Array], row: int, part: slice) -> None:
+    """Copy some frames to rows of arrays from a row on."""
+    rows = slice(row, row + part.stop - part.start)
     for name, array in arrays.items():
-        if array[row].size:
-            array[row] = getattr(frame, name)
+        given = frames.path if name == contract.PATH else frames.of.get(name)
+        if given is not None:
+            array[rows] = given[part]
 
 
 class _Memory:
@@ -179,11 +187,11 @@ class _Memory:
         self._layout, self._fixed = layout, fixed
         self._arrays = _rows(layout, 64)
 
-    def append(self, frame: Frame, account: Account) -> None:
-        if self.count == len(self._arrays[contract.PATH]):
-            self._resize(2 * self.count)
-        _put(frame, self._arrays, self.count)
-        self.count += 1
+    def extend(self, frames: Frames, account: Account) -> None:
+        if self.count + len(frames) > len(self._arrays[contract.PATH]):
+            self._resize(max(2 * self.count, self.count + len(frames)))
+        _put(frames, self._arrays, self.count, slice(0, len(frames)))
+        self.count += len(frames)
 
     def _resize(self, rows: int) -> None:
         for array in self._arrays.values():
@@ -281,19 +289,22 @@ class _File:
         if self._slots is not None:
             self._slots.use(self._file)
 
-    def append(self, frame: Frame, account: Account) -> None:
+    def extend(self, frames: Frames, account: Account) -> None:
         if not self._begun:
             self._begin(account)
-        row = self.count - self._base
-        _put(frame, self._arrays, row)
-        self.count += 1
-        now = time.monotonic()
-        slow = now - self._last_append >= SLOW_FRAME or self.count == 1
-        full = row + 1 == len(self._arrays[contract.PATH])
-        self._last_append = now
-        last = self.count == self._total
+        now, room = time.monotonic(), len(self._arrays[contract.PATH])
+        slow = now - self._last_append >= SLOW_FRAME * len(frames) or self.count == 0
+        self._last_append, done = now, 0
+        while done < len(frames):
+            row = self.count - self._base
+            part = slice(done, min(len(frames), done + room - row))
+            _put(frames, self._arrays, row, part)
+            self.count, done = self.count + part.stop - done, part.stop
+            if done < len(frames):
+                self._flush(account, _TOLD)
+        last, full = self.count == self._total, self.count - self._base == room
         if full or slow or last or now - self._last_sync >= SYNC_SECONDS:
-            self._flush(account, ("method", "reason", "step", "doubts", "warnings"))
+            self._flush(account, _TOLD)
             if self._slots is not None and self._slots.is_due(at_once=last):
                 self._keep()
 
@@ -377,8 +388,7 @@ class _File:
 
 def block_rows(layout: Layout) -> int:
     """Number of frames that wait in memory for being written."""
-    frame = 8 * sum(math.prod(shape) for shape in contract.shapes(layout).values())
-    return int(np.clip(BLOCK_BYTES // frame, 1, BLOCK_ROWS))
+    return int(np.clip(BLOCK_BYTES // contract.numbers(layout), 1, BLOCK_ROWS))
 
 
 def _storable(attributes: dict[str, contract.Attribute]) -> dict[str, Any]:

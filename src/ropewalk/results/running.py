@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
 
 from ropewalk.checkpoint import Tree
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.turns import Turns, begun
-from ropewalk.results.exchanges import exchanged, exchanging
+from ropewalk.results.contract import numbers
+from ropewalk.results.exchanges import exchanging, told
 from ropewalk.results.frame import Account, Array, Frame, Layout
+from ropewalk.results.frames import Frames, Waiting
 
 
 class Ending(NamedTuple):
@@ -41,14 +45,18 @@ class Engine(Protocol):
     def looks_ahead(self) -> bool:
         """Whether the frame of an instant needs the step after it: a longer run goes on from before the last one."""
 
+    @property
+    def together(self) -> bool:
+        """Whether what has been noted may wait to be made frames together with what comes."""
+
     def advance(self, i: int) -> Ending | None:
         """Go on to output instant i, from that before it; why it has ended, if it has."""
 
-    def frame(self) -> Frame | None:
-        """The present frame; of a motion that has broken down there may be none."""
+    def note(self) -> Any:
+        """What the present frame will be made of, unchanged by what comes; maybe None of what has broken down."""
 
-    def remark(self, frame: Frame) -> None:
-        """Note what one should know of a frame."""
+    def frames(self, notes: Sequence[Any]) -> Frames:
+        """The frames of some notes; the account is told what one should know of them."""
 
     def get_state(self) -> Tree:
         """All that changes."""
@@ -95,29 +103,47 @@ class TimeHistory:
             return self._last
         return {"frames": self._taken, "engine": self.engine.get_state(), "account": self.account.get_state()}
 
-    def frames(self) -> Iterator[Frame]:
-        """The frames that are still to come; a motion that breaks down ends with the last one, and the account says so.
+    def blocks(self) -> Iterator[Frames]:
+        """The frames that are still to come, some at a time; after a block all that changes is as at its last frame.
+
+        A motion that breaks down ends with the last one, and the account says so.
 
         Raises:
             RopewalkError: it cannot begin.
         """
-        engine, account = self.engine, self.account
+        engine, account, waiting = self.engine, self.account, Waiting(numbers(self.layout))
         with exchanging(engine.turns, account):
             for i in range(self._taken, self.total):
                 if engine.looks_ahead and i == self.total - 1:
+                    if waiting:
+                        yield self._made(waiting.taken())
                     with suppress(RopewalkError):  # a model that gives no state
                         self._last = self.get_state()
-                ending = engine.advance(i)
+                try:
+                    ending = engine.advance(i)
+                except BaseException:  # what came before is there all the same
+                    if waiting:
+                        yield self._made(waiting.taken())
+                    raise
                 if ending is not None:
                     account.outcome, account.advice = ending
-                frame = engine.frame()
-                self._taken = i + 1
-                if frame is not None:
-                    frame = exchanged(frame, engine.turns, account)
-                    engine.remark(frame)
-                    yield frame
+                self._taken, note = i + 1, engine.note()
+                is_due = note is not None and waiting.append((note, told(engine.turns, account)))
+                if waiting and (is_due or not engine.together or ending is not None or self._taken == self.total):
+                    yield self._made(waiting.taken())
                 if ending is not None:
                     return
+
+    def _made(self, notes: Sequence[tuple[Any, Mapping[str, Array]]]) -> Frames:
+        """The frames of what has been noted."""
+        frames = self.engine.frames([note for note, _ in notes])
+        return Frames(
+            frames.path, {**frames.of, **{name: np.stack([of[name] for _, of in notes]) for name in notes[0][1]}}
+        )
+
+    def frames(self) -> Iterator[Frame]:
+        """The same frames one by one."""
+        return (frame for block in self.blocks() for frame in block)
 
     def last(self) -> Frame:
         """The frame of the last instant.
@@ -157,6 +183,10 @@ class Statics:
     def frames(self) -> Iterator[Frame]:
         """All of them."""
         return self.given
+
+    def blocks(self) -> Iterator[Frames]:
+        """The same, each by itself."""
+        return (Frames.together([frame]) for frame in self.given)
 
     def get_state(self) -> None:
         """Nothing."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.calm import started_too_close
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Account, Array, Doubt, Frame, Layout
+from ropewalk.results.frames import Frames
 from ropewalk.results.peaks import beside, lonely
 
 if TYPE_CHECKING:
@@ -38,21 +39,28 @@ class _Balance:
         self._before = self._steepest = 0.0  # energy missing before, and its largest growth over a frame, J
         self._whole = True  # whether all audits were numbers
 
-    def see(self, frame: Frame) -> bool:
-        """Take note of a frame; says whether more than ever before has got lost since the last one."""
-        energy, missed = np.asarray(frame.energy), abs(float(frame.energy[AUDITED]))
+    def see(self, path: Array, energy: Array) -> int | None:
+        """Take note of frames; gives the last one since whose predecessor more than ever before has got lost.
+
+        Args:
+            path: (frame,) s.
+            energy: (frame, form) J.
+        """
+        missed = np.abs(energy[:, AUDITED])
         if self._first is None:
-            self._first = energy.copy()
-        self._moved = max(self._moved, float(turnover(np.stack([self._first, energy]))[-1]))
-        self._largest = max(self._largest, float(np.abs(np.nan_to_num(np.delete(energy, AUDITED))).max()))
-        self._whole &= bool(np.isfinite(missed))
-        if missed > self._worst[0]:
-            self._worst = missed, frame.path
-        steeper = missed - self._before > self._steepest
-        if steeper:
-            self._steepest = missed - self._before
-        self._before = missed
-        return steeper
+            self._first = energy[0].copy()
+        self._moved = max(self._moved, float(turnover(energy, self._first).max()))
+        self._largest = max(self._largest, float(np.abs(np.nan_to_num(np.delete(energy, AUDITED, axis=1))).max()))
+        self._whole &= bool(np.isfinite(missed).all())
+        growth, known = np.diff(missed, prepend=self._before), np.where(np.isnan(missed), -1.0, missed)
+        growth[np.isnan(growth)] = -1.0
+        worst, steepest, self._before = int(known.argmax()), int(growth.argmax()), float(missed[-1])
+        if known[worst] > self._worst[0]:
+            self._worst = float(known[worst]), float(path[worst])
+        if growth[steepest] <= self._steepest:
+            return None
+        self._steepest = float(growth[steepest])
+        return steepest
 
     def doubts(self) -> Iterator[Doubt]:
         """What is missing, if it is too much."""
@@ -80,8 +88,8 @@ class Watch:
         self.layout, self.scenario = layout, scenario
         self.loads = [name.partition(".")[0] for name in layout.contact_load]
         contacts = len(self.loads)
-        self._frames = 0
-        self._last: Frame | None = None
+        self._before: tuple[float, Array] | None = None  # path, and states of contacts, in the last frame
+        self._slowness = np.array([self._slowness_of(name) for name in self.loads])  # (contact,) (kg/m)^(1/2)
         self._at_start: tuple[Array, Array] = np.zeros(0), np.zeros(0)  # states and xi of contacts in the first frame
         self._been = np.zeros(contacts, dtype=np.bool_)  # contacts that have been on their lines
         self._fastest = np.zeros(contacts)  # speeds over those of transverse waves beside the contacts
@@ -92,32 +100,36 @@ class Watch:
         self._tension = array("d")  # largest, of each frame, N
         self._times = array("d")  # of the frames, s
 
-    def see(self, frame: Frame) -> None:
-        """Take note of a frame."""
-        on = frame.contact_state != OFF_LINE
-        if not self._frames:
-            self._at_start = np.array(frame.contact_state), np.array(frame.contact_xi)
-        if not self._frames or self.layout.path == "load_path":
-            self._rest(frame, on)
-        self._been |= on
-        self._fastest = np.fmax(self._fastest, self._in_waves(frame))
-        if self._balance.see(frame) and self._last is not None:
-            self._balance.cause = self._cause(self._last, frame)
-        pull = frame.tension[np.isfinite(frame.tension)]
-        self._tension.append(float(pull.max(initial=0.0)))
-        self._times.append(frame.path)
-        if frame.sampled_force is not None and frame.sampled_station is not None and frame.sampled_force.size:
-            force = np.where(np.isfinite(frame.sampled_station), np.abs(frame.sampled_force), np.nan)
-            self._instants.extend(frame.path + offset for offset in self.layout.sample)
+    def see(self, frames: Frames) -> None:
+        """Take note of frames."""
+        of, path, state = frames.of, frames.path, frames.of["contact_state"]
+        on = state != OFF_LINE
+        if not self._times:
+            self._at_start = state[0].copy(), of["contact_xi"][0].copy()
+        for i in range(len(frames) if self.layout.path == "load_path" else int(not self._times)):
+            self._rest(frames[i], on[i])
+        self._been |= on.any(axis=0)
+        fastest = np.fmax.accumulate(np.concatenate([self._fastest[None], self._in_waves(of)]))[1:]
+        self._fastest = fastest[-1]
+        if (steepest := self._balance.see(path, of["energy"])) is not None:
+            before = (float(path[steepest - 1]), state[steepest - 1]) if steepest else self._before
+            if before is not None:
+                self._balance.cause = self._cause(before[0], before[1], frames[steepest], fastest[steepest])
+        self._before = float(path[-1]), state[-1].copy()
+        pull = of["tension"]
+        self._tension.extend(np.where(np.isfinite(pull), pull, 0.0).max(axis=1, initial=0.0))
+        self._times.extend(path)
+        if "sampled_force" in of and of["sampled_force"].size:
+            force = np.where(np.isfinite(of["sampled_station"]), np.abs(of["sampled_force"]), np.nan)
+            self._instants.extend((path[:, None] + np.array(self.layout.sample)).ravel())
         else:
-            force = np.where(on, np.linalg.norm(frame.contact_force, axis=1), np.nan)
-            self._instants.append(frame.path)
+            force = np.where(on, np.linalg.norm(of["contact_force"], axis=2), np.nan)
+            self._instants.extend(path)
         self._force.frombytes(np.ascontiguousarray(force, dtype=np.float64).tobytes())
-        self._frames, self._last = self._frames + 1, frame
 
     def judge(self, account: Account) -> None:
         """Note all doubts and remarks about what was seen."""
-        if self._frames:
+        if self._times:
             account.doubts += [doubt for doubt in self._doubts(account) if doubt not in account.doubts]
             account.warnings += [remark for remark in self._remarks() if remark not in account.warnings]
 
@@ -125,7 +137,7 @@ class Watch:
         force = np.array(self._force).reshape(len(self._instants), len(self.loads))
         yield from self._absent(force)
         if self.layout.path == "time":
-            if not account.audit and self._frames > 1:
+            if not account.audit and len(self._times) > 1:
                 yield from self._balance.doubts()
             yield from self._single_steps(force)
         missing, carried = self._missing
@@ -152,29 +164,30 @@ class Watch:
         run = self.scenario.run
         return run.kind == "equilibrium" or (run.kind == "dynamic" and run.start.kind == "rest")
 
-    def _in_waves(self, frame: Frame) -> Array:
+    def _in_waves(self, of: Mapping[str, Array]) -> Array:
         """Speeds of contacts over those of transverse waves in the looser part beside them; zero where unknown."""
-        parts = np.zeros(len(self.loads))
-        for k, name in enumerate(self.loads):
-            load = self.scenario.loads.get(name)
-            line = self.scenario.lines.get(load.on) if load is not None else None
-            pull, speed = frame.contact_tension[k], abs(frame.contact_speed[k])
-            if line is not None and not line.is_stiff and np.isfinite(pull).all() and speed > 0.0:
-                parts[k] = speed * np.sqrt(line.mass / max(float(pull.min()), 1e-300))
-        return parts
+        pull, speed = of["contact_tension"].min(axis=2), np.abs(of["contact_speed"])
+        known = np.isfinite(pull) & (speed > 0.0)
+        return np.where(known, speed * self._slowness / np.sqrt(np.where(known, np.maximum(pull, 1e-300), 1.0)), 0.0)
 
-    def _cause(self, before: Frame, frame: Frame) -> tuple[str, str, str]:
+    def _slowness_of(self, name: str) -> float:
+        """Root of the mass of the line below a load, which tells the speed of its waves; zero where there is none."""
+        load = self.scenario.loads.get(name)
+        line = self.scenario.lines.get(load.on) if load is not None else None
+        return 0.0 if line is None or line.is_stiff else float(np.sqrt(line.mass))
+
+    def _cause(self, earlier: float, state: Array, frame: Frame, fastest: Array) -> tuple[str, str, str]:
         """What went on from frame to frame while energy was lost: the likely cause, the key to blame, the remedy."""
-        when = f"between t = {before.path:.4g} and {frame.path:.4g} s"
+        when = f"between t = {earlier:.4g} and {frame.path:.4g} s"
         for k, name in enumerate(self.layout.contact_load):
-            left, came = before.contact_state[k] != OFF_LINE, frame.contact_state[k] != OFF_LINE
+            left, came = state[k] != OFF_LINE, frame.contact_state[k] != OFF_LINE
             if left != came:
                 did, end = ("left its line", "end the run before") if left else ("came onto its line", "start within")
                 remedy = f"write more elements, or {end}; the rest of the run may be fine without it"
                 return f"load {name} {did} {when}", f"loads.{self.loads[k]}.travel", remedy
-        if self._fastest.max(initial=0.0) > FAST:
-            k = int(self._fastest.argmax())
-            times = self._fastest[k]
+        if fastest.max(initial=0.0) > FAST:
+            k = int(fastest.argmax())
+            times = fastest[k]
             fast = f"{times:.3g} times" if times < SLACK else "far above"  # beside slack line waves hardly travel
             told = f"load {self.layout.contact_load[k]} goes at {fast} the speed of transverse waves"
             return told, f"loads.{self.loads[k]}.travel.speed", "write a lower speed, or more tension or elements"

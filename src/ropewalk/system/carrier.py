@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -15,6 +15,7 @@ from ropewalk.guides import carrier
 from ropewalk.guides.carrier import SLIDES
 from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.compiled import entry_of
 from ropewalk.mechanics.fleet import FIRM
 from ropewalk.mechanics.portions import portions
 from ropewalk.system import motion
@@ -33,6 +34,9 @@ SHORTER = 0.7
 NEAR, WILD = 1e-9, 1e-3  # parts of a step that are none any more, and that no tension asks for
 
 
+Advance = Callable[[float, int], tuple[int, float]]
+
+
 class System(NamedTuple):
     """All that the kernel of a motion is handed."""
 
@@ -48,13 +52,20 @@ class System(NamedTuple):
     b: Array
     method: tuple[Array, Array]  # kicks and drifts of a step
 
-    def go(self, end: float, longest: float, alone: bool = False) -> tuple[int, int]:
+    def advance(self, dt: float, steps: int) -> tuple[int, float]:
+        """The kernel of a motion, see there."""
+        return motion.advance(*self, dt, steps)  # type: ignore[no-any-return]
+
+    def go(
+        self, end: float, longest: float, alone: bool = False, advance: Advance | None = None
+    ) -> tuple[int, int]:  # fmt: skip
         """Go on to a time in s by equal steps.
 
         Args:
             end: s.
             longest: s, the most that a step may be.
             alone: contacts give way within such a step; where intervals are cut short, they do as in the longest.
+            advance: as `advance`, if there is a shorter way to that.
 
         Returns:
             What has come of it, and the number of steps.
@@ -67,8 +78,9 @@ class System(NamedTuple):
         self.bodies.inverse[:] = with_step(self.bodies, dt).inverse
         if self.room.tight is not None:
             self.room.tight.step_by(self.structure, dt)
+        advance = advance or self.advance
         for part in portions(steps, self.state.r.shape[1], self.method[1].size):
-            status = int(motion.advance(*self, dt, part)[0])
+            status = int(advance(dt, part)[0])
             if status != motion.RUNNING:
                 break
         if status in (motion.RUNNING, motion.NOT_FINITE):
@@ -199,6 +211,16 @@ class SystemCarrier:
     longest: float  # s, of a step
     looks_ahead: bool = False
     steps: int = 0
+    _known: tuple[System, Callable[..., tuple[int, float]]] | None = None
+
+    def advance(self, dt: float, steps: int) -> tuple[int, float]:
+        """The kernel of the motion; what its arguments are is found out once, for those of the beginning."""
+        if self._known is None:
+            self._known = self.system, entry_of(motion.advance, (*self.system, dt, steps))
+        (first, entry), system = self._known, self.system
+        if system.structure is first.structure and system.state is first.state:  # no twin, and no window
+            return entry(*system, dt, steps)
+        return system.advance(dt, steps)
 
     @property
     def t(self) -> float:
@@ -388,7 +410,7 @@ class SystemCarrier:
 
     def _go(self, end: float, alone: bool = False) -> tuple[int, int]:
         """Go on to a time in s, or until steps are too long for the tensions: they are shorter from then on."""
-        status, steps = self.system.go(end, self.longest, alone)
+        status, steps = self.system.go(end, self.longest, alone, self.advance)
         self.steps += steps
         if status == motion.TOO_LONG:
             tight = self.system.room.tight

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,7 +12,8 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.fleet import FIRM
 from ropewalk.mechanics.loading import Loading
 from ropewalk.results.audit import Audit, energies
-from ropewalk.results.frame import IN_AIR, MOVES, STICKS, Contacts, Frame, Layout
+from ropewalk.results.frame import IN_AIR, MOVES, STICKS, Contacts, Layout
+from ropewalk.results.frames import Frames, summed
 from ropewalk.system.assembled import Assembled
 from ropewalk.system.bodies import Bodies
 from ropewalk.system.contacts import FORCE, ON, PRESCRIBED
@@ -31,6 +33,50 @@ from ropewalk.system.structure import (
     State,
 )
 from ropewalk.webs.fabric import tensions_of
+
+
+class Note(NamedTuple):
+    """What a frame is made of, unchanged by what comes; of several instants, with these in front of all."""
+
+    t: Array  # () s
+    r: Array  # (axis, node) m
+    v: Array  # m/s
+    u: Array  # (coordinate,) m
+    w: Array  # m/s
+    s: Array  # (contact,) m
+    work: Array  # (WORKS,) J
+    tension: Array  # (node,) N, of links by their first node, as are strains
+    strain: Array
+    bent: Array  # (axis, node) m, second differences
+    reaction: Array  # (holding, axis) N
+    contacts: Any  # (contact,) records
+    tethers: Any  # (tether,) records
+    M: Array  # (part, size, size) kg
+    K: Array  # N/m
+    elastic: Array  # () J, what lines and contacts store
+
+    @staticmethod
+    def of(state: State, room: Room, contacts: Any, bodies: Bodies, elastic: float) -> Note:
+        """Copies of what is known now."""
+        return Note(
+            state.t[0].copy(), state.r.copy(), state.v.copy(), state.u.copy(), state.w.copy(), state.s.copy(),
+            state.work.copy(), room.tension.copy(), room.strain.copy(), room.bent.copy(), room.reaction.copy(),
+            contacts.copy(), bodies.tethers.copy(), bodies.M.copy(), bodies.K.copy(), np.array(elastic),
+        )  # fmt: skip
+
+    @staticmethod
+    def together(notes: Sequence[Note]) -> Note:
+        """The same of several instants."""
+        columns: Any = zip(*notes, strict=True)
+        return Note(*(_stacked(column) for column in columns))
+
+
+def _stacked(values: Sequence[Array]) -> Any:
+    """Arrays of one shape as one. NumPy takes 3 us for each dozen fields of records, and none for their bytes."""
+    shape, kind = (len(values), *values[0].shape), values[0].dtype
+    if kind.names is None or not values[0].size:
+        return np.stack(values) if kind.names is None else np.zeros(shape, kind)
+    return np.frombuffer(b"".join(value.tobytes() for value in values), kind).reshape(shape)
 
 
 class FrameBuilder:
@@ -107,27 +153,24 @@ class FrameBuilder:
         """Go on from there."""
         self._audit.set_state(tree)
 
-    def build(self, state: State, room: Room, contacts: Any, elastic: float, *, still: float | None = None) -> Frame:
-        """The frame of a state whose forces are known.
+    def build(self, at: Note, *, still: float | None = None) -> Frames:
+        """The frames of what has been noted.
 
         Args:
-            state, room, contacts: as they are.
-            elastic: what lines and contacts store, J.
+            at: of some instants, `Note.together`; their forces are known.
             still: of a rest, its load path in m.
         """
-        seen, tension = Contacts(contacts.size, len(self.assembled.axes)), self._axial_force(room)
-        for k in np.flatnonzero(contacts["state"] == ON):
-            self._look_at(seen, int(k), contacts[k], state, tension)
-        places, velocities = self._shown_bodies(state)
-        return Frame(
-            path=float(state.t[0]) if still is None else still,
-            position=state.r[:, self.node].T.copy(), velocity=state.v[:, self.node].T.copy(),
-            tension=tension[self.link], strain=self._strains(room), **seen.told(),
-            body_position=places, body_velocity=velocities,
-            reaction=self._reactions(room, state), **self._of_ties(state, seen, still=still is not None),
-            cell_tension=self._cell_tensions(state),
-            energy=self._energy(state, contacts, elastic, still=still is not None),
-        )  # fmt: skip
+        tension = self._axial_force(at)
+        seen = self._contacts(at, tension)
+        places, velocities = self._shown_bodies(at)
+        of = {
+            "position": at.r[:, :, self.node].swapaxes(1, 2), "velocity": at.v[:, :, self.node].swapaxes(1, 2),
+            "tension": tension[:, self.link], "strain": self._strains(at), **seen.told(),
+            "body_position": places, "body_velocity": velocities, "reaction": self._reactions(at),
+            **self._of_ties(at, seen, still=still is not None), **self._cell_tensions(at),
+            "energy": self._energy(at, still=still is not None),
+        }  # fmt: skip
+        return Frames(at.t if still is None else np.full(at.t.shape, still), of)
 
     def _holding_of(self, node: int) -> int:
         """The holding of a node, -1: none."""
@@ -135,141 +178,161 @@ class FrameBuilder:
         at = np.flatnonzero(held.node == node)
         return int(np.searchsorted(held.first, at[0], side="right")) - 1 if at.size else -1
 
-    def _strains(self, room: Room) -> Array:
+    def _strains(self, at: Note) -> Array:
         """Strains of links from where they are without force."""
-        runs, strain = self.assembled.structure.runs, room.strain.copy()
+        runs, strain = self.assembled.structure.runs, at.strain
         if self.assembled.stretch is not None:
             for first, n, e0 in zip(runs.first, runs.links, self.assembled.stretch, strict=True):
-                strain[first : first + n] = e0 + (1.0 + e0) * strain[first : first + n]
-        return np.asarray(strain[self.link])
+                strain[:, first : first + n] = e0 + (1.0 + e0) * strain[:, first : first + n]
+        return np.asarray(strain[:, self.link])
 
-    def _reactions(self, room: Room, state: State) -> Array:
-        """Forces of supports on lines, and of edges on nets, (support, axis) N."""
-        edges = [room.reaction[own[own >= 0]].sum(axis=0) for own in self._edges]
-        ends = [room.reaction[e] for _, e in self.assembled.supports]
+    def _reactions(self, at: Note) -> Array:
+        """Forces of supports on lines, and of edges on nets, (instant, support, axis) N."""
+        edges = [at.reaction[:, own[own >= 0]].sum(axis=1) for own in self._edges]
+        ends = [at.reaction[:, e] for _, e in self.assembled.supports]
         on_way = list[Array]()
         if (attached := self.assembled.attached) is not None:
             ties = self.assembled.structure.ties
             assert ties is not None
-            pull = ties.forces(state.r, state.v)[:, None] * ties.look(state.r)[0]
-            on_way = [pull[attached.holds == e].sum(axis=0) for e in range(len(attached.support))]
-        return np.array([*ends, *on_way, *edges]).reshape(-1, room.reaction.shape[1])
+            pull = np.array([
+                ties.forces(r, v)[:, None] * ties.look(r)[0] for r, v in zip(at.r, at.v, strict=True)
+            ])  # fmt: skip
+            on_way = [pull[:, attached.holds == e].sum(axis=1) for e in range(len(attached.support))]
+        nothing = np.zeros((0, *at.t.shape, at.reaction.shape[2]))
+        return np.concatenate([nothing, *(one[None] for one in (*ends, *on_way, *edges))]).swapaxes(0, 1)
 
-    def _of_ties(self, state: State, seen: Contacts, *, still: bool) -> dict[str, Array]:
+    def _of_ties(self, at: Note, seen: Contacts, *, still: bool) -> dict[str, Array]:
         """Tensions of ties; samples of a motion are those of its frames."""
         attached, ties = self.assembled.attached, self.assembled.structure.ties
         if attached is None or ties is None:
             return {}
-        force = ties.forces(state.r, state.v)[: len(attached.tie)]
+        force = np.array([ties.forces(r, v)[: len(attached.tie)] for r, v in zip(at.r, at.v, strict=True)])
         if still:
             return {"tie_force": force}
-        rise = attached.watch @ (state.r[-1] - self.assembled.near[-1])
+        rise = np.array([np.asarray(attached.watch @ (r[-1] - self.assembled.near[-1])) for r in at.r])
         return {
-            "tie_force": force, "sampled_station": seen.xi[None], "sampled_force": seen.force[None, :, -1],
-            "sampled_height": seen.position[None, :, -1], "sampled_tie_force": force[None],
-            "sampled_uplift": np.asarray(rise)[None],
+            "tie_force": force, "sampled_station": seen.xi[:, None], "sampled_force": seen.force[:, None, :, -1],
+            "sampled_height": seen.position[:, None, :, -1], "sampled_tie_force": force[:, None],
+            "sampled_uplift": rise[:, None],
         }  # fmt: skip
 
-    def _cell_tensions(self, state: State) -> Array | None:
-        surfaces = self.assembled.structure.surfaces
-        return None if surfaces is None else tensions_of(surfaces.cells, surfaces.cells.area.size, state.r.T)
+    def _cell_tensions(self, at: Note) -> dict[str, Array]:
+        if (surfaces := self.assembled.structure.surfaces) is None:
+            return {}
+        return {"cell_tension": np.array([tensions_of(surfaces.cells, surfaces.cells.area.size, r.T) for r in at.r])}
 
-    def _axial_force(self, room: Room) -> Array:
+    def _axial_force(self, at: Note) -> Array:
         """Force along the tangent in links, by their first node, N: what stretches them, and EI kappa^2."""
-        structure, out = self.assembled.structure, room.tension.copy()
-        runs, squares = structure.runs, room.bent**2
-        if structure.is_linearised:
-            squares = structure.about.shape[1] * (2.0 * room.bent - structure.about.shape[1])
+        structure, out = self.assembled.structure, at.tension.copy()
+        runs = structure.runs
         for s in np.flatnonzero(runs.bending > 0.0):
             first, n = int(runs.first[s]), int(runs.links[s])
-            square = squares[:, first : first + n + 1].sum(axis=0) / runs.h[s] ** 4
-            out[first : first + n] += 0.5 * runs.bending[s] * (square[1:] + square[:-1])
+            bent = at.bent[:, :, first : first + n + 1]
+            if structure.is_linearised:
+                rest = structure.about.shape[1][:, first : first + n + 1]
+                square = (rest * (2.0 * bent - rest)).sum(axis=1) / runs.h[s] ** 4
+            else:
+                square = (bent**2).sum(axis=1) / runs.h[s] ** 4
+            out[:, first : first + n] += 0.5 * runs.bending[s] * (square[:, 1:] + square[:, :-1])
         return out
 
-    def _look_at(self, seen: Contacts, k: int, contact: Any, state: State, tension: Array) -> None:
-        runs, dim = self.assembled.structure.runs, state.r.shape[0]
-        on_net = runs.firm[contact["run"]] > 0.0
-        seen.position[k], seen.force[k], seen.hold[k] = contact["place"][:dim], contact["N"][:dim], 0.0
-        seen.hold[k] = (contact["hold"] + contact["evened"]) * runs.ahead[contact["run"]]
-        if contact["lent"] > 0.0:  # its mass is the line's
-            seen.force[k] = contact["given"][:dim] + seen.hold[k]
-        given = contact["kind"] == FORCE or contact["first"] >= state.u.size or contact["lent"] > 0.0
-        if (
-            not given and not contact["frictionless"] and contact["travel"] == PRESCRIBED
-        ):  # what the line is gripped with
-            way = contact["along"][:dim] / np.linalg.norm(contact["along"])
-            seen.hold[k] = (seen.force[k] @ way) * way
-        grip = Grip.of(contact, self.assembled.structure, float(state.s[k]), tension, dim)
-        seen.friction[k] = grip.needed(contact)
-        seen.xi[k], seen.speed[k], seen.in_air[k] = state.s[k], contact["measured"], contact["flown"]
-        seen.state[k] = IN_AIR if contact["apart"] else MOVES if contact["speed"] != 0.0 else STICKS
-        if not on_net:
-            seen.tension[k] = beside(contact, runs, tension)
+    def _contacts(self, at: Note, tension: Array) -> Contacts:
+        """What is told of contacts: those on their lines, one after the other, are looked at together."""
+        runs, dim = self.assembled.structure.runs, at.r.shape[1]
+        seen = Contacts(*at.contacts.shape, dim)
+        on = at.contacts["state"] == ON
+        instant, own = np.nonzero(on)[0], at.contacts[on]
+        s, run, ahead = at.s[on], own["run"], runs.ahead[own["run"]]
+        force, hold = own["N"][:, :dim].copy(), (own["hold"] + own["evened"])[:, None] * ahead
+        lent = own["lent"] > 0.0  # its mass is the line's
+        force[lent] = own["given"][lent, :dim] + hold[lent]
+        given = (own["kind"] == FORCE) | (own["first"] >= at.u.shape[1]) | lent
+        gripped = ~given & (own["frictionless"] == 0) & (own["travel"] == PRESCRIBED)
+        way = own["along"][gripped, :dim]
+        way = way / np.linalg.norm(way, axis=1)[:, None]
+        hold[gripped] = (force[gripped] * way).sum(axis=1)[:, None] * way  # what the line is gripped with
+        both = beside(own, runs, tension.ravel(), instant * tension.shape[1])
+        seen.position[on], seen.force[on], seen.hold[on] = own["place"][:, :dim], force, hold
+        seen.friction[on] = Grip.of(own, self.assembled.structure, s, both, dim).needed(own)
+        seen.xi[on], seen.speed[on], seen.in_air[on] = s, own["measured"], own["flown"]
+        seen.state[on] = np.where(own["apart"] != 0, IN_AIR, np.where(own["speed"] != 0.0, MOVES, STICKS))
+        seen.tension[on] = np.where(runs.firm[run][:, None] > 0.0, np.nan, both)
+        return seen
 
-    def _shown_bodies(self, state: State) -> tuple[Array, Array]:
-        """Places and velocities of bodies (body, axis), m and m/s; along what has no coordinate above their wheels."""
-        fleet, dim = self.loading.fleet, state.r.shape[0]
+    def _shown_bodies(self, at: Note) -> tuple[Array, Array]:
+        """Places and velocities of bodies (instant, body, axis), m, m/s; along what has no coordinate above wheels."""
+        fleet, (count, dim, _) = self.loading.fleet, at.r.shape
         shown = () if fleet is None else fleet.shown
-        out = np.zeros((2, len(shown), dim))
-        places = state.u.size - (0 if fleet is None else fleet.bodies.coordinates.size)
+        out = np.zeros((2, count, len(shown), dim))
+        places = at.u.shape[1] - (0 if fleet is None else fleet.bodies.coordinates.size)
         first = np.cumsum([0, *(dim for c in self.bodies.contact[:places:dim])])
         own = dict(zip(self.bodies.contact[:places:dim].tolist(), first[:-1].tolist(), strict=True))
         for i, body in enumerate(shown):
             for a, coordinate in enumerate(body.coordinates):
-                at = places + coordinate if coordinate >= 0 else own[body.wheel] + a
-                out[:, i, a] = state.u[at], state.w[at]
+                at_ = places + coordinate if coordinate >= 0 else own[body.wheel] + a
+                out[0, :, i, a], out[1, :, i, a] = at.u[:, at_], at.w[:, at_]
             if body.coordinates[0] < 0:
-                out[0, i, 0] += body.ahead
+                out[0, :, i, 0] += body.ahead
         return out[0], out[1]
 
-    def _energy(self, state: State, contacts: Any, elastic: float, *, still: bool) -> Array:
-        nodes, held, bodies = self.assembled.structure.nodes, self.assembled.structure.holdings, self.bodies
-        first = held.node[held.first]
+    def _energy(self, at: Note, *, still: bool) -> Array:
+        structure, bodies = self.assembled.structure, self.bodies
+        nodes, held = structure.nodes, structure.holdings
+        first, elastic = held.node[held.first], at.elastic
+        r, v, square = at.r[:, :, first], at.v[:, :, first], (at.v**2).sum(axis=1)
         # What a kink that is carried along has of kinetic energy, which its line does not.
-        on = contacts[contacts["state"] == ON]
-        swept = 0.5 * float((on["carried"][:, None] * on["d"] ** 2).sum())
-        kinetic = 0.5 * float((nodes.mass * state.v**2).sum() + (held.mass * state.v[:, first] ** 2).sum())
-        kinetic += self.assembled.structure.inertia.kinetic(nodes.mass, state.v, state.v[:, first])
-        weight = float((nodes.force * state.r).sum() + (held.force.T * state.r[:, first]).sum())
-        if self.assembled.structure.sheaves is not None:
-            weight -= gravitational(self.assembled.structure.sheaves, self.assembled.structure.runs, state.r)
-        for e in range(held.mass.size):
+        kinks = np.where(at.contacts["state"] == ON, at.contacts["carried"] * (at.contacts["d"] ** 2).sum(axis=2), 0.0)
+        swept = 0.5 * summed(kinks)
+        kinetic = 0.5 * (summed(nodes.mass * square) + summed(held.mass * square[:, first]))
+        kinetic = kinetic + structure.inertia.kinetic(nodes.mass, at.v, v)
+        weight = summed(nodes.force * at.r) + summed(held.force.T * r)
+        if structure.sheaves is not None:
+            weight = weight - [gravitational(structure.sheaves, structure.runs, one) for one in at.r]
+        for e in np.flatnonzero(held.stiffness.any(axis=(1, 2))):
             part = slice(int(held.table[e]), int(held.table[e] + held.entries[e]))
-            moved = [np.interp(state.t[0], held.time[part], row[part]) for row in held.moved]
-            away = state.r[:, first[e]] - held.place[e] - moved
-            elastic += 0.5 * float(away @ held.stiffness[e] @ away)
+            moved = [np.interp(at.t, held.time[part], row[part]) for row in held.moved]
+            away = r[:, :, e] - held.place[e] - np.transpose(moved)
+            elastic = elastic + 0.5 * _squares(away, held.stiffness[e])
         # What moves as prescribed has its kinetic energy from there.
-        driven = (held.entries > 1) & (np.einsum("eaa->e", held.free) == 0.0)
-        mass = held.mass + np.array([nodes.mass[held.members(e)].sum() for e in range(held.mass.size)])
-        moved_by = 0.5 * float((mass * (state.v[:, first] ** 2).sum(axis=0))[driven].sum())
+        driven = np.flatnonzero((held.entries > 1) & (np.einsum("eaa->e", held.free) == 0.0))
+        mass = np.array([held.mass[e] + nodes.mass[held.members(int(e))].sum() for e in driven])
+        moved_by = 0.5 * summed(mass * square[:, first[driven]])
         alone = bodies.alone == 1
-        moving = 0.5 * float((bodies.mass * state.w**2)[alone].sum())
-        potential = -float(bodies.force @ state.u)
+        moving = 0.5 * summed((bodies.mass * at.w**2)[:, alone])
+        potential = -summed(bodies.force * at.u)
         for p, n in enumerate(bodies.size):
-            at = bodies.at[p, :n]
-            rate = np.where(np.diag(bodies.M[p])[:n] < FIRM, state.w[at], 0.0)  # only its owner moves what is firm
-            moving += 0.5 * float(rate @ bodies.M[p, :n, :n] @ rate)
-            potential += 0.5 * float(state.u[at] @ bodies.K[p, :n, :n] @ state.u[at])
-        potential += _of_tethers(state, contacts, bodies.tethers)
+            own, M, K = bodies.at[p, :n], at.M[:, p, :n, :n], at.K[:, p, :n, :n]
+            firm = M.diagonal(axis1=1, axis2=2) >= FIRM
+            rate, u = np.where(firm, 0.0, at.w[:, own]), at.u[:, own]  # only its owner moves what is firm
+            moving, potential = moving + 0.5 * _squares(rate, M), potential + 0.5 * _squares(u, K)
+        potential = potential + _of_tethers(at)
         if still:
             return energies(elastic=elastic, gravitational=-weight, load_potential=potential)
-        work = state.work
+        work = at.work.T
         return self._audit.of(
             kinetic=kinetic + swept, elastic=elastic, gravitational=-weight, load_kinetic=moving,
-            load_potential=potential, line_damping=float(work[DAMPED]), load_work=float(work[LOADED]),
-            hold_work=float(work[HELD]) + 2.0 * swept, support_work=float(work[MOVED]) + moved_by,
-            load_damping=float(work[IN_BODIES]),
-            contact_dissipation=float(work[STRUCK] - work[CARRIED]) + swept, friction=float(work[RUBBED]),
-            drive_work=float(work[DRIVEN]),
+            load_potential=potential, line_damping=work[DAMPED], load_work=work[LOADED],
+            hold_work=work[HELD] + 2.0 * swept, support_work=work[MOVED] + moved_by,
+            load_damping=work[IN_BODIES], contact_dissipation=work[STRUCK] - work[CARRIED] + swept,
+            friction=work[RUBBED], drive_work=work[DRIVEN],
         )  # fmt: skip
 
 
-def _of_tethers(state: State, contacts: Any, tethers: Any) -> float:
-    """Energy stored in all tethers, J."""
-    total, dim = 0.0, state.r.shape[0]
-    for tether in tethers[tethers["on"] == 1]:
-        first, own = int(tether["first"]), int(contacts[tether["contact"]]["first"])
-        way, across = state.u[first : first + dim] - state.u[own : own + dim], tether["across"][:dim]
-        longer = float(np.linalg.norm(way - (across @ way) * across) - tether["length"])
-        total += 0.5 * float(tether["stiffness"] * max(longer * tether["way"], 0.0) ** 2)
+def _squares(x: Array, A: Array) -> Array:
+    """The quadratic form x A x of each instant."""
+    return summed(x[:, :, None] * A * x[:, None])
+
+
+def _of_tethers(at: Note) -> Array:
+    """Energy stored in all tethers, (instant,) J."""
+    total, dim, instant = np.zeros(at.t.size), at.r.shape[1], np.arange(at.t.size)
+    for tether in at.tethers.T:
+        above = at.contacts["first"][instant, tether["contact"]]
+        own, above = (first[:, None] + np.arange(dim) for first in (tether["first"], above))
+        across, on = tether["across"][:, :dim], tether["on"] == 1
+        own, above = np.where(on[:, None], own, 0), np.where(on[:, None], above, 0)
+        way = np.take_along_axis(at.u, own, axis=1) - np.take_along_axis(at.u, above, axis=1)
+        apart = np.linalg.norm(way - (across * way).sum(axis=1)[:, None] * across, axis=1)
+        longer = np.maximum((apart - tether["length"]) * tether["way"], 0.0)
+        total += np.where(on, 0.5 * tether["stiffness"] * longer**2, 0.0)
     return total

@@ -28,61 +28,72 @@ _EQUAL = 1e-8
 _BESIDE = 1.5
 
 
-def beside(contact: Any, runs: Runs, tension: Array) -> tuple[float, float]:
-    """Tensions behind and ahead of a contact, N, where its line is as beyond the kink; `tension` of links, N."""
-    run, first = int(contact["run"]), int(runs.first[contact["run"]])
-    places = (int(np.floor(contact["x"] + way)) for way in (-_BESIDE, _BESIDE))
-    behind, ahead = (float(tension[first + min(max(i, 0), int(runs.links[run]) - 1)]) for i in places)
-    return behind, ahead
+def beside(contacts: Any, runs: Runs, tension: Array, begin: Integers) -> Array:
+    """Tensions behind and ahead of contacts, (contact, 2) N, where their lines are as beyond the kinks.
+
+    Args:
+        contacts: records.
+        runs: of their lines.
+        tension: of links, N.
+        begin: (contact,) where in that the links begin among which each is.
+    """
+    run = contacts["run"]
+    link = np.floor(contacts["x"][:, None] + np.array([-_BESIDE, _BESIDE])).astype(np.int64)
+    link = np.minimum(np.maximum(link, 0), runs.links[run][:, None] - 1)
+    return np.asarray(tension[link + (begin + runs.first[run])[:, None]])
 
 
 class Grip(NamedTuple):
-    """The force of a contact on its line, as friction sees it."""
+    """The forces of contacts on their lines, as friction sees them, (contact,)."""
 
-    along: float  # N, towards the end of the line
-    across: float  # N
-    half: float  # rad, half the angle by which the line turns
+    along: Array  # N, towards the end of the line
+    across: Array  # N
+    half: Array  # rad, half the angle by which the line turns
 
     @staticmethod
-    def of(contact: Any, structure: Structure, s: float, tension: Array, axes: int) -> Grip:
-        """What is known of a contact at s in m of its line; at its ends, the support bears all.
+    def of(contacts: Any, structure: Structure, s: Array, both: Array, axes: int) -> Grip:
+        """What is known of contacts at s in m of their lines; at the ends of these, the support bears all.
 
-        What it takes to move it along the line is the change of all energy, its kink turns with it.
+        What it takes to move one along its line is the change of all energy, its kink turns with it.
+
+        Args:
+            contacts: records.
+            structure: what they stand on.
+            s: (contact,) m.
+            both: (contact, 2) N, tensions beside them.
+            axes: of space.
         """
-        run, N, way = int(contact["run"]), contact["N"][:axes], contact["along"][:axes]
-        runs = structure.runs
-        if not 0.0 < s < structure.lines.length[contact["line"]]:
-            return Grip(0.0, 0.0, 0.0)
-        both, stretch = sum(beside(contact, runs, tension)), float(np.linalg.norm(way))
-        if runs.firm[run] == 0.0:
-            stretch = 1.0 + law.strain(runs.law[run], 0.5 * both)
-        along = -float(contact["push"]) / stretch
-        across = float(np.linalg.norm(N - (N @ way) / (way @ way) * way))
-        if runs.firm[run] > 0.0:  # a net does not bend around a contact
-            return Grip(along, across, 0.0)
-        whole = both + 2.0 * float(runs.bending[run] / runs.h[run] ** 2)
-        return Grip(along, across, float(np.arcsin(across / whole)) if across < whole else 0.5 * np.pi)
+        runs, run, pull = structure.runs, contacts["run"], both.sum(axis=1)
+        N, way = contacts["N"][:, :axes], contacts["along"][:, :axes]
+        inside, on_net = (s > 0.0) & (s < structure.lines.length[contacts["line"]]), runs.firm[run] > 0.0
+        square = (way * way).sum(axis=1)
+        on_line = 1.0 + law.strains(runs.law[run], 0.5 * pull)
+        along = -contacts["push"] / np.where(on_net, np.sqrt(square), on_line)
+        part = (N * way).sum(axis=1) / np.where(square > 0.0, square, 1.0)
+        across = np.linalg.norm(N - part[:, None] * way, axis=1)
+        whole = pull + 2.0 * runs.bending[run] / runs.h[run] ** 2
+        turns = across < whole
+        half = np.where(turns, np.arcsin(np.where(turns, across, 0.0) / np.where(turns, whole, 1.0)), 0.5 * np.pi)
+        half[on_net] = 0.0  # a net does not bend around a contact
+        return Grip(*(np.where(inside, each, 0.0) for each in (along, across, half)))
 
-    def most(self, contact: Any) -> float:
-        """Force along the line that the friction of a contact bears, N."""
-        mu = float(contact["friction"])
-        if contact["block"]:
-            return mu / max(float(np.cos(self.half)), SHARP) * self.across
-        return (float(np.tanh(mu * self.half) / np.sin(self.half)) if self.half > STRAIGHT else mu) * self.across
+    def most(self, contacts: Any) -> Array:
+        """Forces along their lines that the friction of contacts bears, N."""
+        mu, half, bends = contacts["friction"], self.half, self.half > STRAIGHT
+        bent = np.tanh(mu * half) / np.where(bends, np.sin(half), 1.0)
+        point = mu / np.maximum(np.cos(half), SHARP)
+        return np.asarray(np.where(contacts["block"] == 1, point, np.where(bends, bent, mu)) * self.across)
 
-    def needed(self, contact: Any) -> float:
-        """The friction coefficient that a contact needs at least."""
-        if self.along == 0.0:
-            return 0.0
-        if self.across == 0.0:
-            return np.inf
-        ratio = abs(self.along) / self.across
-        if contact["block"]:
-            return float(ratio * np.cos(self.half))
-        if self.half <= STRAIGHT:
-            return ratio
+    def needed(self, contacts: Any) -> Array:
+        """The friction coefficients that contacts need at least."""
+        pressed, bends = self.across > 0.0, self.half > STRAIGHT
+        ratio = np.abs(self.along) / np.where(pressed, self.across, 1.0)
         part = ratio * np.sin(self.half)
-        return float(np.arctanh(part) / self.half) if part < 1.0 else np.inf
+        bears = bends & (part < 1.0)
+        bent = np.where(bears, np.arctanh(np.where(bears, part, 0.0)) / np.where(bends, self.half, 1.0), np.inf)
+        around = np.where(bends, bent, ratio)
+        found = np.where(contacts["block"] == 1, ratio * np.cos(self.half), around)
+        return np.where(self.along == 0.0, 0.0, np.where(pressed, found, np.inf))
 
 
 class Holding:
@@ -122,20 +133,20 @@ class Holding:
         slides = [k for k in inner if self._kind[k] != COULOMB]
         for _ in range(len(stands) + 1):
             shape = self._balance(contacts, s, slides, sign, settle, shape)
-            slips = [k for k in stands if k not in slides and self._slips(contacts[k], s[k])]
+            grip = self._grip(contacts, s, stands)
+            too_much = np.abs(grip.along) > grip.most(contacts[stands]) + _EQUAL * grip.across
+            slips = [i for i, k in enumerate(stands) if k not in slides and too_much[i]]
             if not slips:
                 return shape
-            for k in slips:
-                sign[k] = np.sign(self._grip(contacts[k], s[k]).along)
-            slides = slides + slips
+            for i in slips:
+                sign[stands[i]] = np.sign(grip.along[i])
+            slides = slides + [stands[i] for i in slips]
         return self._balance(contacts, s, slides, sign, settle, shape)
 
-    def _grip(self, contact: Any, s: float) -> Grip:
-        return Grip.of(contact, self._structure, s, self._tension, self._axes)
-
-    def _slips(self, contact: Any, s: float) -> bool:
-        grip = self._grip(contact, s)
-        return abs(grip.along) > grip.most(contact) + _EQUAL * grip.across
+    def _grip(self, contacts: Any, s: Array, which: list[int]) -> Grip:
+        own = contacts[which]
+        both = beside(own, self._structure.runs, self._tension, np.zeros(len(which), dtype=np.int64))
+        return Grip.of(own, self._structure, s[which], both, self._axes)
 
     def _balance(
         self, contacts: Any, s: Array, slides: list[int], sign: Array, settle: Callable[[Array], Array], shape: Array
@@ -152,20 +163,14 @@ class Holding:
             nonlocal found
             contacts["hold"][slides] = hold * size
             found = settle(found)
-            out = np.empty(len(slides))
-            for i, k in enumerate(slides):
-                grip = self._grip(contacts[k], s[k])
-                out[i] = grip.along
-                if sign[k] != 0.0:
-                    out[i] -= sign[k] * grip.most(contacts[k])
-            return out / size
+            grip = self._grip(contacts, s, slides)
+            return np.asarray((grip.along - sign[slides] * grip.most(contacts[slides])) / size)
 
-        first = contacts["hold"][slides] / size
+        first, grip = contacts["hold"][slides] / size, self._grip(contacts, s, slides)
         for i, k in enumerate(slides):
             if first[i] == 0.0:  # as on a line that stays as it is
-                grip, way = self._grip(contacts[k], s[k]), contacts[k]["along"][: self._axes]
-                level = self._structure.runs.ahead[contacts[k]["run"]]
-                first[i] = -grip.along * float(np.linalg.norm(way)) / float(way @ level) / size
+                way, level = contacts[k]["along"][: self._axes], self._structure.runs.ahead[contacts[k]["run"]]
+                first[i] = -grip.along[i] * float(np.linalg.norm(way)) / float(way @ level) / size
         solved = optimize.root(miss, first, method="hybr", options={"xtol": 1e-12, "eps": 1e-7})
         if np.abs(miss(solved.x)).max() > _EQUAL:
             raise EquilibriumError("nothing holds a load there: the force that it takes grows beyond all bounds")

@@ -16,6 +16,7 @@ import numpy as np
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import lean_inner
 from ropewalk.results.frame import Account
+from ropewalk.results.frames import summed
 
 if TYPE_CHECKING:
     from ropewalk.system.structure import Structure
@@ -37,20 +38,19 @@ class Inertia(NamedTuple):
         """Of nodes that are as heavy along their lines as across."""
         return Inertia(1.0, np.zeros((axes, 0)), np.zeros((0, axes, axes)))
 
-    def kinetic(self, mass: Array, v: Array, held: Array) -> float:
-        """What it adds to the kinetic energy, J.
+    def kinetic(self, mass: Array, v: Array, held: Array) -> Array:
+        """What it adds to the kinetic energy, (instant,) J.
 
         Args:
             mass: (node,) kg.
-            v: (axis, node) m/s.
-            held: (axis, holding) m/s.
+            v: (instant, axis, node) m/s.
+            held: (instant, axis, holding) m/s.
         """
         if not self.along.size:
-            return 0.0
-        along = (self.along * v).sum(axis=0)
-        return 0.5 * float(
-            (self.factor - 1.0) * (mass * along**2).sum() + np.einsum("ae,eac,ce->", held, self.held, held)
-        )
+            return np.zeros(len(v))
+        along = (self.along * v).sum(axis=1)
+        more = summed(held[:, :, None] * self.held.transpose(1, 2, 0) * held[:, None])
+        return np.asarray(0.5 * ((self.factor - 1.0) * summed(mass * along**2) + more))
 
 
 def tangents(structure: Structure, r: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from ropewalk.foreign.turns import begun
 from ropewalk.guides.assembly import guides_of
 from ropewalk.guides.partner import Partner
 from ropewalk.mechanics import law
-from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.chain import CLAMPED, COULOMB, Array, Integers
 from ropewalk.mechanics.fleet import hung
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.model.footsteps import Footsteps
@@ -23,7 +24,8 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.trolley import Trolley
 from ropewalk.results.exchanges import foreign_in
-from ropewalk.results.frame import Account, Frame, Layout
+from ropewalk.results.frame import Account, Layout
+from ropewalk.results.frames import Frames
 from ropewalk.results.running import Ending
 from ropewalk.solve.choice import RKN6_LIMIT, Bounds, rkn6_step
 from ropewalk.solve.composition import RKN6, VERLET
@@ -35,7 +37,7 @@ from ropewalk.system.beginning import begin_elsewhere
 from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
-from ropewalk.system.frames import FrameBuilder
+from ropewalk.system.frames import FrameBuilder, Note
 from ropewalk.system.holding import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.methods import first_damper
@@ -138,6 +140,8 @@ class Motion:
         self._turned = np.zeros(1, dtype=np.int64)  # 1: it has been said that lines have turned far
         self._fast = np.zeros(self.contacts.size, dtype=np.int64)  # frames in which each was faster than waves
         self._slipped = np.zeros(self.contacts.size, dtype=np.int64)  # 1: it has been said that friction is not enough
+        kinds = loading.loads.contact
+        self._may_slip = ((kinds == CLAMPED) & (self.contacts["friction"] > 0.0)) | (kinds == COULOMB)
         if asked.start.with_loads:
             self._settle()
         elif asked.start.kind != "rest" and not past:
@@ -373,35 +377,47 @@ class Motion:
         carrier.system = self._system()
         return status
 
-    def frame(self) -> Frame | None:
-        """The present frame; none of a motion that is no longer finite."""
+    def note(self) -> Note | None:
+        """What the present frame will be made of; nothing of a motion that is no longer finite."""
         if not np.isfinite(self.state.r).all():
             return None
         reaction = self._room.reaction.copy()
-        elastic = self._look()
+        elastic = self._carrier.advance(0.0, motion.LOOK)[1]
         self._room.reaction[:] = reaction
         for e in () if self._window is None else np.flatnonzero(self._window.still):
             self._room.reaction[e] = -self._room.force[:, self.structure.holdings.members(int(e))].sum(axis=1)
-        if self.state.t[0] == 0.0:
+        t = float(self.state.t[0])
+        if t == 0.0:
             self._room.react(self.structure.holdings)
-        return self._builder.build(self.state, self._room, self.contacts, elastic)
+        self._ask_turned(t)
+        self._doubt_struts(t)
+        return Note.of(self.state, self._room, self.contacts, self.bodies, elastic)
 
-    def remark(self, frame: Frame) -> None:
-        """Doubt kinks that are carried along faster than transverse waves; ask whether friction is enough."""
-        runs = self.structure.runs
-        self._ask_turned(frame.path)
-        self._doubt_struts(frame)
-        for k, (wheel, contact) in enumerate(zip(self.loading.wheels, self.contacts, strict=True)):
-            if contact["state"] != ON:
-                continue
-            self._ask_friction(k, frame)
-            if contact["kind"] != BODY or runs.bending[contact["run"]] > 0.0:
-                continue
-            square = float(runs.rho[contact["run"]] * contact["speed"] ** 2)
-            if square > FASTEST * max(float(contact["tension"]), 0.0) and square > 0.0:
-                self._fast[k] += 1
-                if self._fast[k] > LONG * self.times.size:
-                    self._doubt(wheel.name, wheel.load, float(contact["speed"]), frame.path)
+    def frames(self, notes: Sequence[Note]) -> Frames:
+        """The frames of some notes."""
+        at = Note.together(notes)
+        frames = self._builder.build(at)
+        self._doubt_speeds(at.t, at.contacts)
+        self._ask_friction(frames, at.contacts)
+        return frames
+
+    @property
+    def together(self) -> bool:
+        """Whether frames may be made later: nodes that pass over sheaves belong to other runs from then on."""
+        return self.structure.sheaves is None
+
+    def _doubt_speeds(self, path: Array, contacts: Any) -> None:
+        """Doubt kinks that are carried along faster than transverse waves."""
+        runs, run = self.structure.runs, np.where(contacts["state"] == ON, contacts["run"], 0)
+        kinked = (contacts["state"] == ON) & (contacts["kind"] == BODY) & (runs.bending[run] == 0.0)
+        square = runs.rho[run] * contacts["speed"] ** 2
+        fast = kinked & (square > FASTEST * np.maximum(contacts["tension"], 0.0)) & (square > 0.0)
+        before, count = self._fast.copy(), np.cumsum(fast, axis=0)
+        self._fast += count[-1]
+        for k in np.flatnonzero((before <= LONG * self.times.size) & (self._fast > LONG * self.times.size)):
+            i = int(np.argmax(fast[:, k] & (before[k] + count[:, k] > LONG * self.times.size)))
+            wheel = self.loading.wheels[k]
+            self._doubt(wheel.name, wheel.load, float(contacts["speed"][i, k]), float(path[i]))
 
     def _ask_turned(self, t: float) -> None:
         """Note once where lines with an axial inertia have turned so far that the step may be too long."""
@@ -415,16 +431,17 @@ class Motion:
                 f"{self._step:.3g} s is stable for certain only below {stable:.3g} s"
             )
 
-    def _ask_friction(self, k: int, frame: Frame) -> None:
+    def _ask_friction(self, frames: Frames, contacts: Any) -> None:
         """Note once where the friction of a prescribed travel is not enough."""
-        name, kind = self.loading.wheels[k].name, int(self.loading.loads.contact[k])
-        if self.contacts[k]["travel"] == PRESCRIBED:
-            found = on_friction(name, kind, self.contacts[k], float(frame.contact_friction[k]))
+        needed, asked = frames.of["contact_friction"], (contacts["state"] == ON) & (contacts["travel"] == PRESCRIBED)
+        for i, k in zip(*np.nonzero(asked & self._may_slip & (self._slipped == 0)), strict=True):
+            kind, contact = int(self.loading.loads.contact[k]), contacts[i, k]
+            found = on_friction(self.loading.wheels[k].name, kind, contact, float(needed[i, k]))
             if found and not self._slipped[k]:
                 self._slipped[k] = 1
-                self.account.warnings.append(f"at t = {frame.path:.4g} s, {found}")
+                self.account.warnings.append(f"at t = {frames.path[i]:.4g} s, {found}")
 
-    def _doubt_struts(self, frame: Frame) -> None:
+    def _doubt_struts(self, t: float) -> None:
         """Doubt inextensible lines that are pushed together: there they are bars, which fold as the mesh lets them."""
         if self.structure.taut is None:
             return
@@ -437,7 +454,7 @@ class Motion:
                 continue
             if all(doubt.key != key for doubt in self.account.doubts):
                 self.account.doubt(
-                    f"line {name} is pushed together at t = {frame.path:.4g} s, and folds as its elements let it",
+                    f"line {name} is pushed together at t = {t:.4g} s, and folds as its elements let it",
                     "it is inextensible, and slack there", key, "give it an axial_stiffness with law: tension_only",
                 )  # fmt: skip
 

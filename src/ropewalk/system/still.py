@@ -20,7 +20,7 @@ from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
 from ropewalk.system.cables import blow
 from ropewalk.system.compliance import AT_REST
 from ropewalk.system.contacts import ON
-from ropewalk.system.frames import FrameBuilder
+from ropewalk.system.frames import FrameBuilder, Note
 from ropewalk.system.holding import Holding, on_friction
 from ropewalk.system.standing import Carried, Standing
 from ropewalk.system.statics import Potential, at_rest, least
@@ -190,7 +190,8 @@ class Still:
         room, own, seen = potential.room, standing.own, standing.state
         room.react(self._structure.holdings)
         state = State(seen.t, seen.r, seen.v, seen.u[:own], seen.w[:own], seen.s, seen.work)
-        frame = self._builder.build(state, room, standing.contacts, elastic, still=path)
+        note = Note.of(state, room, standing.contacts, self._carried.bodies, elastic)
+        frame = self._builder.build(Note.together([note]), still=path)[0]
         self._remark(frame)
         return frame
 

@@ -33,7 +33,7 @@ from ropewalk.solve.superposition import (
 )
 from ropewalk.system.assembled import Assembled
 from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
-from ropewalk.system.frames import FrameBuilder
+from ropewalk.system.frames import FrameBuilder, Note
 from ropewalk.system.passing import Passing
 from ropewalk.system.standing import Carried, Standing, load_springs, measure_from_ends
 from ropewalk.system.statics import Potential, about_rest, at_rest
@@ -220,7 +220,8 @@ class Superposed:
         state = State(
             np.array([t]), r, v, moment.u, moment.w, self._passing.state.s, np.zeros(WORKS)
         )  # fmt: skip
-        frame = self._builder.build(state, room, standing.contacts, self._still.stored(x) + kinks)
+        note = Note.of(state, room, standing.contacts, self._of, self._still.stored(x) + kinks)
+        frame = self._builder.build(Note.together([note]))[0]
         energy = np.full(len(ENERGY_FORMS), np.nan)
         energy[_KNOWN] = frame.energy[_KNOWN]
         return replace(frame, energy=energy, cell_tension=self._cell_tensions(x))

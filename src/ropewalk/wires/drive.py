@@ -47,4 +47,6 @@ class Record(NamedTuple):
 
     def turned(self) -> Record:
         """The same with rows first everywhere."""
-        return self._replace(tie=self.tie.T, hold=np.moveaxis(self.hold, -1, 0), watched=self.watched.T)
+        return Record(
+            self.force, self.height, self.body, self.tie.T, self.hold.transpose(2, 0, 1), self.watched.T
+        )  # fmt: skip

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from ropewalk.checkpoint import Tree
 from ropewalk.results.audit import Audit
+from ropewalk.results.frames import summed
 from ropewalk.wires.equilibrium import Potential
 from ropewalk.wires.holding import AHEAD, NOW
 from ropewalk.wires.large import LargeMotion, correction
@@ -27,12 +31,36 @@ from ropewalk.wires.riders import (
     ROUGH,
     SLOPE,
     TAKEN,
-    Pace,
 )
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.spline import WIDTH
 
 _NOTHING = 1e-100  # J: small motion begins with 1e-150 m instead of nothing, and weights are lifted so far
+
+
+class Then(NamedTuple):
+    """What energies are found of, unchanged by what comes; of several instants, with these in front of all."""
+
+    both: Array  # of the motion
+    q: Array  # of its pace, as are the others
+    last: Array
+    here: Array
+    before: Array
+    work: Array
+    moved: Array  # (holder, 3) m
+
+    @staticmethod
+    def of(motion: LargeMotion | SmallMotion) -> Then:
+        """Copies of what is known now."""
+        pace = motion.pace
+        own = (pace.q, pace.last, pace.here, pace.before, pace.work, motion.holders.moved)
+        return Then(np.array(motion.both), *(array.copy() for array in own))
+
+    @staticmethod
+    def together(thens: Sequence[Then]) -> Then:
+        """The same of several instants."""
+        columns: Any = zip(*thens, strict=True)
+        return Then(*(np.stack(column) for column in columns))
 
 
 class Energies:
@@ -58,19 +86,18 @@ class Energies:
             self._stiffness = vertical_stiffness(corrected)
             self._ties = rows(mesh.ties.other, mesh.nodes) - rows(mesh.ties.one, mesh.nodes)
 
-    def now(self) -> Array:
-        """Those of now in the order of ENERGY_FORMS, J."""
-        motion, velocity = self._motion, self._motion.velocity
+    def of(self, then: Then) -> Array:
+        """Those of some instants, (instant, form) in the order of ENERGY_FORMS, J."""
+        motion, velocity, work = self._motion, self._motion.seen(then.both)[1], then.work.T
         along = np.array([motion.inertia if isinstance(motion, LargeMotion) else 1.0, 1.0, 1.0])
-        kinetic = 0.5 * float((self._mesh.mass * (along[:, None] * velocity**2)).sum())
-        elastic, gravitational = self._stored()
-        moving, potential = self._of_riders(motion.pace)
-        squeezed, given, held, taken = self._at_contacts(motion.pace)
+        kinetic = 0.5 * summed(self._mesh.mass * (along[:, None] * velocity**2))
+        elastic, gravitational = self._stored(then)
+        moving, potential = self._of_riders(then)
+        squeezed, given, held, taken = self._at_contacts(then)
         energy = self._audit.of(
             kinetic=kinetic, elastic=elastic, gravitational=gravitational, load_kinetic=moving,
-            load_potential=potential + squeezed, line_damping=motion.pace.work[DAMPED],
-            contact_dissipation=taken - squeezed, load_damping=motion.pace.work[LOST], load_work=given, hold_work=held,
-            support_work=motion.pace.work[MOVED],
+            load_potential=potential + squeezed, line_damping=work[DAMPED], contact_dissipation=taken - squeezed,
+            load_damping=work[LOST], load_work=given, hold_work=held, support_work=work[MOVED],
         )  # fmt: skip
         energy[np.abs(energy) < _NOTHING] = 0.0
         return energy
@@ -84,93 +111,107 @@ class Energies:
         self._audit.set_state(tree["audit"])
         self._unsqueezed[:] = tree["unsqueezed"]
 
-    def _stored(self) -> tuple[float, float]:
+    def _stored(self, then: Then) -> tuple[Array, Array]:
         motion = self._motion
         if isinstance(motion, LargeMotion):
-            parts = []
-            for r, instant in zip(motion.both, (AHEAD, NOW), strict=True):
-                self._potential.place = self._places(motion, instant)
-                weights = float(((self._potential.force - self._more) * r).sum())
-                parts.append((self._potential.energy(r) + weights, -weights))
-            elastic, gravitational = np.mean(parts, axis=0)
-            return float(elastic), float(gravitational)
-        both = zip(motion.both, (AHEAD, NOW), strict=True)
-        return float(np.mean([self._about_rest(motion, u, instant) for u, instant in both])), 0.0
+            parts = np.zeros((2, 2, len(then.both)))
+            for i, (both, moved) in enumerate(zip(then.both, then.moved, strict=True)):
+                for j, (r, instant) in enumerate(zip(both, (AHEAD, NOW), strict=True)):
+                    self._potential.place = self._places(motion, moved[:, instant])
+                    weights = float(((self._potential.force - self._more) * r).sum())
+                    parts[:, j, i] = self._potential.energy(r) + weights, -weights
+            return parts[0].mean(axis=0), parts[1].mean(axis=0)
+        parts_of_both = [
+            self._about_rest(motion, then.both[:, j], then.moved[:, :, at]) for j, at in enumerate((AHEAD, NOW))
+        ]
+        return np.mean(parts_of_both, axis=0), np.zeros(len(then.both))
 
-    def _places(self, motion: LargeMotion, instant: int) -> Array:
-        """Where holds are without force now, or a step ago, (hold, 3) m."""
+    def _places(self, motion: LargeMotion, displaced: Array) -> Array:
+        """Where holds are without force at an instant when holders are displaced by (holder,) m, (hold, 3) m."""
         holders, place = motion.holders, self._mesh.holds.place.copy()
         axes = [0, 1, 2] if holders.way.shape[1] == 3 else [0, 2]
-        for hold, way, moved in zip(holders.hold, holders.way, holders.moved[:, instant], strict=True):
+        for hold, way, moved in zip(holders.hold, holders.way, displaced, strict=True):
             place[hold, axes] += way * moved
         return place
 
-    def _about_rest(self, motion: SmallMotion, u: Array, instant: int) -> float:
-        """Potential energy of small motion, zero at rest."""
-        holders, held = motion.holders, 0.0
+    def _about_rest(self, motion: SmallMotion, u: Array, displaced: Array) -> Array:
+        """Potential energy of small motion, zero at rest, (instant,) J.
+
+        Args:
+            motion: the motion.
+            u: (instant, node) m.
+            displaced: (instant, holder) m, by how much holders are then.
+        """
+        holders, held = motion.holders, np.zeros(len(u))
         if holders.fast < holders.hold.size:
             elastic = slice(holders.fast, None)
-            points = (holders.weight * u[holders.base[:, None] + np.arange(WIDTH)]).sum(axis=1)
-            stretched = (holders.moved[:, instant] - holders.way[:, 0] * points)[elastic]
-            held = 0.5 * float((holders.stiffness[elastic] * stretched**2).sum())
-        s, springs = motion.springs, 0.0
-        apart = np.einsum("ek,ek->e", s.weight[:, : s.weight.shape[1] // 2], u[s.one[:, None] + _shares(s.weight)])
-        apart += np.einsum("ek,ek->e", s.weight[:, s.weight.shape[1] // 2 :], u[s.other[:, None] + _shares(s.weight)])
-        springs += 0.5 * float((s.across * apart**2).sum())
+            points = (holders.weight * u.take(holders.base[:, None] + np.arange(WIDTH), axis=1)).sum(axis=2)
+            stretched = (displaced - holders.way[:, 0] * points)[:, elastic]
+            held = 0.5 * summed(holders.stiffness[elastic] * stretched**2)
+        s = motion.springs
+        one, other = s.weight[:, : s.weight.shape[1] // 2], s.weight[:, s.weight.shape[1] // 2 :]
+        share = np.arange(s.weight.shape[1] // 2)
+        apart = (one * u.take(s.one[:, None] + share, axis=1)).sum(axis=2)
+        apart += (other * u.take(s.other[:, None] + share, axis=1)).sum(axis=2)
+        springs = 0.5 * summed(s.across * apart**2)
         tie = s.pull > 0.0
-        k, p, rest, along = s.pull[tie], s.push[tie], s.rest[tie], (s.way * apart)[tie]
+        k, p, rest, along = s.pull[tie], s.push[tie], s.rest[tie], (s.way * apart)[:, tie]
         before = np.where(rest > 0.0, rest, rest * p / k)
         after = rest + k * along
         stored = 0.5 * np.where(after > 0.0, after**2 / k, p * (after / k) ** 2)
         stored -= 0.5 * np.where(rest > 0.0, rest**2 / k, p * (rest / k) ** 2)
-        springs += float((stored - before * along).sum())
-        return 0.5 * float(u @ (self._stiffness @ u)) + springs + held
+        springs += summed(stored - before * along)
+        return np.asarray(0.5 * summed(u * (self._stiffness @ u.T).T) + springs + held)
 
-    def _of_riders(self, pace: Pace) -> tuple[float, float]:
+    def _of_riders(self, then: Then) -> tuple[Array, Array]:
         """Kinetic and potential energy of all riders without their contacts, J; weights count from their bases."""
-        riders, kinetic, potential = self._riders, 0.0, 0.0
+        riders, (kinetic, potential) = self._riders, np.zeros((2, len(then.q)))
         for i, n in enumerate(riders.size):
-            rate = (pace.q[i, :n] - pace.last[i, :n]) / pace.step
-            kinetic += 0.5 * float(rate @ riders.mass[i, :n, :n] @ rate)
+            q, last = then.q[:, i, :n], then.last[:, i, :n]
+            rate = (q - last) / self._motion.pace.step
+            kinetic += 0.5 * summed(rate[:, :, None] * riders.mass[i, :n, :n] * rate[:, None])
             own = riders.owner == i
             weight = riders.rest[own] @ riders.row[own][:, :n]
-            for q in (pace.q[i, :n], pace.last[i, :n]):
-                potential += 0.25 * float(q @ riders.stiffness[i, :n, :n] @ q) - 0.5 * float(weight @ q)
+            for u in (q, last):
+                springs = summed(u[:, :, None] * riders.stiffness[i, :n, :n] * u[:, None])
+                potential += 0.25 * springs - 0.5 * summed(u * weight)
         return kinetic, potential
 
-    def _at_contacts(self, pace: Pace) -> tuple[float, float, float, float]:
+    def _at_contacts(self, then: Then) -> tuple[Array, Array, Array, Array]:
         """Energy stored in all contacts, and works up to half a step ago: given, holding, and taken up by contacts, J.
 
         Known is the last instant that was looked at, and the one before: it goes on as it did for half a step.
         """
-        here, before = pace.here, pace.before
-        on = np.isfinite(here[:, HEIGHT]) & np.isfinite(before[:, HEIGHT])
-        now, moved = here[on], here[on] - before[on]
-        given, held, taken = (pace.work[form] for form in (GIVEN, HELD, TAKEN))
-        given += 0.5 * float((now[:, GIVEN_FORCE] * moved[:, HEIGHT]).sum())
-        held -= 0.5 * float((now[:, FORCE] * now[:, SLOPE] * moved[:, PLACE]).sum())
-        touches, outside = self._riders.spring[on] > 0.0, self._riders.size[self._riders.owner[on]] == 0
-        rough = np.where(touches, 0.5 * now[:, FORCE] * moved[:, ROUGH], 0.0)
-        given, held = given - float(rough[outside].sum()), held - float(rough[~outside].sum())
-        taken += 0.5 * float((now[:, FORCE] * moved[:, GAP])[touches].sum())
-        stored = 0.0
-        for k in np.flatnonzero(np.isfinite(here[:, HEIGHT]) & (self._riders.spring > 0.0)):
-            late = 0.5 * (here[k, GAP] - before[k, GAP]) if on[k] else 0.0
-            energy = self._squeezed(int(k), float(here[k, GAP] + late), float(here[k, LOCAL]))
+        riders, here, before = self._riders, then.here, then.before
+        there = np.isfinite(here[:, :, HEIGHT])
+        on = there & np.isfinite(before[:, :, HEIGHT])
+        now, moved = (np.where(on[:, :, None], each, 0.0) for each in (here, here - before))
+        touches, outside = riders.spring > 0.0, riders.size[riders.owner] == 0
+        rough = np.where(touches, 0.5 * now[:, :, FORCE] * moved[:, :, ROUGH], 0.0)
+        given, held, taken = (then.work[:, form] for form in (GIVEN, HELD, TAKEN))
+        given = given + 0.5 * summed(now[:, :, GIVEN_FORCE] * moved[:, :, HEIGHT]) - summed(rough[:, outside])
+        held = (
+            held - 0.5 * summed(now[:, :, FORCE] * now[:, :, SLOPE] * moved[:, :, PLACE]) - summed(rough[:, ~outside])
+        )
+        taken = taken + 0.5 * summed((now[:, :, FORCE] * moved[:, :, GAP])[:, touches])
+        stored = np.zeros(len(here))
+        for k in np.flatnonzero(there.any(axis=0) & touches):
+            at = np.flatnonzero(there[:, k])
+            gap = here[at, k, GAP] + 0.5 * moved[at, k, GAP]
+            energy = self._squeezed(int(k), gap, here[at, k, LOCAL])
             if np.isnan(self._unsqueezed[k]):
-                self._unsqueezed[k] = energy
-            stored += energy - self._unsqueezed[k]
-        return stored, float(given), float(held), float(taken)
+                self._unsqueezed[k] = energy[0]
+            stored[at] += energy - self._unsqueezed[k]
+        return stored, given, held, taken
 
-    def _squeezed(self, k: int, gap: float, local: float) -> float:
-        """Potential energy of the force at contact k, where rider and spline overlap by a gap in m, J."""
+    def _squeezed(self, k: int, gap: Array, local: Array) -> Array:
+        """Potential energy of the force at contact k, where rider and spline overlap by gaps in m, (instant,) J."""
         riders = self._riders
         rest, yields = riders.rest[k], local + (0.0 if np.isinf(riders.spring[k]) else 1.0 / riders.spring[k])
-        more = (gap - local * rest) / yields if yields > 0.0 else 0.0
-        if riders.lifts[k] and (riders.sign[k] * (rest + more) < 0.0 or (yields <= 0.0 and riders.sign[k] * gap < 0.0)):
-            return float(0.5 * rest**2 * (2.0 * local - yields))
-        return float(rest * gap + 0.5 * yields * more**2)
-
-
-def _shares(weight: Array) -> Array:
-    return np.arange(weight.shape[1] // 2)[None, :]
+        gives = yields > 0.0
+        more = np.where(gives, gap - local * rest, 0.0) / np.where(gives, yields, 1.0)
+        stored = rest * gap + 0.5 * yields * more**2
+        if not riders.lifts[k]:
+            return np.asarray(stored)
+        free = (riders.sign[k] * (rest + more) < 0.0) | (~gives & (riders.sign[k] * gap < 0.0))
+        return np.asarray(np.where(free, 0.5 * rest**2 * (2.0 * local - yields), stored))

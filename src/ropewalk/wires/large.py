@@ -441,6 +441,14 @@ class LargeMotion(Changing):
         """Positions of all nodes now and an inner step ago, (3, node) m."""
         return [self._spread(r, self._side) for r in self._r]
 
+    def seen(self, both: Array) -> tuple[Array, Array]:
+        """Positions in m and velocities in m/s of all nodes, (instant, 3, node), whatever `both` was at these instants.
+
+        Args:
+            both: (instant, 2, 3, node) m.
+        """
+        return both[:, 0], (both[:, 0] - both[:, 1]) * (self.inner / self.pace.step)
+
     def _changing(self) -> dict[str, Arrays]:
         """Arrays that change; the present and the last instant in this order, whichever array holds them."""
         now, last = self._r
@@ -453,17 +461,16 @@ class LargeMotion(Changing):
     def _spread(self, values: Array, aside: Array) -> Array:
         return values.copy() if values.shape[0] == 3 else np.vstack([values[0], aside, values[1]])
 
-    def strain(self) -> Array:
-        """Strain of the links behind all nodes (of last nodes: without meaning)."""
-        step = np.diff(self._r[0], axis=1, append=self._r[0][:, -1:])
-        length: Array = np.sqrt((step**2).sum(axis=0))
-        return length / self.rest - 1.0
+    def strain(self, position: Array) -> Array:
+        """Strain of the links behind all nodes at positions (..., axis, node) in m (of last nodes: without meaning)."""
+        step = np.diff(position, axis=-1, append=position[..., -1:])
+        return np.asarray(np.sqrt((step**2).sum(axis=-2)) / self.rest - 1.0)
 
     def go(self, drive: Drive, steps: int = 1) -> Record:
         """Go on by the rows of the drive but the last, `steps` steps each."""
         plan = self.mesh.plan
         record = Record.of(drive.station.shape[0] - 1, self.riders, len(plan.ties), len(plan.holds), self.watched)
-        strain = self.strain()
+        strain = self.strain(self._r[0])
         strain[self.mesh.strands.first + self.mesh.strands.links] = 0.0
         small = bool(np.abs(strain).max() < 0.5 * SMALL_STRAIN)
         arguments = (

@@ -49,22 +49,24 @@ class Reactions:
         self._low, self._ground = rows(mesh.ties.one, mesh.nodes)[self._arms], mesh.ties.ground[self._arms]
 
     def of(self, bare: Array, hold: Array, tie: Array, position: Array) -> Array:
-        """Find them, (support, 3) N.
+        """Find them, (..., support, 3) N.
 
         Args:
-            bare: (end, 3) N on the ends of wires but for what holds do.
-            hold: (hold, 3) N.
-            tie: (tie,) N; those to the ground hold wires, too.
-            position: (3, node) m.
+            bare: (..., end, 3) N on the ends of wires but for what holds do.
+            hold: (..., hold, 3) N.
+            tie: (..., tie) N; those to the ground hold wires, too.
+            position: (..., 3, node) m.
         """
-        out = np.zeros((self._supports, 3))
-        np.add.at(out, self._which, hold)
+        out, ends = np.zeros((*position.shape[:-2], self._supports, 3)), self.ends.size
+        np.add.at(out.swapaxes(0, -2), self._which, np.asarray(hold).swapaxes(0, -2))
         if self._arms:
-            way = self._ground - (self._low @ position.T)
-            out[self._own] += tie[self._arms, None] * way / np.linalg.norm(way, axis=1)[:, None]
-        held = out[: self.ends.size]
+            low = (self._low @ position.reshape(-1, position.shape[-1]).T).T.reshape(*position.shape[:-1], -1)
+            way = np.ascontiguousarray(self._ground - low.swapaxes(-1, -2))
+            pull = tie[..., self._arms, None] * way / np.linalg.norm(way, axis=-1)[..., None]
+            out[..., self._own, :] += pull
+        held = out[..., :ends, :]
         inertia = self._share * (bare + held)
-        out[: self.ends.size] = np.where(self._fixed, self._weight - bare, held + self._weight - inertia)
+        out[..., :ends, :] = np.where(self._fixed, self._weight - bare, held + self._weight - inertia)
         return out
 
 
@@ -100,15 +102,18 @@ def axial_force(mesh: Mesh, stretched: Array, r: Array) -> Array:
 
     Args:
         mesh: of the wires.
-        stretched: (link,) N, EA times the strain.
-        r: (axis, node) m.
+        stretched: (..., link) N, EA times the strain.
+        r: (..., axis, node) m.
     """
     strands, parts = mesh.strands, []
     for a, (stiffness, h, clamped) in enumerate(zip(strands.stiffness, strands.h, strands.clamped, strict=True)):
-        square = (np.diff(r[:, mesh.of(a)], 2, axis=1) ** 2).sum(axis=0) / h**4
-        last = square.size - 1
+        square = (np.diff(r[..., mesh.of(a)], 2, axis=-1) ** 2).sum(axis=-2) / h**4
+        last = square.shape[-1] - 1
         beside = ((0, min(1, last)), (last, max(last - 1, 0)))
-        ends = [max(2.0 * square[i] - square[j], 0.0) for i, j in beside] * clamped  # a hinge does not bend
-        square = np.concatenate([ends[:1], square, ends[1:]])
-        parts.append(0.5 * stiffness * (square[1:] + square[:-1]))
-    return np.asarray(stretched + np.concatenate(parts))
+        begin, end = (
+            side * np.maximum(2.0 * square[..., i] - square[..., j], 0.0)  # a hinge does not bend
+            for side, (i, j) in zip(clamped, beside, strict=True)
+        )
+        square = np.concatenate([begin[..., None], square, end[..., None]], axis=-1)
+        parts.append(0.5 * stiffness * (square[..., 1:] + square[..., :-1]))
+    return np.asarray(stretched + np.concatenate(parts, axis=-1))

@@ -381,6 +381,17 @@ class SmallMotion(Changing):
         """Displacements of all nodes now and a step ago, (node,) m."""
         return self._u
 
+    def seen(self, both: Array) -> tuple[Array, Array]:
+        """Positions in m and velocities in m/s of all nodes, (instant, 3, node), whatever `both` was at these instants.
+
+        Args:
+            both: (instant, 2, node) m.
+        """
+        r, v = (np.zeros((len(both), 3, self.mesh.nodes)) for _ in range(2))
+        r[:, :2], r[:, 2] = self.rest.position[:2], self.level + both[:, 0]
+        v[:, 2] = (both[:, 0] - both[:, 1]) / self.pace.step
+        return r, v
+
     def _changing(self) -> dict[str, Arrays]:
         """Arrays that change; the present and the last instant in this order, whichever array holds them."""
         (now, last), springs = self._u, arrays_of(self.springs, "last", "rate")

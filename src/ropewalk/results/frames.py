@@ -1,0 +1,79 @@
+"""Frames of several instants in one: so they are made, judged and written, for to call NumPy costs more than to count.
+
+A motion goes on from output to output and notes what its frames will be made of; now and then all that has been noted
+is made frames at once.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from ropewalk.results.frame import Array, Frame
+
+NAMES = tuple(field.name for field in fields(Frame) if field.name != "path")
+WAIT = 0.1  # s, the longest that frames wait for others: a run that is killed loses no more for it
+ROOM = 16_000_000  # bytes, about as much as they take while they wait
+
+
+@dataclass(frozen=True)
+class Frames:
+    """The states at some output instants."""
+
+    path: Array  # (instant,) time in s, or load path in m
+    of: Mapping[str, Array]  # by the names of `Frame`, with instants in front; not what only other runs have
+
+    @staticmethod
+    def together(frames: Sequence[Frame]) -> Frames:
+        """The same frames, one after the other."""
+        given = [name for name in NAMES if getattr(frames[0], name) is not None]
+        of = {name: np.array([getattr(frame, name) for frame in frames], dtype=np.float64) for name in given}
+        return Frames(np.array([frame.path for frame in frames], dtype=np.float64), of)
+
+    def __len__(self) -> int:
+        """How many."""
+        return self.path.size
+
+    def __getitem__(self, i: int) -> Frame:
+        """One of them."""
+        return Frame(float(self.path[i]), **{name: array[i] for name, array in self.of.items()})
+
+    def __iter__(self) -> Iterator[Frame]:
+        """One after the other."""
+        return (self[i] for i in range(len(self)))
+
+
+def summed(values: Array) -> Array:
+    """Sums over all but instants, which come first; to the last bit they do not depend on how many of these there are.
+
+    NumPy adds in an order that depends on how arrays lie in memory, as `@` and `einsum` do on sizes, and a run that is
+    taken up again is to give what it would have given.
+    """
+    return np.asarray(np.ascontiguousarray(values).reshape(len(values), -1).sum(axis=1))
+
+
+class Waiting:
+    """What has been noted of instants whose frames are still to be made."""
+
+    def __init__(self, each: int) -> None:
+        self._most = max(1, ROOM // max(each, 1))
+        self._since = -np.inf  # the first frame does not wait
+        self._notes = list[Any]()
+
+    def append(self, note: Any) -> bool:
+        """Keep a note; says whether it is time to make frames."""
+        self._notes.append(note)
+        return len(self._notes) >= self._most or clock.monotonic() - self._since >= WAIT
+
+    def taken(self) -> list[Any]:
+        """All that is waiting, which does so no longer."""
+        notes, self._notes, self._since = self._notes, [], clock.monotonic()
+        return notes
+
+    def __len__(self) -> int:
+        """How many instants are waiting."""
+        return len(self._notes)
