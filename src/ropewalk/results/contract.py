@@ -216,6 +216,7 @@ def account_attributes(account: Account) -> dict[str, Attribute]:
         "audit": account.audit,
         "doubts": "\n".join(" ".join(str(doubt).split()) for doubt in account.doubts),
         "warnings": "\n".join(" ".join(warning.split()) for warning in account.warnings),
+        **account.mesh,
     }
 
 

@@ -158,6 +158,7 @@ class Account:
     warnings: list[str] = field(default_factory=list)  # legitimate, but one should know
     audit: str = ""  # why no energy audit is kept, if that is so
     doubts: list[Doubt] = field(default_factory=list)  # reasons not to trust the run
+    mesh: dict[str, str | float] = field(default_factory=dict)  # attributes that tell of its error, if asked for
 
     def doubt(self, what: str, cause: str, key: str, remedy: str) -> None:
         """Note a reason not to trust the run, once."""
