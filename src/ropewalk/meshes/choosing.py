@@ -84,12 +84,12 @@ def _kept(
     """The result on one mesh, which is put behind the coarser ones; `unknown` says why there are none."""
     account = Account()
     run = start(scenario, account)
-    mesh = Mesh.of(run.layout, scenario, meshes)
+    mesh, before = Mesh.of(run.layout, scenario, meshes), meshes[-1] if meshes else None
     meshes.append(mesh)
     if unknown:
         what = f"the error of the mesh is not known: {unknown}"
         account.doubt(what, "a coarser mesh cannot do what is asked", "run.mesh_error", "write more elements")
-    return record(scenario, Compared(run, mesh, lambda: _tell(meshes, scenario, account, wanted)), account)
+    return record(scenario, Compared(run, mesh, before, lambda: _tell(meshes, scenario, account, wanted)), account)
 
 
 def _level(meshes: Sequence[Mesh], wanted: float, links: int) -> int | None:
@@ -117,7 +117,8 @@ def _tell(meshes: Sequence[Mesh], scenario: Scenario, account: Account, wanted: 
     everywhere, contacts = estimates(meshes)
     account.mesh |= {"mesh_error": everywhere.error, "mesh_order": everywhere.order}
     if contacts is not None:
-        account.mesh["mesh_error_of_contacts"] = contacts.error
+        told = {"error": contacts.error, "order": contacts.order, "alike": contacts.alike}
+        account.mesh |= {f"mesh_{name}_of_contacts": value for name, value in told.items()}
     key = next((f"lines.{name}.elements" for name in scenario.lines), "nets")
     if everywhere.doubt:
         cause = "chaos (slack lines, compression without damping), or meshes that are too coarse for what happens"

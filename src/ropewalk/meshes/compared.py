@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.chain import Array
 from ropewalk.meshes.estimate import Estimate
 from ropewalk.meshes.samples import Samples, places_of
 from ropewalk.model.scenario import Scenario
@@ -89,12 +92,15 @@ class Compared:
     Args:
         run: on the finest mesh.
         mesh: of it, before its run.
+        coarser: of the run before, None where there is none.
         conclude: called at the end.
     """
 
-    def __init__(self, run: Run, mesh: Mesh, conclude: Callable[[], None]) -> None:
+    def __init__(self, run: Run, mesh: Mesh, coarser: Mesh | None, conclude: Callable[[], None]) -> None:
         self.layout, self.total = run.layout, run.total
-        self._run, self._mesh, self._conclude = run, mesh, conclude
+        if coarser is not None:
+            self.layout = replace(run.layout, compared=run.layout.contact_load)
+        self._run, self._mesh, self._coarser, self._conclude = run, mesh, coarser, conclude
 
     def get_state(self) -> None:
         """Nothing to go on from.
@@ -109,6 +115,16 @@ class Compared:
         try:
             for frame in self._run.frames():
                 self._mesh.samples.add(frame)
-                yield frame
+                yield frame if self._coarser is None else replace(frame, contact_change=self._change(self._coarser))
         finally:
             self._conclude()
+
+    def _change(self, coarser: Mesh) -> Array:
+        """(contact, axis) m, of the contacts in the last frame: NaN where the coarser mesh has none any more."""
+        now, before = self._mesh.samples, coarser.samples
+        contacts = slice(now.nodes.size, now.nodes.size + self._mesh.contacts)
+        i = len(now.outputs) - 1
+        if i >= len(before.outputs):
+            return np.full_like(now.outputs[i][contacts], np.nan)
+        change: Array = now.outputs[i][contacts] - before.outputs[i][contacts]
+        return change
