@@ -80,6 +80,8 @@ def estimates(meshes: Sequence[Mesh]) -> tuple[Estimate, Estimate | None]:
     contacts = slice(nodes, nodes + fine.contacts)
     own = Estimate.of(sizes, first[:, contacts], second[:, contacts]) if fine.contacts else None
     found, until = Estimate.of(sizes, first, second), len(first) + 1
+    if own is not None:
+        found = replace(found, error=max(found.error, own.error))
     if until < min(len(middle.samples.outputs), len(fine.samples.outputs)):
         early = f"on a coarser mesh the run ends after {until - 1} outputs: the error is that until then"
         found = replace(found, doubt=found.doubt or early)

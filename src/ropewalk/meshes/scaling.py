@@ -8,10 +8,10 @@ from pydantic import ValidationError
 
 from ropewalk.errors import RopewalkError
 from ropewalk.model.division import links_of_line
+from ropewalk.model.mesh import OF_BEAMS
 from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
 
-FEWEST = 4  # links of a short line on the coarsest mesh from which one is chosen
 IN_TIME = 0.1  # of a wanted accuracy, what steps may miss
 
 
@@ -30,7 +30,7 @@ def begun(scenario: Scenario, links: int) -> Scenario:
     lengths = {name: line.length or line.distance for name, line in scenario.lines.items()}
     lines = {}
     for name, line in scenario.lines.items():
-        coarse = max(FEWEST, round(links * lengths[name] / max(lengths.values())))
+        coarse = max(OF_BEAMS, round(links * lengths[name] / max(lengths.values())))
         lines[name] = line.model_copy(update={"elements": coarse})
         lines[name] = line.model_copy(update={"elements": links_of_line(lines[name])})
     run = scenario.run

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 PARTS = 4
 """How many times the elements of the coarsest mesh the finest has: the number has to be divided by it."""
+FEWEST, OF_BEAMS = 2, 5
+"""Links, or cells, of the coarsest mesh; of lines with bending stiffness, whose splines go through six nodes."""
 
 
 def is_asked_for(scenario: Scenario) -> bool:
@@ -84,7 +86,7 @@ def _divided(parts: Parts) -> Iterator[Finding]:
     """Numbers of elements that have no half and no quarter."""
     for name, line in parts.lines.items():
         if line is not None:
-            yield from _one(("lines", name, "elements"), line.elements)
+            yield from _one(("lines", name, "elements"), line.elements, OF_BEAMS if line.is_stiff else FEWEST)
     for name, net in parts.nets.items():
         if net is None:
             continue
@@ -94,14 +96,15 @@ def _divided(parts: Parts) -> Iterator[Finding]:
             yield Finding(("nets", name, "cells" if net.boundary is None else "boundary"), wrong, remedy=remedy)
             continue
         for cells in net.cells:
-            yield from _one(("nets", name, "cells"), cells)
+            yield from _one(("nets", name, "cells"), cells, FEWEST)
         if isinstance(net, Net) and net.mesh is None:
             wrong = "is missing: without it threads are where cells are, and there are no finer ones"
             yield Finding(("nets", name, "mesh"), wrong, remedy="add mesh (distance of the threads), or no mesh_error")
 
 
-def _one(path: tuple[str, ...], number: int) -> Iterator[Finding]:
-    if number % PARTS or number < 2 * PARTS:
-        near = max(2 * PARTS, number - number % PARTS)
+def _one(path: tuple[str, ...], number: int, coarsest: int) -> Iterator[Finding]:
+    least = coarsest * PARTS
+    if number % PARTS or number < least:
+        near = max(least, number - number % PARTS)
         remedy = f"write {near} or {near + PARTS}, or leave mesh_error out"
-        yield Finding(path, f"mesh_error needs a number that {PARTS} divides, {2 * PARTS} or more", str(number), remedy)
+        yield Finding(path, f"mesh_error needs a number that {PARTS} divides, {least} or more", str(number), remedy)
