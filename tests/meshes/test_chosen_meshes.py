@@ -178,3 +178,16 @@ def test_an_estimate_is_that_of_richardson() -> None:
     assert found.error == pytest.approx(float(np.linalg.norm(places[-1] - exact)), rel=1e-9)
     assert found.alike == pytest.approx(1.0)
     assert not found.doubt
+
+
+@pytest.mark.parametrize("elements", [40, "auto"])
+def test_nodes_at_inner_supports_need_not_be_those_of_other_meshes(elements: int | str) -> None:
+    """A support at 0.3 of the length has a node with ten links, which 11 have not."""
+    line = {
+        "start": [0, 0], "end": [10, 0], "length": 10.0, "mass": 1.0, "axial_stiffness": 1e6,
+        "bending_stiffness": 1e3, "elements": elements, "supports": {"pier": {"kind": "fixed", "at": 3.0}},
+    }  # fmt: skip
+    more = {"accuracy": 1e-4} if elements == "auto" else {"mesh_error": True}
+    result = simulate(scenario({"beam": line}, {}, {"kind": "equilibrium", **more}, gravity=9.81))
+    assert 0.0 < result.attrs["mesh_error"] < 1e-3
+    assert result.sizes["link"] % 10 == 0

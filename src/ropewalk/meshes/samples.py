@@ -43,7 +43,7 @@ class Samples:
     """Places of points on one mesh, output after output.
 
     Args:
-        nodes: of the result, that stand for the points.
+        nodes: of the result, that stand for the points; -1 where none does.
         outputs: (point, axis) m of each instant: nodes, then contacts and bodies; NaN where one is nowhere.
     """
 
@@ -58,12 +58,12 @@ class Samples:
             places: what `places_of` the coarsest mesh has.
             known: what `places_of` this mesh has.
         """
-        return cls(np.array([known[place] for place in places if place in known], dtype=np.int64), [])
+        return cls(np.array([known.get(place, -1) for place in places], dtype=np.int64), [])
 
     def add(self, frame: Frame) -> None:
         """Take those of an instant."""
-        found = frame.position[self.nodes], frame.contact_position, frame.body_position
-        self.outputs.append(np.concatenate(found))
+        nodes = np.where(self.nodes[:, None] >= 0, frame.position[self.nodes], np.nan)
+        self.outputs.append(np.concatenate([nodes, frame.contact_position, frame.body_position]))
 
     def less(self, other: Samples) -> Array:
         """Distances (time, point, axis) from those of another mesh in m, up to where either ends."""
