@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from . import bodies, continuum, cosim, cost, endurance, gate, nets, output, overhead, statics, theory
+from . import bodies, continuum, cosim, cost, endurance, gate, mesh, nets, output, overhead, statics, theory
 from .peers import __main__ as peers
 
 
@@ -15,13 +15,14 @@ def main() -> None:
     parser.add_argument(
         "what", nargs="?", default="all",
         choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies", "overhead", "nets", "cosim",
-                 "endurance", "gate", "output"],
+                 "endurance", "gate", "mesh", "output"],
         help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling; "
         "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields; "
         "bodies: masses, walkers, models of one's own, and Exudyn's sliding joint; overhead: against real time; "
         "nets: a mass on nets of more and more nodes; cosim: what an exchange with an FMU costs; "
         "endurance: long runs, large lines, large results, checkpoints; "
         "output: what output instants and first runs cost, and large results; "
+        "mesh: errors of meshes beside what is told of them; "
         "gate: one problem, two schemes for contacts, one exact answer (only rows whose names contain --row)",
     )  # fmt: skip
     parser.add_argument("--row", action="append", default=[], help="part of the names of rows of gate")
@@ -49,6 +50,8 @@ def main() -> None:
         output.main()
     if what in ("all", "gate"):
         gate.main(asked.row)
+    if what in ("all", "mesh"):
+        mesh.main()
     if what in ("all", "peers"):
         sys.argv = ["benchmarks.peers", "--case", "all"]
         peers.main()

@@ -71,6 +71,7 @@ SECTIONS = {
         "Axis",
         "summary",
         "tables",
+        "extrapolated",
         "figure",
         "film",
         "contact_statistics",

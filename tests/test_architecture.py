@@ -19,7 +19,7 @@ HOUSE = Path(ropewalk.__file__).parent
 STOREYS = (
     ("errors", "units", "hooks", "interrupts"), ("checkpoint",), ("model",), ("theory",), ("mechanics",), ("foreign",),
     ("guides",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("webs",), ("system",),
-    ("capabilities",), ("chains", "wiring"), ("simulate",), ("decouple",), ("coupling",), ("scenario",),
+    ("capabilities",), ("chains", "wiring"), ("meshes",), ("simulate",), ("decouple",), ("coupling",), ("scenario",),
     ("resuming",), ("console",), ("cli", "__main__"),
 )  # fmt: skip
 # Wings above the house may look at everything; a wing not named here must be given its place first.

@@ -24,7 +24,8 @@ what is asked   `Dynamic` (from a `Start`), `Quasistatic`, `Equilibrium`, `Linea
 files           `load` and `save` a scenario, `open_result`; `export_fmu` writes a line or a vehicle as an FMU
 answers         `simulate`, `resume`, `spectrum`; `feedback` gives a `Comparison` with a run `without_feedback`,
                 `ladder` a `Ladder` of simpler models, `adequacy` an `AdequacyMap` over two `Axis`es; `summary`,
-                `tables`, `figure` and `film` of a result; `contact_statistics` and `html_report` of overhead lines
+                `tables`, `figure` and `film` of a result, paths of contacts `extrapolated` from two meshes;
+                `contact_statistics` and `html_report` of overhead lines
 many runs       `sweep` gives one dataset over what varies (`Sweep`), `sweep_figure` and `sweep_table` are of it
 closed forms    `theory`: what the simulation is checked against
 errors          `RopewalkError`, and of its kind `ScenarioError`, `EquilibriumError`, `ResultError`
@@ -123,7 +124,7 @@ if TYPE_CHECKING:
         Wheel,
         Wind,
     )
-    from ropewalk.results import ResultError, figure, film, html_report, open_result, summary, tables
+    from ropewalk.results import ResultError, extrapolated, figure, film, html_report, open_result, summary, tables
     from ropewalk.results.contact_statistics import contact_statistics
     from ropewalk.resuming import resume
     from ropewalk.scenario import load, save
@@ -216,6 +217,7 @@ __all__ = [
     "adequacy",
     "contact_statistics",
     "export_fmu",
+    "extrapolated",
     "feedback",
     "figure",
     "film",
@@ -317,6 +319,7 @@ _HOME = {
     "adequacy": "compare.adequacy",
     "contact_statistics": "results.contact_statistics",
     "export_fmu": "cosim.export",
+    "extrapolated": "results",
     "feedback": "coupling",
     "figure": "results",
     "film": "results",

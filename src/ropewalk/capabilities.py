@@ -39,7 +39,7 @@ SUPERPOSED = Engine(system.LINEAR, system.LINEAR)
 
 def engine_of(asked: Parts | Scenario) -> Engine:
     """Choose the engine that computes a scenario."""
-    parts = asked if isinstance(asked, Parts) else asked.parts
+    parts = (asked if isinstance(asked, Parts) else asked.parts).on_a_mesh
     if isinstance(parts.run, Linear):
         return _of_linear_theory(parts)
     if parts.is_web:
@@ -133,6 +133,7 @@ def unsupported(parts: Parts) -> Iterator[Finding]:
         motion, rest = (list(unsupported(replace(parts, run=run))) for run in (Dynamic(until=1.0), Equilibrium()))
         yield from (found for found in motion if found.path[0] != "run" and found.path in {one.path for one in rest})
         return
+    parts = parts.on_a_mesh
     engine = engine_of(parts)
     known = parts.is_complete and None not in parts.lines.values()
     for found in (engine.motion if isinstance(parts.run, Dynamic | Linear) else engine.at_rest).unsupported(parts):

@@ -22,6 +22,7 @@ from ropewalk.checkpoint import Tree
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.load import MovingForce
+from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Account, Frame, Layout
@@ -67,10 +68,18 @@ def simulate(
         _keep_apart(scenario, file)
         if not overwrite:
             check_own(file, scenario)
-    watch, account = Clock(), Account()
-    run = run_of(scenario, account)
-    with Recorder(run.layout, scenario, account, file, run=run) as recorder:
-        return record(run, recorder, account, watch, progress)
+    watch = Clock()
+
+    def recorded(asked: Scenario, run: Run, account: Account) -> xr.Dataset:
+        with Recorder(run.layout, asked, account, file, run=run) as recorder:
+            return record(run, recorder, account, watch, progress)
+
+    if is_asked_for(scenario):
+        from ropewalk.meshes import choosing  # lazy: most runs are on one mesh
+
+        return choosing.result_of(scenario, run_of, recorded)
+    account = Account()
+    return recorded(scenario, run_of(scenario, account), account)
 
 
 class Clock:

@@ -37,7 +37,7 @@ PART = 5
 """One in so many changes is in the sample."""
 SAME = 1e-10
 """Part of the largest value of a variable by which it may differ and be the same."""
-_TOLD = ("title", "outcome", "advice", "doubts", "warnings")
+_TOLD = ("title", "outcome", "advice", "doubts", "warnings", "mesh")
 _MORE = 1.25  # times a number that is given
 _PLAIN = 3  # letters: shorter names of keys are words of any text
 

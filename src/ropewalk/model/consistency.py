@@ -17,6 +17,7 @@ from ropewalk.model.line import spatial
 from ropewalk.model.load import MovingForce, Travelling
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
+from ropewalk.model.mesh import check_mesh
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
@@ -48,6 +49,7 @@ def check(parts: Parts) -> list[Finding]:
             check_overhead,
             check_joints,
             check_settings,
+            check_mesh,
             check_space,
             check_beginning,
             _travels,

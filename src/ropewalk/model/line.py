@@ -38,6 +38,8 @@ def spatial(point: tuple[float, ...]) -> tuple[float, float, float]:
     return (point[0], 0.0, point[1]) if len(point) == 2 else (point[0], point[1], point[2])
 
 
+USUAL = 100
+"""Number of links where none is written."""
 SHORTEST = 1e-6  # m, of a line that is given by its tension
 
 
@@ -64,7 +66,10 @@ class Line(Declaration):
     supports: dict[Name, InnerSupport] = Field(
         default_factory=dict, description="between its ends, by name: piers, bearings, saddles that hold it"
     )
-    elements: Annotated[int, Count(1, 10_000_000)] = Field(default=100, description="number of links")
+    elements: Annotated[int, Count(1, 10_000_000, auto=USUAL)] = Field(
+        default=USUAL,
+        description="number of links; auto: as many as `accuracy` of the run asks for (other commands take 100)",
+    )
     sheaves: dict[Name, Sheave] = Field(
         default_factory=dict, description="over which it runs on its way from start to end, in order, by name"
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ropewalk.model.joint import Joint
 from ropewalk.model.law import Inextensible
@@ -11,6 +11,7 @@ from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad
 from ropewalk.model.net import AnyNet
 from ropewalk.model.overhead import OverheadLine
+from ropewalk.model.quantity import Auto
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
 from ropewalk.model.wind import Wind
 
@@ -65,6 +66,19 @@ class Parts:
     def has_inextensible(self) -> bool:
         """Whether a line is inextensible."""
         return any(line is not None and isinstance(line.law, Inextensible) for line in self.lines.values())
+
+    @property
+    def is_auto(self) -> bool:
+        """Whether the number of links of a line is to be found."""
+        return any(line is not None and isinstance(line.elements, Auto) for line in self.lines.values())
+
+    @property
+    def on_a_mesh(self) -> Parts:
+        """The same with numbers of links that are taken as they are: the accuracy is not that of the steps there."""
+        run = self.run
+        if not self.is_auto or run is None or isinstance(run, Linear) or run.accuracy is None:
+            return self
+        return replace(self, run=run.model_copy(update={"accuracy": None}))
 
     def complete(self) -> Iterator[tuple[str, AnyLoad, str, Line]]:
         """List the loads that are themselves right and stand on a line that is, too: name, load, line's name, line."""

@@ -234,15 +234,27 @@ class Listed:
         return choices[0] if len(choices) == 1 else {"anyOf": choices}
 
 
+AUTO = "auto"
+
+
+class Auto(int):
+    """A number that is yet to be found, written `auto`; whoever does not look for it takes it as it is."""
+
+
 @dataclass(frozen=True)
 class Count:
-    """Annotation: a whole number between two bounds."""
+    """Annotation: a whole number between two bounds, or, where `auto` says which one stands for it, `auto`."""
 
     least: int
     most: int
+    auto: int | None = None
 
     def read(self, value: object) -> int:
         bounds = f"write a whole number from {self.least} to {self.most}"
+        if self.auto is not None:
+            if value == AUTO or isinstance(value, Auto):
+                return Auto(self.auto)
+            bounds += f", or {AUTO}"
         if isinstance(value, str):
             try:
                 value = float(value) if len(value) < 40 else None
@@ -257,10 +269,16 @@ class Count:
         return int(value)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_before_validator_function(self.read, core_schema.int_schema())
+        return core_schema.no_info_plain_validator_function(
+            self.read,
+            serialization=core_schema.plain_serializer_function_ser_schema(
+                lambda value: AUTO if isinstance(value, Auto) else value, when_used="json"
+            ),
+        )
 
     def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        return {"type": "integer", "minimum": self.least, "maximum": self.most}
+        number = {"type": "integer", "minimum": self.least, "maximum": self.most}
+        return number if self.auto is None else {"anyOf": [number, {"enum": [AUTO]}]}
 
 
 def _name(name: str) -> str:

@@ -85,6 +85,16 @@ class Start(Declaration):
 _INSTEAD = {"rest": "", "result": ": the result says where everything is", "mode": ""}
 
 
+_MESH_ERROR = Field(
+    default=False,
+    description="also compute with a quarter and half of the elements, and estimate how far positions are from those "
+    "of the continuum",
+)
+_OF_AUTO = Field(
+    default=None, description="with elements: auto, wanted accuracy of the positions, against the continuum"
+)
+
+
 class Dynamic(Declaration):
     """Motion in time."""
 
@@ -96,8 +106,10 @@ class Dynamic(Declaration):
     accuracy: PositiveLength | None = Field(
         default=None,
         description="of ropes, and elsewhere with rkn6 and implicit: wanted accuracy in time of the positions "
-        "(default: 1 mm, and with Verlet's method the largest stable step)",
+        "(default: 1 mm, and with Verlet's method the largest stable step); with elements: auto, of anything: that "
+        "of the positions against the continuum",
     )
+    mesh_error: bool = _MESH_ERROR
     start: Start = Field(default=Start(), description="the state at the beginning")
     geometry: Geometry = Field(
         default="nonlinear",
@@ -153,12 +165,16 @@ class Quasistatic(Declaration):
         description="also keep positions in between, so that no load's path turns by more than this angle from one "
         "position to the next",
     )
+    accuracy: PositiveLength | None = _OF_AUTO
+    mesh_error: bool = _MESH_ERROR
 
 
 class Equilibrium(Declaration):
     """The rest shape under gravity and the loads at their start."""
 
     kind: Literal["equilibrium"] = "equilibrium"
+    accuracy: PositiveLength | None = _OF_AUTO
+    mesh_error: bool = _MESH_ERROR
 
 
 class Linear(Declaration):

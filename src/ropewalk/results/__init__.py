@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ropewalk.results.animation import film
     from ropewalk.results.contract import links
     from ropewalk.results.display_units import DisplayUnits
+    from ropewalk.results.extrapolation import extrapolated
     from ropewalk.results.figures import figure, figure_data, single
     from ropewalk.results.files import ResultError, WriteError, open_result
     from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
@@ -34,6 +35,7 @@ _HOME = {
     "WriteError": "files",
     "check_target": "target",
     "export": "vtk_export",
+    "extrapolated": "extrapolation",
     "figure": "figures",
     "figure_data": "figures",
     "film": "animation",
@@ -61,6 +63,7 @@ __all__ = [
     "WriteError",
     "check_target",
     "export",
+    "extrapolated",
     "figure",
     "figure_data",
     "film",

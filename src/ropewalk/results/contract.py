@@ -81,6 +81,9 @@ VARIABLES: Mapping[str, Quantity] = {
         "N/m",
         "tension per width: of a membrane the larger and the smaller one, of a net along u, v",
     ),
+    "contact_change": Quantity(
+        ("compared", "axis"), "m", "what the contact has moved by since the mesh with half the elements"
+    ),
     "exchange_work": Quantity(("foreign",), "J", "energy that has gone to and fro through the interface so far"),
     "exchange_residual": Quantity(("foreign",), "J", "energy that the exchange with the model has made so far"),
     "exchange_peak": Quantity(("foreign",), "J", "the most of it in one interval of exchange since the last output"),
@@ -108,6 +111,7 @@ COORDINATES: Mapping[str, Quantity] = {
     "watched_station": Quantity(("watched",), "m", "place of the watched point along its line"),
     "sample": Quantity(("sample",), "s", "time of the sample after the output instant (negative: before it)"),
     "foreign": Quantity(("foreign",), "1", "load that is a model of somebody else's"),
+    "compared": Quantity(("compared",), "1", "load of the contact that is compared with that on a coarser mesh"),
     "corner": Quantity(("corner",), "1", "corner of a cell"),
     "direction": Quantity(("direction",), "1", "direction of a tension in a cell"),
     "cell_net": Quantity(("cell",), "1", "net or membrane of the cell"),
@@ -117,7 +121,7 @@ COORDINATES: Mapping[str, Quantity] = {
 NUMBERS = ("cell_node",)
 """Coordinates without a unit that are numbers, where all others are names."""
 
-OPTIONAL = ("tie", "watched", "sample", "foreign", "cell", "corner", "direction")
+OPTIONAL = ("tie", "watched", "sample", "foreign", "compared", "cell", "corner", "direction")
 """Dimensions that only some results have: what needs them is left out of the others."""
 
 
@@ -140,6 +144,7 @@ def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
         "tie": layout.tie,
         "watched": layout.watched,
         "foreign": layout.foreign,
+        "compared": layout.compared,
         "corner": CORNERS if layout.cell else (),
         "direction": DIRECTIONS if layout.cell else (),
         "cell_net": layout.cell_net,
@@ -168,6 +173,7 @@ def sizes(layout: Layout) -> dict[str, int]:
         "watched": len(layout.watched),
         "sample": len(layout.sample),
         "foreign": len(layout.foreign),
+        "compared": len(layout.compared),
         "cell": len(layout.cell),
         "corner": len(CORNERS) if layout.cell else 0,
         "direction": len(DIRECTIONS) if layout.cell else 0,
@@ -222,6 +228,7 @@ def account_attributes(account: Account) -> dict[str, Attribute]:
         "audit": account.audit,
         "doubts": "\n".join(" ".join(str(doubt).split()) for doubt in account.doubts),
         "warnings": "\n".join(" ".join(warning.split()) for warning in account.warnings),
+        **account.mesh,
     }
 
 

@@ -53,6 +53,7 @@ class Layout:
     watched_station: tuple[float, ...] = ()  # m
     sample: tuple[float, ...] = ()  # s, offsets of samples from the output instant: before it, or zero
     foreign: tuple[str, ...] = ()  # loads that are models of somebody else's
+    compared: tuple[str, ...] = ()  # load of each contact, where they are compared with those on a coarser mesh
     cell: tuple[tuple[int, int, int], ...] = ()  # nodes of each triangle of nets and membranes
     cell_net: tuple[str, ...] = ()  # net of each triangle
     path: str = "time"  # leading dimension: "time" (s) or "load_path" (m)
@@ -90,6 +91,7 @@ class Frame:
     sampled_tie_force: Array | None = None  # (sample, tie) N
     sampled_uplift: Array | None = None  # (sample, watched) m
     cell_tension: Array | None = None  # (cell, direction) N/m
+    contact_change: Array | None = None  # (compared, axis) m, from the mesh with half the elements to this one
     exchange_work: Array | None = None  # (foreign,) J, that has gone through the interface
     exchange_residual: Array | None = None  # (foreign,) J, that the exchange has made
     exchange_peak: Array | None = None  # (foreign,) J, the most of it in one interval since the last frame
@@ -163,6 +165,7 @@ class Account:
     warnings: list[str] = field(default_factory=list)  # legitimate, but one should know
     audit: str = ""  # why no energy audit is kept, if that is so
     doubts: list[Doubt] = field(default_factory=list)  # reasons not to trust the run
+    mesh: dict[str, str | float] = field(default_factory=dict)  # attributes that tell of its error, if asked for
 
     def doubt(self, what: str, cause: str, key: str, remedy: str) -> None:
         """Note a reason not to trust the run, once."""

@@ -192,8 +192,22 @@ class Statics:
         """Nothing."""
 
 
-Run = TimeHistory | Statics
-"""Who gives frames, whatever they are of."""
+class Run(Protocol):
+    """Who gives frames, whatever they are of."""
+
+    @property
+    def layout(self) -> Layout:
+        """Names and coordinates of its frames."""
+
+    @property
+    def total(self) -> int:
+        """How many frames it will have."""
+
+    def frames(self) -> Iterator[Frame]:
+        """The frames that are still to come."""
+
+    def get_state(self) -> Tree | None:
+        """All that changes, None where there is nothing to go on from."""
 
 
 def followed(frames: Iterator[Frame], account: Account) -> Iterator[Frame]:

@@ -61,6 +61,7 @@ def summary(dataset: xr.Dataset) -> Summary:
         **contact_summary(dataset),
         "exchanges": exchange_summary(dataset),
         "energy": _energy(dataset),
+        "mesh": _mesh(dataset),
         "method": _method(dataset),
     }
     plain: Summary = _plain(found)
@@ -326,6 +327,21 @@ def _energy(dataset: xr.Dataset) -> Summary:
     return {
         "unit": "J", "final": final, "always_zero": idle, "turnover": moved, "largest_imbalance": worst,
         "audit": str(dataset.attrs.get("audit", "")),
+    }  # fmt: skip
+
+
+def _mesh(dataset: xr.Dataset) -> Summary | None:
+    """How far positions are estimated to be from those of the continuum; None where nobody asked."""
+    told = dataset.attrs
+    if "mesh" not in told:
+        return None
+    errors = {
+        key: told.get(name, math.nan)
+        for key, name in (("error", "mesh_error"), ("of_contacts", "mesh_error_of_contacts"))
+    }
+    return {
+        "told": told["mesh"], "order": told.get("mesh_order", math.nan),
+        **{key: {"value": value, "unit": "m"} for key, value in errors.items()},
     }  # fmt: skip
 
 

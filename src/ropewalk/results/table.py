@@ -106,6 +106,8 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
     yield from _energy_rows(
         found["energy"], column({"unit": "J", **found["energy"]["final"], "turnover": found["energy"]["turnover"]})
     )
+    if found["mesh"] is not None:
+        yield from _mesh_rows(found["mesh"], column(found["mesh"]))
     yield from _method_rows(found["method"], column())
 
 
@@ -351,6 +353,13 @@ def _energy_rows(energy: Summary, say: Column) -> Iterator[Row]:
         return
     share = "" if worst["relative"] is None else f"{percent(worst['relative'])} of the energy turned over"
     yield "largest imbalance", say(worst["value"], "J"), "  ".join(filter(None, (share, *_when(worst))))
+
+
+def _mesh_rows(mesh: Summary, say: Column) -> Iterator[Row]:
+    order = "" if mesh["order"] is None else f"order {number(mesh['order'], 2)}; "
+    yield "Mesh", "", ""
+    for key, what, more in (("error", "estimated error", f"{order}{mesh['told']}"), ("of_contacts", "of contacts", "")):
+        yield what, "–" if mesh[key]["value"] is None else say(mesh[key]["value"], "m"), more
 
 
 def _method_rows(method: Summary, say: Column) -> Iterator[Row]:

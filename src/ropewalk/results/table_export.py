@@ -27,6 +27,7 @@ _ROWS, _SHEET = 1_048_575, 31  # of a sheet: rows without its head, letters of i
 # Quantities of single points in the order of the columns, with the dimension that names the point.
 _OF_POINTS = (
     ("contact", "load"), ("body", "body"), ("support", "support"), ("tie", "tie"), ("foreign", "foreign"),
+    ("compared", "compared"),
     ("form", "form"),
 )  # fmt: skip
 _HEAD = re.compile(r"(.+) \[(.+)\]")

@@ -1,0 +1,16 @@
+"""The estimated error of a mesh beside the true one, on problems with known answers."""
+
+from __future__ import annotations
+
+import pytest
+
+from mesh_cases import PROBLEMS
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_the_estimate_is_within_a_factor_of_three_of_the_error(name: str) -> None:
+    problem = PROBLEMS[name]
+    result = problem.estimated()
+    told, true = problem.told(result), problem.miss(result)
+    print(f"{name}: {told:.3g} of {true:.3g} m, order {result.attrs['mesh_order']:.2f}")
+    assert 0.5 * true < told < 3.0 * true
