@@ -12,7 +12,8 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.meshes.estimate import Estimate
 from ropewalk.meshes.samples import Samples, places_of
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Account, Frame, Layout
+from ropewalk.results.frame import Account, Layout
+from ropewalk.results.frames import Frames
 from ropewalk.results.running import Run
 
 Start = Callable[[Scenario, Account], Run]
@@ -63,8 +64,9 @@ def computed(scenario: Scenario, start: Start, coarser: Sequence[Mesh]) -> Mesh:
     """
     run = start(scenario, Account())
     mesh = Mesh.of(run.layout, scenario, coarser)
-    for frame in run.frames():
-        mesh.samples.add(frame)
+    for frames in run.blocks():
+        for frame in frames:
+            mesh.samples.add(frame)
     return mesh
 
 
@@ -112,12 +114,16 @@ class Compared:
         """
         raise RopewalkError("the error of its mesh is that of a run from its beginning; run it again")
 
-    def frames(self) -> Iterator[Frame]:
+    def blocks(self) -> Iterator[Frames]:
         """All frames."""
         try:
-            for frame in self._run.frames():
-                self._mesh.samples.add(frame)
-                yield frame if self._coarser is None else replace(frame, contact_change=self._change(self._coarser))
+            for frames in self._run.blocks():
+                changes = []
+                for frame in frames:
+                    self._mesh.samples.add(frame)
+                    if self._coarser is not None:
+                        changes.append(self._change(self._coarser))
+                yield replace(frames, of={**frames.of, "contact_change": np.array(changes)}) if changes else frames
         finally:
             self._conclude()
 

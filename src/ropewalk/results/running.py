@@ -203,8 +203,8 @@ class Run(Protocol):
     def total(self) -> int:
         """How many frames it will have."""
 
-    def frames(self) -> Iterator[Frame]:
-        """The frames that are still to come."""
+    def blocks(self) -> Iterator[Frames]:
+        """The frames that are still to come, some at a time."""
 
     def get_state(self) -> Tree | None:
         """All that changes, None where there is nothing to go on from."""
