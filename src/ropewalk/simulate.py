@@ -170,7 +170,7 @@ def _sizes(kernel: Any) -> list[int] | None:
 def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:
     """The frames of a run, one after the other, with their layout and their number; `account` is filled in."""
     run = run_of(scenario, account)
-    return run.layout, run.frames(), run.total
+    return run.layout, (frame for frames in run.blocks() for frame in frames), run.total
 
 
 def run_of(scenario: Scenario, account: Account, times: Array | None = None, past: Tree | None = None) -> Run:
