@@ -331,7 +331,7 @@ def _energy(dataset: xr.Dataset) -> Summary:
 
 def _method(dataset: xr.Dataset) -> Summary:
     told = dataset.attrs
-    wall = float(told.get("wall_seconds", math.nan))
+    wall, compiled = float(told.get("wall_seconds", math.nan)), float(told.get("compile_seconds", 0.0))
     simulated = _simulated(dataset)["value"] if path_name(dataset) == "time" else math.nan
     return {
         "name": told.get("method", ""),
@@ -340,7 +340,8 @@ def _method(dataset: xr.Dataset) -> Summary:
         "steps": told.get("steps"),
         "cpu": {"value": told.get("cpu_seconds"), "unit": "s"},
         "wall": {"value": wall, "unit": "s"},
-        "real_time_factor": simulated / wall if wall > 0.0 and simulated > 0.0 else None,
+        "compiling": {"value": compiled, "unit": "s"},
+        "real_time_factor": simulated / (wall - compiled) if wall > compiled and simulated > 0.0 else None,
     }
 
 
