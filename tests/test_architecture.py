@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -23,7 +24,7 @@ STOREYS = (
     ("resuming",), ("console",), ("cli", "__main__"),
 )  # fmt: skip
 # Wings above the house may look at everything; a wing not named here must be given its place first.
-ABOVE = ("compare", "paper", "sweeps", "cosim", "studio")
+ABOVE = ("compare", "paper", "sweeps", "cosim", "studio", "warming")
 # Who may set closed forms beside the discrete solution.
 USES_THEORY = ("theory", "linear", "compare", "paper")
 LONGEST_FILE = 500
@@ -157,6 +158,35 @@ for more in ({"lines": {"a": line}}, {"lines": {"a": line | {"bending_stiffness"
     assert simulate(Scenario.model_validate(more | {"run": {"kind": "equilibrium"}})).attrs["outcome"] == "completed"
 assert not [name for name in sys.modules if name.startswith("ropewalk.theory")]
 """
+MOTION = """
+import sys
+from ropewalk.scenario import load
+from ropewalk.simulate import simulate
+begun = load(sys.argv[1])
+simulate(begun.model_copy(update={"run": begun.run.model_copy(update={"until": 1e-4, "every": 1e-4})}))
+print(*sys.modules)
+"""
+EXAMPLES = HOUSE.parents[1] / "examples"
+
+
+@pytest.mark.parametrize(
+    ("example", "spared"),
+    [("moving-force", ("theory", "wires.", "overhead", "webs.")), ("simple-ac-275", ("theory", "chains", "webs."))],
+)
+def test_a_motion_imports_what_it_uses(example: str, spared: tuple[str, ...]) -> None:
+    """In plain Python, where nothing is compiled."""
+    run = subprocess.run(
+        [sys.executable, "-c", MOTION, str(EXAMPLES / f"{example}.yaml")], capture_output=True, text=True, timeout=600,
+        check=False, env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    loaded = [name for name in run.stdout.split() if not name.endswith(".capabilities")]
+    assert "ropewalk.solve" in loaded
+    assert not [
+        name for name in loaded if name.removeprefix("ropewalk.").startswith(spared) and name[:9] == "ropewalk."
+    ]
+    if example == "moving-force":  # whose length is given
+        assert "scipy.optimize" not in loaded
 
 
 def test_no_engine_loads_the_theory_as_it_runs() -> None:

@@ -28,6 +28,7 @@ from ropewalk.console import (
     print_summary,
     progress_bar,
     progress_of_many,
+    progress_of_run,
     quantity_of,
     reported,
     save_figure,
@@ -143,7 +144,7 @@ def run(
 
         if not quiet and (how_long := must_compile(scenario)):
             say(f"compiling (first run only, {how_long})")
-        with progress_bar("running", quiet) as progress:
+        with progress_of_run(quiet) as progress:
             dataset = simulate(scenario, file=target, overwrite=overwrite, progress=progress)
         _close(dataset, target, replaced, shown, as_json=as_json, quiet=quiet)
 
@@ -185,7 +186,7 @@ def resume(
                 say(f"going on from t = {rest.begin:.6g} s")
                 if how_long := must_compile(rest.scenario):
                     say(f"compiling (first run only, {how_long})")
-            with progress_bar("running", quiet) as progress:
+            with progress_of_run(quiet) as progress:
                 dataset = rest.run(progress)
         _close(dataset, result, "", shown, as_json=as_json, quiet=quiet)
 
@@ -475,6 +476,30 @@ def export(
         )  # fmt: skip
         if not quiet:
             say(f"{output} written")
+
+
+@app.command("warm-up")
+def warm_up(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[FILE]", help="Scenario file [default: what most runs need].")
+    ] = None,
+    workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
+    no_code: NoCode = False,
+    settings: Settings = None,
+    quiet: Quiet = False,
+) -> None:
+    """Compile ahead of the first run, for images and clusters: what a scenario needs, or what most do."""
+    with reported():
+        warming = import_module("ropewalk.warming")
+        groups = warming.COMMON
+        if file is not None:
+            from ropewalk.scenario import dump
+
+            groups = {str(file): (dump(load_scenario(file, settings, no_code)),)}
+        with progress_of_many(quiet) as progress:
+            found = warming.warm_up(groups, workers, progress)
+        if not quiet:
+            print_columns([*found.items(), ("kept in", str(warming.folder()))])
 
 
 @app.command()

@@ -34,6 +34,7 @@ REPORT_SUFFIX = ".html"
 EXPORT_SUFFIX = ".pvd"
 TABLE_SUFFIXES = (".csv", ".xlsx", ".parquet")
 Progress = Callable[[float], None]
+Told = Callable[..., None]  # a task, the part that is done, and maybe what it is at
 _READ: ContextVar[tuple[Path, tuple[str, ...]] | None] = ContextVar("read", default=None)  # file and settings
 TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
 
@@ -191,7 +192,23 @@ def progress_bar(label: str, quiet: bool) -> Iterator[Progress | None]:
 
 
 @contextmanager
-def progress_of_many(quiet: bool) -> Iterator[Callable[[str, float], None] | None]:
+def progress_of_run(quiet: bool) -> Iterator[Progress | None]:
+    """A bar for a run, and before it what the compiler is at, if it is at something."""
+    with progress_of_many(quiet) as told:
+        if told is None:
+            yield None
+            return
+        from ropewalk.mechanics.compiled import compiling
+
+        compiling.told = partial(told, "compiling")
+        try:
+            yield partial(told, "running")
+        finally:
+            compiling.told = None
+
+
+@contextmanager
+def progress_of_many(quiet: bool) -> Iterator[Told | None]:
     """A bar for each of several tasks, as they come, on stderr if that is a terminal."""
     if quiet or not sys.stderr.isatty():
         yield None
@@ -202,10 +219,10 @@ def progress_of_many(quiet: bool) -> Iterator[Callable[[str, float], None] | Non
     with Bar(console=Console(stderr=True), transient=True) as bar:
         tasks: dict[str, Any] = {}
 
-        def told(label: str, done: float) -> None:
+        def told(label: str, done: float, what: str = "") -> None:
             if label not in tasks:
                 tasks[label] = bar.add_task(label, total=1.0)
-            bar.update(tasks[label], completed=done)
+            bar.update(tasks[label], completed=done, description=f"{label} {what}".rstrip())
 
         yield told
 

@@ -80,8 +80,8 @@ class Rest:
 
         past, account = self.past, Account()
         assert past.checkpoint is not None
-        wall, cpu = (float(s) if isfinite(s) else 0.0 for s in past.checkpoint["seconds"])
-        watch = Clock(wall, cpu)
+        spent = (float(s) if isfinite(s) else 0.0 for s in past.checkpoint["seconds"])
+        watch = Clock(*spent)
         try:
             run = run_of(self.scenario, account, self.times, past.checkpoint["run"])
         except (CheckpointError, TypeError, ValueError, LookupError, AttributeError) as problem:

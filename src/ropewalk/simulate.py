@@ -5,7 +5,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from ropewalk.capabilities import (
 from ropewalk.checkpoint import Tree
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.compiled import compiling, is_kept
 from ropewalk.model.load import MovingForce
 from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
@@ -34,9 +35,6 @@ if TYPE_CHECKING:
 
     from ropewalk.results.recorder import Recorder
     from ropewalk.results.spectrum import Spectrum
-
-# Size of the compiled kernel of a motion in bytes from which on it is that with bodies.
-BODIED_KERNEL = 2_000_000
 
 
 def simulate(
@@ -83,10 +81,12 @@ def simulate(
 
 
 class Clock:
-    """How long a run takes, on the wall and of the processor, what it took before it was taken up again included."""
+    """How long a run takes, on the wall, of the processor, and to compile, what it took before it was taken up again
+    included."""
 
-    def __init__(self, wall: float = 0.0, cpu: float = 0.0) -> None:
+    def __init__(self, wall: float = 0.0, cpu: float = 0.0, compiled: float = 0.0) -> None:
         self._wall, self._cpu = clock.perf_counter() - wall, clock.process_time() - cpu
+        self._compiled = compiling.seconds - compiled
         self._due = 0.0
 
     def is_due(self) -> bool:
@@ -97,9 +97,10 @@ class Clock:
             self._due = now + 0.1
         return due
 
-    def read(self) -> tuple[float, float]:
-        """Seconds so far, on the wall and of the processor."""
-        return clock.perf_counter() - self._wall, clock.process_time() - self._cpu
+    def note(self, account: Account) -> None:
+        """Write down the seconds so far."""
+        account.wall_seconds, account.cpu_seconds = clock.perf_counter() - self._wall, clock.process_time() - self._cpu
+        account.compile_seconds = compiling.seconds - self._compiled
 
 
 def record(
@@ -110,14 +111,14 @@ def record(
         for frames in run.blocks():
             recorder.extend(frames)
             if watch.is_due():
-                account.wall_seconds, account.cpu_seconds = watch.read()
+                watch.note(account)
             if progress is not None:
                 progress(min(recorder.frames / run.total, 1.0))
     except KeyboardInterrupt:
         if not recorder.frames:
             raise
         account.outcome, account.advice = "interrupted", "the result holds everything up to the interruption"
-    account.wall_seconds, account.cpu_seconds = watch.read()
+    watch.note(account)
     return recorder.close()
 
 
@@ -134,8 +135,7 @@ def _keep_apart(scenario: Scenario, file: Path) -> None:
 def must_compile(scenario: Scenario) -> str:
     """How long compiling takes that has to be done first, in words; empty if the kernels of the run are there.
 
-    The kernel of a motion is compiled once more for bodies; its two kinds of machine code are told apart by their size,
-    about 1 and 4 MB.
+    The kernel of a motion is compiled once more for bodies, its last argument.
     """
     if not isinstance(scenario.run, Dynamic):
         return ""
@@ -143,28 +143,18 @@ def must_compile(scenario: Scenario) -> str:
     if engine is SYSTEM:
         from ropewalk.system import motion as system
 
-        return "about half a minute" if _sizes(system.advance) == [] else ""
+        return "" if is_kept(system.advance) else "about half a minute"
     if engine is WIRES:
         from ropewalk.wires import large, small
 
         kernel = large.advance if scenario.run.geometry == "nonlinear" else small.advance
-        return "about a quarter of a minute" if _sizes(kernel) == [] else ""
+        return "" if is_kept(kernel) else "about a quarter of a minute"
     from ropewalk.solve.splitting import advance
 
     bodied = any(not isinstance(load, MovingForce) for load in scenario.loads.values())
-    sizes = _sizes(advance)
-    if sizes is None or any((size > BODIED_KERNEL) == bodied for size in sizes):
+    if is_kept(advance, lambda kinds: hasattr(kinds[-1], "types") == bodied):
         return ""
     return "about a minute" if bodied else "about half a minute"
-
-
-def _sizes(kernel: Any) -> list[int] | None:
-    """Sizes in bytes of the machine code of a kernel in its cache, None where nothing is known of that."""
-    folder = getattr(getattr(kernel, "stats", None), "cache_path", None)
-    if folder is None:
-        return None
-    module = kernel.py_func.__module__.rsplit(".", 1)[1]
-    return [code.stat().st_size for code in Path(folder).glob(f"{module}.advance-*.nbc")]
 
 
 def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:

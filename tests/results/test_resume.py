@@ -27,7 +27,7 @@ from ropewalk.results.checksums import CHECKED, FRAMES, HEAD, NONE
 from ropewalk.results.past import Past
 from ropewalk.simulate import output_times
 
-SPENT = ("cpu_seconds", "wall_seconds")
+SPENT = ("cpu_seconds", "wall_seconds", "compile_seconds")
 
 
 @pytest.fixture

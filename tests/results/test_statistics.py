@@ -163,6 +163,15 @@ def test_a_quasistatic_result_has_no_pace_and_places_on_the_load_path(make):
     assert "load path = " in text(found)
 
 
+def test_computing_is_told_from_compiling(make):
+    found = summary(make(account=Account(wall_seconds=2.5, compile_seconds=2.0)))
+    rows = [line.split() for line in text(found).splitlines()]
+    assert found["method"]["compiling"] == {"value": 2.0, "unit": "s"}
+    assert found["method"]["real_time_factor"] == pytest.approx(3.6)  # of a motion of 1.8 s
+    assert ["time", "taken", "500", "ms", "3.60", "times", "real", "time"] in rows
+    assert ["besides,", "compiling", "2.00", "s", "once;", "from", "then", "on", "kernels", "are", "kept"] in rows
+
+
 def test_the_table_answers_the_first_questions(found):
     table = text(found)
     for row in (

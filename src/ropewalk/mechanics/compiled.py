@@ -6,6 +6,8 @@ is not finite is found by the callers.
 
 from __future__ import annotations
 
+import gc
+import time as clock
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -42,18 +44,77 @@ inlined: Any = njit(**_common, _nrt=False, fastmath=_fused, no_cpython_wrapper=T
 summing: Any = njit(**_common, _nrt=False, fastmath={"reassoc", *_fused})
 
 
-class _Compiling(events.Listener):
-    """Says when the compiler is at work, which must not be interrupted halfway."""
+# Objects after which Python looks for cycles while it compiles: with its usual 700 that is a tenth of the time.
+_GARBAGE = 100_000
+
+
+class Compiling(events.Listener):
+    """What the compiler does: it must not be interrupted halfway, its time is told apart, and it may be watched."""
+
+    def __init__(self) -> None:
+        self.seconds = 0.0  # so far in this process
+        self.kernels = 0  # begun so far, Numba's own included
+        self.told: Callable[[float, str], None] | None = None  # called with the part that is done, and what is begun
+        self._depth, self._since, self._garbage = 0, 0.0, gc.get_threshold()
+        self._ahead, self._begun = set[str](), set[str]()  # kernels that the outermost may call, and those begun
 
     def on_start(self, event: events.Event) -> None:
+        """A kernel is begun, maybe within another one."""
         note_compiling(True)
+        dispatcher = event.data["dispatcher"]
+        if self._depth == 0:
+            self._since, self._ahead = clock.perf_counter(), reach(dispatcher)
+            self._begun.clear()
+            self._garbage = gc.get_threshold()
+            gc.set_threshold(max(_GARBAGE, self._garbage[0]) if self._garbage[0] else 0, *self._garbage[1:])
+        self._depth += 1
+        self.kernels += 1
+        if (name := _name(dispatcher)) in self._ahead:
+            self._begun.add(name)
+            self._tell(name.removeprefix("ropewalk."))
 
     def on_end(self, event: events.Event) -> None:
+        """It is done."""
         note_compiling(False)
+        self._depth -= 1
+        if self._depth == 0:
+            gc.set_threshold(*self._garbage)
+            self.seconds += clock.perf_counter() - self._since
+            self._begun |= self._ahead
+            self._tell("")
+
+    def _tell(self, what: str) -> None:
+        if self.told is not None and self._ahead:
+            self.told(len(self._begun) / len(self._ahead), what)
 
 
+compiling = Compiling()
 # Not of its lock: that is taken as well to fetch a kernel from the cache.
-events.register("numba:compile", _Compiling())
+events.register("numba:compile", compiling)
+
+
+def is_kept(dispatcher: Any, fits: Callable[[tuple[Any, ...]], bool] = lambda kinds: True) -> bool:
+    """Whether the machine code of a kernel is in its cache, for types of arguments that fit; plain Python has it."""
+    kept = getattr(getattr(dispatcher, "_cache", None), "signatures", None)
+    return kept is None or any(fits(kinds) for kinds in kept())
+
+
+def reach(dispatcher: Any) -> set[str]:
+    """Names of all kernels that a kernel may call, itself included: no more than these must be compiled for it."""
+    found, ahead = set[str](), [dispatcher]
+    while ahead:
+        kernel = ahead.pop()
+        if not hasattr(kernel, "py_func") or (name := _name(kernel)) in found or not name.startswith("ropewalk."):
+            continue
+        found.add(name)
+        function = kernel.py_func
+        ahead.extend(function.__globals__.get(other) for other in function.__code__.co_names)
+    return found
+
+
+def _name(dispatcher: Any) -> str:
+    function = dispatcher.py_func
+    return f"{function.__module__}.{function.__name__}"
 
 
 def records(count: int, kind: np.dtype[Any]) -> Any:

@@ -22,6 +22,7 @@ from typing import Any
 import numba
 import numpy as np
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, UserProvidedCacheLocator
+from numba.core.registry import cpu_target
 
 PACKAGE = Path(__file__).parents[1]
 HOLD_KERNELS = ("mechanics", "solve", "system", "webs", "wires")
@@ -39,6 +40,11 @@ def digest() -> str:
         for path in sorted((PACKAGE / name).glob("*.py")):
             found.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return found.hexdigest()[:16]
+
+
+def processor() -> Any:
+    """What machine code depends on: what is kept for another processor is nothing here."""
+    return cpu_target.target_context.codegen().magic_tuple()
 
 
 def _places() -> Iterator[Path]:
@@ -166,6 +172,10 @@ class KernelCache(FunctionCache):
     def __init__(self, py_func: Any) -> None:
         super().__init__(py_func)
         self._cache_file = _Files(self._cache_path, self._impl.filename_base, self._impl.locator.get_source_stamp())
+
+    def signatures(self) -> list[tuple[Any, ...]]:
+        """For which types of arguments there is code for this processor."""
+        return [kinds for kinds, made_for, *_ in self._cache_file._load_index() if made_for == processor()]
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a kernel; where there is no place it will be compiled again another time."""

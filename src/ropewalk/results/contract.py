@@ -225,6 +225,7 @@ def account_attributes(account: Account) -> dict[str, Attribute]:
         "steps": int(account.steps),
         "cpu_seconds": float(account.cpu_seconds),
         "wall_seconds": float(account.wall_seconds),
+        "compile_seconds": float(account.compile_seconds),
         "audit": account.audit,
         "doubts": "\n".join(" ".join(str(doubt).split()) for doubt in account.doubts),
         "warnings": "\n".join(" ".join(warning.split()) for warning in account.warnings),

@@ -162,6 +162,7 @@ class Account:
     steps: int = 0
     cpu_seconds: float = float("nan")
     wall_seconds: float = float("nan")
+    compile_seconds: float = 0.0  # of the wall time
     warnings: list[str] = field(default_factory=list)  # legitimate, but one should know
     audit: str = ""  # why no energy audit is kept, if that is so
     doubts: list[Doubt] = field(default_factory=list)  # reasons not to trust the run

@@ -149,7 +149,7 @@ def _checkpoint(data: dict[str, str], account: Account, run: Run) -> Tree | None
     if state is None:
         return None
     return {
-        "data": data, "run": state, "seconds": [account.wall_seconds, account.cpu_seconds],
+        "data": data, "run": state, "seconds": [account.wall_seconds, account.cpu_seconds, account.compile_seconds],
     }  # fmt: skip
 
 

@@ -347,7 +347,7 @@ def _mesh(dataset: xr.Dataset) -> Summary | None:
 
 def _method(dataset: xr.Dataset) -> Summary:
     told = dataset.attrs
-    wall = float(told.get("wall_seconds", math.nan))
+    wall, compiled = float(told.get("wall_seconds", math.nan)), float(told.get("compile_seconds", 0.0))
     simulated = _simulated(dataset)["value"] if path_name(dataset) == "time" else math.nan
     return {
         "name": told.get("method", ""),
@@ -356,7 +356,8 @@ def _method(dataset: xr.Dataset) -> Summary:
         "steps": told.get("steps"),
         "cpu": {"value": told.get("cpu_seconds"), "unit": "s"},
         "wall": {"value": wall, "unit": "s"},
-        "real_time_factor": simulated / wall if wall > 0.0 and simulated > 0.0 else None,
+        "compiling": {"value": compiled, "unit": "s"},
+        "real_time_factor": simulated / (wall - compiled) if wall > compiled and simulated > 0.0 else None,
     }
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh
 
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import FRICTIONLESS, Array, Loads, State, Strands, Supports
@@ -111,6 +110,8 @@ def _seats_of_masses(strands: Strands, loads: Loads, bodies: Bodies) -> float:
 
 def vehicle_frequency(strands: Strands, loads: Loads, bodies: Bodies) -> float:
     """Largest frequency of the vehicles, to which the line adds nothing but the masses of nodes, rad/s."""
+    from scipy.linalg import eigh  # half of what a run without vehicles would import of SciPy
+
     dim, most = strands.gravity.size, 0.0
     s = loads.strand
     node = strands.rho[s] * strands.h[s]

@@ -18,20 +18,20 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics import law
-from ropewalk.mechanics.compiled import kernel
+from ropewalk.mechanics.compiled import inner, kernel
 
 
-@kernel
+@inner
 def _phi(p, ell, f, span, soft, R, tiny, T, grad, hess):
     """Complementary energy with gradient and Hessian in R; T (axis,) is scratch."""
     dim, n = R.size, ell.size
     value = 0.0
-    grad[:] = 0.0
-    hess[:] = 0.0
     for a in range(dim):
         T[a] = R[a]
         value -= R[a] * span[a]
         grad[a] = -span[a]
+        for b in range(dim):
+            hess[a, b] = 0.0
     value += _support(soft[0], T, f, 0, 1.0, grad, hess)
     for i in range(n):
         square = tiny * tiny
@@ -53,7 +53,7 @@ def _phi(p, ell, f, span, soft, R, tiny, T, grad, hess):
     return value + _support(soft[1], T, f, n, -1.0, grad, hess)
 
 
-@kernel
+@inner
 def _support(soft, T, f, node, sign, grad, hess):
     """Add the complementary energy of a support, which yields to the pull T of the line and the force on its node."""
     dim, value = T.size, 0.0
@@ -80,14 +80,22 @@ def p_scale(p):
     return largest
 
 
-@kernel
-def _newton_step(hess, grad, step):
-    """Solve hess step = -grad for two or three unknowns, with a little shift if it is nearly singular."""
+@inner
+def dot(a, b):
+    """Scalar product."""
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total
+
+
+@inner
+def _newton_step(matrix, grad, step):
+    """Solve matrix step = -grad for two or three unknowns, with a little shift if it is nearly singular; it is lost."""
     dim = grad.size
     trace = 0.0
     for a in range(dim):
-        trace += hess[a, a]
-    matrix = hess.copy()
+        trace += matrix[a, a]
     for a in range(dim):
         matrix[a, a] += 1e-15 * trace
         step[a] = -grad[a]
@@ -103,7 +111,7 @@ def _newton_step(hess, grad, step):
         step[a] /= matrix[a, a]
 
 
-@kernel
+@inner
 def _lay_out(p, ell, f, place, soft, R, tiny, T, r):
     """Positions from the force vector of the first link; returns the distance by which the end is missed, m."""
     dim, n = r.shape[0], ell.size
@@ -114,7 +122,7 @@ def _lay_out(p, ell, f, place, soft, R, tiny, T, r):
         for b in range(dim):
             r[a, 0] += soft[0, a, b] * (T[b] + f[b, 0]) if soft[0, a, b] != 0.0 else 0.0
     for i in range(n):
-        size = np.sqrt((T * T).sum() + tiny * tiny)
+        size = np.sqrt(dot(T, T) + tiny * tiny)
         stretch = ell[i] * (1.0 + law.strain(p, size)) / size
         for a in range(dim):
             r[a, i + 1] = r[a, i] + stretch * T[a]
@@ -154,25 +162,27 @@ def hang(p, ell, f, place, soft, smooth, R, r):
         for a in range(dim):
             if i > 0:
                 total += abs(f[a, i])
-    span = place[1] - place[0]
     tiny = smooth * (total if total > 0.0 else 1e-9 * p_scale(p))
-    grad, T, step, trial = np.zeros(dim), np.zeros(dim), np.zeros(dim), np.zeros(dim)
-    hess = np.zeros((dim, dim))
+    span, grad, T, step, trial = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
+    for a in range(dim):
+        span[a] = place[1, a] - place[0, a]
+    hess = np.empty((dim, dim))
     value = _phi(p, ell, f, span, soft, R, tiny, T, grad, hess)
-    miss = np.sqrt((grad * grad).sum())
+    miss = np.sqrt(dot(grad, grad))
     best = miss
     rounding = 1e-15 * np.sqrt(n) * length
     for _ in range(300):
         if not miss > rounding:
             break
         _newton_step(hess, grad, step)
-        descent = (grad * step).sum()
+        descent = dot(grad, step)
         size = 1.0
         found = False
         for _ in range(60):
-            trial[:] = R + size * step
+            for a in range(dim):
+                trial[a] = R[a] + size * step[a]
             new = _phi(p, ell, f, span, soft, trial, tiny, T, grad, hess)
-            now = np.sqrt((grad * grad).sum())
+            now = np.sqrt(dot(grad, grad))
             if new <= value + 1e-4 * size * descent or now < 0.5 * miss:
                 found = True
                 break
@@ -180,7 +190,8 @@ def hang(p, ell, f, place, soft, smooth, R, r):
         if not found:  # rounding error reached: stay with the better of the two
             break
         stuck = now >= best and now < 1e-11 * length
-        R[:] = trial
+        for a in range(dim):
+            R[a] = trial[a]
         value, miss = new, now
         best = min(best, now)
         if stuck:
@@ -196,8 +207,9 @@ def pulls(p, ell, f, R, pull, strain):
         The least tension, the size of the forces in N, and the unstrained length in m.
     """
     dim, n = pull.shape
-    least, scale, length = np.inf, np.abs(R).max(), 0.0
-    total = 0.0
+    least, scale, length, total = np.inf, 0.0, 0.0, 0.0
+    for a in range(dim):
+        scale = max(scale, abs(R[a]))
     for i in range(n):
         square = 0.0
         for a in range(dim):

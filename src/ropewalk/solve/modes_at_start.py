@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.assembly import components
@@ -79,6 +78,8 @@ def _evenly_stretched(r: Array, across: Array, chord: Array) -> Array:
     least = float(np.sqrt(needed / length**2).max())
     if (chord @ links).min() <= 0.0 or along(least).sum() > distance:
         raise ValueError("it hangs too steep for a mode of a string; tighten it, or make the amplitude smaller")
+    from scipy.optimize import brentq  # lazy: few runs begin in a mode
+
     stretch = brentq(lambda x: along(x).sum() - distance, least, least + 2.0, xtol=1e-16, rtol=1e-15)
     moved = r + across
     moved[:, 1:-1] += np.outer(chord, np.cumsum(along(stretch) - chord @ links)[:-1])

@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import kernel
 
 # A load nearer to a node than this part of a link stands on the node.
 SNAP = 1e-9
 
 
-@kernel
-def split(n, h, mass, xi):
+def split(n: int, h: float, mass: float, xi: Array) -> tuple[Array, Integers, Integers, Array, Array]:
     """Divide the links of a strand at the loads that stand on it.
 
     Args:
@@ -29,12 +29,17 @@ def split(n, h, mass, xi):
         (load,) are among them; the masses of the points (point,) in kg; and of those of the contacts the part on either
         side (load, 2).
     """
-    count = xi.size
     place = xi / h
-    for k in range(count):
-        if abs(place[k] - np.rint(place[k])) < SNAP:
-            place[k] = np.rint(place[k])
-    order = np.argsort(place)
+    near = np.rint(place)
+    place = np.where(np.abs(place - near) < SNAP, near, place)
+    X, nodes, contacts, masses, sides = _divide(int(n), place, np.argsort(place, kind="stable"))
+    return X * h, nodes, contacts, mass * masses, mass * sides
+
+
+@kernel
+def _divide(n, place, order):
+    """The same in links and masses of one link, for places (load,) and their order."""
+    count = place.size
     X, nodes, contacts = np.empty(n + 1 + count), np.empty(n + 1, np.int64), np.empty(count, np.int64)
     points, k = 0, 0
     for i in range(n + 1):
@@ -49,7 +54,7 @@ def split(n, h, mass, xi):
             contacts[order[k]] = points
             k += 1
         points += 1
-    own, wanted = np.full(n + 1, 1.0), np.zeros(n + 1)
+    own, wanted = np.ones(n + 1), np.zeros(n + 1)
     own[0] = own[n] = 0.5
     # A contact on a node takes all of its mass; half-way, half a link's, as if it were a node of the mesh.
     links, parts, weights = np.empty(count, np.int64), np.empty(count), np.empty(count)
@@ -70,4 +75,4 @@ def split(n, h, mass, xi):
         # What is left of a cell at its node is not between the contact and the middle of the next link.
         sides[k, 0] = (first + part - 0.5) * taken / (first + second)
         sides[k, 1] = (second + 0.5 - part) * taken / (first + second)
-    return X[:points] * h, nodes, contacts, mass * masses, mass * sides
+    return X[:points], nodes, contacts, masses, sides

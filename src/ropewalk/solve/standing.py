@@ -14,6 +14,7 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import CLAMPED, Array, Integers, Loads, Strands
 from ropewalk.mechanics.compiled import kernel
 from ropewalk.solve.equilibrium import at_rest
+from ropewalk.solve.hanging import dot
 from ropewalk.solve.held import Held
 from ropewalk.solve.holding import Contacts, Holding, coefficient_used
 from ropewalk.solve.pieces import split
@@ -182,19 +183,24 @@ def _beside(pull, r, at, between, model, beside, turn, friction):
     for k in range(at.size):
         i = at[k]
         first, second = min(max(i - 1, 0), last - 1), min(i, last - 1)
-        behind[:], ahead[:] = pull[:, first] - between[:, k, 0], pull[:, second] + between[:, k, 1]
-        if i == 0:
-            behind[:] = ahead
-        elif i == last:
-            ahead[:] = behind
-        b, a = np.sqrt((behind * behind).sum()), np.sqrt((ahead * ahead).sum())
+        along_behind = along_ahead = 0.0
+        for d in range(dim):
+            behind[d], ahead[d] = pull[d, first] - between[d, k, 0], pull[d, second] + between[d, k, 1]
+            if i == 0:
+                behind[d] = ahead[d]
+            elif i == last:
+                ahead[d] = behind[d]
+            along_behind += behind[d] * (r[d, first + 1] - r[d, first])
+            along_ahead += ahead[d] * (r[d, second + 1] - r[d, second])
+        b, a = np.sqrt(dot(behind, behind)), np.sqrt(dot(ahead, ahead))
         # A link in compression pushes: its force points backwards.
-        beside[k, 0] = b if (behind * (r[:, first + 1] - r[:, first])).sum() >= 0.0 else -b
-        beside[k, 1] = a if (ahead * (r[:, second + 1] - r[:, second])).sum() >= 0.0 else -a
+        beside[k, 0] = b if along_behind >= 0.0 else -b
+        beside[k, 1] = a if along_ahead >= 0.0 else -a
         if not min(a, b) > _SLACK * max(a, b):
             turn[k], friction[k] = np.nan, np.inf if max(a, b) > 0.0 else 0.0
             continue
-        cosine = (ahead * behind).sum() / (a * b)
-        across = ahead / a - cosine * behind / b
-        turn[k] = np.arctan2(np.sqrt((across * across).sum()), cosine)
+        cosine, across = dot(ahead, behind) / (a * b), 0.0
+        for d in range(dim):
+            across += (ahead[d] / a - cosine * behind[d] / b) ** 2
+        turn[k] = np.arctan2(np.sqrt(across), cosine)
         friction[k] = coefficient_used(model[k], np.log(a / b), turn[k])

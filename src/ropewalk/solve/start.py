@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.assembly import strands_of, supports_of
@@ -161,6 +160,8 @@ def _length_for_tension(scenario: Scenario, name: str, line: Line) -> float:
             )
     if low == high:
         return low
+    from scipy.optimize import brentq  # lazy: where lengths are given it would be a quarter of the start
+
     return float(brentq(lambda x: mean_tension(x) - line.tension, low, high, xtol=1e-15 * high, rtol=1e-15))
 
 

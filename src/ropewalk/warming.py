@@ -1,0 +1,99 @@
+"""Kernels compiled ahead of the first run: for images, clusters and teaching rooms."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.compiled import compiling
+from ropewalk.mechanics.kernel_cache import folder, processor
+from ropewalk.model.run import Dynamic
+from ropewalk.scenario import loads
+from ropewalk.simulate import simulate
+from ropewalk.sweeps.pool import cores, each
+
+_BRIEFLY = 1e-4  # s of a motion: what compiles, compiles in its first steps
+_ROPE = """
+lines:
+  rope: {{start: [0, 0], end: [19.5, 0], length: 20 m, mass: 1, axial_stiffness: 100 kN, {line}elements: 40}}
+loads:
+  one: {{kind: {load}, on: rope, travel: {{speed: 5, from: 1 m}}}}
+run: {{kind: dynamic, until: 0.1 ms{run}}}
+"""
+_TAUT = """
+joints: {{knot: {{}}}}
+lines:
+  one: {{start: [0, 0], end: [10, 0], end_support: {{kind: joined, to: knot}}, tension: 20 kN, mass: 1,
+    axial_stiffness: 2 MN, {line}elements: 20}}
+  two: {{start: [10, 0], end: [20, 0], start_support: {{kind: joined, to: knot}}, tension: 20 kN, mass: 1,
+    axial_stiffness: 2 MN, {line}elements: 20}}
+loads:
+  load: {{kind: {load}, on: one, travel: {{speed: 5, from: 1 m}}}}
+run: {{kind: dynamic, until: 0.1 ms}}
+"""
+_FORCE, _MASS, _STIFF = "force, force: [0, -500]", "mass, mass: 10", "bending_stiffness: 1 kN*m^2, "
+COMMON: dict[str, tuple[str, ...]] = {
+    "a rope": (
+        _ROPE.format(line="", load=_FORCE, run=""),
+        _ROPE.format(line="", load=_MASS, run=""),
+        _ROPE.format(line="axial_damping: 50, ", load=_MASS, run=""),
+    ),
+    "a beam or stiff cable": (
+        _ROPE.format(line=_STIFF, load=_MASS, run=", geometry: linearised").replace("length: 20 m", "tension: 20 kN"),
+        _ROPE.format(line=_STIFF, load=_MASS, run=""),
+    ),
+    "joined lines": (_TAUT.format(line="", load=_FORCE), _TAUT.format(line="", load=_MASS)),
+}
+"""What most runs need: scenarios, in groups that share kernels."""
+
+
+def warm_up(
+    groups: Mapping[str, Sequence[str]], workers: int | None = None, told: Callable[[str, float], None] | None = None
+) -> dict[str, str]:
+    """Compile the kernels that scenarios need, groups side by side in processes of their own.
+
+    Args:
+        groups: texts of scenarios, by a name for each group.
+        workers: processes; None: one for each core.
+        told: called with what is being done and the part that is done.
+
+    Returns:
+        What was done for each group, a phrase.
+
+    Raises:
+        RopewalkError: a scenario cannot be run, or a process died.
+    """
+    waiting = [name for name, texts in groups.items() if not _mark(tuple(texts)).exists()]
+    done = dict.fromkeys(groups, "there already")
+    if not waiting:
+        return done
+    told = told or (lambda what, part: None)
+    told("compiling", 0.0)
+    tasks = ((name, tuple(groups[name])) for name in waiting)
+    answers = each(tasks, _compile, min(workers or cores(), len(waiting)), None)
+    for finished, ((name, texts), answer) in enumerate(answers, 1):
+        if answer is None:
+            raise RopewalkError(f"{name}: the process that compiled died; call again, with one worker")
+        kernels, seconds = answer
+        _mark(texts).touch()
+        done[name] = f"{kernels} kernels compiled in {seconds:.0f} s" if kernels else "there already"
+        told("compiling", finished / len(waiting))
+    return done
+
+
+def _mark(texts: Sequence[str]) -> Path:
+    """A file among the kernels that says that those of some scenarios are there for this processor."""
+    return folder() / f"warm-{hashlib.sha256(repr((texts, processor())).encode()).hexdigest()[:16]}"
+
+
+def _compile(group: tuple[str, Sequence[str]]) -> tuple[int, float] | None:
+    """Kernels compiled for scenarios, and the seconds that took."""
+    for text in group[1]:
+        scenario = loads(text)
+        if isinstance(scenario.run, Dynamic):
+            brief = {"until": min(_BRIEFLY, scenario.run.until), "every": min(_BRIEFLY, scenario.run.until)}
+            scenario = scenario.model_copy(update={"run": scenario.run.model_copy(update=brief)})
+        simulate(scenario)
+    return compiling.kernels, compiling.seconds
