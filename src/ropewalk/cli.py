@@ -140,11 +140,9 @@ def run(
         shown = display_units(units)
         check_target(target)
         replaced = " (replaced)" if target.exists() else ""
-        from ropewalk.simulate import must_compile, simulate
+        from ropewalk.simulate import simulate
 
-        if not quiet and (how_long := must_compile(scenario)):
-            say(f"compiling (first run only, {how_long})")
-        with progress_of_run(quiet) as progress:
+        with progress_of_run(scenario, quiet) as progress:
             dataset = simulate(scenario, file=target, overwrite=overwrite, progress=progress)
         _close(dataset, target, replaced, shown, as_json=as_json, quiet=quiet)
 
@@ -174,19 +172,14 @@ def resume(
 ) -> None:
     """Go on with a run that was interrupted or killed, or is to be longer, in its result file."""
     with reported(result):
-        from ropewalk.resuming import taken_up
-        from ropewalk.simulate import must_compile
-
         end = None if until is None else quantity_of(until, "s")
         shown = display_units(units)
-        with taken_up(result, end) as rest:
+        with import_module("ropewalk.resuming").taken_up(result, end) as rest:
             if no_code:
                 import_module("ropewalk.foreign.models").refuse_code(rest.scenario.loads)
             if not quiet:
                 say(f"going on from t = {rest.begin:.6g} s")
-                if how_long := must_compile(rest.scenario):
-                    say(f"compiling (first run only, {how_long})")
-            with progress_of_run(quiet) as progress:
+            with progress_of_run(rest.scenario, quiet) as progress:
                 dataset = rest.run(progress)
         _close(dataset, result, "", shown, as_json=as_json, quiet=quiet)
 
@@ -491,11 +484,7 @@ def warm_up(
     """Compile ahead of the first run, for images and clusters: what a scenario needs, or what most do."""
     with reported():
         warming = import_module("ropewalk.warming")
-        groups = warming.COMMON
-        if file is not None:
-            from ropewalk.scenario import dump
-
-            groups = {str(file): (dump(load_scenario(file, settings, no_code)),)}
+        groups = warming.COMMON if file is None else warming.alone(str(file), load_scenario(file, settings, no_code))
         with progress_of_many(quiet) as progress:
             found = warming.warm_up(groups, workers, progress)
         if not quiet:

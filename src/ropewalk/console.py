@@ -192,8 +192,12 @@ def progress_bar(label: str, quiet: bool) -> Iterator[Progress | None]:
 
 
 @contextmanager
-def progress_of_run(quiet: bool) -> Iterator[Progress | None]:
+def progress_of_run(scenario: Scenario, quiet: bool) -> Iterator[Progress | None]:
     """A bar for a run, and before it what the compiler is at, if it is at something."""
+    from ropewalk.simulate import must_compile
+
+    if not quiet and (how_long := must_compile(scenario)):
+        say(f"compiling (first run only, {how_long})")
     with progress_of_many(quiet) as told:
         if told is None:
             yield None

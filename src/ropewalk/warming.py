@@ -10,7 +10,8 @@ from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.compiled import compiling
 from ropewalk.mechanics.kernel_cache import folder, processor
 from ropewalk.model.run import Dynamic
-from ropewalk.scenario import loads
+from ropewalk.model.scenario import Scenario
+from ropewalk.scenario import dump, loads
 from ropewalk.simulate import simulate
 from ropewalk.sweeps.pool import cores, each
 
@@ -47,6 +48,11 @@ COMMON: dict[str, tuple[str, ...]] = {
     "joined lines": (_TAUT.format(line="", load=_FORCE), _TAUT.format(line="", load=_MASS)),
 }
 """What most runs need: scenarios, in groups that share kernels."""
+
+
+def alone(name: str, scenario: Scenario) -> dict[str, tuple[str, ...]]:
+    """A group of one scenario."""
+    return {name: (dump(scenario),)}
 
 
 def warm_up(

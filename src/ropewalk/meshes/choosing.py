@@ -87,7 +87,7 @@ def _kept(
     mesh, before = Mesh.of(run.layout, scenario, meshes), meshes[-1] if meshes else None
     meshes.append(mesh)
     if unknown:
-        what = f"the error of the mesh is not known: {unknown}"
+        what = f"the error of the mesh cannot be told: {unknown}"
         account.doubt(what, "a coarser mesh cannot do what is asked", "run.mesh_error", "write more elements")
     return record(scenario, Compared(run, mesh, before, lambda: _tell(meshes, scenario, account, wanted)), account)
 
