@@ -86,7 +86,8 @@ def test_json_has_no_nan_and_the_table_says_what_is_too_large(climbed):
 
 
 def test_a_rung_that_cannot_be_had_says_why():
-    soft = {"end_support": {"kind": "elastic", "stiffness": [1e5, 1e5]}}
+    displacement = {"time": [0.0, 1.0], "value": [[0.0, 0.0], [0.0, 0.01]]}
+    soft = {"end_support": {"kind": "moving", "displacement": displacement}}
     found = ladder(scenario(**soft))
     assert "the linear" not in found.rungs["linear"].same_as
     assert "a support that yields or moves is not implemented for kind: linear" in found.rungs["linear"].reason

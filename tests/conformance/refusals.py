@@ -51,6 +51,7 @@ _PATTERNS = {
         "nothing goes to the side on nets": rf"\.(lateral|balance): {_NOT} nets",
         "stiff lines and networks do not whirl": rf"\.whirl: {_NOT}|a mode outside the x-z plane {_NOT}",
         "no implicit method over sheaves": rf"implicit with lines over sheaves {_NOT}",
+        "overhead lines under such loads begin at rest": rf"run\.start\.kind: {_NOT} overhead",
         "results do not hold the slip over sheaves": rf"run\.start\.kind: {_NOT} lines over sheaves",
         "inextensible and overhead lines move explicitly": rf"run\.method: {_NOT} (beams|joined|inextensible)",
         "inextensible lines begin near their rest": r"inextensible lines cannot begin so far",

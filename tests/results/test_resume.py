@@ -143,10 +143,10 @@ def test_an_interrupted_run_goes_on(kind, tmp_path):
 RUN = """
 import sys
 import ropewalk
-from ropewalk.results import recorder, slots
+from ropewalk.results import frames, recorder, slots
 from resume_cases import case
 
-recorder.SYNC_SECONDS, slots.SECONDS, slots.SHARE = 0.0, 0.0, 1e9
+recorder.SYNC_SECONDS, slots.SECONDS, slots.SHARE, frames.WAIT = 0.0, 0.0, 1e9, 0.0
 settings = ["run.every=0.1 ms", "run.until=4 s"]
 ropewalk.simulate(case("mass", *settings), file=sys.argv[1], progress=lambda part: print(part, flush=True))
 """

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from net_cases import load, membrane, moved, net, order, rested, scenario, small_deflection, standing
-from ropewalk.results import recorder
+from ropewalk.results import frames, recorder
 from ropewalk.results.frame import Account
 from ropewalk.simulate import simulate
 from ropewalk.system.moving import Motion
@@ -254,6 +254,7 @@ def test_an_edge_cable_bends_to_the_circle_that_carries_the_tension(sheet, own) 
 
 
 def test_memory_is_flat_while_a_long_run_writes_to_a_file(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(frames, "WAIT", 0.0)  # progress is told of every frame
     monkeypatch.setattr(recorder, "BLOCK_ROWS", 10)  # frames that wait for being written
     held: list[int] = []
     someone = load([[0.5, 1.4], [3.4, 1.5]], kind="mass", mass=20.0, speed=1.0)

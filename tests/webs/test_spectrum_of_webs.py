@@ -88,7 +88,8 @@ def test_axial_dampers_and_drag_damp_a_network_as_the_quadratic_eigenvalue_probl
     for w, ratio in zip(modes.frequency[:24], modes.ratio, strict=False):
         seen = complex(-ratio * w, w * np.sqrt(1.0 - ratio**2))
         nearest = values[np.abs(values - seen).argmin()]
-        assert nearest.imag == pytest.approx(seen.imag, rel=1e-2)  # straight links are of the second order
+        # Straight links are of the second order: (k h)^2/24, 1.2 % for waves of 12 links.
+        assert nearest.imag == pytest.approx(seen.imag, rel=1.5e-2)
         assert nearest.real == pytest.approx(seen.real, rel=1e-2)
     assert (modes.ratio > 1.2 * 0.3 / modes.frequency).any()  # axial ones
     assert modes.ratio[0] == pytest.approx(0.3 / modes.frequency[0], rel=1e-6)  # transverse: drag alone

@@ -44,7 +44,6 @@ MISTAKES = {
     ),
 }  # fmt: skip
 ON_NETS = {
-    "contact": ("force: [0, 0, -9],", "contact: frictionless, force: [0, 0, -9],", 4, "loads.p.contact", "clamped"),
     "no path": (", path: [[1, 1], [3, 1]]", "", 4, "loads.p.travel.path", "a load on a net needs it"),
     "no length": ("[[1, 1], [3, 1]]", "[[1, 1], [1, 1]]", 4, "loads.p.travel.path", "the path has no length"),
     "beyond the end": ("speed: 1,", "speed: 5,", 4, "loads.p.travel.speed", "5 m along its path of 2 m"),

@@ -12,7 +12,7 @@ import numpy as np
 from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
 from ropewalk.foreign.turns import Push
 from ropewalk.guides import carrier
-from ropewalk.guides.carrier import SLIDES
+from ropewalk.guides import carrier as seen
 from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import entry_of
@@ -368,7 +368,7 @@ class SystemCarrier:
     def reach(self, k: int) -> float:
         """How far from where it has slid to contact k may be said to be without being put down anew, m."""
         structure = self.system.structure
-        return SLIDES * float(structure.runs.h[structure.lines.first[self.system.contacts[k]["line"]]])
+        return seen.SLIDES * float(structure.runs.h[structure.lines.first[self.system.contacts[k]["line"]]])
 
     def given(self, contacts: Iterable[int]) -> Arrays:
         """What `press` writes for some contacts."""
