@@ -58,7 +58,6 @@ _PATTERNS = {
         "no driver and no brake on inextensible lines": rf"\.travel\.(driver|brake): {_NOT} inextensible",
         "friction of prescribed travel on ropes alone": rf"\.friction(_model)?: {_NOT}",
         "no linear theory of overhead lines": rf"run\.kind: {_NOT} overhead",
-        "linear theory knows few loads with a mass": rf"(a mass|a load|\.kind:|lift).* {_NOT} kind: linear",
         "nets do not move linearised":
             rf"run\.geometry: (linearised geometry )?{_NOT}|nets\.[^:]*: {_NOT} small motion",
         "no axial inertia over sheaves, nor in spectra at an instant": rf"axial_inertia: {_NOT}",
