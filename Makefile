@@ -25,7 +25,7 @@ WIRES := equilibrium_of_wires loads_at_rest_on_wires small_motion_of_slack_lines
   doubts_of_stiff_lines first_state_of_loads supports_of_stiff_lines
 WEBS := networks sheaves membranes fabric surface wind
 ELSEWHERE ?= tests/theory tests/mechanics $(SOLVE:%=tests/solve/test_%.py) $(WIRES:%=tests/wires/test_%.py) \
-  $(WEBS:%=tests/webs/test_%.py)
+  $(WEBS:%=tests/networks/test_%.py)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:

@@ -16,14 +16,14 @@ from typing import Any
 import numpy as np
 
 import ropewalk
-from ropewalk.guides.assembly import guides_of
-from ropewalk.mechanics.chain import State
+from ropewalk.controllers.assembly import controllers_of
+from ropewalk.mechanics.chain import ChainState
 from ropewalk.model import Dynamic, FreeTravel, Line, MovingForce, MovingMass, Scenario, Start, Travel
 from ropewalk.model.stepper import Stepper
 from ropewalk.simulate import output_times
-from ropewalk.solve.boarding import board, resting_forces
 from ropewalk.solve.carrier import RopeCarrier
 from ropewalk.solve.choice import choose
+from ropewalk.solve.initial_loads import place_loads, resting_forces
 from ropewalk.solve.motion import Progress, move
 from ropewalk.solve.splitting import RUNNING
 from ropewalk.solve.start import setting_of, start_state
@@ -49,18 +49,18 @@ class Ride:
 class _Timed:
     """A guide whose CPU seconds are counted."""
 
-    def __init__(self, guide: Any) -> None:
-        self.guide, self.seconds = guide, 0.0
+    def __init__(self, controller: Any) -> None:
+        self.controller, self.seconds = controller, 0.0
 
     def begin(self) -> None:
-        self.guide.begin()
+        self.controller.begin()
 
     def next(self, t: float) -> float:
-        return float(self.guide.next(t))
+        return float(self.controller.next(t))
 
     def act(self) -> None:
         begin = clock.process_time()
-        self.guide.act()
+        self.controller.act()
         self.seconds += clock.process_time() - begin
 
 
@@ -68,14 +68,14 @@ def ride(scenario: Scenario, timed: bool = False) -> Ride:
     """Move a scenario through its outputs, from rest; `timed`: count what its guides take, which costs a little."""
     run, setting = scenario.run, setting_of(scenario, 0.0)
     state = start_state(setting, run.start.with_loads, resting_forces(setting.loading))
-    bodies, progress = board(setting, state), Progress()
-    guides: Sequence[Any] = []
+    bodies, progress = place_loads(setting, state), Progress()
+    controllers: Sequence[Any] = []
     if bodies is not None:
-        guides = guides_of(RopeCarrier(setting, state, bodies, setting.loads), setting.loading, scenario)
+        controllers = controllers_of(RopeCarrier(setting, state, bodies, setting.loads), setting.loading, scenario)
     if timed:
-        guides = [_Timed(guide) for guide in guides]
-    for guide in guides:
-        guide.begin()
+        controllers = [_Timed(controller) for controller in controllers]
+    for controller in controllers:
+        controller.begin()
     path, dim = [_place(bodies, state)], state.r.shape[0]
     begin = clock.process_time()
     choice = choose(
@@ -84,17 +84,26 @@ def ride(scenario: Scenario, timed: bool = False) -> Ride:
     )  # fmt: skip
     times = output_times(run)[1:]
     for now in move(
-        setting.strands, setting.loads, state, choice, run.precision, times, progress, setting.supports, bodies, guides
+        setting.strands,
+        setting.loads,
+        state,
+        choice,
+        run.precision,
+        times,
+        progress,
+        setting.supports,
+        bodies,
+        controllers,
     ):
         path.append(_place(bodies, now))
     seconds = clock.process_time() - begin
     if progress.status != RUNNING:
         raise Failed(": ".join(progress.told()))
-    asked = sum(guide.seconds for guide in guides) if timed else 0.0
+    asked = sum(controller.seconds for controller in controllers) if timed else 0.0
     return Ride(np.array(path)[:, :dim], seconds, progress.steps, asked)
 
 
-def _place(bodies: Any, state: State) -> Array:
+def _place(bodies: Any, state: ChainState) -> Array:
     return np.array(bodies.wheels["r"][0]) if bodies is not None else np.full(3, np.nan)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.rider import contact_point
+from ropewalk.mechanics.moving_contact import contact_point
 from ropewalk.model import Dynamic, Line, MovingForce, Scenario, Travel
 from ropewalk.theory import selfsimilar
 

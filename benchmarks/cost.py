@@ -15,13 +15,13 @@ import numpy as np
 from ropewalk.mechanics.chain import Buffers
 from ropewalk.mechanics.compiled import entry_of
 from ropewalk.model import Dynamic, Line, MovingForce, Scenario, Travel
-from ropewalk.results.frame import Account
+from ropewalk.results.frame import RunInfo
 from ropewalk.solve.choice import RKN6_LIMIT, bounds, verlet_step
 from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.solve.splitting import advance
 from ropewalk.solve.start import setting_of, start_state
 from ropewalk.system import motion
-from ropewalk.system.moving import Motion
+from ropewalk.system.moving import SystemMotion
 
 LINKS = (50, 200, 800, 3200, 12_800, 100_000)
 WORK = 4e6  # node steps per measurement
@@ -49,7 +49,7 @@ def nanoseconds(elements: int, method: str, damping: float) -> float:
     """Median CPU time per node and step (one force evaluation for Verlet, eleven for RKN6) in ns."""
     setting = setting_of(rope(elements, damping), 1.0)
     state = start_state(setting, with_loads=False)
-    limits = bounds(setting.strands, state.r, state.X, with_riders=True)
+    limits = bounds(setting.strands, state.r, state.X, with_moving_loads=True)
     kicks, drifts = RKN6 if method == "rkn6" else VERLET
     step = RKN6_LIMIT / limits.frequency if method == "rkn6" else verlet_step(limits)
     count = max(min(int(WORK / elements / drifts.size), int(1.4 / step)), 20)
@@ -92,9 +92,9 @@ def joined_ropes(load: dict[str, object], elements: int) -> Scenario:
 
 def microseconds(load: dict[str, object], elements: int) -> float:
     """Median CPU time of a step of two joined ropes in us."""
-    moving = Motion(joined_ropes(load, elements), Account(), np.linspace(0.0, 0.5, 3))
+    moving = SystemMotion(joined_ropes(load, elements), RunInfo(), np.linspace(0.0, 0.5, 3))
     system, count = moving._system(), 1000
-    begin, arguments = deepcopy(system.changing()), (*system, moving.account.step, count)
+    begin, arguments = deepcopy(system.changing()), (*system, moving.run_info.step, count)
     go, times = entry_of(motion.advance, arguments), []
     for _ in range(20):
         system.put(begin)

@@ -15,9 +15,9 @@ from tests import continuous_beams, held_strings
 from ropewalk.chains.moving import Chain
 from ropewalk.errors import RopewalkError
 from ropewalk.model import Scenario
-from ropewalk.results.frame import ENERGY_FORMS, Account, Frame
-from ropewalk.results.running import Engine, TimeHistory
-from ropewalk.system.moving import Motion
+from ropewalk.results.frame import ENERGY_FORMS, Frame, RunInfo
+from ropewalk.results.running import MotionEngine, TimeHistory
+from ropewalk.system.moving import SystemMotion
 from ropewalk.theory import bead, beam, selfsimilar, string
 from ropewalk.theory.moving_oscillator import moving_oscillator
 from ropewalk.wires.frames import Wires
@@ -32,14 +32,14 @@ LENGTH, WAVE, TENSION = SPAN / STRETCH, 1.0 / np.sqrt(STRETCH), 1.0 / STRETCH  #
 WEIGHT = 1e-5  # N/kg: motion is linear
 
 
-def motion(engine: Callable[[Scenario, Account, Array], Engine]) -> Ways:
+def motion(engine: Callable[[Scenario, RunInfo, Array], MotionEngine]) -> Ways:
     """Frames of a motion by one engine, whichever would be chosen for it."""
 
     def frames(scenario: Scenario, times: Array) -> list[Frame]:
-        account = Account()
-        found = list(TimeHistory(engine(scenario, account, times), account).frames())
-        if account.outcome != "running":
-            raise RopewalkError(account.outcome)
+        run_info = RunInfo()
+        found = list(TimeHistory(engine(scenario, run_info, times), run_info).frames())
+        if run_info.outcome != "running":
+            raise RopewalkError(run_info.outcome)
         return found
 
     return frames
@@ -47,9 +47,9 @@ def motion(engine: Callable[[Scenario, Account, Array], Engine]) -> Ways:
 
 OLD: dict[str, Ways] = {
     "ropes": motion(Chain),
-    "stiff lines": motion(lambda scenario, account, times: Wires(task_of(scenario), times, account)),
+    "stiff lines": motion(lambda scenario, run_info, times: Wires(task_of(scenario), times, run_info)),
 }
-NEW = motion(Motion)
+NEW = motion(SystemMotion)
 
 
 @dataclass(frozen=True)
@@ -155,8 +155,8 @@ def two_masses(way: Ways, n: int) -> float:
             "coordinates": ["first", "second"], "weight": [m * WEIGHT, m * WEIGHT]}  # fmt: skip
     found = way(motion_of({"s": taut(n)}, crossing(load, 0.4), until), times := np.linspace(0.0, until, 101))
     bare = held_strings.HeldString(LENGTH, TENSION, 1.0, held_strings.Station(0.5 * LENGTH))
-    riders = [held_strings.Rider(enters, m * WEIGHT, m) for enters in (0.0, late)]
-    _, exact = held_strings.crossed(bare, speed, times, *riders)
+    moving_loads = [held_strings.MovingLoad(enters, m * WEIGHT, m) for enters in (0.0, late)]
+    _, exact = held_strings.crossed(bare, speed, times, *moving_loads)
     off = [np.array([frame.contact_position[k, -1] for frame in found]) + exact[k] for k in (0, 1)]
     return float(np.nanmax(np.abs(off))) / (m * WEIGHT)
 
@@ -216,20 +216,21 @@ AT, CROSSES = 7.2, 20.0  # m, m/s
 STRING = {"start": [0, 0], "end": [20, 0], "tension": 1e4, "mass": 1.0, "axial_stiffness": 1e8}
 
 
-def station(m: float, of: str, **held: float) -> Callable[[Ways, int], float]:
+def station(m: float, of: str, **restrained: float) -> Callable[[Ways, int], float]:
     """A force or a mass that crosses a string on a support that yields: rms of the deflection over the largest."""
 
     def error(way: Ways, n: int) -> float:
         yields = 1.0 + 1e-4  # strain
-        own = {"at": AT / yields, "kind": "elastic", "stiffness": [0.0, held.get("stiffness", 0.0)]}
-        own |= {"mass": held.get("mass", 0.0)}
+        own = {"at": AT / yields, "kind": "elastic", "stiffness": [0.0, restrained.get("stiffness", 0.0)]}
+        own |= {"mass": restrained.get("mass", 0.0)}
         load = {"kind": "mass", "mass": m} if m else {"kind": "force"}
         load |= {"on": "s", "force": [0, -1e-3], "travel": {"speed": CROSSES, "at_end": "leave"}}
         lines = {"s": STRING | {"elements": n, "supports": {"station": own}}}
         found = way(motion_of(lines, {"p": load}, 0.9), times := np.linspace(0.0, 0.9, 91))
         exact = held_strings.crossed(
-            held_strings.HeldString(20.0, 1e4, 1.0 / yields, held_strings.Station(AT, **held)), CROSSES * yields, times,
-            held_strings.Rider(force=1e-3, mass=m),
+            held_strings.HeldString(20.0, 1e4, 1.0 / yields, held_strings.Station(AT, **restrained)),
+            CROSSES * yields, times,
+            held_strings.MovingLoad(force=1e-3, mass=m),
         )  # fmt: skip
         if of == "load":
             return rms(series(found, "contact_position") + exact[1][0]) / float(np.abs(exact[1]).max())
@@ -368,7 +369,7 @@ VEHICLE = {
 IN_SPACE = ROPE | {"start": [0, 0, 0], "end": [20, 0, 1]}
 
 LINKS, FINER, FEW = (100, 200, 400), (50, 100, 200), (20, 40, 80)
-HELD_BY = {"stiffness": 2e3}
+RESTRAINED_BY = {"stiffness": 2e3}
 PROBLEMS = (
     *(Problem(f"force on a string, {a} c", "field, F L/P, rms", LINKS, "ropes", force(a)) for a in (0.5, 0.9, 1.3)),
     *(Problem(f"force that starts, {kind}, {a} c", "drift", (384, 768, 1536), "ropes", begins(a, kind))

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropewalk.mechanics.chain import SHARED, SHARING, State
+from ropewalk.mechanics.chain import SHARED, SHARING, ChainState
 from ropewalk.model import Scenario
 from ropewalk.solve.choice import choose
 from ropewalk.solve.motion import Progress, move
-from ropewalk.solve.start import Setting, setting_of, start_state
+from ropewalk.solve.start import PreparedRun, setting_of, start_state
 
 Array = np.ndarray
 
@@ -20,8 +20,8 @@ Array = np.ndarray
 class March:
     """States at the times asked for, CPU seconds of the motion alone, and how it ended."""
 
-    setting: Setting
-    states: list[State]
+    setting: PreparedRun
+    states: list[ChainState]
     seconds: float
     status: int
 
@@ -33,12 +33,12 @@ def march(scenario: Scenario, times: Array, sharing: bool) -> March:
     state, run, progress = start_state(setting, with_loads=False), scenario.run, Progress()
     if sharing:
         loads = loads._replace(contact=np.full_like(loads.contact, SHARING))
-        for k, b in enumerate(state.rider):  # the seat taken at the start is given back
+        for k, b in enumerate(state.moving_load):  # the seat taken at the start is given back
             if b >= 0:
                 s = loads.strand[k]
                 state.X[b] = (b - strands.first[s]) * strands.h[s]
                 state.r[:, b] = 0.5 * (state.r[:, b - 1] + state.r[:, b + 1])
-                state.rider[k] = SHARED
+                state.moving_load[k] = SHARED
     begin = clock.process_time()
     choice = choose(
         strands, loads, state, method=run.method, step=run.step, accuracy=run.accuracy, duration=float(times[-1])

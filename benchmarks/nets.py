@@ -10,9 +10,9 @@ import time as clock
 import numpy as np
 
 from ropewalk.model import Scenario
-from ropewalk.results.frame import Account
+from ropewalk.results.frame import RunInfo
 from ropewalk.results.running import TimeHistory
-from ropewalk.system.moving import Motion
+from ropewalk.system.moving import SystemMotion
 
 SIDES, MESH = (4.0, 3.0), 0.05  # m; of the net, and between its threads
 UNTIL, EVERY = 2.0, 0.02  # s
@@ -34,15 +34,15 @@ def crossing(nodes: int, until: float) -> Scenario:
 
 def go(nodes: int, until: float) -> tuple[float, float, int, str]:
     """CPU seconds until the first frame, and of the motion with its frames; steps and how it ended."""
-    account, scenario = Account(), crossing(nodes, until)
+    run_info, scenario = RunInfo(), crossing(nodes, until)
     begin = clock.process_time()
     times = np.linspace(0.0, until, round(until / EVERY) + 1)
-    moving = TimeHistory(Motion(scenario, account, times), account).frames()
+    moving = TimeHistory(SystemMotion(scenario, run_info, times), run_info).frames()
     next(moving)
     start = clock.process_time()
     for _ in moving:
         pass
-    return start - begin, clock.process_time() - start, account.steps, account.outcome
+    return start - begin, clock.process_time() - start, run_info.steps, run_info.outcome
 
 
 def alone(nodes: int, until: float) -> None:

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from tests import hermite
 
 from ropewalk.model import Scenario
-from ropewalk.results.frame import Account
+from ropewalk.results.frame import RunInfo
 from ropewalk.results.running import TimeHistory
 from ropewalk.scenario import load
 from ropewalk.wires.frames import Wires
-from ropewalk.wires.journey import drive_of
+from ropewalk.wires.prescribed_motion import drive_of
 from ropewalk.wiring import task_of
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "en50318-2002-300.yaml"
@@ -37,43 +37,43 @@ def reference(spans: int = 10, element: float = 0.25, **run: object) -> Scenario
 
 def motion_alone(scenario: Scenario, seconds: float = 2.0) -> tuple[float, float]:
     """CPU seconds for a second of motion, without set-up and output, the median of some turns; and the step in ms."""
-    account, times = Account(), np.arange(0.0, scenario.run.until, 0.05)
-    run = Wires(task_of(scenario), times, account)
+    run_info, times = RunInfo(), np.arange(0.0, scenario.run.until, 0.05)
+    run = Wires(task_of(scenario), times, run_info)
     rows = int(seconds / run.sample / TURNS)
     found, t = [], 0.0
     for turn in range(TURNS + 1):
-        drive = drive_of(run.task.plan, run.task.journeys, t + run.sample * np.arange(rows + 1.0))
+        drive = drive_of(run.task.plan, run.task.prescribed_motions, t + run.sample * np.arange(rows + 1.0))
         begin = clock.process_time()
         run.motion.go(drive, run.steps)
         if turn:  # the first one may have to compile
             found.append((clock.process_time() - begin) / (rows * run.sample))
         t += rows * run.sample
-    return median(found), 1e3 * account.step
+    return median(found), 1e3 * run_info.step
 
 
 def everything(scenario: Scenario) -> float:
     """CPU seconds of a whole run, form finding, frames and all, for a second of motion."""
     begin = clock.process_time()
-    account = Account()
+    run_info = RunInfo()
     times = np.arange(0.0, scenario.run.until, 0.05)
-    for _ in TimeHistory(Wires(task_of(scenario), times, account), account).frames():
+    for _ in TimeHistory(Wires(task_of(scenario), times, run_info), run_info).frames():
         pass
     return (clock.process_time() - begin) / float(times[-1])
 
 
 def by_hermite(element: float = 0.5, step: float = 1e-3, seconds: float = 2.0) -> float:
     """The same of the implicit reference."""
-    run = Wires(task_of(reference(element=element)), np.array([0.0, 0.05]), Account())
+    run = Wires(task_of(reference(element=element)), np.array([0.0, 0.05]), RunInfo())
     model = hermite.rest_of(run.task.plan, element)
-    riders = [journey.rider for journey in run.task.journeys]
+    moving_loads = [prescribed_motion.moving_load for prescribed_motion in run.task.prescribed_motions]
     rows = int(seconds / step)
-    drive = drive_of(run.task.plan, run.task.journeys, step * np.arange(rows + 0.0))
+    drive = drive_of(run.task.plan, run.task.prescribed_motions, step * np.arange(rows + 0.0))
     own = hermite.Drive(station=drive.station, rough=drive.rough, given=drive.given, push=drive.push)
-    hermite.run(model, riders, own, step)
+    hermite.run(model, moving_loads, own, step)
     found = []
     for _ in range(TURNS):
         begin = clock.process_time()
-        hermite.run(model, riders, own, step)
+        hermite.run(model, moving_loads, own, step)
         found.append((clock.process_time() - begin) / seconds)
     return median(found)
 

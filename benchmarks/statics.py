@@ -15,8 +15,8 @@ import numpy as np
 
 from ropewalk.model import Equilibrium, Line, MovingForce, Quasistatic, Scenario, Travel
 from ropewalk.simulate import simulate
+from ropewalk.solve.loaded_equilibrium import NOTHING, stand
 from ropewalk.solve.quasistatic import walk
-from ropewalk.solve.standing import NOTHING, stand
 from ropewalk.solve.start import setting_of
 from ropewalk.theory.rope import elastic_catenary
 

@@ -6,11 +6,11 @@ import numpy as np
 from scipy.sparse import linalg
 
 from ropewalk.model import Scenario
+from ropewalk.networks.assembly import Laid
+from ropewalk.networks.lengths import laid_at_rest
+from ropewalk.networks.network import Array
+from ropewalk.networks.potential import NetworkPotential
 from ropewalk.simulate import simulate
-from ropewalk.webs.laying import Laid
-from ropewalk.webs.lengths import laid_at_rest
-from ropewalk.webs.potential import Potential
-from ropewalk.webs.web import Array
 
 FLAT = {"corner": [0.0, 0.0, 0.0], "sides": [[4.0, 0.0, 0.0], [0.0, 3.0, 0.0]]}
 
@@ -60,7 +60,7 @@ def standing(sheet, gravity=0.0) -> tuple[Laid, Array]:
 
 def small_deflection(laid: Laid, r: Array, force: Array) -> Array:
     """Deflection of all nodes (node, 3) by small forces (node, 3)."""
-    potential = Potential(laid.web)
+    potential = NetworkPotential(laid.network)
     K = potential.stiffness(r)
     return np.asarray(potential.free @ linalg.spsolve(K, potential.free.T @ force.ravel())).reshape(-1, 3)
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import eigsh, splu
 
-from ropewalk.wires.plan import Plan, Spot
+from ropewalk.wires.plan import Spot, WirePlan
 
 Array = NDArray[np.float64]
 X, Z, TURN, Y, YAW = range(5)  # degrees of freedom of a node: in the plane and out of it, slopes of the wire
@@ -63,7 +63,7 @@ class Riding:
 class Hermite:
     """Two wires with droppers between them, level spans, nodes every h metres, where all that is attached lies."""
 
-    def __init__(self, plan: Plan, h: float) -> None:
+    def __init__(self, plan: WirePlan, h: float) -> None:
         self.plan, self.h, self.links = plan, h, round(plan.wires[0].length / h)
         self.count = self.links + 1
 

@@ -11,7 +11,7 @@ from ropewalk.model.overhead import OverheadLine
 from ropewalk.overhead.section import CONTACT, Section, section_of
 from ropewalk.wires.mesh import clamped_at
 from ropewalk.wires.plan import Spot
-from ropewalk.wires.rest import Rest, rest_of, rows
+from ropewalk.wires.rest import WiresAtRest, rest_of, rows
 
 EN_2002: dict[str, Any] = {
     "spans": {"count": 10, "length": "60 m"},
@@ -48,7 +48,7 @@ def formed(line: dict[str, Any], **changes: Any) -> Section:
     return section_of("section", OverheadLine.model_validate(line | changes))
 
 
-def rested(section: Section) -> tuple[Rest, NDArray[np.float64]]:
+def rested(section: Section) -> tuple[WiresAtRest, NDArray[np.float64]]:
     """Rest of a section by its plan alone, and heights of the contact wire there: at the droppers, at the supports."""
     mesh = section.mesh()
     rest = rest_of(mesh)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics.chain import Strands
+from ropewalk.solve.end_conditions import EndConditions
 from ropewalk.solve.equilibrium import at_rest
-from ropewalk.solve.held import Held
 from ropewalk.theory import chain
 
 CHAIN = {"length": 20.0, "axial_stiffness": 1e4, "mass": 0.1, "stretch": 1.02}
@@ -34,7 +34,7 @@ def hanging(links, length, span, rho, EA, dim=2, g=9.81, rise=0.0, **damping):
     f, start, end = np.zeros((dim, links + 1)), np.zeros(dim), np.zeros(dim)
     f[-1, 1:-1] = -rho * length / links * g
     end[0], end[-1] = span, rise
-    rest = at_rest(strands.law[0], np.full(links, length / links), f, Held.fast(start, end))
+    rest = at_rest(strands.law[0], np.full(links, length / links), f, EndConditions.fast(start, end))
     return strands, (rest.position, np.linspace(0.0, length, links + 1))
 
 
@@ -42,10 +42,10 @@ def wavy(links, seed=0, dim=2):
     """A strained chain in no special position, with a node that rides 0.4 of a link away from its place."""
     r, X = straight(links, stretch=1.1, dim=dim)
     r += 0.04 * np.random.default_rng(seed).standard_normal(r.shape)
-    rider = links // 2
-    X[rider] += 0.4 * (X[1] - X[0])
-    r[0, rider] += 0.4 * (X[1] - X[0])
-    return r, X, rider
+    moving_load = links // 2
+    X[moving_load] += 0.4 * (X[1] - X[0])
+    r[0, moving_load] += 0.4 * (X[1] - X[0])
+    return r, X, moving_load
 
 
 def closed_form(links, law="hooke"):

@@ -8,9 +8,9 @@ import numpy as np
 
 from ropewalk.model import Scenario
 from ropewalk.model.run import every_of
-from ropewalk.results.frame import ENERGY_FORMS, Account, Frame
+from ropewalk.results.frame import ENERGY_FORMS, Frame, RunInfo
 from ropewalk.results.running import TimeHistory
-from ropewalk.system.moving import Motion
+from ropewalk.system.moving import SystemMotion
 
 ROPE = {"start": [0, 0], "end": [20, 1], "length": 20.4, "mass": 1.0, "axial_stiffness": 1e5, "elements": 40}
 TRIPOD = {
@@ -23,7 +23,7 @@ TRIPOD = {
 
 def with_steps_of(scenario: Scenario, part: float) -> Scenario:
     """The same in steps of a part of those that would be taken."""
-    step = part * Motion(scenario, Account(), np.array([0.0, scenario.run.until]))._step
+    step = part * SystemMotion(scenario, RunInfo(), np.array([0.0, scenario.run.until]))._step
     return scenario.model_copy(update={"run": scenario.run.model_copy(update={"step": step})})
 
 
@@ -32,9 +32,9 @@ def frames_of(scenario: Scenario, times: np.ndarray | None = None) -> list[Frame
     run = scenario.run
     if times is None:
         times = np.arange(0.0, run.until + 0.5 * every_of(run), every_of(run))
-    account = Account()
-    frames = list(TimeHistory(Motion(scenario, account, times), account).frames())
-    assert account.outcome == "running", account.advice
+    run_info = RunInfo()
+    frames = list(TimeHistory(SystemMotion(scenario, run_info, times), run_info).frames())
+    assert run_info.outcome == "running", run_info.advice
     assert len(frames) == times.size
     return frames
 

@@ -19,7 +19,7 @@ HOUSE = Path(ropewalk.__file__).parent
 # From the ground up; a module imports from its own storey and from those before it.
 STOREYS = (
     ("errors", "units", "hooks", "interrupts"), ("checkpoint",), ("model",), ("theory",), ("mechanics",), ("foreign",),
-    ("guides",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("webs",), ("system",),
+    ("controllers",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("networks",), ("system",),
     ("capabilities",), ("chains", "wiring"), ("meshes",), ("simulate",), ("decouple",), ("coupling",), ("scenario",),
     ("resuming",), ("console",), ("cli", "__main__"),
 )  # fmt: skip
@@ -29,7 +29,7 @@ ABOVE = ("compare", "paper", "sweeps", "cosim", "studio", "warming")
 USES_THEORY = ("theory", "linear", "compare", "paper")
 LONGEST_FILE = 500
 # Who computes.
-SOLVERS = ("solve", "linear", "wires", "overhead", "webs", "chains", "wiring", "simulate")
+SOLVERS = ("solve", "linear", "wires", "overhead", "networks", "chains", "wiring", "simulate")
 
 
 def storey(name: str) -> int:
@@ -122,7 +122,8 @@ def reached_from(start: Path) -> set[str]:
     return seen
 
 
-MACHINE = ("checkpoint", "model", "mechanics", "foreign", "guides", "results", "solve", "wires", "overhead", "webs",
+MACHINE = ("checkpoint", "model", "mechanics", "foreign", "controllers", "results", "solve", "wires", "overhead",
+           "networks",
            "system", "chains", "wiring")  # fmt: skip
 
 
@@ -171,7 +172,10 @@ EXAMPLES = HOUSE.parents[1] / "examples"
 
 @pytest.mark.parametrize(
     ("example", "spared"),
-    [("moving-force", ("theory", "wires.", "overhead", "webs.")), ("simple-ac-275", ("theory", "chains", "webs."))],
+    [
+        ("moving-force", ("theory", "wires.", "overhead", "networks.")),
+        ("simple-ac-275", ("theory", "chains", "networks.")),
+    ],
 )
 def test_a_motion_imports_what_it_uses(example: str, spared: tuple[str, ...]) -> None:
     """In plain Python, where nothing is compiled."""

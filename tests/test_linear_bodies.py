@@ -73,12 +73,12 @@ HEAVY = "kind: mass, mass: 0.5, force: [0, -1], travel: {speed: %r, measured: ho
 
 def test_a_pulling_contact_is_warned_of_and_flies_where_it_may() -> None:
     """(mu, alpha) = (0.5, 0.5): least contact force -1.71 weights, largest deflection 2.022125 F L^3/48 EI."""
-    held = run(UNIT, HEAVY, "until: 0.6366, every: 0.3 ms, modes: 30", gravity=0.0)
-    assert "contact is lost at t = 0.5" in held.attrs["warnings"]
-    assert "lift_off: true lets it fly" in held.attrs["warnings"]
-    pressed = -height(held.contact_force)[:, 0]
+    restrained = run(UNIT, HEAVY, "until: 0.6366, every: 0.3 ms, modes: 30", gravity=0.0)
+    assert "contact is lost at t = 0.5" in restrained.attrs["warnings"]
+    assert "lift_off: true lets it fly" in restrained.attrs["warnings"]
+    pressed = -height(restrained.contact_force)[:, 0]
     assert np.nanmin(pressed) == pytest.approx(-1.71, abs=5e-3)  # digits given
-    assert 48.0 * at_midspan(held).max() == pytest.approx(2.022125, abs=1e-4)  # steps of output
+    assert 48.0 * at_midspan(restrained).max() == pytest.approx(2.022125, abs=1e-4)  # steps of output
     free = run(UNIT, f"{HEAVY}, lift_off: true", "until: 1, every: 2.5 ms, modes: 30", gravity=0.0)
     t = free.time.values
     assert free.attrs["warnings"] == ""

@@ -23,14 +23,14 @@ from ropewalk.paper import (
     slow_walk,
     walk_figure,
 )
-from ropewalk.paper.slow_walk import Rope, Way
+from ropewalk.paper.slow_walk import LoadPath, Rope
 from ropewalk.simulate import simulate
 from ropewalk.theory import locus
 from ropewalk.theory.rope import elastic_catenary
 
 
 @cache
-def way(rope: Rope, contact: Contact) -> Way:
+def way(rope: Rope, contact: Contact) -> LoadPath:
     return slow_walk.way(rope, contact)
 
 

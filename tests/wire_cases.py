@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.results.frame import Account
+from ropewalk.results.frame import RunInfo
 from ropewalk.results.running import TimeHistory
 from ropewalk.theory.beam_vehicle import Vehicle
 from ropewalk.wires.frames import Wires
-from ropewalk.wires.journey import ON_GROUND, Journey
-from ropewalk.wires.plan import Contact, Plan, Rider, Spot, Wire
-from ropewalk.wires.task import Task
+from ropewalk.wires.plan import Contact, Spot, TravellingLoad, Wire, WirePlan
+from ropewalk.wires.prescribed_motion import ON_GROUND, PrescribedMotion
+from ropewalk.wires.task import WireTask
 
 NONE = np.zeros((0, 0))
 
@@ -23,8 +23,8 @@ def straight(length, tension, mass, stiffness=0.0, **more):
 
 def force(size, speed, start=0.0):
     """A force downwards that travels."""
-    rider = Rider("force", NONE, NONE, NONE, (Contact(0, stiffness=0.0),))
-    return Journey(rider, lambda t: start + speed * t, given=lambda t: np.full((t.size, 1), -size))
+    moving_load = TravellingLoad("force", NONE, NONE, NONE, (Contact(0, stiffness=0.0),))
+    return PrescribedMotion(moving_load, lambda t: start + speed * t, given=lambda t: np.full((t.size, 1), -size))
 
 
 def rolling(vehicle: Vehicle, speed):
@@ -37,7 +37,7 @@ def rolling(vehicle: Vehicle, speed):
         contacts = tuple(
             Contact(0, rows[j], float(vehicle.axles[j]), rest=-float(vehicle.static_load[j])) for j in wheels
         )
-        rider = Rider("vehicle", vehicle.mass, vehicle.damping, vehicle.stiffness, contacts)
+        moving_load = TravellingLoad("vehicle", vehicle.mass, vehicle.damping, vehicle.stiffness, contacts)
     else:
         K, C = vehicle.stiffness[:own, :own].copy(), vehicle.damping[:own, :own].copy()
         contacts = ()
@@ -50,16 +50,19 @@ def rolling(vehicle: Vehicle, speed):
                     0, tuple(row), float(vehicle.axles[j]), stiffness=k, damping=c, rest=-float(vehicle.static_load[j])
                 ),
             )
-        rider = Rider("vehicle", vehicle.mass[:own, :own], C, K, contacts)
-    return Journey(rider, lambda t: speed * t, beside=ON_GROUND)
+        moving_load = TravellingLoad("vehicle", vehicle.mass[:own, :own], C, K, contacts)
+    return PrescribedMotion(moving_load, lambda t: speed * t, beside=ON_GROUND)
 
 
-def course(wire, journeys, times, links, *, geometry="linearised", watched=None, sample=None, step=None, plan=None):
+def course(
+    wire, prescribed_motions, times, links, *, geometry="linearised", watched=None, sample=None, step=None, plan=None
+):
     """Frames of a run, without gravity on the wire."""
     spots = {f"{x:g}": Spot(0, x) for x in (watched if watched is not None else [0.5 * wire.length])}
-    plan = plan or Plan((wire,), gravity=0.0, watched=spots)
-    task = Task(plan, tuple(journeys), tuple(j.rider.name for j in journeys for _ in j.rider.contacts),
+    plan = plan or WirePlan((wire,), gravity=0.0, watched=spots)
+    task = WireTask(plan, tuple(prescribed_motions),
+                    tuple(j.moving_load.name for j in prescribed_motions for _ in j.moving_load.contacts),
                 element=[links] * len(plan.wires), geometry=geometry)  # fmt: skip
-    account = Account()
-    wires = Wires(task, times, account, sample if sample is not None else float(times[1] - times[0]), step)
-    return list(TimeHistory(wires, account).frames()), account
+    run_info = RunInfo()
+    wires = Wires(task, times, run_info, sample if sample is not None else float(times[1] - times[0]), step)
+    return list(TimeHistory(wires, run_info).frames()), run_info

@@ -15,9 +15,9 @@ from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic, Equilibrium, Linear
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.walker import Walker
+from ropewalk.networks import capabilities as networks
 from ropewalk.solve import capabilities as ropes
 from ropewalk.system import capabilities as system
-from ropewalk.webs import capabilities as webs
 from ropewalk.wires import capabilities as wires
 
 
@@ -31,7 +31,7 @@ class Engine:
 
 ROPES = Engine(ropes.MOTION, ropes.AT_REST)
 WIRES = Engine(wires.MOTION, wires.AT_REST)
-WEBS = Engine(webs.AT_REST, webs.AT_REST)
+NETWORKS = Engine(networks.AT_REST, networks.AT_REST)
 SYSTEM = Engine(system.MOTION, system.AT_REST)
 LINEAR = Engine(linear.CAPABILITIES, linear.CAPABILITIES)
 SUPERPOSED = Engine(system.LINEAR, system.LINEAR)
@@ -42,7 +42,7 @@ def engine_of(asked: Parts | Scenario) -> Engine:
     parts = (asked if isinstance(asked, Parts) else asked.parts).on_a_mesh
     if isinstance(parts.run, Linear):
         return _of_linear_theory(parts)
-    if parts.is_web:
+    if parts.is_network:
         return _of_networks(parts)
     return _of_beams(parts) if parts.is_stiff else _of_ropes(parts)
 
@@ -51,7 +51,7 @@ def _of_linear_theory(parts: Parts) -> Engine:
     """Closed forms of lines by themselves; modes of what is joined, held or a surface, or where there are none."""
     if parts.overhead:
         return LINEAR
-    joined = parts.is_web or parts.is_supported
+    joined = parts.is_network or parts.is_supported
     return SUPERPOSED if joined or _refused(SUPERPOSED, parts) < _refused(LINEAR, parts) else LINEAR
 
 
@@ -93,8 +93,8 @@ def _of_networks(parts: Parts) -> Engine:
     if isinstance(parts.run, Dynamic):
         return SYSTEM
     if parts.runs_over_sheaves:
-        return WEBS
-    return SYSTEM if parts.nets or _refused(SYSTEM, parts) < _refused(WEBS, parts) else WEBS
+        return NETWORKS
+    return SYSTEM if parts.nets or _refused(SYSTEM, parts) < _refused(NETWORKS, parts) else NETWORKS
 
 
 def _of_beams(parts: Parts) -> Engine:
@@ -137,7 +137,7 @@ def unsupported(parts: Parts) -> Iterator[Finding]:
     engine = engine_of(parts)
     known = parts.is_complete and None not in parts.lines.values()
     for found in (engine.motion if isinstance(parts.run, Dynamic | Linear) else engine.at_rest).unsupported(parts):
-        a_rope = not (parts.is_web or parts.is_stiff or isinstance(parts.run, Linear))
+        a_rope = not (parts.is_network or parts.is_stiff or isinstance(parts.run, Linear))
         if known or not a_rope or found.path[0] != "run":  # a line not known may have bending stiffness
             yield found
 
@@ -153,7 +153,7 @@ def _moves_otherwise(scenario: Scenario) -> Iterator[Finding]:
     run, what = scenario.run, "the spectrum at an instant"
     if isinstance(run, Dynamic) and run.axial_inertia != 1.0 and engine_of(scenario) is SYSTEM:
         yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave it out")
-    for name, load in () if scenario.is_web else scenario.loads.items():
+    for name, load in () if scenario.is_network else scenario.loads.items():
         if isinstance(load, MovingForce) and _rubs(load):
             yield missing(("loads", name, "contact"), what, load.contact, "write clamped or frictionless")
 
@@ -175,7 +175,7 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
         raise refusal(missing(("run", "geometry"), what, "linearised", remedy, feature=feature))
     for found in () if at_rest else _moves_otherwise(scenario):
         raise refusal(found)
-    if scenario.is_web:
+    if scenario.is_network:
         for found in _of_rest(SYSTEM, scenario, with_loads=with_loads) if at_rest else ():
             raise refusal(found)
     elif scenario.overhead_lines and engine_of(scenario) is SYSTEM:

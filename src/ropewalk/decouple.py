@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.capabilities import SYSTEM, WEBS, WIRES, check_without_feedback, engine_of
+from ropewalk.capabilities import NETWORKS, SYSTEM, WIRES, check_without_feedback, engine_of
 from ropewalk.errors import Problem, RopewalkError, ScenarioError
 from ropewalk.mechanics.chain import Array
-from ropewalk.mechanics.wheels import Wheel, wheels_of
+from ropewalk.mechanics.contact_points import ContactPoint, wheels_of
 from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import ForceTable, SpeedTable
@@ -122,7 +122,7 @@ def rests_within_itself(load: AnyLoad) -> bool:
     return not (getattr(load, "air_drag", 0.0) or (load.lift_off and load.side == "below"))
 
 
-def _names(wheel: Wheel, forces: int, taken: set[str]) -> list[str]:
+def _names(wheel: ContactPoint, forces: int, taken: set[str]) -> list[str]:
     """Names of the forces that replace a wheel: that of the load where there is only one."""
     if not wheel.part and forces == 1:
         return [wheel.load]
@@ -142,7 +142,7 @@ def _static_forces(scenario: Scenario, names: list[str]) -> dict[str, tuple[floa
     if not names:
         return {}
     engine = engine_of(scenario)
-    if engine in (SYSTEM, WEBS, WIRES):
+    if engine in (SYSTEM, NETWORKS, WIRES):
         grounds = {name: _ground_of(scenario, name, 0.0) for name in names}
         lines, loads = ({name: pair[i] for name, pair in grounds.items()} for i in (0, 1))
         scenario = Scenario(gravity=scenario.gravity, lines=lines, loads=loads, run=Equilibrium())
@@ -153,7 +153,7 @@ def _static_forces(scenario: Scenario, names: list[str]) -> dict[str, tuple[floa
     return {wheel.name: tuple(forces[:, k].tolist()) for k, wheel in enumerate(setting.wheels) if wheel.load in names}
 
 
-def standing_force(load: AnyLoad, wheel: Wheel, force: tuple[float, ...]) -> MovingForce:
+def standing_force(load: AnyLoad, wheel: ContactPoint, force: tuple[float, ...]) -> MovingForce:
     """The force of a wheel that presses evenly, with what else is given; before the line, it waits for its turn."""
     assert isinstance(load, Travelling)
     assert isinstance(load.travel, Travel)
@@ -221,7 +221,7 @@ class _Ground:
         upright = engine_of(scenario) is WIRES
         return cls(result, tuple(wheel.name for wheel in wheels_of(alone)), scale, upright)
 
-    def forces(self, load: AnyLoad, wheel: Wheel) -> list[MovingForce]:
+    def forces(self, load: AnyLoad, wheel: ContactPoint) -> list[MovingForce]:
         """The forces that replace a wheel: one, or for a contact that is put down here and there one for each place."""
         k = self.contacts.index(wheel.name)
         time = self.result["time"].values
@@ -257,7 +257,7 @@ def _ground_of(scenario: Scenario, name: str, until: float) -> tuple[Line, AnyLo
     if line is None:  # a net: straight ahead, whichever way leads over it
         length = 1.0
         line = Line(start=(0.0, 0.0), end=(length, 0.0), length=length, mass=1.0, axial_stiffness=1.0)
-    elif engine_of(scenario) in (SYSTEM, WEBS, WIRES):
+    elif engine_of(scenario) in (SYSTEM, NETWORKS, WIRES):
         length = line.length or line.distance
     else:
         setting = setting_of(scenario, 0.0)

@@ -23,7 +23,7 @@ from ropewalk.model.run import Dynamic, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.contract import CONVENTIONS, LACKING
 from ropewalk.results.files import ResultError
-from ropewalk.results.frame import Account, Array
+from ropewalk.results.frame import Array, RunInfo
 from ropewalk.results.past import Past
 from ropewalk.results.slots import digests
 from ropewalk.results.target import alone
@@ -62,7 +62,7 @@ def resume(
 
 
 @dataclass(frozen=True)
-class Rest:
+class Remainder:
     """What is still to be computed of a run."""
 
     past: Past
@@ -78,20 +78,20 @@ class Rest:
         """Compute it."""
         from ropewalk.results.recorder import Recorder
 
-        past, account = self.past, Account()
+        past, run_info = self.past, RunInfo()
         assert past.checkpoint is not None
         spent = (float(s) if isfinite(s) else 0.0 for s in past.checkpoint["seconds"])
         watch = Clock(*spent)
         try:
-            run = run_of(self.scenario, account, self.times, past.checkpoint["run"])
+            run = run_of(self.scenario, run_info, self.times, past.checkpoint["run"])
         except (CheckpointError, TypeError, ValueError, LookupError, AttributeError) as problem:
             raise ResultError(f"{past.path}: its checkpoint does not fit its scenario ({problem})") from problem
-        with Recorder(run.layout, self.scenario, account, past.path, run=run, past=past) as recorder:
-            return record(run, recorder, account, watch, progress)
+        with Recorder(run.layout, self.scenario, run_info, past.path, run=run, past=past) as recorder:
+            return record(run, recorder, run_info, watch, progress)
 
 
 @contextmanager
-def taken_up(path: Path, until: float | None) -> Iterator[Rest]:
+def taken_up(path: Path, until: float | None) -> Iterator[Remainder]:
     """Look into a result file and keep it to oneself: what is there to be computed?
 
     Raises:
@@ -115,7 +115,7 @@ def taken_up(path: Path, until: float | None) -> Iterator[Rest]:
             _refuse_histories(past, scenario)
             longer = run.model_copy(update={"until": float(until), "every": min(every_of(run), run.until)})
             scenario = scenario.model_copy(update={"run": longer})
-        yield Rest(past, scenario, _instants(scenario, past.times))
+        yield Remainder(past, scenario, _instants(scenario, past.times))
 
 
 def _checked(past: Past) -> Scenario:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropewalk.capabilities import (
+    NETWORKS,
     SUPERPOSED,
     SYSTEM,
-    WEBS,
     WIRES,
     check_spectrum,
     engine_of,
@@ -26,9 +26,9 @@ from ropewalk.model.load import MovingForce
 from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Account, Frame, Layout
-from ropewalk.results.running import Engine, Run, Statics, Still, TimeHistory, followed
-from ropewalk.solve.timetable import horizon
+from ropewalk.results.frame import Frame, Layout, RunInfo
+from ropewalk.results.running import MotionEngine, Run, StaticEngine, Statics, TimeHistory, followed
+from ropewalk.solve.load_schedule import horizon
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,16 +68,16 @@ def simulate(
             check_own(file, scenario)
     watch = Clock()
 
-    def recorded(asked: Scenario, run: Run, account: Account) -> xr.Dataset:
-        with Recorder(run.layout, asked, account, file, run=run) as recorder:
-            return record(run, recorder, account, watch, progress)
+    def recorded(asked: Scenario, run: Run, run_info: RunInfo) -> xr.Dataset:
+        with Recorder(run.layout, asked, run_info, file, run=run) as recorder:
+            return record(run, recorder, run_info, watch, progress)
 
     if is_asked_for(scenario):
         from ropewalk.meshes import choosing  # lazy: most runs are on one mesh
 
         return choosing.result_of(scenario, run_of, recorded)
-    account = Account()
-    return recorded(scenario, run_of(scenario, account), account)
+    run_info = RunInfo()
+    return recorded(scenario, run_of(scenario, run_info), run_info)
 
 
 class Clock:
@@ -97,28 +97,31 @@ class Clock:
             self._due = now + 0.1
         return due
 
-    def note(self, account: Account) -> None:
+    def note(self, run_info: RunInfo) -> None:
         """Write down the seconds so far."""
-        account.wall_seconds, account.cpu_seconds = clock.perf_counter() - self._wall, clock.process_time() - self._cpu
-        account.compile_seconds = compiling.seconds - self._compiled
+        run_info.wall_seconds, run_info.cpu_seconds = (
+            clock.perf_counter() - self._wall,
+            clock.process_time() - self._cpu,
+        )
+        run_info.compile_seconds = compiling.seconds - self._compiled
 
 
 def record(
-    run: Run, recorder: Recorder, account: Account, watch: Clock, progress: Callable[[float], None] | None
+    run: Run, recorder: Recorder, run_info: RunInfo, watch: Clock, progress: Callable[[float], None] | None
 ) -> xr.Dataset:
     """Let a run go to its end, and record all that is still to come of it."""
     try:
         for frames in run.blocks():
             recorder.extend(frames)
             if watch.is_due():
-                watch.note(account)
+                watch.note(run_info)
             if progress is not None:
                 progress(min(recorder.frames / run.total, 1.0))
     except KeyboardInterrupt:
         if not recorder.frames:
             raise
-        account.outcome, account.advice = "interrupted", "the result holds everything up to the interruption"
-    watch.note(account)
+        run_info.outcome, run_info.advice = "interrupted", "the result holds everything up to the interruption"
+    watch.note(run_info)
     return recorder.close()
 
 
@@ -157,13 +160,13 @@ def must_compile(scenario: Scenario) -> str:
     return "about a minute" if bodied else "about half a minute"
 
 
-def iterate(scenario: Scenario, account: Account) -> tuple[Layout, Iterator[Frame], int]:
+def iterate(scenario: Scenario, run_info: RunInfo) -> tuple[Layout, Iterator[Frame], int]:
     """The frames of a run, one after the other, with their layout and their number; `account` is filled in."""
-    run = run_of(scenario, account)
+    run = run_of(scenario, run_info)
     return run.layout, (frame for frames in run.blocks() for frame in frames), run.total
 
 
-def run_of(scenario: Scenario, account: Account, times: Array | None = None, past: Tree | None = None) -> Run:
+def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, past: Tree | None = None) -> Run:
     """A scenario ready to run.
 
     Args:
@@ -175,71 +178,71 @@ def run_of(scenario: Scenario, account: Account, times: Array | None = None, pas
     run = scenario.run
     if isinstance(run, Dynamic):
         times = output_times(run) if times is None else times
-        return TimeHistory(_motion(scenario, run, account, times, past), account, past)
+        return TimeHistory(_motion(scenario, run, run_info, times, past), run_info, past)
     if isinstance(run, Linear):
-        return _linear(scenario, run, account)
-    still = _still(scenario, account)
+        return _linear(scenario, run, run_info)
+    still = _still(scenario, run_info)
     if isinstance(run, Quasistatic):
-        return Statics(still.layout, followed(still.slowly(run.positions, run.turn), account), run.positions)
+        return Statics(still.layout, followed(still.slowly(run.positions, run.turn), run_info), run.positions)
     assert isinstance(run, Equilibrium)
-    return Statics(still.layout, iter([still.standing()]), 1)
+    return Statics(still.layout, iter([still.loaded()]), 1)
 
 
-def _motion(scenario: Scenario, run: Dynamic, account: Account, times: Array, past: Tree | None) -> Engine:
+def _motion(scenario: Scenario, run: Dynamic, run_info: RunInfo, times: Array, past: Tree | None) -> MotionEngine:
     """A motion, by the engine that its lines ask for."""
     engine = engine_of(scenario)
     if engine is SYSTEM:
-        from ropewalk.system.moving import Motion  # lazy: most runs do not need their kernels
+        from ropewalk.system.moving import SystemMotion  # lazy: most runs do not need their kernels
 
-        return Motion(scenario, account, times, past=past is not None)
+        return SystemMotion(scenario, run_info, times, past=past is not None)
     if engine is WIRES:
         from ropewalk.wires.frames import Wires  # lazy: as above
         from ropewalk.wiring import task_of
 
-        return Wires(task_of(scenario), times, account, run.sample, run.step)
+        return Wires(task_of(scenario), times, run_info, run.sample, run.step)
     from ropewalk.chains.moving import Chain  # lazy: as above
 
-    return Chain(scenario, account, times, past and past["engine"])
+    return Chain(scenario, run_info, times, past and past["engine"])
 
 
-def _still(scenario: Scenario, account: Account) -> Still:
+def _still(scenario: Scenario, run_info: RunInfo) -> StaticEngine:
     """Rest and slow motion, by the engine that the lines ask for."""
     until = horizon(scenario) if isinstance(scenario.run, Quasistatic) and not scenario.nets else 0.0
     engine = engine_of(scenario)
     if engine is SYSTEM:
         from ropewalk.system import still as system  # lazy: most runs do not need it
 
-        return system.Still(scenario, account, until)
-    if engine is WEBS:
-        from ropewalk.webs import still as webs  # lazy: most runs do not need it
+        return system.SystemStatics(scenario, run_info, until)
+    if engine is NETWORKS:
+        from ropewalk.networks import still as networks  # lazy: most runs do not need it
 
-        return webs.Still(scenario, account, until)
+        return networks.NetworkStatics(scenario, run_info, until)
     if engine is WIRES:
         from ropewalk.wires import still as wires  # lazy: as above
         from ropewalk.wiring import task_of
 
-        return wires.Still(task_of(scenario), account)
+        return wires.WireStatics(task_of(scenario), run_info)
     from ropewalk.chains import still as chains  # lazy: as above
 
-    return chains.Still(scenario, account, until)
+    return chains.ChainStatics(scenario, run_info, until)
 
 
-def _linear(scenario: Scenario, run: Linear, account: Account) -> Run:
+def _linear(scenario: Scenario, run: Linear, run_info: RunInfo) -> Run:
     """The linear theory: of plain lines in closed forms, of all else by superposition of modes."""
     times = output_times(run)
     if engine_of(scenario) is SUPERPOSED:
         from ropewalk.system.superposed import Superposed  # lazy: most runs do not need it
 
-        superposed = Superposed(scenario, run, times, account)
+        superposed = Superposed(scenario, run, times, run_info)
         return Statics(superposed.layout, superposed.frames(), times.size)
     from ropewalk.chains.frames import layout_of
     from ropewalk.linear.frames import frames  # lazy: the closed forms take a while to import
     from ropewalk.solve.start import setting_of
 
     setting = setting_of(scenario, run.until)
-    account.method, account.reason = "linear theory", "as asked: superposition of small deflections about the chord"
-    account.audit = "the linear theory superposes deflections and keeps no energies"
-    return Statics(layout_of(setting), frames(setting, scenario, times, account), times.size)
+    run_info.method, run_info.reason = "linear theory", "as asked: superposition of small deflections about the chord"
+    run_info.audit = "the linear theory superposes deflections and keeps no energies"
+    return Statics(layout_of(setting), frames(setting, scenario, times, run_info), times.size)
 
 
 def output_times(run: Dynamic | Linear) -> Array:
@@ -296,7 +299,7 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     if at is not None:
         run = _check_instant(scenario, at)
     on_system = bool(scenario.overhead_lines) and engine_of(scenario) is SYSTEM
-    if on_system or scenario.is_web or scenario.parts.has_inextensible:
+    if on_system or scenario.is_network or scenario.parts.has_inextensible:
         from ropewalk.system import spectrum as system  # lazy: a run does not need the eigenvalue solvers
 
         if at is not None:
@@ -309,7 +312,7 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
         task = task_of(scenario)
         if isinstance(run, Dynamic) and at is not None:
             return wires.spectrum_at(task, at, sample=run.sample, step=run.step, how_many=how_many)
-        return (wires.spectrum_with_loads if with_loads and task.journeys else wires.spectrum)(task, how_many)
+        return (wires.spectrum_with_loads if with_loads and task.prescribed_motions else wires.spectrum)(task, how_many)
     from ropewalk.chains import spectrum as chains  # lazy: as above
 
     return chains.spectrum_of(scenario, at, how_many, with_loads=with_loads)

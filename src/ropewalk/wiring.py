@@ -25,26 +25,26 @@ from ropewalk.model.run import Dynamic, Quasistatic
 from ropewalk.model.run import Start as Beginning
 from ropewalk.model.scenario import Scenario
 from ropewalk.overhead.irregularity import read_irregularity
-from ropewalk.overhead.riding import expected_lift, push_of, rider_of, start_of
+from ropewalk.overhead.pantograph_loads import expected_lift, moving_load_of, push_of, start_of
 from ropewalk.overhead.section import CONTACT, Section, in_space, joined, section_of
 from ropewalk.results.stored import stored_instant
-from ropewalk.solve.timetable import horizon
+from ropewalk.solve.load_schedule import horizon
 from ropewalk.wires.beginning import in_mode
 from ropewalk.wires.ends import holds_of, masses_of
 from ropewalk.wires.equilibrium import movable
-from ropewalk.wires.journey import Journey, smooth
-from ropewalk.wires.lines import journey_of, shown_of, wire_of
+from ropewalk.wires.lines import prescribed_motion_of, shown_of, wire_of
 from ropewalk.wires.mesh import links_of
 from ropewalk.wires.partners import Foreigner
-from ropewalk.wires.partners import rider_of as foreign_rider
-from ropewalk.wires.plan import Array, Plan
-from ropewalk.wires.task import Shown, Start, Task, unstretched
+from ropewalk.wires.partners import moving_load_of as foreign_moving_load
+from ropewalk.wires.plan import Array, WirePlan
+from ropewalk.wires.prescribed_motion import PrescribedMotion, smooth
+from ropewalk.wires.task import Shown, WireStart, WireTask, unstretched
 
 _HEAVY = 500.0  # N: droppers bear about 100 N
 _MASSES = {2: ("frame", "head"), 3: ("lower", "upper", "head")}
 
 
-def task_of(scenario: Scenario) -> Task:
+def task_of(scenario: Scenario) -> WireTask:
     """What is to be computed.
 
     Raises:
@@ -58,14 +58,14 @@ def task_of(scenario: Scenario) -> Task:
     space = nonlinear and not scenario.lines and any(section.stagger.any() for section in sections.values())
     near = tuple(section.near for section in sections.values()) if space else ()
     laid = [in_space(s, scenario.overhead_lines[name]) if space else s for name, s in sections.items()]
-    plan, offsets = joined(laid) if sections else (Plan((), gravity=scenario.gravity), [])
+    plan, offsets = joined(laid) if sections else (WirePlan((), gravity=scenario.gravity), [])
     elements = [links_of(wire, section.element) for section in sections.values() for wire in section.plan.wires]
     first = len(plan.wires)
     for number, (name, line) in enumerate(scenario.lines.items(), start=first):
         wire = wire_of(name, line)
-        held, mass = holds_of(line, wire, number, until), masses_of(line, wire, number)
+        restrained, mass = holds_of(line, wire, number, until), masses_of(line, wire, number)
         plan = replace(
-            plan, wires=(*plan.wires, wire), holds=(*plan.holds, *held), masses=(*plan.masses, *mass)
+            plan, wires=(*plan.wires, wire), holds=(*plan.holds, *restrained), masses=(*plan.masses, *mass)
         )  # fmt: skip
     elements += [links_of_line(line) for line in scenario.lines.values()]
     if nonlinear or slow:
@@ -75,26 +75,26 @@ def task_of(scenario: Scenario) -> Task:
     loading = loading_of(bearing, until)
     numbers = dict(zip(sections, (offset + CONTACT for offset in offsets), strict=True))
     numbers |= {name: first + i for i, name in enumerate(scenario.lines)}
-    journeys: list[Journey] = []
+    prescribed_motions: list[PrescribedMotion] = []
     contacts: list[str] = []
     shown: list[Shown] = []
     foreigners: list[Foreigner] = []
     for name, load in scenario.loads.items():
-        number, on = len(journeys), numbers[load.on]
+        number, on = len(prescribed_motions), numbers[load.on]
         if isinstance(load, Pantograph):
-            journeys.append(_pantograph(name, load, sections[load.on], on, until, slow=slow))
+            prescribed_motions.append(_pantograph(name, load, sections[load.on], on, until, slow=slow))
             contacts.append(name)
             shown += _masses(name, load, number)
             continue
         if isinstance(load, Foreign):
             own = [wheel.name for wheel in loading.wheels if wheel.load == name]
-            rider = foreign_rider(name, on, len(own), load.exchange.stiffness, load.exchange.damping)
-            journeys.append(Journey(rider, np.zeros_like))
+            moving_load = foreign_moving_load(name, on, len(own), load.exchange.stiffness, load.exchange.damping)
+            prescribed_motions.append(PrescribedMotion(moving_load, np.zeros_like))
             foreigners.append(Foreigner(number, partial(turns_of, name, load, until)))
             contacts += own
             continue
-        journey, system = journey_of(loading, name, load, on, plan.wires[on])
-        journeys.append(journey)
+        prescribed_motion, system = prescribed_motion_of(loading, name, load, on, plan.wires[on])
+        prescribed_motions.append(prescribed_motion)
         contacts += [wheel.name for wheel in loading.wheels if wheel.load == name]
         shown += shown_of(loading, system, number, plan.wires[on]) if system is not None else []
     more: dict[str, Any] = {}
@@ -115,13 +115,14 @@ def task_of(scenario: Scenario) -> Task:
     remarks = tuple(remark for section in sections.values() for remark in _remarks(section))
     if isinstance(run, Dynamic) and not nonlinear:
         remarks += tuple(remark for name, line in scenario.overhead_lines.items() for remark in _unseen(name, line))
-    return Task(
-        plan, tuple(journeys), tuple(contacts), tuple(shown), elements, foreigners=tuple(foreigners), remarks=remarks,
+    return WireTask(
+        plan, tuple(prescribed_motions), tuple(contacts), tuple(shown), elements, foreigners=tuple(foreigners),
+        remarks=remarks,
         **more,
     )  # fmt: skip
 
 
-def _in_mode(start: Beginning, groups: Mapping[str, range], space: bool, rest: Start) -> tuple[Array, Array]:
+def _in_mode(start: Beginning, groups: Mapping[str, range], space: bool, rest: WireStart) -> tuple[Array, Array]:
     """Positions and velocities of wires that are released in a mode, of each line or overhead line its own."""
     assert start.amplitude is not None
     position, way = rest.position.copy(), np.array(spatial(start.direction or UP))
@@ -133,7 +134,7 @@ def _in_mode(start: Beginning, groups: Mapping[str, range], space: bool, rest: S
     return position, np.zeros_like(position)
 
 
-def _as_stored(start: Beginning, groups: Mapping[str, range], space: bool, rest: Start) -> tuple[Array, Array]:
+def _as_stored(start: Beginning, groups: Mapping[str, range], space: bool, rest: WireStart) -> tuple[Array, Array]:
     """Positions and velocities of wires at a stored instant.
 
     Raises:
@@ -143,8 +144,8 @@ def _as_stored(start: Beginning, groups: Mapping[str, range], space: bool, rest:
     found = stored_instant(start, rest.mesh.nodes, len(axes))
     position, velocity = rest.position.copy(), np.zeros_like(rest.position)
     position[axes], velocity[axes] = found
-    held = ~movable(rest.mesh, space=True)
-    away = float(np.abs(position - rest.position)[held].max(initial=0.0))
+    restrained = ~movable(rest.mesh, space=True)
+    away = float(np.abs(position - rest.position)[restrained].max(initial=0.0))
     if away > 1e-9 * max(wire.length for wire in rest.mesh.plan.wires):
         raise RopewalkError(
             f"{start.file}: an end stands {away:.3g} m elsewhere in the stored result; use the same lines"
@@ -172,7 +173,9 @@ def _unseen(name: str, line: OverheadLine) -> Iterator[str]:
         yield f"overhead_lines.{name}.messenger_supports.along: in linearised motion nothing moves along the line"
 
 
-def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until: float, *, slow: bool) -> Journey:
+def _pantograph(
+    name: str, load: Pantograph, section: Section, wire: int, until: float, *, slow: bool
+) -> PrescribedMotion:
     """The journey of a pantograph; `slow`: it presses with all of its force from the beginning."""
     course, start = Travelled(*speed_table(load.travel.speed, until)), load.travel.start
     lift = 0.0
@@ -183,12 +186,12 @@ def _pantograph(name: str, load: Pantograph, section: Section, wire: int, until:
     push = replace(push, ramp=0.0) if slow else push
     rough = _rough(name, load)
     first = start_of(load, section.mesh(), section.rest, CONTACT, float(rough(np.array([start]))[0]))
-    rider = rider_of(name, load, wire)
+    moving_load = moving_load_of(name, load, wire)
 
     def pushed(times: Array) -> Array:
         return push(times, course.speed(times))
 
-    return Journey(rider, partial(course.at, start=start), pushed, rough=rough, first=first)
+    return PrescribedMotion(moving_load, partial(course.at, start=start), pushed, rough=rough, first=first)
 
 
 def _rough(name: str, load: Pantograph) -> Callable[[Array], Array]:
@@ -197,7 +200,7 @@ def _rough(name: str, load: Pantograph) -> Callable[[Array], Array]:
     return read_irregularity(Path(load.irregularity), f"loads.{name}.irregularity").at
 
 
-def _masses(name: str, load: AnyLoad, journey: int) -> list[Shown]:
+def _masses(name: str, load: AnyLoad, prescribed_motion: int) -> list[Shown]:
     assert isinstance(load, Pantograph)
     count = len(load.parts.masses)
-    return [Shown(f"{name}.{part}", journey, np.eye(count)[i], 0.0) for i, part in enumerate(_MASSES[count])]
+    return [Shown(f"{name}.{part}", prescribed_motion, np.eye(count)[i], 0.0) for i, part in enumerate(_MASSES[count])]

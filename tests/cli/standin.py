@@ -15,19 +15,19 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "results"))
 import travelling_wave as wave
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.results import Account, Recorder
+from ropewalk.results import Recorder, RunInfo
 
 ADVICE = "try a smaller step"
 
 
 def simulate(scenario, *, file=None, overwrite=False, progress=None):
-    account = Account(method="rkn6", reason="undamped", step=1e-3, steps=181, wall_seconds=0.5)
+    run_info = RunInfo(method="rkn6", reason="undamped", step=1e-3, steps=181, wall_seconds=0.5)
     if scenario.title == "no equilibrium":
         raise EquilibriumError("the line is shorter than the distance of its ends")
     if scenario.title == "fault":
         raise ZeroDivisionError("float division by zero")
     plan = wave.layout()
-    recorder = Recorder(plan, scenario, account, file)
+    recorder = Recorder(plan, scenario, run_info, file)
     try:
         for count, frame in enumerate(wave.frames(plan, np.linspace(0.0, 1.8, 61))):
             if scenario.title == "no force":
@@ -36,7 +36,7 @@ def simulate(scenario, *, file=None, overwrite=False, progress=None):
             if progress is not None:
                 progress((count + 1) / 61)
             if scenario.title == "breakdown" and count == 20:
-                account.outcome, account.advice = "diverged", ADVICE
+                run_info.outcome, run_info.advice = "diverged", ADVICE
                 break
             if scenario.title == "impossible" and count == 20:
                 raise EquilibriumError("Newton found no rest shape")
@@ -44,7 +44,7 @@ def simulate(scenario, *, file=None, overwrite=False, progress=None):
                 print("step", count, file=sys.stderr, flush=True)
                 time.sleep(0.02 if count < 20 else 60.0)  # until it is interrupted, however busy the machine is
     except KeyboardInterrupt:
-        account.outcome = "interrupted"
+        run_info.outcome = "interrupted"
     return recorder.close()
 
 

@@ -17,8 +17,8 @@ pytest.importorskip("fmpy", reason="FMUs need FMPy")
 
 from foreign.fmus import StillLine, c_fmu, python_fmu
 from ropewalk.errors import RopewalkError
+from ropewalk.foreign.cosimulation_master import CosimulationMaster
 from ropewalk.foreign.fmu import FmuModel
-from ropewalk.foreign.turns import Turns
 from ropewalk.model.fmu import Fmu
 
 H = 0.01  # s, interval of all tests
@@ -132,11 +132,11 @@ def test_heights_count_from_zero_where_that_is_asked(folder: Path, models: list[
 def test_inputs_that_can_be_interpolated_rise_linearly_within_a_step(folder: Path, models: list[FmuModel]) -> None:
     line = StillLine(lambda t: t)
     contact = {"force": "seen", "height": "height"}
-    held = FmuModel("car", fmu(c_fmu(folder), contact), 1.0, 2)
+    restrained = FmuModel("car", fmu(c_fmu(folder), contact), 1.0, 2)
     ramp = FmuModel("car", fmu(c_fmu(folder, 2, 'canInterpolateInputs="true"'), contact), 1.0, 2)
-    models += [held, ramp]
+    models += [restrained, ramp]
     # `seen` is the mean of the height in the last step; exact up to rounding.
-    assert -ride(held, line, 3)[3][0].force[-1] == pytest.approx(3.0 * H, abs=1e-12)
+    assert -ride(restrained, line, 3)[3][0].force[-1] == pytest.approx(3.0 * H, abs=1e-12)
     assert -ride(ramp, line, 3)[3][0].force[-1] == pytest.approx(2.5 * H, abs=1e-12)
 
 
@@ -315,7 +315,9 @@ def test_states_are_freed(folder: Path, version: int, models: list[FmuModel]) ->
 def test_an_fmu_that_cannot_go_back_has_no_state(folder: Path) -> None:
     model = FmuModel("car", fmu(c_fmu(folder)), 1.0, 2)
     assert not callable(getattr(model, "get_state", None))
-    turns = Turns("car", model, H, model._load.exchange.model_copy(update={"scheme": "iterated"}), "leave", 1, 2, 0.1)
+    turns = CosimulationMaster(
+        "car", model, H, model._load.exchange.model_copy(update={"scheme": "iterated"}), "leave", 1, 2, 0.1
+    )
     with pytest.raises(RopewalkError, match="its model has no get_state"):
         turns.begin(StillLine())
 

@@ -103,17 +103,17 @@ def test_a_confined_process_writes_in_its_folder_only_and_knows_no_network(tmp_p
         )
     assert run.returncode == 0, run.stderr
     found = json.loads(run.stdout)
-    held = found["held"]
-    assert held == {"network": has_namespaces(), "files": has_landlock()}
+    restrained = found["held"]
+    assert restrained == {"network": has_namespaces(), "files": has_landlock()}
     assert {found[key] for key in ("write inside", "null", "read outside")} == {"done"}
-    if held["files"]:
+    if restrained["files"]:
         kept = ("write outside", "append outside", "make outside", "remove outside", "rename in")
         assert all(found[key] in ("PermissionError", "OSError") for key in kept), found
         assert outside.read_text() == "precious"
         assert (folder / "mine").read_text() == "x"
-    if held["network"]:
+    if restrained["network"]:
         assert found["connect"] != "done"
-    if not any(held.values()):
+    if not any(restrained.values()):
         pytest.skip("this system has neither Landlock nor namespaces for its users")
 
 

@@ -47,7 +47,7 @@ class Links(NamedTuple):
 class Touch(NamedTuple):
     """Contacts; one entry each."""
 
-    rider: Integers
+    moving_load: Integers
     wire: Integers
     row: Array  # (contact, coordinate)
     side: Array  # 1: below the wire, -1: above
@@ -102,7 +102,7 @@ class Nodes(NamedTuple):
     at: Integers  # (node, 2) where its unknowns stand in the rows
     lumps: Array  # (node,) kg
     lumped: Integers  # nodes with lumps
-    held: Integers  # places of what is held fast
+    restrained: Integers  # places of what is held fast
 
 
 class Strain(NamedTuple):
@@ -119,7 +119,7 @@ class Strain(NamedTuple):
     less: Array  # 1 / (1 + stiff times compliance)
 
 
-class Seat(NamedTuple):
+class Location(NamedTuple):
     """Contacts in motion."""
 
     on: NDArray[np.bool_]
@@ -210,65 +210,69 @@ def _ride(bodies, course, n, c):
 
 
 @lean_inner
-def _sit(nodes, touch, course, seat, n, reach):
+def _sit(nodes, touch, course, location, n, reach):
     """Find the elements under the contacts and what moves when they push."""
-    for k in range(seat.on.size):
+    for k in range(location.on.size):
         w, s = touch.wire[k], course.station[n, k]
         first = nodes.first[w : w + 2]
-        seat.on[k] = nodes.station[first[0]] <= s <= nodes.station[first[1] - 1]
-        if not seat.on[k]:
-            seat.force[k], seat.press[k], seat.nears[k] = 0.0, np.nan, 0
+        location.on[k] = nodes.station[first[0]] <= s <= nodes.station[first[1] - 1]
+        if not location.on[k]:
+            location.force[k], location.press[k], location.nears[k] = 0.0, np.nan, 0
             continue
         i = _where(first, nodes.station, s)
-        _shape(nodes.station, i, s, seat.shape[k])
-        seat.place[k], seat.lo[k], seat.hi[k] = i, max(first[0], i - reach), min(first[1] - 1, i + 1 + reach)
-        seat.sprung[k] = touch.zero[k] - course.rough[n, k]
+        _shape(nodes.station, i, s, location.shape[k])
+        location.place[k], location.lo[k], location.hi[k] = (
+            i,
+            max(first[0], i - reach),
+            min(first[1] - 1, i + 1 + reach),
+        )
+        location.sprung[k] = touch.zero[k] - course.rough[n, k]
         for b in range(4):
-            seat.sprung[k] -= seat.shape[k, b] * nodes.rest[i + b // 2, b % 2]
-            seat.shape[k, b] *= nodes.free[i + b // 2, b % 2]
+            location.sprung[k] -= location.shape[k, b] * nodes.rest[i + b // 2, b % 2]
+            location.shape[k, b] *= nodes.free[i + b // 2, b % 2]
         if touch.given[k]:
-            seat.force[k] = course.given[n, k]
+            location.force[k] = course.given[n, k]
         else:
-            column(nodes.W, nodes.D, i, seat.shape[k], seat.lo[k], seat.hi[k], seat.columns[k])
+            column(nodes.W, nodes.D, i, location.shape[k], location.lo[k], location.hi[k], location.columns[k])
 
 
 @lean_inner
-def _couple(links, touch, bodies, seat):
+def _couple(links, touch, bodies, location):
     """Compliances between contacts, and between contacts and links."""
-    for k in range(seat.on.size):
-        if not seat.on[k] or touch.given[k]:
+    for k in range(location.on.size):
+        if not location.on[k] or touch.given[k]:
             continue
-        for m in range(seat.on.size):
-            seat.mutual[k, m] = 0.0
-            if not seat.on[m] or touch.given[m]:
+        for m in range(location.on.size):
+            location.mutual[k, m] = 0.0
+            if not location.on[m] or touch.given[m]:
                 continue
             moved = 0.0
             if touch.wire[k] == touch.wire[m]:
                 for b in range(4):
-                    j = seat.place[m] + b // 2
-                    if seat.lo[k] <= j <= seat.hi[k]:
-                        moved += seat.shape[m, b] * seat.columns[k, j - seat.lo[k], b % 2]
-            if touch.rider[k] == touch.rider[m]:
+                    j = location.place[m] + b // 2
+                    if location.lo[k] <= j <= location.hi[k]:
+                        moved += location.shape[m, b] * location.columns[k, j - location.lo[k], b % 2]
+            if touch.moving_load[k] == touch.moving_load[m]:
                 moved += _yield(touch, bodies, k, m)
-            seat.mutual[k, m] = moved * touch.side[k] * touch.side[m]
-        seat.nears[k] = 0
+            location.mutual[k, m] = moved * touch.side[k] * touch.side[m]
+        location.nears[k] = 0
         for m in range(links.yields.size):
             a, b = links.node[m, 0], links.node[m, 1]
             moved = 0.0
-            if seat.lo[k] <= a <= seat.hi[k]:
-                moved += links.way[m, 0] * seat.columns[k, a - seat.lo[k], 0]
-            if seat.lo[k] <= b <= seat.hi[k]:
-                moved += links.way[m, 1] * seat.columns[k, b - seat.lo[k], 0]
-            seat.moves[k, m] = touch.side[k] * moved
+            if location.lo[k] <= a <= location.hi[k]:
+                moved += links.way[m, 0] * location.columns[k, a - location.lo[k], 0]
+            if location.lo[k] <= b <= location.hi[k]:
+                moved += links.way[m, 1] * location.columns[k, b - location.lo[k], 0]
+            location.moves[k, m] = touch.side[k] * moved
             if moved != 0.0:
-                seat.near[k, seat.nears[k]] = m
-                seat.nears[k] += 1
+                location.near[k, location.nears[k]] = m
+                location.nears[k] += 1
 
 
 @lean_inner
 def _yield(touch, bodies, k, m):
     """Rise of contact k of a rider under a force on its contact m."""
-    moved, r = 0.0, touch.rider[k]
+    moved, r = 0.0, touch.moving_load[k]
     for a in range(bodies.q.shape[1]):
         for b in range(bodies.q.shape[1]):
             moved += touch.row[k, a] * bodies.yields[r, a, b] * touch.row[m, b]
@@ -276,7 +280,7 @@ def _yield(touch, bodies, k, m):
 
 
 @lean_inner
-def _load(t, nodes, carried, links, touch, strain, seat, first):
+def _load(t, nodes, carried, links, touch, strain, location, first):
     """Complete the right side: the rule takes the forces before and after a step, here twice those before."""
     for j in nodes.lumped:
         t[nodes.at[j, 0] + R * LANES] += nodes.lumps[j] * t[nodes.at[j, 0] + H * LANES]
@@ -284,22 +288,22 @@ def _load(t, nodes, carried, links, touch, strain, seat, first):
         for j in range(nodes.at.shape[0]):
             for b in range(2):
                 t[nodes.at[j, b] + R * LANES] += carried[j, b]
-    for at in nodes.held:
+    for at in nodes.restrained:
         t[at + R * LANES] = 0.0
     for k in range(links.yields.size):
         for b in range(2):
             t[links.at[k, b] + R * LANES] -= 2.0 * links.way[k, b] * strain.force[k]
         strain.sent[k] = strain.force[k]
-    for k in range(seat.on.size):
-        if seat.ago[k] >= 0:
-            _put(t, nodes.at, seat.ago[k], seat.ago_shape[k], touch.side[k] * seat.told[k])
-        if seat.on[k]:
-            _put(t, nodes.at, seat.place[k], seat.shape[k], touch.side[k] * seat.force[k])
-        seat.told[k] = seat.force[k]
+    for k in range(location.on.size):
+        if location.ago[k] >= 0:
+            _put(t, nodes.at, location.ago[k], location.ago_shape[k], touch.side[k] * location.told[k])
+        if location.on[k]:
+            _put(t, nodes.at, location.place[k], location.shape[k], touch.side[k] * location.force[k])
+        location.told[k] = location.force[k]
 
 
 @lean_inner
-def _read(t, nodes, links, touch, bodies, strain, seat, c):
+def _read(t, nodes, links, touch, bodies, strain, location, c):
     """Elongations and pressings with the forces of the step before."""
     for k in range(links.yields.size):
         e, rate = strain.longer[k], strain.rate[k]
@@ -310,22 +314,22 @@ def _read(t, nodes, links, touch, bodies, strain, seat, c):
         for b in range(2):
             e += links.way[k, b] * t[links.at[k, b] + Y * LANES]
         strain.longer[k] = e
-    for k in range(seat.on.size):
-        if not seat.on[k] or touch.given[k]:
+    for k in range(location.on.size):
+        if not location.on[k] or touch.given[k]:
             continue
-        height = seat.sprung[k]
+        height = location.sprung[k]
         for b in range(4):
-            height -= seat.shape[k, b] * t[nodes.at[seat.place[k] + b // 2, b % 2] + Y * LANES]
+            height -= location.shape[k, b] * t[nodes.at[location.place[k] + b // 2, b % 2] + Y * LANES]
         for a in range(bodies.q.shape[1]):
-            height += touch.row[k, a] * bodies.fresh[touch.rider[k], a]
-        for m in range(seat.on.size):  # the solution knows what the forces do to the wires, not to the riders
-            if seat.on[m] and not touch.given[m] and touch.rider[m] == touch.rider[k]:
-                height -= _yield(touch, bodies, k, m) * touch.side[m] * seat.force[m]
-        seat.press[k] = touch.side[k] * height
+            height += touch.row[k, a] * bodies.fresh[touch.moving_load[k], a]
+        for m in range(location.on.size):  # the solution knows what the forces do to the wires, not to the riders
+            if location.on[m] and not touch.given[m] and touch.moving_load[m] == touch.moving_load[k]:
+                height -= _yield(touch, bodies, k, m) * touch.side[m] * location.force[m]
+        location.press[k] = touch.side[k] * height
 
 
 @lean_inner
-def _balance(links, touch, strain, seat, dt):
+def _balance(links, touch, strain, location, dt):
     """Find the forces of all links and contacts together by projected Gauss-Seidel; whether it has converged."""
     for _ in range(_MOST_SWEEPS):
         change, largest = 0.0, 1.0
@@ -341,23 +345,31 @@ def _balance(links, touch, strain, seat, dt):
                     change, largest = max(change, abs(d)), max(largest, abs(new))
                     for q in range(links.start[k], links.start[k + 1]):
                         strain.longer[links.near[q]] -= links.felt[q] * d
-                    for m in range(seat.on.size):
-                        if seat.nears[m] > 0:
-                            seat.press[m] += seat.moves[m, k] * d
-        for k in range(seat.on.size):
-            if not seat.on[k] or touch.given[k]:
+                    for m in range(location.on.size):
+                        if location.nears[m] > 0:
+                            location.press[m] += location.moves[m, k] * d
+        for k in range(location.on.size):
+            if not location.on[k] or touch.given[k]:
                 continue
-            yields = seat.mutual[k, k]
-            new = _press(touch, k, seat.press[k] + yields * seat.force[k], yields, seat.last[k], seat.earlier[k], dt)
-            d = new - seat.force[k]
-            seat.force[k] = new
+            yields = location.mutual[k, k]
+            new = _press(
+                touch,
+                k,
+                location.press[k] + yields * location.force[k],
+                yields,
+                location.last[k],
+                location.earlier[k],
+                dt,
+            )
+            d = new - location.force[k]
+            location.force[k] = new
             change, largest = max(change, abs(d)), max(largest, abs(new))
-            for m in range(seat.on.size):
-                if seat.on[m] and not touch.given[m]:
-                    seat.press[m] -= seat.mutual[k, m] * d
-            for q in range(seat.nears[k]):
-                m = seat.near[k, q]
-                strain.longer[m] += seat.moves[k, m] * d
+            for m in range(location.on.size):
+                if location.on[m] and not touch.given[m]:
+                    location.press[m] -= location.mutual[k, m] * d
+            for q in range(location.nears[k]):
+                m = location.near[k, q]
+                strain.longer[m] += location.moves[k, m] * d
         if change <= _CLOSE * largest:
             return True
         if not change < np.inf:
@@ -366,7 +378,7 @@ def _balance(links, touch, strain, seat, dt):
 
 
 @lean_inner
-def _settle(t, nodes, links, touch, bodies, strain, seat, c):
+def _settle(t, nodes, links, touch, bodies, strain, location, c):
     """Give the forces found to wires and riders."""
     for k in range(links.yields.size):
         d = strain.force[k] - strain.sent[k]
@@ -374,20 +386,26 @@ def _settle(t, nodes, links, touch, bodies, strain, seat, c):
             t[links.at[k, b] + R * LANES] -= links.way[k, b] * d
         strain.rate[k] = c * (strain.longer[k] - strain.before[k]) - strain.rate_before[k]
     size = bodies.q.shape[1]
-    for k in range(seat.on.size):
-        seat.earlier[k], seat.last[k] = seat.last[k], seat.press[k]
-        seat.ago[k] = -1
-        if seat.on[k]:
-            _put(t, nodes.at, seat.place[k], seat.shape[k], touch.side[k] * (seat.force[k] - seat.told[k]))
-            seat.ago[k] = seat.place[k]
+    for k in range(location.on.size):
+        location.earlier[k], location.last[k] = location.last[k], location.press[k]
+        location.ago[k] = -1
+        if location.on[k]:
+            _put(
+                t,
+                nodes.at,
+                location.place[k],
+                location.shape[k],
+                touch.side[k] * (location.force[k] - location.told[k]),
+            )
+            location.ago[k] = location.place[k]
             for b in range(4):
-                seat.ago_shape[k, b] = seat.shape[k, b]
+                location.ago_shape[k, b] = location.shape[k, b]
             if not touch.given[k]:
-                r, force = touch.rider[k], touch.side[k] * seat.force[k]
+                r, force = touch.moving_load[k], touch.side[k] * location.force[k]
                 for a in range(size):
                     for b in range(size):
                         bodies.fresh[r, a] -= bodies.yields[r, a, b] * touch.row[k, b] * force
-        seat.told[k] = seat.force[k]
+        location.told[k] = location.force[k]
     for r in range(bodies.q.shape[0]):
         for a in range(size):
             gone = c * (bodies.fresh[r, a] - bodies.q[r, a])
@@ -397,16 +415,16 @@ def _settle(t, nodes, links, touch, bodies, strain, seat, c):
 
 
 @lean_inner
-def _record(t, nodes, links, touch, bodies, course, strain, seat, watched, n, result):
+def _record(t, nodes, links, touch, bodies, course, strain, location, watched, n, result):
     for r in range(bodies.q.shape[0]):
         for a in range(bodies.q.shape[1]):
             result.q[n, r, a] = bodies.q[r, a]
-    for k in range(seat.on.size):
-        result.contact_force[n, k] = seat.force[k]
-        height = touch.zero[k] - course.rough[n, k] - seat.sprung[k] if seat.on[k] else np.nan
-        if seat.on[k]:
+    for k in range(location.on.size):
+        result.contact_force[n, k] = location.force[k]
+        height = touch.zero[k] - course.rough[n, k] - location.sprung[k] if location.on[k] else np.nan
+        if location.on[k]:
             for b in range(4):
-                height += seat.shape[k, b] * t[nodes.at[seat.place[k] + b // 2, b % 2] + U * LANES]
+                height += location.shape[k, b] * t[nodes.at[location.place[k] + b // 2, b % 2] + U * LANES]
         result.contact_height[n, k] = height
     for k in range(result.tie_force.shape[1]):
         result.tie_force[n, k] = links.force[k] + strain.force[k]
@@ -415,7 +433,7 @@ def _record(t, nodes, links, touch, bodies, course, strain, seat, watched, n, re
 
 
 @lean
-def march(t, reach, part, nodes, carried, links, touch, bodies, course, strain, seat, watched, dt, result):
+def march(t, reach, part, nodes, carried, links, touch, bodies, course, strain, location, watched, dt, result):
     """Take all steps of a run.
 
     Args:
@@ -441,23 +459,23 @@ def march(t, reach, part, nodes, carried, links, touch, bodies, course, strain, 
     for n in range(1, steps):
         weigh(t, reach, part)
         _ride(bodies, course, n, c)
-        _sit(nodes, touch, course, seat, n, reach)
-        _couple(links, touch, bodies, seat)
-        _load(t, nodes, carried, links, touch, strain, seat, n == 1)
+        _sit(nodes, touch, course, location, n, reach)
+        _couple(links, touch, bodies, location)
+        _load(t, nodes, carried, links, touch, strain, location, n == 1)
         predict(t, reach, part)
-        _read(t, nodes, links, touch, bodies, strain, seat, c)
-        if not _balance(links, touch, strain, seat, dt):
+        _read(t, nodes, links, touch, bodies, strain, location, c)
+        if not _balance(links, touch, strain, location, dt):
             return n
-        _settle(t, nodes, links, touch, bodies, strain, seat, c)
+        _settle(t, nodes, links, touch, bodies, strain, location, c)
         move(t, reach, part, c)
-        _record(t, nodes, links, touch, bodies, course, strain, seat, watched, n, result)
+        _record(t, nodes, links, touch, bodies, course, strain, location, watched, n, result)
     if steps > 1:
-        _carry_on(t, nodes, carried, links, touch, strain, seat)
+        _carry_on(t, nodes, carried, links, touch, strain, location)
     return steps
 
 
 @lean_inner
-def _carry_on(t, nodes, carried, links, touch, strain, seat):
+def _carry_on(t, nodes, carried, links, touch, strain, location):
     """What the end adds to the next right side."""
     for j in range(nodes.at.shape[0]):
         for b in range(2):
@@ -466,9 +484,9 @@ def _carry_on(t, nodes, carried, links, touch, strain, seat):
     for k in range(links.yields.size):
         for b in range(2):
             t[links.at[k, b] + R * LANES] -= links.way[k, b] * strain.force[k]
-    for k in range(seat.on.size):
-        if seat.ago[k] >= 0:
-            _put(t, nodes.at, seat.ago[k], seat.ago_shape[k], touch.side[k] * seat.force[k])
+    for k in range(location.on.size):
+        if location.ago[k] >= 0:
+            _put(t, nodes.at, location.ago[k], location.ago_shape[k], touch.side[k] * location.force[k])
     for j in range(nodes.at.shape[0]):
         for b in range(2):
             carried[j, b] = t[nodes.at[j, b] + R * LANES]

@@ -16,7 +16,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from ropewalk.errors import RopewalkError
-from ropewalk.wires.plan import Array, Rider, Spot
+from ropewalk.wires.plan import Array, Spot, TravellingLoad
 
 from . import kernel as compiled
 from . import sweeps
@@ -40,7 +40,7 @@ class State:
     """A state of motion."""
 
     wires: Array  # (3, node, 2) displacement from rest, velocity, and force of inertia (mass times acceleration)
-    riders: Array  # (3, rider, coordinate) height, velocity, acceleration
+    moving_loads: Array  # (3, rider, coordinate) height, velocity, acceleration
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Record:
 
 
 def run(
-    model: HermiteModel, riders: Sequence[Rider], drive: Drive, dt: float, start: State | None = None
+    model: HermiteModel, moving_loads: Sequence[TravellingLoad], drive: Drive, dt: float, start: State | None = None
 ) -> Record:  # fmt: skip
     """Move riders along wires, from rest with unstrained riders unless a state is given.
 
@@ -72,28 +72,28 @@ def run(
     Raises:
         RopewalkError: the motion does not stay finite, or its forces cannot be found.
     """
-    steps, size = drive.station.shape[0], max((rider.size for rider in riders), default=0)
+    steps, size = drive.station.shape[0], max((moving_load.size for moving_load in moving_loads), default=0)
     if start is None:
-        start = State(np.zeros((3, model.station.size, 2)), np.zeros((3, len(riders), size)))
+        start = State(np.zeros((3, model.station.size, 2)), np.zeros((3, len(moving_loads), size)))
     table, reach, part, nodes = _table(model, dt, start)
     carried = start.wires[2] + _carry(model, dt, start.wires[:2])
-    touch = _touch(model, riders, drive, size)
-    bodies = _bodies(riders, size, dt, start)
+    touch = _touch(model, moving_loads, drive, size)
+    bodies = _bodies(moving_loads, size, dt, start)
     result = compiled.Result(
-        np.zeros_like(drive.station), np.zeros_like(drive.station), np.zeros((steps, len(riders), size)),
+        np.zeros_like(drive.station), np.zeros_like(drive.station), np.zeros((steps, len(moving_loads), size)),
         np.zeros((steps, len(model.plan.ties))), np.zeros((steps, len(model.plan.watched))),
     )  # fmt: skip
     result.contact_force[0] = np.where(touch.given, drive.given[0], 0.0)
-    result.q[0], result.tie_force[0] = start.riders[0], model.rest.tie_force
+    result.q[0], result.tie_force[0] = start.moving_loads[0], model.rest.tie_force
     spots = np.array([model.node(spot) for spot in model.plan.watched.values()], dtype=np.int64)
-    push = drive.push.reshape(steps, len(riders), size)
+    push = drive.push.reshape(steps, len(moving_loads), size)
     course = compiled.Course(
         *(np.ascontiguousarray(x, dtype=np.float64) for x in (drive.station, drive.rough, drive.given, push))
     )
     links = _links(model, nodes, reach)
     taken = compiled.march(
         table, reach, part, nodes, carried, links, touch, bodies, course, _strain(links, dt),
-        _seat(touch.rider.size, links.yields.size, reach), nodes.at[spots, 0], dt, result,
+        _location(touch.moving_load.size, links.yields.size, reach), nodes.at[spots, 0], dt, result,
     )  # fmt: skip
     moved = np.stack([table[nodes.at + field * sweeps.LANES] for field in (sweeps.U, sweeps.V)])
     if taken < steps or not (np.isfinite(moved).all() and np.isfinite(bodies.q).all()):
@@ -138,15 +138,15 @@ def _times(diagonal: Array, coupling: Array, free: NDArray[np.bool_]) -> Callabl
 
 def _table(model: HermiteModel, dt: float, start: State) -> tuple[Array, int, int, compiled.Nodes]:
     """Rows of fields for the compiled steps, the reach of a force, the nodes of a lane, and the factors by node."""
-    n, held = model.station.size, ~model.free
+    n, restrained = model.station.size, ~model.free
     once, kept, again = _factors(model, dt)
     diagonal = once[:, None, None] * model.diagonal[1] + kept[:, None, None] * model.diagonal[0]
     coupling = once[:, None, None] * model.coupling[1] + kept[:, None, None] * model.coupling[0]
     for c in range(2):
-        diagonal[held[:, c], c, :] = diagonal[held[:, c], :, c] = 0.0
-        diagonal[held[:, c], c, c] = 1.0
-        coupling[held[:, c], c, :] = 0.0
-        coupling[1:][held[:-1, c], :, c] = 0.0
+        diagonal[restrained[:, c], c, :] = diagonal[restrained[:, c], :, c] = 0.0
+        diagonal[restrained[:, c], c, c] = 1.0
+        coupling[restrained[:, c], c, :] = 0.0
+        coupling[1:][restrained[:-1, c], :, c] = 0.0
     W, D = np.zeros((2, n, 2, 2))
     sweeps.factorise(diagonal, coupling, W, D)
     h = np.append(np.diff(model.station), 0.0)
@@ -177,7 +177,7 @@ def _table(model: HermiteModel, dt: float, start: State) -> tuple[Array, int, in
     rest = np.column_stack([model.rest.height, model.rest.slope])
     nodes = compiled.Nodes(
         model.first, model.station, model.free.astype(np.float64), rest, W, D, at, lumped, np.flatnonzero(lumped),
-        at[held],
+        at[restrained],
     )  # fmt: skip
     return table, reach, part, nodes
 
@@ -245,8 +245,8 @@ def _links(model: HermiteModel, nodes: compiled.Nodes, reach: int) -> compiled.L
     )  # fmt: skip
 
 
-def _touch(model: HermiteModel, riders: Sequence[Rider], drive: Drive, size: int) -> compiled.Touch:
-    pairs = [(r, contact) for r, rider in enumerate(riders) for contact in rider.contacts]
+def _touch(model: HermiteModel, moving_loads: Sequence[TravellingLoad], drive: Drive, size: int) -> compiled.Touch:
+    pairs = [(r, contact) for r, moving_load in enumerate(moving_loads) for contact in moving_load.contacts]
     rows, zero = np.zeros((len(pairs), size)), np.zeros(len(pairs))
     leading: dict[int, float] = {}
     for k, (r, contact) in enumerate(pairs):
@@ -265,13 +265,15 @@ def _touch(model: HermiteModel, riders: Sequence[Rider], drive: Drive, size: int
     )  # fmt: skip
 
 
-def _bodies(riders: Sequence[Rider], size: int, dt: float, start: State) -> compiled.Bodies:
-    mass, damping, yields = np.zeros((3, len(riders), size, size))
-    for r, rider in enumerate(riders):
-        own = slice(rider.size)
-        mass[r, own, own], damping[r, own, own] = rider.mass, rider.damping
-        yields[r, own, own] = np.linalg.inv(4.0 / dt**2 * rider.mass + 2.0 / dt * rider.damping + rider.stiffness)
-    q, speed, acceleration = (np.ascontiguousarray(x).copy() for x in start.riders)
+def _bodies(moving_loads: Sequence[TravellingLoad], size: int, dt: float, start: State) -> compiled.Bodies:
+    mass, damping, yields = np.zeros((3, len(moving_loads), size, size))
+    for r, moving_load in enumerate(moving_loads):
+        own = slice(moving_load.size)
+        mass[r, own, own], damping[r, own, own] = moving_load.mass, moving_load.damping
+        yields[r, own, own] = np.linalg.inv(
+            4.0 / dt**2 * moving_load.mass + 2.0 / dt * moving_load.damping + moving_load.stiffness
+        )
+    q, speed, acceleration = (np.ascontiguousarray(x).copy() for x in start.moving_loads)
     return compiled.Bodies(mass, damping, yields, q, speed, acceleration, np.zeros_like(q), np.zeros_like(q))
 
 
@@ -283,9 +285,9 @@ def _strain(links: compiled.Links, dt: float) -> compiled.Strain:
     )  # fmt: skip
 
 
-def _seat(contacts: int, links: int, reach: int) -> compiled.Seat:
+def _location(contacts: int, links: int, reach: int) -> compiled.Location:
     none, zero, place = np.full((2, contacts), np.nan), np.zeros((4, contacts)), np.zeros((3, contacts), dtype=np.int64)
-    return compiled.Seat(
+    return compiled.Location(
         np.zeros(contacts, dtype=np.bool_), place[0], place[1], place[2],
         np.zeros((contacts, 4)), np.zeros((contacts, 2 * reach + 4, 2)),
         zero[0], zero[1], none[0], none[1], zero[2], zero[3], np.full(contacts, -1), np.zeros((contacts, 4)),

@@ -14,7 +14,7 @@ import scipy.sparse.linalg
 from numpy.typing import NDArray
 
 from ropewalk.errors import EquilibriumError, RopewalkError
-from ropewalk.wires.plan import Array, Plan, Spot, Wire
+from ropewalk.wires.plan import Array, Spot, Wire, WirePlan
 
 _MOST_ITERATIONS = 100
 
@@ -34,7 +34,7 @@ class Rest:
 class HermiteModel:
     """A plan divided into elements; the nodes of all wires stand one after the other."""
 
-    plan: Plan
+    plan: WirePlan
     first: NDArray[np.int64]  # (wire + 1,) first node of each wire, and the number of nodes
     station: Array  # (node,) m
     diagonal: Array  # (stiffness or mass, node, 2, 2)
@@ -63,7 +63,7 @@ class HermiteModel:
         return int(first + np.argmin(np.abs(self.station[first:end] - spot.station)))
 
 
-def rest_of(plan: Plan, element: float) -> HermiteModel:
+def rest_of(plan: WirePlan, element: float) -> HermiteModel:
     """Divide wires into elements of about a given length and let them rest.
 
     Args:
@@ -159,13 +159,13 @@ def _nodes(wire: Wire, wanted: list[float], element: float) -> Array:
     marks = np.unique(np.clip([0.0, wire.length, *wanted], 0.0, wire.length))
     marks = marks[np.concatenate([[True], np.diff(marks) > 1e-9 * wire.length])]
     marks[-1] = wire.length
-    pieces = [
+    segments = [
         np.linspace(a, b, max(1, int(np.ceil((b - a) / element - 1e-9))), endpoint=False) for a, b in pairwise(marks)
     ]
-    return np.concatenate([*pieces, [wire.length]])
+    return np.concatenate([*segments, [wire.length]])
 
 
-def lumps(plan: Plan) -> list[tuple[Spot, float]]:
+def lumps(plan: WirePlan) -> list[tuple[Spot, float]]:
     ends = [(spot, 0.5 * tie.mass) for tie in plan.ties if tie.mass for spot in (tie.spot, tie.other)]
     return [(lump.spot, lump.mass) for lump in plan.masses] + [(s, m) for s, m in ends if isinstance(s, Spot)]
 

@@ -25,8 +25,8 @@ from ropewalk.mechanics.chain import (
     STAY,
     Loads,
 )
-from ropewalk.mechanics.rider import force_at, look_up_integral, speed_at
-from ropewalk.mechanics.wheels import wheels_of
+from ropewalk.mechanics.contact_points import wheels_of
+from ropewalk.mechanics.moving_contact import force_at, look_up_integral, speed_at
 from ropewalk.model import (
     Equilibrium,
     ForceTable,

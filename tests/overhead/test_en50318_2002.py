@@ -18,7 +18,7 @@ from scipy.signal import butter, sosfiltfilt
 
 import hermite
 from ropewalk.model.pantograph import Pantograph
-from ropewalk.overhead.riding import push_of, rider_of
+from ropewalk.overhead.pantograph_loads import moving_load_of, push_of
 from ropewalk.overhead.section import section_of
 from ropewalk.scenario import load
 from ropewalk.simulate import simulate
@@ -158,8 +158,8 @@ def by_hermite_elements(element: float, dt: float, settings: tuple[str, ...] = (
     speed = np.full(t.size, 250.0 / 3.6)
     station, none = (10.0 + speed * t)[:, np.newaxis], np.zeros((t.size, 1))
     push = push_of(declared, section.level)(t, speed)[:, np.newaxis]
-    rider, model = rider_of("pantograph", declared), hermite.rest_of(section.plan, element)
-    record = hermite.run(model, [rider], hermite.Drive(station, none, none, push), dt)
+    moving_load, model = moving_load_of("pantograph", declared), hermite.rest_of(section.plan, element)
+    record = hermite.run(model, [moving_load], hermite.Drive(station, none, none, push), dt)
     return evaluated(station[:, 0], record.contact_force[:, 0], record.watched, dt)
 
 
@@ -185,9 +185,13 @@ def test_hermite_elements_give_the_same_force(
 
 
 @pytest.mark.parametrize("held", [False, True])
-def test_a_line_that_nothing_touches_stays_where_it_is(held: bool) -> None:
+def test_a_line_that_nothing_touches_stays_where_it_is(restrained: bool) -> None:
     """Fifteen inner steps for axial waves in each step of droppers, which push once in each: not to be felt at rest."""
-    more = ["overhead_lines.line.messenger_supports={along: held}", "overhead_lines.line.ends=anchored"] if held else []
+    more = (
+        ["overhead_lines.line.messenger_supports={along: held}", "overhead_lines.line.ends=anchored"]
+        if restrained
+        else []
+    )
     scenario = load(EXAMPLES / "en50318-2002-250.yaml", ["run.geometry=nonlinear", "run.until=0.5 s", *more])
     still = simulate(scenario.model_copy(update={"loads": {}}))
     # Rounding of positions of 600 m, pulled on by 17 MN: 1e-11 J.

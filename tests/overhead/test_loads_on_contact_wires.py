@@ -12,7 +12,7 @@ import hermite
 from overhead_cases import EN_2002, formed
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
-from ropewalk.wires.plan import Contact, Rider
+from ropewalk.wires.plan import Contact, TravellingLoad
 
 G = 9.81
 LINE: dict[str, Any] = {**EN_2002, "spans": {"count": 3, "length": "60 m"}, "analysed_spans": [2, 2]}
@@ -43,13 +43,13 @@ def by_hermite_elements(element: float, dt: float) -> np.ndarray:
     t = np.arange(round(RUN["until"] / dt) + 1) * dt
     station, none = (TRAVEL["from"] + TRAVEL["speed"] * t)[:, np.newaxis], np.zeros((t.size, 1))
     contact = Contact(0, (1.0,), stiffness=K)
-    rider = Rider("load", np.array([[M]]), np.zeros((1, 1)), np.zeros((1, 1)), (contact,))
+    moving_load = TravellingLoad("load", np.array([[M]]), np.zeros((1, 1)), np.zeros((1, 1)), (contact,))
     model = hermite.rest_of(section.plan, element)
     # The spring bears the weight, and the wire below goes up and down as it is driven over.
     rise = float(np.diff(hermite.height(model, 0, [60.0, 60.0 + 1e-4]))[0] / 1e-4) * TRAVEL["speed"]
     start = hermite.State(np.zeros((3, model.station.size, 2)), np.array([[[-M * G / K]], [[rise]], [[0.0]]]))
     push = np.full((t.size, 1, 1), -M * G)
-    return hermite.run(model, [rider], hermite.Drive(station, none, none, push), dt, start).contact_force[:, 0]
+    return hermite.run(model, [moving_load], hermite.Drive(station, none, none, push), dt, start).contact_force[:, 0]
 
 
 def test_a_mass_bends_the_line_slowly_as_its_weight_does() -> None:

@@ -11,9 +11,9 @@ from overhead_cases import EN_2002, formed
 from ropewalk.errors import RopewalkError
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.pantographs import mean_force
-from ropewalk.overhead.riding import expected_lift, push_of, rider_of, start_of
+from ropewalk.overhead.pantograph_loads import expected_lift, moving_load_of, push_of, start_of
 from ropewalk.overhead.section import Section
-from ropewalk.wires.plan import Plan, Wire
+from ropewalk.wires.plan import Wire, WirePlan
 from ropewalk.wires.rest import rest_of
 
 TRAVEL = {"speed": "250 km/h", "from": "10 m"}
@@ -26,21 +26,21 @@ def pantograph(**keys: Any) -> Pantograph:
 
 def test_the_published_two_masses_are_those_written_out() -> None:
     for one in (pantograph(model="en50318-2002"), pantograph(**OWN, static_force=120)):
-        rider = rider_of("first", one)
-        np.testing.assert_array_equal(rider.mass, np.diag([15.0, 7.2]))
-        np.testing.assert_array_equal(rider.stiffness, [[4250.0, -4200.0], [-4200.0, 4200.0]])
-        np.testing.assert_array_equal(rider.damping, [[100.0, -10.0], [-10.0, 10.0]])
-        (contact,) = rider.contacts
+        moving_load = moving_load_of("first", one)
+        np.testing.assert_array_equal(moving_load.mass, np.diag([15.0, 7.2]))
+        np.testing.assert_array_equal(moving_load.stiffness, [[4250.0, -4200.0], [-4200.0, 4200.0]])
+        np.testing.assert_array_equal(moving_load.damping, [[100.0, -10.0], [-10.0, 10.0]])
+        (contact,) = moving_load.contacts
         assert contact.row == (0.0, 1.0)
         assert (contact.stiffness, contact.below, contact.lifts_off) == (50e3, True, True)
         assert push_of(one, 0.0)(1.0, 70.0).tolist() == [120.0, 0.0]
 
 
 def test_three_masses_stand_on_each_other() -> None:
-    rider = rider_of("first", pantograph(model="simple-ac"))
+    moving_load = moving_load_of("first", pantograph(model="simple-ac"))
     expected = [[15660.0, -15500.0, 0.0], [-15500.0, 22500.0, -7000.0], [0.0, -7000.0, 7000.0]]
-    np.testing.assert_array_equal(rider.stiffness, expected)
-    assert rider.contacts[0].row == (0.0, 0.0, 1.0)
+    np.testing.assert_array_equal(moving_load.stiffness, expected)
+    assert moving_load.contacts[0].row == (0.0, 0.0, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -70,9 +70,9 @@ def test_all_forces_grow_along_the_ramp() -> None:
 @pytest.mark.parametrize("model", ["en50318-2002", "simple-ac"])
 def test_a_wanted_mean_force_presses_a_wire_that_stands_at_the_expected_height(model: str) -> None:
     one, level, lift = pantograph(model=model, mean_force="150 N"), 5.08, 0.04
-    rider, force = rider_of("first", one), push_of(one, level, lift)(10.0, 70.0)
+    moving_load, force = moving_load_of("first", one), push_of(one, level, lift)(10.0, 70.0)
     # K q = push - F at the head, F = k (q_head - height): the contact's spring added to the head.
-    K, head = rider.stiffness.copy(), np.zeros(rider.size)
+    K, head = moving_load.stiffness.copy(), np.zeros(moving_load.size)
     head[-1] = one.contact_stiffness
     K[-1, -1] += one.contact_stiffness
     q = np.linalg.solve(K, force + head * (level + lift))
@@ -86,7 +86,7 @@ def test_it_starts_where_it_just_touches_and_nothing_moves_it() -> None:
     q = start_of(one, mesh, rest)
     # 10 m is beside the dropper at 10.5 m, where the parabola is 11.8 mm low; the wire sags little in between.
     assert q[0] == pytest.approx(5.08 - 0.03 * (1.0 - (19.5 / 25.0) ** 2), abs=1.5e-3)
-    out = push_of(one, section.level)(0.0, 70.0) - rider_of("first", one).stiffness @ q
+    out = push_of(one, section.level)(0.0, 70.0) - moving_load_of("first", one).stiffness @ q
     # All that is left is the spring of the base, 50 N/m, which is without force at the height of the supports.
     np.testing.assert_allclose(out, [50.0 * (5.08 - q[0]), 0.0], atol=1e-9)
     assert start_of(one, mesh, rest, rough=0.01)[0] == pytest.approx(q[0] + 0.01)
@@ -101,7 +101,7 @@ def test_a_pantograph_cannot_start_off_the_line() -> None:
 
 
 def test_the_expected_lift_of_a_string_is_that_by_hand() -> None:
-    plan = Plan((Wire("low", (0, 0, 5), (60, 0, 5), 20e3, 1.35),), gravity=0.0)
+    plan = WirePlan((Wire("low", (0, 0, 5), (60, 0, 5), 20e3, 1.35),), gravity=0.0)
     section = Section("one", plan, 0.25, np.array([0.0, 60.0]), (0.0, 60.0))
     # Mean of x (L - x) / (T L) is L / (6 T); nine points in place of all miss 1 / (2 9^2) of it.
     assert expected_lift(section, 100.0) == pytest.approx(100.0 * 60.0 / (6.0 * 20e3), rel=0.01)

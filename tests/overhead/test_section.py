@@ -8,7 +8,7 @@ import pytest
 from overhead_cases import EN_2002, SIMPLE_AC, formed, rested
 from ropewalk.overhead.section import Section, elasticity, joined
 from ropewalk.wires.mesh import mesh_of
-from ropewalk.wires.plan import Plan, Spot, Tie, Wire
+from ropewalk.wires.plan import Spot, Wire, WirePlan, WireTie
 from ropewalk.wires.rest import rest_of
 
 
@@ -57,10 +57,10 @@ def test_where_the_wires_are_aside() -> None:
     np.testing.assert_allclose(straight.aside(np.array([0.0, 55.0]), wire=1), 0.0)
 
 
-def single(ties: tuple[Tie, ...] = (), wires: int = 1) -> Section:
+def single(ties: tuple[WireTie, ...] = (), wires: int = 1) -> Section:
     """Weightless wires of one span of 60 m."""
     both = (Wire("low", (0, 0, 0), (60, 0, 0), 20e3, 1.35), Wire("high", (0, 0, 1), (60, 0, 1), 16e3, 1.07))
-    plan = Plan(both[:wires], ties, gravity=0.0)
+    plan = WirePlan(both[:wires], ties, gravity=0.0)
     return Section("one", plan, 0.25, np.array([0.0, 60.0]), (0.0, 60.0))
 
 
@@ -71,7 +71,7 @@ def test_a_string_rises_as_by_hand() -> None:
 
 
 def test_two_strings_tied_at_one_point_bear_together_as_long_as_the_tie_is_tight() -> None:
-    tie = Tie("tie", Spot(0, 20.0), Spot(1, 20.0), 1e9, 1.0 - 1e-3)  # 1 mm too short
+    tie = WireTie("tie", Spot(0, 20.0), Spot(1, 20.0), 1e9, 1.0 - 1e-3)  # 1 mm too short
     x = np.array([20.0])
     z = elasticity(single((tie,), 2), 0.1, stations=x)[1][0]
     # Beside the spline the wire yields to the push alone, not to the tie at the same point: 0.3 % at this mesh.

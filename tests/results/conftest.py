@@ -15,9 +15,9 @@ import travelling_wave as wave
 from ropewalk.results import Recorder
 
 
-def record(plan=None, *, file=None, times=None, account=None) -> xr.Dataset:
+def record(plan=None, *, file=None, times=None, run_info=None) -> xr.Dataset:
     plan = plan or wave.layout()
-    with Recorder(plan, wave.scenario(), account or wave.account(), file) as recorder:
+    with Recorder(plan, wave.scenario(), run_info or wave.run_info(), file) as recorder:
         for frame in wave.frames(plan, times):
             recorder.append(frame)
     return recorder.close()

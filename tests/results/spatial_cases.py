@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 import travelling_wave as wave
 
-from ropewalk.results import Account, Frame, Layout, Recorder
+from ropewalk.results import Frame, Layout, Recorder, RunInfo
 from ropewalk.results.frame import ENERGY_FORMS
 
 TIMES = np.linspace(0.0, 2.0, 21)
@@ -50,7 +50,7 @@ def energy(time: float) -> np.ndarray:
 
 
 def record(plan: Layout, frames: Iterable[Frame], title: str, file=None):
-    with Recorder(plan, wave.scenario(title), Account(method="verlet", reason="made up"), file) as recorder:
+    with Recorder(plan, wave.scenario(title), RunInfo(method="verlet", reason="made up"), file) as recorder:
         for entry in frames:
             recorder.append(entry)
     return recorder.close()

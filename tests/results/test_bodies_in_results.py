@@ -19,7 +19,7 @@ def crane(loads=("crab",), path="time"):
     """A crab with its payload 1 m below; it is in the air for a while, loses power, and stops after 0.6 s."""
     plan = replace(wave.layout(links=8, loads=loads, path=path), body=(f"{loads[0].partition('.')[0]}.payload",))
     count = len(loads)
-    with Recorder(plan, wave.scenario(), wave.account()) as recorder:
+    with Recorder(plan, wave.scenario(), wave.run_info()) as recorder:
         for time, frame in zip(TIMES, wave.frames(plan, TIMES), strict=True):
             stopped, flown = time > 0.65, min(max(time - 0.2, 0.0), 0.1)
             recorder.append(

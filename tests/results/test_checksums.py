@@ -9,7 +9,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 import pytest
-from travelling_wave import account, frames, layout, scenario
+from travelling_wave import frames, layout, run_info, scenario
 
 from ropewalk.results import ResultError, open_result
 from ropewalk.results.checksums import CHECKED, FRAMES, HEAD, NONE, CutShortError, check_whole, head_of
@@ -24,7 +24,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from ropewalk.results import Recorder
 
     path, plan = tmp_path_factory.mktemp("whole") / "out.nc", layout(links=40)
-    with Recorder(plan, scenario(), account(), path) as recorder:
+    with Recorder(plan, scenario(), run_info(), path) as recorder:
         for frame in list(frames(plan))[:30]:
             recorder.append(frame)
     return path

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from ropewalk.model import Scenario
-from ropewalk.results import Account, Frame, Layout, Recorder, figure, film, html_report, summary, text
+from ropewalk.results import Frame, Layout, Recorder, RunInfo, figure, film, html_report, summary, text
 from ropewalk.results.acceptance import acceptance_of, against_en50318_2002, against_simple_ac
 from ropewalk.results.contact_film import ContactStage
 from ropewalk.results.contact_statistics import (
@@ -56,7 +56,7 @@ def ride(force=known, *, ends=None, **changes):
         {"title": "Known", "overhead_lines": {"line": LINE}, "loads": {"ride": RIDE | changes}, "run": RUN}
     )
     nothing, unknown = np.zeros(1), np.full((1, 2), np.nan)
-    with Recorder(layout, scenario, Account(outcome="completed", steps=1), None) as recorder:
+    with Recorder(layout, scenario, RunInfo(outcome="completed", steps=1), None) as recorder:
         for i, end in enumerate(ends):
             time = end + np.array(layout.sample)
             there = (time > ends[i - 1] - 0.5 * DT) if i else np.zeros(rows, dtype=bool)

@@ -134,7 +134,7 @@ def crab():
     tree["loads"] = {
         "walker": {"kind": "trolley", "on": "rope", "mass": 1.0, "payload": payload, "travel": {"speed": 1.0}}
     }
-    with Recorder(plan, Scenario.model_validate(tree), wave.account()) as recorder:
+    with Recorder(plan, Scenario.model_validate(tree), wave.run_info()) as recorder:
         for time, frame in zip(times, wave.frames(plan, times), strict=True):
             aside, rate = 0.2 * np.sin(3.0 * time), 0.6 * np.cos(3.0 * time)
             swung = frame.contact_position[:1] + np.array([[aside, -np.sqrt(1.0 - aside**2)]])
@@ -155,7 +155,7 @@ def test_payloads_sway_and_pull_at_their_ropes():
 
 
 def test_ropes_of_payloads_are_as_stiff_here_as_in_the_motion():
-    from ropewalk.mechanics.fleet import STRETCH as moving
+    from ropewalk.mechanics.multibody_system import STRETCH as moving
     from ropewalk.results.payload_statistics import STRETCH
 
     assert moving == STRETCH

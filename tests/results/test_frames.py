@@ -11,7 +11,7 @@ import travelling_wave as wave
 import ropewalk
 from resume_cases import case
 from ropewalk.results import Recorder, frames, recorder
-from ropewalk.results.frame import ENERGY_FORMS, Account
+from ropewalk.results.frame import ENERGY_FORMS, RunInfo
 from ropewalk.results.frames import Frames, Waiting
 from ropewalk.results.running import Ending, TimeHistory
 
@@ -64,11 +64,11 @@ class Engine:
 
 def test_the_first_frame_waits_for_none_and_a_motion_that_breaks_down_ends_with_its_last_one(monkeypatch):
     monkeypatch.setattr(frames, "WAIT", 1e9)
-    engine, account = Engine(), Account()
-    blocks = list(TimeHistory(engine, account).blocks())
+    engine, run_info = Engine(), RunInfo()
+    blocks = list(TimeHistory(engine, run_info).blocks())
     assert [len(block) for block in blocks] == [1, 5]
     assert [*blocks[0].path, *blocks[1].path] == engine.times[:6].tolist()
-    assert account.outcome == "diverged"
+    assert run_info.outcome == "diverged"
 
 
 def test_frames_that_wait_are_given_before_an_interrupt(monkeypatch):
@@ -76,7 +76,7 @@ def test_frames_that_wait_are_given_before_an_interrupt(monkeypatch):
     engine, found = Engine(ends=4), list[float]()
 
     def take():
-        for block in TimeHistory(engine, Account()).blocks():
+        for block in TimeHistory(engine, RunInfo()).blocks():
             found.extend(block.path)
 
     with pytest.raises(KeyboardInterrupt):
@@ -102,7 +102,7 @@ def test_what_is_recorded_at_once_is_what_is_recorded_one_by_one(tmp_path, monke
         energy[missing] = 1e3 * i + (5e4 if i > 50 else 0.0)
         kept[i] = dataclasses.replace(frame, energy=energy)
     for name, size in (("one", 1), ("some", 40), ("all", len(kept))):
-        with Recorder(layout, wave.scenario(), wave.account(), tmp_path / f"{name}.nc") as record:
+        with Recorder(layout, wave.scenario(), wave.run_info(), tmp_path / f"{name}.nc") as record:
             for i in range(0, len(kept), size):
                 record.extend(Frames.together(kept[i : i + size]))
             found.append(record.close())

@@ -8,7 +8,16 @@ import spatial_cases as cases
 import travelling_wave as wave
 
 from ropewalk.results import figure, links, open_result, summary
-from ropewalk.results.nets import Mesh, edges, in_space, is_spatial, line_ends, most_deflected, net_names, triangles
+from ropewalk.results.nets import (
+    NetTriangles,
+    edges,
+    in_space,
+    is_spatial,
+    line_ends,
+    most_deflected,
+    net_names,
+    triangles,
+)
 from ropewalk.results.statistics import lines
 
 
@@ -93,7 +102,7 @@ def test_the_most_deflected_instant_is_that_of_the_deepest_net():
 def test_a_coarser_mesh_covers_the_same_net_without_gaps():
     cells, points = np.array(cases.grid(41)), cases.net(side=41, times=[0.0])["position"].values[0]
     points[:, 2] = 0.0
-    mesh = Mesh(cells, points, 400)
+    mesh = NetTriangles(cells, points, 400)
     assert 200 < len(mesh.cells) < 800
     # The corners of boxes at the edge lie on it, and the corners of the net stay: no area is lost.
     assert area(points, mesh.cells) == pytest.approx(36.0, rel=1e-9)
@@ -103,7 +112,7 @@ def test_a_coarser_mesh_covers_the_same_net_without_gaps():
 
 def test_a_coarser_mesh_keeps_means_of_values():
     cells, points = np.array(cases.grid(41)), cases.net(side=41, times=[0.0])["position"].values[0]
-    mesh = Mesh(cells, points, 400)
+    mesh = NetTriangles(cells, points, 400)
     np.testing.assert_allclose(mesh.values(np.full(len(cells), 7.0)), 7.0)
     across = points[cells, 0].mean(axis=1)
     apart = np.abs(mesh.values(across) - points[mesh.cells, 0].mean(axis=1))
@@ -113,5 +122,5 @@ def test_a_coarser_mesh_keeps_means_of_values():
     assert np.nanmin(mesh.values(unknown)) >= 3.0
     across[7] = np.nan
     assert np.isfinite(mesh.values(across)).all()  # the others of its box are known
-    whole = Mesh(cells, points, len(cells))
+    whole = NetTriangles(cells, points, len(cells))
     assert whole.values(across) is across

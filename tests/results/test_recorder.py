@@ -81,7 +81,7 @@ def test_a_record_that_never_begins_leaves_the_earlier_one(make, tmp_path):
     file = tmp_path / "out.nc"
     make(file=file)
     before = file.read_bytes()
-    with pytest.raises(RuntimeError), Recorder(wave.layout(), wave.scenario(), wave.account(), file):
+    with pytest.raises(RuntimeError), Recorder(wave.layout(), wave.scenario(), wave.run_info(), file):
         raise RuntimeError("no first frame")
     assert file.read_bytes() == before
 
@@ -105,11 +105,11 @@ def test_a_quasistatic_result_leads_with_the_load_path(make):
     ids=["plane", "no loads", "two loads", "spatial quasistatic", "one link"],
 )
 def test_a_file_gives_the_same_as_memory(plan, make, tmp_path):
-    account = wave.account()
-    account.warnings += ["compression in 3 links", "more\nlines"]
-    account.steps, account.wall_seconds = 3, 0.25
-    memory = make(plan, account=account)
-    file = make(plan, file=tmp_path / "out.nc", account=account)
+    run_info = wave.run_info()
+    run_info.warnings += ["compression in 3 links", "more\nlines"]
+    run_info.steps, run_info.wall_seconds = 3, 0.25
+    memory = make(plan, run_info=run_info)
+    file = make(plan, file=tmp_path / "out.nc", run_info=run_info)
     again = open_result(tmp_path / "out.nc")
     lazy = open_result(tmp_path / "out.nc", lazy=True)
     for other in (file, again, lazy):
@@ -168,13 +168,13 @@ def test_a_callable_in_the_scenario_is_recorded_by_its_name():
     scenario = wave.scenario()
     load = scenario.loads["walker"].model_copy(update={"force": pulse})
     scenario = scenario.model_copy(update={"loads": {"walker": load}})
-    told = Recorder(wave.layout(), scenario, wave.account()).close().attrs
+    told = Recorder(wave.layout(), scenario, wave.run_info()).close().attrs
     assert json.loads(told["scenario"])["loads"]["walker"]["force"].endswith("pulse>")
 
 
 def test_a_frame_may_be_used_again_after_it_was_recorded():
     frame = next(wave.frames(wave.layout()))
-    recorder = Recorder(wave.layout(), wave.scenario(), wave.account())
+    recorder = Recorder(wave.layout(), wave.scenario(), wave.run_info())
     recorder.append(frame)
     before = frame.position.copy()
     frame.position[:] = -1.0
@@ -184,7 +184,7 @@ def test_a_frame_may_be_used_again_after_it_was_recorded():
 
 def test_a_frame_of_another_shape_is_refused():
     frame = next(wave.frames(wave.layout()))
-    recorder = Recorder(wave.layout(), wave.scenario(), wave.account())
+    recorder = Recorder(wave.layout(), wave.scenario(), wave.run_info())
     with pytest.raises(ValueError, match=r"tension has shape \(1,\), the layout says \(40,\)"):
         recorder.append(dataclasses.replace(frame, tension=np.zeros(1)))
 
@@ -195,8 +195,8 @@ def test_a_frame_of_another_shape_is_refused():
 )
 def test_an_exception_leaves_what_was_recorded_with_its_outcome(file, problem, outcome, tmp_path):
     file = file and tmp_path / file
-    account = wave.account()
-    recorder = Recorder(wave.layout(), wave.scenario(), account, file)
+    run_info = wave.run_info()
+    recorder = Recorder(wave.layout(), wave.scenario(), run_info, file)
 
     def simulate():
         with recorder:
@@ -215,21 +215,21 @@ def test_an_exception_leaves_what_was_recorded_with_its_outcome(file, problem, o
 
 @pytest.mark.parametrize(("words", "moves"), [(1000, False), (30_000, True)])
 def test_attributes_that_grow_move_the_data_only_beyond_the_reserve(words, moves, make, tmp_path):
-    account = wave.account()
+    run_info = wave.run_info()
     file = tmp_path / "out.nc"
-    with Recorder(wave.layout(), wave.scenario(), account, file) as recorder:
+    with Recorder(wave.layout(), wave.scenario(), run_info, file) as recorder:
         for frame in wave.frames(wave.layout()):
             recorder.append(frame)
-        recorder._store._flush(account, ())
+        recorder._store._flush(run_info, ())
         size = file.stat().st_size
-        account.advice = "try " * words
+        run_info.advice = "try " * words
     assert (file.stat().st_size > size) == moves
-    xr.testing.assert_identical(open_result(file), make(account=account))
+    xr.testing.assert_identical(open_result(file), make(run_info=run_info))
 
 
 def test_a_long_scenario_fits(tmp_path):
     scenario = wave.scenario(title="ä" * 100_000)
-    with Recorder(wave.layout(), scenario, wave.account(), tmp_path / "out.nc") as recorder:
+    with Recorder(wave.layout(), scenario, wave.run_info(), tmp_path / "out.nc") as recorder:
         recorder.append(next(wave.frames(wave.layout())))
     result = open_result(tmp_path / "out.nc")
     assert result.attrs["title"] == scenario.title
@@ -243,23 +243,23 @@ def test_frames_wait_for_no_more_than_a_megabyte():
 
 
 def test_many_counts_of_steps_survive(make, tmp_path):
-    account = wave.account()
-    account.steps = 3_000_000_000
-    assert make(file=tmp_path / "out.nc", account=account).attrs["steps"] == 3_000_000_000
+    run_info = wave.run_info()
+    run_info.steps = 3_000_000_000
+    assert make(file=tmp_path / "out.nc", run_info=run_info).attrs["steps"] == 3_000_000_000
 
 
 def test_a_missing_folder_is_refused_before_anything_is_computed(tmp_path):
     with pytest.raises(ResultError, match=r"the folder .* does not exist"):
-        Recorder(wave.layout(), wave.scenario(), wave.account(), tmp_path / "no" / "out.nc")
+        Recorder(wave.layout(), wave.scenario(), wave.run_info(), tmp_path / "no" / "out.nc")
 
 
 def test_an_existing_result_is_replaced_but_another_file_is_left_alone(make, tmp_path):
     make(file=tmp_path / "out.nc")
-    held = open_result(tmp_path / "out.nc", lazy=True)
+    restrained = open_result(tmp_path / "out.nc", lazy=True)
     make(wave.layout(links=7), file=tmp_path / "out.nc")
     assert open_result(tmp_path / "out.nc").sizes["link"] == 7
-    assert held["tension"].values.shape == (181, 40)  # a reader keeps the earlier result
-    held.close()
+    assert restrained["tension"].values.shape == (181, 40)  # a reader keeps the earlier result
+    restrained.close()
     precious = tmp_path / "scenario.yaml"
     precious.write_text("title: precious\n")
     with pytest.raises(ResultError, match="exists and is no result"):

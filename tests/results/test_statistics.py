@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import travelling_wave as wave
 
-from ropewalk.results import Account, Frame, Layout, Recorder, statistics, summary, text
+from ropewalk.results import Frame, Layout, Recorder, RunInfo, statistics, summary, text
 from ropewalk.results.display_units import number
 from ropewalk.results.frame import ENERGY_FORMS
 
@@ -77,8 +77,8 @@ FRAMES = [
 ]
 
 
-def dataset(frames=FRAMES, **account):
-    recorder = Recorder(LAYOUT, wave.scenario(), Account(outcome="completed", **account))
+def dataset(frames=FRAMES, **run_info):
+    recorder = Recorder(LAYOUT, wave.scenario(), RunInfo(outcome="completed", **run_info))
     for entry in frames:
         recorder.append(entry)
     return recorder.close()
@@ -86,8 +86,8 @@ def dataset(frames=FRAMES, **account):
 
 @pytest.fixture(scope="module")
 def found():
-    account = {"method": "rkn6", "reason": "undamped", "step": 1e-3, "steps": 1000, "wall_seconds": 0.25}
-    return summary(dataset(**account, warnings=["compression"]))
+    run_info = {"method": "rkn6", "reason": "undamped", "step": 1e-3, "steps": 1000, "wall_seconds": 0.25}
+    return summary(dataset(**run_info, warnings=["compression"]))
 
 
 def test_the_largest_tension_is_given_with_line_place_and_instant(found):
@@ -157,14 +157,14 @@ def test_a_large_result_is_read_in_pieces_with_the_same_answer(result, monkeypat
 
 
 def test_a_quasistatic_result_has_no_pace_and_places_on_the_load_path(make):
-    found = summary(make(wave.layout(path="load_path"), account=Account(wall_seconds=0.5)))
+    found = summary(make(wave.layout(path="load_path"), run_info=RunInfo(wall_seconds=0.5)))
     assert found["method"]["real_time_factor"] is None
     assert "load_path" in found["largest_tension"]
     assert "load path = " in text(found)
 
 
 def test_computing_is_told_from_compiling(make):
-    found = summary(make(account=Account(wall_seconds=2.5, compile_seconds=2.0)))
+    found = summary(make(run_info=RunInfo(wall_seconds=2.5, compile_seconds=2.0)))
     rows = [line.split() for line in text(found).splitlines()]
     assert found["method"]["compiling"] == {"value": 2.0, "unit": "s"}
     assert found["method"]["real_time_factor"] == pytest.approx(3.6)  # of a motion of 1.8 s

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from travelling_wave import account, frames, layout, scenario
+from travelling_wave import frames, layout, run_info, scenario
 
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model import Scenario
@@ -38,7 +38,7 @@ def still(title: str = "", name: str = "rope", start: str | None = None) -> Scen
 
 def recorded(file: Path, count: int = 3, title: str = "one") -> None:
     plan = layout(links=8)
-    with Recorder(plan, scenario(title), account(), file) as recorder:
+    with Recorder(plan, scenario(title), run_info(), file) as recorder:
         for frame in list(frames(plan))[:count]:
             recorder.append(frame)
 
@@ -47,7 +47,7 @@ def test_an_earlier_result_is_there_until_the_first_frame_of_the_next(tmp_path: 
     file, plan = tmp_path / "out.nc", layout(links=8)
     recorded(file)
     before = file.read_bytes()
-    with Recorder(plan, scenario(), account(), file) as recorder:
+    with Recorder(plan, scenario(), run_info(), file) as recorder:
         assert file.read_bytes() == before
         for frame in list(frames(plan))[:5]:
             recorder.append(frame)
@@ -66,7 +66,10 @@ def test_a_run_that_cannot_create_its_file_leaves_the_earlier(tmp_path: Path, mo
         raise OSError("no space left on device")
 
     monkeypatch.setattr("ropewalk.results.recorder._create", full)
-    with pytest.raises(ResultError, match="cannot be created"), Recorder(plan, scenario(), account(), file) as recorder:
+    with (
+        pytest.raises(ResultError, match="cannot be created"),
+        Recorder(plan, scenario(), run_info(), file) as recorder,
+    ):
         recorder.append(next(iter(frames(plan))))
     assert file.read_bytes() == before
     assert [path.name for path in tmp_path.iterdir()] == ["out.nc"]

@@ -15,7 +15,7 @@ from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model import Scenario
 from ropewalk.results import Recorder, summary, text
 from ropewalk.results.audit import turnover
-from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Account, Doubt, Frame, Layout
+from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.peaks import impulses, lonely
 from ropewalk.results.statistics import Summary
 from ropewalk.simulate import simulate
@@ -27,19 +27,19 @@ Change = Callable[[int, Frame], Frame]
 
 def watched(
     change: Change = lambda i, frame: frame, plan: Layout | None = None, scenario: Scenario | None = None
-) -> Account:
+) -> RunInfo:
     """The account of a recorded wave whose frames have been changed."""
-    plan, account = plan or wave.layout(), wave.account()
-    with Recorder(plan, scenario or wave.scenario(), account) as recorder:
+    plan, run_info = plan or wave.layout(), wave.run_info()
+    with Recorder(plan, scenario or wave.scenario(), run_info) as recorder:
         for i, frame in enumerate(wave.frames(plan, TIMES)):
             recorder.append(change(i, frame))
-    return account
+    return run_info
 
 
-def doubt(account: Account) -> Doubt:
+def doubt(run_info: RunInfo) -> Doubt:
     """The only doubt of a doubtful run."""
-    assert account.outcome == "doubtful"
-    (found,) = account.doubts
+    assert run_info.outcome == "doubtful"
+    (found,) = run_info.doubts
     assert found.what
     assert found.cause
     assert found.remedy
@@ -59,8 +59,8 @@ def missing(share: float, at: int = 100) -> Change:
 
 
 def test_a_run_without_fault_is_completed() -> None:
-    account = watched()
-    assert (account.outcome, account.doubts) == ("completed", [])
+    run_info = watched()
+    assert (run_info.outcome, run_info.doubts) == ("completed", [])
 
 
 def test_more_than_a_twentieth_of_the_energy_may_not_be_missing() -> None:
@@ -111,11 +111,11 @@ def test_an_audit_without_numbers_is_doubtful_unless_it_is_said_why() -> None:
         return missing(np.nan)(i, frame)
 
     assert "no energy audit" in doubt(watched(change)).what
-    account = Account(audit="the theory keeps no energies")
-    with Recorder(wave.layout(), wave.scenario(), account) as recorder:
+    run_info = RunInfo(audit="the theory keeps no energies")
+    with Recorder(wave.layout(), wave.scenario(), run_info) as recorder:
         for i, frame in enumerate(wave.frames(wave.layout(), TIMES)):
             recorder.append(change(i, frame))
-    assert account.outcome == "completed"
+    assert run_info.outcome == "completed"
     found = summary(recorder.close())
     assert found["energy"]["audit"] == "the theory keeps no energies"
     assert "the theory keeps no energies" in text(found)
@@ -146,10 +146,10 @@ def test_a_load_presses_more_than_rounding_does(force: float, outcome: str) -> N
     def change(i: int, frame: Frame) -> Frame:
         return replace(frame, contact_force=np.array([[0.0, -force]]))
 
-    account = watched(change)
-    assert account.outcome == outcome
+    run_info = watched(change)
+    assert run_info.outcome == outcome
     if outcome == "doubtful":
-        assert doubt(account).key == "loads.walker.force"
+        assert doubt(run_info).key == "loads.walker.force"
 
 
 def test_a_force_that_comes_from_one_step_is_doubtful() -> None:
@@ -221,11 +221,11 @@ def _entering() -> Summary:
             return replace(frame, contact_state=np.full(1, OFF_LINE), contact_force=nowhere)
         return replace(frame, contact_force=frame.contact_force * (1000.0 if i == 20 else 1.0))
 
-    plan, account = wave.layout(), wave.account()
-    with Recorder(plan, wave.scenario(), account) as recorder:
+    plan, run_info = wave.layout(), wave.run_info()
+    with Recorder(plan, wave.scenario(), run_info) as recorder:
         for i, frame in enumerate(wave.frames(plan, TIMES)):
             recorder.append(change(i, frame))
-    assert account.outcome == "completed"
+    assert run_info.outcome == "completed"
     return summary(recorder.close())
 
 
@@ -240,8 +240,8 @@ def test_the_impulse_of_entering_is_told_and_not_counted() -> None:
 
 
 def test_doubts_stand_in_the_first_lines_of_the_summary() -> None:
-    plan, account = wave.layout(), wave.account()
-    with Recorder(plan, wave.scenario(), account) as recorder:
+    plan, run_info = wave.layout(), wave.run_info()
+    with Recorder(plan, wave.scenario(), run_info) as recorder:
         for i, frame in enumerate(wave.frames(plan, TIMES)):
             recorder.append(missing(0.2)(i, frame))
     result = recorder.close()
@@ -255,20 +255,20 @@ def test_doubts_stand_in_the_first_lines_of_the_summary() -> None:
 STRING = {"start": [0, 0], "end": [10, 0], "tension": 1000.0, "mass": 0.1, "axial_stiffness": 1e5, "elements": 20}
 
 
-def _runs(load: dict[str, object], **more: object) -> Account:
+def _runs(load: dict[str, object], **more: object) -> RunInfo:
     tree = {
         "lines": {"string": STRING}, "loads": {"load": {"on": "string", **load}},
         "run": {"kind": "dynamic", "until": 0.05, "every": 0.005, **more},
     }  # fmt: skip
     result = simulate(Scenario.model_validate(tree))
-    return Account(result.attrs["outcome"], warnings=result.attrs["warnings"].splitlines())
+    return RunInfo(result.attrs["outcome"], warnings=result.attrs["warnings"].splitlines())
 
 
 def test_a_load_that_is_set_down_at_once_is_remarked() -> None:
     load = {"kind": "mass", "mass": 1.0, "travel": {"speed": 10.0, "from": 5.0}}
-    account = _runs(load)
-    assert account.outcome == "completed"
-    assert any("set down suddenly" in remark for remark in account.warnings)
+    run_info = _runs(load)
+    assert run_info.outcome == "completed"
+    assert any("set down suddenly" in remark for remark in run_info.warnings)
     assert not _runs(load, start={"with_loads": True}).warnings
     assert not _runs({**load, "travel": {"speed": 10.0}}).warnings
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ropewalk.model import Scenario
-from ropewalk.results.frame import Account, Frame, Layout
+from ropewalk.results.frame import Frame, Layout, RunInfo
 
 SPAN, SAG, FORCE, SPEED, UNTIL = 19.5, 2.5, 800.0, 10.0, 1.8
 
@@ -40,8 +40,8 @@ def layout(links: int = 40, loads: tuple[str, ...] = ("walker",), path: str = "t
     )
 
 
-def account() -> Account:
-    return Account(method="rkn6", reason="undamped, largest frequency 3.1e3 1/s", step=5e-4, steps=3600)
+def run_info() -> RunInfo:
+    return RunInfo(method="rkn6", reason="undamped, largest frequency 3.1e3 1/s", step=5e-4, steps=3600)
 
 
 def _shape(x: np.ndarray, at: float) -> np.ndarray:

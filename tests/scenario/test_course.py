@@ -30,21 +30,21 @@ def summed(table: SpeedTable, start: float) -> tuple[np.ndarray, np.ndarray]:
 def test_the_place_is_the_integral_of_the_speed(table: SpeedTable, start: float) -> None:
     assume(len(set(table.time)) == len(table.time) or len(table.time) == 1)
     grid, place = summed(table, start)
-    pieces = course(table, start, UNTIL)
+    segments = course(table, start, UNTIL)
     for index in (0, 7_000, 15_000, 30_000):
         # the midpoint sum errs by at most a kink per knot: 5 knots, 10 m/s, (0.1 ms)
-        assert place_at(pieces, grid[index]) == pytest.approx(place[index], abs=5e-3)
+        assert place_at(segments, grid[index]) == pytest.approx(place[index], abs=5e-3)
 
 
 @given(tables, st.floats(0, 5))
 def test_the_first_time_below_a_level_is_the_first(table: SpeedTable, start: float) -> None:
     level = start - 1.0
-    pieces = course(table, start, UNTIL)
-    time = first_at_most(pieces, level)
-    before = [place_at(pieces, t) for t in np.linspace(0.0, UNTIL if time is None else time, 200)]
+    segments = course(table, start, UNTIL)
+    time = first_at_most(segments, level)
+    before = [place_at(segments, t) for t in np.linspace(0.0, UNTIL if time is None else time, 200)]
     assert min(before[:-1]) > level - 1e-9
     if time is not None:
-        assert place_at(pieces, time) == pytest.approx(level, abs=1e-6)
+        assert place_at(segments, time) == pytest.approx(level, abs=1e-6)
 
 
 @given(tables, tables)
@@ -56,6 +56,6 @@ def test_the_distance_of_two_courses_is_the_difference_of_their_places(one: Spee
 
 
 def test_equal_times_make_a_jump_of_the_speed() -> None:
-    pieces = course(SpeedTable(time=(1, 1), value=(1, 3)), 0.0, 2.0)
-    assert place_at(pieces, 1.0) == 1.0
-    assert place_at(pieces, 2.0) == 4.0
+    segments = course(SpeedTable(time=(1, 1), value=(1, 3)), 0.0, 2.0)
+    assert place_at(segments, 1.0) == 1.0
+    assert place_at(segments, 2.0) == 4.0

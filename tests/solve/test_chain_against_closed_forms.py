@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.assembly import strands_of
 from ropewalk.model import Equilibrium, Hooke, Inextensible, Line, Scenario
-from ropewalk.solve.held import Held
-from ropewalk.solve.standing import Standing, clamped, stand
+from ropewalk.solve.end_conditions import EndConditions
+from ropewalk.solve.loaded_equilibrium import LoadedStrand, clamped, stand
 from ropewalk.theory import rope
 
 SPAN = 20.0
@@ -30,12 +30,12 @@ forces = st.tuples(st.floats(-300.0, 300.0), st.floats(-2000.0, -1.0))
 
 def chain(
     n: int, height: float, length: float, mass: float, loads: list[tuple[float, tuple[float, float]]], **law: Any
-) -> Standing:
+) -> LoadedStrand:
     line = Line(start=(0.0, 0.0), end=(SPAN, height), length=length, mass=mass, elements=n, **law)
     strands = strands_of(Scenario(lines={"rope": line}, gravity=10.0, run=Equilibrium()), {"rope": length})
     xi = np.array([xi for xi, _ in loads])
     pull = np.array([force for _, force in loads]).T.reshape(2, -1)
-    return stand(strands, 0, Held.fast(np.zeros(2), np.array([SPAN, height])), xi, pull, clamped(len(loads)))
+    return stand(strands, 0, EndConditions.fast(np.zeros(2), np.array([SPAN, height])), xi, pull, clamped(len(loads)))
 
 
 @st.composite

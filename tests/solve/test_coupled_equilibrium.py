@@ -82,8 +82,8 @@ def test_what_rests_with_its_loads_stays(case: str) -> None:
         load["mass"] + load.get("wheel_mass", 0.0) if "mass" in load else 300.0 / GRAVITY for load in loads.values()
     )
     assert result.contact_force.values[0, :, -1].sum() == pytest.approx(-weight * GRAVITY, rel=1e-6)
-    held = result.hold_force.values[-1] if "frictionless" in case or "given x" in case else 0.0
-    np.testing.assert_allclose((result.contact_force.values[-1] - held)[:, 0], 0.0, atol=1e-6)  # N
+    restrained = result.hold_force.values[-1] if "frictionless" in case or "given x" in case else 0.0
+    np.testing.assert_allclose((result.contact_force.values[-1] - restrained)[:, 0], 0.0, atol=1e-6)  # N
 
 
 @pytest.mark.parametrize("elements", [20, 60, 240])

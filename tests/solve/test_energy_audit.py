@@ -54,7 +54,7 @@ def test_the_audit_of_a_taut_rope_closes_at_first_order_in_the_mesh(contact: str
     assert misses[-1] < 0.02
 
 
-HELD = {
+RESTRAINED = {
     "slack": ({}, {}),
     "slack and damped": ({"axial_damping": 50.0}, {}),
     "inclined and damped": ({"end": (19.0, -4.0), "axial_damping": 50.0}, {}),
@@ -63,9 +63,9 @@ HELD = {
 }
 
 
-@pytest.mark.parametrize("case", HELD)
+@pytest.mark.parametrize("case", RESTRAINED)
 def test_the_audit_of_a_frictionless_force_closes_with_the_mesh(case: str) -> None:
-    line, load = HELD[case]
+    line, load = RESTRAINED[case]
     links, misses = [40, 120, 360], []
     for n in links:
         load = {"contact": "frictionless", **load}

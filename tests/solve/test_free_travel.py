@@ -140,10 +140,10 @@ def test_in_air_it_comes_to_its_terminal_speed() -> None:
 
 def test_rolling_and_friction_add_up_to_what_holds_it() -> None:
     needed = SINE / COSINE  # 0.25
-    held = incline(rolling=0.15, friction=0.11, until=1.0)
+    restrained = incline(rolling=0.15, friction=0.11, until=1.0)
     slips = incline(rolling=0.12, friction=0.12, until=1.0)
     assert needed == pytest.approx(0.25)
-    assert np.abs(np.diff(held.contact_xi.values[5:, 0])).max() < 1e-3
+    assert np.abs(np.diff(restrained.contact_xi.values[5:, 0])).max() < 1e-3
     assert np.diff(slips.contact_xi.values[-2:, 0])[0] > 1e-3
 
 

@@ -50,8 +50,8 @@ def integral(t: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize(("model", "amplitudes"), [("bachmann", (0.1, 0.1)), ("setra", (0.05,))])
 def test_both_feet_together_push_with_the_published_force(model: str, amplitudes: tuple[float, ...]) -> None:
-    person = Footsteps(on="line", mass=70.0, frequency=1.8, lateral=model, overlap=0.3)
-    feet = [Footfall(person, foot, GRAVITY, np.array([0.0, 1.0])) for foot in (0, 1)]
+    spring_leg_walker = Footsteps(on="line", mass=70.0, frequency=1.8, lateral=model, overlap=0.3)
+    feet = [Footfall(spring_leg_walker, foot, GRAVITY, np.array([0.0, 1.0])) for foot in (0, 1)]
     t = feet[0].instants(3.0)
     total = sum(foot(t)[:, 1] for foot in feet)
     exact = 70.0 * GRAVITY * sum(a * np.sin((2 * j + 1) * np.pi * 1.8 * t) for j, a in enumerate(amplitudes))
@@ -67,9 +67,9 @@ def test_both_feet_together_push_with_the_published_force(model: str, amplitudes
 
 
 def test_the_force_to_the_side_has_odd_multiples_of_half_the_step_frequency_only() -> None:
-    person = Footsteps(on="line", mass=70.0, frequency=2.0, lateral="bachmann")
+    spring_leg_walker = Footsteps(on="line", mass=70.0, frequency=2.0, lateral="bachmann")
     t = 1.0 + np.arange(512) / 512.0  # two steps, after the first one
-    total = sum(Footfall(person, foot, GRAVITY, np.array([0.0, 1.0]))(t)[:, 1] for foot in (0, 1))
+    total = sum(Footfall(spring_leg_walker, foot, GRAVITY, np.array([0.0, 1.0]))(t)[:, 1] for foot in (0, 1))
     lines = 2.0 * np.abs(np.fft.rfft(total))[:16] / t.size / (70.0 * GRAVITY)
     expected = np.zeros(16)
     expected[[1, 3]] = 0.1

@@ -12,8 +12,8 @@ import pytest
 import xarray as xr
 
 from ropewalk.chains.beginning import initial_state
-from ropewalk.mechanics.bodies import FLYING, SEATED, Bodies
-from ropewalk.mechanics.chain import State
+from ropewalk.mechanics.bodies import FLYING, LOCATED, Bodies
+from ropewalk.mechanics.chain import ChainState
 from ropewalk.model import Dynamic, ForceTable, FreeTravel, Guided, Line, MovingMass, Scenario, Start, Travel
 from ropewalk.simulate import simulate
 from ropewalk.solve.choice import choose
@@ -135,12 +135,12 @@ def test_landing_costs_a_small_part_of_its_energy(elements: int) -> None:
     assert abs(float(energy[landing + 5] - energy[landing - 1])) < 4e-3 * form(result, "load_kinetic").max()
 
 
-def momentum_of(state: State, bodies: Bodies, node: float, axis: int) -> float:
+def momentum_of(state: ChainState, bodies: Bodies, node: float, axis: int) -> float:
     """Of a mass and its line, whose nodes have the mass `node`: what the mass carries of a node is noted beside it."""
     mass = bodies.wheels[0]
     line = node * state.w[axis]
     line[[0, -1]] *= 0.5
-    if mass["phase"] == SEATED:
+    if mass["phase"] == LOCATED:
         line[mass["at"]] = mass["store"][axis]
     return float(mass["mass"][axis] * mass["v"][axis] + line.sum())
 
@@ -200,8 +200,8 @@ def test_what_runs_below_the_line_takes_off_downwards() -> None:
 
 
 def test_without_lift_off_the_line_pulls_it_back() -> None:
-    held = hop(40, until=0.6).contact_state.values[:, 0]
-    assert (held == IN_AIR).any()
+    restrained = hop(40, until=0.6).contact_state.values[:, 0]
+    assert (restrained == IN_AIR).any()
     line = Line(start=(0, 0), end=(20, 0), tension=2e4, mass=1.0, axial_stiffness=1e6, elements=40)
     kick = ForceTable(time=(0.0, 0.3, 0.3, 9.0), value=((0, 0), (0, 0), (0, 1500.0), (0, 1500.0)))
     load = MovingMass(on="rope", mass=40.0, force=kick, travel=Travel.model_validate({"speed": 5.0, "from": 4.0}))

@@ -78,12 +78,12 @@ def test_the_audit_closes_with_the_mesh(case: str) -> None:
 
 @pytest.mark.parametrize("held", [{"contact": "frictionless"}, {"measured": "horizontal"}])
 @pytest.mark.parametrize("damping", [50.0, 500.0])
-def test_damping_looks_at_the_velocities_that_the_hold_force_leaves(held: dict[str, Any], damping: float) -> None:
+def test_damping_looks_at_the_velocities_that_the_hold_force_leaves(restrained: dict[str, Any], damping: float) -> None:
     """A light mass, pushed along x: without its hold force it would go elsewhere within a step."""
-    travel = {"from": 1.0, "speed": 10.0, "measured": held.get("measured", "material")}
+    travel = {"from": 1.0, "speed": 10.0, "measured": restrained.get("measured", "material")}
     load = MovingMass(
         on="rope", mass=0.3, force=(100.0, -800.0), travel=Travel.model_validate(travel),
-        contact=held.get("contact", "clamped"),
+        contact=restrained.get("contact", "clamped"),
     )  # fmt: skip
     line = Line(
         start=(0, 0), end=(19.5, 0), length=19.2, mass=1.0, axial_stiffness=1e5, axial_damping=damping, elements=100

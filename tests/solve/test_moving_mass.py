@@ -13,10 +13,10 @@ import pytest
 import xarray as xr
 
 from motion_cases import order
-from ropewalk.mechanics import fleet
+from ropewalk.mechanics import multibody_system
 from ropewalk.model import Dynamic, Line, MovingForce, MovingMass, Scenario, SpeedTable, Travel
 from ropewalk.simulate import simulate
-from ropewalk.solve import boarding
+from ropewalk.solve import initial_loads
 from ropewalk.theory import selfsimilar, string
 
 WEIGHT = 1e-5  # N per kg, so small beside the tension of 1 N that the motion is linear
@@ -67,8 +67,8 @@ def rms(values: np.ndarray) -> float:
 @pytest.mark.parametrize("alpha", [0.2, 0.5, 0.8])
 def test_deflection_on_a_string_with_mass_is_of_second_order(alpha: float, monkeypatch: pytest.MonkeyPatch) -> None:
     # A support bears its load over a part of the first link, which is of first order: here as good as not at all.
-    monkeypatch.setattr(boarding, "STEPS_OF_ROOM", 0.0)
-    monkeypatch.setattr(fleet, "LEAST_ROOM", 1e-3)
+    monkeypatch.setattr(initial_loads, "STEPS_OF_ROOM", 0.0)
+    monkeypatch.setattr(multibody_system, "LEAST_ROOM", 1e-3)
     links, found = [50, 100, 200], []
     for n in links:
         deflection, _ = misses(passage(n, LENGTH, alpha, 0.9), LENGTH, alpha)

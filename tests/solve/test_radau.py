@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from motion_cases import order, slack_rope
 from ropewalk.mechanics import law
-from ropewalk.mechanics.chain import CONTACT, LINE_DAMPING, LOAD_WORK, OFF, Buffers, State
+from ropewalk.mechanics.chain import CONTACT, LINE_DAMPING, LOAD_WORK, OFF, Buffers, ChainState
 from ropewalk.model import Scenario
 from ropewalk.solve.banded import factorise, substitute
 from ropewalk.solve.collocation import REJECTIONS, E, balance
@@ -20,19 +20,24 @@ from ropewalk.solve.jacobian import linearise
 from ropewalk.solve.radau import NO_CONVERGENCE, advance_implicit, workspace_for
 from ropewalk.solve.radau_iia import A, C
 from ropewalk.solve.splitting import END_OF_LINE, NOT_FINITE, RUNNING, TOO_MANY_STEPS, advance
-from ropewalk.solve.start import Setting, setting_of, start_state
+from ropewalk.solve.start import PreparedRun, setting_of, start_state
 
 TAUT = {"length": 19.1, "axial_stiffness": 2e4}
 
 
-def ready(scenario: Scenario, until: float = 2.0) -> tuple[Setting, State]:
+def ready(scenario: Scenario, until: float = 2.0) -> tuple[PreparedRun, ChainState]:
     setting = setting_of(scenario, until)
     return setting, start_state(setting, False)
 
 
 def implicit(
-    setting: Setting, start: State, until: float, tolerance: float = np.inf, longest: float = np.inf, calls: int = 1
-) -> State:
+    setting: PreparedRun,
+    start: ChainState,
+    until: float,
+    tolerance: float = np.inf,
+    longest: float = np.inf,
+    calls: int = 1,
+) -> ChainState:
     state = start.copy()
     space = workspace_for(setting.loads, state)
     for time in np.linspace(start.t[0], until, calls + 1)[1:]:
@@ -42,7 +47,7 @@ def implicit(
     return state
 
 
-def explicit(setting: Setting, start: State, until: float, step: float) -> State:
+def explicit(setting: PreparedRun, start: ChainState, until: float, step: float) -> ChainState:
     state = start.copy()
     status, _ = advance(
         setting.strands, setting.loads, state, Buffers.for_state(state), *VERLET, until, step, 10_000_000
@@ -51,7 +56,7 @@ def explicit(setting: Setting, start: State, until: float, step: float) -> State
     return state
 
 
-def swinging(elements: int, damping: float, line: dict[str, Any]) -> tuple[Setting, State]:
+def swinging(elements: int, damping: float, line: dict[str, Any]) -> tuple[PreparedRun, ChainState]:
     """A line without loads that begins with a smooth velocity, along and across."""
     scenario = slack_rope(elements, damping, line=line).model_copy(update={"loads": {}})
     setting, state = ready(scenario)
@@ -61,7 +66,7 @@ def swinging(elements: int, damping: float, line: dict[str, Any]) -> tuple[Setti
     return setting, state
 
 
-def energy(setting: Setting, state: State) -> float:
+def energy(setting: PreparedRun, state: ChainState) -> float:
     strands = setting.strands
     rest, d = np.diff(state.X), np.diff(state.r, axis=1)
     lam = np.sqrt((d * d).sum(axis=0)) / rest
@@ -73,7 +78,7 @@ def energy(setting: Setting, state: State) -> float:
     return float(stored + 0.5 * m * (state.w[:, inner] ** 2).sum() - high.sum())
 
 
-def distance(one: State, other: State) -> float:
+def distance(one: ChainState, other: ChainState) -> float:
     return float(np.abs(one.r - other.r).max())
 
 
@@ -102,10 +107,10 @@ def test_a_slack_rope_under_a_travelling_force_agrees_with_small_explicit_steps(
     setting, start = ready(slack_rope(40, 50.0, travel={"measured": measured}))
     reference = explicit(setting, start, 1.2, 2e-5)
     state = implicit(setting, start, 1.2, tolerance=1e-4, calls=3)
-    assert state.rider[0] == reference.rider[0] >= 0
+    assert state.moving_load[0] == reference.moving_load[0] >= 0
     assert distance(state, reference) < 1e-4
-    for account in (LINE_DAMPING, LOAD_WORK, CONTACT):
-        assert state.work[account] == pytest.approx(reference.work[account], rel=1e-3)
+    for run_info in (LINE_DAMPING, LOAD_WORK, CONTACT):
+        assert state.work[run_info] == pytest.approx(reference.work[run_info], rel=1e-3)
 
 
 def test_the_error_falls_with_the_tolerance_and_keeps_it() -> None:
@@ -176,7 +181,7 @@ def test_the_energy_audit_closes_to_the_tolerance() -> None:
             assert advance_implicit(
                 setting.strands, setting.loads, state, space, until, tolerance, np.inf, 100_000
             )[0] == RUNNING  # fmt: skip
-        assert state.rider[0] > 0
+        assert state.moving_load[0] > 0
         gained = energy(setting, state) - energy(setting, start)
         lost = state.work[LINE_DAMPING] + state.work[CONTACT]
         assert lost > 10.0  # J: there is something to account for
@@ -213,7 +218,7 @@ def test_block_elimination_agrees_with_a_dense_solve(d: int, dtype: type) -> Non
 def test_the_jacobian_agrees_with_finite_differences() -> None:
     """Also beside a rider, where the material moves past the node: its flux enters once for r', once for w'."""
     setting, state = ready(slack_rope(6, 300.0, line=TAUT, travel={"from": 9.0}))
-    strands, loads, n, b = setting.strands, setting.loads, 6, int(state.rider[0])
+    strands, loads, n, b = setting.strands, setting.loads, 6, int(state.moving_load[0])
     assert 1 < b < n - 1
     rng = np.random.default_rng(1)
     state.speed[0], state.X[b] = 10.0, 9.3
@@ -279,7 +284,7 @@ def test_two_lines_move_as_each_does_alone() -> None:
 def test_what_ends_a_run_early_is_told() -> None:
     setting, start = ready(slack_rope(20, 50.0, travel={"from": 19.0}, run={"until": 0.1, "every": 0.1}))
 
-    def status(state: State, until: float, most: int) -> int:
+    def status(state: ChainState, until: float, most: int) -> int:
         space = workspace_for(setting.loads, state)
         return int(advance_implicit(setting.strands, setting.loads, state, space, until, 1e-3, np.inf, most)[0])
 
@@ -297,7 +302,7 @@ def test_what_ends_a_run_early_is_told() -> None:
 
 def test_a_load_may_leave_its_line() -> None:
     setting, start = ready(slack_rope(20, 50.0, travel={"from": 19.0, "at_end": "leave"}))
-    assert implicit(setting, start, 0.3, tolerance=1e-3).rider[0] == OFF
+    assert implicit(setting, start, 0.3, tolerance=1e-3).moving_load[0] == OFF
 
 
 def test_the_frictionless_contact_is_refused() -> None:

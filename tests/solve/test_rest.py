@@ -33,9 +33,9 @@ from ropewalk.model import (
     Travel,
 )
 from ropewalk.simulate import simulate
-from ropewalk.solve.equilibrium import Rest, at_rest, potential, residual
-from ropewalk.solve.held import Held
-from ropewalk.solve.standing import Standing, clamped, stand
+from ropewalk.solve.end_conditions import EndConditions
+from ropewalk.solve.equilibrium import StrandAtRest, at_rest, potential, residual
+from ropewalk.solve.loaded_equilibrium import LoadedStrand, clamped, stand
 from ropewalk.theory.rope import RestingRope, elastic_catenary, weightless_elastic
 
 WEIGHT = 19.62  # N/m: 2 kg/m under 9.81 m/s^2
@@ -59,10 +59,10 @@ def chain(
     length: float = 22.0,
     weight: float = WEIGHT,
     p: np.ndarray | None = None,
-) -> Rest:
+) -> StrandAtRest:
     ell = np.full(elements, length / elements)
     place, p = np.array(end), hooke() if p is None else p
-    return at_rest(p, ell, dead(elements, length, weight, place.size), Held.fast(np.zeros(place.size), place))
+    return at_rest(p, ell, dead(elements, length, weight, place.size), EndConditions.fast(np.zeros(place.size), place))
 
 
 def rope(elements: int, **changed: Any) -> Line:
@@ -84,11 +84,11 @@ def at_once(case: Scenario) -> xr.Dataset:
     return simulate(case).isel(load_path=0)
 
 
-def loaded(elements: int, xi: float, force: tuple[float, float], gravity: float = 9.81, **changed: Any) -> Standing:
+def loaded(elements: int, xi: float, force: tuple[float, float], gravity: float = 9.81, **changed: Any) -> LoadedStrand:
     line = rope(elements, **changed)
     strands = strands_of(scenario(line, (xi, force), gravity=gravity), {"rope": float(line.length or 0.0)})
-    held = Held.fast(np.zeros(2), np.array(line.end))
-    return stand(strands, 0, held, np.array([xi]), np.array([force]).T, clamped(1))
+    restrained = EndConditions.fast(np.zeros(2), np.array(line.end))
+    return stand(strands, 0, restrained, np.array([xi]), np.array([force]).T, clamped(1))
 
 
 def orders(errors: list[float]) -> np.ndarray:
@@ -278,7 +278,7 @@ GEOMETRY: dict[str, tuple[tuple[float, ...], float]] = {
 }
 
 
-def check_rest(rest: Rest, p: np.ndarray, length: float, f: np.ndarray, end: np.ndarray) -> None:
+def check_rest(rest: StrandAtRest, p: np.ndarray, length: float, f: np.ndarray, end: np.ndarray) -> None:
     """The rest shape is in balance, and no small disturbance lowers its potential energy."""
     n = f.shape[1] - 1
     ell, force, out = np.full(n, length / n), np.zeros((f.shape[0], n)), np.zeros((max(n - 1, 1), f.shape[0]))
@@ -401,7 +401,7 @@ def test_any_chain_rests_in_a_minimum_of_its_energy(
     f = dead(elements, length, WEIGHT)
     for i, pull in zip((1, elements // 2, elements - 1), pulls, strict=True):
         f[:, i] += pull
-    rest = at_rest(p, np.full(elements, length / elements), f, Held.fast(np.zeros(2), np.array(end)))
+    rest = at_rest(p, np.full(elements, length / elements), f, EndConditions.fast(np.zeros(2), np.array(end)))
     check_rest(rest, p, length, f, np.array(end))
 
 
@@ -514,7 +514,7 @@ def test_rest_is_the_same_without_the_compiler() -> None:
         "from ropewalk.mechanics.assembly import pack\n"
         "from ropewalk.model import Hooke\n"
         "from ropewalk.solve.equilibrium import at_rest\n"
-        "from ropewalk.solve.held import Held\n"
+        "from ropewalk.solve.end_conditions import Held\n"
         "f = np.zeros((2, 7)); f[1, 1:-1] = -19.62 * 22 / 6\n"
         "rest = at_rest(pack(Hooke(), 1e5), np.full(6, 22 / 6), f, Held.fast(np.zeros(2), np.array([20.0, 0.0])))\n"
         "print(repr(float(rest.position[1].min())))\n"

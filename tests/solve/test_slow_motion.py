@@ -15,9 +15,9 @@ import xarray as xr
 from ropewalk.errors import EquilibriumError
 from ropewalk.model import ForceTable, Line, MovingForce, Quasistatic, Scenario, SpeedTable, TensionOnly, Travel
 from ropewalk.simulate import simulate
-from ropewalk.solve.quasistatic import Place, walk
+from ropewalk.solve.load_schedule import horizon
+from ropewalk.solve.quasistatic import LoadPosition, walk
 from ropewalk.solve.start import setting_of
-from ropewalk.solve.timetable import horizon
 from ropewalk.theory.rope import elastic_catenary
 
 LOAD = 700.0
@@ -48,7 +48,7 @@ def slow(line: Line, *loads: MovingForce, gravity: float = 9.81, positions: int 
     return result
 
 
-def places(scenario: Scenario) -> list[Place]:
+def places(scenario: Scenario) -> list[LoadPosition]:
     assert isinstance(scenario.run, Quasistatic)
     return list(walk(setting_of(scenario, horizon(scenario)), scenario.run.positions))
 

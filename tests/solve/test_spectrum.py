@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from ropewalk.mechanics.chain import Buffers, Loads, State
+from ropewalk.mechanics.chain import Buffers, ChainState, Loads
 from ropewalk.mechanics.link import pull, pull_one, pull_vectors, stretch_rate
 from ropewalk.solve import eigenvalues
 from ropewalk.solve.composition import VERLET
@@ -53,13 +53,13 @@ def test_jacobian_is_the_derivative_of_the_forces(law, dim):
     """Central differences of the forces that the step loop uses, with damping, drag and a riding node."""
     links = 7
     strands = strand(links, law=law, c=40.0, drag=0.7, dim=dim)
-    r, X, rider = wavy(links, dim=dim)
+    r, X, moving_load = wavy(links, dim=dim)
     mass = strands.rho[0] * strands.h[0]
 
     def acceleration(r, w):
         q, f = np.zeros(links + 1), np.zeros_like(r)
         pull(strands.law[0], strands.damping[0], strands.h[0], 0, links, r, w, q)
-        for i in (rider - 1, rider):
+        for i in (moving_load - 1, moving_load):
             rest = X[i + 1] - X[i]
             q[i] = pull_one(strands.law[0], strands.damping[0], rest, stretch_rate(r, w, i) / rest, r, i)
         pull_vectors(0, links, r, q, f)
@@ -292,7 +292,7 @@ def test_the_verlet_method_is_stable_up_to_the_stable_step_and_not_beyond(c):
         loads = Loads(
             *4 * [whole], none, whole, whole, none, none, none, whole, whole, none, np.zeros((2, 0)), none, whole
         )
-        state = State(
+        state = ChainState(
             np.zeros(1), r + shape, np.zeros_like(r), X.copy(), none, none.copy(), whole, none.copy(), np.zeros(4)
         )
         status, steps = advance(

@@ -16,7 +16,7 @@ from motion_cases import order
 from ropewalk.capabilities import ROPES, SUPERPOSED, SYSTEM, engine_of
 from ropewalk.chains.spectrum import state_at
 from ropewalk.errors import RopewalkError
-from ropewalk.mechanics.chain import State
+from ropewalk.mechanics.chain import ChainState
 from ropewalk.model import (
     DisplacementTable,
     Dynamic,
@@ -35,7 +35,7 @@ from ropewalk.simulate import simulate, spectrum_of
 from ropewalk.solve.choice import bounds, choose
 from ropewalk.solve.motion import Progress, move
 from ropewalk.solve.splitting import RUNNING
-from ropewalk.solve.start import Setting, setting_of, start_state
+from ropewalk.solve.start import PreparedRun, setting_of, start_state
 
 # A string of unit span, tension 1 N and 1 kg/m; small motions across are those of a linear string in the material
 # coordinate, with the wave speed C, the length LENGTH and the tension 1/LAM.
@@ -66,12 +66,14 @@ def force(size: float, xi: float, speed: float = 0.0, **travel: Any) -> MovingFo
     return MovingForce(on="rope", force=(0.0, -size), travel=Travel.model_validate(travel))
 
 
-def ready(line: Line, gravity: float = 0.0) -> tuple[Setting, State]:
+def ready(line: Line, gravity: float = 0.0) -> tuple[PreparedRun, ChainState]:
     setting = setting_of(scenario(line, until=1.0, gravity=gravity), 100.0)
     return setting, start_state(setting, False)
 
 
-def moved(setting: Setting, state: State, times: np.ndarray, method: str = "rkn6", step: float | None = None) -> list:
+def moved(
+    setting: PreparedRun, state: ChainState, times: np.ndarray, method: str = "rkn6", step: float | None = None
+) -> list:
     """Copies of the state at the times."""
     choice = choose(
         setting.strands, setting.loads, state, method=method, step=step, accuracy=1e-9, duration=float(times[-1]),

@@ -17,7 +17,7 @@ GRAVITY, LENGTH, PAYLOAD = 9.81, 2.0, 100.0
 FIRM = {"start": (0, 0), "end": (10, 0), "tension": 1e8, "mass": 1e3, "axial_stiffness": 1e10, "elements": 11}
 ROPE = {"start": (0, 0), "end": (40, -2), "length": 40.1, "mass": 1.0, "axial_stiffness": 1e6}
 MIDDLE = 5.0 / 1.01  # m, unstrained; in the middle of a link, and where the line is level
-HELD = {"speed": 0.0, "from": MIDDLE}
+RESTRAINED = {"speed": 0.0, "from": MIDDLE}
 
 
 def hangs(line: dict[str, Any], travel: dict[str, Any], until: float, mass: float = 2e3, **payload: Any) -> xr.Dataset:
@@ -41,7 +41,7 @@ def form(result: xr.Dataset, name: str) -> np.ndarray:
 
 @pytest.mark.parametrize("swing", [0.02, 1.2])
 def test_a_payload_below_a_held_trolley_swings_as_a_pendulum(swing: float) -> None:
-    result = hangs(FIRM, HELD, 6.0, stiffness=1e7, swing=swing)
+    result = hangs(FIRM, RESTRAINED, 6.0, stiffness=1e7, swing=swing)
     exact = 4.0 * np.sqrt(LENGTH / GRAVITY) * ellipk(np.sin(0.5 * swing) ** 2)
     assert period(result) == pytest.approx(exact, rel=2e-4)  # the rope gives by 0.1 mm, wide swings pull it thrice
     if swing < 0.1:
@@ -64,7 +64,7 @@ def test_a_free_trolley_and_its_payload_swing_about_their_centre_of_mass() -> No
 
 def test_a_slack_tether_lets_its_payload_fall_and_catches_it() -> None:
     stiffness, drop = 2e4, 1.5
-    result = hangs(FIRM, HELD, 1.0, stiffness=stiffness, at=(0.0, drop - LENGTH))
+    result = hangs(FIRM, RESTRAINED, 1.0, stiffness=stiffness, at=(0.0, drop - LENGTH))
     t, z = result.time.values, (result.body_position.values - result.contact_position.values)[:, 0, 1]
     falls = np.sqrt(2.0 * drop / GRAVITY)
     free = t < falls
@@ -81,7 +81,7 @@ def test_a_slack_tether_lets_its_payload_fall_and_catches_it() -> None:
 
 def test_a_damped_tether_accounts_for_all_that_it_takes() -> None:
     """Also where the damper is stronger than the spring, and the tether is slack before the spring is."""
-    result = hangs(FIRM, HELD, 3.0, stiffness=2e4, damping=600.0, at=(0.0, -0.5))
+    result = hangs(FIRM, RESTRAINED, 3.0, stiffness=2e4, damping=600.0, at=(0.0, -0.5))
     assert form(result, "load_damping")[-1] > 1000.0  # J
     # A catch begins with a blow, at a time that is known to a step: 1 in 1000.
     assert np.abs(form(result, "imbalance")).max() < 2.0

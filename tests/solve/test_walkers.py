@@ -46,8 +46,8 @@ def pressed(result: xr.Dataset) -> np.ndarray:
 
 @pytest.mark.parametrize(("model", "frequency"), [("bachmann", 2.1), ("young", 1.8)])
 def test_both_feet_together_press_with_the_published_force(model: str, frequency: float) -> None:
-    person = Footsteps(on="line", mass=70.0, frequency=frequency, model=model, overlap=0.3)
-    feet = [Footfall(person, foot, GRAVITY) for foot in (0, 1)]
+    spring_leg_walker = Footsteps(on="line", mass=70.0, frequency=frequency, model=model, overlap=0.3)
+    feet = [Footfall(spring_leg_walker, foot, GRAVITY) for foot in (0, 1)]
     t = feet[0].instants(3.0)
     total = -sum(foot(t)[:, 1] for foot in feet)
     weight = 70.0 * GRAVITY
@@ -60,8 +60,8 @@ def test_both_feet_together_press_with_the_published_force(model: str, frequency
 
 
 def test_feet_stand_where_and_when_they_should() -> None:
-    person = {"kind": "footsteps", "mass": 70.0, "frequency": 2.0, "step_length": 0.6, "from": 2.0}
-    result = goes({**TIGHT, "elements": 40}, person, 2.9, 0.05)
+    spring_leg_walker = {"kind": "footsteps", "mass": 70.0, "frequency": 2.0, "step_length": 0.6, "from": 2.0}
+    result = goes({**TIGHT, "elements": 40}, spring_leg_walker, 2.9, 0.05)
     exact = gait.young(weight=70.0 * GRAVITY, step_frequency=2.0)
     total = pressed(result).sum(axis=1)
     # Linear between 200 samples in a step: 3e-4 of the weight for four harmonics.
@@ -79,13 +79,20 @@ def test_feet_stand_where_and_when_they_should() -> None:
 
 @pytest.mark.parametrize("at_end", ["leave", "stay", "refuse"])
 def test_a_person_steps_off_stays_or_is_refused(at_end: str) -> None:
-    person = {"kind": "footsteps", "mass": 70.0, "frequency": 2.0, "step_length": 0.6, "from": 18.0, "at_end": at_end}
+    spring_leg_walker = {
+        "kind": "footsteps",
+        "mass": 70.0,
+        "frequency": 2.0,
+        "step_length": 0.6,
+        "from": 18.0,
+        "at_end": at_end,
+    }
     line = {**TIGHT, "elements": 20, "tension": None, "length": 19.5}
     if at_end == "refuse":
         with pytest.raises(ValueError, match="lands beyond the end"):
-            goes(line, person, 3.0, 0.1)
+            goes(line, spring_leg_walker, 3.0, 0.1)
         line = {**TIGHT, "elements": 20}  # where the unstrained length is not known beforehand
-    result = goes(line, person, 3.0, 0.1)
+    result = goes(line, spring_leg_walker, 3.0, 0.1)
     assert result.attrs["outcome"] == ("travel ended" if at_end == "refuse" else "completed")
     if at_end == "refuse":
         assert 1.0 <= result.time.values[-1] < 3.0
@@ -212,16 +219,16 @@ def test_a_person_on_a_measured_highline_is_the_two_segment_model(name: str) -> 
         "start": (0, 0), "end": (span, 0), "length": length, "mass": 0.01, "axial_stiffness": stiffness,
         "axial_damping": 2.0, "elements": 20,
     }  # fmt: skip
-    person = {"kind": "mass", "mass": 57.0, "travel": {"speed": 0.0, "from": place * length}}
-    stands = goes(line, person, 0.5, 0.1, start={"with_loads": True})
+    spring_leg_walker = {"kind": "mass", "mass": 57.0, "travel": {"speed": 0.0, "from": place * length}}
+    stands = goes(line, spring_leg_walker, 0.5, 0.1, start={"with_loads": True})
     assert stands.contact_tension.values[-1] == pytest.approx(stance.tensions[:, None].T, rel=0.01)
     assert -0.16 < stance.tensions[0] / measured_tension - 1.0 < -0.05
     assert -0.20 < stance.bounce_frequency / measured_frequency - 1.0 < -0.14
     # Small: a tenth of her weight is taken off at the start.
-    lighter = {**person, "force": {"time": [0.0, 1e-3], "value": [[0.0, 50.0], [0.0, 0.0]]}}
+    lighter = {**spring_leg_walker, "force": {"time": [0.0, 1e-3], "value": [[0.0, 50.0], [0.0, 0.0]]}}
     bounces = goes(line, lighter, 12.0, 0.01, start={"with_loads": True})
     assert frequency(bounces) == pytest.approx(stance.bounce_frequency, rel=0.01)
-    wide = goes(line, person, 12.0, 0.01)  # set on the bare line: she falls through
+    wide = goes(line, spring_leg_walker, 12.0, 0.01)  # set on the bare line: she falls through
     print(name, stance.tensions[0], stance.bounce_frequency, frequency(bounces), frequency(wide))
     assert wide.contact_tension.values[1:].max() > 1.3 * stance.tensions[0]
 

@@ -16,13 +16,13 @@ from pydantic import ValidationError
 from motion_cases import order
 from ropewalk.capabilities import SYSTEM, engine_of
 from ropewalk.model import Scenario
-from ropewalk.results.frame import Account
+from ropewalk.results.frame import RunInfo
 from ropewalk.simulate import simulate
 from ropewalk.system.inertia import tangents
-from ropewalk.system.moving import Motion
+from ropewalk.system.loaded_structure import LoadedStructure
+from ropewalk.system.moving import SystemMotion
 from ropewalk.system.stability import WITHOUT_LOADS
-from ropewalk.system.standing import Standing
-from ropewalk.system.statics import Potential
+from ropewalk.system.statics import SystemPotential
 from system_cases import frames_of, imbalance
 
 F = 9.0
@@ -43,16 +43,23 @@ def asked(lines: dict[str, Any], until: float, gravity: float = 9.81, loads: Any
     return Scenario.model_validate({"gravity": gravity, "lines": lines, "loads": dict(loads), "run": run} | wind)
 
 
-def equations(motion: Motion) -> tuple[np.ndarray, np.ndarray, Any]:
+def equations(motion: SystemMotion) -> tuple[np.ndarray, np.ndarray, Any]:
     """K and M of free unknowns about rest, and how nodes move with these; M said anew."""
-    potential, n = Potential(motion.structure, Standing(motion.structure, motion.rest), 20.0), motion.rest.shape[1]
-    along, m, held = tangents(motion.structure, motion.rest), motion.structure.nodes.mass, motion.structure.holdings
+    potential, n = (
+        SystemPotential(motion.structure, LoadedStructure(motion.structure, motion.rest), 20.0),
+        motion.rest.shape[1],
+    )
+    along, m, restrained = (
+        tangents(motion.structure, motion.rest),
+        motion.structure.nodes.mass,
+        motion.structure.restraints,
+    )
     full = np.zeros((2, n, 2, n))
     for i in range(n):
         full[:, i, :, i] = m[i] * (np.eye(2) + (F - 1.0) * np.outer(along[:, i], along[:, i]))
-    for e in range(held.mass.size):
-        first = held.node[held.first[e]]
-        full[:, first, :, first] += held.mass[e] * np.eye(2)
+    for e in range(restrained.mass.size):
+        first = restrained.node[restrained.first[e]]
+        full[:, first, :, first] += restrained.mass[e] * np.eye(2)
     M = potential.free.T @ (full.reshape(2 * n, 2 * n) @ potential.free.toarray())
     return potential.stiffness(motion.rest.ravel()).toarray(), M, potential.free
 
@@ -61,7 +68,7 @@ def test_a_network_swings_in_its_modes() -> None:
     """Joint, springs and masses at supports: it stays in one to 1e-6, rounding, and its frequency is of order two."""
 
     def missed(step: float) -> float:
-        motion = Motion(asked(TRIPOD, 0.1, step=step), Account(), np.linspace(0.0, 0.1, 26))
+        motion = SystemMotion(asked(TRIPOD, 0.1, step=step), RunInfo(), np.linspace(0.0, 0.1, 26))
         K, M, free = equations(motion)
         squares, modes = linalg.eigh(K, M)
         number = int(np.searchsorted(np.sqrt(squares), 80.0))
@@ -89,7 +96,7 @@ def test_waves_along_a_string_are_slower_by_the_root_of_the_factor_and_those_acr
     h, seen = (1.0 / 1.0001) / 20, []  # stretched by 1 N of 10 kN
     for axis, factor in ((0, F), (1, F), (1, NOTHING)):
         scene = asked({"r": TAUT}, 0.1, 0.0, step=step, axial_inertia=factor)
-        motion = Motion(scene, Account(), times)
+        motion = SystemMotion(scene, RunInfo(), times)
         motion.state.r[axis] += 1e-7 * np.sin(k * x)
         away = []
         for i in range(times.size):
@@ -129,13 +136,13 @@ def test_the_step_grows_by_the_root_of_the_factor() -> None:
     """On a straight string by that, but for what it may turn (0.15 rad); everywhere it is stable."""
     steps = []
     for factor in (NOTHING, F):
-        account = Account()
-        Motion(asked({"r": TAUT}, 1.0, 0.0, axial_inertia=factor), account, np.array([0.0, 1.0]))
-        steps.append(account.step)
+        run_info = RunInfo()
+        SystemMotion(asked({"r": TAUT}, 1.0, 0.0, axial_inertia=factor), run_info, np.array([0.0, 1.0]))
+        steps.append(run_info.step)
     assert steps[1] / steps[0] == pytest.approx((1.0 / F + 0.0225) ** -0.5, rel=2e-3)  # T is 1e-4 of EA
-    account = Account()
-    K, M, _ = equations(Motion(asked(TRIPOD, 1.0), account, np.array([0.0, 1.0])))
-    bound = 2.0 / np.sqrt(linalg.eigh(K, M, eigvals_only=True)[-1]) / (account.step / WITHOUT_LOADS)
+    run_info = RunInfo()
+    K, M, _ = equations(SystemMotion(asked(TRIPOD, 1.0), run_info, np.array([0.0, 1.0])))
+    bound = 2.0 / np.sqrt(linalg.eigh(K, M, eigvals_only=True)[-1]) / (run_info.step / WITHOUT_LOADS)
     assert 1.0 < bound < 1.2
 
 

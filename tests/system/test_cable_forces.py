@@ -11,8 +11,8 @@ import pytest
 from motion_cases import order
 from ropewalk.model import Scenario
 from ropewalk.system.assembly import structure_of
-from ropewalk.system.standing import Standing
-from ropewalk.system.statics import Potential, settle
+from ropewalk.system.loaded_structure import LoadedStructure
+from ropewalk.system.statics import SystemPotential, settle
 
 CLAMPED = {"kind": "fixed", "clamped": True}
 
@@ -43,7 +43,7 @@ def joined_beams(bending_stiffness: float) -> Scenario:
 def test_forces_and_stiffness_are_derivatives_of_the_energy(scenario: Scenario) -> None:
     found = structure_of(scenario, 0.0)
     r = (found.near + 0.05 * np.random.default_rng(1).standard_normal(found.near.shape)).ravel()
-    potential, step = Potential(found.structure, Standing(found.structure, found.near), 4.0), 1e-5
+    potential, step = SystemPotential(found.structure, LoadedStructure(found.structure, found.near), 4.0), 1e-5
     unknowns = potential.free.shape[1]
     for i in range(unknowns):
         way = np.zeros(unknowns)

@@ -69,12 +69,12 @@ def test_what_has_come_slowly_is_held_as_at_rest_and_its_tensions_are_a_capstans
 
 def test_friction_that_suffices_holds_and_what_rubs_closes_its_audit_as_what_does_not() -> None:
     loose, until = {"axial_damping": 50.0, "drag": 0.5}, 0.4
-    held, still = (
+    restrained, still = (
         simulate(asked({**contact, "force": RAMP, "speed": 2.0}, moved(until), calm=True, **loose))
         for contact in ({"contact": "coulomb", "friction": 9.0}, {})
     )
-    assert held.position.values == pytest.approx(still.position.values, abs=1e-6)  # kinks are found to 1e-9
-    assert (held.hold_force == 0.0).all()
+    assert restrained.position.values == pytest.approx(still.position.values, abs=1e-6)  # kinks are found to 1e-9
+    assert (restrained.hold_force == 0.0).all()
     runs = [
         frames_of(asked({**contact, "force": RAMP, "speed": 2.0}, moved(until), calm=True, **loose))
         for contact in ({}, CONTACTS["dragged"])
@@ -96,10 +96,10 @@ def test_a_mass_without_friction_is_held_as_on_a_rope_that_is_divided_at_it() ->
     print(np.abs(found.contact_position - exact.contact_position).max().item())
     assert found.contact_position.values == pytest.approx(exact.contact_position.values, abs=0.01)
     assert np.ptp(found.contact_position.values[:, 0, 1]) > 1.0
-    held, right = (one.hold_force.values[5:, 0, 0] for one in (found, exact))
-    print(held.mean(), right.mean(), held.std(), right.std())
-    assert held.mean() == pytest.approx(right.mean(), rel=0.03)  # measured 1.1 %
-    assert held.std() == pytest.approx(right.std(), rel=0.15)  # 9 %: at instants they differ as contact forces do
+    restrained, right = (one.hold_force.values[5:, 0, 0] for one in (found, exact))
+    print(restrained.mean(), right.mean(), restrained.std(), right.std())
+    assert restrained.mean() == pytest.approx(right.mean(), rel=0.03)  # measured 1.1 %
+    assert restrained.std() == pytest.approx(right.std(), rel=0.15)  # 9 %: at instants they differ as contact forces do
     assert np.abs(found.contact_friction.values[2:]).max() < 1e-3
     steps = [3e-4, 1.5e-4, 7.5e-5]
     runs = [frames_of(asked(dict(keys), moved(0.5, step=step), calm=True, **loose)) for step in steps]

@@ -23,7 +23,7 @@ NET = {
 }  # fmt: skip
 W, MU = 3.0, 0.2
 A, F = float(np.arctan(0.5)), float(np.arctan(MU))
-HELD = {
+RESTRAINED = {
     "frictionless": ({}, W * np.tan(A)),
     "coulomb": ({"friction": MU, "friction_model": "block"}, W * np.tan(A - F)),
     "dragged": ({"friction": MU, "friction_model": "block"}, W * np.tan(A + F)),
@@ -42,15 +42,15 @@ def done(load: dict[str, Any], run: dict[str, Any], gravity: float = 0.0) -> Any
 
 
 @pytest.mark.parametrize(("run", "near"), [(SLOWLY, 0.01), (MOTION, 0.03)], ids=["slowly", "motion"])
-@pytest.mark.parametrize("contact", HELD)
+@pytest.mark.parametrize("contact", RESTRAINED)
 def test_a_force_is_held_as_on_an_inclined_plane(contact: str, run: dict[str, Any], near: float) -> None:
     """A light force hardly dents the net, in the middle of which its own dent does not push it along."""
-    keys, exact = HELD[contact]
+    keys, exact = RESTRAINED[contact]
     found = done({"kind": "force", "force": [0, 0, -W], "contact": contact, **keys}, run)
-    held = found.hold_force.values[1:-2, 0]
-    print(np.abs(held[:, 1] - exact).max() / W)
-    assert np.abs(held[:, [0, 2]]).max() < 1e-12
-    assert held[:, 1] == pytest.approx(exact, abs=near * W)
+    restrained = found.hold_force.values[1:-2, 0]
+    print(np.abs(restrained[:, 1] - exact).max() / W)
+    assert np.abs(restrained[:, [0, 2]]).max() < 1e-12
+    assert restrained[:, 1] == pytest.approx(exact, abs=near * W)
     imbalance = found.energy.values[:, ENERGY_FORMS.index("imbalance")] if run is MOTION else np.zeros(1)
     print(imbalance)
     assert np.abs(imbalance).max() < 1e-3
@@ -58,8 +58,8 @@ def test_a_force_is_held_as_on_an_inclined_plane(contact: str, run: dict[str, An
 
 def test_a_mass_without_friction_is_held_as_its_weight_is() -> None:
     found = done({"kind": "mass", "mass": W / 9.81, "contact": "frictionless"}, MOTION, 9.81)
-    held = found.hold_force.values[5:-3, 0, 1]
+    restrained = found.hold_force.values[5:-3, 0, 1]
     done_by, missed = (found.energy.values[-1, ENERGY_FORMS.index(name)] for name in ("hold_work", "imbalance"))
-    print(held / W, done_by, missed)
-    assert held.mean() == pytest.approx(W * np.tan(A), abs=0.03 * W)
+    print(restrained / W, done_by, missed)
+    assert restrained.mean() == pytest.approx(W * np.tan(A), abs=0.03 * W)
     assert abs(missed) < 1.5e-3 * abs(done_by)  # measured 8e-4, growing evenly with the way

@@ -62,9 +62,11 @@ def test_a_load_is_held_as_on_a_rope_that_is_divided_at_it(contact: dict[str, An
 
 def test_a_mass_without_friction_is_held_as_its_weight_is() -> None:
     mass = {"kind": "mass", "force": None, "mass": W / 9.81, "contact": "frictionless"}
-    force, held = (hold(simulate(scenario(own, calm=True, elements=40))) for own in (CONTACTS["frictionless"], mass))
-    assert np.abs(held).max() > 100.0
-    assert held == pytest.approx(force, abs=1e-6 * W)
+    force, restrained = (
+        hold(simulate(scenario(own, calm=True, elements=40))) for own in (CONTACTS["frictionless"], mass)
+    )
+    assert np.abs(restrained).max() > 100.0
+    assert restrained == pytest.approx(force, abs=1e-6 * W)
 
 
 def test_whether_friction_is_enough_is_asked_at_rest_and_in_motion() -> None:

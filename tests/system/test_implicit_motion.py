@@ -14,11 +14,11 @@ import scipy.linalg as linalg
 
 from ropewalk.capabilities import ROPES, SYSTEM, engine_of
 from ropewalk.model import Scenario
-from ropewalk.results.frame import ENERGY_FORMS, Account
+from ropewalk.results.frame import ENERGY_FORMS, RunInfo
 from ropewalk.results.running import TimeHistory
-from ropewalk.system.moving import Motion
+from ropewalk.system.moving import SystemMotion
 from ropewalk.system.spectrum import equations_of
-from ropewalk.system.still import Still
+from ropewalk.system.still import SystemStatics
 from system_cases import frames_of, line, scenario
 
 DAMPED: dict[str, Any] = {"axial_stiffness": 10.0, "elements": 8, "axial_damping": 0.05}
@@ -84,9 +84,9 @@ def test_the_order_is_the_fifth_and_the_audit_closes(load: Any, keys: dict[str, 
 
 def test_small_motion_is_the_exponential_of_its_matrix() -> None:
     keys = {**YIELDS, "drag": 0.3}
-    still = Still(
+    still = SystemStatics(
         scenario({"r": line(**{**DAMPED, **keys})}, {}, 1.0, 1.0, run={"kind": "equilibrium"}),
-        Account(),
+        RunInfo(),
         0.0,
         space=True,
     )
@@ -119,14 +119,14 @@ def test_what_moves_along_agrees_with_small_steps_of_verlet() -> None:
 def test_strong_damping_takes_few_steps() -> None:
     """Explicit steps are as short as rho h^2 / 2 c; the tolerance that is asked for is kept."""
     strong = {"axial_damping": 50.0, "elements": 32, "run": {"step": None, "accuracy": 1e-4, **MODE}}
-    account, times = Account(), np.array([0.0, UNTIL])
-    found = list(TimeHistory(Motion(moving(None, 1, **strong), account, times), account).frames())[-1]
-    assert account.outcome == "running"
-    explicit = Account()
-    Motion(moving(None, 1, "verlet", **{**strong, "run": {"step": None, **MODE}}), explicit, times)
+    run_info, times = RunInfo(), np.array([0.0, UNTIL])
+    found = list(TimeHistory(SystemMotion(moving(None, 1, **strong), run_info, times), run_info).frames())[-1]
+    assert run_info.outcome == "running"
+    explicit = RunInfo()
+    SystemMotion(moving(None, 1, "verlet", **{**strong, "run": {"step": None, **MODE}}), explicit, times)
     exact, _ = end_of(moving(None, 64, **{**strong, "run": MODE}))
-    print(account.steps, UNTIL / explicit.step)
-    assert account.steps < UNTIL / explicit.step / 100
+    print(run_info.steps, UNTIL / explicit.step)
+    assert run_info.steps < UNTIL / explicit.step / 100
     assert np.abs(found.position.ravel() - exact).max() < 1e-4
 
 

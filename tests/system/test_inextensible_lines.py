@@ -15,11 +15,11 @@ import pytest
 
 from ropewalk.errors import ScenarioError
 from ropewalk.model import Scenario
-from ropewalk.results.frame import Account
+from ropewalk.results.frame import RunInfo
 from ropewalk.results.running import TimeHistory
 from ropewalk.scenario import loads as read
 from ropewalk.simulate import simulate, spectrum_of
-from ropewalk.system.moving import Motion
+from ropewalk.system.moving import SystemMotion
 from ropewalk.theory import cable
 
 RIGID: dict[str, Any] = {"law": {"kind": "inextensible"}}
@@ -68,8 +68,8 @@ def test_motion_is_of_the_second_order_in_time() -> None:
 def stretched(load: dict[str, Any], stiffness: float) -> Any:
     """Last frame of the same motion of a line that stretches, by the same engine."""
     scenario = Scenario.model_validate(rope(load, {"axial_stiffness": stiffness}))
-    moving = Motion(scenario, account := Account(), np.array([0.0, 0.4]))
-    return TimeHistory(moving, account).last()
+    moving = SystemMotion(scenario, run_info := RunInfo(), np.array([0.0, 0.4]))
+    return TimeHistory(moving, run_info).last()
 
 
 def test_stiff_lines_come_to_inextensible_ones_with_the_first_order_of_their_compliance() -> None:

@@ -15,7 +15,7 @@ import xarray as xr
 
 from continuous_beams import EI, MASS, SPANS, Array, three_moments, under_a_moving_force
 from example_routes import deck_under_a_vehicle
-from held_strings import HeldString, Rider, Station, crossed
+from held_strings import HeldString, MovingLoad, Station, crossed
 from ropewalk.capabilities import SYSTEM, engine_of
 from ropewalk.model import Scenario
 from ropewalk.scenario import load
@@ -102,7 +102,7 @@ def test_a_string_on_a_spring_at_a_station_yields_to_a_force_as_its_characterist
         found = moving(line, 0.9, 0.01, loads=crossing(1e-3))
         node = int(np.abs(found.xi.values - support["at"]).argmin())
         string = HeldString(20.0, 1e4, 1.0 / (1.0 + STRAIN), Station(at, stiffness, mass=mass))
-        exact = -crossed(string, SPEED * (1.0 + STRAIN), found.time.values, Rider(force=1e-3))[0]
+        exact = -crossed(string, SPEED * (1.0 + STRAIN), found.time.values, MovingLoad(force=1e-3))[0]
         away = found.position.values[:, node, 1] - exact
         errors.append(float(np.sqrt((away**2).mean()) / np.abs(exact).max()))
         reaction = found.reaction.sel(axis="z").values[:, 2]
@@ -115,25 +115,25 @@ def test_a_string_on_a_spring_at_a_station_yields_to_a_force_as_its_characterist
 @pytest.mark.parametrize("kind", ["force", "mass"])
 def test_a_rope_that_is_held_is_two_ropes_that_end_there(kind: str) -> None:
     """The same links, step for step, while the load is on the first of them."""
-    rider = {"kind": kind, "on": "line", "travel": {"speed": SPEED, "from": 3.0}}
-    rider |= {"force": [0, -500.0]} if kind == "force" else {"mass": 40.0}
+    moving_load = {"kind": kind, "on": "line", "travel": {"speed": SPEED, "from": 3.0}}
+    moving_load |= {"force": [0, -500.0]} if kind == "force" else {"mass": 40.0}
     rope = {"mass": 1.0, "axial_stiffness": 1e6, "axial_damping": 50.0, "wind_drag": 0.01}
     wind = {"wind": {"direction": [1, 0], "speed": 0.0}, "gravity": 9.81}
     whole = rope | {"start": [0, 0], "end": [20, 0], "length": 19.8, "elements": 80}
     pier = {"at": 0.4 * 19.8, "kind": "fixed"}
-    held = moving(whole | {"supports": {"saddle": pier}}, 0.2, 0.01, loads={"load": rider}, **wind)
+    restrained = moving(whole | {"supports": {"saddle": pier}}, 0.2, 0.01, loads={"load": moving_load}, **wind)
     run = {"kind": "dynamic", "until": 0.2, "every": 0.01}
     ropes = {
         "line": rope | {"start": [0, 0], "end": [8, 0], "length": 0.4 * 19.8, "elements": 32},
         "far": rope | {"start": [8, 0], "end": [20, 0], "length": 0.6 * 19.8, "elements": 48},
     }
-    tree = {"lines": ropes, "loads": {"load": rider}, "run": run | {"step": held.attrs["step"]}} | wind
+    tree = {"lines": ropes, "loads": {"load": moving_load}, "run": run | {"step": restrained.attrs["step"]}} | wind
     two = simulate(Scenario.model_validate(tree))
     kept = [*range(33), *range(34, 82)]  # the second rope begins where the first one ends
-    np.testing.assert_allclose(held.position.values, two.position.values[:, kept], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(restrained.position.values, two.position.values[:, kept], rtol=0, atol=1e-9)
     assert two.support.values.tolist() == ["line.start", "line.end", "far.start", "far.end"]
     at_saddle = two.reaction.values[:, 1] + two.reaction.values[:, 2]
-    np.testing.assert_allclose(held.reaction.values[:, 2], at_saddle, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(restrained.reaction.values[:, 2], at_saddle, rtol=0, atol=1e-5)
 
 
 def test_a_pier_that_yields_to_all_is_none_and_one_that_hardly_yields_is_rigid() -> None:
@@ -168,9 +168,9 @@ def test_a_pier_that_sinks_takes_the_beam_along() -> None:
 
 def test_a_mass_rolls_over_a_pier_and_keeps_the_audit() -> None:
     """What is missing of the energy shrinks with the mesh."""
-    rider = {"kind": "mass", "on": "line", "mass": 500.0, "travel": {"speed": SPEED, "from": 2.0}}
+    moving_load = {"kind": "mass", "on": "line", "mass": 500.0, "travel": {"speed": SPEED, "from": 2.0}}
     line = beam((7.2, 12.8), 50) | {"length": 20.0}
-    found = moving(line, 0.8, 0.01, gravity=9.81, loads={"mass": rider})
+    found = moving(line, 0.8, 0.01, gravity=9.81, loads={"mass": moving_load})
     audit = found.energy
     turned = float(np.abs(audit.sel(form=["kinetic", "load_kinetic", "elastic"])).sum("form").max())
     assert float(np.abs(audit.sel(form="imbalance")).max()) < 1e-4 * turned

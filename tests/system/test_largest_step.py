@@ -12,11 +12,11 @@ import pytest
 import scipy.sparse.linalg as sla
 
 from ropewalk.model import Scenario
-from ropewalk.results.frame import Account
-from ropewalk.system.moving import Motion
+from ropewalk.results.frame import RunInfo
+from ropewalk.system.moving import SystemMotion
 from ropewalk.system.spectrum import equations_of
 from ropewalk.system.stability import WITHOUT_LOADS
-from ropewalk.system.still import Still
+from ropewalk.system.still import SystemStatics
 from system_cases import HELD_TAUT, deck_on_a_hanger
 
 CALM = {"wind": {"direction": [1, 0], "speed": 0.0}}
@@ -33,10 +33,10 @@ LINES: dict[str, dict[str, Any]] = {
 def test_the_step_is_bound_by_the_largest_frequency(lines: dict[str, Any]) -> None:
     """Bounds of single lines are those of endless ones: right to 0.2 %; joints and beds cost up to an eighth."""
     tree = {"lines": lines, **CALM, "gravity": 9.81, **({"joints": {}} if len(lines) > 1 else {})}
-    still = Still(Scenario.model_validate({**tree, "run": {"kind": "equilibrium"}}), Account(), 0.0, space=True)
+    still = SystemStatics(Scenario.model_validate({**tree, "run": {"kind": "equilibrium"}}), RunInfo(), 0.0, space=True)
     found = equations_of(still)
     square = float(sla.eigsh(found.stiffness, 1, found.mass, which="LM", return_eigenvectors=False)[0])
-    moves, account = {"kind": "dynamic", "until": 1.0}, Account()
-    Motion(Scenario.model_validate({**tree, "run": moves}), account, np.array([0.0, 1.0]))
-    bound = 2.0 / np.sqrt(square) / (account.step / WITHOUT_LOADS)
+    moves, run_info = {"kind": "dynamic", "until": 1.0}, RunInfo()
+    SystemMotion(Scenario.model_validate({**tree, "run": moves}), run_info, np.array([0.0, 1.0]))
+    bound = 2.0 / np.sqrt(square) / (run_info.step / WITHOUT_LOADS)
     assert 0.998 < bound < (1.002 if len(lines) == 1 and "foundation" not in lines["r"] else 1.12)

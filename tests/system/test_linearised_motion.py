@@ -18,12 +18,12 @@ from ropewalk.capabilities import SYSTEM, WIRES, engine_of
 from ropewalk.cosim import stepwise
 from ropewalk.errors import EquilibriumError, ScenarioError
 from ropewalk.model import Scenario
-from ropewalk.results.frame import Account
+from ropewalk.results.frame import RunInfo
 from ropewalk.simulate import simulate, spectrum_of
 from ropewalk.system.assembly import structure_of
-from ropewalk.system.moving import Motion
-from ropewalk.system.standing import Standing
-from ropewalk.system.statics import Potential, about_rest, at_rest
+from ropewalk.system.loaded_structure import LoadedStructure
+from ropewalk.system.moving import SystemMotion
+from ropewalk.system.statics import SystemPotential, about_rest, at_rest
 from ropewalk.theory import beam_crossing
 from ropewalk.theory.image_sum import travelling_force
 from system_cases import ROPE, TRIPOD, frames_of, imbalance, scenario, with_steps_of
@@ -75,7 +75,7 @@ def test_its_energy_has_the_forces_and_the_stiffness_of_rest() -> None:
     found = structure_of(motion({"deck": beam}, {}), 0.0)
     structure, rest = at_rest(found.structure, np.array([0.0, -9.81]), found.near)
     full, small = (
-        Potential(one, Standing(one, rest), 20.0) for one in (structure, about_rest(structure, rest))
+        SystemPotential(one, LoadedStructure(one, rest), 20.0) for one in (structure, about_rest(structure, rest))
     )  # fmt: skip
     r = (rest + 0.5 * np.random.default_rng(1).standard_normal(rest.shape)).ravel()
     K = full.stiffness(rest.ravel()).toarray()
@@ -100,9 +100,9 @@ def test_a_network_swings_in_the_modes_of_its_spectrum() -> None:
     def missed(part: float) -> float:
         scene = with_steps_of(given, part)
         times = np.linspace(0.0, 0.5, 26)
-        moving = Motion(scene, Account(), times)
+        moving = SystemMotion(scene, RunInfo(), times)
         structure = moving.structure._replace(about=moving.structure.about.nothing(2))
-        potential = Potential(structure, Standing(structure, moving.rest), 20.0)
+        potential = SystemPotential(structure, LoadedStructure(structure, moving.rest), 20.0)
         K, M = potential.stiffness(moving.rest.ravel()).toarray(), potential.masses().toarray()
         squares, modes = linalg.eigh(K, M)
         w, mode = float(np.sqrt(squares[4])), modes[:, 4]

@@ -13,12 +13,12 @@ import xarray as xr
 from scipy.linalg import eigh
 
 from ropewalk.model import Scenario
-from ropewalk.results.frame import Account, Frame
+from ropewalk.results.frame import Frame, RunInfo
 from ropewalk.simulate import simulate
-from ropewalk.system.moving import Motion
+from ropewalk.system.loaded_structure import LoadedStructure
+from ropewalk.system.moving import SystemMotion
 from ropewalk.system.sheaves_at_rest import damping_of
-from ropewalk.system.standing import Standing
-from ropewalk.system.statics import Potential
+from ropewalk.system.statics import SystemPotential
 
 G = 9.81
 
@@ -35,12 +35,12 @@ def scenario(rope: dict[str, Any], run: dict[str, Any], **more: Any) -> Scenario
     return Scenario.model_validate({"lines": {"rope": rope}, "run": {"kind": "dynamic", "every": 0.01, **run}, **more})
 
 
-def at_first(rope: dict[str, Any], **more: Any) -> Motion:
+def at_first(rope: dict[str, Any], **more: Any) -> SystemMotion:
     """A motion in its first state."""
-    return Motion(scenario(rope, {"until": 0.01}, **more), Account(), np.array([0.0]))
+    return SystemMotion(scenario(rope, {"until": 0.01}, **more), RunInfo(), np.array([0.0]))
 
 
-def frame_of(motion: Motion) -> Frame:
+def frame_of(motion: SystemMotion) -> Frame:
     """Its present frame."""
     return motion.frames([motion.note()])[0]
 
@@ -214,7 +214,7 @@ def test_a_rope_that_runs_out_says_so() -> None:
 def test_stiffness_and_dampers_of_pieces_are_derivatives_of_their_forces() -> None:
     motion, rng = at_first(over(axial_damping=50.0)), np.random.default_rng(7)
     structure, r = motion.structure, motion.rest + 1e-3 * rng.standard_normal(motion.rest.shape)
-    potential = Potential(structure, Standing(structure, r), 1.0)
+    potential = SystemPotential(structure, LoadedStructure(structure, r), 1.0)
     way = rng.standard_normal(potential.free.shape[1])
     ahead, behind = (potential.out_of_balance(r.ravel() + potential.free @ (far * way)) for far in (1e-6, -1e-6))
     change, K = (behind - ahead) / 2e-6, potential.stiffness(r.ravel())

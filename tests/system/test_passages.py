@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from held_strings import Array, HeldString, Rider, Station, crossed
+from held_strings import Array, HeldString, MovingLoad, Station, crossed
 from motion_cases import order
 from ropewalk.theory import string
 from system_cases import frames_of, imbalance, scenario
@@ -21,13 +21,13 @@ UNTIL, WEIGHT = 0.9, 1e-3
 TIMES = np.linspace(0.0, UNTIL, 91)
 
 
-def passes(lines: dict[str, Any], mass: float, held: Station) -> tuple[float, float]:
+def passes(lines: dict[str, Any], mass: float, restrained: Station) -> tuple[float, float]:
     """Errors of the deflection at a station and below a load that crosses it, in the mean square, over the largest."""
     load = {"kind": "mass", "mass": mass} if mass else {"kind": "force"}
     load |= {"on": "s", "force": [0, -WEIGHT], "travel": {"speed": SPEED, "at_end": "leave"}}
     frames = frames_of(scenario(lines, {"p": load}, UNTIL, UNTIL), TIMES)
-    own = HeldString(20.0, 1e4, 1.0 / (1.0 + STRAIN), held)
-    at, below = crossed(own, SPEED * (1.0 + STRAIN), TIMES, Rider(force=WEIGHT, mass=mass))
+    own = HeldString(20.0, 1e4, 1.0 / (1.0 + STRAIN), restrained)
+    at, below = crossed(own, SPEED * (1.0 + STRAIN), TIMES, MovingLoad(force=WEIGHT, mass=mass))
 
     def missed(found: Array, exact: Array) -> float:
         return float(np.sqrt(np.mean((found + exact) ** 2)) / np.abs(exact).max())
@@ -67,9 +67,9 @@ STATIONS = {
 @pytest.mark.parametrize("kind", STATIONS)
 def test_a_mass_passes_it_as_characteristics_say(kind: str) -> None:
     """Below the mass to the second order; the station, at which a corner of the deflection passes, less than that."""
-    lines, held = STATIONS[kind]
+    lines, restrained = STATIONS[kind]
     meshes = (25, 50, 100)
-    errors = [passes(lines(n), 10.0, held) for n in meshes]
+    errors = [passes(lines(n), 10.0, restrained) for n in meshes]
     at, below = ([error[i] for error in errors] for i in (0, 1))
     sizes = [1.0 / n for n in meshes]
     assert below[-1] < 2e-4
@@ -81,10 +81,10 @@ def test_a_mass_passes_it_as_characteristics_say(kind: str) -> None:
 def test_characteristics_without_a_station_are_those_of_the_string() -> None:
     """The reference itself beside the delay equation of one mass, and Fryba's forces."""
     free = HeldString(20.0, 1e4, 1.0, Station(AT))
-    _, found = crossed(free, SPEED, TIMES, Rider(force=9.81 * 10.0, mass=10.0))
+    _, found = crossed(free, SPEED, TIMES, MovingLoad(force=9.81 * 10.0, mass=10.0))
     exact = string.moving_mass(TIMES, load_mass=10.0, speed=SPEED, length=20.0, tension=1e4, mass=1.0, gravity=9.81)
     assert np.abs(found[0] - exact.deflection).max() < 1e-6 * np.abs(exact.deflection).max()
-    at, _ = crossed(free, SPEED, TIMES, Rider(), Rider(enters=0.27))
+    at, _ = crossed(free, SPEED, TIMES, MovingLoad(), MovingLoad(enters=0.27))
     both = string.moving_forces(AT, TIMES, forces=[1.0, 1.0], speeds=[SPEED, SPEED], entries=[0.0, 0.27], length=20.0,
                                 tension=1e4, mass=1.0)  # fmt: skip
     assert np.abs(at - both).max() < 1e-9 * both.max()

@@ -13,14 +13,14 @@ import pytest
 import xarray as xr
 
 from motion_cases import order
-from ropewalk.capabilities import SYSTEM, WEBS, engine_of
+from ropewalk.capabilities import NETWORKS, SYSTEM, engine_of
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
 from ropewalk.system.assembly import contacts_of, structure_of
-from ropewalk.system.standing import Carried, Standing
-from ropewalk.system.statics import Potential, at_rest
+from ropewalk.system.loaded_structure import Carried, LoadedStructure
+from ropewalk.system.statics import SystemPotential, at_rest
 
 CALM = {"direction": [1, 0], "speed": 0.0}
 LINE = {"start": [0, 0], "end": [20, 1], "length": 20.2, "mass": 1.0, "axial_stiffness": 1e5, "elements": 20}
@@ -75,12 +75,12 @@ def test_a_motion_that_begins_with_loads_stays_at_rest(bending: float, elements:
     assert result.reaction.values[0].sum(axis=0) == pytest.approx(-borne, abs=1e-7)
 
 
-def potential_of(asked: Scenario) -> Potential:
+def potential_of(asked: Scenario) -> SystemPotential:
     assembled, loading = structure_of(asked, 0.0), loading_of(asked, 0.0)
     structure, rest = at_rest(assembled.structure, loading.gravity, assembled.near)
-    standing = Standing(structure, rest, Carried(*contacts_of(asked, loading, structure, assembled.on)))
+    standing = LoadedStructure(structure, rest, Carried(*contacts_of(asked, loading, structure, assembled.on)))
     standing.stand(0.0, rest)
-    return Potential(structure, standing, 20.0)
+    return SystemPotential(structure, standing, 20.0)
 
 
 @pytest.mark.parametrize(("bending", "loads", "off"), [
@@ -233,7 +233,7 @@ def test_networks_keep_the_loads_at_rest_that_they_know() -> None:
     one, stiff = {"line": LINE}, {"line": {**LINE, "bending_stiffness": 1.0}}
     push, bob = {"push": LOADS["push"]}, {"bob": LOADS["bob"]}
     asked = [engine_of(scenario(*pair)) for pair in ((one, push), (one, bob), (stiff, push), (stiff, {}))]
-    assert asked == [WEBS, SYSTEM, SYSTEM, SYSTEM]
+    assert asked == [NETWORKS, SYSTEM, SYSTEM, SYSTEM]
 
 
 def test_what_rest_does_not_bear_is_refused_by_its_key() -> None:

@@ -16,9 +16,9 @@ import scipy.linalg as linalg
 
 from ropewalk.capabilities import ROPES, SYSTEM, engine_of
 from ropewalk.model import Scenario
-from ropewalk.results.frame import ENERGY_FORMS, Account
+from ropewalk.results.frame import ENERGY_FORMS, RunInfo
 from ropewalk.system.spectrum import equations_of
-from ropewalk.system.still import Still
+from ropewalk.system.still import SystemStatics
 from system_cases import frames_of, imbalance, line, scenario
 
 SOFT = {"axial_stiffness": 10.0, "elements": 8}
@@ -95,7 +95,7 @@ def test_what_moves_along_is_far_better_than_with_verlet(load: Any, stiff: dict[
 def test_small_motion_follows_the_modes_of_the_spectrum() -> None:
     """A mode of the whole string, released, is a cosine in time, to the sixth order."""
     tree = {"r": line(**SOFT)}
-    still = Still(scenario(tree, {}, 1.0, 1.0, run={"kind": "equilibrium"}), Account(), 0.0, space=True)
+    still = SystemStatics(scenario(tree, {}, 1.0, 1.0, run={"kind": "equilibrium"}), RunInfo(), 0.0, space=True)
     found = equations_of(still)
     K, M = found.stiffness.toarray(), found.mass.toarray()
     omega = np.sqrt(linalg.eigh(K, M, eigvals_only=True))
@@ -176,7 +176,9 @@ def test_the_order_is_the_sixth_where_something_damps(load: Any, keys: dict[str,
 def test_a_damped_mode_is_a_damped_cosine() -> None:
     """Small motion of the whole string with drag gamma: exp(-gamma t/2) (cos w t + gamma/2w sin w t)."""
     gamma = 0.8
-    still = Still(scenario({"r": line(**SOFT)}, {}, 1.0, 1.0, run={"kind": "equilibrium"}), Account(), 0.0, space=True)
+    still = SystemStatics(
+        scenario({"r": line(**SOFT)}, {}, 1.0, 1.0, run={"kind": "equilibrium"}), RunInfo(), 0.0, space=True
+    )
     found = equations_of(still)
     omega = np.sqrt(linalg.eigh(found.stiffness.toarray(), found.mass.toarray(), eigvals_only=True))
     first = omega[np.abs(omega - np.pi).argmin()]

@@ -19,14 +19,14 @@ from continuous_beams import EI, MASS, under_a_moving_force
 from ropewalk.capabilities import SUPERPOSED, engine_of
 from ropewalk.errors import EquilibriumError
 from ropewalk.model import Linear, Scenario
-from ropewalk.results.frame import Account, Frame
+from ropewalk.networks.lengths import laid_at_rest
+from ropewalk.results.frame import Frame, RunInfo
 from ropewalk.simulate import output_times, simulate
-from ropewalk.solve.modal import Modes, Step
+from ropewalk.solve.modal import ModalBasis, ModalStep
 from ropewalk.solve.radau_iia import C as STAGES
 from ropewalk.system.superposed import Superposed
 from ropewalk.theory import beam_crossing
 from ropewalk.theory import membrane as theory
-from ropewalk.webs.lengths import laid_at_rest
 from system_cases import ROPE, TRIPOD, frames_of, with_steps_of
 
 PIER = {"kind": "guided", "along": [1, 0]}
@@ -49,9 +49,9 @@ def superposed(scenario: Scenario, **run: Any) -> list[Frame]:
     """All frames by modes, whichever theory would be chosen."""
     asked = scenario.run
     linear = Linear(until=asked.until, every=asked.every, **run)
-    account = Account()
-    found = list(Superposed(scenario, linear, output_times(linear), account).frames())
-    assert not account.doubts, account.doubts
+    run_info = RunInfo()
+    found = list(Superposed(scenario, linear, output_times(linear), run_info).frames())
+    assert not run_info.doubts, run_info.doubts
     return found
 
 
@@ -74,14 +74,14 @@ def test_modes_follow_forces_as_the_equations_of_motion_do(damping: str) -> None
     B, D = rng.normal(size=(2, n, n))
     K, M = B @ B.T + 3.0 * np.eye(n), np.diag(rng.uniform(1.0, 2.0, n))
     C = {"none": 0.0 * M, "drag": 0.3 * M, "overdamped": 9.0 * M, "coupled": D @ D.T}[damping]
-    modes = Modes.of(*map(sparse.csc_matrix, (K, M, C)), sparse.identity(n, format="csr"))
+    modes = ModalBasis.of(*map(sparse.csc_matrix, (K, M, C)), sparse.identity(n, format="csr"))
     parts = rng.normal(size=(3, n))  # of 1, t, t^2
     A = np.zeros((2 * n + 3, 2 * n + 3))
     A[:n, n : 2 * n] = np.eye(n)
     A[n : 2 * n] = np.linalg.inv(M) @ np.hstack([-K, -C, parts.T * [1.0, 1.0, 2.0]])
     A[[-2, -1], [-3, -2]] = 1.0
     exact = linalg.expm(3.0 * h * A)[:, -3]
-    step, z = Step(modes.rate, h), np.zeros(modes.rate.size, dtype=complex)
+    step, z = ModalStep(modes.rate, h), np.zeros(modes.rate.size, dtype=complex)
     for i in range(3):
         forces = [np.array([1.0, t, t * t]) @ parts for t in h * (i + STAGES)]
         z = step.decay[2] * z + sum(step.weight[2, k] * (forces[k] @ modes.driven) for k in range(3))
@@ -126,8 +126,8 @@ def test_modes_of_a_net_under_a_moving_force_converge_to_the_closed_form() -> No
         travel = {"path": [[0.0, 1.2], [4.0, 1.2]], "speed": 1.0}
         bare = given({}, {"p": {**load, "travel": travel}}, 1.0, 1.0, nets={"net": sheet}, gravity=0.0)
         laid, _ = laid_at_rest(bare.model_copy(update={"loads": {}}), 0.0)
-        weight = laid.sheets[0].weight
-        mass, plan = weight.sum() / 12.0, laid.sheets[0].surface.plan
+        weight = laid.membranes[0].weight
+        mass, plan = weight.sum() / 12.0, laid.membranes[0].surface.plan
         speed = 0.5 * np.sqrt(500.0 / mass)
         until = 3.2 / speed
         loads = {"p": {**load, "travel": {**travel, "speed": speed}}}

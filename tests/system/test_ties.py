@@ -17,8 +17,8 @@ from scipy.optimize import brentq
 
 from ropewalk.model import Scenario
 from ropewalk.system.assembly import structure_of
-from ropewalk.system.standing import Standing
-from ropewalk.system.statics import Potential, settle
+from ropewalk.system.loaded_structure import LoadedStructure
+from ropewalk.system.statics import SystemPotential, settle
 from ropewalk.system.structure import Structure
 from ropewalk.system.ties import Point, Tie, ties_of
 
@@ -54,8 +54,8 @@ def spring(structure: Structure, stiffness: float = SPRING, **more: Any) -> Tie:
     return Tie(point(structure, 0, AT), np.array([AT, 0.0]), stiffness=both, way=UP, **more)
 
 
-def potential_of(structure: Structure, r: Array) -> Potential:
-    return Potential(structure, Standing(structure, r), L)
+def potential_of(structure: Structure, r: Array) -> SystemPotential:
+    return SystemPotential(structure, LoadedStructure(structure, r), L)
 
 
 def frequencies(structure: Structure, r: Array, count: int) -> Array:

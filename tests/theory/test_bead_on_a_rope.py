@@ -78,7 +78,7 @@ def test_first_stops_are_those_of_the_catalogue(law, coefficient: float, time: f
     assert slide.stop_places[0] == pytest.approx(place, abs=1.1e-10)
 
 
-def _pieces(slide: bead.Slide, rope: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
+def _segments(slide: bead.Slide, rope: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
     """Forces of the rope behind and ahead on the bead, from its place and tensions alone."""
     place = np.stack([slide.x, slide.z])
     behind, ahead = -place, np.array([[rope["span"]], [rope.get("height", 0.0)]]) - place
@@ -113,7 +113,7 @@ def test_a_swing_is_that_of_the_integrated_forces(rope: dict[str, float], start:
     energy = 0.5 * (swing.x_velocity**2 + swing.z_velocity**2) + G * (swing.z - swing.z[0])
     assert np.max(np.abs(energy)) < 1e-11  # rounding of 100 J/kg
     assert np.all(swing.tension_behind == swing.tension_ahead)
-    force = sum(_pieces(swing, rope))
+    force = sum(_segments(swing, rope))
     there = np.array([rates(0, state)[2:] for state in ode.y.T]).T
     assert (force / 2.0 - [[0.0], [G]]) == pytest.approx(there, abs=1e-6)
 
@@ -166,7 +166,7 @@ def test_a_bead_slides_by_newtons_law_and_coulombs_and_rests(law, coefficient, h
     for now in t[moving][1:4]:
         if np.min(np.abs(slide.stop_times - now)) > 1e-3:
             near = bead.slide([now - 1e-4, now, now + 1e-4], **give)
-            pull = sum(_pieces(near, rope))[:, 1] / mass - [0.0, G]
+            pull = sum(_segments(near, rope))[:, 1] / mass - [0.0, G]
             assert np.diff(near.x_velocity[::2])[0] / 2e-4 == pytest.approx(pull[0], abs=1e-4)
             assert np.diff(near.z_velocity[::2])[0] / 2e-4 == pytest.approx(pull[1], abs=1e-4)
 
@@ -197,13 +197,13 @@ def test_friction_holds_a_bead_from_the_start_or_lets_it_go() -> None:
     at = locus.ellipse(span=20.0, length=22.0, load=1.0, x=7.0)
     needed = abs(float(at.slope))  # theory of the block: the hold force by the weight
     give = {"start": 7.0, "mass": 1.0, "friction": "block", **ROPE}
-    held = bead.slide([0.0, 5.0], coefficient=needed * (1 + 1e-9), **give)
+    restrained = bead.slide([0.0, 5.0], coefficient=needed * (1 + 1e-9), **give)
     loose = bead.slide([0.0, 5.0], coefficient=needed * (1 - 1e-9), **give)
-    assert held.rests
-    assert np.all(held.x == 7.0)
-    assert held.stop_times.size == 0
+    assert restrained.rests
+    assert np.all(restrained.x == 7.0)
+    assert restrained.stop_times.size == 0
     assert loose.x_velocity[1] != 0.0 or loose.stop_times.size > 0
-    assert sum(_pieces(held, ROPE))[:, 0] == pytest.approx([0.0, G], abs=1e-12)
+    assert sum(_segments(restrained, ROPE))[:, 0] == pytest.approx([0.0, G], abs=1e-12)
     pushed = bead.slide([0.0, 5.0], coefficient=needed * (1 + 1e-9), speed=1.0, **give)
     assert pushed.x[1] > 7.0
 

@@ -63,8 +63,8 @@ def test_modes_are_orthonormal_and_meet_ends_and_equation(pull: float, foundatio
     assert np.max(np.abs(3.0 * fourth - tension * bend + foundation * w - inertia)) < 1e-9 * scale
     ends = np.array([0.0, 2.0])
     assert np.max(np.abs(modes.shape(ends))) < 1e-9
-    held = modes.shape(ends, 1 if kind == "clamped" else 2)
-    assert np.max(np.abs(held)) < 1e-9 * np.max(modes.wavenumber) ** 2
+    restrained = modes.shape(ends, 1 if kind == "clamped" else 2)
+    assert np.max(np.abs(restrained)) < 1e-9 * np.max(modes.wavenumber) ** 2
 
 
 def test_mode_whose_two_waves_both_end_flat() -> None:

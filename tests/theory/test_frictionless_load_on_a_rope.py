@@ -25,10 +25,10 @@ every_rope = pytest.mark.parametrize("case", ROPES, ids=range(len(ROPES)))
 
 
 @pytest.mark.parametrize("held", ["x", "xi"])
-def test_pulley_on_the_weightless_elastic_rope(held: str) -> None:
+def test_pulley_on_the_weightless_elastic_rope(restrained: str) -> None:
     z, tension, hold = -3.7070901273379, 837.821869567776, 140.331412274603
     behind, ahead = math.hypot(15.0, z), math.hypot(5.0, z)
-    place = {"x": 15.0} if held == "x" else {"xi": 20.0 * behind / (behind + ahead)}
+    place = {"x": 15.0} if restrained == "x" else {"xi": 20.0 * behind / (behind + ahead)}
     state = locus.frictionless(**PAPER, force=DOWN, **place)
     # 14 and 15 digits are given
     assert [float(state.x), float(state.z)] == pytest.approx([15.0, z], abs=1e-13)
@@ -94,16 +94,17 @@ def test_the_clamped_rope_under_the_hold_forces_is_the_same_rope(
     case = {"span": 20.0, "height": height, "length": math.hypot(20.0, height) * ratio, "weight": weight,
             "axial_stiffness": stiffness}  # fmt: skip
     xs = [20.0 * place for place in sorted(places)]
-    held = pulley.resting(**case, loads=[(x, (0.0, -load * (1 + i))) for i, x in enumerate(xs)])
-    assert held.load_positions[:, 0] == pytest.approx(xs, abs=1e-9)
-    assert held.nodes[-1] == pytest.approx([20.0, height], abs=1e-9)
-    assert held.load_tensions[:, 0] == pytest.approx(held.load_tensions[:, 1], rel=1e-9)
+    restrained = pulley.resting(**case, loads=[(x, (0.0, -load * (1 + i))) for i, x in enumerate(xs)])
+    assert restrained.load_positions[:, 0] == pytest.approx(xs, abs=1e-9)
+    assert restrained.nodes[-1] == pytest.approx([20.0, height], abs=1e-9)
+    assert restrained.load_tensions[:, 0] == pytest.approx(restrained.load_tensions[:, 1], rel=1e-9)
     clamped = rope.resting(
-        **case, loads=[(xi, tuple(force)) for xi, force in zip(held.breaks[1:-1], held.load_forces, strict=True)]
+        **case,
+        loads=[(xi, tuple(force)) for xi, force in zip(restrained.breaks[1:-1], restrained.load_forces, strict=True)],
     )
-    size = float(np.abs(held.force).max())
+    size = float(np.abs(restrained.force).max())
     noise = min(stiffness / size, 1.0 / (ratio - 1.0))  # taut and stiff ropes turn roundings into forces
-    assert clamped.force == pytest.approx(held.force, abs=(1e-10 + 1e-13 * noise) * size)
+    assert clamped.force == pytest.approx(restrained.force, abs=(1e-10 + 1e-13 * noise) * size)
 
 
 @pytest.mark.parametrize("weight", [0.0, 19.62])
@@ -151,8 +152,8 @@ def test_elastic_rope_holds_no_load_too_near_to_a_support() -> None:
 def test_of_two_hold_forces_at_a_material_point_the_smaller_is_found() -> None:
     """The second one drags the load far out along the straight line through the supports."""
     case = {"span": 20.0, "length": 200.0, "axial_stiffness": 1e4}
-    heavy = pulley.resting(**case, weight=1e-6, loads=[(96.0, DOWN)], held="material")
-    light = pulley.resting(**case, loads=[(96.0, DOWN)], held="material")
+    heavy = pulley.resting(**case, weight=1e-6, loads=[(96.0, DOWN)], restrained="material")
+    light = pulley.resting(**case, loads=[(96.0, DOWN)], restrained="material")
     assert abs(light.load_forces[0, 0]) < 1e3
     assert heavy.force == pytest.approx(light.force, abs=1e-3)
 
@@ -165,7 +166,7 @@ def test_several_loads_held_at_x_are_found_again_at_their_material_points() -> N
             case = {"span": 20.0, "height": 2.0, "length": 200.0, "weight": weight, "axial_stiffness": stiffness}
             at_x = pulley.resting(**case, loads=loads)
             again = [(xi, force) for xi, (_, force) in zip(at_x.breaks[1:-1], loads, strict=True)]
-            at_xi = pulley.resting(**case, loads=again, held="material")
+            at_xi = pulley.resting(**case, loads=again, restrained="material")
             assert at_xi.force == pytest.approx(at_x.force, abs=1e-9)
 
 
@@ -198,7 +199,7 @@ def test_newtons_matrix_is_the_derivative_of_the_equations(compliance: float) ->
 def test_chosen_loads_are_free_and_the_others_clamped() -> None:
     case = {"span": 20.0, "length": 22.0, "weight": 20.0, "axial_stiffness": 1e5}
     loads = [(6.0, DOWN), (10.0, (30.0, -300.0)), (15.0, DOWN)]
-    state = pulley.resting(**case, loads=loads, held="material", frictionless=[True, False, True])
+    state = pulley.resting(**case, loads=loads, restrained="material", frictionless=[True, False, True])
     hold = state.load_forces - np.array([force for _, force in loads])
     assert hold[1] == pytest.approx([0.0, 0.0], abs=1e-10)
     assert state.load_tensions[[0, 2], 0] == pytest.approx(state.load_tensions[[0, 2], 1], rel=1e-12)

@@ -110,8 +110,8 @@ def test_energy_is_work_less_dissipation(
     grid = np.arange(1, 16) / 16
     project = 2.0 / 16 * np.sin(np.pi * np.outer(n, grid))
     nodes, weights = np.polynomial.legendre.leggauss(60)
-    pieces = max(1, int(end * 400 / 30))  # the highest frequency is below 400
-    edges = np.linspace(0.0, end, pieces + 1)
+    segments = max(1, int(end * 400 / 30))  # the highest frequency is below 400
+    edges = np.linspace(0.0, end, segments + 1)
     t = (edges[:-1, np.newaxis] + np.diff(edges)[:, np.newaxis] * 0.5 * (1 + nodes)).ravel()
     weights = (np.diff(edges)[:, np.newaxis] * 0.5 * weights).ravel()
 

@@ -67,12 +67,14 @@ def test_it_leaves_where_the_bilateral_solution_begins_to_pull_and_flies_a_parab
     t = np.linspace(0.0, 1.0, 401)
     line = UNIT | {"modes": 4}
     flight = beam.flying_vehicle(t, tolerance=1e-7, **HEAVY, **line)
-    held = beam.moving_vehicle(t, tolerance=1e-7, **HEAVY, **line)
-    assert np.min(held.contact_force) < -1.0  # weights
+    restrained = beam.moving_vehicle(t, tolerance=1e-7, **HEAVY, **line)
+    assert np.min(restrained.contact_force) < -1.0  # weights
     left, landed = flight.left_at[0], flight.landed_at[0]
-    assert left == pytest.approx(held.contact_lost_at, abs=1e-3)  # which is the next stage of a step
+    assert left == pytest.approx(restrained.contact_lost_at, abs=1e-3)  # which is the next stage of a step
     before = t < left
-    assert flight.contact_force[before] == pytest.approx(held.contact_force[before], abs=2e-5)  # forces converge later
+    assert flight.contact_force[before] == pytest.approx(
+        restrained.contact_force[before], abs=2e-5
+    )  # forces converge later
     assert np.min(flight.contact_force) > -1e-9
     there = beam.moving_vehicle(left, tolerance=1e-9, **HEAVY, **line)
     u, v = float(there.deflection[0, 0]), float(there.velocity[0, 0])
@@ -92,15 +94,15 @@ def test_what_never_pulls_is_not_changed() -> None:
     t = np.linspace(0.0, 0.9, 91)
     case = {"vehicle": beam_vehicle.oscillator(0.2, load_stiffness=20.0, load_damping=0.3), "speed": 1.2}
     flight = beam.flying_vehicle(t, modes=6, tolerance=1e-7, **case, **UNIT)
-    held = beam.moving_vehicle(t, modes=6, tolerance=1e-7, **case, **UNIT)
-    assert held.contact_lost_at is None
+    restrained = beam.moving_vehicle(t, modes=6, tolerance=1e-7, **case, **UNIT)
+    assert restrained.contact_lost_at is None
     assert flight.left_at == ()
     for name in ("deflection", "body", "body_velocity", "body_acceleration", "contact_force"):
-        assert getattr(flight, name) == pytest.approx(getattr(held, name), abs=1e-5), name
-    assert flight.wheel_velocity == pytest.approx(held.velocity, abs=1e-5)
+        assert getattr(flight, name) == pytest.approx(getattr(restrained, name), abs=1e-5), name
+    assert flight.wheel_velocity == pytest.approx(restrained.velocity, abs=1e-5)
     x = np.array([0.2, 0.7])
-    assert flight.beam_deflection(x) == pytest.approx(held.beam_deflection(x), abs=1e-7)
-    assert held.beam_velocity(x) == pytest.approx(flight.beam_velocity(x), abs=1e-6)
+    assert flight.beam_deflection(x) == pytest.approx(restrained.beam_deflection(x), abs=1e-7)
+    assert restrained.beam_velocity(x) == pytest.approx(flight.beam_velocity(x), abs=1e-6)
     assert flight.beam_velocity(x) == pytest.approx(np.gradient(flight.beam_deflection(x), t, axis=0), abs=2e-2)
 
 

@@ -67,11 +67,11 @@ def test_deflection_under_weight() -> None:
     # T = 1 + x, one load: (T w')' = -1, w = A ln(1 + x) - x + A-free part, A = 2/ln 3 + ... from w(2) = 0
     sloped = varying_tension.deflection(x, load=lambda x: 1.0, length=2.0, tension=lambda x: 1.0 + x)
     assert sloped == pytest.approx(2.0 / math.log(3.0) * np.log1p(x) - x, abs=1e-10)
-    held = varying_tension.deflection(
+    restrained = varying_tension.deflection(
         1.0, load=lambda x: 1.0, length=2.0, tension=lambda x: 0.0 * x, bending_stiffness=1.0, ends="clamped"
     )
-    assert held == pytest.approx(16.0 / 384.0, rel=1e-12)
-    assert held.shape == ()
+    assert restrained == pytest.approx(16.0 / 384.0, rel=1e-12)
+    assert restrained.shape == ()
 
 
 @pytest.mark.parametrize(

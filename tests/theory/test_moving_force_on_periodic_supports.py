@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from ropewalk.theory import _floquet_integral, periodic
-from ropewalk.theory._spans import Spans
+from ropewalk.theory._spans import SpanLayout
 
 FloatArray = NDArray[np.float64]
 BEAM = {"force": 1.0, "spacing": 1.0, "mass": 1.0, "bending_stiffness": 1.0, "support_stiffness": 50.0}
@@ -252,7 +252,7 @@ def test_work_on_a_string_is_dissipated_wave_by_wave() -> None:
     full = line | {"support_mass": 0.0, "damping": 1.0, "support_damping": 1.0}
     drag = periodic.moving_force_drag(force=1.0, speed=0.6, **full)
     nodes, weights = np.polynomial.legendre.leggauss(8)
-    field = _floquet_integral._field(Spans(**full), np.append(0.0, 0.5 + 0.5 * nodes), 0.6, 0.0)
+    field = _floquet_integral._field(SpanLayout(**full), np.append(0.0, 0.5 + 0.5 * nodes), 0.6, 0.0)
     lost = []
     for low, high in ((0.0, 200.0), (200.0, 400.0)):
         q = np.arange(low + 0.01, high, 0.02)

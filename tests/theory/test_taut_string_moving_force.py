@@ -159,7 +159,7 @@ def test_mode_at_the_wave_speed_is_the_resonant_limit() -> None:
     assert near == pytest.approx(q, rel=1e-8)  # differs by O(1 - alpha), without cancellation
 
 
-def pieces(alpha: float, t: float) -> np.ndarray:
+def segments(alpha: float, t: float) -> np.ndarray:
     """Middles and lengths of the straight pieces of the string."""
     phases = np.array([t, t - 1.0 / alpha + 1.0]) if alpha * t >= 1.0 else np.array([t, alpha * t])
     folded = np.abs(phases - 2.0 * np.rint(phases / 2.0))
@@ -168,7 +168,7 @@ def pieces(alpha: float, t: float) -> np.ndarray:
 
 
 def energy(alpha: float, t: float) -> float:
-    middle, length = pieces(alpha, t)
+    middle, length = segments(alpha, t)
     slope = string.moving_force_slope(middle, t, speed=alpha, **UNIT)
     velocity = string.moving_force_velocity(middle, t, speed=alpha, **UNIT)
     return float(np.sum(0.5 * length * (slope**2 + velocity**2)))

@@ -25,8 +25,8 @@ def agree(route: Route, **case: Any) -> None:
     # an error of 1e-16 of the length is one of 1e-16 EA in the force of an elastic piece as long; the force of a taut
     # inextensible rope goes with the root of its spare length, which is known to 1e-16 of the length
     stiff, taut = case.get("axial_stiffness", inf), abs(length / distance - 1.0)
-    pieces = np.diff(energy.breaks)
-    noise = stiff / size * length / pieces[pieces > 0.0].min() if math.isfinite(stiff) else 1.0 / taut
+    segments = np.diff(energy.breaks)
+    noise = stiff / size * length / segments[segments > 0.0].min() if math.isfinite(stiff) else 1.0 / taut
     assert other.force == pytest.approx(energy.force, abs=(1e-11 + 2e-15 * noise) * size)
     stretched = length * (1.0 + size / stiff)
     turned = 1e-15 * noise * length * min(1.0, taut**0.5)

@@ -139,10 +139,10 @@ def test_load_next_to_where_a_piece_becomes_slack_finds_its_place(stiffness: flo
             xi = length - xi if mirrored else xi
             state = rope.resting(span=20.0, length=length, axial_stiffness=stiffness, loads=[(xi, WEIGHT)])
             tension = np.hypot(*state.force.T)
-            pieces = np.diff(state.breaks) * (1.0 + tension / stiffness)
+            segments = np.diff(state.breaks) * (1.0 + tension / stiffness)
             taut = tension > 0.0  # stiff ropes, as long as they are strained, may leave the long piece slack
-            apart = np.array([20.0, 0.0]) - (pieces[taut] / tension[taut]) @ state.force[taut]
-            slack = float(pieces[~taut].sum())
+            apart = np.array([20.0, 0.0]) - (segments[taut] / tension[taut]) @ state.force[taut]
+            slack = float(segments[~taut].sum())
             assert np.hypot(*apart) <= slack + 1e-14 * length  # roundings of 50 m
             assert state.start_reaction + state.end_reaction == pytest.approx([0.0, 700.0], abs=1e-12)
 

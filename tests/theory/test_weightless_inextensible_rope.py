@@ -58,11 +58,11 @@ def test_friction_that_a_vertical_load_needs(xi: float, capstan: float) -> None:
     sides = {"tension_behind": state.tension_behind, "tension_ahead": state.tension_ahead, "angle": state.turning_angle}
     assert friction.capstan_coefficient(**sides) == pytest.approx(capstan, abs=1e-13)  # 14 digits are given
     # the block needs the slope of the pulley's path in the same place, its hold force by the load
-    held = locus.ellipse(**CASE, load=1.0, x=state.x)
-    assert friction.point_block_coefficient(**sides) == pytest.approx(held.hold, rel=1e-13)
-    assert state.slope == pytest.approx(held.slope, rel=1e-13)
+    restrained = locus.ellipse(**CASE, load=1.0, x=state.x)
+    assert friction.point_block_coefficient(**sides) == pytest.approx(restrained.hold, rel=1e-13)
+    assert state.slope == pytest.approx(restrained.slope, rel=1e-13)
     if xi == 19.0:
-        assert held.hold == pytest.approx(0.55546372060071, abs=1e-13)
+        assert restrained.hold == pytest.approx(0.55546372060071, abs=1e-13)
 
 
 def test_clamped_load_hangs_below_the_support_from_the_vertical_segment_on() -> None:
@@ -86,10 +86,10 @@ def test_only_a_held_load_runs_backwards() -> None:
     clamped = locus.clamped(**CASE, force=DOWN, xi=np.linspace(0.0, 22.0, 89))
     assert clamped.x.min() >= 0.0
     assert clamped.x.max() <= 20.0
-    held = locus.ellipse(**CASE, load=1.0, x=20.9)
-    assert held.hold > 3.0
-    pushed = locus.clamped(**CASE, force=(float(held.hold), -1.0), xi=held.xi)
-    assert [float(pushed.x), float(pushed.z)] == pytest.approx([float(held.x), float(held.z)], abs=1e-13)
+    restrained = locus.ellipse(**CASE, load=1.0, x=20.9)
+    assert restrained.hold > 3.0
+    pushed = locus.clamped(**CASE, force=(float(restrained.hold), -1.0), xi=restrained.xi)
+    assert [float(pushed.x), float(pushed.z)] == pytest.approx([float(restrained.x), float(restrained.z)], abs=1e-13)
     assert pushed.tension_behind == pytest.approx(pushed.tension_ahead, rel=1e-12)
 
 
@@ -127,16 +127,16 @@ def test_clamped_load_held_by_the_pulleys_force_stays_on_the_ellipse(
     height: float, excess: float, share: float
 ) -> None:
     case = {"span": 20.0, "height": height, "length": math.hypot(20.0, height) * (1.0 + excess)}
-    held = locus.ellipse(**case, load=700.0, x=20.0 * share)
-    state = locus.clamped(**case, force=(float(held.hold), -700.0), xi=held.xi)
+    restrained = locus.ellipse(**case, load=700.0, x=20.0 * share)
+    state = locus.clamped(**case, force=(float(restrained.hold), -700.0), xi=restrained.xi)
     # roundings of the lengths through a taut triangle
     allowed = 1e-14 / excess
-    moved = math.hypot(float(state.x - held.x), float(state.z - held.z))
+    moved = math.hypot(float(state.x - restrained.x), float(state.z - restrained.z))
     assert moved <= 1e-13 * case["length"] + 20.0 * allowed
-    assert state.tension_behind == pytest.approx(held.tension_ahead, rel=1e-10 + 10.0 * allowed)
-    assert state.tension_ahead == pytest.approx(held.tension_ahead, rel=1e-10 + 10.0 * allowed)
-    by_xi = locus.frictionless(**case, force=(0.0, -700.0), xi=held.xi)
-    assert by_xi.hold == pytest.approx(held.hold, rel=1e-9 + 1e3 * allowed, abs=1e-9 + 1e3 * allowed)
+    assert state.tension_behind == pytest.approx(restrained.tension_ahead, rel=1e-10 + 10.0 * allowed)
+    assert state.tension_ahead == pytest.approx(restrained.tension_ahead, rel=1e-10 + 10.0 * allowed)
+    by_xi = locus.frictionless(**case, force=(0.0, -700.0), xi=restrained.xi)
+    assert by_xi.hold == pytest.approx(restrained.hold, rel=1e-9 + 1e3 * allowed, abs=1e-9 + 1e3 * allowed)
 
 
 @settings(deadline=None, max_examples=40)

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ropewalk.results.frame import ENERGY_FORMS, Account
+from ropewalk.results.frame import ENERGY_FORMS, RunInfo
 from ropewalk.scenario.loading import load, loads
 from ropewalk.simulate import iterate
 from ropewalk.theory import beam_vehicle
-from ropewalk.wires.journey import Journey
+from ropewalk.wires.prescribed_motion import PrescribedMotion
 from wire_cases import course, force, rolling, straight
 
 STRING = {"length": 20.0, "tension": 2e4, "mass": 1.35}
@@ -38,14 +38,14 @@ def energies(frames) -> np.ndarray:
 def test_a_damped_string_and_a_damped_beam_close_their_audit(line, size, damping, geometry):
     """Under a force that stops in the middle, while they swing down. Half the step leaves half, or next to nothing."""
     times, wire = np.linspace(0.0, 1.5, 151), straight(**line, **damping)
-    stops = Journey(
-        force(1.0, 1.0).rider, lambda t: np.minimum(t, 0.3) * 30.0, given=lambda t: np.full((t.size, 1), -size)
+    stops = PrescribedMotion(
+        force(1.0, 1.0).moving_load, lambda t: np.minimum(t, 0.3) * 30.0, given=lambda t: np.full((t.size, 1), -size)
     )
-    frames, account = course(wire, [stops], times, 24, geometry=geometry)
+    frames, run_info = course(wire, [stops], times, 24, geometry=geometry)
     missed, taken = audit(energies(frames))
     assert taken > 0.01  # it is damping that is audited here
     assert missed < 0.01
-    fine, _ = course(wire, [stops], times, 24, geometry=geometry, step=0.5 * account.step)
+    fine, _ = course(wire, [stops], times, 24, geometry=geometry, step=0.5 * run_info.step)
     assert audit(energies(fine))[0] < max(0.6 * missed, 1e-3)
 
 
@@ -87,7 +87,7 @@ DAMPED = {
 def test_an_overhead_line_closes_its_audit(damped, geometry):
     """Droppers slacken, the contact is lost for moments; as documented, 1 to 4 % at 1 ms without damping."""
     scenario = load(OVERHEAD, ["run.until=2 s", f"run.geometry={geometry}", *DAMPED[damped]])
-    missed, taken = audit(energies(iterate(scenario, Account())[1]))
+    missed, taken = audit(energies(iterate(scenario, RunInfo())[1]))
     assert missed < 0.025
     assert (taken > 0.01) == (damped != "nothing")
 
@@ -99,17 +99,17 @@ def test_rough_contact_wire_is_audited(geometry, tmp_path):
     table = "\n".join(f"{a},{1e-3 * np.sin(0.4 * np.pi * a)}" for a in x)
     (tmp_path / "rough.csv").write_text(f"station,height\n{table}")
     changes = ["run.until=2 s", f"run.geometry={geometry}", f"loads.pantograph.irregularity={tmp_path / 'rough.csv'}"]
-    missed, _ = audit(energies(iterate(load(OVERHEAD, changes), Account())[1]))
+    missed, _ = audit(energies(iterate(load(OVERHEAD, changes), RunInfo())[1]))
     assert missed < 0.02
 
 
 def test_dampers_at_supports_do_not_shorten_the_step():
     """They act exactly within a step: with the velocity of half a step ago, 500 N s/m would throw half a kilogram."""
-    account = Account()
-    for frame in iterate(load(OVERHEAD, ["run.until=1 s", *DAMPED["supports"]]), account)[1]:
+    run_info = RunInfo()
+    for frame in iterate(load(OVERHEAD, ["run.until=1 s", *DAMPED["supports"]]), run_info)[1]:
         uplift = np.abs(frame.sampled_uplift).max(initial=0.0)
-    assert account.outcome == "running"
-    assert account.step == pytest.approx(1e-3, rel=1e-9)
+    assert run_info.outcome == "running"
+    assert run_info.step == pytest.approx(1e-3, rel=1e-9)
     assert 0.0 < uplift < 0.1
 
 
@@ -129,7 +129,7 @@ def test_the_audit_of_a_load_that_starts_within_a_rope_closes_with_the_step(kind
     """Rigid contact, joined at the end of each step: of the first order at least."""
     found = []
     for step in ("40 us", "20 us"):
-        _, frames, _ = iterate(loads(CROSSING.format(kind=kind, geometry=geometry, step=step), "rope.yaml"), Account())
+        _, frames, _ = iterate(loads(CROSSING.format(kind=kind, geometry=geometry, step=step), "rope.yaml"), RunInfo())
         found.append(audit(energies(frames))[0])
     assert found[0] < 5e-3
     assert found[1] < 0.6 * found[0]

@@ -16,32 +16,34 @@ from continuous_beams import EI, MASS, SPANS, Array, influence, over_unlike_span
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
 from ropewalk.wires.bearing import Bearing
-from ropewalk.wires.journey import Journey
 from ropewalk.wires.mesh import mesh_of
-from ropewalk.wires.plan import Contact, Hold, Plan, Rider, Spot, Wire
+from ropewalk.wires.plan import Contact, Hold, Spot, TravellingLoad, Wire, WirePlan
+from ropewalk.wires.prescribed_motion import PrescribedMotion
 from ropewalk.wires.spectrum import spectrum
-from ropewalk.wires.task import Task
+from ropewalk.wires.task import WireTask
 
 GRAVITY = 1e-3  # m/s^2: so little that beams between fixed ends do not stretch
 NONE = np.zeros((0, 0))
 
 
-def plan(spans: tuple[float, ...], stiffness: float = np.inf, gravity: float = 0.0, across: bool = False) -> Plan:
+def plan(spans: tuple[float, ...], stiffness: float = np.inf, gravity: float = 0.0, across: bool = False) -> WirePlan:
     """A beam whose inner supports hold it upwards, and sideways too if it is to stay in its plane."""
     whole = sum(spans)
     wire = Wire("beam", (0.0, 0.0, 0.0), (whole, 0.0, 0.0), 0.0, MASS, EI, 1e10, unstrained=whole)
     at = np.cumsum(spans)[:-1].tolist()
     sideways = np.inf if across else 0.0
     piers = [Hold(f"pier {s:g}", Spot(0, s), (0.0, sideways, stiffness), place=(s, 0.0, 0.0)) for s in at]
-    return Plan((wire,), holds=tuple(piers), gravity=gravity)
+    return WirePlan((wire,), holds=tuple(piers), gravity=gravity)
 
 
-def reactions(given: Plan, per_metre: int, force: float = 0.0, place: float = 0.0) -> Array:
+def reactions(given: WirePlan, per_metre: int, force: float = 0.0, place: float = 0.0) -> Array:
     """Forces of all supports upwards, N, with a force downwards at a place."""
     mesh = mesh_of(given, [round(per_metre * given.wires[0].length)])
-    rider = Rider("force", NONE, NONE, NONE, (Contact(0, stiffness=0.0),))
-    journey = Journey(rider, partial(np.full_like, fill_value=place), given=lambda t: np.full((t.size, 1), -force))
-    bearing = Bearing(mesh, [journey], np.full(mesh.nodes, 1.0 / per_metre), space=False)
+    moving_load = TravellingLoad("force", NONE, NONE, NONE, (Contact(0, stiffness=0.0),))
+    prescribed_motion = PrescribedMotion(
+        moving_load, partial(np.full_like, fill_value=place), given=lambda t: np.full((t.size, 1), -force)
+    )
+    bearing = Bearing(mesh, [prescribed_motion], np.full(mesh.nodes, 1.0 / per_metre), space=False)
     found = bearing.stand(0.0, mesh.straight()).position
     ends = -bearing.potential.pull(found)[2, [0, -1]]
     return np.array([ends[0], *bearing.potential.hold_forces(found)[:, 2], ends[1]])
@@ -91,7 +93,7 @@ def test_two_equal_spans_have_the_influence_line_of_the_handbook() -> None:
 def test_unlike_spans_swing_as_the_three_moment_equation_of_vibrating_spans_says(spans: tuple[float, ...]) -> None:
     exact, errors = over_unlike_spans(spans, 4), []
     for per_metre in (2, 4, 8):
-        task = Task(plan(spans, across=True), (), (), element=[round(per_metre * sum(spans))])
+        task = WireTask(plan(spans, across=True), (), (), element=[round(per_metre * sum(spans))])
         modes = spectrum(task, 10).modes
         assert modes is not None
         found = modes.frequency[:8:2]  # each comes twice, up and sideways
@@ -119,7 +121,7 @@ def test_an_elastic_bearing_below_the_middle_bears_what_the_force_method_says_an
     assert known[0] > 1.5 * (np.pi / whole) ** 2 * np.sqrt(EI / MASS)
     errors = []
     for links in (40, 80, 160):
-        modes = spectrum(Task(plan((10.0, 10.0), k), (), (), element=[links]), 12).modes
+        modes = spectrum(WireTask(plan((10.0, 10.0), k), (), (), element=[links]), 12).modes
         assert modes is not None
         errors.append(float(max(np.abs(modes.frequency / w - 1.0).min() for w in known)))
     assert errors[-1] < 2e-3

@@ -13,11 +13,11 @@ from ropewalk.scenario.loading import loads
 from ropewalk.simulate import simulate
 from ropewalk.theory import beam
 from ropewalk.theory.rope import elastic_catenary
-from ropewalk.wires.equilibrium import Potential, movable, settle
+from ropewalk.wires.equilibrium import WirePotential, movable, settle
 from ropewalk.wires.mesh import mesh_of
-from ropewalk.wires.plan import Array, EndKind, Plan, Wire
+from ropewalk.wires.plan import Array, EndKind, Wire, WirePlan
 from ropewalk.wires.pressing import Pressing
-from ropewalk.wires.task import Task, ready
+from ropewalk.wires.task import WireTask, ready
 from ropewalk.wiring import task_of
 
 L, EI, RHO = 2.0, 3.0, 0.7
@@ -26,11 +26,11 @@ ENDS: dict[str, EndKind] = {"simply_supported": "held", "clamped": "clamped"}
 
 
 def potential(links: int, tension: float = 0.0, ends: tuple[EndKind, EndKind] = ("held", "held"), bed: float = 0.0,
-              stretchy: float = EA) -> Potential:  # fmt: skip
+              stretchy: float = EA) -> WirePotential:  # fmt: skip
     """A straight wire of length L that is stretched, or compressed, by the given tension, without gravity."""
     wire = Wire("wire", (0.0, 0.0, 0.0), (L, 0.0, 0.0), tension, RHO, EI, stretchy, bed=bed, ends=ends)
-    mesh = mesh_of(Plan((wire,), gravity=0.0), [links])
-    return Potential(mesh, np.full(mesh.nodes, L / links / (1.0 + tension / stretchy)))
+    mesh = mesh_of(WirePlan((wire,), gravity=0.0), [links])
+    return WirePotential(mesh, np.full(mesh.nodes, L / links / (1.0 + tension / stretchy)))
 
 
 # Large deflection
@@ -98,7 +98,7 @@ def test_a_strut_beyond_buckling_is_an_elastica(angle: float) -> None:
 # Buckling
 
 
-def least(shape: Potential) -> float:
+def least(shape: WirePotential) -> float:
     """Smallest eigenvalue of the stiffness of the straight wire."""
     free = movable(shape.mesh, space=False).ravel()
     K = shape.stiffness(shape.mesh.straight())[free][:, free].toarray()
@@ -167,7 +167,7 @@ def test_a_wire_without_stiffness_hangs_as_the_elastic_catenary(length: float, h
     for links in (25, 50, 100):
         tension = max(stretchy * (float(np.hypot(span, height)) / length - 1.0), 0.0)
         wire = Wire("wire", (0.0, 0.0, 0.0), (span, 0.0, height), tension, mass, 0.0, stretchy, unstrained=length)
-        _, start = ready(Task(Plan((wire,)), (), (), element=[links]))
+        _, start = ready(WireTask(WirePlan((wire,)), (), (), element=[links]))
         xi = np.linspace(0.0, length, links + 1)
         d = np.diff(start.position, axis=1)
         pulled = stretchy * (np.sqrt((d**2).sum(axis=0)) / start.unstrained[:-1] - 1.0)
@@ -186,17 +186,17 @@ def test_a_wire_without_stiffness_hangs_as_the_elastic_catenary(length: float, h
 SLACK = {"length": 20.0, "mass": 1.0, "stretchy": 1e5}
 
 
-def slack(span: float, stiffness: float, gravity: float = 9.81) -> tuple[Potential, Array]:
+def slack(span: float, stiffness: float, gravity: float = 9.81) -> tuple[WirePotential, Array]:
     """A wire of 20 m between ends at one height, as a declared line comes to rest."""
     wire = Wire(
         "wire", (0.0, 0.0, 0.0), (span, 0.0, 0.0), SLACK["stretchy"] * (span / SLACK["length"] - 1.0), SLACK["mass"],
         stiffness, SLACK["stretchy"], unstrained=SLACK["length"],
     )  # fmt: skip
-    _, start = ready(Task(Plan((wire,), gravity=gravity), (), (), element=[80]))
-    return Potential(start.mesh, start.unstrained), start.position
+    _, start = ready(WireTask(WirePlan((wire,), gravity=gravity), (), (), element=[80]))
+    return WirePotential(start.mesh, start.unstrained), start.position
 
 
-def definite(shape: Potential, position: Array) -> bool:
+def definite(shape: WirePotential, position: Array) -> bool:
     free = movable(shape.mesh, space=False).ravel()
     return float(np.linalg.eigvalsh(shape.stiffness(position)[free][:, free].toarray())[0]) > 0.0
 
@@ -257,7 +257,7 @@ def test_the_stiffness_is_the_derivative_of_the_forces() -> None:
             "steady_arms": {"stagger": "200 mm"}}  # fmt: skip
     tree = {"overhead_lines": {"line": line}, "run": {"kind": "dynamic", "until": 1.0}}
     start = ready(task_of(Scenario.model_validate(tree)))[1]
-    potential = Potential(start.mesh, start.unstrained)
+    potential = WirePotential(start.mesh, start.unstrained)
     r = start.position + 1e-3 * np.random.default_rng(0).standard_normal(start.position.shape)
     at = np.zeros((2, start.mesh.nodes))
     at[0, 5:11], at[1, 20:26] = 1.0 / 6.0, 1.0 / 6.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ropewalk.results.frame import Account, Frame, Layout
+from ropewalk.results.frame import Frame, Layout, RunInfo
 from ropewalk.scenario.loading import loads
 from ropewalk.simulate import iterate
 
@@ -36,7 +36,7 @@ LOADS = {
 
 
 def frames_of(text: str) -> tuple[Layout, list[Frame]]:
-    layout, frames, _ = iterate(loads(text, "line.yaml"), Account())
+    layout, frames, _ = iterate(loads(text, "line.yaml"), RunInfo())
     return layout, list(frames)
 
 

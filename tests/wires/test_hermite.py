@@ -16,13 +16,13 @@ from scipy.signal import butter, sosfiltfilt
 
 import hermite
 from ropewalk.errors import EquilibriumError, RopewalkError
-from ropewalk.wires.plan import Array, Contact, EndKind, Hold, Plan, PointMass, Rider, Spot, Tie, Wire
+from ropewalk.wires.plan import Array, Contact, EndKind, Hold, PointMass, Spot, TravellingLoad, Wire, WirePlan, WireTie
 
 FIXED = (0.0, 0.0, np.inf)
 
 
-def beam(length: float, ends: tuple[EndKind, EndKind] = ("held", "held"), **kinds: float) -> Plan:
-    return Plan((Wire("beam", (0, 0, 0), (length, 0, 0), kinds.pop("tension", 0.0), 2.0, ends=ends, **kinds),))
+def beam(length: float, ends: tuple[EndKind, EndKind] = ("held", "held"), **kinds: float) -> WirePlan:
+    return WirePlan((Wire("beam", (0, 0, 0), (length, 0, 0), kinds.pop("tension", 0.0), 2.0, ends=ends, **kinds),))
 
 
 @pytest.mark.parametrize(("stiffness", "order"), [(500.0, 4.0), (0.0, 6.0)])
@@ -69,19 +69,19 @@ def test_a_string_yields_too_little_by_a_part_of_an_element() -> None:
     np.testing.assert_allclose(np.divide(lacks[:-1], lacks[1:]), 2.0, rtol=1e-6)
 
 
-def tied(pushes: float, drag: float = 0.0, retardation: float = 0.0) -> Plan:
+def tied(pushes: float, drag: float = 0.0, retardation: float = 0.0) -> WirePlan:
     """Two wires of unlike length and mesh with everything that may be attached."""
     low = Wire("low", (0, 0, 0), (9, 0, 0), 2e3, 1.3, 40.0, drag=drag, retardation=retardation, bed=50.0)
     high = Wire("high", (1, 0, 1), (12, 0, 1), 1e3, 0.9, drag=0.5 * drag)
     ties = tuple(
-        Tie(f"{x}", Spot(1, x - 1.0), Spot(0, x), 4e3, 0.9, pushes=pushes, mass=0.1) for x in (2.2, 4.0, 4.5, 7.0)
+        WireTie(f"{x}", Spot(1, x - 1.0), Spot(0, x), 4e3, 0.9, pushes=pushes, mass=0.1) for x in (2.2, 4.0, 4.5, 7.0)
     )
     holds = (
         Hold("spring", Spot(0, 3.0), (0, 0, 5e3), (0, 0, 2.0 * drag)),
         Hold("fast", Spot(1, 8.0), FIXED, place=(0, 0, 1.0)),
     )
-    arm = Tie("arm", Spot(0, 5.5), (5.5, 1.0, 0.3), 1e4, 1.0, pushes=1e4)
-    return Plan((low, high), (*ties, arm), holds, (PointMass(Spot(0, 6.0), 0.4),), watched={"six": Spot(0, 6.0)})
+    arm = WireTie("arm", Spot(0, 5.5), (5.5, 1.0, 0.3), 1e4, 1.0, pushes=1e4)
+    return WirePlan((low, high), (*ties, arm), holds, (PointMass(Spot(0, 6.0), 0.4),), watched={"six": Spot(0, 6.0)})
 
 
 def all_springs(model: hermite.HermiteModel) -> tuple[Array, Array]:
@@ -123,7 +123,7 @@ def plucked(model: hermite.HermiteModel) -> hermite.State:
 
 def with_inertia(model: hermite.HermiteModel, state: hermite.State, K: Array) -> hermite.State:
     inertia = -(K @ state.wires[0].ravel()).reshape(-1, 2) * model.free
-    return hermite.State(np.stack([state.wires[0], state.wires[1], inertia]), state.riders)
+    return hermite.State(np.stack([state.wires[0], state.wires[1], inertia]), state.moving_loads)
 
 
 def test_without_damping_the_energy_stays_and_the_motion_can_be_turned_back() -> None:
@@ -139,18 +139,18 @@ def test_without_damping_the_energy_stays_and_the_motion_can_be_turned_back() ->
     there = hermite.run(model, [], nothing(1001), 1e-3, start).end
     # 1000 steps of round-off; an error of a term is seen at its part of the energy at once.
     assert energy(there) == pytest.approx(energy(start), rel=1e-9)
-    turned = hermite.State(there.wires * np.array([1.0, -1.0, 1.0])[:, None, None], there.riders)
+    turned = hermite.State(there.wires * np.array([1.0, -1.0, 1.0])[:, None, None], there.moving_loads)
     back = hermite.run(model, [], nothing(1001), 1e-3, turned).end
     for kind, sign in ((0, 1.0), (1, -1.0)):
         size = np.abs(start.wires[kind]).max()
         np.testing.assert_allclose(sign * back.wires[kind], start.wires[kind], rtol=0, atol=1e-8 * size)
 
 
-SPRUNG = Rider(
+SPRUNG = TravellingLoad(
     "sprung", np.diag([1.0, 5.0]), np.array([[3.0, -3.0], [-3.0, 5.0]]), np.array([[900.0, -900.0], [-900.0, 950.0]]),
     (Contact(0, (1.0, 0.0), stiffness=3e4), Contact(0, (1.0, 0.3), behind=0.8, stiffness=2e4)),
 )  # fmt: skip
-FORCE = Rider("force", np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), (Contact(1),))
+FORCE = TravellingLoad("force", np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), (Contact(1),))
 
 
 def test_steps_are_those_of_a_plain_newmark_with_one_matrix() -> None:
@@ -214,7 +214,9 @@ def roll(dt: float, lifts_off: bool = False, lift: float = 0.0) -> hermite.Recor
     push[:, 0, 0] = np.where(t < 0.9, -30.0 * np.minimum(1.0, t / 0.3), lift or -30.0)
     drive = hermite.Drive((1.0 + 8.0 * t)[:, None], np.zeros((t.size, 1)), np.zeros((t.size, 1)), push)
     mass, none = np.array([[3.0]]), np.zeros((1, 1))
-    return hermite.run(model, [Rider("mass", mass, none, none, (Contact(0, (1.0,), lifts_off=lifts_off),))], drive, dt)
+    return hermite.run(
+        model, [TravellingLoad("mass", mass, none, none, (Contact(0, (1.0,), lifts_off=lifts_off),))], drive, dt
+    )
 
 
 def test_what_rolls_rigidly_stays_on_the_wire_but_for_the_square_of_the_step() -> None:
@@ -229,24 +231,24 @@ def test_what_rolls_rigidly_stays_on_the_wire_but_for_the_square_of_the_step() -
 
 
 def test_what_rolls_hops_off_only_if_it_may() -> None:
-    held, hops = roll(1e-3, lift=300.0), roll(1e-3, lifts_off=True, lift=300.0)
-    assert held.contact_force.min() < -100.0
+    restrained, hops = roll(1e-3, lift=300.0), roll(1e-3, lifts_off=True, lift=300.0)
+    assert restrained.contact_force.min() < -100.0
     assert hops.contact_force.min() == 0.0
     assert hops.q[-1, 0, 0] > hops.contact_height[-1, 0] + 0.1
-    assert abs(held.q[-1, 0, 0] - held.contact_height[-1, 0]) < 4e-3
+    assert abs(restrained.q[-1, 0, 0] - restrained.contact_height[-1, 0]) < 4e-3
 
 
 def test_slack_droppers_do_not_hold_and_do_not_push() -> None:
     wire = Wire("wire", (0, 0, 0), (10, 0, 0), 1e3, 1.0)
-    tie = Tie("tie", Spot(0, 5.0), (5.0, 0.0, 5.0), 1e5, 6.0)
-    slack = hermite.rest_of(Plan((wire,), (tie,)), 0.5)
-    free = hermite.rest_of(Plan((wire,)), 0.5)
+    tie = WireTie("tie", Spot(0, 5.0), (5.0, 0.0, 5.0), 1e5, 6.0)
+    slack = hermite.rest_of(WirePlan((wire,), (tie,)), 0.5)
+    free = hermite.rest_of(WirePlan((wire,)), 0.5)
     assert hermite.tie_forces(slack)[0] == 0.0
     # w g L^2 / (8 T) at midspan
     assert hermite.height(free, 0, [5.0])[0] == pytest.approx(-9.81 * 100.0 / 8e3, rel=1e-10)
     assert hermite.height(slack, 0, [5.0])[0] == pytest.approx(-9.81 * 100.0 / 8e3, rel=1e-10)
     # A tight one goes slack under 300 N: the wire alone has then to bear what the lift exceeds the pull by.
-    tight = hermite.rest_of(Plan((wire,), (dataclasses.replace(tie, length=5.0),)), 0.5)
+    tight = hermite.rest_of(WirePlan((wire,), (dataclasses.replace(tie, length=5.0),)), 0.5)
     pull = hermite.tie_forces(tight)[0]
     rise = 300.0 * hermite.elasticity(tight, 0, [5.0], 300.0)[0]
     assert rise == pytest.approx((300.0 - pull) * hermite.elasticity(free, 0, [5.0])[0], rel=1e-9)
@@ -265,7 +267,7 @@ def test_what_cannot_be_is_said() -> None:
 DROPPERS = (5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0)
 AT = [60.0 * span + x for span in range(10) for x in DROPPERS]
 MASTS = [60.0 * mast for mast in range(1, 10)]
-PANTOGRAPH = Rider(
+PANTOGRAPH = TravellingLoad(
     "pantograph", np.diag([7.2, 15.0]), np.array([[10.0, -10.0], [-10.0, 100.0]]),
     np.array([[4200.0, -4200.0], [-4200.0, 4250.0]]),
     (Contact(0, (1.0, 0.0), stiffness=50e3, below=True, lifts_off=True),),
@@ -273,13 +275,13 @@ PANTOGRAPH = Rider(
 
 
 @cache
-def overhead_line(pushes: float = 0.0) -> Plan:
+def overhead_line(pushes: float = 0.0) -> WirePlan:
     """The reference model: contact wire level at droppers and masts, lengths of the droppers from there."""
     contact = Wire("contact", (0, 0, 0), (600, 0, 0), 20e3, 1.35)
     messenger = Wire("messenger", (0, 0, 1.2), (600, 0, 1.2), 16e3, 1.07)
     arms = tuple(PointMass(Spot(0, x), 1.0 / 3.0) for x in MASTS)
     level = tuple(Hold("", Spot(0, x), FIXED) for x in AT + MASTS)
-    first = hermite.rest_of(Plan((contact,), holds=level, masses=arms), 1.0)
+    first = hermite.rest_of(WirePlan((contact,), holds=level, masses=arms), 1.0)
     shape = np.column_stack([first.rest.height, first.rest.slope]).ravel()
     upright = np.tile([1.0, 0.0], first.station.size)
     reaction = first.stiffness @ shape + 9.81 * (first.mass @ upright)
@@ -287,14 +289,14 @@ def overhead_line(pushes: float = 0.0) -> Plan:
     masts = tuple(Hold("mast", Spot(1, x), FIXED, place=(0, 0, 1.2)) for x in MASTS)
     above = [dataclasses.replace(mast, spot=Spot(0, mast.spot.station)) for mast in masts]
     pulled = [Hold("", Spot(0, x), (0, 0, 0), force=(0, 0, -up[x])) for x in AT]
-    second = hermite.rest_of(Plan((messenger,), holds=(*above, *pulled)), 1.0)
+    second = hermite.rest_of(WirePlan((messenger,), holds=(*above, *pulled)), 1.0)
     ties = tuple(
-        Tie("", Spot(1, x), Spot(0, x), 1e5, z - up[x] / 1e5, pushes)
+        WireTie("", Spot(1, x), Spot(0, x), 1e5, z - up[x] / 1e5, pushes)
         for x, z in zip(AT, hermite.height(second, 0, AT), strict=True)
     )
     steady = tuple(Hold("arm", Spot(0, x), (0, 0, 0), force=(0, 0, up[x])) for x in MASTS)
     watched = {f"{x:g}": Spot(0, x) for x in MASTS}
-    return Plan((contact, messenger), ties, masts + steady, arms, watched=watched)
+    return WirePlan((contact, messenger), ties, masts + steady, arms, watched=watched)
 
 
 def passage(pushes: float, element: float) -> tuple[hermite.Record, Array, Array]:

@@ -13,9 +13,9 @@ from ropewalk.model import Scenario
 from ropewalk.overhead.section import elasticity, section_of
 from ropewalk.simulate import simulate
 from ropewalk.wires.bearing import Bearing
-from ropewalk.wires.journey import Journey
 from ropewalk.wires.mesh import mesh_of
-from ropewalk.wires.plan import Contact, Hold, Plan, Rider, Spot, Wire
+from ropewalk.wires.plan import Contact, Hold, Spot, TravellingLoad, Wire, WirePlan
+from ropewalk.wires.prescribed_motion import PrescribedMotion
 
 LENGTH, EI = 10.0, 2e6
 BEAM = {
@@ -186,7 +186,7 @@ def test_a_beam_over_several_spans_obeys_the_three_moment_equation(
     piers = tuple(
         Hold(f"pier {i}", Spot(0, float(at)), (0.0, 0.0, np.inf)) for i, at in enumerate(np.cumsum(spans)[:-1])
     )
-    mesh = mesh_of(Plan((wire,), holds=piers), [int(8 * whole)])
+    mesh = mesh_of(WirePlan((wire,), holds=piers), [int(8 * whole)])
     rest = np.full(mesh.nodes, whole / mesh.strands.links[0])
     bearing = Bearing(mesh, [], rest, space=False)
     found = bearing.stand(0.0, mesh.straight())
@@ -198,16 +198,20 @@ def test_a_beam_over_several_spans_obeys_the_three_moment_equation(
 def test_a_wheel_that_may_lift_off_does_not_pull() -> None:
     """A force upwards on a beam that is held down by a wheel of 10 kg: the wheel goes no further than its weight."""
     wire = Wire("beam", (0.0, 0.0, 0.0), (10.0, 0.0, 0.0), 0.0, 1e-3, EI, 1e9, unstrained=10.0)
-    mesh = mesh_of(Plan((wire,)), [40])
+    mesh = mesh_of(WirePlan((wire,)), [40])
     # a head on a spring from above whose rest length ends 1 mm above the wire: it does not touch, and must not hang on
     one = np.ones((1, 1))
-    head = Rider("head", one, one, 1e3 * one, (Contact(0, (1.0,), stiffness=1e6, base=1e-3, lifts_off=True),))
+    head = TravellingLoad("head", one, one, 1e3 * one, (Contact(0, (1.0,), stiffness=1e6, base=1e-3, lifts_off=True),))
     place = partial(np.full_like, fill_value=5.0)
-    found = Bearing(mesh, [Journey(head, place)], np.full(mesh.nodes, 0.25), space=False).stand(0.0, mesh.straight())
+    found = Bearing(mesh, [PrescribedMotion(head, place)], np.full(mesh.nodes, 0.25), space=False).stand(
+        0.0, mesh.straight()
+    )
     assert not found.touches[0]
     assert found.force[0] == 0.0
-    held = Rider("head", one, one, 1e3 * one, (Contact(0, (1.0,), stiffness=1e6, base=1e-3),))
-    pulled = Bearing(mesh, [Journey(held, place)], np.full(mesh.nodes, 0.25), space=False).stand(0.0, mesh.straight())
+    restrained = TravellingLoad("head", one, one, 1e3 * one, (Contact(0, (1.0,), stiffness=1e6, base=1e-3),))
+    pulled = Bearing(mesh, [PrescribedMotion(restrained, place)], np.full(mesh.nodes, 0.25), space=False).stand(
+        0.0, mesh.straight()
+    )
     assert pulled.force[0] > 0.5  # N, 1e3 N/m over a millimetre less what the beam gives way
 
 

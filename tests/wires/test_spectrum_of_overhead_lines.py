@@ -12,7 +12,7 @@ from overhead_assembly import Hermite, Riding
 from overhead_cases import EN_2002, formed
 from ropewalk.model import Scenario
 from ropewalk.simulate import spectrum_of
-from ropewalk.wires.plan import Plan, Spot
+from ropewalk.wires.plan import Spot, WirePlan
 
 Array = NDArray[np.float64]
 LINE: dict[str, Any] = {
@@ -24,7 +24,7 @@ LINE: dict[str, Any] = {
 }
 
 
-def known(plan: Plan, riding: Riding | None = None) -> Array:
+def known(plan: WirePlan, riding: Riding | None = None) -> Array:
     """Ten frequencies of Hermite elements of 0.5 and 0.25 m, extrapolated: chords of the sag converge with h^2."""
     coarse, fine = (Hermite(plan, h).frequencies(riding)[:10] for h in (0.5, 0.25))
     assert np.abs(fine / coarse - 1.0).max() < 1e-3

@@ -10,9 +10,9 @@ from ropewalk.results.mode_figure import mode_figure
 from ropewalk.simulate import spectrum_of
 from ropewalk.solve.spectrum import Modes
 from ropewalk.theory import beam
-from ropewalk.wires.plan import Plan
+from ropewalk.wires.plan import WirePlan
 from ropewalk.wires.spectrum import spectrum
-from ropewalk.wires.task import Task
+from ropewalk.wires.task import WireTask
 from wire_cases import straight
 
 LENGTH, MASS, EI = 10.0, 50.0, 2e6
@@ -90,6 +90,6 @@ def test_modes_are_drawn_a_panel_each_with_frequencies_in_hertz() -> None:
 def test_retardation_damps_a_wire_under_tension_in_proportion_to_its_frequency() -> None:
     """beta K of Rayleigh: the ratio is beta w / 2, of what tension and bending hold alike."""
     wire = straight(60.0, 2e4, 1.35, 195.0, retardation=1e-3)
-    modes = spectrum(Task(Plan((wire,), gravity=0.0), (), (), element=[60])).modes
+    modes = spectrum(WireTask(WirePlan((wire,), gravity=0.0), (), (), element=[60])).modes
     assert modes is not None
     assert modes.ratio == pytest.approx(0.5e-3 * modes.frequency, rel=1e-4)  # the wire stretches by 1e-4

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ropewalk.wires.mesh import mesh_of, places_of
-from ropewalk.wires.plan import Plan, Spot, Wire
-from ropewalk.wires.rest import held_shape, rows, vertical_stiffness
+from ropewalk.wires.plan import Spot, Wire, WirePlan
+from ropewalk.wires.rest import restrained_shape, rows, vertical_stiffness
 from ropewalk.wires.spline import WIDTH, points
 
 LINKS = 24
@@ -64,9 +64,9 @@ def test_a_wave_is_seen_to_the_fourth_order():
 def test_a_point_force_on_a_stiff_string_moves_its_point_as_the_closed_form_says(stiffness, place):
     """p (L - p) / (T L) less what stiffness takes: exact, though the spline rounds the kink; links of 0.5 m."""
     wire = taut(stiffness)
-    mesh, T, L = mesh_of(Plan((wire,), gravity=0.0), 0.5), wire.tension, wire.length
+    mesh, T, L = mesh_of(WirePlan((wire,), gravity=0.0), 0.5), wire.tension, wire.length
     spot = places_of(mesh.strands, [Spot(0, place)])
-    shape, force = held_shape(mesh, spot, np.array([0.01]), np.zeros(mesh.nodes))
+    shape, force = restrained_shape(mesh, spot, np.array([0.01]), np.zeros(mesh.nodes))
     reach = np.sqrt(stiffness / T)
     exact = place * (L - place) / (T * L)
     if reach:
@@ -78,10 +78,10 @@ def test_a_point_force_on_a_stiff_string_moves_its_point_as_the_closed_form_says
 
 def test_without_the_local_compliance_the_kink_is_rounded():
     wire = taut()
-    mesh = mesh_of(Plan((wire,), gravity=0.0), 0.5)
+    mesh = mesh_of(WirePlan((wire,), gravity=0.0), 0.5)
     spot = places_of(mesh.strands, [Spot(0, 6.0)])
     exact = 6.0 * 6.0 / (wire.tension * 12.0)
-    _, rounded = held_shape(mesh, spot._replace(local=np.zeros(1)), np.array([0.01]), np.zeros(mesh.nodes))
+    _, rounded = restrained_shape(mesh, spot._replace(local=np.zeros(1)), np.array([0.01]), np.zeros(mesh.nodes))
     assert 0.01 / rounded[0] < 0.999 * exact
 
 
@@ -92,7 +92,7 @@ def test_frequencies_of_a_beam_converge_with_the_second_order(ends, number):
     errors = []
     for n in (20, 40, 80):
         wire = Wire("beam", (0.0, 0.0, 0.0), (12.0, 0.0, 0.0), 0.0, 1.35, 195.0, ends=ends)
-        mesh = mesh_of(Plan((wire,)), [n])
+        mesh = mesh_of(WirePlan((wire,)), [n])
         K, m = vertical_stiffness(mesh).toarray()[1:-1, 1:-1], mesh.mass[1:-1]
         found = np.sqrt(np.linalg.eigvalsh(K / np.sqrt(np.outer(m, m)))[0])
         errors.append(abs(found / exact - 1.0))
@@ -103,7 +103,7 @@ def test_frequencies_of_a_beam_converge_with_the_second_order(ends, number):
 def test_frequencies_of_a_stiff_string_on_a_bed():
     """omega_n^2 = (T k^2 + EI k^4 + bed) / rho with k = n pi / L: the spectrum of the lattice has it in closed form."""
     wire = Wire("wire", (0.0, 0.0, 0.0), (12.0, 0.0, 0.0), 2e4, 1.35, 195.0, bed=3e3)
-    mesh = mesh_of(Plan((wire,)), [120])
+    mesh = mesh_of(WirePlan((wire,)), [120])
     K, m = vertical_stiffness(mesh).toarray()[1:-1, 1:-1], mesh.mass[1:-1]
     found = np.linalg.eigvalsh(K / np.sqrt(np.outer(m, m)))[:3]
     k, h = np.arange(1, 4) * np.pi / 12.0, 0.1

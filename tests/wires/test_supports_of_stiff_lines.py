@@ -15,9 +15,9 @@ from ropewalk.cosim import stepwise
 from ropewalk.model import Scenario
 from ropewalk.results.frame import ENERGY_FORMS
 from ropewalk.simulate import simulate, spectrum_of
-from ropewalk.wires.plan import Array, Hold, Plan, Spot, Wire
+from ropewalk.wires.plan import Array, Hold, Spot, Wire, WirePlan
 from ropewalk.wires.spectrum import spectrum
-from ropewalk.wires.task import Task
+from ropewalk.wires.task import WireTask
 
 GEOMETRIES = ("linearised", "nonlinear")
 LENGTH, MASS, EI = 10.0, 50.0, 2e6
@@ -145,8 +145,8 @@ def over_spans(spans: int) -> Array:
     """
 
     def unlike(p: float, n: int) -> float:
-        held = np.sin(p) * np.cosh(p) - np.cos(p) * np.sinh(p)
-        return float((held + (np.sinh(p) - np.sin(p)) * np.cos(np.pi * n / spans)) / np.cosh(p))
+        restrained = np.sin(p) * np.cosh(p) - np.cos(p) * np.sinh(p)
+        return float((restrained + (np.sinh(p) - np.sin(p)) * np.cos(np.pi * n / spans)) / np.cosh(p))
 
     found = [np.pi]
     for n in range(1, spans):
@@ -163,7 +163,9 @@ def test_a_beam_over_several_spans_has_the_frequencies_of_the_three_moment_equat
     piers = tuple(Hold(f"pier {s:g}", Spot(0, float(s)), (0.0, np.inf, np.inf), place=(s, 0.0, 0.0)) for s in stations)
     exact, errors = over_spans(spans), []
     for links in (48, 96, 192):
-        modes = spectrum(Task(Plan((wire,), holds=piers, gravity=0.0), (), (), element=[links]), 2 * spans + 2).modes
+        modes = spectrum(
+            WireTask(WirePlan((wire,), holds=piers, gravity=0.0), (), (), element=[links]), 2 * spans + 2
+        ).modes
         assert modes is not None
         errors.append(np.abs(near(modes.frequency, exact) / exact - 1.0))
     print("exact", exact, "errors", errors, "orders", np.log2(np.divide(errors[:-1], errors[1:])))

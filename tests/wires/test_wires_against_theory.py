@@ -110,7 +110,7 @@ def test_drag_takes_what_it_should():
     times = np.linspace(0.0, 1.5, 301)
     touched = force(100.0, 20.0)
     touched = type(touched)(
-        touched.rider, lambda t: 10.0 + 0.0 * t, given=lambda t: np.where(t < 0.05, -100.0, 0.0)[:, None]
+        touched.moving_load, lambda t: 10.0 + 0.0 * t, given=lambda t: np.where(t < 0.05, -100.0, 0.0)[:, None]
     )
     free = middle(course(straight(**STRING), [touched], times, 80)[0])
     damped = middle(course(straight(**line), [touched], times, 80)[0])
@@ -151,11 +151,11 @@ def test_energies_and_works_close():
     times = np.linspace(0.0, 0.8, 161)
     beam_wire = straight(25.0, 0.0, 2303.0, YAU["bending_stiffness"])
     sprung = rolling(beam_vehicle.oscillator(5750.0, load_stiffness=1595e3, load_damping=2e4), SPEED)
-    for wire, journey, part in (
+    for wire, prescribed_motion, part in (
         (beam_wire, sprung, 1e-3), (beam_wire, rolling(beam_vehicle.point_mass(5750.0), SPEED), 1e-4),
         (straight(**STRING), force(10.0, 20.0), 2e-3),
     ):  # fmt: skip
-        energy = np.array([frame.energy for frame in course(wire, [journey], times, 48)[0]])
+        energy = np.array([frame.energy for frame in course(wire, [prescribed_motion], times, 48)[0]])
         turned = np.abs(energy[:, :-1]).max()
         assert turned > 0.01
         assert np.abs(energy[:, -1]).max() < part * turned

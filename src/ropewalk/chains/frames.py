@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ropewalk.chains.load_states import (
-    Points,
+    StrandPoints,
     contact_state,
     light_wheels,
     load_energies,
+    located_nodes,
     points_of,
-    seated_nodes,
     shown_bodies,
 )
 from ropewalk.checkpoint import Tree, copied
@@ -23,8 +23,8 @@ from ropewalk.mechanics.bodies import (
     FLYING,
     FREE,
     GIVEN,
+    LOCATED,
     PARKED,
-    SEATED,
     WAITING,
     Bodies,
     are_weightless,
@@ -41,25 +41,27 @@ from ropewalk.mechanics.chain import (
     OFF,
     SUPPORT_WORK,
     Array,
-    State,
+    ChainState,
 )
 from ropewalk.mechanics.law import stored_total, tensions
-from ropewalk.mechanics.rider import force_at, link_of, part_of, speed_at
+from ropewalk.mechanics.moving_contact import force_at, link_of, part_of, speed_at
 from ropewalk.results.audit import Audit
 from ropewalk.results.frame import MOVES, STICKS, Contacts, Frame, Layout, uniform
 from ropewalk.solve.ends import drives_at, ends_of
-from ropewalk.solve.holding import coefficient_used
-from ropewalk.solve.start import Setting, onward
+from ropewalk.solve.hold_forces import coefficient_used
+from ropewalk.solve.start import PreparedRun, onward
 
 
-def layout_of(setting: Setting, path: str = "time") -> Layout:
+def layout_of(setting: PreparedRun, path: str = "time") -> Layout:
     """Names and coordinates of the result of a run."""
     strands = setting.strands
     return Layout(
         axes=setting.axes,
         **uniform(setting.lines, strands.links, strands.h),
         contact_load=tuple(wheel.name for wheel in setting.wheels),
-        body=tuple(body.name for body in setting.fleet.shown) if setting.fleet is not None else (),
+        body=tuple(body.name for body in setting.multibody_system.shown)
+        if setting.multibody_system is not None
+        else (),
         support=tuple(f"{name}.{end}" for name in setting.lines for end in ("start", "end")),
         path=path,
         weight=-float((strands.rho * strands.h * strands.links).sum() * strands.gravity[-1]),
@@ -73,7 +75,7 @@ _WORKS = {
 
 
 @dataclass(frozen=True)
-class _Pieces:
+class _Segments:
     """Strains, tensions and force vectors of the links of all strands (entries between strands are zero).
 
     Where a wheel divides a link, its strain and tension are those in its middle, and its force vector is that at the
@@ -87,7 +89,7 @@ class _Pieces:
     beside: dict[int, tuple[Array, Array, Array]]  # per wheel: tensions (2,), force vectors and tangents r' (axis, 2)
 
 
-def _pieces(setting: Setting, state: State, bodies: Bodies | None) -> _Pieces:
+def _segments(setting: PreparedRun, state: ChainState, bodies: Bodies | None) -> _Segments:
     strands = setting.strands
     r, v, X = state.r, node_velocities(setting, state), state.X
     count = X.size - 1
@@ -96,7 +98,7 @@ def _pieces(setting: Setting, state: State, bodies: Bodies | None) -> _Pieces:
     for s in range(strands.first.size):
         i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
         if bodies is None:
-            points = Points(X[i : j + 1], r[:, i : j + 1], v[:, i : j + 1], U[i : j + 1], np.full(j + 1 - i, -1))
+            points = StrandPoints(X[i : j + 1], r[:, i : j + 1], v[:, i : j + 1], U[i : j + 1], np.full(j + 1 - i, -1))
         else:
             points = points_of(setting, state, bodies, s, v, U)
         d, rest = np.diff(points.r, axis=1), np.diff(points.X)
@@ -117,34 +119,34 @@ def _pieces(setting: Setting, state: State, bodies: Bodies | None) -> _Pieces:
             eps[i:j], T[i:j], f[:, i:j] = strain[middle], pull[middle], vector[:, begin]
         else:
             eps[i:j], T[i:j], f[:, i:j] = strain, pull, vector
-    return _Pieces(eps, T, f, elastic, beside)
+    return _Segments(eps, T, f, elastic, beside)
 
 
-def mesh_speeds(state: State) -> Array:
+def mesh_speeds(state: ChainState) -> Array:
     """d X / dt of every node: the speed of the load that it carries, or zero, m/s."""
     U = np.zeros(state.X.size)
-    for k, b in enumerate(state.rider):
+    for k, b in enumerate(state.moving_load):
         if b >= 0:
             U[b] = state.speed[k]
     return U
 
 
-def node_velocities(setting: Setting, state: State) -> Array:
+def node_velocities(setting: PreparedRun, state: ChainState) -> Array:
     """Velocities of the nodes themselves: riding nodes move with their loads, m/s."""
     v = state.w.copy()
-    for k, b in enumerate(state.rider):
+    for k, b in enumerate(state.moving_load):
         if b >= 0:
             v[:, b] += state.speed[k] * (state.r[:, b + 1] - state.r[:, b - 1]) / (state.X[b + 1] - state.X[b - 1])
     return v
 
 
-def _material_nodes(setting: Setting, state: State, bodies: Bodies | None) -> tuple[Array, Array]:
+def _material_nodes(setting: PreparedRun, state: ChainState, bodies: Bodies | None) -> tuple[Array, Array]:
     """Positions and velocities of the material nodes: those that ride with loads are looked up on their sub-links."""
     r, w = state.r.copy(), state.w.copy()
     if bodies is not None:
-        seated_nodes(setting, state, bodies, r, w)
+        located_nodes(setting, state, bodies, r, w)
     v = node_velocities(setting, state)
-    for k, b in enumerate(state.rider):
+    for k, b in enumerate(state.moving_load):
         if b < 0:
             continue
         s = int(setting.loads.strand[k])
@@ -157,13 +159,13 @@ def _material_nodes(setting: Setting, state: State, bodies: Bodies | None) -> tu
     return r, w
 
 
-def _links_only(setting: Setting, values: Array) -> Array:
+def _links_only(setting: PreparedRun, values: Array) -> Array:
     """Drop the entries that stand between two strands."""
     keep = [values[int(i) : int(i + n)] for i, n in zip(setting.strands.first, setting.strands.links, strict=True)]
     return np.concatenate(keep)
 
 
-def _of_lines(setting: Setting, state: State, elastic: float, w: Array) -> dict[str, float]:
+def _of_lines(setting: PreparedRun, state: ChainState, elastic: float, w: Array) -> dict[str, float]:
     """Kinetic, elastic and gravitational energy of the lines and of what yields or moves with their ends, J.
 
     Args:
@@ -182,53 +184,53 @@ def _of_lines(setting: Setting, state: State, elastic: float, w: Array) -> dict[
         kinetic += 0.5 * float((ends.mass * (state.w[:, ends.node] ** 2).sum(axis=0)).sum())
         r, t = state.r[:, ends.node].T, float(state.t[0])
         for e, number in enumerate(ends.number):
-            moved = r[e] - setting.held(number // 2, t).place[number % 2]
+            moved = r[e] - setting.restrained(number // 2, t).place[number % 2]
             elastic += 0.5 * float(moved @ ends.stiffness[e] @ moved)
             gravitational -= float(ends.force[e] @ r[e])
     return {"kinetic": kinetic, "elastic": elastic, "gravitational": gravitational}
 
 
-class FrameBuilder:
+class ChainFrameBuilder:
     """Builds frames of a motion; the energy at the first one is the origin of the audit."""
 
-    def __init__(self, setting: Setting, bodies: Bodies | None = None) -> None:
+    def __init__(self, setting: PreparedRun, bodies: Bodies | None = None) -> None:
         self.setting, self.bodies = setting, bodies
         self._weightless = bodies is not None and are_weightless(bodies)
         self._audit = Audit()
         self._work: Array | None = None  # at the first frame, J
-        self._held: tuple[float, Array] = (0.0, np.zeros(setting.xi.size))
+        self._restrained: tuple[float, Array] = (0.0, np.zeros(setting.xi.size))
 
     def get_state(self) -> Tree:
         """The origin of the audit, and when hold forces were looked at last."""
-        return copied({"audit": self._audit.get_state(), "work": self._work, "held": self._held})
+        return copied({"audit": self._audit.get_state(), "work": self._work, "held": self._restrained})
 
     def set_state(self, tree: Tree) -> None:
         """Go on from there."""
         self._audit.set_state(tree["audit"])
         self._work, (since, impulse) = copied(tree["work"]), tree["held"]
-        self._held = since, impulse.copy()
+        self._restrained = since, impulse.copy()
 
-    def build(self, state: State) -> Frame:
+    def build(self, state: ChainState) -> Frame:
         """The frame of the present state."""
         setting, loads, bodies = self.setting, self.setting.loads, self.bodies
-        pieces = _pieces(setting, state, bodies)
+        segments = _segments(setting, state, bodies)
         r, w = _material_nodes(setting, state, bodies)
         dim, count, t = r.shape[0], state.xi.size, float(state.t[0])
         seen = Contacts(count, dim)
         place, force, hold, both, xi, speed = (
             seen.position, seen.force, seen.hold, seen.tension, seen.xi, seen.speed
         )  # fmt: skip
-        reaction = _reactions(setting, pieces.f)
+        reaction = _reactions(setting, segments.f)
         # The hold force of a chain ripples while a load passes a node: its mean since the last frame is reported.
-        since, impulse = self._held
+        since, impulse = self._restrained
         mean_hold = (state.hold - impulse) / (t - since) if t > since else np.zeros(count)
-        self._held = (t, state.hold.copy())
+        self._restrained = (t, state.hold.copy())
         for k in range(count):
-            b = int(state.rider[k])
+            b = int(state.moving_load[k])
             if bodies is not None:
                 seen.state[k] = contact_state(state, bodies, k)
                 if b == CARRIED:
-                    at = self._of_body(state, bodies, pieces, k, float(mean_hold[k]), reaction)
+                    at = self._of_body(state, bodies, segments, k, float(mean_hold[k]), reaction)
                     place[k], force[k], hold[k], both[k], xi[k], speed[k] = at
                     continue
             if b == OFF:
@@ -241,15 +243,15 @@ class FrameBuilder:
                 seen.state[k] = MOVES if state.speed[k] != 0.0 else STICKS
             hold[k] = 0.0
             if b >= 0:
-                place[k], both[k] = state.r[:, b], pieces.T[[b - 1, b]]
-                seen.friction[k] = _friction_used(setting, state, pieces, k, b)
+                place[k], both[k] = state.r[:, b], segments.T[[b - 1, b]]
+                seen.friction[k] = _friction_used(setting, state, segments, k, b)
                 if loads.contact[k] == FRICTIONLESS:
                     hold[k, 0] = mean_hold[k]
             else:
                 i = int(link_of(setting.strands, loads, state, k))
                 part = part_of(state, k, i)
                 place[k] = (1.0 - part) * state.r[:, i] + part * state.r[:, i + 1]
-                both[k] = pieces.T[i]
+                both[k] = segments.T[i]
                 for node, share in ((i, 1.0 - part), (i + 1, part)):
                     if node == setting.strands.first[s]:
                         reaction[2 * s] -= share * F
@@ -268,17 +270,17 @@ class FrameBuilder:
             path=t,
             position=r.T,
             velocity=w.T,
-            tension=_links_only(setting, pieces.T),
-            strain=_links_only(setting, pieces.eps),
+            tension=_links_only(setting, segments.T),
+            strain=_links_only(setting, segments.eps),
             **seen.told(),
             body_position=shown[0],
             body_velocity=shown[1],
             reaction=reaction,
-            energy=self._audit.of(**_of_lines(setting, state, pieces.elastic, w), **of_loads, **self._works(state)),
+            energy=self._audit.of(**_of_lines(setting, state, segments.elastic, w), **of_loads, **self._works(state)),
         )
 
     def _of_body(
-        self, state: State, bodies: Bodies, pieces: _Pieces, k: int, mean_hold: float, reaction: Array
+        self, state: ChainState, bodies: Bodies, segments: _Segments, k: int, mean_hold: float, reaction: Array
     ) -> tuple[Array, Array, Array, Array, float, float]:
         """Place, force on the line, hold force, tensions, xi and speed of a wheel that has its own place."""
         record, dim, s = bodies.wheels[k], state.r.shape[0], int(self.setting.loads.strand[k])
@@ -292,11 +294,11 @@ class FrameBuilder:
             force = record["on_line"][:dim].copy()
             i = int(record["at"])
             reaction[2 * s + (0 if i == self.setting.strands.first[s] else 1)] -= force
-            return place, force, hold, np.repeat(pieces.T[i], 2), xi, speed
-        both, vector, tangent = pieces.beside[k]
+            return place, force, hold, np.repeat(segments.T[i], 2), xi, speed
+        both, vector, tangent = segments.beside[k]
         U = float(state.speed[k])
         force = vector[:, 0] - vector[:, 1] + self.setting.strands.rho[s] * U * U * (tangent[:, 1] - tangent[:, 0])
-        if phase == SEATED:  # the weight of the particle that it carries is the line's own
+        if phase == LOCATED:  # the weight of the particle that it carries is the line's own
             force -= self.setting.strands.rho[s] * self.setting.strands.h[s] * self.setting.strands.gravity
         if record["travel"] in (EVEN, ALONG_X):
             hold[0] = mean_hold
@@ -308,13 +310,13 @@ class FrameBuilder:
             speed = U * float(np.linalg.norm(tangent, axis=0).mean())
         return place, force, hold, both, xi, speed
 
-    def _works(self, state: State) -> dict[str, float]:
+    def _works(self, state: ChainState) -> dict[str, float]:
         """Works since the first frame, J."""
         self._work = state.work.copy() if self._work is None else self._work
         return {form: float(state.work[at] - self._work[at]) for form, at in _WORKS.items()}
 
 
-def _reactions(setting: Setting, f: Array) -> Array:
+def _reactions(setting: PreparedRun, f: Array) -> Array:
     """Forces of the supports on the lines (support, axis), N, before the loads that stand on supports."""
     strands = setting.strands
     out = []
@@ -325,7 +327,7 @@ def _reactions(setting: Setting, f: Array) -> Array:
     return np.array(out)
 
 
-def _let_yield(setting: Setting, state: State, reaction: Array) -> None:
+def _let_yield(setting: PreparedRun, state: ChainState, reaction: Array) -> None:
     """Make reactions of points that do not move, changed in place, those of supports that yield or move.
 
     On half a link at the end act the line, the loads there, and the reaction; the latter is all that the line knows of
@@ -343,18 +345,18 @@ def _let_yield(setting: Setting, state: State, reaction: Array) -> None:
         uneven = 0.5 * strands.rho[s] * float(np.diff(state.X[ends.link[e] : ends.link[e] + 2])[0]) - ends.half[e]
         reaction[number] += drag - uneven * strands.gravity
         if ends.free[e]:
-            place = setting.held(int(s), t).place[number % 2]
+            place = setting.restrained(int(s), t).place[number % 2]
             given = ends.force[e] + ends.stiffness[e] @ (place - state.r[:, i])
             given += supports.damping[number] @ (drives[:, e] - state.w[:, i])
             push = supports.free[number] @ (given - reaction[number])
             reaction[number] += ends.half[e] / ends.mass[e] * push
 
 
-def _friction_used(setting: Setting, state: State, pieces: _Pieces, k: int, b: int) -> float:
+def _friction_used(setting: PreparedRun, state: ChainState, segments: _Segments, k: int, b: int) -> float:
     """Friction coefficient that the pulls beside a riding node need, less what turns the passing material."""
     s, U = setting.loads.strand[k], float(state.speed[k])
     flux = float(setting.strands.rho[s]) * U * U / np.diff(state.X[b - 1 : b + 2])
-    behind, ahead = (pieces.f[:, b - 1 : b + 1] - flux * np.diff(state.r[:, b - 1 : b + 2], axis=1)).T
+    behind, ahead = (segments.f[:, b - 1 : b + 1] - flux * np.diff(state.r[:, b - 1 : b + 2], axis=1)).T
     sizes = np.linalg.norm(behind), np.linalg.norm(ahead)
     if not min(sizes) > 0.0:
         return float("inf")

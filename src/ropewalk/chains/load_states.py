@@ -6,16 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropewalk.mechanics.bodies import AWAY, FLYING, INSIDE, PULLS, PUSHES, RIDING, SEATED, WAITING, Bodies
-from ropewalk.mechanics.chain import Array, State
-from ropewalk.mechanics.fleet import FIRM
-from ropewalk.mechanics.rider import link_of
+from ropewalk.mechanics.bodies import AWAY, FLYING, INSIDE, LOCATED, PULLS, PUSHES, RIDING, WAITING, Bodies
+from ropewalk.mechanics.chain import Array, ChainState
+from ropewalk.mechanics.moving_contact import link_of
+from ropewalk.mechanics.multibody_system import FIRM
 from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, STICKS
-from ropewalk.solve.start import Setting, onward
+from ropewalk.solve.start import PreparedRun, onward
 
 
 @dataclass(frozen=True)
-class Points:
+class StrandPoints:
     """Nodes and wheels of a strand, sorted along it."""
 
     X: Array  # (point,) m
@@ -25,7 +25,7 @@ class Points:
     wheel: Array  # (point,) wheel that stands there, or -1
 
 
-def points_of(setting: Setting, state: State, bodies: Bodies, s: int, v: Array, U: Array) -> Points:
+def points_of(setting: PreparedRun, state: ChainState, bodies: Bodies, s: int, v: Array, U: Array) -> StrandPoints:
     """Collect the points of strand s; v (axis, node) and U (node,) are those of its nodes."""
     dim = state.r.shape[0]
     first, last = int(setting.strands.first[s]), int(setting.strands.first[s] + setting.strands.links[s])
@@ -36,16 +36,16 @@ def points_of(setting: Setting, state: State, bodies: Bodies, s: int, v: Array, 
     for k, record in enumerate(bodies.wheels):
         if setting.loads.strand[k] != s:
             continue
-        if record["phase"] == SEATED:
+        if record["phase"] == LOCATED:
             node = int(record["at"]) - first
             wheel[node], U[node], v[:, node] = k, state.speed[k], record["v"][:dim]
         elif record["phase"] == INSIDE:
             inside.append(k)
     if not inside:
-        return Points(X, r, v, U, wheel)
+        return StrandPoints(X, r, v, U, wheel)
     inside.sort(key=lambda k: state.xi[k])
     at = np.searchsorted(X, state.xi[inside])
-    return Points(
+    return StrandPoints(
         np.insert(X, at, state.xi[inside]),
         np.insert(r, at, bodies.wheels["r"][inside, :dim].T, axis=1),
         np.insert(v, at, bodies.wheels["v"][inside, :dim].T, axis=1),
@@ -54,10 +54,10 @@ def points_of(setting: Setting, state: State, bodies: Bodies, s: int, v: Array, 
     )
 
 
-def contact_state(state: State, bodies: Bodies, k: int) -> float:
+def contact_state(state: ChainState, bodies: Bodies, k: int) -> float:
     """In which state the contact of wheel k is."""
     phase = bodies.wheels[k]["phase"]
-    if phase in (AWAY, WAITING) or (phase == RIDING and state.rider[k] <= -2):
+    if phase in (AWAY, WAITING) or (phase == RIDING and state.moving_load[k] <= -2):
         return OFF_LINE
     if phase == FLYING:
         return IN_AIR
@@ -70,11 +70,11 @@ def _is_buffered(bodies: Bodies, k: int) -> bool:
     return bool((bodies.buffers["wheel"] == k).any())
 
 
-def seated_nodes(setting: Setting, state: State, bodies: Bodies, r: Array, w: Array) -> None:
+def located_nodes(setting: PreparedRun, state: ChainState, bodies: Bodies, r: Array, w: Array) -> None:
     """Put the particles that wheels carry to their own places, in r and w (axis, node)."""
     dim = r.shape[0]
     for k, record in enumerate(bodies.wheels):
-        if record["phase"] != SEATED:
+        if record["phase"] != LOCATED:
             continue
         s, b = int(setting.loads.strand[k]), int(record["at"])
         h = float(setting.strands.h[s])
@@ -85,12 +85,15 @@ def seated_nodes(setting: Setting, state: State, bodies: Bodies, r: Array, w: Ar
         w[:, b] = record["store"][:dim] / (setting.strands.rho[s] * h)
 
 
-def shown_bodies(setting: Setting, r: Array, bodies: Bodies) -> tuple[Array, Array]:
+def shown_bodies(setting: PreparedRun, r: Array, bodies: Bodies) -> tuple[Array, Array]:
     """Positions and velocities of all bodies beside the contacts, (body, axis) each; nodes are at r (axis, node)."""
-    assert setting.fleet is not None
+    assert setting.multibody_system is not None
     dim = r.shape[0]
-    place, speed = np.empty((len(setting.fleet.shown), dim)), np.empty((len(setting.fleet.shown), dim))
-    for i, body in enumerate(setting.fleet.shown):
+    place, speed = (
+        np.empty((len(setting.multibody_system.shown), dim)),
+        np.empty((len(setting.multibody_system.shown), dim)),
+    )
+    for i, body in enumerate(setting.multibody_system.shown):
         ahead = body.ahead * onward(setting, r, int(setting.loads.strand[body.wheel]))
         for a, d in enumerate(body.coordinates):
             record = bodies.wheels[body.wheel]
@@ -99,7 +102,7 @@ def shown_bodies(setting: Setting, r: Array, bodies: Bodies) -> tuple[Array, Arr
     return place, speed
 
 
-def load_energies(setting: Setting, bodies: Bodies) -> dict[str, float]:
+def load_energies(setting: PreparedRun, bodies: Bodies) -> dict[str, float]:
     """Kinetic and potential energy of all loads, J."""
     strands, dim = setting.strands, len(setting.axes)
     z = dim - 1
@@ -110,9 +113,9 @@ def load_energies(setting: Setting, bodies: Bodies) -> dict[str, float]:
     for i, vehicle in enumerate(bodies.vehicles):
         n, count, first = int(vehicle["coordinates"]), int(vehicle["wheels"]), int(vehicle["first"])
         size, own = n + count, slice(first, first + n)
-        seats = (bodies.wheel[i, :count], bodies.axis[i, :count])
-        u = np.concatenate((bodies.coordinates["q"][own], r[seats]))
-        rate = np.concatenate((bodies.coordinates["v"][own], v[seats]))
+        locations = (bodies.wheel[i, :count], bodies.axis[i, :count])
+        u = np.concatenate((bodies.coordinates["q"][own], r[locations]))
+        rate = np.concatenate((bodies.coordinates["v"][own], v[locations]))
         rate[np.diag(bodies.M[i])[:size] == FIRM] = 0.0  # what only its owner moves
         kinetic += 0.5 * float(rate @ bodies.M[i, :size, :size] @ rate)
         potential += 0.5 * float(u @ bodies.K[i, :size, :size] @ u) - float(bodies.load[i, :size] @ u)
@@ -131,11 +134,11 @@ def load_energies(setting: Setting, bodies: Bodies) -> dict[str, float]:
     return {"load_kinetic": kinetic, "load_potential": potential}
 
 
-def light_wheels(setting: Setting, state: State, bodies: Bodies, places: Array) -> None:
+def light_wheels(setting: PreparedRun, state: ChainState, bodies: Bodies, places: Array) -> None:
     """Note places and velocities of the wheels that ride as forces do; `places` are (wheel, axis)."""
     dim = state.r.shape[0]
     for k, record in enumerate(bodies.wheels):
-        b, U = int(state.rider[k]), float(state.speed[k])
+        b, U = int(state.moving_load[k]), float(state.speed[k])
         if record["phase"] != RIDING or not np.isfinite(places[k]).all():
             continue
         record["r"][:dim] = places[k]

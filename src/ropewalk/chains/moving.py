@@ -6,25 +6,25 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 
 from ropewalk.chains.beginning import initial_state
-from ropewalk.chains.frames import FrameBuilder, layout_of
+from ropewalk.chains.frames import ChainFrameBuilder, layout_of
 from ropewalk.checkpoint import Tree
-from ropewalk.foreign.turns import begun
-from ropewalk.guides.assembly import guides_of
-from ropewalk.guides.partner import Partner
+from ropewalk.controllers.assembly import controllers_of
+from ropewalk.controllers.partner import Partner
+from ropewalk.foreign.cosimulation_master import begun
 from ropewalk.mechanics.bodies import are_weightless
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.exchanges import foreign_in
-from ropewalk.results.frame import ENERGY_FORMS, Account, Frame
+from ropewalk.results.frame import ENERGY_FORMS, Frame, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.running import Ending
 from ropewalk.solve.carrier import RopeCarrier
 from ropewalk.solve.choice import Choice, choose, cut_by_damping
-from ropewalk.solve.motion import STOPPED, Motion, Progress
-from ropewalk.solve.remarks import in_one_link, on_friction, on_parting, on_springing_up, who_met
+from ropewalk.solve.diagnostics import in_one_link, on_friction, on_parting, on_springing_up, who_met
+from ropewalk.solve.motion import STOPPED, ChainMotion, Progress
 from ropewalk.solve.splitting import END_OF_LINE, MET, RUNNING
-from ropewalk.solve.start import Setting, setting_of
+from ropewalk.solve.start import PreparedRun, setting_of
 
 _SHORTENED = (
     "lines.{line}.axial_damping makes the step {times:.2g} times shorter than it is without: lower it, or write fewer "
@@ -51,31 +51,31 @@ class Chain:
 
     looks_ahead, together = False, True
 
-    def __init__(self, scenario: Scenario, account: Account, times: Array, past: Tree | None = None) -> None:
+    def __init__(self, scenario: Scenario, run_info: RunInfo, times: Array, past: Tree | None = None) -> None:
         run = scenario.run
         assert isinstance(run, Dynamic)
         self.setting = setting = setting_of(scenario, run.until)
         self.state, self.bodies = state, bodies = initial_state(setting, scenario)
-        self.account, self.times = account, times
+        self.run_info, self.times = run_info, times
         moving = None if bodies is None or are_weightless(bodies) else bodies
         self.choice = choose(
             setting.strands, setting.loads, state, method=run.method, step=run.step, accuracy=run.accuracy,
             duration=run.until, supports=setting.supports, bodies=moving, guided=bodies is not None,
         ) if past is None else Choice(**past["choice"])  # fmt: skip
-        account.method, account.reason, account.step = self.choice.method, self.choice.reason, self.choice.step
-        account.warnings += in_one_link(setting)
+        run_info.method, run_info.reason, run_info.step = self.choice.method, self.choice.reason, self.choice.step
+        run_info.warnings += in_one_link(setting)
         if (cut := cut_by_damping(setting.strands, self.state, self.choice)) is not None:
-            account.warnings.append(_SHORTENED.format(line=setting.lines[cut[0]], times=cut[1]))
-        self._builder, self.progress = FrameBuilder(setting, self.bodies), Progress()
+            run_info.warnings.append(_SHORTENED.format(line=setting.lines[cut[0]], times=cut[1]))
+        self._builder, self.progress = ChainFrameBuilder(setting, self.bodies), Progress()
         carrier = None if bodies is None else RopeCarrier(setting, state, bodies, setting.loads)
-        guides = [] if carrier is None else guides_of(carrier, setting.loading, scenario)
-        self.turns = [guide.turns for guide in guides if isinstance(guide, Partner)]
+        controllers = [] if carrier is None else controllers_of(carrier, setting.loading, scenario)
+        self.turns = [controller.turns for controller in controllers if isinstance(controller, Partner)]
         with begun(self.turns):
-            for guide in guides:
-                guide.begin()
-            self.motion = Motion(
+            for controller in controllers:
+                controller.begin()
+            self.motion = ChainMotion(
                 setting.strands, setting.loads, self.state, self.choice, run.precision, self.progress,
-                setting.supports, moving, guides, self.bodies,
+                setting.supports, moving, controllers, self.bodies,
             )  # fmt: skip
         if carrier is not None:
             carrier.look = self.motion.look
@@ -100,7 +100,7 @@ class Chain:
         progress, state = self.progress, self.state
         if i:
             self.motion.to(float(self.times[i]))
-        self.account.steps = progress.steps
+        self.run_info.steps = progress.steps
         if progress.status == RUNNING:
             return None
         if progress.status == MET:
@@ -125,24 +125,24 @@ class Chain:
         """Note what one should know of a frame of the motion."""
         if self.progress.status != RUNNING or frame.path <= 0.0:
             return
-        setting, account, bodies = self.setting, self.account, self.bodies
-        self._warned = self._warned or _warn_of_compression(setting, frame, account)
-        account.warnings += on_friction(setting, frame.contact_friction, frame.path, self._slipped)
+        setting, run_info, bodies = self.setting, self.run_info, self.bodies
+        self._warned = self._warned or _warn_of_compression(setting, frame, run_info)
+        run_info.warnings += on_friction(setting, frame.contact_friction, frame.path, self._slipped)
         if bodies is not None:
             moving = sum(
                 float(frame.energy[ENERGY_FORMS.index(form)]) for form in ("kinetic", "elastic", "load_kinetic")
             )
-            account.warnings += on_parting(setting, bodies, moving, self._parted)
+            run_info.warnings += on_parting(setting, bodies, moving, self._parted)
             for told in on_springing_up(setting, bodies, moving, self._parted):
-                account.doubt(*told)
+                run_info.doubt(*told)
 
 
-def _warn_of_compression(setting: Setting, frame: Frame, account: Account) -> bool:
+def _warn_of_compression(setting: PreparedRun, frame: Frame, run_info: RunInfo) -> bool:
     begin = 0
     for s, name in enumerate(setting.lines):
         n = int(setting.strands.links[s])
         if setting.strands.damping[s] == 0.0 and frame.tension[begin : begin + n].min() < 0.0:
-            account.warnings.append(_COMPRESSION.format(time=frame.path, line=name))
+            run_info.warnings.append(_COMPRESSION.format(time=frame.path, line=name))
             return True
         begin += n
     return False

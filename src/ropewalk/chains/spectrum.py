@@ -7,23 +7,23 @@ import numpy as np
 from ropewalk.chains.beginning import initial_state
 from ropewalk.chains.moving import Chain
 from ropewalk.errors import EquilibriumError, RopewalkError
-from ropewalk.foreign.turns import closing
+from ropewalk.foreign.cosimulation_master import closing
 from ropewalk.mechanics.bodies import Bodies
-from ropewalk.mechanics.chain import OFF, State
+from ropewalk.mechanics.chain import OFF, ChainState
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Account
+from ropewalk.results.frame import RunInfo
 from ropewalk.results.spectrum import Spectrum
-from ropewalk.solve.boarding import board
 from ropewalk.solve.chain_equations import equations_of, hang_down
 from ropewalk.solve.free_vibration import free_vibration
+from ropewalk.solve.initial_loads import place_loads
 from ropewalk.solve.spectrum import in_space, spectrum
 from ropewalk.solve.splitting import RUNNING
-from ropewalk.solve.start import Setting, setting_of, start_state
+from ropewalk.solve.start import PreparedRun, setting_of, start_state
 from ropewalk.solve.vehicle_statics import resting_forces
 
 
-def state_at(scenario: Scenario, t: float) -> tuple[Setting, State, Bodies | None]:
+def state_at(scenario: Scenario, t: float) -> tuple[PreparedRun, ChainState, Bodies | None]:
     """The model of a dynamic run, its state at time t in s, and all that has a mass.
 
     Raises:
@@ -33,7 +33,7 @@ def state_at(scenario: Scenario, t: float) -> tuple[Setting, State, Bodies | Non
     if t <= 0.0:
         setting = setting_of(scenario, scenario.run.until)
         return setting, *initial_state(setting, scenario)
-    chain = Chain(scenario, Account(), np.array([t]))
+    chain = Chain(scenario, RunInfo(), np.array([t]))
     with closing(chain.turns):
         chain.motion.to(t)
     if chain.progress.status != RUNNING:
@@ -50,8 +50,8 @@ def spectrum_of(scenario: Scenario, at: float | None, how_many: int | None, *, w
     elif with_loads:
         setting = setting_of(scenario, 0.0)
         state = start_state(setting, True, resting_forces(setting.loading))
-        if setting.fleet is not None:
-            bodies = board(setting, state, True)
+        if setting.multibody_system is not None:
+            bodies = place_loads(setting, state, True)
             assert bodies is not None
             hang_down(setting, state, bodies)
     else:
@@ -63,7 +63,7 @@ def spectrum_of(scenario: Scenario, at: float | None, how_many: int | None, *, w
                 f"line {name}: without loads its rest shape is not determined; ask for an instant of the run instead"
             )
         state = start_state(setting, False)
-        state.rider[:] = OFF
+        state.moving_load[:] = OFF
         state.r[:] = np.concatenate([rest.position for rest in rests], axis=1)
         state.X[:] = np.concatenate([rest.X for rest in rests])
     if bodies is not None or setting.supports.free.any():

@@ -10,16 +10,16 @@ from ropewalk.chains.frames import layout_of
 from ropewalk.chains.load_states import load_energies, shown_bodies
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.audit import energies
-from ropewalk.results.frame import STICKS, Account, Contacts, Frame, Layout
-from ropewalk.solve.measure import shapes
-from ropewalk.solve.quasistatic import Place, walk
-from ropewalk.solve.remarks import Remarks
-from ropewalk.solve.standing import View
-from ropewalk.solve.start import Setting, setting_of
-from ropewalk.solve.vehicle_statics import standing_bodies
+from ropewalk.results.frame import STICKS, Contacts, Frame, Layout, RunInfo
+from ropewalk.solve.diagnostics import Remarks
+from ropewalk.solve.loaded_equilibrium import View
+from ropewalk.solve.path_measure import shapes
+from ropewalk.solve.quasistatic import LoadPosition, walk
+from ropewalk.solve.start import PreparedRun, setting_of
+from ropewalk.solve.vehicle_statics import loaded_bodies
 
 
-class Still:
+class ChainStatics:
     """A run without inertia: its layout, and its frames.
 
     Args:
@@ -31,9 +31,9 @@ class Still:
         EquilibriumError: a line has no rest shape.
     """
 
-    def __init__(self, scenario: Scenario, account: Account, until: float) -> None:
-        self.setting, self.account = setting_of(scenario, until), account
-        account.method, account.reason = "rest", "least potential energy"
+    def __init__(self, scenario: Scenario, run_info: RunInfo, until: float) -> None:
+        self.setting, self.run_info = setting_of(scenario, until), run_info
+        run_info.method, run_info.reason = "rest", "least potential energy"
         self._remarks = Remarks(self.setting, tuple(scenario.loads))
 
     @property
@@ -41,10 +41,10 @@ class Still:
         """Names and coordinates of the result."""
         return layout_of(self.setting, "load_path")
 
-    def standing(self) -> Frame:
+    def loaded(self) -> Frame:
         """The only frame of an equilibrium."""
         xi = self.setting.xi
-        return self._frame(Place(0.0, 0.0, xi, np.zeros(xi.size), *shapes(self.setting, xi, 0.0)))
+        return self._frame(LoadPosition(0.0, 0.0, xi, np.zeros(xi.size), *shapes(self.setting, xi, 0.0)))
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
         """Frames at equal steps of the path of the first load, until a load has come to the end of its line.
@@ -59,12 +59,12 @@ class Still:
         for place in walk(self.setting, positions, turn):
             yield self._frame(place)
 
-    def _frame(self, place: Place) -> Frame:
-        self.account.warnings += self._remarks.on(place)
-        return standing_frame(self.setting, place)
+    def _frame(self, place: LoadPosition) -> Frame:
+        self.run_info.warnings += self._remarks.on(place)
+        return loaded_frame(self.setting, place)
 
 
-def standing_frame(setting: Setting, at: Place) -> Frame:
+def loaded_frame(setting: PreparedRun, at: LoadPosition) -> Frame:
     """The frame of loads standing still; supports that move are taken at the time of the place."""
     strands, dim, count = setting.strands, len(setting.axes), at.xi.size
     seen = Contacts(count, dim)
@@ -86,18 +86,18 @@ def standing_frame(setting: Setting, at: Place) -> Frame:
             elif i == last:
                 right = right - rest.force[:, k]
         reaction += [left, right]
-        held = setting.held(s, at.t)
-        if not held.is_fast:
+        restrained = setting.restrained(s, at.t)
+        if not restrained.is_fast:
             ends = rest.r[:, [0, -1]].T
-            moved = ends - held.place
-            elastic += 0.5 * float(np.einsum("ea,eab,eb", moved, held.stiffness, moved))
-            gravitational -= float((held.force * moved).sum())
+            moved = ends - restrained.place
+            elastic += 0.5 * float(np.einsum("ea,eab,eb", moved, restrained.stiffness, moved))
+            gravitational -= float((restrained.force * moved).sum())
     nodes, bodies = np.concatenate(position), np.zeros((0, dim))
     potential = 0.0
-    if setting.fleet is not None:
-        standing = standing_bodies(setting, seen.position.T)
-        bodies = shown_bodies(setting, nodes.T, standing)[0]
-        potential = load_energies(setting, standing)["load_potential"]
+    if setting.multibody_system is not None:
+        loaded = loaded_bodies(setting, seen.position.T)
+        bodies = shown_bodies(setting, nodes.T, loaded)[0]
+        potential = load_energies(setting, loaded)["load_potential"]
     seen.hold, seen.xi, seen.speed = seen.force - at.given, at.xi.copy(), np.zeros(count)
     seen.state[:] = STICKS
     return Frame(

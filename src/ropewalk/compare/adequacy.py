@@ -17,7 +17,7 @@ import numpy as np
 import ropewalk
 from ropewalk.compare.axes import Axis
 from ropewalk.compare.coverage import Coverage, coverage_of
-from ropewalk.compare.points import Distances, Outcome, Place, Points
+from ropewalk.compare.points import Distances, MapPoints, Place, PointOutcome
 from ropewalk.errors import Problem, RopewalkError, ScenarioError, did_you_mean
 from ropewalk.mechanics.chain import Array
 from ropewalk.model import Scenario
@@ -161,12 +161,12 @@ def adequacy(
     head = {"ropewalk": ropewalk.__version__, "scenario": _hash(scenario), "title": scenario.title,
             "x": x.as_dict(), "y": y.as_dict()}  # fmt: skip
     total = len(x.values) * len(y.values)
-    with Points(None if store is None else Path(store), head, retry) as points:
+    with MapPoints(None if store is None else Path(store), head, retry) as points:
         missing = [(i, j) for j in range(len(y.values)) for i in range(len(x.values)) if (i, j) not in points.done]
         if progress is not None:
             progress(total - len(missing), total)
         processes = min(workers, len(missing)) if workers > 1 else 0
-        finished = each(missing, compute, processes, Outcome(reason=DIED))
+        finished = each(missing, compute, processes, PointOutcome(reason=DIED))
         try:
             for place, outcome in finished:
                 points.add(place, outcome)
@@ -204,7 +204,7 @@ def _settings(text: str, x: Axis, y: Axis, at: tuple[float, float]) -> list[str]
     return settings
 
 
-def _point(text: str, x: Axis, y: Axis, measure: Measure | None, place: Place) -> Outcome:
+def _point(text: str, x: Axis, y: Axis, measure: Measure | None, place: Place) -> PointOutcome:
     """Compute one point; whatever goes wrong is its outcome."""
     began = time.perf_counter()
     settings: list[str] = []
@@ -216,12 +216,12 @@ def _point(text: str, x: Axis, y: Axis, measure: Measure | None, place: Place) -
             measure = climbed
         found = measure(loads(text, "scenario", settings))
         plain = {rung: {name: _plain(value) for name, value in row.items()} for rung, row in found.items()}
-        return Outcome(plain, settings=tuple(settings), seconds=time.perf_counter() - began)
+        return PointOutcome(plain, settings=tuple(settings), seconds=time.perf_counter() - began)
     except RopewalkError as error:
         reason = "; ".join(str(error).splitlines())
     except Exception as error:  # a fault at one point does not take the others with it
         reason = f"a fault of ropewalk: {type(error).__name__}: {error}"
-    return Outcome(None, reason, tuple(settings), time.perf_counter() - began)
+    return PointOutcome(None, reason, tuple(settings), time.perf_counter() - began)
 
 
 def _check_plane(text: str, x: Axis, y: Axis) -> None:
@@ -261,7 +261,7 @@ def _how_to_go_on(done: int, total: int, store: str | os.PathLike[str] | None) -
 
 
 def _map(
-    title: str, x: Axis, y: Axis, done: dict[Place, Outcome], rung: str, quantity: str, tolerance: float
+    title: str, x: Axis, y: Axis, done: dict[Place, PointOutcome], rung: str, quantity: str, tolerance: float
 ) -> AdequacyMap:
     answers = [outcome.distances for _, outcome in sorted(done.items()) if outcome.distances is not None]
     if not answers:

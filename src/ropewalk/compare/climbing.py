@@ -10,7 +10,7 @@ import numpy as np
 from ropewalk.compare.assumptions import assumptions_of
 from ropewalk.compare.constant import ConstantForces, is_force, wheels_in
 from ropewalk.compare.quantities import QUANTITIES, errors_of, quantities_of, ways_of, weight_of
-from ropewalk.compare.result import Ladder, Step
+from ropewalk.compare.result import Ladder, LevelResult
 from ropewalk.compare.rungs import FULL, LINEAR, RUNGS, Climb, Rung, top_of
 from ropewalk.compare.stretches import Reach, reach_of
 from ropewalk.compare.trace import Level, level_of, load_of, pressed, traces
@@ -21,7 +21,7 @@ from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.contact_statistics import analysed_stations
 from ropewalk.results.contract import doubts_of, path_name
-from ropewalk.results.frame import Account
+from ropewalk.results.frame import RunInfo
 from ropewalk.simulate import output_times, simulate
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def distances(
         raise RopewalkError(f"the full scenario is doubtful: {'; '.join(full.doubts)}")
     steps = {FULL: full}
 
-    def step(name: str) -> Step:
+    def step(name: str) -> LevelResult:
         if name not in steps:
             steps[name] = _step(climb, full, level, name, allowed["path"], None)
         return step(steps[name].same_as) if steps[name].same_as else steps[name]
@@ -104,7 +104,7 @@ def distances(
     return found
 
 
-def _full(scenario: Scenario, progress: Progress | None) -> tuple[Climb, Step, Level]:
+def _full(scenario: Scenario, progress: Progress | None) -> tuple[Climb, LevelResult, Level]:
     """Run the full scenario, which all others are measured against."""
     rung = top_of(scenario)
     top = rung.scenario
@@ -127,20 +127,22 @@ def _full(scenario: Scenario, progress: Progress | None) -> tuple[Climb, Step, L
     reason = ""
     if result.attrs["outcome"] not in ("completed", "doubtful"):
         reason = f"stopped early, and compared up to there ({result.attrs['outcome']}: {result.attrs['advice']})"
-    step = Step(
+    step = LevelResult(
         FULL, quantities, nothing, 0.0, result=result, traces=found, remark=rung.remark, reason=reason,
         doubts=doubts_of(result),
     )  # fmt: skip
     return climb, step, level
 
 
-def _step(climb: Climb, full: Step, level: Level, name: str, tolerance: float, progress: Progress | None) -> Step:
+def _step(
+    climb: Climb, full: LevelResult, level: Level, name: str, tolerance: float, progress: Progress | None
+) -> LevelResult:
     """Run a rung and measure it."""
     rung = climb.rung(name)
     if rung.same_as or rung.reason:
         if progress is not None:
             progress(name, 1.0)
-        return Step(name, same_as=rung.same_as, remark=rung.remark, reason=rung.reason)
+        return LevelResult(name, same_as=rung.same_as, remark=rung.remark, reason=rung.reason)
     try:
         assert rung.scenario is not None
         result = _run(rung, climb.top, progress)
@@ -150,7 +152,7 @@ def _step(climb: Climb, full: Step, level: Level, name: str, tolerance: float, p
         if name == LINEAR:
             quantities = quantities.without_supports(_beams(climb.top))
     except RopewalkError as error:
-        return Step(name, remark=rung.remark, reason=" ".join(str(error).split()))
+        return LevelResult(name, remark=rung.remark, reason=" ".join(str(error).split()))
     assert full.quantities is not None
     timed = path_name(result) == path_name(climb.result) == "time"
     ways = ways_of(full.traces, found, timed=timed)
@@ -160,7 +162,7 @@ def _step(climb: Climb, full: Step, level: Level, name: str, tolerance: float, p
     outcome, reason = result.attrs["outcome"], ""
     if outcome not in ("completed", "doubtful"):
         reason = f"{outcome}: {result.attrs['advice']}"
-    return Step(
+    return LevelResult(
         name, quantities, errors, rms, reach, result, found, ways, remark=rung.remark, reason=reason,
         doubts=doubts_of(result),
     )  # fmt: skip
@@ -183,14 +185,14 @@ def _on_wires(rung: Rung, progress: Callable[[float], None]) -> xr.Dataset:
     from ropewalk.results.running import TimeHistory
     from ropewalk.wires.frames import Wires  # lazy: most runs do not need their kernels
 
-    scenario, account = rung.scenario, Account()
+    scenario, run_info = rung.scenario, RunInfo()
     assert scenario is not None
     assert rung.task is not None
     run = scenario.run
     assert isinstance(run, Dynamic)
     times = output_times(run)
-    found = TimeHistory(Wires(rung.task, times, account, run.sample, run.step), account)
-    with Recorder(found.layout, scenario, account, None) as recorder:
+    found = TimeHistory(Wires(rung.task, times, run_info, run.sample, run.step), run_info)
+    with Recorder(found.layout, scenario, run_info, None) as recorder:
         for frames in found.blocks():
             recorder.extend(frames)
             progress(min(recorder.frames / times.size, 1.0))
@@ -233,6 +235,6 @@ def _static(climb: Climb) -> dict[str, float | None]:
     return found
 
 
-def _linear(steps: Mapping[str, Step]) -> dict[str, Reach]:
+def _linear(steps: Mapping[str, LevelResult]) -> dict[str, Reach]:
     step = steps[LINEAR]
     return steps[step.same_as].reach if step.same_as else step.reach

@@ -11,8 +11,8 @@ import numpy as np
 from ropewalk.compare.trace import Trace
 from ropewalk.decouple import standing_force, steps
 from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.contact_points import ContactPoint, wheels_of
 from ropewalk.mechanics.loading import loading_of
-from ropewalk.mechanics.wheels import Wheel, wheels_of
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import AnyLoad, MovingForce, Travelling
 from ropewalk.model.mass import MovingMass
@@ -23,7 +23,7 @@ from ropewalk.model.walker import Walker
 from ropewalk.solve.start import setting_of
 from ropewalk.solve.vehicle_statics import resting_forces
 
-PIECES = 400  # of constant speed, at most, with which a free travel is followed
+SEGMENTS = 400  # of constant speed, at most, with which a free travel is followed
 STANDARD_GRAVITY = 9.80665  # m/s^2, where a scenario has none and gives weights: what makes masses of them
 
 Wheels = dict[str, tuple[str, ...]]
@@ -74,7 +74,7 @@ class ConstantForces:
 
     scenario: Scenario
     found: Mapping[str, Trace]
-    pieces: int = PIECES
+    segments: int = SEGMENTS
 
     def forces(self) -> tuple[dict[str, MovingForce], Wheels]:
         """The static force of each wheel, and which contact stands for it.
@@ -94,9 +94,9 @@ class ConstantForces:
                 force, own = self._static(name, load, label), self._name(label)
                 if wheel is not None and isinstance(load, Travelling) and isinstance(load.travel, Travel):
                     self._refuse_to_wait(wheel)
-                    standing = without_refusal(standing_force(load, wheel, force))
-                    assert isinstance(standing, MovingForce)
-                    loads[own] = standing
+                    loaded = without_refusal(standing_force(load, wheel, force))
+                    assert isinstance(loaded, MovingForce)
+                    loads[own] = loaded
                 else:
                     loads[own] = MovingForce(on=load.on, force=force, travel=self._travel(load, label))
                 wheels[label] = (own,)
@@ -132,7 +132,7 @@ class ConstantForces:
                 loads[own], wheels[label] = without_refusal(mass), (own,)
         return loads, wheels
 
-    def _wheels(self, name: str, load: AnyLoad) -> list[tuple[str, Wheel | None]]:
+    def _wheels(self, name: str, load: AnyLoad) -> list[tuple[str, ContactPoint | None]]:
         """Label and place of each wheel of a load."""
         if isinstance(load, Pantograph):
             raise RopewalkError(
@@ -163,12 +163,12 @@ class ConstantForces:
         if scenario.nets:
             masses = {name: load for name, load in scenario.loads.items() if isinstance(load, MovingMass)}
             return {name: (0.0, -load.mass * scenario.gravity) for name, load in masses.items()}
-        is_chain = not (scenario.is_stiff or scenario.is_web)
+        is_chain = not (scenario.is_stiff or scenario.is_network)
         loading = setting_of(scenario, 0.0).loading if is_chain else loading_of(scenario, 0.0)
         forces = resting_forces(loading)
         return {wheel.name: tuple(forces[:, k].tolist()) for k, wheel in enumerate(loading.wheels)}
 
-    def _refuse_to_wait(self, wheel: Wheel) -> None:
+    def _refuse_to_wait(self, wheel: ContactPoint) -> None:
         if wheel.start < 0.0 and not isinstance(wheel.speed, int | float):
             raise RopewalkError(
                 f"load {wheel.name} waits before its line, and its speed varies: when it comes is not known here; "
@@ -187,7 +187,7 @@ class ConstantForces:
             raise RopewalkError(f"load {label} is never on its line")
         first, last = on[0], on[-1]
         if isinstance(load, Travelling) and isinstance(load.travel, FreeTravel):
-            kept = np.unique(np.linspace(first, last, min(self.pieces + 1, on.size)).astype(int))
+            kept = np.unique(np.linspace(first, last, min(self.segments + 1, on.size)).astype(int))
             kept = kept[np.isfinite(trace.xi[kept])]
             xi, time = trace.xi[kept], trace.time[kept]
             table: Any = steps(time, np.diff(xi) / np.diff(time))

@@ -15,7 +15,7 @@ from ropewalk.results import style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ropewalk.compare.result import Ladder, Step
+    from ropewalk.compare.result import Ladder, LevelResult
 
 COLOURS = {
     LINEAR: style.RED, SLOW: style.ORANGE, FORCE: style.GREEN, MASS: style.PURPLE, FULL: style.INK, CUT: style.BLUE,
@@ -64,7 +64,7 @@ def _deepest(ladder: Ladder) -> str:
     return max(scale, key=lambda name: scale[name])
 
 
-def _run(ladder: Ladder) -> list[Step]:
+def _run(ladder: Ladder) -> list[LevelResult]:
     return [ladder.rungs[name] for name in RUNGS if ladder.rungs[name].quantities is not None]
 
 

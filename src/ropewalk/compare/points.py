@@ -34,7 +34,7 @@ Distances = dict[str, dict[str, float | None]]
 
 
 @dataclass(frozen=True)
-class Outcome:
+class PointOutcome:
     """What became of a point: its distances, or the reason why there are none."""
 
     distances: Distances | None = None
@@ -48,7 +48,7 @@ class Outcome:
         return found | ({"reason": self.reason} if self.distances is None else {"distances": self.distances})
 
 
-class Points:
+class MapPoints:
     """The finished points of one map; in memory only, or in a file as well.
 
     Args:
@@ -62,7 +62,7 @@ class Points:
 
     def __init__(self, file: Path | None, head: dict[str, Any], retry: bool = False) -> None:
         self.file = file
-        self.done: dict[Place, Outcome] = {}
+        self.done: dict[Place, PointOutcome] = {}
         self._stream: IO[bytes] | None = None
         if file is None:
             return
@@ -80,7 +80,7 @@ class Points:
         if retry:
             self.done = {place: outcome for place, outcome in self.done.items() if outcome.distances is not None}
 
-    def add(self, place: Place, outcome: Outcome) -> None:
+    def add(self, place: Place, outcome: PointOutcome) -> None:
         """Keep a point, in the file at once.
 
         Raises:
@@ -126,7 +126,7 @@ class Points:
             found = self._line(number, line)
             try:
                 i, j = (int(index) for index in found["point"])
-                outcome = Outcome(found.get("distances"), found.get("reason", ""), tuple(found["set"]),
+                outcome = PointOutcome(found.get("distances"), found.get("reason", ""), tuple(found["set"]),
                                   float(found["seconds"]))  # fmt: skip
                 if not (0 <= i < shape[0] and 0 <= j < shape[1]):
                     raise ValueError
@@ -165,7 +165,7 @@ class Points:
             self._stream.close()
             self._stream = None
 
-    def __enter__(self) -> Points:
+    def __enter__(self) -> MapPoints:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:

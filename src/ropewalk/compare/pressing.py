@@ -11,13 +11,13 @@ from ropewalk.compare.trace import Trace, load_of
 from ropewalk.errors import RopewalkError
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.scenario import Scenario
-from ropewalk.wires.journey import Journey
-from ropewalk.wires.plan import Array, Contact, Rider
-from ropewalk.wires.task import Task
+from ropewalk.wires.plan import Array, Contact, TravellingLoad
+from ropewalk.wires.prescribed_motion import PrescribedMotion
+from ropewalk.wires.task import WireTask
 from ropewalk.wiring import task_of
 
 
-def pressing_task(scenario: Scenario, found: Mapping[str, Trace]) -> Task:
+def pressing_task(scenario: Scenario, found: Mapping[str, Trace]) -> WireTask:
     """The task of a scenario with pantographs, each of which presses with its mean force and nothing else.
 
     Args:
@@ -28,24 +28,24 @@ def pressing_task(scenario: Scenario, found: Mapping[str, Trace]) -> Task:
         RopewalkError: other loads travel as well.
     """
     task = task_of(scenario)
-    journeys = []
-    for journey, name in zip(task.journeys, task.contacts, strict=True):
+    prescribed_motions = []
+    for prescribed_motion, name in zip(task.prescribed_motions, task.contacts, strict=True):
         load = load_of(scenario, name)
         if not isinstance(load, Pantograph):
             raise RopewalkError(f"load {name} beside pantographs: compare knows them alone; leave it out")
         mean = float(np.nanmean(found[name].force[:, -1]))
-        journeys.append(_pressed(journey, mean, load.ramp))
-    return replace(task, journeys=tuple(journeys), shown=())
+        prescribed_motions.append(_pressed(prescribed_motion, mean, load.ramp))
+    return replace(task, prescribed_motions=tuple(prescribed_motions), shown=())
 
 
-def _pressed(journey: Journey, force: float, ramp: float) -> Journey:
+def _pressed(prescribed_motion: PrescribedMotion, force: float, ramp: float) -> PrescribedMotion:
     """A constant force in N on the way of a pantograph, which grows as the forces on the pantograph do."""
     none = np.zeros((0, 0))
-    contact = Contact(journey.rider.contacts[0].wire, stiffness=0.0)
-    rider = Rider(journey.rider.name, none, none, none, (contact,))
+    contact = Contact(prescribed_motion.moving_load.contacts[0].wire, stiffness=0.0)
+    moving_load = TravellingLoad(prescribed_motion.moving_load.name, none, none, none, (contact,))
 
     def given(times: Array) -> Array:
         grown = np.clip(times / ramp, 0.0, 1.0) if ramp > 0.0 else np.ones_like(times)
         return (force * grown)[:, None]
 
-    return Journey(rider, journey.place, given=given)
+    return PrescribedMotion(moving_load, prescribed_motion.place, given=given)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Step:
+class LevelResult:
     """What came of one rung."""
 
     name: str
@@ -55,7 +55,7 @@ class Ladder:
 
     title: str
     allowed: dict[str, float]  # tolerated distance of each quantity that is judged
-    rungs: dict[str, Step]
+    rungs: dict[str, LevelResult]
     assumptions: Assumptions
 
     @property
@@ -63,7 +63,7 @@ class Ladder:
         """Relative distance from the full rung, of each rung that was run and each of QUANTITIES."""
         return {name: self.of(name).errors for name in self.rungs if self.of(name).errors}
 
-    def of(self, rung: str) -> Step:
+    def of(self, rung: str) -> LevelResult:
         """What came of a rung; of one that coincides with another, of that.
 
         Raises:

@@ -22,15 +22,15 @@ from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import Travel
+from ropewalk.solve.load_schedule import horizon
 from ropewalk.solve.quasistatic import walk
 from ropewalk.solve.start import setting_of
-from ropewalk.solve.timetable import horizon
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from ropewalk.compare.trace import Trace
-    from ropewalk.wires.task import Task
+    from ropewalk.wires.task import WireTask
 
 LINEAR, SLOW, FORCE, MASS, FULL, CUT = (
     "linear", "quasi-static", "moving force", "moving mass", "full", "feedback cut",
@@ -40,7 +40,7 @@ RUNGS = (LINEAR, SLOW, FORCE, MASS, FULL, CUT)
 SIMPLEST_FIRST = (LINEAR, SLOW, FORCE, CUT, MASS, FULL)
 FRAMES = 200  # of a run, at least: what is between two of them is compared by straight lines
 POSITIONS = 201  # of a slow motion
-FEW_PIECES = 24  # of constant speed, of a free travel in the linear theory: it looks for waves from every one of them
+FEW_SEGMENTS = 24  # of constant speed, of a free travel in the linear theory: it looks for waves from every one of them
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Rung:
 
     name: str
     scenario: Scenario | None = None
-    task: Task | None = None  # on wires, where no scenario can say it; with the run of the scenario
+    task: WireTask | None = None  # on wires, where no scenario can say it; with the run of the scenario
     wheels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # contacts that stand for each wheel
     same_as: str = ""  # the rung that it coincides with
     remark: str = ""
@@ -185,7 +185,7 @@ class Climb:
                 return Rung(LINEAR, same_as=FORCE, remark="the scenario asks for linearised geometry throughout")
             small = remade(top, run=Dynamic(until=run.until, every=run.every, geometry="linearised"))
             return Rung(LINEAR, small, pressing_task(small, self.found), contacts_in(self.found))
-        loads, wheels = ConstantForces(top, self.found, FEW_PIECES).forces()
+        loads, wheels = ConstantForces(top, self.found, FEW_SEGMENTS).forces()
         until, every = self._clock()
         modes = self.asked.run.modes if isinstance(self.asked.run, Linear) else None
         run_linear = Linear(until=until, every=every, modes=modes)

@@ -9,23 +9,23 @@ from typing import Any
 import numpy as np
 
 from ropewalk.chains.beginning import initial_state
-from ropewalk.chains.frames import FrameBuilder
+from ropewalk.chains.frames import ChainFrameBuilder
 from ropewalk.checkpoint import Tree, copied, put
+from ropewalk.controllers.assembly import controllers_of
 from ropewalk.cosim.outside import Hand, Outside, Sight, Stepwise
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.turns import Push
-from ropewalk.guides.assembly import guides_of
+from ropewalk.foreign.cosimulation_master import ContactPush
 from ropewalk.mechanics.bodies import are_weightless
 from ropewalk.mechanics.chain import OFF, Array
-from ropewalk.mechanics.fleet import Fleet
-from ropewalk.mechanics.rider import link_of
+from ropewalk.mechanics.moving_contact import link_of
+from ropewalk.mechanics.multibody_system import MultibodySystem
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
-from ropewalk.solve.carrier import Line, RopeCarrier
+from ropewalk.solve.carrier import ChainLine, RopeCarrier
 from ropewalk.solve.choice import choose
-from ropewalk.solve.motion import Motion, Progress
+from ropewalk.solve.motion import ChainMotion, Progress
 from ropewalk.solve.splitting import RUNNING
 from ropewalk.solve.start import setting_of
 
@@ -51,13 +51,17 @@ class Chained(Stepwise):
         }
         whole = scenario.model_copy(update={"loads": {**scenario.loads, **steppers}})
         setting = setting_of(whole, run.until)
-        if setting.fleet is not None:
-            setting = replace(setting, fleet=_one_sided(setting.fleet, outside))
+        if setting.multibody_system is not None:
+            setting = replace(setting, multibody_system=_one_sided(setting.multibody_system, outside))
         self._state, self._bodies = initial_state(setting, whole)
         self.setting = setting
         names = [wheel.name for wheel in setting.wheels]
         self._contact = {name: names.index(name) for name in outside}
-        self._ghost = {name: setting.fleet.ghosts.get(name, ()) for name in outside} if setting.fleet else {}
+        self._interface_coordinate = (
+            {name: setting.multibody_system.interface_coordinates.get(name, ()) for name in outside}
+            if setting.multibody_system
+            else {}
+        )
         self._moving = None if self._bodies is None or are_weightless(self._bodies) else self._bodies
         self.choice = choose(
             setting.strands, setting.loads, self._state, method=run.method, step=run.step, accuracy=run.accuracy,
@@ -65,13 +69,13 @@ class Chained(Stepwise):
         )  # fmt: skip
         assert self._bodies is not None
         self._carrier = RopeCarrier(setting, self._state, self._bodies, setting.loads)
-        self._guides = guides_of(self._carrier, setting.loading, scenario)
-        for guide in self._guides:
-            guide.begin()
+        self._controllers = controllers_of(self._carrier, setting.loading, scenario)
+        for controller in self._controllers:
+            controller.begin()
         self._progress = Progress()
-        self._motion = Motion(
+        self._motion = ChainMotion(
             setting.strands, setting.loads, self._state, self.choice, run.precision, self._progress, setting.supports,
-            self._moving, self._guides, self._bodies,
+            self._moving, self._controllers, self._bodies,
         )  # fmt: skip
         self._carrier.look = self._motion.look
 
@@ -112,10 +116,10 @@ class Chained(Stepwise):
             return
         # The contact stops at an end of the line: what goes on beyond it is lifted with the next step.
         end = min(max(hand.xi + hand.speed * h, 0.0), length)
-        push = Push(hand.xi, (end - hand.xi) / h, np.array(hand.first), np.array(hand.last))
+        push = ContactPush(hand.xi, (end - hand.xi) / h, np.array(hand.first), np.array(hand.last))
         self._carrier.press(k, push, h)
-        for ghost in self._ghost.get(name, ()):
-            self._carrier.lead(ghost, hand.height, hand.rise)
+        for interface_coordinate in self._interface_coordinate.get(name, ()):
+            self._carrier.lead(interface_coordinate, hand.height, hand.rise)
 
     def length(self, line: str) -> float:
         """Unstrained length of a line, m."""
@@ -135,7 +139,7 @@ class Chained(Stepwise):
         line = self._line(outside.on)
         xi = min(max(hand.xi, 0.0), line.length) if np.isfinite(hand.xi) else 0.0
         place, velocity = line.at(xi)
-        b = int(state.rider[k])
+        b = int(state.moving_load[k])
         i, j = (b - 1, b + 1) if b >= 0 else self._link(k, outside.on, xi)
         tangent = (state.r[:, j] - state.r[:, i]) / (state.X[j] - state.X[i])
         velocity = velocity + hand.speed * tangent
@@ -150,7 +154,7 @@ class Chained(Stepwise):
 
     def support_forces(self) -> dict[str, Array]:
         """Forces of all supports on their lines, by name, (axis,) N."""
-        frame = FrameBuilder(self.setting, self._bodies).build(self._state)
+        frame = ChainFrameBuilder(self.setting, self._bodies).build(self._state)
         names = [f"{name}.{end}" for name in self.setting.lines for end in ("start", "end")]
         return dict(zip(names, frame.reaction, strict=True))
 
@@ -171,11 +175,11 @@ class Chained(Stepwise):
         self._progress.status = state["status"]
         self.hands.update({name: Hand(**hand) for name, hand in state["hands"].items()})
 
-    def _line(self, name: str) -> Line:
-        return Line(self.setting, self._state, self.setting.lines.index(name))
+    def _line(self, name: str) -> ChainLine:
+        return ChainLine(self.setting, self._state, self.setting.lines.index(name))
 
     def _link(self, k: int, on: str, xi: float) -> tuple[int, int]:
-        if self._state.rider[k] == OFF:
+        if self._state.moving_load[k] == OFF:
             i, _ = self._line(on)._place(xi)
         else:
             i = int(link_of(self.setting.strands, self.setting.loads, self._state, k))
@@ -189,20 +193,24 @@ def _within(outside: Outside, force: float) -> float:
     return min(force, 0.0) if outside.side == "above" else max(force, 0.0)
 
 
-def _one_sided(fleet: Fleet, outside: Mapping[str, Outside]) -> Fleet:
+def _one_sided(multibody_system: MultibodySystem, outside: Mapping[str, Outside]) -> MultibodySystem:
     """Contacts whose body may leave the line: their springs become buffers, which only push."""
-    bodies = fleet.bodies
+    bodies = multibody_system.bodies
     sided = [name for name, contact in outside.items() if contact.side is not None and contact.is_sprung]
     if not sided:
-        return fleet
+        return multibody_system
     K, buffers = bodies.K.copy(), []
     for name in sided:
-        (ghost,) = fleet.ghosts[name]
-        v = int(np.flatnonzero((bodies.vehicles["first"] == ghost) & (bodies.vehicles["coordinates"] == 1))[0])
+        (interface_coordinate,) = multibody_system.interface_coordinates[name]
+        v = int(
+            np.flatnonzero((bodies.vehicles["first"] == interface_coordinate) & (bodies.vehicles["coordinates"] == 1))[
+                0
+            ]
+        )
         K[v] = 0.0
         buffer = np.zeros(1, bodies.buffers.dtype)
-        buffer["wheel"], buffer["coordinate"] = bodies.wheel[v, 0], ghost
+        buffer["wheel"], buffer["coordinate"] = bodies.wheel[v, 0], interface_coordinate
         buffer["stiffness"] = outside[name].stiffness
         buffer["side"] = 1 if outside[name].side == "above" else -1
         buffers.append(buffer)
-    return replace(fleet, bodies=bodies._replace(K=K, buffers=np.concatenate([bodies.buffers, *buffers])))
+    return replace(multibody_system, bodies=bodies._replace(K=K, buffers=np.concatenate([bodies.buffers, *buffers])))

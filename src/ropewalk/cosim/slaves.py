@@ -44,7 +44,7 @@ class Measured(Real):  # type: ignore[misc]
         return node
 
 
-class Slave(Fmi2Slave):  # type: ignore[misc]
+class ExportedSlave(Fmi2Slave):  # type: ignore[misc]
     """What line and vehicle have in common: variables with units, steps, states."""
 
     author = "ropewalk"
@@ -194,7 +194,7 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         self.set_state(inner)
 
 
-class LineSlave(Slave):
+class LineSlave(ExportedSlave):
     """Lines with their supports."""
 
     def __init__(self, **arguments: Any) -> None:
@@ -316,7 +316,7 @@ class LineSlave(Slave):
         self._forget()
 
 
-class VehicleSlave(Slave):
+class VehicleSlave(ExportedSlave):
     """A vehicle without its line."""
 
     def __init__(self, **arguments: Any) -> None:

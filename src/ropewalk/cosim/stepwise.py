@@ -25,9 +25,9 @@ def stepwise(scenario: Scenario, outside: Mapping[str, Outside], *, step: float 
         ScenarioError: the scenario is of another kind, or a contact is on no line of it.
         RopewalkError: it has no rest to begin with.
     """
-    if not isinstance(scenario.run, Dynamic) or scenario.is_web:
-        wrong = "joined lines, ropes on inner supports and nets" if scenario.is_web else "a run without a motion"
-        remedy = "leave nets, joints and inner supports out" if scenario.is_web else "write kind: dynamic"
+    if not isinstance(scenario.run, Dynamic) or scenario.is_network:
+        wrong = "joined lines, ropes on inner supports and nets" if scenario.is_network else "a run without a motion"
+        remedy = "leave nets, joints and inner supports out" if scenario.is_network else "write kind: dynamic"
         raise ScenarioError([Problem("run.kind", f"{wrong} cannot be moved from outside", scenario.run.kind, remedy)])
     lines = [*scenario.lines, *scenario.overhead_lines]
     for name, contact in outside.items():

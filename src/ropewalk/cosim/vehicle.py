@@ -31,8 +31,8 @@ from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.vehicle import Vehicle
-from ropewalk.wires.journey import Journey
-from ropewalk.wires.lines import journey_of, wire_of
+from ropewalk.wires.lines import prescribed_motion_of, wire_of
+from ropewalk.wires.prescribed_motion import PrescribedMotion
 from ropewalk.wiring import task_of
 
 Gives = Literal["force", "motion"]
@@ -43,7 +43,7 @@ _TABLE = 2001  # instants at which what changes with a varying speed is kept
 
 
 @dataclass(frozen=True)
-class Touch:
+class VehicleContact:
     """A contact of a vehicle."""
 
     name: str
@@ -65,7 +65,7 @@ class Alone:
     mass: Array
     damping: Array
     stiffness: Array
-    touches: tuple[Touch, ...]
+    touches: tuple[VehicleContact, ...]
     spread: Array  # (coordinate, contact) how coordinates follow the heights of contacts at the beginning
     time: Array  # s, of the tables
     push: Array  # (time, coordinate) N
@@ -82,7 +82,7 @@ class Alone:
     def read(cls, text: str) -> Self:
         """Read what `written` gave."""
         plain = json.loads(text)
-        touches = tuple(Touch(**touch) for touch in plain.pop("touches"))
+        touches = tuple(VehicleContact(**touch) for touch in plain.pop("touches"))
         own: dict[str, Any] = {
             key: np.array(value, dtype=np.float64) if isinstance(value, list) else value for key, value in plain.items()
         }
@@ -119,18 +119,20 @@ def alone(scenario: Scenario, name: str, *, contact_stiffness: float | None = No
     until = run.until if isinstance(run, Dynamic) else 1.0
     lone = scenario.model_copy(update={"loads": {name: load}})
     if isinstance(load, Pantograph) or load.on in scenario.overhead_lines:
-        (journey,) = task_of(lone).journeys
+        (prescribed_motion,) = task_of(lone).prescribed_motions
     else:
         line = scenario.lines.get(load.on) or _level(scenario.nets[load.on], load)
         lone = lone.model_copy(update={"lines": {load.on: line}, "nets": {}})
-        journey, _ = journey_of(loading_of(lone, until), name, load, 0, wire_of(load.on, line))
-    if journey.rider.size and not np.all(np.linalg.eigvalsh(journey.rider.mass) > 0.0):
+        prescribed_motion, _ = prescribed_motion_of(loading_of(lone, until), name, load, 0, wire_of(load.on, line))
+    if prescribed_motion.moving_load.size and not np.all(np.linalg.eigvalsh(prescribed_motion.moving_load.mass) > 0.0):
         raise RopewalkError(f"load {name}: a coordinate has no mass; give it one")
-    touches = _touches(name, journey, contact_stiffness)
-    times, push = _tabled(journey, until, load)
+    touches = _touches(name, prescribed_motion, contact_stiffness)
+    times, push = _tabled(prescribed_motion, until, load)
     return Alone(
-        load.kind, journey.rider.mass, journey.rider.damping, journey.rider.stiffness, touches,
-        _spread(journey, touches, isinstance(load, Pantograph)), times, push, journey.place(times), until,
+        load.kind, prescribed_motion.moving_load.mass, prescribed_motion.moving_load.damping,
+        prescribed_motion.moving_load.stiffness, touches,
+        _spread(prescribed_motion, touches, isinstance(load, Pantograph)), times, push,
+        prescribed_motion.place(times), until,
     )  # fmt: skip
 
 
@@ -142,15 +144,17 @@ def _level(net: AnyNet, load: MovingMass | Oscillator | Vehicle | Matrices) -> L
     return Line(start=(0.0, height), end=(length, height), length=length, mass=1.0, axial_stiffness=1.0)
 
 
-def _touches(name: str, journey: Journey, contact_stiffness: float | None) -> tuple[Touch, ...]:
+def _touches(
+    name: str, prescribed_motion: PrescribedMotion, contact_stiffness: float | None
+) -> tuple[VehicleContact, ...]:
     found = []
-    for number, contact in enumerate(journey.rider.contacts, start=1):
+    for number, contact in enumerate(prescribed_motion.moving_load.contacts, start=1):
         stiffness = contact.stiffness
         if np.isinf(stiffness) and contact_stiffness is not None:
             stiffness = contact_stiffness
-        row = [*contact.row, *[0.0] * (journey.rider.size - len(contact.row))]
+        row = [*contact.row, *[0.0] * (prescribed_motion.moving_load.size - len(contact.row))]
         found.append(
-            Touch(
+            VehicleContact(
                 f"contact{number}", row, contact.behind, stiffness, contact.damping, contact.base, contact.rest,
                 1.0 if contact.below else -1.0, contact.lifts_off,
             )
@@ -158,23 +162,23 @@ def _touches(name: str, journey: Journey, contact_stiffness: float | None) -> tu
     return tuple(found)
 
 
-def _tabled(journey: Journey, until: float, load: Any) -> tuple[Array, Array]:
+def _tabled(prescribed_motion: PrescribedMotion, until: float, load: Any) -> tuple[Array, Array]:
     """What is put on the coordinates, at instants between which it is as good as linear."""
     ramp = getattr(load, "ramp", 0.0)
     times = np.unique([0.0, min(ramp, until), until])
     if not isinstance(load.travel.speed, int | float):
         times = np.unique([*times, *np.linspace(0.0, until, _TABLE)])
-    push = journey.push(times)
-    return times, np.broadcast_to(push, (times.size, journey.rider.size)).copy()
+    push = prescribed_motion.push(times)
+    return times, np.broadcast_to(push, (times.size, prescribed_motion.moving_load.size)).copy()
 
 
-def _spread(journey: Journey, touches: tuple[Touch, ...], as_one: bool) -> Array:
+def _spread(prescribed_motion: PrescribedMotion, touches: tuple[VehicleContact, ...], as_one: bool) -> Array:
     """How coordinates follow the heights of contacts: all as one, or with the least energy in the springs."""
-    n, k = journey.rider.size, len(touches)
+    n, k = prescribed_motion.moving_load.size, len(touches)
     if as_one:
         return np.full((n, k), 1.0 / k)
     rows = np.array([touch.row for touch in touches])
-    K = journey.rider.stiffness
+    K = prescribed_motion.moving_load.stiffness
     whole = np.block([[K, rows.T], [rows, np.zeros((k, k))]])
     given = np.vstack([np.zeros((n, k)), np.eye(k)])
     found: Array = np.linalg.lstsq(whole, given, rcond=None)[0]
@@ -363,4 +367,4 @@ class Ride:
         self.q, self.v, self._closed = q.copy(), v.copy(), closed.copy()
 
 
-__all__ = ["Alone", "Ride", "Touch", "alone"]
+__all__ = ["Alone", "Ride", "VehicleContact", "alone"]

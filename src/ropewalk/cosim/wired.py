@@ -14,13 +14,13 @@ from ropewalk.errors import RopewalkError
 from ropewalk.model.load import Foreign
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Account
-from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive, Record
+from ropewalk.results.frame import RunInfo
 from ropewalk.wires.frames import SAMPLE, Wires
-from ropewalk.wires.journey import Journey, drive_of
 from ropewalk.wires.layout import supports_of
 from ropewalk.wires.mesh import places_of
-from ropewalk.wires.plan import Array, Contact, Rider, Spot
+from ropewalk.wires.plan import Array, Contact, Spot, TravellingLoad
+from ropewalk.wires.prescribed_motion import PrescribedMotion, drive_of
+from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Drive, Record
 from ropewalk.wiring import task_of
 
 _WHOLE = 1e-6  # of an inner step, up to which a step is a whole number of them
@@ -52,22 +52,26 @@ class Wired(Stepwise):
         names = [wire.name for wire in task.plan.wires]
         self._wire = {name: names.index(_wire_of(name, scenario, names)) for name in _lines(scenario)}
         self._own = len(task.contacts)  # contacts of the scenario's own loads come first
-        journeys = tuple(self._journey(name, contact) for name, contact in self.outside.items())
-        task = replace(task, journeys=(*task.journeys, *journeys), contacts=(*task.contacts, *self.outside))
+        prescribed_motions = tuple(self._prescribed_motion(name, contact) for name, contact in self.outside.items())
+        task = replace(
+            task,
+            prescribed_motions=(*task.prescribed_motions, *prescribed_motions),
+            contacts=(*task.contacts, *self.outside),
+        )
         whole = step if step is not None else SAMPLE
-        self._run = Wires(task, np.array([0.0, whole]), Account(), whole, run.step)
+        self._run = Wires(task, np.array([0.0, whole]), RunInfo(), whole, run.step)
         self.inner = whole / self._run.steps
         self.motion = self._run.motion
         self._steps = 0
         self._record: Any = None
 
-    def _journey(self, name: str, contact: Outside) -> Journey:
+    def _prescribed_motion(self, name: str, contact: Outside) -> PrescribedMotion:
         none, k = np.zeros((0, 0)), contact.stiffness
         touch = Contact(
             self._wire[contact.on], material=True, stiffness=k, damping=contact.damping, below=contact.side == "below",
             lifts_off=contact.side is not None,
         )  # fmt: skip
-        return Journey(Rider(name, none, none, none, (touch,)), np.zeros_like)
+        return PrescribedMotion(TravellingLoad(name, none, none, none, (touch,)), np.zeros_like)
 
     @property
     def t(self) -> float:  # type: ignore[override]
@@ -104,7 +108,7 @@ class Wired(Stepwise):
     def _drive(self, h: float) -> Drive:
         """What the loads do during a step, and all contacts from outside."""
         task = self._run.task
-        drive = drive_of(task.plan, task.journeys, self.t + np.array([0.0, h]))
+        drive = drive_of(task.plan, task.prescribed_motions, self.t + np.array([0.0, h]))
         for j, (name, hand) in enumerate(self.hands.items()):
             k, length = self._own + j, self.length(self.outside[name].on)
             on = 0.0 <= hand.xi <= length

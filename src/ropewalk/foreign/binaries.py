@@ -9,7 +9,7 @@ from functools import cache
 from itertools import count
 from typing import Any
 
-from ropewalk.foreign.fmu_wiring import Setting, Wiring
+from ropewalk.foreign.fmu_wiring import StartValue, Wiring
 
 DISCARD, ERROR, FATAL, PENDING = 2, 3, 4, 5
 STATUS = {DISCARD: "discard", ERROR: "error", FATAL: "fatal", PENDING: "pending, it would answer later"}
@@ -64,7 +64,7 @@ class Binary:
         """Go on from t by h, in s."""
         raise NotImplementedError
 
-    def set(self, setting: Setting) -> None:
+    def set(self, setting: StartValue) -> None:
         """Set a variable before the beginning."""
         raise NotImplementedError
 
@@ -180,7 +180,7 @@ class Binary2(Binary):
         if (status := self._do(self._instance, t, h, self._final)) > 1:
             self._refused("fmi2DoStep", status)
 
-    def set(self, setting: Setting) -> None:
+    def set(self, setting: StartValue) -> None:
         """Set a variable before the beginning."""
         from fmpy import fmi2
 
@@ -248,7 +248,7 @@ class Binary3(Binary):
         if self._end.value:
             raise Refusal("fmi3DoStep asks for the end of the simulation", status)
 
-    def set(self, setting: Setting) -> None:
+    def set(self, setting: StartValue) -> None:
         """Set a variable before the beginning."""
         from fmpy import fmi3
 

@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from ropewalk.errors import RopewalkError, did_you_mean
-from ropewalk.foreign.fmu_wiring import Setting, Wiring
+from ropewalk.foreign.fmu_wiring import StartValue, Wiring
 from ropewalk.foreign.packages import imported
 from ropewalk.foreign.protocol import SeenLine, Touch
 from ropewalk.foreign.slave import Slave
@@ -183,7 +183,7 @@ def _wiring(file: Path, parameters: Mapping[str, float], drives: tuple[str, ...]
         inputs=tuple(references[name] for name in (*_INPUTS, *drives)),
         outputs=tuple(references[name] for name in _OUTPUTS),
         output_names=_OUTPUTS,
-        settings=tuple(Setting(name, references[name], "Real", float(value)) for name, value in parameters.items()),
+        settings=tuple(StartValue(name, references[name], "Real", float(value)) for name, value in parameters.items()),
         is_interpolating=False,
         can_go_back=False,
         can_pack=False,

@@ -11,7 +11,7 @@ from typing import Any
 
 from ropewalk.errors import Problem, RopewalkError, ScenarioError, did_you_mean
 from ropewalk.foreign.archive import check_size
-from ropewalk.foreign.fmu_wiring import Setting, Wiring
+from ropewalk.foreign.fmu_wiring import StartValue, Wiring
 from ropewalk.model.fmu import Fmu, FmuContact, Value
 
 REALS = {2: "Real", 3: "Float64"}
@@ -192,7 +192,7 @@ class _Reading:
 
     # -- Values --------------------------------------------------------------------------------------------------
 
-    def _settings(self, block: str) -> Iterator[Setting]:
+    def _settings(self, block: str) -> Iterator[StartValue]:
         lines = {wanted: key for key, wanted in self._keys(told)}
         for wanted, value in getattr(self.load, block).items():
             key, variable = f"{block}.{wanted}", self._variables.get(wanted)
@@ -211,7 +211,7 @@ class _Reading:
             elif (wrong := _misfit(variable, value)) is not None:
                 self._report(key, wrong, repr(value), f"write {_expected(variable)}")
             else:
-                yield Setting(wanted, variable.valueReference, variable.type, _converted(variable, value))
+                yield StartValue(wanted, variable.valueReference, variable.type, _converted(variable, value))
 
     def _report(self, key: str, wrong: str, given: str | None = None, remedy: str = "") -> None:
         given = self.load.file if given is None and key == "file" else given or ""

@@ -80,9 +80,9 @@ class ExudynVehicle:
         rise = (self._heights(_MOMENT, line) - self._heights(-_MOMENT, line)) / (2.0 * _MOMENT)  # m/s
         share = self.body_mass * self.gravity * self.axles[::-1] / (self.axles[::-1] - self.axles)  # (wheel,) N
         wheels = self._rail - (share + self.wheel_mass * self.gravity) / self.contact_stiffness
-        seats = wheels - share / self.stiffness
-        pitch = float(np.arcsin((seats[0] - seats[1]) / (self.axles[0] - self.axles[1])))
-        body = seats[0] - self.axles[0] * np.sin(pitch)
+        locations = wheels - share / self.stiffness
+        pitch = float(np.arcsin((locations[0] - locations[1]) / (self.axles[0] - self.axles[1])))
+        body = locations[0] - self.axles[0] * np.sin(pitch)
         state = self._mbs.systemData.GetSystemState()
         state[0] = np.array([0.0, body, pitch, 0.0, wheels[0], 0.0, wheels[1]])
         turn = float(rise[0] - rise[1]) / ((self.axles[0] - self.axles[1]) * np.cos(pitch))
@@ -139,9 +139,9 @@ class ExudynVehicle:
             point = mbs.AddNode(items.NodePoint2D(referenceCoordinates=[place, 0.0]))
             wheel = mbs.AddObject(items.MassPoint2D(mass=self.wheel_mass, nodeNumber=point))
             axle = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=wheel))
-            seat = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=[place, 0.0, 0.0]))
+            location = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=[place, 0.0, 0.0]))
             mbs.AddObject(items.CartesianSpringDamper(
-                markerNumbers=[axle, seat], stiffness=[0.0, self.stiffness, 0.0], damping=[0.0, self.damping, 0.0]
+                markerNumbers=[axle, location], stiffness=[0.0, self.stiffness, 0.0], damping=[0.0, self.damping, 0.0]
             ))  # fmt: skip
             rise = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=point, coordinate=1))
             self._contacts.append(

@@ -33,7 +33,7 @@ class _Past(NamedTuple):
     answers: tuple[float, ...] = ()  # m, heights that the FMU has given
 
 
-class State:
+class FmuState:
     """What an FMU and its place were at a time; the FMU forgets its part when nobody holds this any more."""
 
     def __init__(self, number: int, t: float, pasts: list[_Past], worker: Worker) -> None:
@@ -42,7 +42,7 @@ class State:
 
 
 @dataclass(frozen=True)
-class _Contact:
+class _FmuContact:
     """A contact with the numbers of its variables among the inputs and outputs."""
 
     declared: FmuContact
@@ -77,13 +77,13 @@ class FmuModel:
         self._wiring = wiring_of(name, load)
         self._load, self._until, self._dim = load, until, dim
         self._travelled = Travelled(*speed_table(load.travel.speed, until))
-        self._contacts: list[_Contact] = []
+        self._contacts: list[_FmuContact] = []
         inputs = outputs = 0
         for place, contact in zip(load.starts(), load.contacts.values(), strict=True):
             keys, others = told(contact), answered(contact)
             numbers = {key: inputs + i for i, key in enumerate(keys)}
             self._contacts.append(
-                _Contact(contact, place.start, numbers, {key: outputs + i for i, key in enumerate(others)})
+                _FmuContact(contact, place.start, numbers, {key: outputs + i for i, key in enumerate(others)})
             )
             inputs, outputs = inputs + len(keys), outputs + len(others)
         self._inputs, self._outputs = [0.0] * inputs, [0.0] * outputs
@@ -94,8 +94,8 @@ class FmuModel:
         self._grounds: list[float] = []
         self._ends, self._way = (0.0, 0.0), 1.0  # m, places of the ends along x, and which way it goes
         if self._wiring.can_go_back:
-            self.get_state: Callable[[], State] | None = self._save
-            self.set_state: Callable[[State], None] | None = self._restore
+            self.get_state: Callable[[], FmuState] | None = self._save
+            self.set_state: Callable[[FmuState], None] | None = self._restore
 
     @property
     def contacts(self) -> int:
@@ -151,14 +151,14 @@ class FmuModel:
             raise RopewalkError(f"{self._wiring.who} has not been reset, or has been let go")
         return self._worker
 
-    def _save(self) -> State:
-        return State(self._at_work.save(), self._t, list(self._pasts), self._at_work)
+    def _save(self) -> FmuState:
+        return FmuState(self._at_work.save(), self._t, list(self._pasts), self._at_work)
 
-    def _restore(self, state: State) -> None:
+    def _restore(self, state: FmuState) -> None:
         self._at_work.restore(state.number)
         self._t, self._pasts = state.t, list(state.pasts)
 
-    def pack_state(self, state: State) -> Tree:
+    def pack_state(self, state: FmuState) -> Tree:
         """A state as data.
 
         Raises:
@@ -170,15 +170,15 @@ class FmuModel:
         return {"fmu": data, "before": before, "t": state.t, "pasts": [tuple(past) for past in state.pasts],
                 "outputs": list(self._outputs)}  # fmt: skip
 
-    def unpack_state(self, data: Tree) -> State:
+    def unpack_state(self, data: Tree) -> FmuState:
         """The state that was packed as data."""
         self._outputs = list(data["outputs"])
         number = self._at_work.unpack((data["fmu"], data["before"]))
-        return State(number, data["t"], [_Past(*past) for past in data["pasts"]], self._at_work)
+        return FmuState(number, data["t"], [_Past(*past) for past in data["pasts"]], self._at_work)
 
     # -- The line under the contacts -----------------------------------------------------------------------------
 
-    def _place(self, contact: _Contact, t: float, line: SeenLine) -> tuple[float, float]:
+    def _place(self, contact: _FmuContact, t: float, line: SeenLine) -> tuple[float, float]:
         """Where a contact is at time t, xi in m, beyond the ends of the line as far as it is from there; its speed."""
         now = np.array([t])
         along, speed = float(self._travelled.at(now, contact.start)[0]), float(self._travelled.speed(now)[0])

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 
-class Setting(NamedTuple):
+class StartValue(NamedTuple):
     """A value of a variable that is set before the beginning."""
 
     name: str
@@ -28,7 +28,7 @@ class Wiring:
     inputs: tuple[int, ...]  # value references of what it is told
     outputs: tuple[int, ...]  # of what it answers
     output_names: tuple[str, ...]
-    settings: tuple[Setting, ...]
+    settings: tuple[StartValue, ...]
     is_interpolating: bool  # takes the slopes of its inputs
     can_go_back: bool  # its state can be saved
     can_pack: bool  # and given as bytes

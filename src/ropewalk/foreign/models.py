@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from ropewalk.errors import Problem, RopewalkError, ScenarioError
-from ropewalk.foreign.turns import Turns
-from ropewalk.mechanics.wheels import contacts_of, named
+from ropewalk.foreign.cosimulation_master import CosimulationMaster
+from ropewalk.mechanics.contact_points import contacts_of, named
 from ropewalk.model.fmu import Fmu
 from ropewalk.model.load import AnyLoad, Foreign
 from ropewalk.model.stepper import Stepper
 
 
-def turns_of(name: str, load: Foreign, until: float, dim: int, reach: float) -> Turns:
+def turns_of(name: str, load: Foreign, until: float, dim: int, reach: float) -> CosimulationMaster:
     """A foreign load and its line, ready to take turns.
 
     Args:
@@ -28,7 +28,7 @@ def turns_of(name: str, load: Foreign, until: float, dim: int, reach: float) -> 
     """
     model = model_of(name, load, until, dim)
     at_end = load.at_end if isinstance(load, Stepper) else load.travel.at_end
-    return Turns(name, model, load.every, load.exchange, at_end, contacts_of(name, load), dim, reach)
+    return CosimulationMaster(name, model, load.every, load.exchange, at_end, contacts_of(name, load), dim, reach)
 
 
 def model_of(name: str, load: Foreign, until: float, dim: int) -> Any:

@@ -12,7 +12,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array
 
 
-class Line(Protocol):
+class LineView(Protocol):
     """The line as a model sees it."""
 
     @property
@@ -26,7 +26,7 @@ class Line(Protocol):
         """The xi in m of the line above or below a horizontal place x in m."""
 
 
-class SeenLine(Line, Protocol):
+class SeenLine(LineView, Protocol):
     """The same with what a model's own contacts do to it."""
 
     def force(self, number: int = 0) -> Array:

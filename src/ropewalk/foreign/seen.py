@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from ropewalk.foreign.protocol import Line
+from ropewalk.foreign.protocol import LineView
 from ropewalk.mechanics.chain import Array
 
 
@@ -14,8 +14,8 @@ from ropewalk.mechanics.chain import Array
 class Seen:
     """A line at an instant, and the forces that the contacts of one model have exerted on it."""
 
-    line: Line
-    forces: Callable[[Line, int], Array]
+    line: LineView
+    forces: Callable[[LineView, int], Array]
     looked: dict[float, tuple[Array, Array]] = field(default_factory=dict)  # a place is often looked at twice
 
     @property
@@ -35,7 +35,7 @@ class Seen:
         return self.forces(self, number)
 
 
-class Course(NamedTuple):
+class ForeseenContact(NamedTuple):
     """Where a contact is foreseen to be."""
 
     xi: float  # m
@@ -46,9 +46,9 @@ class Course(NamedTuple):
 class Foreseen:
     """A line as it would be a while later: contacts go on as they did, particles elsewhere keep their velocities."""
 
-    line: Line
+    line: LineView
     later: float  # s
-    courses: list[Course]
+    courses: list[ForeseenContact]
     reach: float  # m, from a contact, within which its course tells
 
     @property

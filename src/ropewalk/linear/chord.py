@@ -13,8 +13,8 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.law import tension as tension_of
 from ropewalk.model.line import Line
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Account
-from ropewalk.solve.start import Setting
+from ropewalk.results.frame import RunInfo
+from ropewalk.solve.start import PreparedRun
 from ropewalk.theory import beam
 
 # A line that hangs further through than this part of its chord is none of small deflections.
@@ -76,7 +76,7 @@ class Chord:
         return np.asarray(self.start + x[:, None] * self.along + self.sag(x, gravity))
 
 
-def chords(setting: Setting, scenario: Scenario, account: Account) -> list[Chord]:
+def chords(setting: PreparedRun, scenario: Scenario, run_info: RunInfo) -> list[Chord]:
     """The lines as strings or beams along their chords; remarks go to the account.
 
     Raises:
@@ -112,17 +112,17 @@ def chords(setting: Setting, scenario: Scenario, account: Account) -> list[Chord
         found.append(chord)
         depth = float(np.abs(found[-1].sag(np.array([0.5 * length]), setting.strands.gravity)).max())
         if depth > _SHALLOW * length:
-            account.warnings.append(
+            run_info.warnings.append(
                 f"line {name} hangs {depth:.3g} m through over {length:.3g} m: too far for small deflections"
             )
         if found[-1].is_string and (line.foundation or line.drag):
-            account.warnings.append(
+            run_info.warnings.append(
                 f"line {name}: foundation and drag of a string are left out; give bending_stiffness"
             )
     return found
 
 
-def _tension_of_beam(setting: Setting, s: int, name: str, line: Line, chord: Chord) -> float:
+def _tension_of_beam(setting: PreparedRun, s: int, name: str, line: Line, chord: Chord) -> float:
     """Tension of a beam that bears its weight: as given, or that of its length along its sag."""
     if line.tension is not None:
         return line.tension

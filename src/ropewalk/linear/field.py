@@ -9,10 +9,10 @@ import numpy as np
 from ropewalk.linear.chord import Chord
 from ropewalk.linear.series import Series
 from ropewalk.mechanics.chain import HORIZONTAL, LEAVE, MATERIAL, Array
-from ropewalk.mechanics.rider import look_up_integral, speed_at
+from ropewalk.mechanics.moving_contact import look_up_integral, speed_at
 from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
-from ropewalk.solve.start import Setting
+from ropewalk.solve.start import PreparedRun
 from ropewalk.theory import beam, string
 from ropewalk.theory.image_sum import travelling_force
 
@@ -24,7 +24,7 @@ _LONGER = 1.01  # than the run: what differences look at
 class Field:
     """The deflection of one line under all its loads."""
 
-    def __init__(self, setting: Setting, scenario: Scenario, s: int, chord: Chord) -> None:
+    def __init__(self, setting: PreparedRun, scenario: Scenario, s: int, chord: Chord) -> None:
         assert isinstance(scenario.run, Linear)
         self.setting, self.s, self.chord, self.modes = setting, s, chord, scenario.run.modes
         self.until = scenario.run.until

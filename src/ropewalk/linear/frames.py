@@ -6,34 +6,34 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ropewalk.linear.body_response import BodyResponse, ride_of
 from ropewalk.linear.chord import Chord, chords
 from ropewalk.linear.field import Field
-from ropewalk.linear.ride import Ride, ride_of
 from ropewalk.mechanics.chain import FRICTIONLESS, REFUSE, Array
-from ropewalk.mechanics.fleet import Body
-from ropewalk.mechanics.rider import force_at, speed_at
+from ropewalk.mechanics.moving_contact import force_at, speed_at
+from ropewalk.mechanics.multibody_system import Body
 from ropewalk.model.load import MovingForce
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, Account, Contacts, Frame
-from ropewalk.solve.start import Setting
+from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, Contacts, Frame, RunInfo
+from ropewalk.solve.start import PreparedRun
 from ropewalk.solve.superposition import passed_an_end
 
 _OF_LOADS = [ENERGY_FORMS.index(form) for form in ("load_kinetic", "load_potential")]
 _IN_IMPACTS = ENERGY_FORMS.index("contact_dissipation")
 
 
-def frames(setting: Setting, scenario: Scenario, times: Array, account: Account) -> Iterator[Frame]:
+def frames(setting: PreparedRun, scenario: Scenario, times: Array, run_info: RunInfo) -> Iterator[Frame]:
     """The frames at the given times, s.
 
     Raises:
         RopewalkError: what is asked is beyond the solutions that are known.
     """
-    lines = chords(setting, scenario, account)
+    lines = chords(setting, scenario, run_info)
     fields = [Field(setting, scenario, s, chord) for s, chord in enumerate(lines)]
     _refuse_to_pass(setting, scenario, fields, times)
     bodies = {load.on: name for name, load in scenario.loads.items() if not isinstance(load, MovingForce)}
     rides = [
-        ride_of(setting, scenario, bodies[name], s, chord, times, account) if name in bodies else None
+        ride_of(setting, scenario, bodies[name], s, chord, times, run_info) if name in bodies else None
         for s, (name, chord) in enumerate(zip(scenario.lines, lines, strict=True))
     ]
     nodes = [
@@ -44,7 +44,7 @@ def frames(setting: Setting, scenario: Scenario, times: Array, account: Account)
         yield _frame(setting, fields, rides, nodes, i, float(t))
 
 
-def _refuse_to_pass(setting: Setting, scenario: Scenario, fields: list[Field], times: Array) -> None:
+def _refuse_to_pass(setting: PreparedRun, scenario: Scenario, fields: list[Field], times: Array) -> None:
     """Refuse loads that would pass an end of a line whose length was not known before.
 
     Raises:
@@ -61,7 +61,12 @@ def _refuse_to_pass(setting: Setting, scenario: Scenario, fields: list[Field], t
 
 
 def _frame(
-    setting: Setting, fields: list[Field], rides: list[Ride | None], nodes: list[tuple[Array, Array]], i: int, t: float
+    setting: PreparedRun,
+    fields: list[Field],
+    rides: list[BodyResponse | None],
+    nodes: list[tuple[Array, Array]],
+    i: int,
+    t: float,
 ) -> Frame:
     loads, dim, count = setting.loads, len(setting.axes), setting.xi.size
     seen = Contacts(count, dim)
@@ -72,7 +77,7 @@ def _frame(
     if any(ride is not None for ride in rides):
         energy[_OF_LOADS] = 0.0
         energy[_IN_IMPACTS] = 0.0
-    shown = setting.fleet.shown if setting.fleet is not None else ()
+    shown = setting.multibody_system.shown if setting.multibody_system is not None else ()
     body_place, body_speed = np.full((len(shown), dim), np.nan), np.full((len(shown), dim), np.nan)
     for field, ride, (w, rate) in zip(fields, rides, nodes, strict=True):
         chord, s = field.chord, field.s
@@ -138,14 +143,14 @@ def _frame(
     )
 
 
-def _energies(ride: Ride, chord: Chord, i: int) -> Array:
+def _energies(ride: BodyResponse, chord: Chord, i: int) -> Array:
     """Kinetic and potential energy of the load, J."""
     moved = np.concatenate([ride.body[i], ride.wheel[i]])
     rates = np.concatenate([ride.body_velocity[i], ride.wheel_velocity[i]])
     return np.array(ride.system.energies(moved, rates, ride.velocity, float(chord.start[-1])))
 
 
-def _body(ride: Ride, chord: Chord, body: Body, i: int) -> tuple[Array, Array]:
+def _body(ride: BodyResponse, chord: Chord, body: Body, i: int) -> tuple[Array, Array]:
     """Place and velocity of a body. Heights count from the chord: in this theory loads do not feel the sag."""
     j = ride.system.wheels.tolist().index(body.wheel)
     place = chord.start + (ride.place[i, j] + body.ahead) * chord.along

@@ -12,7 +12,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.linear.chord import Chord
 from ropewalk.mechanics.chain import Array
 from ropewalk.solve.crossings import CLOSE, LOOKS, crossings
-from ropewalk.solve.modal import Complex, Step, alone
+from ropewalk.solve.modal import Complex, ModalStep, alone
 from ropewalk.solve.radau_iia import C as STAGES
 
 _LEFT_OUT = 1e-6  # of the deflection under a force at rest in the middle
@@ -49,10 +49,10 @@ class Series:
         lengths = np.diff(self._times)
         stages = self._times[:-1, None] + lengths[:, None] * STAGES
         places, sizes = (of(stages.ravel()).reshape(stages.shape) for of in (self._path, self._force))
-        steps: dict[float, Step] = {}
+        steps: dict[float, ModalStep] = {}
         for i, h in enumerate(lengths):
             key = float(f"{h:.9e}")
-            steps.setdefault(key, Step(self._rate, float(h)))
+            steps.setdefault(key, ModalStep(self._rate, float(h)))
             self._z[i + 1] = self._go(steps[key], self._z[i], places[i], sizes[i])
 
     def _boundaries(self, jumps: Array, until: float) -> Array:
@@ -71,7 +71,7 @@ class Series:
         x = self._path(t)
         return (x >= 0.0) & (x <= self._chord.length)
 
-    def _go(self, step: Step, z: Complex, places: Array, sizes: Array) -> Complex:
+    def _go(self, step: ModalStep, z: Complex, places: Array, sizes: Array) -> Complex:
         """One step of all modes, with places and sizes of the force at its stages."""
         out = step.decay[2] * z
         for k in range(STAGES.size):
@@ -88,7 +88,7 @@ class Series:
             z = self._z[i]
             if h > 0.0:
                 stages = self._times[i] + h * STAGES
-                z = self._go(Step(self._rate, h), z, self._path(stages), self._force(stages))
+                z = self._go(ModalStep(self._rate, h), z, self._path(stages), self._force(stages))
             rows.append(z.real)
         amplitude = np.array(rows) * 2.0 / (self._chord.mass * self._chord.length)
         return np.asarray(amplitude @ np.sin(np.outer(self._k, np.ravel(x))))

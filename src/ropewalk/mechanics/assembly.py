@@ -28,10 +28,10 @@ from ropewalk.mechanics.chain import (
     Strands,
     Supports,
 )
+from ropewalk.mechanics.contact_points import ContactPoint
 from ropewalk.mechanics.footfall import Footfall
 from ropewalk.mechanics.law import CUBIC, NO_FLOOR, RIGID, SERIES, TABLE
 from ropewalk.mechanics.travelled import Travelled
-from ropewalk.mechanics.wheels import Wheel
 from ropewalk.model.history import DisplacementTable, DriveTable, ForceTable, SpeedTable
 from ropewalk.model.law import Hooke, Inextensible, Law, Polynomial, SecondPiolaKirchhoff, Tabulated, TensionOnly
 from ropewalk.model.line import spatial
@@ -167,7 +167,9 @@ def drive_table(drive: Any, until: float) -> tuple[Array, Array]:
     return np.zeros(1), np.array([float(drive)])
 
 
-def loads_of(scenario: Scenario, wheels: Sequence[Wheel], until: float, axes: tuple[str, ...] | None = None) -> Loads:
+def loads_of(
+    scenario: Scenario, wheels: Sequence[ContactPoint], until: float, axes: tuple[str, ...] | None = None
+) -> Loads:
     """All wheels of a scenario, with their histories tabulated up to the time `until`.
 
     Args:
@@ -210,15 +212,15 @@ def supports_of(scenario: Scenario, until: float) -> Supports:
         for line in scenario.lines.values()
         for point, support in ((line.start, line.start_support), (line.end, line.end_support))
     ]
-    held = [held_by(support, axes) for _, support in ends]
+    restrained = [restrained_by(support, axes) for _, support in ends]
     motions = [vector_table(getattr(support, "displacement", (0.0, 0.0)), until, axes) for _, support in ends]
     return Supports(
         place=np.array([components(point, axes) for point, _ in ends]),
-        free=np.array([free for free, *_ in held]).reshape(-1, dim, dim),
-        stiffness=np.array([stiffness for _, stiffness, *_ in held]).reshape(-1, dim, dim),
-        damping=np.array([damping for *_, damping, _ in held]).reshape(-1, dim, dim),
+        free=np.array([free for free, *_ in restrained]).reshape(-1, dim, dim),
+        stiffness=np.array([stiffness for _, stiffness, *_ in restrained]).reshape(-1, dim, dim),
+        damping=np.array([damping for *_, damping, _ in restrained]).reshape(-1, dim, dim),
         mass=np.array([getattr(support, "mass", 0.0) for _, support in ends]),
-        force=np.array([force for *_, force in held]).reshape(-1, dim),
+        force=np.array([force for *_, force in restrained]).reshape(-1, dim),
         motion_first=_first(motions),
         motion_count=_count(motions),
         motion_time=np.concatenate([t for t, _ in motions]),
@@ -226,7 +228,7 @@ def supports_of(scenario: Scenario, until: float) -> Supports:
     )
 
 
-def held_by(support: Support, axes: tuple[str, ...]) -> tuple[Array, Array, Array, Array]:
+def restrained_by(support: Support, axes: tuple[str, ...]) -> tuple[Array, Array, Array, Array]:
     """Free directions, stiffness and damping (axis, axis) and constant force (axis,) of a support."""
     dim = len(axes)
     if isinstance(support, Elastic):

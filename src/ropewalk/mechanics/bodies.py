@@ -26,7 +26,7 @@ GIVEN, EVEN, ALONG_X, FREE = 0, 1, 2, 3
 # `phase`: off the line for good; not yet on it, on firm ground before its start; on it close to a support, which bears
 # it; in a link, which it divides in two; in the place of a node, whose particle it carries along; in the air; riding as
 # a force does.
-AWAY, WAITING, PARKED, INSIDE, SEATED, FLYING, RIDING = 0, 1, 2, 3, 4, 5, 6
+AWAY, WAITING, PARKED, INSIDE, LOCATED, FLYING, RIDING = 0, 1, 2, 3, 4, 5, 6
 
 PULLS, PUSHES, BOTH = 1, -1, 0  # `way` of a tether
 SWINGS, STANDS = 1, 2  # `watch` of a leg: until its foot comes down to the line, until it no longer pushes
@@ -40,7 +40,7 @@ WHEEL = np.dtype(
         ("heavy", _CODE),  # 1: has its own place on the chain
         ("travel", _CODE),
         ("lift", _CODE),  # 0: cannot leave the line; 1, -1: runs above, below it, and can
-        ("room", _REAL),  # m, distance from a support below which the support bears it
+        ("clearance", _REAL),  # m, distance from a support below which the support bears it
         ("margin", _REAL),  # m, distance from a support at which the line ends for it
         ("air_drag", _REAL),  # kg/m, force over speed squared
         ("rolling", _REAL),  # coefficient of rolling resistance

@@ -85,7 +85,7 @@ class Supports(NamedTuple):
     motion_value: Array  # (axis, entry) m, displacement from `place`
 
 
-class State(NamedTuple):
+class ChainState(NamedTuple):
     """All that changes: the state of motion and what has been done so far."""
 
     t: Array  # (1,) s
@@ -94,13 +94,13 @@ class State(NamedTuple):
     X: Array  # (node,) m, material coordinate
     xi: Array  # (load,) m
     speed: Array  # (load,) m/s, d xi / dt
-    rider: Integers  # (load,) node that rides with the load, or SHARED, or OFF
+    moving_load: Integers  # (load,) node that rides with the load, or SHARED, or OFF
     hold: Array  # (load,) N s, impulse of the hold force (along x) since the start
     work: Array  # (WORKS,) J
 
-    def copy(self) -> State:
+    def copy(self) -> ChainState:
         """An independent copy."""
-        return State(*(array.copy() for array in self))  # type: ignore[arg-type]
+        return ChainState(*(array.copy() for array in self))  # type: ignore[arg-type]
 
 
 class Buffers(NamedTuple):
@@ -118,18 +118,18 @@ class Buffers(NamedTuple):
     velocity: Array  # (axis,)
 
     @staticmethod
-    def for_state(state: State) -> Buffers:
+    def for_state(state: ChainState) -> Buffers:
         """Buffers of the right size."""
         dim, loads = state.r.shape[0], state.xi.size
-        seat, one, axes = np.zeros((dim, loads)), np.zeros(loads), np.zeros(dim)
+        location, one, axes = np.zeros((dim, loads)), np.zeros(loads), np.zeros(dim)
         return Buffers(
             np.zeros(state.X.size),
             np.zeros(state.X.size),
             np.zeros_like(state.r),
             state.w.copy(),
             one,
-            seat,
-            seat.copy(),
+            location,
+            location.copy(),
             one.copy(),
             axes,
             axes.copy(),

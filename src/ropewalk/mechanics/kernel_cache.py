@@ -25,7 +25,7 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataC
 from numba.core.registry import cpu_target
 
 PACKAGE = Path(__file__).parents[1]
-HOLD_KERNELS = ("mechanics", "solve", "system", "webs", "wires")
+HOLD_KERNELS = ("mechanics", "solve", "system", "networks", "wires")
 """Folders of the package whose files hold kernels, or constants that are compiled into them."""
 _PREFIX = "kernels-"
 _KEPT = 3  # states of the sources whose kernels are kept

@@ -8,8 +8,8 @@ import numpy as np
 
 from ropewalk.mechanics.assembly import axes_of, loads_of
 from ropewalk.mechanics.chain import Array, Loads, Strands
-from ropewalk.mechanics.fleet import Fleet, fleet_of
-from ropewalk.mechanics.wheels import Wheel, wheels_of
+from ropewalk.mechanics.contact_points import ContactPoint, wheels_of
+from ropewalk.mechanics.multibody_system import MultibodySystem, multibody_system_of
 from ropewalk.model.load import MovingForce
 from ropewalk.model.scenario import Scenario
 
@@ -20,9 +20,9 @@ class Loading:
 
     axes: tuple[str, ...]
     gravity: Array  # (axis,) m/s^2
-    wheels: tuple[Wheel, ...]
+    wheels: tuple[ContactPoint, ...]
     loads: Loads
-    fleet: Fleet | None  # what has a mass; None if nothing has
+    multibody_system: MultibodySystem | None  # what has a mass; None if nothing has
 
 
 def loading_of(
@@ -43,5 +43,5 @@ def loading_of(
     gravity = np.zeros(len(axes))
     gravity[-1] = -scenario.gravity
     forces_only = all(isinstance(load, MovingForce) for load in scenario.loads.values())
-    fleet = None if forces_only else fleet_of(scenario, wheels, strands, axes, until)
-    return Loading(axes, gravity, wheels, loads_of(scenario, wheels, until, axes), fleet)
+    multibody_system = None if forces_only else multibody_system_of(scenario, wheels, strands, axes, until)
+    return Loading(axes, gravity, wheels, loads_of(scenario, wheels, until, axes), multibody_system)

@@ -31,7 +31,7 @@ def have_met(strands, loads, state, bodies):
             if xi - state.xi[j] < h * min(max(MET * node / mass, least), MET):
                 return True
         for j in range(state.xi.size):
-            least = MET_SHARED if state.rider[j] == SHARED else MET_RIDING
-            if state.rider[j] > OFF and loads.strand[j] == s and abs(state.xi[j] - xi) < h * least:
+            least = MET_SHARED if state.moving_load[j] == SHARED else MET_RIDING
+            if state.moving_load[j] > OFF and loads.strand[j] == s and abs(state.xi[j] - xi) < h * least:
                 return True
     return False

@@ -14,10 +14,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.bodies import AWAY, BOTH, INSIDE, PARKED, PULLS, PUSHES, RIDING, SEATED, WAITING
+from ropewalk.mechanics.bodies import AWAY, BOTH, INSIDE, LOCATED, PARKED, PULLS, PUSHES, RIDING, WAITING
 from ropewalk.mechanics.chain import HOLD_WORK, LOAD_DAMPING, OFF, SHARED
 from ropewalk.mechanics.compiled import lean_inner
-from ropewalk.mechanics.rider import force_at, seat_of
+from ropewalk.mechanics.moving_contact import force_at, location_of
 
 # A tether that is longer or shorter than its length by less than this part of it touches: ten thousand roundings.
 TOUCHING = 1e-12
@@ -33,14 +33,14 @@ def is_fast(bodies, k):
 @lean_inner
 def wheel_place(strands, loads, state, bodies, k, a):
     """Component a of the place of wheel k."""
-    b = state.rider[k]
+    b = state.moving_load[k]
     if b >= 0:
         return state.r[a, b]
     if b != SHARED:
         return bodies.wheels[k].r[a]
     s = loads.strand[k]
     first = strands.first[s]
-    i = seat_of(state.X, state.xi[k], strands.h[s], first, first + strands.links[s])
+    i = location_of(state.X, state.xi[k], strands.h[s], first, first + strands.links[s])
     part = (state.xi[k] - state.X[i]) / (state.X[i + 1] - state.X[i])
     return (1.0 - part) * state.r[a, i] + part * state.r[a, i + 1]
 
@@ -66,13 +66,13 @@ def _look_at_wheels(strands, loads, state, buffers, bodies, kick):
     w, X, r, f, t = state.w, state.X, state.r, buffers.f, state.t[0]
     for k in range(state.xi.size):
         wheel = bodies.wheels[k]
-        s, b, U, phase = loads.strand[k], state.rider[k], state.speed[k], wheel.phase
+        s, b, U, phase = loads.strand[k], state.moving_load[k], state.speed[k], wheel.phase
         m = strands.rho[s] * strands.h[s]
         ahead = buffers.ahead if strands.damping[s] > 0.0 else w  # kept up for damped lines only
-        on_line = phase in (INSIDE, SEATED)
+        on_line = phase in (INSIDE, LOCATED)
         fast = phase in (AWAY, WAITING, PARKED)
         first, last = strands.first[s], strands.first[s] + strands.links[s]
-        i = seat_of(X, state.xi[k], strands.h[s], first, last) if b == SHARED else 0
+        i = location_of(X, state.xi[k], strands.h[s], first, last) if b == SHARED else 0
         for a in range(r.shape[0]):
             g, M = strands.gravity[a], wheel.mass[a]
             given = force_at(loads, k, t, a) + M * g
@@ -103,7 +103,7 @@ def _look_at_wheels(strands, loads, state, buffers, bodies, kick):
                 wheel.own[a] = wheel.per_impulse[a] = 0.0
                 if not fast:
                     if on_line:
-                        given += wheel.forth[a] - wheel.behind[a] + (m * g if phase == SEATED else 0.0)
+                        given += wheel.forth[a] - wheel.behind[a] + (m * g if phase == LOCATED else 0.0)
                     wheel.own[a], wheel.per_impulse[a] = kick * given / M, 1.0 / M
 
 
@@ -151,7 +151,7 @@ def _tethers(state, bodies, kick):
             force = bodies.buffers[e].stiffness * deep * side
             bodies.coordinates[d].pushed += force
             bodies.wheels[k].push[z] -= kick * force
-        elif bodies.wheels[k].phase == RIDING and state.rider[k] != OFF:
+        elif bodies.wheels[k].phase == RIDING and state.moving_load[k] != OFF:
             bodies.wheels[k].in_air += kick
 
 

@@ -6,18 +6,18 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from ropewalk.errors import RopewalkError
-from ropewalk.meshes.compared import Compared, Mesh, Start, computed, estimates
+from ropewalk.meshes.compared import Compared, MeshRun, Start, computed, estimates
 from ropewalk.meshes.scaling import begun, links_in, scaled
 from ropewalk.model.mesh import PARTS
 from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Account
+from ropewalk.results.frame import RunInfo
 from ropewalk.results.running import Run
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Record = Callable[[Scenario, Run, Account], "xr.Dataset"]
+Record = Callable[[Scenario, Run, RunInfo], "xr.Dataset"]
 """Lets a run go to its end and gives its result."""
 
 FIRST, MOST_AT_FIRST = 16, 512  # links of the longest line with which trials begin
@@ -42,7 +42,7 @@ def result_of(scenario: Scenario, start: Start, record: Record) -> xr.Dataset:
 
 
 def _estimated(scenario: Scenario, start: Start, record: Record) -> xr.Dataset:
-    coarser: list[Mesh] = []
+    coarser: list[MeshRun] = []
     try:
         for parts in (PARTS, PARTS // RATIO):
             coarser.append(computed(scaled(scenario, 1.0 / parts), start, coarser))
@@ -55,7 +55,7 @@ def _chosen(scenario: Scenario, start: Start, record: Record) -> xr.Dataset:
     assert not isinstance(scenario.run, Linear)
     wanted, first = scenario.run.accuracy, FIRST
     assert wanted is not None
-    meshes: list[Mesh] = []  # the mesh i has RATIO^i times the elements of the base
+    meshes: list[MeshRun] = []  # the mesh i has RATIO^i times the elements of the base
     base: Scenario | None = None
     while True:
         try:
@@ -79,20 +79,20 @@ def _chosen(scenario: Scenario, start: Start, record: Record) -> xr.Dataset:
 
 
 def _kept(
-    scenario: Scenario, start: Start, record: Record, meshes: list[Mesh], wanted: float | None, unknown: str = ""
+    scenario: Scenario, start: Start, record: Record, meshes: list[MeshRun], wanted: float | None, unknown: str = ""
 ) -> xr.Dataset:
     """The result on one mesh, which is put behind the coarser ones; `unknown` says why there are none."""
-    account = Account()
-    run = start(scenario, account)
-    mesh, before = Mesh.of(run.layout, scenario, meshes), meshes[-1] if meshes else None
+    run_info = RunInfo()
+    run = start(scenario, run_info)
+    mesh, before = MeshRun.of(run.layout, scenario, meshes), meshes[-1] if meshes else None
     meshes.append(mesh)
     if unknown:
         what = f"the error of the mesh cannot be told: {unknown}"
-        account.doubt(what, "a coarser mesh cannot do what is asked", "run.mesh_error", "write more elements")
-    return record(scenario, Compared(run, mesh, before, lambda: _tell(meshes, scenario, account, wanted)), account)
+        run_info.doubt(what, "a coarser mesh cannot do what is asked", "run.mesh_error", "write more elements")
+    return record(scenario, Compared(run, mesh, before, lambda: _tell(meshes, scenario, run_info, wanted)), run_info)
 
 
-def _level(meshes: Sequence[Mesh], wanted: float, links: int) -> int | None:
+def _level(meshes: Sequence[MeshRun], wanted: float, links: int) -> int | None:
     """The mesh that is to be kept, one of those or the next one; None where another trial is needed to know."""
     if len(meshes) <= PARTS // RATIO:
         return None
@@ -102,31 +102,31 @@ def _level(meshes: Sequence[Mesh], wanted: float, links: int) -> int | None:
     return len(meshes) if last or (not found.doubt and found.next(RATIO) <= wanted) else None
 
 
-def _is_last(meshes: Sequence[Mesh], links: int) -> bool:
+def _is_last(meshes: Sequence[MeshRun], links: int) -> bool:
     """Whether no finer mesh is to be tried: it would be too fine, or what is known promises nothing."""
     ends = range(len(meshes), max(len(meshes) - PATIENCE, 2), -1)
     erratic = len(ends) == PATIENCE and all(estimates(meshes[:end])[0].doubt for end in ends)
     return erratic or links * RATIO ** len(meshes) > MOST
 
 
-def _tell(meshes: Sequence[Mesh], scenario: Scenario, account: Account, wanted: float | None) -> None:
+def _tell(meshes: Sequence[MeshRun], scenario: Scenario, run_info: RunInfo, wanted: float | None) -> None:
     """Leave in the account of a run what its mesh and those before say of its error."""
-    account.mesh = {"mesh": _words(scenario, wanted)}
+    run_info.mesh = {"mesh": _words(scenario, wanted)}
     if len(meshes) <= PARTS // RATIO or not meshes[-1].samples.outputs:
         return
     everywhere, contacts = estimates(meshes)
-    account.mesh |= {"mesh_error": everywhere.error, "mesh_order": everywhere.order}
+    run_info.mesh |= {"mesh_error": everywhere.error, "mesh_order": everywhere.order}
     if contacts is not None:
         told = {"error": contacts.error, "order": contacts.order, "alike": contacts.alike}
-        account.mesh |= {f"mesh_{name}_of_contacts": value for name, value in told.items()}
+        run_info.mesh |= {f"mesh_{name}_of_contacts": value for name, value in told.items()}
     key = next((f"lines.{name}.elements" for name in scenario.lines), "nets")
     if everywhere.doubt:
         cause = "chaos (slack lines, compression without damping), or meshes that are too coarse for what happens"
-        account.doubt(everywhere.doubt, cause, key, "compare statistics, not paths, or write more elements")
+        run_info.doubt(everywhere.doubt, cause, key, "compare statistics, not paths, or write more elements")
     elif wanted is not None and everywhere.error > wanted:
         what = f"positions are estimated to miss {everywhere.error:.3g} m where {wanted:g} m are asked for"
         remedy = "raise accuracy, or write elements as a number and mesh_error: true"
-        account.doubt(what, f"more than {MOST} links would be needed", "run.accuracy", remedy)
+        run_info.doubt(what, f"more than {MOST} links would be needed", "run.accuracy", remedy)
 
 
 def _words(scenario: Scenario, wanted: float | None) -> str:

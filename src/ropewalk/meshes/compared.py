@@ -12,16 +12,16 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.meshes.estimate import Estimate
 from ropewalk.meshes.samples import Samples, places_of
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Account, Layout
+from ropewalk.results.frame import Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.running import Run
 
-Start = Callable[[Scenario, Account], Run]
+Start = Callable[[Scenario, RunInfo], Run]
 """Gives a run of a scenario, and fills in how it goes."""
 
 
 @dataclass(frozen=True)
-class Mesh:
+class MeshRun:
     """What is kept of a run on one mesh.
 
     Args:
@@ -37,7 +37,7 @@ class Mesh:
     contacts: int
 
     @classmethod
-    def of(cls, layout: Layout, scenario: Scenario, coarser: Sequence[Mesh]) -> Mesh:
+    def of(cls, layout: Layout, scenario: Scenario, coarser: Sequence[MeshRun]) -> MeshRun:
         """A mesh before its run.
 
         Args:
@@ -51,7 +51,7 @@ class Mesh:
         return cls(1.0 / links if links else cells**-0.5, places, samples, len(layout.contact_load))
 
 
-def computed(scenario: Scenario, start: Start, coarser: Sequence[Mesh]) -> Mesh:
+def computed(scenario: Scenario, start: Start, coarser: Sequence[MeshRun]) -> MeshRun:
     """Run a scenario and keep of it what estimates need.
 
     Args:
@@ -62,15 +62,15 @@ def computed(scenario: Scenario, start: Start, coarser: Sequence[Mesh]) -> Mesh:
     Raises:
         RopewalkError: it cannot begin.
     """
-    run = start(scenario, Account())
-    mesh = Mesh.of(run.layout, scenario, coarser)
+    run = start(scenario, RunInfo())
+    mesh = MeshRun.of(run.layout, scenario, coarser)
     for frames in run.blocks():
         for frame in frames:
             mesh.samples.add(frame)
     return mesh
 
 
-def estimates(meshes: Sequence[Mesh]) -> tuple[Estimate, Estimate | None]:
+def estimates(meshes: Sequence[MeshRun]) -> tuple[Estimate, Estimate | None]:
     """The errors of the finest of meshes, by the last three: of all points, and of contacts alone.
 
     Points are nodes of the coarsest, contacts and bodies.
@@ -100,7 +100,7 @@ class Compared:
         conclude: called at the end.
     """
 
-    def __init__(self, run: Run, mesh: Mesh, coarser: Mesh | None, conclude: Callable[[], None]) -> None:
+    def __init__(self, run: Run, mesh: MeshRun, coarser: MeshRun | None, conclude: Callable[[], None]) -> None:
         self.layout, self.total = run.layout, run.total
         if coarser is not None:
             self.layout = replace(run.layout, compared=run.layout.contact_load)
@@ -127,7 +127,7 @@ class Compared:
         finally:
             self._conclude()
 
-    def _change(self, coarser: Mesh) -> Array:
+    def _change(self, coarser: MeshRun) -> Array:
         """(contact, axis) m, of the contacts in the last frame: NaN where the coarser mesh has none any more."""
         now, before = self._mesh.samples, coarser.samples
         contacts = slice(now.nodes.size, now.nodes.size + self._mesh.contacts)

@@ -60,8 +60,8 @@ class Estimate:
         largest = [float(np.linalg.norm(change, axis=-1).max(initial=0.0)) for change in (a, b)]
         if now == 0.0:
             return cls(0.0, np.nan, np.nan)
-        pieces = zip(np.array_split(a, STRETCHES), np.array_split(b, STRETCHES), strict=True)
-        orders = [_order(sizes, _size(x) / _size(y)) for x, y in pieces if _size(y) > NOTHING * now]
+        segments = zip(np.array_split(a, STRETCHES), np.array_split(b, STRETCHES), strict=True)
+        orders = [_order(sizes, _size(x) / _size(y)) for x, y in segments if _size(y) > NOTHING * now]
         order = min(_order(sizes, before / now), float(np.median(orders)))
         alike = float((a * b).sum()) / (before * now) if before else 0.0
         if not order >= LOWEST:

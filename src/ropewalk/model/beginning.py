@@ -37,7 +37,7 @@ def check_beginning(parts: Parts) -> Iterator[Finding]:
         if start.amplitude is not None and start.amplitude > line.distance:
             wrong, remedy = f"the ends of {name} are only {line.distance:g} m apart", "write a smaller one"
             yield Finding(("run", "start", "amplitude"), wrong, f"{start.amplitude:g} m", remedy)
-        if parts.is_web:  # what moves in the direction is seen when modes are known
+        if parts.is_network:  # what moves in the direction is seen when modes are known
             continue
         chord = np.subtract(spatial(line.end), spatial(line.start))
         given = start.direction or UP

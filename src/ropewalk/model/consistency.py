@@ -32,7 +32,7 @@ from ropewalk.model.trolley import Trolley
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 
-_Standing = MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices | Pantograph
+_Loaded = MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices | Pantograph
 LARGEST_RESULT = 5e7
 """Nodes times output frames: about 10 GB of result, beyond what is wanted on purpose."""
 
@@ -184,7 +184,7 @@ def _path(parts: Parts) -> Iterator[Finding]:
 
 
 def _rest(parts: Parts) -> Iterator[Finding]:
-    if parts.gravity != 0.0 or parts.run is None or parts.is_web:  # joints, nets and wind give lines a shape, too
+    if parts.gravity != 0.0 or parts.run is None or parts.is_network:  # joints, nets and wind give lines a shape, too
         return
     if isinstance(parts.run, Dynamic):
         if parts.run.start.kind == "result":
@@ -195,7 +195,7 @@ def _rest(parts: Parts) -> Iterator[Finding]:
     for name, line in parts.lines.items():
         if line is None or line.length is None or line.length <= line.distance * (1.0 + 1e-12):
             continue
-        if not line.is_held_fast:
+        if not line.is_restrained_fast:
             continue
         if with_loads and parts.loads_on(name):
             continue

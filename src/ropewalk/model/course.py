@@ -35,7 +35,7 @@ def course(speed: float | SpeedTable, start: float, until: float) -> list[Piece]
     times, values = (speed.time, speed.value) if isinstance(speed, SpeedTable) else ((0.0,), (speed,))
     knots = list(zip(times, values, strict=True))
     knots = [(-math.inf, knots[0][1]), *knots, (math.inf, knots[-1][1])]
-    pieces: list[Piece] = []
+    segments: list[Piece] = []
     place = start
     for (t0, v0), (t1, v1) in pairwise(knots):
         begin, end = max(t0, 0.0), min(t1, until)
@@ -43,31 +43,31 @@ def course(speed: float | SpeedTable, start: float, until: float) -> list[Piece]
             continue
         slope = (v1 - v0) / (t1 - t0) if math.isfinite(t1 - t0) else 0.0
         piece = Piece(begin, end - begin, place, v0 + slope * (begin - t0) if slope else v0, slope)
-        pieces.append(piece)
+        segments.append(piece)
         place = piece.place(end)
-    return pieces
+    return segments
 
 
-def place_at(pieces: Sequence[Piece], time: float) -> float:
+def place_at(segments: Sequence[Piece], time: float) -> float:
     """Place in m at a time in s within the course."""
-    return next((piece for piece in reversed(pieces) if piece.begin <= time), pieces[0]).place(time)
+    return next((piece for piece in reversed(segments) if piece.begin <= time), segments[0]).place(time)
 
 
 def between(ahead: Sequence[Piece], behind: Sequence[Piece]) -> list[Piece]:
     """The distance of two courses over the same time, as a course."""
     times = sorted({piece.begin for piece in (*ahead, *behind)})
     end = ahead[-1].begin + ahead[-1].duration
-    pieces = []
+    segments = []
     for begin, stop in pairwise([*times, end]):
         a, b = (next(piece for piece in reversed(way) if piece.begin <= begin) for way in (ahead, behind))
         speed = a.speed + a.slope * (begin - a.begin) - b.speed - b.slope * (begin - b.begin)
-        pieces.append(Piece(begin, stop - begin, a.place(begin) - b.place(begin), speed, a.slope - b.slope))
-    return pieces
+        segments.append(Piece(begin, stop - begin, a.place(begin) - b.place(begin), speed, a.slope - b.slope))
+    return segments
 
 
-def first_at_most(pieces: Sequence[Piece], level: float) -> float | None:
+def first_at_most(segments: Sequence[Piece], level: float) -> float | None:
     """The first time in s at which the place is `level` (m) or less, None if that never happens."""
-    for piece in pieces:
+    for piece in segments:
         height = piece.offset - level
         if height <= 0.0:
             return piece.begin

@@ -98,7 +98,7 @@ class Line(Declaration):
         if self.axial_damping:
             wrong, remedy = "an inextensible line does not stretch and cannot damp it", "leave axial_damping out"
             findings.append(Finding(("axial_damping",), wrong, f"{self.axial_damping:g} N*s", remedy))
-        if self.is_held_fast and self.length is not None and self.length <= self.distance:
+        if self.is_restrained_fast and self.length is not None and self.length <= self.distance:
             wrong, remedy = "an inextensible line must be longer than the distance of its ends", "give it sag, or a law"
             given = f"{self.length:.10g} m over {self.distance:.10g} m"
             findings.append(Finding(("length",), wrong, given, remedy))
@@ -155,7 +155,7 @@ class Line(Declaration):
         return bool(self.bending_stiffness or self.foundation)
 
     @property
-    def is_held_fast(self) -> bool:
+    def is_restrained_fast(self) -> bool:
         """Whether neither end can yield."""
         return all(isinstance(support, Fixed | Moving) for support in (self.start_support, self.end_support))
 

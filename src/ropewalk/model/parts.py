@@ -36,7 +36,7 @@ class Parts:
         return [load for load, name in self.on.items() if name == line]
 
     @property
-    def is_web(self) -> bool:
+    def is_network(self) -> bool:
         """Whether lines are joined, run over sheaves or, if none bends, have inner supports; nets; air that pushes."""
         lines = [line for line in self.lines.values() if line is not None]
         joined = any(line.is_joined for line in lines)

@@ -153,7 +153,7 @@ def _beyond(line: Line | OverheadLine, place: Place, gravity: float | None) -> f
     limit = reach(line, place.measured)
     if limit is not None or isinstance(line, OverheadLine):
         return limit if limit is not None and place.start > limit * (1.0 + 1e-9) else None
-    if line.tension is not None and gravity is not None and place.measured == "material" and line.is_held_fast:
+    if line.tension is not None and gravity is not None and place.measured == "material" and line.is_restrained_fast:
         hangs = line.mass * gravity * line.distance / line.tension
         most = line.distance * (1.0 + hangs**2 / 12.0)  # twice what the sag adds to the chord
         return most if hangs < 1.0 and place.start > 1.02 * most else None

@@ -55,9 +55,9 @@ class Scenario(Declaration):
         return f"{load.on}.{CONTACT_WIRE}" if load.on in self.overhead_lines else load.on
 
     @property
-    def is_web(self) -> bool:
+    def is_network(self) -> bool:
         """Whether it is a network of lines and nets, or its lines are in wind, see `Parts.is_web`."""
-        return self.parts.is_web
+        return self.parts.is_network
 
     @property
     def is_stiff(self) -> bool:

@@ -18,9 +18,9 @@ def check_settings(parts: Parts) -> Iterator[Finding]:
     run = parts.run
     if not isinstance(run, Dynamic) or not parts.is_complete or None in parts.lines.values():
         return
-    if not (parts.is_stiff or parts.is_web):
+    if not (parts.is_stiff or parts.is_network):
         yield from _accuracy(parts, run)
-    if parts.is_stiff and not parts.is_web:
+    if parts.is_stiff and not parts.is_network:
         return
     if run.start.with_loads and all(isinstance(load, Foreign) for load in parts.loads.values()):
         wrong = "no load has a rest of its own" if parts.loads else "there are no loads"

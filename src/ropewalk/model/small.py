@@ -78,12 +78,12 @@ def _constant(line: Line) -> Iterator[_Lack]:
         if len({row[0] for row in rows(history)}) > 1:  # callables are looked at when they are tabulated
             remedy = "write a table whose x does not change, or geometry: nonlinear"
             yield (*key, "displacement"), f"{constant}, and a support that moves along x changes them", "", remedy
-    for name, held in line.supports.items():
-        for own, wrong, given, remedy in _held(line, held):
+    for name, restrained in line.supports.items():
+        for own, wrong, given, remedy in _restrained(line, restrained):
             yield ("supports", name, *own), f"{constant}, and {wrong}", given, remedy
 
 
-def _held(line: Line, support: InnerSupport) -> Iterator[_Lack]:
+def _restrained(line: Line, support: InnerSupport) -> Iterator[_Lack]:
     """What makes an inner support that holds its line along it change the tension there."""
     if isinstance(support, Guided) and not support.along[-1]:
         if support.force:

@@ -54,10 +54,10 @@ def check_space(parts: Parts) -> Iterator[Finding]:
             yield from _along_x(name, load, on, line)
 
 
-def _sideways(path: tuple[str, ...], held: Elastic | Oscillator, why: str) -> Iterator[Finding]:
+def _sideways(path: tuple[str, ...], restrained: Elastic | Oscillator, why: str) -> Iterator[Finding]:
     """Two values: without a word from the user the third is neither nothing nor that of x."""
     for key, letter in (("stiffness", "k"), ("damping", "c")):
-        values = getattr(held, key)
+        values = getattr(restrained, key)
         if isinstance(values, tuple) and len(values) == 2:
             wrong = f"{why} leaves the x-z plane, and two values say nothing of the direction y"
             nothing = "" if key == "stiffness" else f" ({letter}y: 0 for none)"

@@ -16,8 +16,8 @@ import scipy.sparse.linalg
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.wires.mesh import Mesh, Places, clamped_at, mesh_of
-from ropewalk.wires.plan import Array, Hold, Plan, PointMass, Spot, Tie
-from ropewalk.wires.rest import held_shape, moving, rest_of, rows, vertical_stiffness
+from ropewalk.wires.plan import Array, Hold, PointMass, Spot, WirePlan, WireTie
+from ropewalk.wires.rest import moving, rest_of, restrained_shape, rows, vertical_stiffness
 
 _MOST_ROUNDS = 50
 _SOFT = 1.0  # N/m
@@ -48,7 +48,7 @@ class Dropper:
 
 
 @dataclass(frozen=True)
-class Link:
+class StitchEnd:
     """The last piece of a stitch wire, from its end to its clamp on the messenger."""
 
     name: str
@@ -60,14 +60,14 @@ class Link:
 
 
 @dataclass(frozen=True)
-class Task:
+class FormFindingTask:
     """What is wanted of an overhead line at rest."""
 
-    plan: Plan  # wires, point masses, and holds that are constant forces
+    plan: WirePlan  # wires, point masses, and holds that are constant forces
     element: float  # m
     hangers: tuple[Hanger, ...]
     dropper: Dropper
-    links: tuple[Link, ...]
+    links: tuple[StitchEnd, ...]
     levels: tuple[tuple[Spot, float], ...]  # points held at heights in m: the contact wire, and then the messenger
     hints: str  # what may be changed, for errors
 
@@ -76,9 +76,9 @@ class Task:
 class Form:
     """An overhead line at rest."""
 
-    ties: tuple[Tie, ...]  # droppers, and then links of stitch wires
+    ties: tuple[WireTie, ...]  # droppers, and then links of stitch wires
     masses: tuple[PointMass, ...]
-    holding: Array  # (level,) N upwards that it takes to hold the levels
+    restraint: Array  # (level,) N upwards that it takes to hold the levels
     lengths: Array  # (hanger,) m unstrained, in space
     pull: Array  # (hanger,) N
     mesh: Mesh  # its wires
@@ -89,7 +89,7 @@ class Form:
         return np.asarray(rows(clamped_at(self.mesh.strands, spots), self.mesh.nodes) @ self.z, dtype=np.float64)
 
 
-def form_by_heights(task: Task) -> Form:
+def form_by_heights(task: FormFindingTask) -> Form:
     """Find the lengths of droppers with which the contact wire has the wanted heights.
 
     Raises:
@@ -121,20 +121,20 @@ def form_by_heights(task: Task) -> Form:
         before, lengths = lengths, _leaning(hangers, upright)
         if np.abs(lengths - before).max(initial=0.0) <= _CLOSE or not dropper.mass_per_length:
             break
-    holding = np.zeros(len(task.levels))
-    holding[contact], holding[above] = force[len(hangers) : len(hangers) + len(contact)], lift
+    restraint = np.zeros(len(task.levels))
+    restraint[contact], restraint[above] = force[len(hangers) : len(hangers) + len(contact)], lift
     ties = _droppers(task, lengths) + _links(task, mesh, hung)
-    return Form(ties, _lumps(task, lengths), holding, lengths, pull, mesh, hung)
+    return Form(ties, _lumps(task, lengths), restraint, lengths, pull, mesh, hung)
 
 
-def form_by_lengths(task: Task, lengths: Array) -> Form:
+def form_by_lengths(task: FormFindingTask, lengths: Array) -> Form:
     """Find how the line rests with droppers of given unstrained lengths, its levels held; droppers may be slack.
 
     Raises:
         EquilibriumError: there is no rest.
     """
     masses, droppers, ends = _lumps(task, lengths), _droppers(task, lengths), [link.low for link in task.links]
-    links: tuple[Tie, ...] = ()
+    links: tuple[WireTie, ...] = ()
     turned = np.zeros(0)
     if task.links:  # the tension that they should have does not depend on the droppers, their length a little
         guess = form_by_heights(task)
@@ -157,7 +157,7 @@ def form_by_lengths(task: Task, lengths: Array) -> Form:
     return form
 
 
-def soft_holds(links: tuple[Link, ...], heights: Array) -> tuple[Hold, ...]:
+def soft_holds(links: tuple[StitchEnd, ...], heights: Array) -> tuple[Hold, ...]:
     """Springs to the ground at the ends of stitch wires, as soft as nothing: their rest is sought from these alone."""
     return tuple(
         Hold(f"{link.name}.soft", link.low, (0.0, 0.0, _SOFT), place=(0.0, 0.0, float(height)))
@@ -165,10 +165,10 @@ def soft_holds(links: tuple[Link, ...], heights: Array) -> tuple[Hold, ...]:
     )
 
 
-def _shape(mesh: Mesh, task: Task, places: Places, heights: Array, load: Array) -> tuple[Array, Array]:
+def _shape(mesh: Mesh, task: FormFindingTask, places: Places, heights: Array, load: Array) -> tuple[Array, Array]:
     """Shape of wires led through heights, with links between stitch wires and messenger; and the forces it takes."""
     if not task.links:
-        return held_shape(mesh, places, heights, load)
+        return restrained_shape(mesh, places, heights, load)
     A, stiff = _geometric(mesh, task.links)
     K = vertical_stiffness(mesh) + A.T @ sparse.diags(stiff) @ A
     C, free, chord = rows(places, mesh.nodes), moving(mesh), mesh.straight()[2]
@@ -181,14 +181,14 @@ def _shape(mesh: Mesh, task: Task, places: Places, heights: Array, load: Array) 
     return z, found[count:]
 
 
-def _geometric(mesh: Mesh, links: tuple[Link, ...]) -> tuple[sparse.csr_matrix, Array]:
+def _geometric(mesh: Mesh, links: tuple[StitchEnd, ...]) -> tuple[sparse.csr_matrix, Array]:
     """How far links' ends stand apart, (link, node), and their stiffness by their tension, N/m."""
     low, high = (clamped_at(mesh.strands, spots) for spots in _ends(links))
     stiff = np.array([link.tension / abs(link.along) for link in links])
     return rows(high, mesh.nodes) - rows(low, mesh.nodes), stiff
 
 
-def _links(task: Task, mesh: Mesh, z: Array) -> tuple[Tie, ...]:
+def _links(task: FormFindingTask, mesh: Mesh, z: Array) -> tuple[WireTie, ...]:
     """Links of such a length that they pull as they should."""
     if not task.links:
         return ()
@@ -199,28 +199,28 @@ def _links(task: Task, mesh: Mesh, z: Array) -> tuple[Tie, ...]:
         reach = float(np.hypot(link.along, rise))
         pull = link.tension * reach / abs(link.along)
         length = reach - pull * (1.0 / link.stiffness + local)
-        found.append(Tie(link.name, link.low, link.high, link.stiffness, length, link.stiffness))
+        found.append(WireTie(link.name, link.low, link.high, link.stiffness, length, link.stiffness))
     return tuple(found)
 
 
-def _ends(things: tuple[Hanger, ...] | tuple[Link, ...]) -> tuple[list[Spot], list[Spot]]:
+def _ends(things: tuple[Hanger, ...] | tuple[StitchEnd, ...]) -> tuple[list[Spot], list[Spot]]:
     return [thing.low for thing in things], [thing.high for thing in things]
 
 
-def _weights(task: Task, lengths: Array) -> tuple[Array, Array]:
+def _weights(task: FormFindingTask, lengths: Array) -> tuple[Array, Array]:
     """Masses at the ends of droppers, below and above, kg: clamps, and half of each dropper."""
     half = 0.5 * (task.dropper.mass + task.dropper.mass_per_length * lengths)
     return task.dropper.clamps[0] + half, task.dropper.clamps[1] + half
 
 
-def _lumps(task: Task, lengths: Array) -> tuple[PointMass, ...]:
+def _lumps(task: FormFindingTask, lengths: Array) -> tuple[PointMass, ...]:
     """All point masses."""
     ends = zip(_ends(task.hangers), _weights(task, lengths), strict=True)
     found = [PointMass(spot, float(m)) for spots, masses in ends for spot, m in zip(spots, masses, strict=True)]
     return (*task.plan.masses, *found)
 
 
-def _droppers(task: Task, lengths: Array) -> tuple[Tie, ...]:
+def _droppers(task: FormFindingTask, lengths: Array) -> tuple[WireTie, ...]:
     """The droppers; one that leans by `aside` is as if it stood upright with sqrt(length^2 - aside^2)."""
     dropper, found = task.dropper, []
     for hanger, length in zip(task.hangers, lengths, strict=True):
@@ -232,7 +232,7 @@ def _droppers(task: Task, lengths: Array) -> tuple[Tie, ...]:
             )
         upright = float(np.sqrt(square))
         found.append(
-            Tie(hanger.name, hanger.low, hanger.high, dropper.stiffness, upright, dropper.pushes, dropper.damping)
+            WireTie(hanger.name, hanger.low, hanger.high, dropper.stiffness, upright, dropper.pushes, dropper.damping)
         )
     return tuple(found)
 
@@ -242,7 +242,7 @@ def _leaning(hangers: tuple[Hanger, ...], upright: Array) -> Array:
     return np.asarray(np.hypot(upright, aside), dtype=np.float64)
 
 
-def _check(task: Task, pull: Array, upright: Array) -> None:
+def _check(task: FormFindingTask, pull: Array, upright: Array) -> None:
     short, pushed = np.flatnonzero(upright <= 0.0), np.flatnonzero(pull <= 0.0)
     if short.size:
         worst = task.hangers[_first_of_the_least(upright)].name

@@ -18,16 +18,16 @@ from ropewalk.model.overhead import OverheadLine, OverheadWire, stations_of
 from ropewalk.overhead.forming import (
     Dropper,
     Form,
+    FormFindingTask,
     Hanger,
-    Link,
-    Task,
+    StitchEnd,
     form_by_heights,
     form_by_lengths,
     soft_holds,
 )
 from ropewalk.wires.mesh import Mesh, clamped_at, mesh_of
-from ropewalk.wires.plan import Array, EndKind, Hold, Plan, PointMass, Spot, Tie, Wire
-from ropewalk.wires.rest import Rest, rest_of, rows
+from ropewalk.wires.plan import Array, EndKind, Hold, PointMass, Spot, Wire, WirePlan, WireTie
+from ropewalk.wires.rest import WiresAtRest, rest_of, rows
 
 _Pair = tuple[float, float]
 
@@ -42,7 +42,7 @@ class Section:
     """A section at rest, and what its parts are called: `section.3.5` is dropper 5 of span 3, counted from 1."""
 
     name: str
-    plan: Plan
+    plan: WirePlan
     element: float  # m
     supports: Array  # (span + 1,) m, stations of all supports with both ends
     analysed: tuple[float, float]  # m, stations between which statistics are made
@@ -69,7 +69,7 @@ class Section:
         return mesh_of(self.plan, self.element if element is None else element)
 
     @cached_property
-    def rest(self) -> Rest:
+    def rest(self) -> WiresAtRest:
         """Its rest on that mesh."""
         return rest_of(self.mesh())
 
@@ -141,7 +141,7 @@ def in_space(section: Section, line: OverheadLine) -> Section:
     return replace(section, plan=replace(plan, wires=tuple(wires), ties=tuple(ties), holds=tuple(holds)))
 
 
-def joined(sections: Sequence[Section]) -> tuple[Plan, list[int]]:
+def joined(sections: Sequence[Section]) -> tuple[WirePlan, list[int]]:
     """Put sections into one plan; list the number of the first wire of each, which its own wires are counted from."""
     wires: tuple[Wire, ...] = ()
     plan, offsets = replace(sections[0].plan, wires=(), ties=(), holds=(), masses=(), watched={}), []
@@ -202,10 +202,10 @@ def elasticity(
     return stations, found
 
 
-def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagger: Array) -> Task:
+def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagger: Array) -> FormFindingTask:
     """What is wanted, in terms of wires."""
     x0, z0, end = line.start[0], line.start[-1], float(supports[-1])
-    kind: EndKind = "free" if line.ends == "weights" else "held"
+    kind: EndKind = "free" if line.ends == "weights" else "pinned"
     top = z0 + line.system_height
     wires = [
         _wire(f"{name}.contact", line.contact_wire, (x0, z0), end, kind),
@@ -223,7 +223,7 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
             for side, station, along in (("a", 0.0, -line.element), ("b", 2.0 * reach, line.element)):
                 clamp = Spot(MESSENGER, s - reach + station + along)
                 low = Spot(len(wires) - 1, station)
-                links.append(Link(f"{own}.{side}", low, clamp, stitch.tension, along, stiffness))
+                links.append(StitchEnd(f"{own}.{side}", low, clamp, stitch.tension, along, stiffness))
                 masses.append(PointMass(clamp, stitch.clamp))
     hangers = []
     for span, (places, sags) in enumerate(zip(line.dropper_places, line.sags, strict=True)):
@@ -252,8 +252,8 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
     more = gravity * (arms.hanging_mass - arms.moving_mass)
     weights = [Hold(f"{name}.arm.{i}.weight", Spot(CONTACT, s), (0.0, 0.0, 0.0), force=(0.0, 0.0, -more))
                for i, s in enumerate(inner, start=1) if more]  # fmt: skip
-    plan = Plan(tuple(wires), holds=(*weighted, *weights), masses=tuple(masses), gravity=gravity)
-    return Task(plan, line.element, tuple(hangers), dropper, tuple(links), tuple(levels), hints)
+    plan = WirePlan(tuple(wires), holds=(*weighted, *weights), masses=tuple(masses), gravity=gravity)
+    return FormFindingTask(plan, line.element, tuple(hangers), dropper, tuple(links), tuple(levels), hints)
 
 
 def _tensioned(number: int, wire: Wire) -> Iterator[Hold]:
@@ -271,7 +271,9 @@ def _wire(name: str, wire: OverheadWire, start: tuple[float, float], length: flo
     )  # fmt: skip
 
 
-def _finished(name: str, line: OverheadLine, task: Task, form: Form, supports: Array, stagger: Array) -> Section:
+def _finished(
+    name: str, line: OverheadLine, task: FormFindingTask, form: Form, supports: Array, stagger: Array
+) -> Section:
     """Hold the line by what holds it in fact, with the forces that it takes."""
     x0, inner = line.start[0], supports[1:-1]
     stiffness, damping = _three(line.messenger_supports.stiffness, np.inf), _three(line.messenger_supports.damping, 0.0)
@@ -279,7 +281,7 @@ def _finished(name: str, line: OverheadLine, task: Task, form: Form, supports: A
         stiffness, damping = (0.0, *stiffness[1:]), (0.0, *damping[1:])
     spots, lift = [Spot(CONTACT, float(s)) for s in inner], np.zeros(inner.size)  # N, of the arms
     own: list[Hold] = []
-    for i, ((spot, height), force) in enumerate(zip(task.levels, form.holding, strict=True)):
+    for i, ((spot, height), force) in enumerate(zip(task.levels, form.restraint, strict=True)):
         number = i % inner.size
         if spot.wire == CONTACT:
             lift[number] = force
@@ -313,7 +315,9 @@ def _finished(name: str, line: OverheadLine, task: Task, form: Form, supports: A
     )  # fmt: skip
 
 
-def _arms(name: str, line: OverheadLine, form: Form, spots: list[Spot], lift: Array, stagger: Array) -> tuple[Tie, ...]:
+def _arms(
+    name: str, line: OverheadLine, form: Form, spots: list[Spot], lift: Array, stagger: Array
+) -> tuple[WireTie, ...]:
     """Steady arms that pull the contact wire aside as its kinks in plan view demand, and up by `lift` in N."""
     tension, spans = line.contact_wire.tension, np.array(line.span_lengths)
     slope = np.diff(stagger) / spans
@@ -326,7 +330,7 @@ def _arms(name: str, line: OverheadLine, form: Form, spots: list[Spot], lift: Ar
     return tuple(found)
 
 
-def _arm(label: str, line: OverheadLine, spot: Spot, at: _Pair, force: _Pair, yields: _Pair) -> Tie:
+def _arm(label: str, line: OverheadLine, spot: Spot, at: _Pair, force: _Pair, yields: _Pair) -> WireTie:
     """A steady arm, hinged at both ends, that pulls the wire aside and up by given forces in N.
 
     So it points along that force: it stands on the side to which it pulls, and rises by the ratio of the two. Its
@@ -354,7 +358,7 @@ def _arm(label: str, line: OverheadLine, spot: Spot, at: _Pair, force: _Pair, yi
     give = arms.length / arms.axial_stiffness
     reach, stiffness = arms.length + pull * give, 1.0 / (give + yields[0])
     ground = x, reach * aside / pull, z + reach * up / pull
-    return Tie(label, spot, ground, stiffness, reach - pull * (1.0 / stiffness + yields[1]), stiffness)
+    return WireTie(label, spot, ground, stiffness, reach - pull * (1.0 / stiffness + yields[1]), stiffness)
 
 
 def _three(value: float | tuple[float, ...] | None, otherwise: float) -> tuple[float, float, float]:

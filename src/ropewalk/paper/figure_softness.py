@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropewalk.model.support import Guided
-from ropewalk.paper.slow_walk import Rope, Way, way
+from ropewalk.paper.slow_walk import LoadPath, Rope, way
 from ropewalk.results.style import DPI, INK, INSTANTS, LINE, NOTE, TITLE, colours, dress
 
 if TYPE_CHECKING:
@@ -30,12 +30,12 @@ STEEPEST = 3.0
 
 
 @dataclass(frozen=True)
-class Case:
+class SoftnessCase:
     """One rope and its two walks."""
 
     name: str
-    clamped: Way
-    frictionless: Way
+    clamped: LoadPath
+    frictionless: LoadPath
 
 
 def slider(stiffness: float) -> Guided:
@@ -43,12 +43,15 @@ def slider(stiffness: float) -> Guided:
     return Guided(along=(0.0, 1.0), stiffness=stiffness)
 
 
-def family(ropes: dict[str, Rope]) -> list[Case]:
+def family(ropes: dict[str, Rope]) -> list[SoftnessCase]:
     """Both walks on each of the ropes."""
-    return [Case(n, way(rope, "clamped", half=True), way(rope, "frictionless", half=True)) for n, rope in ropes.items()]
+    return [
+        SoftnessCase(n, way(rope, "clamped", half=True), way(rope, "frictionless", half=True))
+        for n, rope in ropes.items()
+    ]
 
 
-def families() -> dict[str, list[Case]]:
+def families() -> dict[str, list[SoftnessCase]]:
     """The ropes of the three columns, from singular to soft."""
     singular = {"fixed, straight, light": ROPE}
     soft = {f"k = {k:g} N/m": replace(ROPE, support=slider(k)) for k in STIFFNESSES}
@@ -82,7 +85,7 @@ def draw() -> Figure:
     return figure
 
 
-def _column(axes: list[Axes], name: str, cases: list[Case]) -> None:
+def _column(axes: list[Axes], name: str, cases: list[SoftnessCase]) -> None:
     path, slope, hold = axes
     for case, colour in zip(cases, colours(INSTANTS)(np.linspace(0.0, 1.0, len(cases))), strict=True):
         style = {"color": colour, "lw": LINE, "label": case.name}

@@ -13,7 +13,7 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.model import Hooke, Inextensible, Line, MovingForce, Quasistatic, Scenario, Travel
 from ropewalk.model.load import Contact
 from ropewalk.model.support import Fixed, Support
-from ropewalk.solve.quasistatic import Place, walk
+from ropewalk.solve.quasistatic import LoadPosition, walk
 from ropewalk.solve.start import setting_of
 
 FloatArray = NDArray[np.float64]
@@ -65,7 +65,7 @@ class Rope:
 
 
 @dataclass(frozen=True)
-class Way:
+class LoadPath:
     """The places of a load from left to right and what is found there, arrays (place,); no forces on a support."""
 
     xi: FloatArray  # m
@@ -91,7 +91,7 @@ class Way:
         return sorted({int(np.abs(self.xi - xi).argmin()) for xi in wanted})
 
 
-def way(rope: Rope, contact: Contact, half: bool = False) -> Way:
+def way(rope: Rope, contact: Contact, half: bool = False) -> LoadPath:
     """Lead the load from the middle to both sides, until it reaches the support or nothing can hold it any more.
 
     With `half`, to the right alone.
@@ -107,7 +107,7 @@ def way(rope: Rope, contact: Contact, half: bool = False) -> Way:
     forces[(xi <= 1e-9 * rope.length) | (xi >= (1.0 - 1e-9) * rope.length)] = np.nan
     behind, ahead, hold, friction = forces.T
     middle_pull = float(right[0].stands[0].pull[0, 0])
-    return Way(xi, x, z, behind, ahead, hold, friction, middle_pull, shapes=[s.r for s in stands])
+    return LoadPath(xi, x, z, behind, ahead, hold, friction, middle_pull, shapes=[s.r for s in stands])
 
 
 def linear_string(rope: Rope, pull: float, x: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -119,14 +119,14 @@ def linear_string(rope: Rope, pull: float, x: FloatArray) -> tuple[FloatArray, F
     return -steepness * x * (rope.span - x), steepness * (2.0 * x - rope.span)
 
 
-def _half(rope: Rope, contact: Contact, speed: float) -> list[Place]:
+def _half(rope: Rope, contact: Contact, speed: float) -> list[LoadPosition]:
     setting = setting_of(rope.scenario(contact, speed), rope.length)
     end = (1.0 if rope.weight or rope.length <= rope.span else 0.999) * rope.length
-    places: list[Place] = []
+    places: list[LoadPosition] = []
 
-    def goes_on(place: Place) -> bool:
-        held = abs(place.stands[0].hold[0]) <= MOST * rope.load
-        return bool(held and rope.length - end <= place.xi[0] <= end)
+    def goes_on(place: LoadPosition) -> bool:
+        restrained = abs(place.stands[0].hold[0]) <= MOST * rope.load
+        return bool(restrained and rope.length - end <= place.xi[0] <= end)
 
     try:
         places.extend(takewhile(goes_on, walk(setting, POSITIONS, TURN)))

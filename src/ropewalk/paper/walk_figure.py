@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.paper.slow_walk import Rope, Way, linear_string, way
+from ropewalk.paper.slow_walk import LoadPath, Rope, linear_string, way
 from ropewalk.results.style import BLUE, DPI, FAINT, INK, LINE, NOTE, ORANGE, RED, SKY, THIN, TITLE, dress
 from ropewalk.theory.locus import ellipse
 
@@ -32,8 +32,8 @@ class Walks:
 
     rope: Rope
     name: str  # added to the contact in legends
-    clamped: Way
-    frictionless: Way
+    clamped: LoadPath
+    frictionless: LoadPath
     colours: tuple[str, str]
     width: float
 
@@ -42,7 +42,7 @@ class Walks:
         """How much wider the frictionless path is drawn, for where the clamped one covers it (the ellipse)."""
         return 0.0 if self.rope.weight or isfinite(self.rope.axial_stiffness) else 1.6
 
-    def each(self) -> tuple[tuple[Way, str, str], ...]:
+    def each(self) -> tuple[tuple[LoadPath, str, str], ...]:
         """Way, colour and name of both contacts."""
         names = (f"{contact}{self.name}" for contact in ("clamped", "frictionless"))
         return tuple(zip((self.clamped, self.frictionless), self.colours, names, strict=True))
@@ -101,7 +101,7 @@ def _linear(ax: Axes, walks: Walks, slope: bool = False) -> None:
     ax.plot(x, linear_string(walks.rope, walks.clamped.middle_pull, x)[slope], **LINEAR, label="linear string")
 
 
-def _shapes(ax: Axes, walks: Walks, found: Way, colour: str, depth: float) -> None:
+def _shapes(ax: Axes, walks: Walks, found: LoadPath, colour: str, depth: float) -> None:
     chosen = found.nearest(SHAPES)
     for k in chosen:
         ax.plot(*found.shapes[k], color=colour, lw=0.7, alpha=0.38)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ropewalk.results.extrapolation import extrapolated
     from ropewalk.results.figures import figure, figure_data, single
     from ropewalk.results.files import ResultError, WriteError, open_result
-    from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
+    from ropewalk.results.frame import ENERGY_FORMS, Frame, Layout, RunInfo
     from ropewalk.results.recorder import Recorder
     from ropewalk.results.report import html_report
     from ropewalk.results.statistics import summary
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ropewalk.results.vtk_export import export
 
 _HOME = {
-    "Account": "frame",
+    "RunInfo": "frame",
     "DisplayUnits": "display_units",
     "ENERGY_FORMS": "frame",
     "Frame": "frame",
@@ -54,12 +54,12 @@ _HOME = {
 
 __all__ = [
     "ENERGY_FORMS",
-    "Account",
     "DisplayUnits",
     "Frame",
     "Layout",
     "Recorder",
     "ResultError",
+    "RunInfo",
     "WriteError",
     "check_target",
     "export",

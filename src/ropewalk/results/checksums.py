@@ -56,7 +56,7 @@ class Head(NamedTuple):
         return min(self.frames, max(size - self.begin, 0) // self.size) if self.size else self.frames
 
 
-class _Reader:
+class _HeaderReader:
     """Numbers and texts of a header, one after the other; none of them reaches beyond the end of the file."""
 
     def __init__(self, stream: BinaryIO) -> None:
@@ -101,7 +101,7 @@ class _Reader:
         return found, places
 
 
-def _head(reader: _Reader) -> Head:
+def _head(reader: _HeaderReader) -> Head:
     frames = reader.number()
     lengths = []
     for _ in range(reader.count(_DIMENSION)):
@@ -140,7 +140,7 @@ def head_of(path: Path) -> Head:
         DamagedError: there is none, or it makes no sense.
     """
     with path.open("rb") as stream:
-        return _head(_Reader(stream))
+        return _head(_HeaderReader(stream))
 
 
 def frames_crc(path: Path, frames: int) -> int:

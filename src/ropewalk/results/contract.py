@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import ropewalk
-from ropewalk.results.frame import ENERGY_FORMS, Account, Layout
+from ropewalk.results.frame import ENERGY_FORMS, Layout, RunInfo
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,7 +36,7 @@ Attribute = str | int | float
 
 
 @dataclass(frozen=True)
-class Quantity:
+class ResultVariable:
     """A variable of the result: its dimensions after the leading one, its unit and what it is."""
 
     dims: tuple[str, ...]
@@ -49,73 +49,83 @@ class Quantity:
         return {"units": self.unit, "long_name": self.long_name}
 
 
-VARIABLES: Mapping[str, Quantity] = {
-    "position": Quantity(("node", "axis"), "m", "position of the node"),
-    "velocity": Quantity(("node", "axis"), "m/s", "velocity of the node"),
-    "tension": Quantity(("link",), "N", "tension in the link"),
-    "strain": Quantity(("link",), "1", "strain of the link"),
-    "contact_position": Quantity(("contact", "axis"), "m", "position of the contact"),
-    "contact_force": Quantity(("contact", "axis"), "N", "force on the line at the contact, hold force included"),
-    "hold_force": Quantity(("contact", "axis"), "N", "force along the path that keeps the prescribed travel going"),
-    "contact_xi": Quantity(("contact",), "m", "material coordinate of the contact"),
-    "contact_speed": Quantity(("contact",), "m/s", "speed of the load as measured"),
-    "contact_tension": Quantity(("contact", "side"), "N", "tension behind and ahead of the load"),
-    "contact_friction": Quantity(("contact",), "1", "friction coefficient that the contact needs at least"),
-    "contact_state": Quantity(
+VARIABLES: Mapping[str, ResultVariable] = {
+    "position": ResultVariable(("node", "axis"), "m", "position of the node"),
+    "velocity": ResultVariable(("node", "axis"), "m/s", "velocity of the node"),
+    "tension": ResultVariable(("link",), "N", "tension in the link"),
+    "strain": ResultVariable(("link",), "1", "strain of the link"),
+    "contact_position": ResultVariable(("contact", "axis"), "m", "position of the contact"),
+    "contact_force": ResultVariable(("contact", "axis"), "N", "force on the line at the contact, hold force included"),
+    "hold_force": ResultVariable(
+        ("contact", "axis"), "N", "force along the path that keeps the prescribed travel going"
+    ),
+    "contact_xi": ResultVariable(("contact",), "m", "material coordinate of the contact"),
+    "contact_speed": ResultVariable(("contact",), "m/s", "speed of the load as measured"),
+    "contact_tension": ResultVariable(("contact", "side"), "N", "tension behind and ahead of the load"),
+    "contact_friction": ResultVariable(("contact",), "1", "friction coefficient that the contact needs at least"),
+    "contact_state": ResultVariable(
         ("contact",), "1", "0: off the line, 1: in the air, 2: at rest along the line, 3: moves along it"
     ),
-    "contact_in_air": Quantity(("contact",), "s", "time that the load has been in the air so far"),
-    "friction_power": Quantity(("contact",), "W", "power lost to friction along the line"),
-    "body_position": Quantity(("body", "axis"), "m", "position of the body of a load"),
-    "body_velocity": Quantity(("body", "axis"), "m/s", "velocity of the body of a load"),
-    "reaction": Quantity(("support", "axis"), "N", "force of the support on the line"),
-    "energy": Quantity(("form",), "J", "energy of each form in the audit"),
-    "tie_force": Quantity(("tie",), "N", "tension in the tie"),
-    "sampled_station": Quantity(("sample", "contact"), "m", "place of the contact along the line, between outputs"),
-    "sampled_force": Quantity(("sample", "contact"), "N", "force upwards on the line at the contact, between outputs"),
-    "sampled_height": Quantity(("sample", "contact"), "m", "height of the contact, between outputs"),
-    "sampled_tie_force": Quantity(("sample", "tie"), "N", "tension in the tie, between outputs"),
-    "sampled_uplift": Quantity(("sample", "watched"), "m", "height over rest of the watched point, between outputs"),
-    "cell_tension": Quantity(
+    "contact_in_air": ResultVariable(("contact",), "s", "time that the load has been in the air so far"),
+    "friction_power": ResultVariable(("contact",), "W", "power lost to friction along the line"),
+    "body_position": ResultVariable(("body", "axis"), "m", "position of the body of a load"),
+    "body_velocity": ResultVariable(("body", "axis"), "m/s", "velocity of the body of a load"),
+    "reaction": ResultVariable(("support", "axis"), "N", "force of the support on the line"),
+    "energy": ResultVariable(("form",), "J", "energy of each form in the audit"),
+    "tie_force": ResultVariable(("tie",), "N", "tension in the tie"),
+    "sampled_station": ResultVariable(
+        ("sample", "contact"), "m", "place of the contact along the line, between outputs"
+    ),
+    "sampled_force": ResultVariable(
+        ("sample", "contact"), "N", "force upwards on the line at the contact, between outputs"
+    ),
+    "sampled_height": ResultVariable(("sample", "contact"), "m", "height of the contact, between outputs"),
+    "sampled_tie_force": ResultVariable(("sample", "tie"), "N", "tension in the tie, between outputs"),
+    "sampled_uplift": ResultVariable(
+        ("sample", "watched"), "m", "height over rest of the watched point, between outputs"
+    ),
+    "cell_tension": ResultVariable(
         ("cell", "direction"),
         "N/m",
         "tension per width: of a membrane the larger and the smaller one, of a net along u, v",
     ),
-    "contact_change": Quantity(
+    "contact_change": ResultVariable(
         ("compared", "axis"), "m", "what the contact has moved by since the mesh with half the elements"
     ),
-    "exchange_work": Quantity(("foreign",), "J", "energy that has gone to and fro through the interface so far"),
-    "exchange_residual": Quantity(("foreign",), "J", "energy that the exchange with the model has made so far"),
-    "exchange_peak": Quantity(("foreign",), "J", "the most of it in one interval of exchange since the last output"),
+    "exchange_work": ResultVariable(("foreign",), "J", "energy that has gone to and fro through the interface so far"),
+    "exchange_residual": ResultVariable(("foreign",), "J", "energy that the exchange with the model has made so far"),
+    "exchange_peak": ResultVariable(
+        ("foreign",), "J", "the most of it in one interval of exchange since the last output"
+    ),
 }
 
-PATHS: Mapping[str, Quantity] = {
-    "time": Quantity((), "s", "time"),
-    "load_path": Quantity((), "m", "path travelled by the load"),
+PATHS: Mapping[str, ResultVariable] = {
+    "time": ResultVariable((), "s", "time"),
+    "load_path": ResultVariable((), "m", "path travelled by the load"),
 }
 
-COORDINATES: Mapping[str, Quantity] = {
-    "axis": Quantity(("axis",), "1", "axis: x along the span, y sideways, z up"),
-    "line": Quantity(("node",), "1", "line of the node"),
-    "xi": Quantity(("node",), "m", "material coordinate of the node (unstrained arc length)"),
-    "link_line": Quantity(("link",), "1", "line of the link"),
-    "link_xi": Quantity(("link",), "m", "material coordinate of the middle of the link (unstrained arc length)"),
-    "load": Quantity(("contact",), "1", "load of the contact"),
-    "body": Quantity(("body",), "1", "body of a load, beside its contacts"),
-    "side": Quantity(("side",), "1", "side of the load: behind is towards the start of the line"),
-    "support": Quantity(("support",), "1", "support of a line"),
-    "form": Quantity(("form",), "1", "form of energy"),
-    "tie": Quantity(("tie",), "1", "tie between lines, such as a dropper"),
-    "tie_station": Quantity(("tie",), "m", "place of the tie along its line"),
-    "watched": Quantity(("watched",), "1", "point of a line whose height is sampled"),
-    "watched_station": Quantity(("watched",), "m", "place of the watched point along its line"),
-    "sample": Quantity(("sample",), "s", "time of the sample after the output instant (negative: before it)"),
-    "foreign": Quantity(("foreign",), "1", "load that is a model of somebody else's"),
-    "compared": Quantity(("compared",), "1", "load of the contact that is compared with that on a coarser mesh"),
-    "corner": Quantity(("corner",), "1", "corner of a cell"),
-    "direction": Quantity(("direction",), "1", "direction of a tension in a cell"),
-    "cell_net": Quantity(("cell",), "1", "net or membrane of the cell"),
-    "cell_node": Quantity(("cell", "corner"), "1", "number of the node at the corner of the cell"),
+COORDINATES: Mapping[str, ResultVariable] = {
+    "axis": ResultVariable(("axis",), "1", "axis: x along the span, y sideways, z up"),
+    "line": ResultVariable(("node",), "1", "line of the node"),
+    "xi": ResultVariable(("node",), "m", "material coordinate of the node (unstrained arc length)"),
+    "link_line": ResultVariable(("link",), "1", "line of the link"),
+    "link_xi": ResultVariable(("link",), "m", "material coordinate of the middle of the link (unstrained arc length)"),
+    "load": ResultVariable(("contact",), "1", "load of the contact"),
+    "body": ResultVariable(("body",), "1", "body of a load, beside its contacts"),
+    "side": ResultVariable(("side",), "1", "side of the load: behind is towards the start of the line"),
+    "support": ResultVariable(("support",), "1", "support of a line"),
+    "form": ResultVariable(("form",), "1", "form of energy"),
+    "tie": ResultVariable(("tie",), "1", "tie between lines, such as a dropper"),
+    "tie_station": ResultVariable(("tie",), "m", "place of the tie along its line"),
+    "watched": ResultVariable(("watched",), "1", "point of a line whose height is sampled"),
+    "watched_station": ResultVariable(("watched",), "m", "place of the watched point along its line"),
+    "sample": ResultVariable(("sample",), "s", "time of the sample after the output instant (negative: before it)"),
+    "foreign": ResultVariable(("foreign",), "1", "load that is a model of somebody else's"),
+    "compared": ResultVariable(("compared",), "1", "load of the contact that is compared with that on a coarser mesh"),
+    "corner": ResultVariable(("corner",), "1", "corner of a cell"),
+    "direction": ResultVariable(("direction",), "1", "direction of a tension in a cell"),
+    "cell_net": ResultVariable(("cell",), "1", "net or membrane of the cell"),
+    "cell_node": ResultVariable(("cell", "corner"), "1", "number of the node at the corner of the cell"),
 }
 
 NUMBERS = ("cell_node",)
@@ -125,7 +135,7 @@ OPTIONAL = ("tie", "watched", "sample", "foreign", "compared", "cell", "corner",
 """Dimensions that only some results have: what needs them is left out of the others."""
 
 
-def is_present(quantity: Quantity, size: Mapping[Any, int]) -> bool:
+def is_present(quantity: ResultVariable, size: Mapping[Any, int]) -> bool:
     """Whether a quantity belongs to a result with dimensions of these sizes."""
     return all(size.get(dim, 0) or dim not in OPTIONAL for dim in quantity.dims)
 
@@ -214,22 +224,22 @@ def scenario_attributes(scenario: Scenario) -> dict[str, Attribute]:
     }
 
 
-def account_attributes(account: Account) -> dict[str, Attribute]:
+def run_info_attributes(run_info: RunInfo) -> dict[str, Attribute]:
     """Attributes that tell how the run went; doubts and warnings are lines of one text each."""
     return {
-        "outcome": account.outcome,
-        "advice": account.advice,
-        "method": account.method,
-        "reason": account.reason,
-        "step": float(account.step),
-        "steps": int(account.steps),
-        "cpu_seconds": float(account.cpu_seconds),
-        "wall_seconds": float(account.wall_seconds),
-        "compile_seconds": float(account.compile_seconds),
-        "audit": account.audit,
-        "doubts": "\n".join(" ".join(str(doubt).split()) for doubt in account.doubts),
-        "warnings": "\n".join(" ".join(warning.split()) for warning in account.warnings),
-        **account.mesh,
+        "outcome": run_info.outcome,
+        "advice": run_info.advice,
+        "method": run_info.method,
+        "reason": run_info.reason,
+        "step": float(run_info.step),
+        "steps": int(run_info.steps),
+        "cpu_seconds": float(run_info.cpu_seconds),
+        "wall_seconds": float(run_info.wall_seconds),
+        "compile_seconds": float(run_info.compile_seconds),
+        "audit": run_info.audit,
+        "doubts": "\n".join(" ".join(str(doubt).split()) for doubt in run_info.doubts),
+        "warnings": "\n".join(" ".join(warning.split()) for warning in run_info.warnings),
+        **run_info.mesh,
     }
 
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.foreign.turns import Turns, closing
+from ropewalk.foreign.cosimulation_master import CosimulationMaster, closing
 from ropewalk.model.load import Foreign
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Account, Array
+from ropewalk.results.frame import Array, RunInfo
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,21 +23,21 @@ def foreign_in(scenario: Scenario) -> tuple[str, ...]:
 
 
 @contextmanager
-def exchanging(turns: Sequence[Turns], account: Account) -> Iterator[None]:
+def exchanging(turns: Sequence[CosimulationMaster], run_info: RunInfo) -> Iterator[None]:
     """Let all models go at the end, however it comes, and say how much energy they have made."""
     with closing(turns):
         try:
             yield
         finally:
-            account.warnings += [remark for partner in turns for remark in partner.verdict()]
+            run_info.warnings += [remark for partner in turns for remark in partner.verdict()]
 
 
-def told(turns: Sequence[Turns], account: Account) -> dict[str, Array]:
+def told(turns: Sequence[CosimulationMaster], run_info: RunInfo) -> dict[str, Array]:
     """What has gone through all interfaces, by the names of `Frame`; what is to be remarked goes to the account."""
     if not turns:
         return {}
     for partner in turns:
-        account.warnings += partner.remarks
+        run_info.warnings += partner.remarks
         partner.remarks.clear()
     work, residual, peak = np.array([partner.told() for partner in turns]).T
     return {"exchange_work": work, "exchange_residual": residual, "exchange_peak": peak}

@@ -151,7 +151,7 @@ class Doubt:
 
 
 @dataclass
-class Account:
+class RunInfo:
     """How a run went: filled in while it runs, written as attributes at the end."""
 
     outcome: str = "running"  # "completed", "doubtful", "interrupted", "diverged", "travel ended", ...

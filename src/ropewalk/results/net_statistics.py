@@ -19,7 +19,7 @@ STEEP = 1e-6  # least to largest width of the edge as seen from above, below whi
 Summary = dict[str, Any]
 
 
-def net_summary(dataset: xr.Dataset, pieces: Iterable[xr.Dataset]) -> dict[str, Summary]:
+def net_summary(dataset: xr.Dataset, segments: Iterable[xr.Dataset]) -> dict[str, Summary]:
     """Give for every net its `nodes` and `cells`, and where and when extremes occur; what is not known is None.
 
     `largest_tension` and `smallest_tension` are in N/m, at the middle of a cell; `slack` is the largest share of cells
@@ -43,7 +43,7 @@ def net_summary(dataset: xr.Dataset, pieces: Iterable[xr.Dataset]) -> dict[str, 
         }
         for net in nets
     }
-    for piece in pieces:
+    for piece in segments:
         path, position = piece[path_name(piece)].values, in_space(piece["position"].values)
         for net in nets:
             if "cell_tension" in piece:

@@ -80,16 +80,16 @@ def line_ends(dataset: xr.Dataset, line: str) -> Indices:
     named = set(dataset["support"].values.tolist())
     first = dataset["position"][0].values
     size = np.nanmax(np.ptp(first, axis=0))
-    held = []
+    restrained = []
     for node, end in ((here[0], "start"), (here[-1], "end")):
         alone = not (np.abs(first[others] - first[node]).max(axis=1) <= 1e-9 * size).any()
         if alone or f"{line}.{end}" in named:
-            held.append(node)
+            restrained.append(node)
         elif dataset.sizes[path_name(dataset)] > 1:
             way = dataset["position"].isel(node=node).values
             if np.ptp(way, axis=0).max() <= 1e-9 * size:
-                held.append(node)
-    return np.array(held, dtype=np.intp)
+                restrained.append(node)
+    return np.array(restrained, dtype=np.intp)
 
 
 def cell_values(dataset: xr.Dataset, frame: int) -> Array:
@@ -99,7 +99,7 @@ def cell_values(dataset: xr.Dataset, frame: int) -> Array:
     return np.asarray(np.fmax.reduce(dataset["cell_tension"][frame].values, axis=1))
 
 
-class Mesh:
+class NetTriangles:
     """The triangles of all nets as they are drawn: of a fine net, a coarser one whose corners are some of its nodes.
 
     Nodes in one box of a grid become one corner: the outermost of those on the edge, or else the one next to their

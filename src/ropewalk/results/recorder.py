@@ -18,7 +18,7 @@ import xarray as xr  # slow, and first used at the end: somebody who interrupts 
 from ropewalk.checkpoint import Tree
 from ropewalk.results import checksums, contract
 from ropewalk.results.files import WriteError, beside, open_result
-from ropewalk.results.frame import Account, Array, Frame, Layout
+from ropewalk.results.frame import Array, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.past import Past
 from ropewalk.results.slots import Slots, cut, digests
@@ -58,7 +58,7 @@ class Recorder:
         self,
         layout: Layout,
         scenario: Scenario,
-        account: Account,
+        run_info: RunInfo,
         file: Path | None = None,
         *,
         run: Run | None = None,
@@ -66,7 +66,7 @@ class Recorder:
     ) -> None:
         if layout.path not in contract.PATHS:
             raise ValueError(f"the leading dimension is one of {', '.join(contract.PATHS)}, not {layout.path!r}")
-        self._account = account
+        self._run_info = run_info
         self._watch = Watch(layout, scenario)
         self._shapes = contract.shapes(layout)
         self._result: xr.Dataset | None = None
@@ -75,7 +75,7 @@ class Recorder:
         if past is not None:
             for frames in past.frames(layout):
                 self._watch.see(frames)
-        kept = None if run is None or file is None else partial(_checkpoint, digests(scenario), account, run)
+        kept = None if run is None or file is None else partial(_checkpoint, digests(scenario), run_info, run)
         self._store: _Store = _Memory(layout, fixed) if file is None else _File(layout, fixed, file, run, kept, past)
 
     @property
@@ -101,7 +101,7 @@ class Recorder:
             if given != shape and not (given is None and 0 in shape):
                 raise ValueError(f"frame {self.frames}: {name} has shape {given}, the layout says {shape}")
         self._watch.see(frames)
-        self._store.extend(frames, self._account)
+        self._store.extend(frames, self._run_info)
 
     def close(self) -> xr.Dataset:
         """Finish the record and give it as a dataset; a file is complete and closed then.
@@ -111,14 +111,14 @@ class Recorder:
         """
         if not self._closed:
             self._closed = True
-            self._watch.judge(self._account)
-            self._account.conclude()
+            self._watch.judge(self._run_info)
+            self._run_info.conclude()
             try:
-                self._store.finish(self._account)
+                self._store.finish(self._run_info)
             finally:
                 self._store.release()
         if self._result is None:
-            self._result = self._store.result(self._account)
+            self._result = self._store.result(self._run_info)
         return self._result
 
     def __enter__(self) -> Self:
@@ -127,42 +127,42 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
     ) -> None:
-        account = self._account
+        run_info = self._run_info
         if problem is None:
             self.close()
             return
-        if account.outcome == "running":
-            account.outcome = "interrupted" if isinstance(problem, KeyboardInterrupt) else "failed"
-            account.advice = account.advice or str(problem)
+        if run_info.outcome == "running":
+            run_info.outcome = "interrupted" if isinstance(problem, KeyboardInterrupt) else "failed"
+            run_info.advice = run_info.advice or str(problem)
         if not self._closed:
             self._closed = True
             if self.frames:
-                self._watch.judge(account)
+                self._watch.judge(run_info)
                 with contextlib.suppress(WriteError):  # the problem under way is the one to report
-                    self._store.finish(account)
+                    self._store.finish(run_info)
             self._store.release()
 
 
-def _checkpoint(data: dict[str, str], account: Account, run: Run) -> Tree | None:
+def _checkpoint(data: dict[str, str], run_info: RunInfo, run: Run) -> Tree | None:
     """What a run goes on from; None if there is nothing."""
     state = run.get_state()
     if state is None:
         return None
     return {
-        "data": data, "run": state, "seconds": [account.wall_seconds, account.cpu_seconds, account.compile_seconds],
+        "data": data, "run": state, "seconds": [run_info.wall_seconds, run_info.cpu_seconds, run_info.compile_seconds],
     }  # fmt: skip
 
 
 class _Store(Protocol):
     count: int
 
-    def extend(self, frames: Frames, account: Account) -> None: ...
+    def extend(self, frames: Frames, run_info: RunInfo) -> None: ...
 
-    def finish(self, account: Account) -> None: ...
+    def finish(self, run_info: RunInfo) -> None: ...
 
     def release(self) -> None: ...
 
-    def result(self, account: Account) -> xr.Dataset: ...
+    def result(self, run_info: RunInfo) -> xr.Dataset: ...
 
 
 def _rows(layout: Layout, rows: int) -> dict[str, Array]:
@@ -187,7 +187,7 @@ class _Memory:
         self._layout, self._fixed = layout, fixed
         self._arrays = _rows(layout, 64)
 
-    def extend(self, frames: Frames, account: Account) -> None:
+    def extend(self, frames: Frames, run_info: RunInfo) -> None:
         if self.count + len(frames) > len(self._arrays[contract.PATH]):
             self._resize(max(2 * self.count, self.count + len(frames)))
         _put(frames, self._arrays, self.count, slice(0, len(frames)))
@@ -197,13 +197,13 @@ class _Memory:
         for array in self._arrays.values():
             array.resize((rows, *array.shape[1:]), refcheck=False)  # in place: no second copy of a large result
 
-    def finish(self, account: Account) -> None:
+    def finish(self, run_info: RunInfo) -> None:
         self._resize(self.count)
 
     def release(self) -> None:
         """Nothing is kept from others."""
 
-    def result(self, account: Account) -> xr.Dataset:
+    def result(self, run_info: RunInfo) -> xr.Dataset:
         path, arrays = self._layout.path, self._arrays
         values, size = contract.coordinate_values(self._layout), contract.sizes(self._layout)
         coordinates = {
@@ -217,7 +217,7 @@ class _Memory:
             for name, q in contract.VARIABLES.items()
             if contract.is_present(q, size)
         }
-        return xr.Dataset(variables, coordinates, {**self._fixed, **contract.account_attributes(account)})
+        return xr.Dataset(variables, coordinates, {**self._fixed, **contract.run_info_attributes(run_info)})
 
 
 class _File:
@@ -253,15 +253,15 @@ class _File:
         self._told: dict[str, contract.Attribute] = {}
         self._last_append = self._last_sync = time.monotonic()
 
-    def _begin(self, account: Account) -> None:
+    def _begin(self, run_info: RunInfo) -> None:
         """Replace an earlier file: not before there is something to write."""
         self._begun = True
         if self._past is not None:
-            self._reopen(account)
+            self._reopen(run_info)
             return
         made = beside(self.path, "new")
         try:
-            attributes = {**self._fixed, **contract.account_attributes(account)}
+            attributes = {**self._fixed, **contract.run_info_attributes(run_info)}
             self._file = _create(made, self._layout, attributes, self._slots)
             made.replace(self.path)  # a reader of the earlier result keeps what it has open
         except (OSError, RuntimeError) as problem:
@@ -270,7 +270,7 @@ class _File:
                 made.unlink(missing_ok=True)
             raise WriteError(f"{self.path}: cannot be created ({problem}); is the disk full?") from problem
 
-    def _reopen(self, account: Account) -> None:
+    def _reopen(self, run_info: RunInfo) -> None:
         """Go on in a file: it tells from now on what is asked now."""
         import netCDF4
 
@@ -281,7 +281,7 @@ class _File:
             self._crc = checksums.frames_crc(self.path, self.count)
             self._file = netCDF4.Dataset(self.path, "r+")
             self._file.set_fill_off()
-            told = {**self._fixed, **contract.account_attributes(account), **self._checks(self.count, self._crc)}
+            told = {**self._fixed, **contract.run_info_attributes(run_info), **self._checks(self.count, self._crc)}
             self._file.setncatts(_storable({**told, checksums.HEAD: checksums.NONE}))
             self._file.sync()
         except (OSError, RuntimeError) as problem:
@@ -289,9 +289,9 @@ class _File:
         if self._slots is not None:
             self._slots.use(self._file)
 
-    def extend(self, frames: Frames, account: Account) -> None:
+    def extend(self, frames: Frames, run_info: RunInfo) -> None:
         if not self._begun:
-            self._begin(account)
+            self._begin(run_info)
         now, room = time.monotonic(), len(self._arrays[contract.PATH])
         slow = now - self._last_append >= SLOW_FRAME * len(frames) or self.count == 0
         self._last_append, done = now, 0
@@ -301,14 +301,14 @@ class _File:
             _put(frames, self._arrays, row, part)
             self.count, done = self.count + part.stop - done, part.stop
             if done < len(frames):
-                self._flush(account, _TOLD)
+                self._flush(run_info, _TOLD)
         last, full = self.count == self._total, self.count - self._base == room
         if full or slow or last or now - self._last_sync >= SYNC_SECONDS:
-            self._flush(account, _TOLD)
+            self._flush(run_info, _TOLD)
             if self._slots is not None and self._slots.is_due(at_once=last):
                 self._keep()
 
-    def _flush(self, account: Account, keys: Iterable[str]) -> None:
+    def _flush(self, run_info: RunInfo, keys: Iterable[str]) -> None:
         """Write what is new and synchronise; harmless to repeat after an interrupt."""
         first, last = self._written, self.count
         try:
@@ -318,7 +318,7 @@ class _File:
                     variable[first:last] = array[first - self._base : last - self._base]
             self._file.sync()
             crc = zlib.crc32(self._bytes(first, last), self._crc)
-            self._tell(account, keys)  # after the frames that it is of: a kill in between leaves them unchecked
+            self._tell(run_info, keys)  # after the frames that it is of: a kill in between leaves them unchecked
             self._file.setncatts(_storable(self._checks(last, crc)))
             self._file.sync()
         except (OSError, RuntimeError) as problem:
@@ -353,25 +353,25 @@ class _File:
             self._file = None
             raise WriteError(f"{self.path}: cannot be written any further ({problem}); is the disk full?") from problem
 
-    def _tell(self, account: Account, keys: Iterable[str]) -> None:
-        values = contract.account_attributes(account)
+    def _tell(self, run_info: RunInfo, keys: Iterable[str]) -> None:
+        values = contract.run_info_attributes(run_info)
         news = {key: values[key] for key in keys if values[key] != self._told.get(key)}
         if news:
             self._file.setncatts(_storable(news))
             self._told.update(news)
 
-    def finish(self, account: Account) -> None:
+    def finish(self, run_info: RunInfo) -> None:
         if not self._begun:
-            self._begin(account)
+            self._begin(run_info)
         if self._file is None:
             return
-        self._flush(account, contract.account_attributes(account))
+        self._flush(run_info, contract.run_info_attributes(run_info))
         try:
             self._file.close()
         except (OSError, RuntimeError) as problem:
             self._file = None
             raise WriteError(f"{self.path}: cannot be completed ({problem}); is the disk full?") from problem
-        if self._past is not None and self.count < self._past.stored and account.outcome not in _CUT_SHORT:
+        if self._past is not None and self.count < self._past.stored and run_info.outcome not in _CUT_SHORT:
             cut(self.path, self.count)  # what is left of before was never to come
         try:
             checksums.seal(self.path)
@@ -382,7 +382,7 @@ class _File:
         """Let others write the file."""
         self._lock.close()
 
-    def result(self, account: Account) -> xr.Dataset:
+    def result(self, run_info: RunInfo) -> xr.Dataset:
         return open_result(self.path)
 
 
@@ -440,7 +440,7 @@ def _auxiliary(dims: tuple[str, ...]) -> str:
     return " ".join(n for n, q in contract.COORDINATES.items() if n not in q.dims and q.dims[0] in dims)
 
 
-def _write_coordinate(file: Any, name: str, quantity: contract.Quantity, values: Any) -> None:
+def _write_coordinate(file: Any, name: str, quantity: contract.ResultVariable, values: Any) -> None:
     if values.dtype.kind != "U":
         variable = file.createVariable(name, "f8", quantity.dims)
         variable[:] = values

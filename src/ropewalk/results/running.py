@@ -12,10 +12,10 @@ import numpy as np
 
 from ropewalk.checkpoint import Tree
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.turns import Turns, begun
+from ropewalk.foreign.cosimulation_master import CosimulationMaster, begun
 from ropewalk.results.contract import numbers
 from ropewalk.results.exchanges import exchanging, told
-from ropewalk.results.frame import Account, Array, Frame, Layout
+from ropewalk.results.frame import Array, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames, Waiting
 
 
@@ -26,7 +26,7 @@ class Ending(NamedTuple):
     advice: str
 
 
-class Engine(Protocol):
+class MotionEngine(Protocol):
     """What computes a motion: it goes from one output instant to the next and can be looked at there."""
 
     @property
@@ -38,7 +38,7 @@ class Engine(Protocol):
         """Output instants in s, from 0."""
 
     @property
-    def turns(self) -> Sequence[Turns]:
+    def turns(self) -> Sequence[CosimulationMaster]:
         """Exchanges with foreign models."""
 
     @property
@@ -74,14 +74,14 @@ class TimeHistory:
         past: what `get_state` gave, to go on from there.
     """
 
-    def __init__(self, engine: Engine, account: Account, past: Tree | None = None) -> None:
-        self.engine, self.account = engine, account
+    def __init__(self, engine: MotionEngine, run_info: RunInfo, past: Tree | None = None) -> None:
+        self.engine, self.run_info = engine, run_info
         self._taken, self._last = 0, None
         if past is not None:
             with begun(engine.turns):
                 self._taken = past["frames"]
                 engine.set_state(past["engine"])
-                account.set_state(past["account"])
+                run_info.set_state(past["account"])
 
     @property
     def layout(self) -> Layout:
@@ -101,7 +101,7 @@ class TimeHistory:
         """
         if self._last is not None:
             return self._last
-        return {"frames": self._taken, "engine": self.engine.get_state(), "account": self.account.get_state()}
+        return {"frames": self._taken, "engine": self.engine.get_state(), "account": self.run_info.get_state()}
 
     def blocks(self) -> Iterator[Frames]:
         """The frames that are still to come, some at a time; after a block all that changes is as at its last frame.
@@ -111,8 +111,8 @@ class TimeHistory:
         Raises:
             RopewalkError: it cannot begin.
         """
-        engine, account, waiting = self.engine, self.account, Waiting(numbers(self.layout))
-        with exchanging(engine.turns, account):
+        engine, run_info, waiting = self.engine, self.run_info, Waiting(numbers(self.layout))
+        with exchanging(engine.turns, run_info):
             for i in range(self._taken, self.total):
                 if engine.looks_ahead and i == self.total - 1:
                     if waiting:
@@ -126,9 +126,9 @@ class TimeHistory:
                         yield self._made(waiting.taken())
                     raise
                 if ending is not None:
-                    account.outcome, account.advice = ending
+                    run_info.outcome, run_info.advice = ending
                 self._taken, note = i + 1, engine.note()
-                is_due = note is not None and waiting.append((note, told(engine.turns, account)))
+                is_due = note is not None and waiting.append((note, told(engine.turns, run_info)))
                 if waiting and (is_due or not engine.together or ending is not None or self._taken == self.total):
                     yield self._made(waiting.taken())
                 if ending is not None:
@@ -152,20 +152,20 @@ class TimeHistory:
             RopewalkError: the motion does not come to it.
         """
         found = deque(self.frames(), maxlen=1)
-        if not found or self.account.outcome not in ("running", "completed"):
-            outcome, advice = self.account.outcome, self.account.advice
+        if not found or self.run_info.outcome not in ("running", "completed"):
+            outcome, advice = self.run_info.outcome, self.run_info.advice
             raise RopewalkError(f"the run did not come to t = {self.engine.times[-1]:g} s ({outcome}): {advice}")
         return found[0]
 
 
-class Still(Protocol):
+class StaticEngine(Protocol):
     """What computes equilibria."""
 
     @property
     def layout(self) -> Layout:
         """Names and coordinates of its frames."""
 
-    def standing(self) -> Frame:
+    def loaded(self) -> Frame:
         """With the loads at their start."""
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
@@ -210,7 +210,7 @@ class Run(Protocol):
         """All that changes, None where there is nothing to go on from."""
 
 
-def followed(frames: Iterator[Frame], account: Account) -> Iterator[Frame]:
+def followed(frames: Iterator[Frame], run_info: RunInfo) -> Iterator[Frame]:
     """Frames of slow motion; one that ends where there is no equilibrium keeps those before.
 
     Raises:
@@ -218,9 +218,9 @@ def followed(frames: Iterator[Frame], account: Account) -> Iterator[Frame]:
     """
     try:
         for frame in frames:
-            account.steps += 1
+            run_info.steps += 1
             yield frame
     except RopewalkError as error:
-        if account.steps == 0:
+        if run_info.steps == 0:
             raise
-        account.outcome, account.advice = "no rest shape", str(error)
+        run_info.outcome, run_info.advice = "no rest shape", str(error)

@@ -17,7 +17,7 @@ from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import number
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import (
-    Mesh,
+    NetTriangles,
     cell_values,
     in_space,
     line_ends,
@@ -117,7 +117,7 @@ def space(dataset: xr.Dataset, panel: Axes) -> Scene:
 
 def _nets(dataset: xr.Dataset, scene: Scene, chosen: Chosen) -> None:
     place = chosen.position[0]
-    mesh = Mesh(triangles(dataset), place, CELLS)
+    mesh = NetTriangles(triangles(dataset), place, CELLS)
     values, label, name = mesh.values(cell_values(dataset, int(chosen.frames[0]))), "tension of the net (N/m)", NET
     if not np.isfinite(values).any():
         values, label, name = place[mesh.cells, 2].mean(axis=1), "z (m)", HEIGHT
@@ -170,9 +170,9 @@ def _loads(dataset: xr.Dataset, scene: Scene, chosen: Chosen) -> None:
     pairs = ties(dataset)
     for frame, colour in zip(chosen.frames, chosen.colours, strict=True):
         contacts, bodies = chosen.contacts[frame], chosen.bodies[frame]
-        pieces = tied(bodies, contacts, pairs)
-        if len(pieces):
-            scene.axes.add_collection3d(segments(pieces, colors=[colour], linewidths=style.THIN, zorder=7))
+        parts = tied(bodies, contacts, pairs)
+        if len(parts):
+            scene.axes.add_collection3d(segments(parts, colors=[colour], linewidths=style.THIN, zorder=7))
         dot: dict[str, Any] = {"linestyle": "none", "color": colour, "markeredgecolor": "white", "zorder": 8}
         scene.axes.plot(*contacts.T, marker="o", markersize=style.sized(6), **dot)
         scene.axes.plot(*bodies.T, marker="s", markersize=style.sized(6), **dot)
@@ -191,7 +191,7 @@ def plan(dataset: xr.Dataset, ax: Axes) -> None:
     chosen = Chosen.of(dataset)
     place = chosen.position[0]
     if net_names(dataset):
-        mesh = Mesh(triangles(dataset), place, CELLS)
+        mesh = NetTriangles(triangles(dataset), place, CELLS)
         height = place[mesh.cells, 2].mean(axis=1)
         shade = shading(height, HEIGHT)
         options: dict[str, Any] = {"facecolors": height, "cmap": shade.cmap, "norm": shade.norm}

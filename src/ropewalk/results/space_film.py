@@ -17,7 +17,7 @@ from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.frame import Array
 from ropewalk.results.meter import Meter
-from ropewalk.results.nets import Mesh, cell_values, in_space, line_ends, triangles
+from ropewalk.results.nets import NetTriangles, cell_values, in_space, line_ends, triangles
 from ropewalk.results.scene import LONG, Scene, faces, segments
 from ropewalk.results.space_figure import HEIGHT, NET, ROPE, bar, shading
 from ropewalk.results.statistics import lines
@@ -67,7 +67,7 @@ class SpaceStage:
         self._unit = float(np.nanmax(size, initial=0.0)) or 1.0
         self._meter = Meter(dataset["load"].values.tolist(), size, units)
         self._pairs = ties(dataset)
-        self._mesh = Mesh(triangles(dataset), self._place(0), CELLS)
+        self._mesh = NetTriangles(triangles(dataset), self._place(0), CELLS)
         self._links = self._strokes()
         points = self._reach()
         extent = np.nanmax(points, axis=0) - np.nanmin(points, axis=0)

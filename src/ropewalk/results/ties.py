@@ -34,5 +34,5 @@ def tied(bodies: Array, contacts: Array, pairs: list[tuple[int, int]]) -> Array:
     Returns:
         Array (piece, 2, axis): ends of each piece.
     """
-    pieces = np.array([(contacts[k], bodies[i]) for i, k in pairs]).reshape(-1, 2, bodies.shape[-1])
-    return np.asarray(pieces[np.isfinite(pieces).all(axis=(1, 2))])
+    segments = np.array([(contacts[k], bodies[i]) for i, k in pairs]).reshape(-1, 2, bodies.shape[-1])
+    return np.asarray(segments[np.isfinite(segments).all(axis=(1, 2))])

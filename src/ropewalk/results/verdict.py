@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.calm import started_too_close
-from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Account, Array, Doubt, Frame, Layout
+from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.peaks import beside, lonely
 
@@ -127,17 +127,17 @@ class Watch:
             self._instants.extend(path)
         self._force.frombytes(np.ascontiguousarray(force, dtype=np.float64).tobytes())
 
-    def judge(self, account: Account) -> None:
+    def judge(self, run_info: RunInfo) -> None:
         """Note all doubts and remarks about what was seen."""
         if self._times:
-            account.doubts += [doubt for doubt in self._doubts(account) if doubt not in account.doubts]
-            account.warnings += [remark for remark in self._remarks() if remark not in account.warnings]
+            run_info.doubts += [doubt for doubt in self._doubts(run_info) if doubt not in run_info.doubts]
+            run_info.warnings += [remark for remark in self._remarks() if remark not in run_info.warnings]
 
-    def _doubts(self, account: Account) -> Iterator[Doubt]:
+    def _doubts(self, run_info: RunInfo) -> Iterator[Doubt]:
         force = np.array(self._force).reshape(len(self._instants), len(self.loads))
         yield from self._absent(force)
         if self.layout.path == "time":
-            if not account.audit and len(self._times) > 1:
+            if not run_info.audit and len(self._times) > 1:
                 yield from self._balance.doubts()
             yield from self._single_steps(force)
         missing, carried = self._missing

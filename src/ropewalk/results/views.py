@@ -57,9 +57,9 @@ def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
             "linestyle": "none",
             "zorder": 4,
         }
-        held = dataset["position"][frames[0]].isel(node=line_ends(dataset, line)).values
-        if len(held):
-            ax.plot(held[:, 0], held[:, -1], **ends, clip_on=False)
+        restrained = dataset["position"][frames[0]].isel(node=line_ends(dataset, line)).values
+        if len(restrained):
+            ax.plot(restrained[:, 0], restrained[:, -1], **ends, clip_on=False)
     paths = contact_curves(dataset)
     for k, (load, path) in enumerate(paths):
         label = f"path of {load}"
@@ -105,8 +105,8 @@ def _draw_bodies(dataset: xr.Dataset, ax: Axes, frames: NDArray[np.intp], colour
     spots = dataset["contact_position"].values[..., [0, -1]]
     pairs = ties(dataset)
     for frame, colour in zip(frames, colours, strict=False):
-        pieces = tied(every[frame], spots[frame], pairs)
-        ax.add_collection(LineCollection(list(pieces), colors=[colour], linewidths=style.THIN), autolim=False)
+        segments = tied(every[frame], spots[frame], pairs)
+        ax.add_collection(LineCollection(list(segments), colors=[colour], linewidths=style.THIN), autolim=False)
     for i, body in enumerate(dataset["body"].values.tolist()):
         ax.plot(
             every[:, i, 0], every[:, i, 1], color=style.FAINT, linewidth=style.THIN, linestyle=(0, (4, 1.5)),
@@ -180,10 +180,12 @@ def net_tension(dataset: xr.Dataset, ax: Axes) -> None:
     path = dataset[path_name(dataset)].values
     for k, net in enumerate(net_names(dataset)):
         here = np.flatnonzero(dataset["cell_net"].values == net)
-        pieces = [block["cell_tension"].isel(cell=here).values.reshape(-1, 2 * len(here)) for block in blocks(dataset)]
+        segments = [
+            block["cell_tension"].isel(cell=here).values.reshape(-1, 2 * len(here)) for block in blocks(dataset)
+        ]
         extremes = [("largest", np.fmax, "-"), ("smallest", np.fmin, (0, (4, 1.5)))]
         for name, pick, dashes in extremes:
-            values = np.concatenate([pick.reduce(piece, axis=1) for piece in pieces])
+            values = np.concatenate([pick.reduce(piece, axis=1) for piece in segments])
             ax.plot(path, values, color=colour_of(k), linestyle=dashes, linewidth=style.LINE, label=f"{name}, {net}")
     style.dress(ax, "Tension of the net", path_label(dataset), "per width (N/m)")
     style.legend(ax)

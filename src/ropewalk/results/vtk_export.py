@@ -61,7 +61,7 @@ def export(dataset: xr.Dataset, path: str | Path, *, progress: Progress | None =
     count = dataset.sizes[path_name(dataset)]
     if not count:
         raise ResultError("there is nothing to export: the result has no frames")
-    folder, shape = path.with_suffix(""), _Shape(dataset)
+    folder, shape = path.with_suffix(""), _Topology(dataset)
     root = Element("VTKFile", type="Collection", version="1.0", byte_order=_order())
     collection = ElementTree.SubElement(root, "Collection")
     try:
@@ -81,7 +81,7 @@ def export(dataset: xr.Dataset, path: str | Path, *, progress: Progress | None =
         raise ResultError(f"{path}: cannot be written ({problem})") from problem
 
 
-class _Shape:
+class _Topology:
     """What stays the same in all frames: strokes, triangles, and which name belongs to which point and cell."""
 
     def __init__(self, dataset: xr.Dataset) -> None:
@@ -105,7 +105,7 @@ class _Shape:
         return np.array([place[str(name)] for name in np.asarray(names).tolist()], dtype=np.int32)
 
 
-def _frame(dataset: xr.Dataset, shape: _Shape, k: int, instant: float) -> Element:
+def _frame(dataset: xr.Dataset, shape: _Topology, k: int, instant: float) -> Element:
     """One frame as a VTK PolyData document."""
     now = dataset.isel({path_name(dataset): k})
     nodes, links, cells = len(shape.node), len(shape.link), len(shape.cell)

@@ -24,7 +24,7 @@ def read_json(text: str, name: str) -> Source:
     if not text.strip():
         return source
     try:
-        _Reader(text, source).document()
+        _JsonReader(text, source).document()
     except JSONDecodeError as error:
         wrong = f"this is not JSON, column {error.colno}: {error.msg}"
         raise syntax_error(
@@ -38,7 +38,7 @@ def read_json(text: str, name: str) -> Source:
     return source
 
 
-class _Reader:
+class _JsonReader:
     """A recursive descent over the text that notes the line of every key and entry."""
 
     def __init__(self, text: str, source: Source) -> None:

@@ -9,25 +9,25 @@ from functools import cached_property
 import numpy as np
 
 from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
-from ropewalk.foreign.turns import Push
-from ropewalk.guides import carrier
-from ropewalk.guides.carrier import SLIDES
+from ropewalk.controllers import carrier
+from ropewalk.controllers.carrier import SLIDES
+from ropewalk.foreign.cosimulation_master import ContactPush
 from ropewalk.mechanics.bodies import AWAY, RIDING, Bodies, Records
-from ropewalk.mechanics.chain import DRIVE, LOAD_DAMPING, OFF, SHARED, Array, Loads, State
-from ropewalk.mechanics.fleet import FIRM
-from ropewalk.mechanics.rider import contact_point, put_back, seat_of
-from ropewalk.solve.start import Setting
+from ropewalk.mechanics.chain import DRIVE, LOAD_DAMPING, OFF, SHARED, Array, ChainState, Loads
+from ropewalk.mechanics.moving_contact import contact_point, location_of, put_back
+from ropewalk.mechanics.multibody_system import FIRM
+from ropewalk.solve.start import PreparedRun
 
-Look = Callable[[Loads, State, Bodies, float], None]
+Look = Callable[[Loads, ChainState, Bodies, float], None]
 """Moves a copy of a state ahead by some seconds, with loads of its own."""
 
 
 @dataclass
-class Line:
+class ChainLine:
     """The line as a load sees it while the motion goes on."""
 
-    setting: Setting
-    state: State
+    setting: PreparedRun
+    state: ChainState
     strand: int
 
     @cached_property
@@ -75,7 +75,7 @@ class Line:
     def _place(self, xi: float) -> tuple[int, float]:
         first, last = self.ends
         X = self.state.X
-        i = int(seat_of(X, xi, self._link, first, last))
+        i = int(location_of(X, xi, self._link, first, last))
         begin = float(X[i])
         return i, (xi - begin) / (float(X[i + 1]) - begin)
 
@@ -88,8 +88,8 @@ class Line:
 class RopeCarrier:
     """Plain ropes in motion with the loads on them; see `Carrier`."""
 
-    setting: Setting
-    state: State
+    setting: PreparedRun
+    state: ChainState
     bodies: Bodies
     loads: Loads
     look: Look | None = None  # sends a copy of the state ahead; given when the motion begins
@@ -119,13 +119,13 @@ class RopeCarrier:
         """Tethers."""
         return self.bodies.tethers
 
-    def line(self, k: int) -> Line:
+    def line(self, k: int) -> ChainLine:
         """The line of contact k as it is now."""
-        return Line(self.setting, self.state, int(self.setting.loads.strand[k]))
+        return ChainLine(self.setting, self.state, int(self.setting.loads.strand[k]))
 
     def is_on(self, k: int) -> bool:
         """Whether contact k is on its line."""
-        return bool(self.state.rider[k] != OFF)
+        return bool(self.state.moving_load[k] != OFF)
 
     def motion(self, k: int) -> tuple[Array, Array]:
         """Place in m of contact k, and velocity in m/s of the line there, (axis,)."""
@@ -135,7 +135,7 @@ class RopeCarrier:
 
     def height(self, k: int) -> float:
         """Height of contact k, or where it was last, m."""
-        if self.state.rider[k] == OFF:
+        if self.state.moving_load[k] == OFF:
             return float(self.bodies.wheels[k]["r"][len(self.setting.axes) - 1])
         return float(self.line(k).at(float(self.state.xi[k]))[0][-1])
 
@@ -143,7 +143,7 @@ class RopeCarrier:
         """Let contact k stand on its line at xi in m."""
         self.take_up(k)
         state, record = self.state, self.bodies.wheels[k]
-        state.xi[k], state.rider[k], state.speed[k] = xi, SHARED, 0.0
+        state.xi[k], state.moving_load[k], state.speed[k] = xi, SHARED, 0.0
         dim, before = state.r.shape[0], self._foot_energy(k)
         record["phase"] = RIDING
         record["r"][:dim], record["v"][:dim] = self.motion(k)  # a foot is set down as fast as the line moves
@@ -157,12 +157,12 @@ class RopeCarrier:
 
     def take_up(self, k: int) -> None:
         """Take contact k off its line."""
-        state, record, b = self.state, self.bodies.wheels[k], int(self.state.rider[k])
+        state, record, b = self.state, self.bodies.wheels[k], int(self.state.moving_load[k])
         if b >= 0:
             put_back(self.setting.strands, state, int(self.setting.loads.strand[k]), b, float(state.speed[k]))
-        if state.rider[k] != OFF:  # the foot stops, and is held where it is
+        if state.moving_load[k] != OFF:  # the foot stops, and is held where it is
             self.lose(0.5 * float((record["mass"] * record["v"] ** 2).sum()))
-        state.rider[k], state.speed[k] = OFF, 0.0
+        state.moving_load[k], state.speed[k] = OFF, 0.0
         record["phase"], record["v"] = AWAY, 0.0
 
     def launch(self, own: slice, v: Array) -> None:
@@ -185,8 +185,8 @@ class RopeCarrier:
             return
         row = np.zeros(K.shape[0])
         row[: own.size] = own
-        seats = zip(bodies.wheel[vehicle], bodies.axis[vehicle], strict=True)
-        for j, (wheel, a) in enumerate(seats):
+        locations = zip(bodies.wheel[vehicle], bodies.axis[vehicle], strict=True)
+        for j, (wheel, a) in enumerate(locations):
             if wheel == k and j < int(bodies.vehicles[vehicle]["wheels"]):
                 row[own.size + j] = -across[a]
         K += stiffness * np.outer(row, row)
@@ -199,10 +199,10 @@ class RopeCarrier:
         """Book what loads lose, J."""
         self.state.work[LOAD_DAMPING] += energy
 
-    def press(self, k: int, push: Push, every: float) -> None:
+    def press(self, k: int, push: ContactPush, every: float) -> None:
         """Let contact k do what a push says for some seconds: it slides on to there, or is put down anew."""
         loads, away = self.loads, push.xi - float(self.state.xi[k])
-        if self.state.rider[k] == OFF or abs(away) > self.reach(k):
+        if self.state.moving_load[k] == OFF or abs(away) > self.reach(k):
             self.set_down(k, push.xi)
             away = 0.0
         first = int(loads.force_first[k])
@@ -210,9 +210,9 @@ class RopeCarrier:
         loads.force_value[:, first], loads.force_value[:, first + 1] = push.first, push.last
         loads.speed_value[loads.speed_first[k]] = push.speed + away / every  # catches up until then
 
-    def lead(self, ghost: int, height: float, rise: float) -> None:
+    def lead(self, interface_coordinate: int, height: float, rise: float) -> None:
         """Put the far end of an interface's spring somewhere, and let it go on from there."""
-        record = self.bodies.coordinates[ghost]
+        record = self.bodies.coordinates[interface_coordinate]
         record["q"], record["v"], record["ahead"] = height, rise, rise
 
     def reach(self, k: int) -> float:
@@ -229,17 +229,17 @@ class RopeCarrier:
             found[f"{k}.speed"] = self.loads.speed_value[at : at + 1]
         return found
 
-    def stored(self, line: carrier.Line) -> Tree:
+    def stored(self, line: carrier.CarrierLine) -> Tree:
         """A line of `frozen` as data."""
-        assert isinstance(line, Line)
+        assert isinstance(line, ChainLine)
         return copied(arrays_of(line.state))
 
-    def frozen(self, k: int, tree: Tree | None = None) -> Line:
+    def frozen(self, k: int, tree: Tree | None = None) -> ChainLine:
         """The line of contact k as it is now, or as it was when `stored` gave a tree, to be looked at later."""
         then = self.state.copy()
         if tree is not None:
             put(arrays_of(then), tree)
-        return Line(self.setting, then, int(self.setting.loads.strand[k]))
+        return ChainLine(self.setting, then, int(self.setting.loads.strand[k]))
 
     @property
     def looks_ahead(self) -> bool:

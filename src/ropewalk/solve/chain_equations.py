@@ -13,23 +13,23 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from ropewalk.errors import RopewalkError
-from ropewalk.mechanics.bodies import FLYING, INSIDE, PULLS, RIDING, SEATED, Bodies
-from ropewalk.mechanics.chain import OFF, Array, Integers, State
-from ropewalk.mechanics.fleet import fleet_of
-from ropewalk.mechanics.rider import link_of, part_of
-from ropewalk.mechanics.wheels import wheels_of
+from ropewalk.mechanics.bodies import FLYING, INSIDE, LOCATED, PULLS, RIDING, Bodies
+from ropewalk.mechanics.chain import OFF, Array, ChainState, Integers
+from ropewalk.mechanics.contact_points import wheels_of
+from ropewalk.mechanics.moving_contact import link_of, part_of
+from ropewalk.mechanics.multibody_system import multibody_system_of
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.scenario import Scenario
 from ropewalk.solve.coupled_equilibrium import settle_together
 from ropewalk.solve.equations import Equations, LinearBody
 from ropewalk.solve.linearised import link_blocks
 from ropewalk.solve.spectrum import in_space
-from ropewalk.solve.start import Setting
+from ropewalk.solve.start import PreparedRun
 
 _SPACE = ("x", "y", "z")
 
 
-def hang_down(setting: Setting, state: State, bodies: Bodies) -> None:
+def hang_down(setting: PreparedRun, state: ChainState, bodies: Bodies) -> None:
     """Let everything rest together, with payloads straight below their trolleys; `state` and `bodies` are changed."""
     if not bodies.tethers.size:
         return
@@ -44,7 +44,7 @@ def hang_down(setting: Setting, state: State, bodies: Bodies) -> None:
 
 
 @dataclass(frozen=True)
-class _Points:
+class _ChainPoints:
     """Nodes and heavy wheels of all strands, one strand after the other, then wheels in the air."""
 
     r: Array  # (3, point) m
@@ -54,7 +54,7 @@ class _Points:
     line: tuple[str, ...]
 
 
-def equations_of(scenario: Scenario, setting: Setting, state: State, bodies: Bodies | None) -> Equations:
+def equations_of(scenario: Scenario, setting: PreparedRun, state: ChainState, bodies: Bodies | None) -> Equations:
     """Equations of motion about a state.
 
     Args:
@@ -116,8 +116,8 @@ def _chained(block: Array, begin: int, count: int) -> sparse.csc_matrix:
 
 
 def _points(
-    setting: Setting, state: State, bodies: Bodies | None, space: Bodies | None
-) -> tuple[Array, Array, _Points]:
+    setting: PreparedRun, state: ChainState, bodies: Bodies | None, space: Bodies | None
+) -> tuple[Array, Array, _ChainPoints]:
     """Material coordinates (point,) and places (3, point) of nodes and heavy wheels, and what they are."""
     strands, r = setting.strands, in_space(state.r)
     places, X, mass = [np.zeros((3, 0))], list[float](), list[Array]()
@@ -130,8 +130,8 @@ def _points(
             assert bodies is not None
             if bodies.wheels["phase"][k] == INSIDE:
                 stand.append((float(state.xi[k]), -1, int(k)))
-        seated = {} if bodies is None else {
-            int(bodies.wheels["at"][k]): int(k) for k in setting.on[s] if bodies.wheels["phase"][k] == SEATED
+        located = {} if bodies is None else {
+            int(bodies.wheels["at"][k]): int(k) for k in setting.on[s] if bodies.wheels["phase"][k] == LOCATED
         }  # fmt: skip
         for x, i, k in sorted(stand):
             number = len(X)
@@ -139,7 +139,7 @@ def _points(
             line.append(setting.lines[s])
             if i >= 0:
                 at[i] = number
-                k = seated.get(i, -1)
+                k = located.get(i, -1)
             if k >= 0:
                 assert space is not None
                 own[k] = number
@@ -154,11 +154,11 @@ def _points(
             mass.append(space.wheels["mass"][k])
             places.append(wheels[k][:, None])
     whole = np.concatenate(places, axis=1)
-    return np.array(X), whole, _Points(whole, np.array(mass), at, own, shown)
+    return np.array(X), whole, _ChainPoints(whole, np.array(mass), at, own, shown)
 
 
 def _hold(
-    setting: Setting, number: int, at: int, mass: Array, moves: NDArray[np.bool_], K: sparse.lil_matrix,
+    setting: PreparedRun, number: int, at: int, mass: Array, moves: NDArray[np.bool_], K: sparse.lil_matrix,
     C: sparse.lil_matrix, basis: sparse.lil_matrix,
 ) -> None:  # fmt: skip
     """Let an end move in the free directions of its support only, on its springs and dampers."""
@@ -191,7 +191,7 @@ def _wheels(bodies: Bodies, dim: int) -> Array:
     return np.asarray(in_space(bodies.wheels["r"][:, :dim].T).T)
 
 
-def _in_space(scenario: Scenario, setting: Setting, bodies: Bodies) -> Bodies:
+def _in_space(scenario: Scenario, setting: PreparedRun, bodies: Bodies) -> Bodies:
     """All that has a mass as it moves in space, at the beginning; in a plane its springs act sideways as along x."""
     if len(setting.axes) == 3:
         return bodies
@@ -208,20 +208,20 @@ def _in_space(scenario: Scenario, setting: Setting, bodies: Bodies) -> Bodies:
     scenario = scenario.model_copy(update={"loads": loads})
     g = setting.strands.gravity
     strands = setting.strands._replace(gravity=np.array([g[0], 0.0, g[1]]))
-    return fleet_of(scenario, wheels_of(scenario), strands, _SPACE, 0.0).bodies
+    return multibody_system_of(scenario, wheels_of(scenario), strands, _SPACE, 0.0).bodies
 
 
 class _Contacts:
     """Where the wheels of loads are on their lines."""
 
     def __init__(
-        self, setting: Setting, state: State, bodies: Bodies, points: _Points, free: sparse.csc_matrix
+        self, setting: PreparedRun, state: ChainState, bodies: Bodies, points: _ChainPoints, free: sparse.csc_matrix
     ) -> None:
         self._free, self._size = free.tocsr(), free.shape[0]
         self._places: dict[int, tuple[tuple[int, float], ...]] = {k: ((i, 1.0),) for k, i in points.own.items()}
         self._riding = []
         for k in range(state.xi.size):
-            b = int(state.rider[k])
+            b = int(state.moving_load[k])
             if bodies.wheels["phase"][k] != RIDING or b <= OFF:
                 continue
             self._riding.append(k)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ropewalk.mechanics.bodies import Bodies
-from ropewalk.mechanics.chain import FRICTIONLESS, Array, Loads, State, Strands, Supports
+from ropewalk.mechanics.chain import FRICTIONLESS, Array, ChainState, Loads, Strands, Supports
 from ropewalk.mechanics.law import tangents, tensions
 from ropewalk.model.run import ACCURACY
 
@@ -32,9 +32,9 @@ SAFETY_WITH_MASSES = 0.75
 # Drag times step up to which the sixth-order method is used: it also goes backwards in time, where drag drives.
 DRAGGED = 0.1
 # Links beside a riding node are as short as half a link: the largest frequency and damping rate that this can give.
-SEAT_FREQUENCY, SEAT_DAMPING = 1.13, 1.28
+LOCATION_FREQUENCY, LOCATION_DAMPING = 1.13, 1.28
 # The same where an end yields, whose half mass hangs on such a link.
-SEAT_FREQUENCY_AT_END, SEAT_DAMPING_AT_END = 1.28, 1.62
+LOCATION_FREQUENCY_AT_END, LOCATION_DAMPING_AT_END = 1.28, 1.62
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def bounds(
     strands: Strands,
     r: Array,
     X: Array,
-    with_riders: bool,
+    with_moving_loads: bool,
     supports: Supports | None = None,
     loads: Loads | None = None,
     bodies: Bodies | None = None,
@@ -82,11 +82,11 @@ def bounds(
         stiffness = max(stiffness, float((tensions(p, lam - 1.0) / lam).max()))
         frequency = max(frequency, 2.0 / h * np.sqrt(stiffness / rho))
         damping = max(damping, 4.0 * float(strands.damping[s]) / (rho * h * h))
-    if with_riders:
-        frequency *= SEAT_FREQUENCY_AT_END if yields else SEAT_FREQUENCY
-        damping *= SEAT_DAMPING_AT_END if yields else SEAT_DAMPING
+    if with_moving_loads:
+        frequency *= LOCATION_FREQUENCY_AT_END if yields else LOCATION_FREQUENCY
+        damping *= LOCATION_DAMPING_AT_END if yields else LOCATION_DAMPING
     if bodies is not None and loads is not None:
-        part = _seats_of_masses(strands, loads, bodies)
+        part = _locations_of_masses(strands, loads, bodies)
         frequency, damping = max(frequency, frequency * part), max(damping, damping * part * part)
         frequency = np.hypot(frequency, vehicle_frequency(strands, loads, bodies))
     if supports is not None and yields:
@@ -94,7 +94,7 @@ def bounds(
     return Bounds(float(frequency), float(damping))
 
 
-def _seats_of_masses(strands: Strands, loads: Loads, bodies: Bodies) -> float:
+def _locations_of_masses(strands: Strands, loads: Loads, bodies: Bodies) -> float:
     """Largest frequency of a uniform chain with a heavy wheel in one of its links, over that without.
 
     A fit to the eigenvalues for all places that carrying.py lets a wheel take; right to 15 %, on the safe side.
@@ -177,7 +177,7 @@ def rkn6_step(limits: Bounds, relative_accuracy: float) -> float:
 def choose(
     strands: Strands,
     loads: Loads,
-    state: State,
+    state: ChainState,
     *,
     method: str,
     step: float | None,
@@ -248,7 +248,7 @@ def choose(
     return Choice(wanted, min(own, step) if step is not None else own, f"{why} ({facts})", compressed)
 
 
-def cut_by_damping(strands: Strands, state: State, choice: Choice) -> tuple[int, float] | None:
+def cut_by_damping(strands: Strands, state: ChainState, choice: Choice) -> tuple[int, float] | None:
     """The line whose axial damping makes explicit steps much shorter than they would be without, and how many times."""
     if choice.method != "verlet":
         return None

@@ -28,12 +28,12 @@ from ropewalk.mechanics.chain import (
     STAY,
     Array,
     Buffers,
+    ChainState,
     Integers,
-    State,
 )
 from ropewalk.mechanics.compiled import inner, kernel
 from ropewalk.mechanics.link import pull
-from ropewalk.mechanics.rider import (
+from ropewalk.mechanics.moving_contact import (
     force_at,
     has_arrived,
     link_of,
@@ -51,7 +51,7 @@ from ropewalk.solve.stages import RADAU
 A, D = RADAU.A, RADAU.D
 D_SUM = D.sum(axis=1)
 # Weights of the embedded error estimate: dt times the derivative at the start less that of the collocation polynomial.
-E = -RADAU.guide
+E = -RADAU.controller
 
 
 def _modes() -> tuple[float, complex, NDArray[np.float64], NDArray[np.float64]]:
@@ -75,7 +75,7 @@ ITERATIONS, JACOBIANS, FACTORS, REJECTIONS = 0, 1, 2, 3
 class Workspace(NamedTuple):
     """Room for a step and what one step leaves to the next, so that the loop allocates nothing."""
 
-    seats: Buffers
+    locations: Buffers
     Z: Array  # (stage, axis, node) m, positions of the stages beyond those at the start
     last: Array  # the same of the last step taken
     r: Array  # (stage, axis, node) m
@@ -98,34 +98,42 @@ class Workspace(NamedTuple):
     pair: NDArray[np.complex128]  # the same of the complex one
     x: Array  # (node, axis)
     y: NDArray[np.complex128]  # (node, axis)
-    seat: Integers  # (load,) riders in the last step
+    location: Integers  # (load,) riders in the last step
     memory: Array  # (4,) see radau.py
     counts: Integers  # (4,) how often so far: ITERATIONS ... REJECTIONS
 
     @staticmethod
-    def for_state(state: State) -> Workspace:
+    def for_state(state: ChainState) -> Workspace:
         """A workspace of the right size, without memory."""
         dim, nodes, loads = *state.r.shape, state.xi.size
         stages, blocks = np.zeros((3, dim, nodes)), np.zeros((3, nodes, dim, dim))
         factors = np.zeros((5, nodes, dim, dim))
         per_load, plane = np.zeros((3, loads)), np.zeros((dim, nodes))
         return Workspace(
-            seats=Buffers.for_state(state),
+            locations=Buffers.for_state(state),
             Z=stages.copy(), last=stages.copy(), r=stages.copy(), w=stages.copy(), g=stages.copy(),
             X=np.zeros((3, nodes)), t=np.zeros((3, 1)),
             xi=per_load.copy(), speed=per_load.copy(), way=per_load.copy(), pace=np.ones(loads), square=np.zeros(3),
             q=np.zeros(nodes), v=plane.copy(), f=plane.copy(), error=np.zeros((nodes, dim)),
             stiff=blocks.copy(), damp=blocks.copy(), real=factors.copy(), pair=factors.astype(np.complex128),
             x=np.zeros((nodes, dim)), y=np.zeros((nodes, dim), dtype=np.complex128),
-            seat=np.full(loads, OFF), memory=np.zeros(4), counts=np.zeros(4, dtype=np.int64),
+            location=np.full(loads, OFF), memory=np.zeros(4), counts=np.zeros(4, dtype=np.int64),
         )  # fmt: skip
 
 
 @inner
 def stage_of(state, space, j):
     """The state at stage j."""
-    return State(
-        space.t[j], space.r[j], space.w[j], space.X[j], space.xi[j], space.speed[j], state.rider, state.hold, state.work
+    return ChainState(
+        space.t[j],
+        space.r[j],
+        space.w[j],
+        space.X[j],
+        space.xi[j],
+        space.speed[j],
+        state.moving_load,
+        state.hold,
+        state.work,
     )
 
 
@@ -143,18 +151,26 @@ def balance(strands, loads, state, q, s, out):
     """
     i0, i1, c, h = strands.first[s], strands.first[s] + strands.links[s], strands.damping[s], strands.h[s]
     p, m, drag = strands.law[s], strands.rho[s] * strands.h[s], strands.drag[s] * strands.rho[s] * strands.h[s]
-    r, w, X, rider, speed, t, g = state.r, state.w, state.X, state.rider, state.speed, state.t[0], strands.gravity
+    r, w, X, moving_load, speed, t, g = (
+        state.r,
+        state.w,
+        state.X,
+        state.moving_load,
+        state.speed,
+        state.t[0],
+        strands.gravity,
+    )
     square = pull(p, c, h, i0, i1, r, w, q)
-    for k in range(rider.size):
-        if i0 < rider[k] < i1:
-            square += _pull_beside(p, c, h, r, w, X, rider, speed, q, rider[k])
+    for k in range(moving_load.size):
+        if i0 < moving_load[k] < i1:
+            square += _pull_beside(p, c, h, r, w, X, moving_load, speed, q, moving_load[k])
     n = i1 - i0
     for a in range(r.shape[0]):
         x, u, qa, total, weight = r[a, i0 : i1 + 1], w[a, i0 : i1 + 1], q[i0:i1], out[a, i0 : i1 + 1], m * g[a]
         for i in range(1, n):
             total[i] = qa[i] * (x[i + 1] - x[i]) - qa[i - 1] * (x[i] - x[i - 1]) + (weight - drag * u[i])
-    for k in range(rider.size):
-        b = rider[k]
+    for k in range(moving_load.size):
+        b = moving_load[k]
         if loads.strand[k] != s or b == OFF:
             continue
         if b >= 0:
@@ -177,7 +193,7 @@ def balance(strands, loads, state, q, s, out):
 @inner
 def _patch(state, space, k, inverse_dt):
     """Velocities of the material at the node that rides with load k, from its positions at the stages."""
-    b = state.rider[k]
+    b = state.moving_load[k]
     for j in range(3):
         for a in range(state.r.shape[0]):
             v = inverse_dt * (D[j, 0] * space.Z[0, a, b] + D[j, 1] * space.Z[1, a, b] + D[j, 2] * space.Z[2, a, b])
@@ -191,7 +207,7 @@ def _travel(strands, loads, state, space, k, dt):
     Returns:
         The largest change of xi at a stage, m.
     """
-    b, t, xi = state.rider[k], state.t[0], state.xi[k]
+    b, t, xi = state.moving_load[k], state.t[0], state.xi[k]
     if loads.measure[k] == MATERIAL:
         first, count = loads.speed_first[k], loads.speed_count[k]
         begin = look_up_integral(loads.speed_time, loads.speed_value, loads.speed_path, first, count, t)
@@ -249,10 +265,10 @@ def evaluate(strands, loads, state, space, s, dt):
                 w[i] = d1 * z1[i] + d2 * z2[i] + d3 * z3[i]
     moved = 0.0
     for k in range(state.xi.size):
-        if loads.strand[k] == s and state.rider[k] >= 0:
+        if loads.strand[k] == s and state.moving_load[k] >= 0:
             _patch(state, space, k, per)
     for k in range(state.xi.size):
-        if loads.strand[k] == s and state.rider[k] != OFF:
+        if loads.strand[k] == s and state.moving_load[k] != OFF:
             moved = max(moved, _travel(strands, loads, state, space, k, dt))
     for j in range(3):
         space.square[j] = balance(strands, loads, stage_of(state, space, j), space.q, s, space.g[j])
@@ -406,7 +422,7 @@ def settle_accounts(strands, loads, state, space, s, dt):
             lost += strands.drag[s] * m * total
         state.work[LINE_DAMPING] += weight * lost
         for k in range(state.xi.size):
-            b, U = state.rider[k], now.speed[k]
+            b, U = state.moving_load[k], now.speed[k]
             if loads.strand[k] != s or b == OFF:
                 continue
             i, part = b, 0.0

@@ -13,18 +13,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.mechanics.bodies import CARRIED, FREE, GIVEN, INSIDE, PARKED, SEATED, Bodies
-from ropewalk.mechanics.carrying import on_straight
-from ropewalk.mechanics.chain import CAPSTAN, FRICTIONLESS, HORIZONTAL, MATERIAL, OFF, Array, Integers, State
-from ropewalk.mechanics.rider import contact_point, force_at, link_of, part_of, speed_at
+from ropewalk.mechanics.bodies import CARRIED, FREE, GIVEN, INSIDE, LOCATED, PARKED, Bodies
+from ropewalk.mechanics.chain import CAPSTAN, FRICTIONLESS, HORIZONTAL, MATERIAL, OFF, Array, ChainState, Integers
+from ropewalk.mechanics.moving_contact import contact_point, force_at, link_of, part_of, speed_at
+from ropewalk.mechanics.moving_mass import on_straight
 from ropewalk.solve.equilibrium import at_rest
-from ropewalk.solve.holding import Contacts, Holding
-from ropewalk.solve.start import Setting
+from ropewalk.solve.hold_forces import StrandContacts, StrandHoldForces
+from ropewalk.solve.start import PreparedRun
 from ropewalk.solve.vehicle_statics import agree, weights_of_wheels
 
 
 @dataclass(frozen=True)
-class _Points:
+class _StrandPoints:
     """The points of one strand, in order."""
 
     X: Array  # (point,) m, material coordinates
@@ -35,7 +35,7 @@ class _Points:
     even: tuple[int, ...]  # points whose tensions are held equal
 
 
-def settle_together(setting: Setting, state: State, bodies: Bodies | None) -> None:
+def settle_together(setting: PreparedRun, state: ChainState, bodies: Bodies | None) -> None:
     """Move lines, wheels and vehicles to where they rest together; `state` and `bodies` are changed.
 
     Args:
@@ -68,7 +68,7 @@ def settle_together(setting: Setting, state: State, bodies: Bodies | None) -> No
         _let_travel(setting, state, bodies, s, points)
 
 
-def _points(setting: Setting, state: State, bodies: Bodies | None, s: int) -> _Points:
+def _points(setting: PreparedRun, state: ChainState, bodies: Bodies | None, s: int) -> _StrandPoints:
     """The points of strand s: its nodes, and the heavy wheels that stand on it."""
     strands, loads = setting.strands, setting.loads
     first, n, h = int(strands.first[s]), int(strands.links[s]), float(strands.h[s])
@@ -76,7 +76,7 @@ def _points(setting: Setting, state: State, bodies: Bodies | None, s: int) -> _P
     on = setting.on[s]
     for k in on:
         phase = int(bodies.wheels[k]["phase"]) if bodies is not None else GIVEN
-        if bodies is not None and phase == SEATED:
+        if bodies is not None and phase == LOCATED:
             wheel[int(bodies.wheels[k]["at"]) - first] = k
         elif bodies is not None and phase == INSIDE:
             node, wheel, X = np.append(node, -1), np.append(wheel, k), np.append(X, state.xi[k])
@@ -88,7 +88,7 @@ def _points(setting: Setting, state: State, bodies: Bodies | None, s: int) -> _P
         mass[place[end]] = 0.5 * strands.rho[s] * abs(state.X[end] - state.X[other])
     pressing: list[tuple[int, int, float]] = []
     for k in on:
-        b = int(state.rider[k])
+        b = int(state.moving_load[k])
         if bodies is not None and b == CARRIED:
             pressing += [(int(k), int(at), 1.0) for at in np.flatnonzero(wheel == k)]
         elif b >= 0:  # its neighbours bear half the links that they really have
@@ -101,19 +101,21 @@ def _points(setting: Setting, state: State, bodies: Bodies | None, s: int) -> _P
             part = float(part_of(state, k, i))
             pressing += [(int(k), place[i], 1.0 - part), (int(k), place[i + 1], part)]
     even = tuple(at for k, at, _ in pressing if _is_even(setting, state, bodies, k))
-    return _Points(X, node, wheel, strands.gravity[:, None] * mass, tuple(pressing), even)
+    return _StrandPoints(X, node, wheel, strands.gravity[:, None] * mass, tuple(pressing), even)
 
 
-def _is_even(setting: Setting, state: State, bodies: Bodies | None, k: int) -> bool:
+def _is_even(setting: PreparedRun, state: ChainState, bodies: Bodies | None, k: int) -> bool:
     """Whether load k, which has a point of its own, is held so that the tensions beside it are equal."""
-    if bodies is not None and state.rider[k] == CARRIED:
+    if bodies is not None and state.moving_load[k] == CARRIED:
         return int(bodies.wheels[k]["travel"]) not in (GIVEN, FREE)
-    return bool(state.rider[k] >= 0 and setting.loads.contact[k] == FRICTIONLESS)
+    return bool(state.moving_load[k] >= 0 and setting.loads.contact[k] == FRICTIONLESS)
 
 
-def _lay(setting: Setting, state: State, bodies: Bodies | None, s: int, points: _Points, force: Array) -> None:
+def _lay(
+    setting: PreparedRun, state: ChainState, bodies: Bodies | None, s: int, points: _StrandPoints, force: Array
+) -> None:
     """Let strand s rest under the forces (axis, wheel) of all loads."""
-    p, held, bare = setting.strands.law[s], setting.ends[s], setting.bare[s]
+    p, restrained, bare = setting.strands.law[s], setting.ends[s], setting.bare[s]
     f, ell = points.weight.copy(), np.diff(points.X)
     for k, at, part in points.pressing:
         f[:, at] += part * force[:, k]
@@ -123,15 +125,15 @@ def _lay(setting: Setting, state: State, bodies: Bodies | None, s: int, points: 
         kind, nothing = np.full(count, FRICTIONLESS), np.zeros(count)
         even = np.array(points.even, dtype=np.int64)
         none = np.zeros((f.shape[0], count, 2))
-        contacts = Contacts(even, kind, nothing, np.full(count, CAPSTAN), nothing, none)
+        contacts = StrandContacts(even, kind, nothing, np.full(count, CAPSTAN), nothing, none)
         with_ends = f.copy()
-        with_ends[:, [0, -1]] += held.force.T
+        with_ends[:, [0, -1]] += restrained.force.T
         try:
-            np.add.at(f[0], even, Holding(p, ell, with_ends, held, contacts, guess).forces(nothing))
+            np.add.at(f[0], even, StrandHoldForces(p, ell, with_ends, restrained, contacts, guess).forces(nothing))
         except EquilibriumError as error:
             raise EquilibriumError(f"line {setting.lines[s]}: {error}") from None
     try:
-        r = at_rest(p, ell, f, held, guess).position
+        r = at_rest(p, ell, f, restrained, guess).position
     except EquilibriumError as error:
         raise EquilibriumError(f"line {setting.lines[s]}: {error}") from None
     is_node = points.node >= 0
@@ -145,19 +147,19 @@ def _lay(setting: Setting, state: State, bodies: Bodies | None, s: int, points: 
             on_straight(setting.strands, state, bodies, k)
 
 
-def _places(setting: Setting, state: State, bodies: Bodies | None) -> Array:
+def _places(setting: PreparedRun, state: ChainState, bodies: Bodies | None) -> Array:
     """Where all loads touch their lines, (axis, wheel) m."""
     dim, count = state.r.shape[0], state.xi.size
     place = np.zeros((dim, count)) if bodies is None else bodies.wheels["r"][:, :dim].T.copy()
     for k in range(count):
-        if state.rider[k] > OFF:
+        if state.moving_load[k] > OFF:
             at = np.zeros(dim)
             contact_point(setting.strands, setting.loads, state, k, at)
             place[:, k] = at
     return place
 
 
-def _let_travel(setting: Setting, state: State, bodies: Bodies, s: int, points: _Points) -> None:
+def _let_travel(setting: PreparedRun, state: ChainState, bodies: Bodies, s: int, points: _StrandPoints) -> None:
     """Let the heavy wheels on strand s travel along it as they do at the beginning."""
     loads, dim = setting.loads, state.r.shape[0]
     for at in np.flatnonzero(points.wheel >= 0).tolist():
@@ -177,11 +179,11 @@ def _let_travel(setting: Setting, state: State, bodies: Bodies, s: int, points: 
         state.speed[k] = U
         record["v"][:dim] = U * slope
         record["ahead"] = record["v"]
-        if int(record["phase"]) == SEATED:
+        if int(record["phase"]) == LOCATED:
             state.w[:, points.node[at]] = record["v"][:dim]
 
 
-def _at(state: State, bodies: Bodies, points: _Points, at: int) -> Array:
+def _at(state: ChainState, bodies: Bodies, points: _StrandPoints, at: int) -> Array:
     """Position of a point, (axis,) m."""
     dim, k = state.r.shape[0], int(points.wheel[at])
     return np.asarray(state.r[:, points.node[at]] if k < 0 else bodies.wheels["r"][k, :dim])

@@ -22,13 +22,13 @@ from ropewalk.mechanics.chain import (
     SHARED,
     SUPPORT_WORK,
     Array,
+    ChainState,
     Integers,
-    State,
     Strands,
     Supports,
 )
 from ropewalk.mechanics.compiled import inlined, lean_inner
-from ropewalk.mechanics.rider import _entry, force_at, look_up, seat_of
+from ropewalk.mechanics.moving_contact import _entry, force_at, location_of, look_up
 
 # Exponent of the strongest decay within a drift: the audit divides by what is left, which must not vanish.
 STRONGEST = 30.0
@@ -101,7 +101,7 @@ def drives_at(ends: Ends, t: float) -> Array:
     )
 
 
-def seat_ends(strands: Strands, supports: Supports, state: State) -> None:
+def location_ends(strands: Strands, supports: Supports, state: ChainState) -> None:
     """Leave the ends of a state no velocity but those that their supports allow or prescribe; the state is changed."""
     for number in range(supports.mass.size):
         s = number // 2
@@ -152,11 +152,11 @@ def _load_ends(strands, loads, state, buffers, ends):
             ends.share[a, e] = 0.0
             ends.total[a, e] = ends.sign[e] * buffers.f[a, i] + weight * strands.gravity[a]
     for k in range(state.xi.size):
-        if state.rider[k] != SHARED:
+        if state.moving_load[k] != SHARED:
             continue
         s = loads.strand[k]
         first = strands.first[s]
-        i = seat_of(state.X, state.xi[k], strands.h[s], first, first + strands.links[s])
+        i = location_of(state.X, state.xi[k], strands.h[s], first, first + strands.links[s])
         part = (state.xi[k] - state.X[i]) / (state.X[i + 1] - state.X[i])
         for e in range(ends.node.size):
             if ends.strand[e] == s and ends.link[e] == i and i <= ends.node[e] <= i + 1:

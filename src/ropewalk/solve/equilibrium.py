@@ -13,14 +13,14 @@ from ropewalk.mechanics.compiled import kernel
 from ropewalk.mechanics.link import pull_one, stretch
 from ropewalk.mechanics.stiffness import strand_blocks
 from ropewalk.solve.banded import factorise, substitute
-from ropewalk.solve.hanging import hang, p_scale, pulls
-from ropewalk.solve.held import LENT, Held
+from ropewalk.solve.catenary_shooting import hang, p_scale, pulls
+from ropewalk.solve.end_conditions import LENT, EndConditions
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Rest:
+class StrandAtRest:
     """A strand at rest."""
 
     position: Array  # (axis, node) m
@@ -210,7 +210,9 @@ def polish(p: Array, ell: Array, f: Array, r: Array, tolerance: float, most: int
     return worst
 
 
-def hang_up(p: Array, ell: Array, f: Array, held: Held, guess: Array | None = None) -> tuple[Array, Array, float]:
+def hang_up(
+    p: Array, ell: Array, f: Array, restrained: EndConditions, guess: Array | None = None
+) -> tuple[Array, Array, float]:
     """Find the shape in which every link pulls, and the force vector of its first link.
 
     Args:
@@ -228,27 +230,27 @@ def hang_up(p: Array, ell: Array, f: Array, held: Held, guess: Array | None = No
     """
     r = np.empty((f.shape[0], ell.size + 1))
     length = float(ell.sum())
-    if guess is not None and held.is_fast and f[:, 1:-1].any():
+    if guess is not None and restrained.is_fast and f[:, 1:-1].any():
         R = np.array(guess)
-        miss = float(hang(p, ell, f, held.place, held.rigid, 1e-13, R, r))
+        miss = float(hang(p, ell, f, restrained.place, restrained.rigid, 1e-13, R, r))
         if miss < 1e-9 * length:
             return R, r, miss
-    span = held.place[1] - held.place[0]
+    span = restrained.place[1] - restrained.place[0]
     distance = float(np.linalg.norm(span))
-    if held.is_fast and not np.any(f[:, 1:-1]) and length > distance * (1.0 + 1e-12):
+    if restrained.is_fast and not np.any(f[:, 1:-1]) and length > distance * (1.0 + 1e-12):
         raise EquilibriumError(
             f"the line is slack (length {length:g} m over a distance of {distance:g} m) and nothing pulls on it: "
             "its rest shape is not determined; give gravity, a load, a shorter length or a tension"
         )
-    if held.is_fast and p[0] == law.RIGID and length <= distance:
+    if restrained.is_fast and p[0] == law.RIGID and length <= distance:
         raise EquilibriumError(
             f"an inextensible line of {length:g} m does not reach over the distance of its ends, {distance:g} m"
         )
     R = np.array(guess) if guess is not None else _first_force(p, f, span, length)
     scale = _scale(p, f)
-    soft, loose = held.compliance(scale / length)
+    soft, loose = restrained.compliance(scale / length)
     lent = LENT * scale / length
-    place = held.place.copy()
+    place = restrained.place.copy()
     miss = _hang(p, ell, f, place, soft, R, r)
     for _ in range(40):
         # What carries nothing follows the end: the spring that was lent there is without force when all is done.
@@ -286,34 +288,34 @@ def _hang(p: Array, ell: Array, f: Array, place: Array, soft: Array, R: Array, r
     return float(miss)
 
 
-def at_rest(p: Array, ell: Array, f: Array, held: Held, guess: Array | None = None) -> Rest:
+def at_rest(p: Array, ell: Array, f: Array, restrained: EndConditions, guess: Array | None = None) -> StrandAtRest:
     """Find the rest shape of one strand, see `hang_up`.
 
     Raises:
         EquilibriumError: there is no rest shape, or more than one.
     """
     n, inner = ell.size, f
-    if n == 1 and held.is_fast and p[0] != law.RIGID:
-        r = np.array(held.place.T)
+    if n == 1 and restrained.is_fast and p[0] != law.RIGID:
+        r = np.array(restrained.place.T)
         d = r[:, 1] - r[:, 0]
         length = float(np.linalg.norm(d))
         pull = law.tension(p, length / ell[0] - 1.0) * d / length if length > 0.0 else 0.0 * d
-        return Rest(r, pull, pull[:, None], np.array([length / ell[0] - 1.0]), 0.0)
+        return StrandAtRest(r, pull, pull[:, None], np.array([length / ell[0] - 1.0]), 0.0)
     f = f.copy()
-    f[:, 0] += held.force[0]
-    f[:, -1] += held.force[1]
-    R, r, miss = hang_up(p, ell, f, held, guess)
+    f[:, 0] += restrained.force[0]
+    f[:, -1] += restrained.force[1]
+    R, r, miss = hang_up(p, ell, f, restrained, guess)
     pull, strain = np.empty((f.shape[0], n)), np.empty(n)
     least, scale, length = pulls(p, ell, f, R, pull, strain)
     if p[0] == law.RIGID:
-        return Rest(r, R, pull, strain, 0.0)
+        return StrandAtRest(r, R, pull, strain, 0.0)
     # Supports that yield turn the rounding of the forces into a gap.
     gap = 1e-12 * length
-    if not held.is_fast:
-        gap += 1e-14 * scale * float(held.compliance(_scale(p, f) / length)[0].max())
+    if not restrained.is_fast:
+        gap += 1e-14 * scale * float(restrained.compliance(_scale(p, f) / length)[0].max())
     if p[0] != law.TABLE and least > 1e-6 * scale and miss < gap:
         # Every link pulls: the energy is convex here, and the forces of this shape balance by construction.
-        return Rest(r, R, pull, strain, 0.0)
+        return StrandAtRest(r, R, pull, strain, 0.0)
     _open_up(ell, r)
     rounding = 1e-14 * p_scale(p) * float(np.abs(r).max()) / float(ell.min())  # of strains from positions
     hung = r.copy()
@@ -328,7 +330,7 @@ def at_rest(p: Array, ell: Array, f: Array, held: Held, guess: Array | None = No
     d = np.diff(r, axis=1)
     lengths = np.sqrt((d * d).sum(axis=0))
     eps = lengths / ell - 1.0
-    return Rest(r, R, law.tensions(p, eps) * d / np.where(lengths > 0.0, lengths, 1.0), eps, worst)
+    return StrandAtRest(r, R, law.tensions(p, eps) * d / np.where(lengths > 0.0, lengths, 1.0), eps, worst)
 
 
 def _scale(p: Array, f: Array) -> float:

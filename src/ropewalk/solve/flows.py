@@ -10,14 +10,14 @@ import numpy as np
 
 from ropewalk.mechanics.chain import FRICTIONLESS, HOLD_WORK, LINE_DAMPING, LOAD_WORK, MATERIAL, OFF, SHARED, STAY
 from ropewalk.mechanics.compiled import inlined, lean_inner
-from ropewalk.mechanics.rider import (
+from ropewalk.mechanics.moving_contact import (
     even_out,
     force_at,
     has_arrived,
+    location_of,
     look_up,
     look_up_integral,
     material_speed,
-    seat_of,
     speed_at,
 )
 from ropewalk.solve.ends import STRONGEST, kicked_velocity
@@ -87,7 +87,7 @@ def move_nodes(strands, state, buffers, kick, drift, lead):
 
 
 @inlined
-def _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead, ends, bodies):
+def _kick_moving_load(strands, loads, state, buffers, k, kick, way, decay, lead, ends, bodies):
     """Momentum for the node b that rides with load k: its force, and the flux of momentum past it.
 
     The links and gravity have already kicked all nodes, and these have drifted, see _update.
@@ -96,7 +96,7 @@ def _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead, ends,
         The work of the force, J.
     """
     r, w, X, ahead, f, dr, dw = state.r, state.w, state.X, buffers.ahead, buffers.f, buffers.dr, buffers.dw
-    b, U, s = state.rider[k], state.speed[k], loads.strand[k]
+    b, U, s = state.moving_load[k], state.speed[k], loads.strand[k]
     m, span, work = strands.rho[s] * strands.h[s], X[b + 1] - X[b - 1], 0.0
     for a in range(r.shape[0]):
         F = force_at(loads, k, state.t[0], a)
@@ -156,7 +156,7 @@ def _shift_weight(strands, loads, state, buffers, k, kick, way, decay, lead):
 
     Without it a load of no force at all would stir the rope it travels on.
     """
-    s, b = loads.strand[k], state.rider[k]
+    s, b = loads.strand[k], state.moving_load[k]
     first, last = strands.first[s], strands.first[s] + strands.links[s]
     for side in (-1, 1):
         node = b + side
@@ -179,7 +179,7 @@ def _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead, bodi
     r, w, X, ahead, f = state.r, state.w, state.X, buffers.ahead, buffers.f
     s, xi, U = loads.strand[k], state.xi[k], state.speed[k]
     first, last = strands.first[s], strands.first[s] + strands.links[s]
-    i, m = seat_of(X, xi, strands.h[s], first, last), strands.rho[s] * strands.h[s]
+    i, m = location_of(X, xi, strands.h[s], first, last), strands.rho[s] * strands.h[s]
     part, work = (xi - X[i]) / (X[i + 1] - X[i]), 0.0
     for a in range(r.shape[0]):
         F = force_at(loads, k, state.t[0], a)
@@ -200,9 +200,9 @@ def _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead, bodi
             node, share = i + end, (part if end == 1 else 1.0 - part)
             if first < node < last:
                 extra, weight = share * impulse / m, strands.gravity[a]
-                for j in range(state.rider.size):
-                    if abs(state.rider[j] - node) == 1:
-                        weight += strands.gravity[a] * _uneven(strands, state, s, state.rider[j], node)
+                for j in range(state.moving_load.size):
+                    if abs(state.moving_load[j] - node) == 1:
+                        weight += strands.gravity[a] * _uneven(strands, state, s, state.moving_load[j], node)
                 kicked = kick * ((f[a, node] - f[a, node - 1]) / m + weight) + extra
                 w[a, node] += decay * extra
                 ahead[a, node] += decay * (1.0 + lead) * extra
@@ -222,10 +222,10 @@ def kick_loads(strands, loads, state, buffers, kick, drift, lead, ends, bodies):
     work = 0.0
     for k in range(state.xi.size):
         way, decay = _drift_with_drag(strands.drag[loads.strand[k]], drift)
-        if state.rider[k] >= 0:
+        if state.moving_load[k] >= 0:
             _shift_weight(strands, loads, state, buffers, k, kick, way, decay, lead)
-            work += _kick_rider(strands, loads, state, buffers, k, kick, way, decay, lead, ends, bodies)
-        elif state.rider[k] == SHARED:
+            work += _kick_moving_load(strands, loads, state, buffers, k, kick, way, decay, lead, ends, bodies)
+        elif state.moving_load[k] == SHARED:
             work += _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead, bodies)
     return work
 
@@ -241,7 +241,7 @@ def _carry(r, X, dr, k, b, xi, way):
 @lean_inner
 def _travel(strands, loads, state, dr, k, dt):
     """Let load k travel for dt at a speed that depends on the state of the line."""
-    t, b, xi = state.t[0], state.rider[k], state.xi[k]
+    t, b, xi = state.t[0], state.moving_load[k], state.xi[k]
     U = material_speed(strands, loads, state, k, speed_at(loads, k, t))
     state.xi[k] = xi + dt * U
     if b >= 0:
@@ -260,7 +260,7 @@ def hold(strands, loads, state, buffers, k, kick, new):
     What this takes is the impulse of the hold force. It is part of the last kick, in which the contact has moved with
     the mean of the velocities before and after: so much it works, and so much does the given force along x.
     """
-    b, s, w = state.rider[k], loads.strand[k], state.w
+    b, s, w = state.moving_load[k], loads.strand[k], state.w
     impulse = strands.rho[s] * strands.h[s] * (new - w[0, b])
     w[0, b] = new
     v = 0.5 * (buffers.before[k] + new) + state.speed[k] * buffers.dr[0, k] / (state.X[b + 1] - state.X[b - 1])
@@ -289,7 +289,7 @@ def move_loads(strands, loads, state, buffers, kick, drift):
     """Let all loads travel for the time of a drift that follows a kick; nodes that ride with them are carried along."""
     r, w, X, dr = state.r, state.w, state.X, buffers.dr
     for k in range(state.xi.size):
-        b, s = state.rider[k], loads.strand[k]
+        b, s = state.moving_load[k], loads.strand[k]
         if b <= OFF:
             continue
         way, decay = _drift_with_drag(strands.drag[s], drift)

@@ -29,10 +29,10 @@ def linearise(strands, state, v, s, stiff, damp):
                 damp[0, i, a, b] = strands.drag[s] * m if a == b else 0.0
     for i in range(i0, i1):
         rest, square, along, spread = X[i + 1] - X[i], 0.0, 0.0, 0.0
-        for k in range(state.rider.size):  # how fast the material beside riders grows
-            if state.rider[k] == i + 1:
+        for k in range(state.moving_load.size):  # how fast the material beside riders grows
+            if state.moving_load[k] == i + 1:
                 spread += state.speed[k]
-            elif state.rider[k] == i:
+            elif state.moving_load[k] == i:
                 spread -= state.speed[k]
         for a in range(dim):
             square += (r[a, i + 1] - r[a, i]) ** 2
@@ -55,8 +55,8 @@ def linearise(strands, state, v, s, stiff, damp):
                 damp[0, i, a, b] += d
                 damp[0, i + 1, a, b] += d
                 damp[1, i, a, b], damp[2, i, a, b] = -d, -d
-    for k in range(state.rider.size):
-        b = state.rider[k]
+    for k in range(state.moving_load.size):
+        b = state.moving_load[k]
         if i0 < b < i1:
             flux = 2.0 * m * state.speed[k] / (X[b + 1] - X[b - 1])
             for a in range(dim):

@@ -235,9 +235,9 @@ def dense(band: Array) -> Array:
 
 def _differences(x: NDArray[Any], dim: int) -> NDArray[Any]:
     """Differences over each link (link, axis) of displacements (N,) of the inner nodes."""
-    held = np.zeros((x.size // dim + 2, dim), dtype=x.dtype)
-    held[1:-1] = x.reshape(-1, dim)
-    return np.diff(held, axis=0)
+    restrained = np.zeros((x.size // dim + 2, dim), dtype=x.dtype)
+    restrained[1:-1] = x.reshape(-1, dim)
+    return np.diff(restrained, axis=0)
 
 
 def _band(blocks: Array) -> Array:

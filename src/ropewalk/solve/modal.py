@@ -38,7 +38,7 @@ RATE_AT_END: Array = _POWERS @ np.arange(3.0)
 
 
 @dataclass(frozen=True)
-class Modes:
+class ModalBasis:
     """Modes of a structure, and what follows without them.
 
     Args:
@@ -60,7 +60,7 @@ class Modes:
     frequency: Array
 
     @staticmethod
-    def of(K: Any, M: Any, C: Any, free: Any, count: int | None = None) -> Modes:
+    def of(K: Any, M: Any, C: Any, free: Any, count: int | None = None) -> ModalBasis:
         """The lowest modes, of equations of motion (unknown, unknown).
 
         Args:
@@ -87,10 +87,10 @@ class Modes:
         places = free @ phi
         if coupled.any():
             rate, shape, driven = _coupled(w, D)
-            return Modes(rate, places @ shape, places @ driven.T, wanted < unknowns, K, free, w)
+            return ModalBasis(rate, places @ shape, places @ driven.T, wanted < unknowns, K, free, w)
         rate, which, by = alone(w, own)
         shape = places[:, which]
-        return Modes(rate, shape.astype(np.complex128), shape * by, wanted < unknowns, K, free, w)
+        return ModalBasis(rate, shape.astype(np.complex128), shape * by, wanted < unknowns, K, free, w)
 
     def remainder(self, at: Array) -> tuple[Array, Array]:
         """What follows without modes where forces act.
@@ -158,7 +158,7 @@ def _coupled(w: Array, D: Array) -> tuple[Complex, Complex, Complex]:
     return values[kept], vectors[:n, kept] / w[:, None], twice[:, None] * inverse[kept, n:]
 
 
-class Step:
+class ModalStep:
     """Steps of one length: how all modes go on, forces being polynomials through their values at the stages.
 
     Args:

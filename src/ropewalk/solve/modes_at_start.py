@@ -6,14 +6,14 @@ import numpy as np
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.assembly import components
-from ropewalk.mechanics.chain import Array, State
+from ropewalk.mechanics.chain import Array, ChainState
 from ropewalk.mechanics.law import tensions
 from ropewalk.model.beginning import UP
 from ropewalk.model.run import Start
-from ropewalk.solve.start import Setting
+from ropewalk.solve.start import PreparedRun
 
 
-def deflect(setting: Setting, state: State, start: Start) -> None:
+def deflect(setting: PreparedRun, state: ChainState, start: Start) -> None:
     """Put lines at rest into a mode: `A sin(n pi xi / L)` across the line through the supports.
 
     Args:

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
+from ropewalk.controllers.carrier import Controller
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.turns import TravelEndedError
-from ropewalk.guides.carrier import Guide
+from ropewalk.foreign.cosimulation_master import TravelEndedError
 from ropewalk.mechanics.bodies import Bodies
-from ropewalk.mechanics.chain import Array, Buffers, Integers, Loads, State, Strands, Supports
+from ropewalk.mechanics.chain import Array, Buffers, ChainState, Integers, Loads, Strands, Supports
 from ropewalk.mechanics.compiled import entry_of
 from ropewalk.mechanics.portions import portion
 from ropewalk.solve.choice import RKN6_LIMIT, SAFETY_WITH_MASSES, Bounds, Choice, bounds, is_compressed, verlet_step
@@ -89,7 +89,7 @@ ADVICE = {
 }
 
 
-class Motion:
+class ChainMotion:
     """A motion under way, moved from instant to instant.
 
     Args:
@@ -110,20 +110,20 @@ class Motion:
         self,
         strands: Strands,
         loads: Loads,
-        state: State,
+        state: ChainState,
         choice: Choice,
         accuracy: float,
         progress: Progress,
         supports: Supports | None = None,
         bodies: Bodies | None = None,
-        guides: Sequence[Guide] = (),
+        controllers: Sequence[Controller] = (),
         contacts: Bodies | None = None,
     ) -> None:
         self.strands, self.loads, self.state, self.choice = strands, loads, state, choice
         self.accuracy, self.progress, self.supports, self.bodies = accuracy, progress, supports, bodies
-        self.guides, self._contacts = guides, bodies if bodies is not None else contacts
+        self.controllers, self._contacts = controllers, bodies if bodies is not None else contacts
         self._ends = ends_of(strands, supports) if supports is not None else None
-        self._room = _room_for(choice, loads, state)
+        self._buffers = _room_for(choice, loads, state)
         knots = [_knots(loads.speed_time, loads.speed_count), _knots(loads.force_time, loads.force_count)]
         if supports is not None:
             knots.append(_knots(supports.motion_time, supports.motion_count))
@@ -140,12 +140,12 @@ class Motion:
                 if stop - state.t[0] < NEXT_TO_NOTHING * stop:  # corners of two tables: no step is so short
                     state.t[0] = stop
                     break
-                until = min([stop, *(guide.next(float(state.t[0])) for guide in self.guides)])
-                progress.status, taken = self._advance(self.loads, state, self._room, self.bodies, until)
+                until = min([stop, *(controller.next(float(state.t[0])) for controller in self.controllers)])
+                progress.status, taken = self._advance(self.loads, state, self._buffers, self.bodies, until)
                 progress.steps += int(taken)
                 if progress.status in (RUNNING, ASKED):
                     self._idle = self._idle + 1 if taken == 0 else 0
-                    progress.status = _ask(self.guides, progress)
+                    progress.status = _ask(self.controllers, progress)
                     if self._idle > MOST_QUESTIONS:
                         progress.status, progress.message = STOPPED, "a load asks again and again without moving on"
                 if progress.status != RUNNING:
@@ -158,19 +158,19 @@ class Motion:
     def get_state(self) -> Tree:
         """All that changes."""
         own = {
-            "state": arrays_of(self.state), "bodies": self._of_bodies, "room": arrays_of(self._room),
+            "state": arrays_of(self.state), "bodies": self._of_bodies, "room": arrays_of(self._buffers),
             "step": self._step, "idle": self._idle, "steps": self.progress.steps,
         }  # fmt: skip
-        return {**copied(own), "guides": [guide.get_state() for guide in self.guides]}
+        return {**copied(own), "guides": [controller.get_state() for controller in self.controllers]}
 
     def set_state(self, tree: Tree) -> None:
         """Be what it was when `get_state` gave this."""
         put(arrays_of(self.state), tree["state"])
         put(self._of_bodies, tree["bodies"])
-        put(arrays_of(self._room), tree["room"])
+        put(arrays_of(self._buffers), tree["room"])
         self._step, self._idle, self.progress.steps = tree["step"], tree["idle"], tree["steps"]
-        for guide, own in zip(self.guides, tree["guides"], strict=True):
-            guide.set_state(own)
+        for controller, own in zip(self.controllers, tree["guides"], strict=True):
+            controller.set_state(own)
 
     @property
     def _of_bodies(self) -> Arrays:
@@ -195,9 +195,9 @@ class Motion:
         if fine < self._step and is_compressed(self.strands, self.state.r, self.state.X):
             self._step = fine
 
-    def look(self, own: Loads, twin: State, moving: Bodies, h: float) -> None:
+    def look(self, own: Loads, twin: ChainState, moving: Bodies, h: float) -> None:
         """Go on with a copy."""
-        until, rest = float(twin.t[0]) + h, copied(self._room)
+        until, rest = float(twin.t[0]) + h, copied(self._buffers)
         carried = None if self.bodies is None else moving
         while twin.t[0] < until:
             status, taken = self._advance(own, twin, rest, carried, until)
@@ -205,26 +205,33 @@ class Motion:
                 return  # what is in the way there will be said when it is reached
 
     def _advance(
-        self, loads: Loads, state: State, room: Buffers | Workspace, bodies: Bodies | None, stop: float
+        self, loads: Loads, state: ChainState, buffers: Buffers | Workspace, bodies: Bodies | None, stop: float
     ) -> tuple[int, int]:
         status, steps, most = TOO_MANY_STEPS, 0, portion(state.X.size, _EFFORT[self.choice.method])
         while status == TOO_MANY_STEPS and steps < MOST_STEPS:
-            status, taken = self._advance_by(most, loads, state, room, bodies, stop)
+            status, taken = self._advance_by(most, loads, state, buffers, bodies, stop)
             steps += taken
         return status, steps
 
     def _advance_by(
-        self, most: int, loads: Loads, state: State, room: Buffers | Workspace, bodies: Bodies | None, stop: float
+        self,
+        most: int,
+        loads: Loads,
+        state: ChainState,
+        buffers: Buffers | Workspace,
+        bodies: Bodies | None,
+        stop: float,
     ) -> tuple[int, int]:
         """Go on to a time, but by no more than some steps."""
         if self.choice.method == "implicit":
             from ropewalk.solve.radau import advance_implicit
 
-            found = advance_implicit(self.strands, loads, state, room, stop, self.accuracy, self._step, most)
+            found = advance_implicit(self.strands, loads, state, buffers, stop, self.accuracy, self._step, most)
             return int(found[0]), int(found[1])
         kicks, drifts = RKN6 if self.choice.method == "rkn6" else VERLET
         arguments = (
-            self.strands, loads, state, room, kicks, drifts, float(stop), float(self._step), most, self._ends, bodies,
+            self.strands, loads, state, buffers, kicks, drifts, float(stop), float(self._step), most, self._ends,
+            bodies,
         )  # fmt: skip
         if not self._entries:
             self._entries.append(entry_of(advance, arguments))
@@ -235,22 +242,22 @@ class Motion:
 def move(
     strands: Strands,
     loads: Loads,
-    state: State,
+    state: ChainState,
     choice: Choice,
     accuracy: float,
     times: Iterable[float] | Array,
     progress: Progress,
     supports: Supports | None = None,
     bodies: Bodies | None = None,
-    guides: Sequence[Guide] = (),
-) -> Iterator[State]:
+    controllers: Sequence[Controller] = (),
+) -> Iterator[ChainState]:
     """Yield the state at each of the times; the same object every time, to be read before going on.
 
     Args:
         strands, loads, state, choice, accuracy, progress, supports, bodies, guides: see `Motion`.
         times: rising instants, s; the iteration ends early if the progress is no longer RUNNING.
     """
-    motion = Motion(strands, loads, state, choice, accuracy, progress, supports, bodies, guides)
+    motion = ChainMotion(strands, loads, state, choice, accuracy, progress, supports, bodies, controllers)
     for time in times:
         motion.to(float(time))
         yield state
@@ -258,10 +265,10 @@ def move(
             return
 
 
-def _ask(guides: Sequence[Guide], progress: Progress) -> int:
+def _ask(controllers: Sequence[Controller], progress: Progress) -> int:
     try:
-        for guide in guides:
-            guide.act()
+        for controller in controllers:
+            controller.act()
     except TravelEndedError:
         return END_OF_LINE
     except RopewalkError as error:
@@ -270,7 +277,7 @@ def _ask(guides: Sequence[Guide], progress: Progress) -> int:
     return RUNNING
 
 
-def _is_torn(strands: Strands, state: State) -> bool:
+def _is_torn(strands: Strands, state: ChainState) -> bool:
     """Whether some link has become so long that only a motion without bounds can have stretched it."""
     for i, n in zip(strands.first, strands.links, strict=True):
         d = np.diff(state.r[:, i : i + n + 1], axis=1)
@@ -279,7 +286,7 @@ def _is_torn(strands: Strands, state: State) -> bool:
     return False
 
 
-def _room_for(choice: Choice, loads: Loads, state: State) -> Buffers | Workspace:
+def _room_for(choice: Choice, loads: Loads, state: ChainState) -> Buffers | Workspace:
     """Room for the steps of the chosen method."""
     if choice.method == "implicit":
         from ropewalk.solve.radau import workspace_for

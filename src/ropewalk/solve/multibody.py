@@ -10,7 +10,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.loading import Loading
-from ropewalk.mechanics.rider import force_at
+from ropewalk.mechanics.moving_contact import force_at
 from ropewalk.model.load import AnyLoad
 from ropewalk.model.oscillator import Oscillator
 
@@ -58,8 +58,8 @@ def multibody_of(loading: Loading, name: str, load: AnyLoad, axles: Array) -> Mu
     Raises:
         RopewalkError: the coordinates are not held by springs, or have no mass, or are turned by gyroscopic forces.
     """
-    assert loading.fleet is not None
-    bodies, dim = loading.fleet.bodies, len(loading.axes)
+    assert loading.multibody_system is not None
+    bodies, dim = loading.multibody_system.bodies, len(loading.axes)
     wheels = np.flatnonzero([wheel.load == name for wheel in loading.wheels])
     mass = bodies.wheels["mass"][wheels, dim - 1]
     carried = float(bodies.wheels["mass"][wheels, 0].sum())
@@ -74,20 +74,20 @@ def multibody_of(loading: Loading, name: str, load: AnyLoad, axles: Array) -> Mu
             own = own if load.contact_stiffness is not None else own[dim - 1 :]
         M, C, K, given = _matrices(bodies, i, own, wheels, dim - 1)
         M[np.arange(own.size, len(M)), np.arange(own.size, len(M))] += mass
-    held = slice(0, own.size)
-    if (np.linalg.eigvalsh(M[held, held]) <= 0.0).any():
+    restrained = slice(0, own.size)
+    if (np.linalg.eigvalsh(M[restrained, restrained]) <= 0.0).any():
         raise RopewalkError(f"load {name}: a coordinate of its bodies has no mass; check its mass matrix")
     gravity = -float(loading.gravity[-1])
     weights = np.concatenate([np.zeros(own.size), mass * gravity])
     weights[: given.size] += given
     push = np.array([-force_at(loading.loads, int(k), 0.0, dim - 1) for k in wheels])
     try:
-        rest = np.linalg.solve(K[held, held], -weights[held])
+        rest = np.linalg.solve(K[restrained, restrained], -weights[restrained])
     except np.linalg.LinAlgError:
         raise RopewalkError(
             f"load {name}: nothing keeps its coordinates where they are; check its stiffness matrix"
         ) from None
-    static = weights[own.size :] + push + K[own.size :, held] @ rest
+    static = weights[own.size :] + push + K[own.size :, restrained] @ rest
     numbers = tuple(int(first + d) for d in own)
     return Multibody(load, wheels, M, C, K, axles, static, numbers, rest, weights, carried)
 

@@ -10,10 +10,10 @@ import numpy as np
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, SLIP, Array
 from ropewalk.solve.following import FIRST, follow, turns_less
-from ropewalk.solve.measure import Measure, shapes
-from ropewalk.solve.standing import Standing
-from ropewalk.solve.start import Setting
-from ropewalk.solve.timetable import timetable
+from ropewalk.solve.load_schedule import load_schedule
+from ropewalk.solve.loaded_equilibrium import LoadedStrand
+from ropewalk.solve.path_measure import Measure, shapes
+from ropewalk.solve.start import PreparedRun
 
 # The loads' places are found to this part of their line's length: below the rounding of the shapes' tensions.
 _TOLERANCE = 1e-12
@@ -24,17 +24,17 @@ _SLIP = 1e-6
 
 
 @dataclass(frozen=True)
-class Place:
+class LoadPosition:
     """One position of the loads: path of the first one, where they all stand, and the shapes of all strands."""
 
     path: float  # m
     t: float  # s
     xi: Array  # (load,) m
     marks: Array  # (load,) the measures there
-    stands: list[Standing]
+    stands: list[LoadedStrand]
     given: Array  # (load, axis) N
 
-    def contacts(self, setting: Setting) -> Array:
+    def contacts(self, setting: PreparedRun) -> Array:
         """Positions of the contacts (load, axis), m."""
         out = np.empty((self.xi.size, len(setting.axes)))
         for on, rest in zip(setting.on, self.stands, strict=True):
@@ -42,7 +42,7 @@ class Place:
         return out
 
 
-def walk(setting: Setting, positions: int, turn: float | None = None) -> Iterator[Place]:
+def walk(setting: PreparedRun, positions: int, turn: float | None = None) -> Iterator[LoadPosition]:
     """Yield the loads at equal steps of the path of the first one, until one of them comes to the end of its line.
 
     All loads keep the pace of their speeds. Forces that change in time are taken at the time of the path. Between the
@@ -58,7 +58,7 @@ def walk(setting: Setting, positions: int, turn: float | None = None) -> Iterato
     stands, given = shapes(setting, setting.xi, 0.0)
     measures = [Measure(setting, k) for k in range(setting.xi.size)]
     marks = np.array([m.of(x, stands) for m, x in zip(measures, setting.xi, strict=True)])
-    times, ways = timetable(setting, measures, marks)
+    times, ways = load_schedule(setting, measures, marks)
     path = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(ways[0])))))
     first = setting.loads.strand[0]
     if not path[-1] > _TOLERANCE * setting.strands.links[first] * setting.strands.h[first]:
@@ -66,17 +66,17 @@ def walk(setting: Setting, positions: int, turn: float | None = None) -> Iterato
             "the first load has no path: it stands at the end of its line and would move off it, or its speed is zero; "
             "let it start elsewhere (travel.from), or turn the sign of speed"
         )
-    here = Place(0.0, 0.0, setting.xi.copy(), marks, stands, given)
+    here = LoadPosition(0.0, 0.0, setting.xi.copy(), marks, stands, given)
     yield here
-    by = _Walk(setting, measures, times, path, ways, marks, turn)
+    by = _PathWalk(setting, measures, times, path, ways, marks, turn)
     yield from follow(here, by.step, by.is_fine, np.linspace(0.0, path[-1], positions), between=turn is not None)
 
 
 @dataclass
-class _Walk:
+class _PathWalk:
     """Steps along the path."""
 
-    setting: Setting
+    setting: PreparedRun
     measures: list[Measure]
     times: Array
     path: Array  # of the first load at these times, m
@@ -84,11 +84,11 @@ class _Walk:
     begin: Array  # (load,) the measures at the beginning
     turn: float | None
 
-    def step(self, here: Place, before: Place | None, path: float) -> Place:
+    def step(self, here: LoadPosition, before: LoadPosition | None, path: float) -> LoadPosition:
         t = float(np.interp(path, self.path, self.times))
         target = np.array([np.interp(t, self.times, way) for way in self.ways])
         advance = target - [np.interp(here.t, self.times, way) for way in self.ways]
-        step = _Step(self.setting, self.measures, t, here.xi, here.marks, self.begin + target, advance)
+        step = _PathStep(self.setting, self.measures, t, here.xi, here.marks, self.begin + target, advance)
         guess = here.xi + advance * [m.direction for m in self.measures]
         similar = here.stands
         if before is not None:
@@ -98,9 +98,9 @@ class _Walk:
                 similar = [now.continued(last, on) for now, last in zip(here.stands, before.stands, strict=True)]
         xi, stands, given = step.take(guess, similar)
         marks = np.array([m.of(x, stands) for m, x in zip(self.measures, xi, strict=True)])
-        return Place(path, t, xi, marks, stands, given)
+        return LoadPosition(path, t, xi, marks, stands, given)
 
-    def is_fine(self, before: Place | None, here: Place, new: Place) -> bool:
+    def is_fine(self, before: LoadPosition | None, here: LoadPosition, new: LoadPosition) -> bool:
         slipping = np.array([m.kind == SLIP for m in self.measures])
         if before is None:
             return not (slipping.any() or self.turn) or new.path - here.path <= FIRST * float(self.path[-1])
@@ -115,10 +115,10 @@ class _Walk:
 
 
 @dataclass
-class _Step:
+class _PathStep:
     """A step of all loads along their paths."""
 
-    setting: Setting
+    setting: PreparedRun
     measures: list[Measure]
     t: float
     before: Array  # (load,) m, xi before the step
@@ -126,7 +126,7 @@ class _Step:
     target: Array  # (load,) m, where the measures have to come (slip: see `advance`)
     advance: Array  # (load,) m, path to go in this step
 
-    def take(self, guess: Array, stands: list[Standing]) -> tuple[Array, list[Standing], Array]:
+    def take(self, guess: Array, stands: list[LoadedStrand]) -> tuple[Array, list[LoadedStrand], Array]:
         """Find the places of all loads at which each measured path comes out right, one load after the other."""
         loads, strands = self.setting.loads, self.setting.strands
         length = strands.links[loads.strand] * strands.h[loads.strand]
@@ -144,7 +144,9 @@ class _Step:
                 return xi, stands, given
         raise EquilibriumError("the loads hinder each other: no places were found that agree with all their paths")
 
-    def _shapes(self, xi: Array, trial: list[int], last: Array, stands: list[Standing]) -> tuple[list[Standing], Array]:
+    def _shapes(
+        self, xi: Array, trial: list[int], last: Array, stands: list[LoadedStrand]
+    ) -> tuple[list[LoadedStrand], Array]:
         """Shapes with the loads at xi; if there are none, the loads on trial go back towards their last places."""
         for _ in range(10 if trial else 0):
             try:
@@ -153,15 +155,15 @@ class _Step:
                 xi[trial] = 0.5 * (xi[trial] + last)
         return shapes(self.setting, xi, self.t, stands)
 
-    def _miss(self, k: int, x: float, stands: list[Standing]) -> float:
+    def _miss(self, k: int, x: float, stands: list[LoadedStrand]) -> float:
         m = self.measures[k]
         if m.kind == SLIP:
             return float((x - self.before[k]) * 0.5 * (self.marks[k] + m.of(x, stands)) - self.advance[k])
         return float(m.direction * (m.of(x, stands) - self.target[k]))
 
     def _place(
-        self, k: int, length: float, xi: Array, stands: list[Standing], given: Array
-    ) -> tuple[list[Standing], Array]:
+        self, k: int, length: float, xi: Array, stands: list[LoadedStrand], given: Array
+    ) -> tuple[list[LoadedStrand], Array]:
         """Put load k where its path comes out right (or to the end of its line): secant steps within a bracket."""
         m, low, high, slope = self.measures[k], 0.0, length, 1.0
         miss = self._miss(k, xi[k], stands)

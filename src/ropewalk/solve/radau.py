@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.chain import CONTACT, FRICTIONLESS, MATERIAL, OFF, Loads, State
+from ropewalk.mechanics.chain import CONTACT, FRICTIONLESS, MATERIAL, OFF, ChainState, Loads
 from ropewalk.mechanics.compiled import inner, kernel
-from ropewalk.mechanics.rider import ARRIVED, look_up_integral, node_velocity, speed_at
+from ropewalk.mechanics.moving_contact import ARRIVED, look_up_integral, node_velocity, speed_at
 from ropewalk.solve.collocation import (
     FACTORS,
     JACOBIANS,
@@ -37,7 +37,7 @@ from ropewalk.solve.splitting import (
     _is_due,
     _is_finite,
     _loss,
-    _take_seats,
+    _take_locations,
 )
 
 # Entries of the workspace's memory.
@@ -57,7 +57,7 @@ SAME_LENGTH, FAST, SLOW = 0.02, 0.05, 0.1
 AIM, FURTHER, MOST_TRIES = 1e-4, 0.1, 4
 
 
-def workspace_for(loads: Loads, state: State) -> Workspace:
+def workspace_for(loads: Loads, state: ChainState) -> Workspace:
     """A workspace for `advance_implicit`, to be kept for the whole run: it remembers the last step.
 
     Raises:
@@ -104,7 +104,7 @@ def _reach(strands, loads, state, target, pace, until):
     rest = until - t
     for k in range(state.xi.size):
         U = state.speed[k]
-        if state.rider[k] == OFF or U == 0.0:
+        if state.moving_load[k] == OFF or U == 0.0:
             continue
         gap = _gap(target[k], state.xi[k], U)
         if gap > 0.0:
@@ -120,10 +120,10 @@ def _misses(strands, loads, state, space, dt):
     missed = False
     for k in range(state.xi.size):
         U, way = state.speed[k], space.way[2, k]
-        if state.rider[k] == OFF or loads.measure[k] == MATERIAL or not U * way > 0.0:
+        if state.moving_load[k] == OFF or loads.measure[k] == MATERIAL or not U * way > 0.0:
             continue
         h, before = strands.h[loads.strand[k]], space.pace[k]
-        gap = _gap(space.seats.target[k], state.xi[k], U)
+        gap = _gap(space.locations.target[k], state.xi[k], U)
         beyond = abs(way) - gap
         if gap > 0.0 and -FURTHER * h < beyond:
             planned = _time_to(loads, k, state.t[0], U * before, abs(way), 2.0 * dt)
@@ -136,8 +136,8 @@ def _misses(strands, loads, state, space, dt):
 def _begin(strands, loads, state, space):
     """Node velocities and forces at the start of a step."""
     space.v[:] = state.w
-    for k in range(state.rider.size):
-        b = state.rider[k]
+    for k in range(state.moving_load.size):
+        b = state.moving_load[k]
         if b >= 0:
             for a in range(state.r.shape[0]):
                 space.v[a, b] = node_velocity(state, b, a)
@@ -156,8 +156,8 @@ def _predict(strands, loads, state, space, dt, smooth):
         for k in range(state.xi.size):
             space.speed[j, k] = state.speed[k]
             space.xi[j, k] = state.xi[k] + C[j] * dt * state.speed[k]
-            if state.rider[k] >= 0:
-                space.X[j, state.rider[k]] = space.xi[j, k]
+            if state.moving_load[k] >= 0:
+                space.X[j, state.moving_load[k]] = space.xi[j, k]
         l1, l2, l3 = 0.0, 0.0, 0.0
         if smooth:
             x = 1.0 + C[j] * dt / before
@@ -174,8 +174,8 @@ def _predict(strands, loads, state, space, dt, smooth):
                 for i in range(z.size):
                     z[i] = C[j] * dt * v[i]
             for k in range(state.xi.size):  # nodes that have changed their role are not where they were
-                for b in (state.rider[k], space.seat[k]):
-                    if b >= 0 and state.rider[k] != space.seat[k]:
+                for b in (state.moving_load[k], space.location[k]):
+                    if b >= 0 and state.moving_load[k] != space.location[k]:
                         z[b] = C[j] * dt * v[b]
 
 
@@ -194,21 +194,21 @@ def _accept(strands, loads, state, space, dt):
                 state.r[a, i] = space.r[2, a, i]
                 state.w[a, i] = space.w[2, a, i]
     for k in range(state.xi.size):
-        space.seat[k] = state.rider[k]
-        if state.rider[k] != OFF:
+        space.location[k] = state.moving_load[k]
+        if state.moving_load[k] != OFF:
             state.xi[k], state.speed[k] = space.xi[2, k], space.speed[2, k]
-            if state.rider[k] >= 0:
-                state.X[state.rider[k]] = state.xi[k]
+            if state.moving_load[k] >= 0:
+                state.X[state.moving_load[k]] = state.xi[k]
     state.t[0] += dt
     space.memory[NOW], space.memory[LENGTH] = state.t[0], dt
 
 
 @inner
-def _has_moved(rider, seat):
+def _has_moved(moving_load, location):
     """Whether a load has another seat than in the last step."""
     moved = False
-    for k in range(rider.size):
-        moved = moved or rider[k] != seat[k]
+    for k in range(moving_load.size):
+        moved = moved or moving_load[k] != location[k]
     return moved
 
 
@@ -238,7 +238,7 @@ def advance_implicit(strands, loads, state, space, until, tolerance, longest, mo
     Returns:
         Status (RUNNING when `until` is reached, else what went wrong) and the number of steps taken.
     """
-    memory, target = space.memory, space.seats.target
+    memory, target = space.memory, space.locations.target
     end, steps, rejected, tries = until - 1e-12 * max(1.0, abs(until)), 0, 0, 0
     allowed, enough = LOCAL * tolerance, NEWTON * LOCAL * tolerance
     if tolerance == np.inf:
@@ -246,19 +246,19 @@ def advance_implicit(strands, loads, state, space, until, tolerance, longest, mo
             enough = min(enough, ROUNDING * strands.h[s] * strands.links[s])
     smooth = memory[LENGTH] > 0.0 and memory[NOW] == state.t[0]
     if not smooth:
-        memory[WISH], memory[FACTORISED], space.seat[:] = np.inf, 0.0, OFF
+        memory[WISH], memory[FACTORISED], space.location[:] = np.inf, 0.0, OFF
     near = ARRIVED * strands.h.min()
     due, begun, new, stale, theta = True, False, not smooth, False, 0.0
     while state.t[0] < end:
         if due:
-            if _take_seats(strands, loads, state, space.seats):
+            if _take_locations(strands, loads, state, space.locations):
                 return END_OF_LINE, steps
             due = False
         if not begun:
             _begin(strands, loads, state, space)
             if not _is_finite(state.r, space.f):
                 return NOT_FINITE, steps
-            new = new or _has_moved(state.rider, space.seat)
+            new = new or _has_moved(state.moving_load, space.location)
             begun, stale = True, not new
         rest = _reach(strands, loads, state, target, space.pace, until)
         dt = rest / max(np.ceil(rest / min(memory[WISH], longest) - 0.05), 1.0)
@@ -301,7 +301,7 @@ def advance_implicit(strands, loads, state, space, until, tolerance, longest, mo
         steps += 1
         memory[WISH] = min(wish, memory[WISH] if rejected > 0 else max(GROWTH * dt, memory[WISH]))
         rejected, tries, begun, smooth, new = 0, 0, False, True, theta > SLOW
-        due = _is_due(target, state.xi, state.speed, state.rider, near)
+        due = _is_due(target, state.xi, state.speed, state.moving_load, near)
         if steps >= most and state.t[0] < end:
             return TOO_MANY_STEPS, steps
     return RUNNING, steps

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import diags
 
-from ropewalk.mechanics.chain import Array, State, Strands
+from ropewalk.mechanics.chain import Array, ChainState, Strands
 from ropewalk.results.spectrum import Modes, Spectrum
 from ropewalk.solve.eigenvalues import Eigenvalues, by_size, ends, every
 from ropewalk.solve.linearised import Linearised, linearise
@@ -30,7 +30,7 @@ HOW_MANY = 6
 
 def spectrum(
     strands: Strands,
-    at: State | tuple[Array, Array],
+    at: ChainState | tuple[Array, Array],
     *,
     how_many: int | None = None,
     names: Sequence[str] = (),
@@ -50,7 +50,7 @@ def spectrum(
     """
     if how_many is not None and how_many < 1:
         raise ValueError(f"how_many must be at least 1, not {how_many}")
-    r, X = (at.r, at.X) if isinstance(at, State) else at
+    r, X = (at.r, at.X) if isinstance(at, ChainState) else at
     each = []
     for s, first in enumerate(strands.first):
         place = r[:, first : first + strands.links[s] + 1].T

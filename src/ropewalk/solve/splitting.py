@@ -13,44 +13,44 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import CONTACT, FRICTIONLESS, LINE_DAMPING, LOAD_WORK, OFF, SHARED
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.link import pull_again, pull_one, pull_one_again, stretch, stretch_rate
-from ropewalk.mechanics.rider import (
+from ropewalk.mechanics.moving_contact import (
     ARRIVED,
     even_out,
     even_velocity,
     force_at,
+    location_of,
     material_speed,
     mesh_speed,
     near_supports,
     next_change,
-    seat_of,
     settle,
     slope,
     speed_at,
 )
-from ropewalk.solve.bodywork import (
+from ropewalk.solve.ends import drive_ends, move_ends
+from ropewalk.solve.flows import hold, kick_loads, move_loads, move_nodes
+from ropewalk.solve.multibody_step import (
     begin_bodies,
     drift_vehicles,
     hold_bodies,
     is_body_due,
     kick_beside,
+    location_bodies,
     move_bodies,
     pull_bodies,
-    seat_bodies,
     settle_bodies,
 )
-from ropewalk.solve.ends import drive_ends, move_ends
-from ropewalk.solve.flows import hold, kick_loads, move_loads, move_nodes
 
 RUNNING, END_OF_LINE, NOT_FINITE, TOO_MANY_STEPS, NO_CONVERGENCE, MET, ASKED = 0, 1, 2, 3, 4, 5, 6
 
 
 @lean_inner
-def _strain_rate(r, w, X, rider, speed, i):
+def _strain_rate(r, w, X, moving_load, speed, i):
     """Strain rate of link i, whose ends may ride with loads."""
     rest = X[i + 1] - X[i]
     length = stretch(r, i)
     along = length * stretch_rate(r, w, i)
-    U0, U1 = mesh_speed(rider, speed, i), mesh_speed(rider, speed, i + 1)
+    U0, U1 = mesh_speed(moving_load, speed, i), mesh_speed(moving_load, speed, i + 1)
     for a in range(r.shape[0]):
         d = r[a, i + 1] - r[a, i]
         if U1 != 0.0:
@@ -61,7 +61,7 @@ def _strain_rate(r, w, X, rider, speed, i):
 
 
 @lean_inner
-def _pull_beside(p, c, h, r, w, X, rider, speed, q, b):
+def _pull_beside(p, c, h, r, w, X, moving_load, speed, q, b):
     """Tension over length of the two links beside the riding node b, whose unstrained lengths are not h.
 
     Returns:
@@ -69,13 +69,13 @@ def _pull_beside(p, c, h, r, w, X, rider, speed, q, b):
     """
     more = 0.0
     first = b - 1
-    for k in range(rider.size):
-        if rider[k] == b - 1:  # the link behind is the one ahead of another load, which looks after it
+    for k in range(moving_load.size):
+        if moving_load[k] == b - 1:  # the link behind is the one ahead of another load, which looks after it
             first = b
     for i in range(first, b + 1):
         rest, rate = X[i + 1] - X[i], 0.0
         if c > 0.0:
-            rate = _strain_rate(r, w, X, rider, speed, i)
+            rate = _strain_rate(r, w, X, moving_load, speed, i)
             uniform = stretch_rate(r, w, i) / h
             more += rate * rate * rest / h - uniform * uniform
         q[i] = pull_one(p, c, rest, rate, r, i)
@@ -90,7 +90,7 @@ def _even_out_all(strands, loads, state, buffers, kick):
         kick: length of the kick that has just been, s; 0: seats have changed, which is a blow at an instant.
     """
     for k in range(state.xi.size):
-        b = state.rider[k]
+        b = state.moving_load[k]
         if loads.contact[k] == FRICTIONLESS and b >= 0:
             even_out(state.r, state.X, b)
             if kick == 0.0:
@@ -114,7 +114,7 @@ def _gap(target, xi, speed):
 
 
 @lean_inner
-def _take_seats(strands, loads, state, buffers):
+def _take_locations(strands, loads, state, buffers):
     """Let every load take the seat that its place asks for, and note where it has to change next.
 
     Returns:
@@ -122,14 +122,14 @@ def _take_seats(strands, loads, state, buffers):
     """
     t = state.t[0]
     for k in range(state.xi.size):
-        if state.rider[k] <= OFF:
+        if state.moving_load[k] <= OFF:
             continue
         state.speed[k] = material_speed(strands, loads, state, k, speed_at(loads, k, t))
         target, tolerance = next_change(strands, loads, state, k), ARRIVED * strands.h[loads.strand[k]]
-        if _gap(target, state.xi[k], state.speed[k]) <= tolerance or state.rider[k] == SHARED:
+        if _gap(target, state.xi[k], state.speed[k]) <= tolerance or state.moving_load[k] == SHARED:
             if settle(strands, loads, state, k, buffers.point, buffers.velocity):
                 return True
-            if state.rider[k] != OFF:
+            if state.moving_load[k] != OFF:
                 state.speed[k] = material_speed(strands, loads, state, k, speed_at(loads, k, t))
         buffers.target[k] = next_change(strands, loads, state, k)
     _even_out_all(strands, loads, state, buffers, 0.0)
@@ -137,10 +137,10 @@ def _take_seats(strands, loads, state, buffers):
 
 
 @inlined
-def _plan(rest, longest, target, xi, speed, rider):
+def _plan(rest, longest, target, xi, speed, moving_load):
     """Length of the next step: equal steps up to the next event or to the end, none above `longest`."""
     for k in range(xi.size):
-        if rider[k] != OFF and speed[k] != 0.0:
+        if moving_load[k] != OFF and speed[k] != 0.0:
             gap = _gap(target[k], xi[k], speed[k])
             if gap > 0.0:
                 rest = min(rest, gap / abs(speed[k]))
@@ -148,10 +148,10 @@ def _plan(rest, longest, target, xi, speed, rider):
 
 
 @inlined
-def _is_due(target, xi, speed, rider, tolerance):
+def _is_due(target, xi, speed, moving_load, tolerance):
     """Whether some load has come to a place where its seat has to change."""
     for k in range(xi.size):  # noqa: SIM110, a generator cannot be compiled
-        if rider[k] != OFF and _gap(target[k], xi[k], speed[k]) <= tolerance:
+        if moving_load[k] != OFF and _gap(target[k], xi[k], speed[k]) <= tolerance:
             return True
     return False
 
@@ -178,13 +178,13 @@ def _loss(strands, loads, state, w, bodies=None):
     """
     total, r, X = 0.0, state.r, state.X
     for k in range(state.xi.size):
-        s, b, U = loads.strand[k], state.rider[k], state.speed[k]
+        s, b, U = loads.strand[k], state.moving_load[k], state.speed[k]
         if b <= OFF or U == 0.0 or (b >= 0 and loads.contact[k] == FRICTIONLESS):  # its two sides are alike
             continue
         behind, ahead = b - 1, b
         if b == SHARED:  # between the links beyond its own
             first, last = strands.first[s], strands.first[s] + strands.links[s]
-            i = seat_of(X, state.xi[k], strands.h[s], first, last)
+            i = location_of(X, state.xi[k], strands.h[s], first, last)
             if i == first or i == last - 1:
                 for a in range(r.shape[0]):
                     F = force_at(loads, k, state.t[0], a) if bodies is None else bodies.wheels[k].on_line[a]
@@ -197,7 +197,7 @@ def _loss(strands, loads, state, w, bodies=None):
             lam = stretch(r, i) / (X[i + 1] - X[i])
             T = law.tension(p, lam - 1.0)
             if c > 0.0:
-                T += c * _strain_rate(r, w, X, state.rider, state.speed, i)
+                T += c * _strain_rate(r, w, X, state.moving_load, state.speed, i)
             own = law.stored(p, lam - 1.0) - T * lam + 0.5 * strands.rho[s] * U * U * lam * lam
             jump += own if side == 1 else -own
         total += U * jump
@@ -211,26 +211,26 @@ def _pull_all(strands, loads, state, buffers, kick):
     Returns:
         What the damping takes from the motion during a kick, J.
     """
-    r, X, rider, per_length, q, f = state.r, state.X, state.rider, buffers.per_length, buffers.q, buffers.f
+    r, X, moving_load, per_length, q, f = state.r, state.X, state.moving_load, buffers.per_length, buffers.q, buffers.f
     lost = 0.0
     for s in range(strands.first.size):
         p, c, h, first = strands.law[s], strands.damping[s], strands.h[s], strands.first[s]
         last = first + strands.links[s]
-        for k in range(rider.size):  # beside a load, lengths change too fast for a guess
-            b = rider[k]
+        for k in range(moving_load.size):  # beside a load, lengths change too fast for a guess
+            b = moving_load[k]
             if first < b < last:
                 per_length[b - 1], per_length[b] = 1.0 / stretch(r, b - 1), 1.0 / stretch(r, b)
                 if c > 0.0 and loads.contact[k] == FRICTIONLESS:  # equal tensions need equal rates of the stretch, too
                     buffers.ahead[0, b] = even_velocity(state, buffers.ahead, b)
         square = pull_again(p, c, h, first, last, r, buffers.ahead, per_length, q, f)
-        for k in range(rider.size):
-            b = rider[k]
+        for k in range(moving_load.size):
+            b = moving_load[k]
             if first < b < last:
                 if c == 0.0:
                     for i in range(b - 1, b + 1):
                         q[i] = pull_one_again(p, X[i + 1] - X[i], r, per_length, i)
                 else:
-                    square += _pull_beside(p, c, h, r, buffers.ahead, X, rider, state.speed, q, b)
+                    square += _pull_beside(p, c, h, r, buffers.ahead, X, moving_load, state.speed, q, b)
                 for a in range(r.shape[0]):
                     for i in range(b - 1, b + 1):
                         f[a, i] = q[i] * (r[a, i + 1] - r[a, i])
@@ -254,8 +254,8 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
     Returns:
         Status (RUNNING when `until` is reached, else what went wrong) and the number of steps taken.
     """
-    time, r, w, xi, speed, rider, work = (
-        state.t, state.r, state.w, state.xi, state.speed, state.rider, state.work,
+    time, r, w, xi, speed, moving_load, work = (
+        state.t, state.r, state.w, state.xi, state.speed, state.moving_load, state.work,
     )  # fmt: skip
     target, stages, steps = buffers.target, drifts.size, 0
     end, tolerance = until - 1e-12 * max(1.0, abs(until)), np.inf
@@ -264,7 +264,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
     if ends is not None:
         drive_ends(state, ends, time[0])
     while time[0] < end:
-        if _take_seats(strands, loads, state, buffers):
+        if _take_locations(strands, loads, state, buffers):
             return END_OF_LINE, steps
         if bodies is not None:
             status = settle_bodies(strands, loads, state, buffers, bodies)
@@ -273,7 +273,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
         allowed = longest
         if ends is not None:
             allowed *= near_supports(strands, loads, state)
-        dt = _plan(until - time[0], allowed, target, xi, speed, rider)
+        dt = _plan(until - time[0], allowed, target, xi, speed, moving_load)
         kick, t_w, over, before, following = kicks[0] * dt, time[0], False, 0.0, 0.0
         _copy(w, buffers.ahead)
         if bodies is not None:
@@ -289,11 +289,11 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                     # The step is done but for its last kick, which also begins the next step, if there is one.
                     steps += 1
                     time[0] = begin + dt
-                    over = time[0] >= end or steps >= most or _is_due(target, xi, speed, rider, tolerance)
+                    over = time[0] >= end or steps >= most or _is_due(target, xi, speed, moving_load, tolerance)
                     if bodies is not None and not over:
                         over = is_body_due(strands, loads, state, bodies)
                     if not over:
-                        following = _plan(until - time[0], allowed, target, xi, speed, rider)
+                        following = _plan(until - time[0], allowed, target, xi, speed, moving_load)
                         kick += kicks[0] * following
                         break
                     drift = 0.0
@@ -303,7 +303,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                 if bodies is not None:
                     pull_bodies(strands, loads, state, buffers, bodies, kick, lead)
                 for k in range(xi.size):
-                    b = rider[k]
+                    b = moving_load[k]
                     if b >= 0:
                         for a in range(r.shape[0]):
                             buffers.dr[a, k] = r[a, b + 1] - r[a, b - 1]
@@ -321,7 +321,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                         drift_vehicles(strands, loads, state, bodies, drift)
                     time[0] += drift
                 if bodies is not None:
-                    seat_bodies(strands, state, buffers, bodies)
+                    location_bodies(strands, state, buffers, bodies)
                 t_w += kick
                 if stage < stages:
                     kick = kicks[stage + 1] * dt
@@ -332,7 +332,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
         _even_out_all(strands, loads, state, buffers, kick)
         if bodies is not None:
             hold_bodies(loads, state, buffers, bodies)
-            seat_bodies(strands, state, buffers, bodies)
+            location_bodies(strands, state, buffers, bodies)
         if not _is_finite(r, w):
             return NOT_FINITE, steps
         if steps >= most:

@@ -30,7 +30,9 @@ class Stages(NamedTuple):
     C: _Array  # (stage,) over the length of a step
     A: _Array  # (stage, stage); the last row has the weights
     D: _Array  # inverse of A
-    guide: _Array  # (stage,) weights of the rate at the start, of the polynomial through the start and all later stages
+    controller: (
+        _Array  # (stage,) weights of the rate at the start, of the polynomial through the start and all later stages
+    )
     modes: tuple[Mode, ...]
 
     @staticmethod
@@ -38,10 +40,10 @@ class Stages(NamedTuple):
         """The method with these coefficients."""
         later = np.flatnonzero(C > 0.0)
         D: _Array = np.linalg.inv(A).astype(np.float64)
-        guide = np.zeros(C.size)
+        controller = np.zeros(C.size)
         for i in later:
             others = [C[k] for k in later if k != i]
-            guide[i] = np.prod([-c / (C[i] - c) for c in others]) / C[i]
+            controller[i] = np.prod([-c / (C[i] - c) for c in others]) / C[i]
         values, vectors = np.linalg.eig(D)  # of real numbers, for pairs that are conjugate to the last bit
         values, vectors = values.astype(np.complex128), vectors.astype(np.complex128)
         inverse = np.linalg.inv(vectors)
@@ -49,7 +51,7 @@ class Stages(NamedTuple):
             Mode(complex(values[i]), inverse[i], vectors[:, i] * complex(1.0 if values[i].imag == 0.0 else 2.0))
             for i in np.flatnonzero(values.imag >= 0.0)
         ]
-        return Stages(C, A, D, guide, tuple(sorted(modes, key=lambda mode: abs(mode.value.imag))))
+        return Stages(C, A, D, controller, tuple(sorted(modes, key=lambda mode: abs(mode.value.imag))))
 
 
 RADAU = Stages.of(radau_iia.C, radau_iia.A)

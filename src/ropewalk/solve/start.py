@@ -17,34 +17,34 @@ from ropewalk.mechanics.chain import (
     SHARING,
     WORKS,
     Array,
+    ChainState,
     Integers,
     Loads,
-    State,
     Strands,
     Supports,
 )
-from ropewalk.mechanics.fleet import Fleet
+from ropewalk.mechanics.contact_points import ContactPoint
 from ropewalk.mechanics.law import RIGID, strain
 from ropewalk.mechanics.loading import Loading, loading_of
-from ropewalk.mechanics.rider import ROOM, force_at, link_of, part_of, speed_at
-from ropewalk.mechanics.wheels import Wheel
+from ropewalk.mechanics.moving_contact import ROOM, force_at, link_of, part_of, speed_at
+from ropewalk.mechanics.multibody_system import MultibodySystem
 from ropewalk.model.capabilities import refusal
 from ropewalk.model.line import Line
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.solve.capabilities import margin_without_mass
-from ropewalk.solve.ends import seat_ends
+from ropewalk.solve.end_conditions import EndConditions, ends_at
+from ropewalk.solve.ends import location_ends
 from ropewalk.solve.equilibrium import at_rest
-from ropewalk.solve.held import Held, ends_at
-from ropewalk.solve.holding import Contacts
-from ropewalk.solve.standing import NOTHING, Standing, contacts_on, stand
+from ropewalk.solve.hold_forces import StrandContacts
+from ropewalk.solve.loaded_equilibrium import NOTHING, LoadedStrand, contacts_on, stand
 
 # Parts of a length by which shorter ones are tried, at first; and of the distance of the ends, below which none is.
 _SHORTER, _SHORTEST = 1e-3, 1e-3
 
 
 @dataclass(frozen=True)
-class Setting:
+class PreparedRun:
     """A scenario made ready for a run."""
 
     axes: tuple[str, ...]
@@ -52,17 +52,17 @@ class Setting:
     strands: Strands
     loads: Loads
     supports: Supports
-    ends: tuple[Held, ...]  # what holds each strand at the beginning
-    bare: tuple[Standing | None, ...]  # each strand at rest without loads; None: not determined without them
+    ends: tuple[EndConditions, ...]  # what holds each strand at the beginning
+    bare: tuple[LoadedStrand | None, ...]  # each strand at rest without loads; None: not determined without them
     xi: Array  # (load,) m, where the loads begin; negative: before the start of the line
-    wheels: tuple[Wheel, ...]
-    fleet: Fleet | None  # what has a mass; None if nothing has
+    wheels: tuple[ContactPoint, ...]
+    multibody_system: MultibodySystem | None  # what has a mass; None if nothing has
     payloads: Mapping[str, Payload]  # of trolleys
 
     @cached_property
     def loading(self) -> Loading:
         """What its loads are."""
-        return Loading(self.axes, self.strands.gravity, self.wheels, self.loads, self.fleet)
+        return Loading(self.axes, self.strands.gravity, self.wheels, self.loads, self.multibody_system)
 
     @cached_property
     def on(self) -> tuple[Integers, ...]:
@@ -70,23 +70,23 @@ class Setting:
         return tuple(np.flatnonzero(self.loads.strand == s) for s in range(self.strands.first.size))
 
     @cached_property
-    def contacts(self) -> tuple[Contacts, ...]:
+    def contacts(self) -> tuple[StrandContacts, ...]:
         """How the loads on each strand are held."""
         return tuple(contacts_on(self.loads, on) for on in self.on)
 
     @cached_property
-    def is_held_still(self) -> bool:
+    def is_restrained_still(self) -> bool:
         """Whether no support moves as prescribed."""
         return bool((self.supports.motion_count == 1).all())
 
-    def held(self, s: int, t: float) -> Held:
+    def restrained(self, s: int, t: float) -> EndConditions:
         """What holds strand s at time t in s."""
-        if self.is_held_still:
+        if self.is_restrained_still:
             return self.ends[s]
         return ends_at(self.supports, s, t, self.strands.gravity)
 
 
-def setting_of(scenario: Scenario, until: float) -> Setting:
+def setting_of(scenario: Scenario, until: float) -> PreparedRun:
     """Make a scenario ready: lengths found where tensions are given, strands at rest, loads placed.
 
     Args:
@@ -104,15 +104,15 @@ def setting_of(scenario: Scenario, until: float) -> Setting:
     strands = strands_of(scenario, lengths)
     loading = loading_of(scenario, until, strands)
     axes, wheels, loads = loading.axes, loading.wheels, loading.loads
-    if loading.fleet is not None:
-        for wheel, mass in zip(wheels, loading.fleet.bodies.wheels["mass"][:, len(axes) - 1], strict=True):
+    if loading.multibody_system is not None:
+        for wheel, mass in zip(wheels, loading.multibody_system.bodies.wheels["mass"][:, len(axes) - 1], strict=True):
             if wheel.margin is not None and not mass:
                 raise refusal(margin_without_mass(wheel.load, wheel.margin))
     payloads = {name: load.payload for name, load in scenario.loads.items() if isinstance(load, Trolley)}
     supports = supports_of(scenario, until)
     ends = tuple(ends_at(supports, s, 0.0, strands.gravity) for s in range(len(scenario.lines)))
     nothing, none = np.zeros(0), np.zeros((len(axes), 0))
-    bare: list[Standing | None] = []
+    bare: list[LoadedStrand | None] = []
     for s, name in enumerate(scenario.lines):
         try:
             bare.append(stand(strands, s, ends[s], nothing, none, NOTHING))
@@ -121,9 +121,9 @@ def setting_of(scenario: Scenario, until: float) -> Setting:
                 raise EquilibriumError(f"line {name}: {error}") from None
             bare.append(None)  # slack and without weight: loads may still give it a shape
     xi = [_place(scenario, strands, bare, loads, k, wheel) for k, wheel in enumerate(wheels)]
-    return Setting(
+    return PreparedRun(
         axes, tuple(scenario.lines), strands, loads, supports, ends, tuple(bare), np.array(xi, dtype=float),
-        wheels, loading.fleet, payloads,
+        wheels, loading.multibody_system, payloads,
     )  # fmt: skip
 
 
@@ -133,22 +133,22 @@ def _length_for_tension(scenario: Scenario, name: str, line: Line) -> float:
 
     def mean_tension(length: float) -> float:
         strands = strands_of(lone, {name: length})
-        rest = stand(strands, 0, held, np.zeros(0), np.zeros((strands.gravity.size, 0)), NOTHING)
+        rest = stand(strands, 0, restrained, np.zeros(0), np.zeros((strands.gravity.size, 0)), NOTHING)
         return float(rest.tension.mean())
 
     lone = scenario.model_copy(update={"lines": {name: line}, "loads": {}})
     unit = strands_of(lone, {name: 1.0})
-    law, held = unit.law[0], ends_at(supports_of(lone, 0.0), 0, 0.0, unit.gravity)
+    law, restrained = unit.law[0], ends_at(supports_of(lone, 0.0), 0, 0.0, unit.gravity)
     stretched = line.distance / (1.0 + float(strain(law, line.tension)))
     if not np.isfinite(stretched):
         raise EquilibriumError(f"line {name}: the axial law never reaches the tension of {line.tension:g} N")
-    if scenario.gravity == 0.0 and held.is_fast:
+    if scenario.gravity == 0.0 and restrained.is_fast:
         return stretched
     # Weight adds sag, so that the length lies above that of the straight line; supports that yield bring it below. More
     # length is less tension.
     low = high = stretched * (1.0 + 1e-9) if law[0] == RIGID else stretched
     shorter = _SHORTER
-    while not held.is_fast and mean_tension(low) < line.tension:
+    while not restrained.is_fast and mean_tension(low) < line.tension:
         low, shorter = low * (1.0 - shorter), min(2.0 * shorter, 0.5)
         if low < _SHORTEST * line.distance:
             raise EquilibriumError(f"line {name}: its supports yield to less than {line.tension:g} N; give length")
@@ -166,7 +166,7 @@ def _length_for_tension(scenario: Scenario, name: str, line: Line) -> float:
 
 
 def _place(
-    scenario: Scenario, strands: Strands, bare: list[Standing | None], loads: Loads, k: int, wheel: Wheel
+    scenario: Scenario, strands: Strands, bare: list[LoadedStrand | None], loads: Loads, k: int, wheel: ContactPoint
 ) -> float:
     """Material coordinate at which load k begins; the distance of the ends stands for the far one.
 
@@ -199,13 +199,13 @@ def _place(
     return float(min(np.interp(start, along, rest.X), length))
 
 
-def _beyond(wheel: Wheel, end: float, scenario: Scenario) -> str:
+def _beyond(wheel: ContactPoint, end: float, scenario: Scenario) -> str:
     """Say that a wheel would begin beyond the end of its line, at `end` (m)."""
     key = "travel.from" if hasattr(scenario.loads[wheel.load], "travel") else "from"
     return f"load {wheel.name} would begin {wheel.start:g} m along its line, which ends at {end:g} m; change {key}"
 
 
-def onward(setting: Setting, r: Array, s: int) -> Array:
+def onward(setting: PreparedRun, r: Array, s: int) -> Array:
     """Level direction (axis,) from the start of strand s to its end, a unit vector; zero if it only rises.
 
     Args:
@@ -217,7 +217,7 @@ def onward(setting: Setting, r: Array, s: int) -> Array:
     return way / (float(np.linalg.norm(way)) or 1.0)
 
 
-def start_state(setting: Setting, with_loads: bool, resting: Array | None = None) -> State:
+def start_state(setting: PreparedRun, with_loads: bool, resting: Array | None = None) -> ChainState:
     """The state of rest under gravity (and the loads at their start, if wanted), every load in the seat of a force.
 
     Args:
@@ -229,11 +229,11 @@ def start_state(setting: Setting, with_loads: bool, resting: Array | None = None
     dim, nodes = len(setting.axes), int((strands.links + 1).sum())
     count = setting.xi.size
     X = np.concatenate([np.arange(n + 1) * h for n, h in zip(strands.links, strands.h, strict=True)])
-    state = State(
+    state = ChainState(
         t=np.zeros(1), r=np.zeros((dim, nodes)), w=np.zeros((dim, nodes)), X=X, xi=setting.xi.copy(),
-        speed=np.zeros(count), rider=np.full(count, SHARED), hold=np.zeros(count), work=np.zeros(WORKS),
+        speed=np.zeros(count), moving_load=np.full(count, SHARED), hold=np.zeros(count), work=np.zeros(WORKS),
     )  # fmt: skip
-    _take_first_seats(strands, loads, state)
+    _take_first_locations(strands, loads, state)
     for s in range(strands.first.size):
         i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
         f = np.zeros((dim, j - i + 1))
@@ -246,8 +246,8 @@ def start_state(setting: Setting, with_loads: bool, resting: Array | None = None
                 F = np.array([force_at(loads, k, 0.0, a) for a in range(dim)])
                 if resting is not None:
                     F += resting[:, k]
-                if state.rider[k] >= 0:
-                    f[:, state.rider[k] - i] += F
+                if state.moving_load[k] >= 0:
+                    f[:, state.moving_load[k] - i] += F
                 else:
                     link = link_of(strands, loads, state, k)
                     part = part_of(state, k, link)
@@ -257,11 +257,11 @@ def start_state(setting: Setting, with_loads: bool, resting: Array | None = None
         guess = bare.first_force if bare is not None else None
         rest = at_rest(strands.law[s], np.diff(X[i : j + 1]), f, setting.ends[s], guess)
         state.r[:, i : j + 1] = rest.position
-    seat_ends(strands, setting.supports, state)
+    location_ends(strands, setting.supports, state)
     return state
 
 
-def _take_first_seats(strands: Strands, loads: Loads, state: State) -> None:
+def _take_first_locations(strands: Strands, loads: Loads, state: ChainState) -> None:
     """Let each load ride with its nearest node where that one is free and inside the line."""
     for k in range(state.xi.size):
         s, xi = int(loads.strand[k]), float(state.xi[k])
@@ -271,8 +271,8 @@ def _take_first_seats(strands: Strands, loads: Loads, state: State) -> None:
         ahead = speed_at(loads, k, 0.0) >= 0.0
         nearest = int(np.floor(xi / h + 0.5)) if ahead else int(np.ceil(xi / h - 0.5))
         j = first + nearest
-        if not 0 < nearest < n or j in state.rider or loads.contact[k] == SHARING:
+        if not 0 < nearest < n or j in state.moving_load or loads.contact[k] == SHARING:
             continue
         if state.X[j + 1] - xi >= ROOM * h and xi - state.X[j - 1] >= ROOM * h:
-            state.rider[k] = j
+            state.moving_load[k] = j
             state.X[j] = xi

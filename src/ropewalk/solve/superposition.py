@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array, Integers
-from ropewalk.solve.modal import RATE_AT_END, Complex, Modes, Step
+from ropewalk.solve.modal import RATE_AT_END, Complex, ModalBasis, ModalStep
 from ropewalk.solve.radau_iia import A as RADAU
 from ropewalk.solve.radau_iia import C as STAGES
 
@@ -32,7 +32,7 @@ TOLERANCE, _RINGING = 1e-5, 100.0
 _HALVINGS = 9
 
 
-class Touch(NamedTuple):
+class ContactsAtInstant(NamedTuple):
     """Contacts at an instant; those that are off their lines are left out."""
 
     contact: Integers  # (here,) which these are
@@ -44,15 +44,15 @@ class Touch(NamedTuple):
     force: Array  # (here, axis) N, given
 
 
-class Course(Protocol):
+class ContactHistory(Protocol):
     """What contacts do, which the structure does not change."""
 
-    def at(self, t: float, on: NDArray[np.bool_]) -> Touch:
+    def at(self, t: float, on: NDArray[np.bool_]) -> ContactsAtInstant:
         """Those that are on their lines, as said, at an instant in s."""
 
 
 @dataclass(frozen=True)
-class Bodies:
+class ModalBodies:
     """What stands on contacts; (coordinate,) or (coordinate, coordinate)."""
 
     mass: Array  # kg
@@ -90,7 +90,7 @@ class _Pressed(NamedTuple):
     """What has pressed on the structure in a step."""
 
     h: float  # s
-    touches: list[Touch]  # (stage,)
+    touches: list[ContactsAtInstant]  # (stage,)
     force: Array  # (stage, contact and axis) N
 
 
@@ -101,7 +101,7 @@ class _Seen(NamedTuple):
     u: Array
     w: Array
     force: Array  # (contact, axis) N
-    touch: Touch
+    touch: ContactsAtInstant
     pressing: Array  # (contact on its line and axis,) N
     pressed: _Pressed | None  # in the step before it
 
@@ -126,10 +126,10 @@ class Superposition:
         axes: how many.
     """
 
-    def __init__(self, modes: Modes, course: Course, bodies: Bodies, axes: int) -> None:
+    def __init__(self, modes: ModalBasis, course: ContactHistory, bodies: ModalBodies, axes: int) -> None:
         self.modes, self.course, self.bodies, self._axes = modes, course, bodies, axes
         self._nodes = modes.shape.shape[0] // axes
-        self._steps: dict[float, Step] = {}
+        self._steps: dict[float, ModalStep] = {}
         self._small: dict[tuple[float, bytes, frozenset[int]], _Small] = {}
 
     def moments(
@@ -178,13 +178,13 @@ class Superposition:
                 found.append(self._look(stretch.end, stretch.on, z, u, w, press))
         return found
 
-    def _step_of(self, h: float) -> Step:
+    def _step_of(self, h: float) -> ModalStep:
         key = float(f"{h:.12e}")
         if key not in self._steps:
-            self._steps[key] = Step(self.modes.rate, h)
+            self._steps[key] = ModalStep(self.modes.rate, h)
         return self._steps[key]
 
-    def _shares(self, touch: Touch) -> Array:
+    def _shares(self, touch: ContactsAtInstant) -> Array:
         """How places share unit forces of all contacts, (place, contact and axis)."""
         E = np.zeros((self._axes * self._nodes, touch.contact.size * self._axes))
         for i, (near, weight) in enumerate(zip(touch.near, touch.weight, strict=True)):
@@ -193,7 +193,7 @@ class Superposition:
                 E[a * self._nodes + near + np.flatnonzero(used), i * self._axes + a] = weight[used]
         return E
 
-    def _rows(self, touch: Touch) -> tuple[Complex, Complex]:
+    def _rows(self, touch: ContactsAtInstant) -> tuple[Complex, Complex]:
         """Displacements of modes at all contacts (contact and axis, mode), and how forces there drive them."""
         here = touch.near[:, None] + np.arange(touch.weight.shape[1])
         here = np.minimum(here, self._nodes - 1)  # beyond the last one weights are zero
@@ -203,13 +203,13 @@ class Superposition:
         size = touch.contact.size * self._axes, self.modes.rate.size
         return shape.reshape(size), driven.reshape(size)
 
-    def _held(self, stretch: Stretch) -> NDArray[np.bool_]:
+    def _restrained(self, stretch: Stretch) -> NDArray[np.bool_]:
         """Which coordinates stand still: of contacts off their lines, and of loads that are gone."""
-        held = np.isin(self.bodies.load, list(stretch.gone))
+        restrained = np.isin(self.bodies.load, list(stretch.gone))
         for first, on in zip(self.bodies.first, stretch.on, strict=True):
             if first >= 0 and not on:
-                held[first : first + self._axes] = True
-        return held
+                restrained[first : first + self._axes] = True
+        return restrained
 
     def _arrive(self, stretch: Stretch, before: NDArray[np.bool_], z: Complex, u: Array, w: Array) -> None:
         """Put contacts that come to their lines on them, with the velocity of their points; what stands still rests."""
@@ -223,12 +223,12 @@ class Superposition:
                     u[own] = touch.point[i] + (rows @ z).real
                     w[own] = touch.way[i] + (rows @ (self.modes.rate * z)).real
             self._balance(stretch, z, u, w)
-        w[self._held(stretch)] = 0.0
+        w[self._restrained(stretch)] = 0.0
 
     def _balance(self, stretch: Stretch, z: Complex, u: Array, w: Array) -> None:
         """Put coordinates without mass where springs and dampers above and the structure below are in balance."""
         b, touch = self.bodies, self.course.at(stretch.begin, stretch.on)
-        light = np.flatnonzero((np.diag(b.mass) == 0.0) & ~self._held(stretch))
+        light = np.flatnonzero((np.diag(b.mass) == 0.0) & ~self._restrained(stretch))
         if not light.size:
             return
         firm, pull = np.zeros(u.size), b.force - b.damping @ w
@@ -244,7 +244,7 @@ class Superposition:
         u[light] = np.linalg.solve(K[np.ix_(light, light)], pull[light] - K[np.ix_(light, others)] @ u[others])
 
     def _go(
-        self, step: Step, stretch: Stretch, t: float, z: Complex, u: Array, w: Array
+        self, step: ModalStep, stretch: Stretch, t: float, z: Complex, u: Array, w: Array
     ) -> tuple[Complex, Array, Array, _Pressed]:
         """One step; the state after it, and what has pressed on the structure."""
         touches = [self.course.at(t + c * step.h, stretch.on) for c in STAGES]
@@ -259,7 +259,8 @@ class Superposition:
         return z, u, w, _Pressed(step.h, touches, N)
 
     def _press(
-        self, step: Step, stretch: Stretch, touches: list[Touch], rows: list[tuple[Complex, Complex]], z: Complex,
+        self, step: ModalStep, stretch: Stretch, touches: list[ContactsAtInstant], rows: list[tuple[Complex,
+        Complex]], z: Complex,
         u: Array, w: Array,
     ) -> tuple[Array, Array, Array]:  # fmt: skip
         """Forces of all contacts at the stages (stage, contact and axis), and the bodies at the end of a step.
@@ -293,7 +294,7 @@ class Superposition:
         N[:, own] = x[low:].reshape(3, m)
         return N, u + h * (RADAU[2] @ rates), rates[2].copy()
 
-    def _equations_of(self, step: Step, stretch: Stretch) -> _Small:
+    def _equations_of(self, step: ModalStep, stretch: Stretch) -> _Small:
         """Equations of bodies for steps of one length with the same contacts on their lines."""
         key = (step.h, stretch.on.tobytes(), stretch.gone)
         if key in self._small:
@@ -314,7 +315,7 @@ class Superposition:
         size = sum(part * np.abs(np.diag(of)) for part, of in ((1.0, b.mass), (h, b.damping), (h * h, b.stiffness)))
         scale = np.tile(1.0 / np.maximum(size, 1e-12), 3)
         left[:low] *= scale[:, None]
-        still = np.flatnonzero(np.tile(self._held(stretch), 3))
+        still = np.flatnonzero(np.tile(self._restrained(stretch), 3))
         left[still] = 0.0
         left[still, still] = 1.0
         self._small[key] = _Small(own, coordinate, left, scale, still)
@@ -365,7 +366,7 @@ def passed_an_end(load: str, t: float) -> RopewalkError:
     )
 
 
-def held_by_pulling(wheel: str, t: float, remedy: str) -> str:
+def restrained_by_pulling(wheel: str, t: float, remedy: str) -> str:
     """Say that a wheel would have left its line at t in s."""
     return (
         f"load {wheel}: contact is lost at t = {t:.4g} s, from where on this solution holds the wheel to the line by "

@@ -10,7 +10,7 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import Loading
-from ropewalk.solve.start import Setting
+from ropewalk.solve.start import PreparedRun
 
 # Forces of vehicles agree with the heights of their wheels to this part of the largest force: well above the rounding
 # of rest shapes, far below any other error.
@@ -75,9 +75,9 @@ def weights_of_wheels(bodies: Bodies, gravity: Array) -> Array:
 def resting_forces(loading: Loading) -> Array:
     """Forces of all bodies at rest on lines on which all wheels are at one height, (axis, wheel) N."""
     level = np.zeros((len(loading.axes), len(loading.wheels)))
-    if loading.fleet is None:
+    if loading.multibody_system is None:
         return level
-    bodies = loading.fleet.bodies
+    bodies = loading.multibody_system.bodies
     return weights_of_wheels(bodies, loading.gravity) + forces_of_vehicles(bodies, level)
 
 
@@ -125,10 +125,10 @@ def _change_of_miss(bodies: Bodies, give_way: Callable[[Array], Array], force: A
     return change
 
 
-def standing_bodies(setting: Setting, place: Array) -> Bodies:
+def loaded_bodies(setting: PreparedRun, place: Array) -> Bodies:
     """A copy of all bodies as they stand on wheels at places (axis, wheel) in m, payloads hanging straight down."""
-    assert setting.fleet is not None
-    bodies, dim = setting.fleet.bodies.copy(), place.shape[0]
+    assert setting.multibody_system is not None
+    bodies, dim = setting.multibody_system.bodies.copy(), place.shape[0]
     bodies.wheels["r"][:, :dim], bodies.wheels["v"], bodies.coordinates["v"] = place.T, 0.0, 0.0
     for v, vehicle in enumerate(bodies.vehicles):
         n, count, first = int(vehicle["coordinates"]), int(vehicle["wheels"]), int(vehicle["first"])

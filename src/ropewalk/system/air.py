@@ -27,20 +27,20 @@ def damping_by_wind(structure: Structure, r: Array, t: float) -> sparse.csc_matr
     speed = float(np.interp(t, wind.time, wind.speed))
     if speed == 0.0 or not wind.direction.any() or not runs.width.any():
         return sparse.csc_matrix((axes * n, axes * n))
-    pieces: list[tuple[int, int, float]] = []  # nodes, m
+    segments: list[tuple[int, int, float]] = []  # nodes, m
     beside: list[tuple[int, int, float]] = []  # piece, node, part that the node bears for an end
     for s in np.flatnonzero(runs.width > 0.0):
-        first, links, begin = int(runs.first[s]), int(runs.links[s]), len(pieces)
-        pieces += [(i, i + 1, runs.width[s]) for i in range(first, first + links)]
+        first, links, begin = int(runs.first[s]), int(runs.links[s]), len(segments)
+        segments += [(i, i + 1, runs.width[s]) for i in range(first, first + links)]
         for side, (end, way, link) in enumerate(((first, 1, 0), (first + links, -1, links - 1)) if links > 1 else ()):
             near, far = runs.shift[s, side]
             beside += [(begin + link, end + i * way, part) for i, part in enumerate((-near - far, near, far))]
     if structure.sheaves is not None:
         for b, s in zip(structure.sheaves.node.tolist(), structure.sheaves.run, strict=True):
             e = int(runs.first[s] + runs.links[s])
-            pieces += [(e, b, runs.width[s]), (b, e + 1, runs.width[s])]
-    one, other, width = np.array(pieces).T
-    ends, count = np.concatenate([one, other]).astype(int), len(pieces)
+            segments += [(e, b, runs.width[s]), (b, e + 1, runs.width[s])]
+    one, other, width = np.array(segments).T
+    ends, count = np.concatenate([one, other]).astype(int), len(segments)
     chord = r[:, ends[count:]] - r[:, ends[:count]]
     length = np.maximum(np.linalg.norm(chord, axis=0), 1e-300)
     tangent = chord / length

@@ -12,7 +12,7 @@ import numpy as np
 
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.system.contacts import GONE, ON, PRESCRIBED
-from ropewalk.system.structure import State, Structure
+from ropewalk.system.structure import Structure, SystemState
 from ropewalk.system.travel import Tables
 
 STOPPED = 3  # beside the states of contacts: at an end of its line
@@ -33,7 +33,7 @@ class _Moving(Protocol):
     def tables(self) -> Tables: ...
 
     @property
-    def state(self) -> State: ...
+    def state(self) -> SystemState: ...
 
 
 class Change(NamedTuple):

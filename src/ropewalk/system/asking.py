@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ropewalk.checkpoint import Tree
+from ropewalk.controllers.carrier import Controller
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.turns import TravelEndedError
-from ropewalk.guides.carrier import Guide
+from ropewalk.foreign.cosimulation_master import TravelEndedError
 from ropewalk.system import motion
 from ropewalk.system.carrier import SystemCarrier
 
@@ -27,16 +27,16 @@ class Asking:
         guides: who decide.
     """
 
-    def __init__(self, carrier: SystemCarrier, guides: Sequence[Guide]) -> None:
-        self.carrier, self.guides, self.message = carrier, guides, ""
+    def __init__(self, carrier: SystemCarrier, controllers: Sequence[Controller]) -> None:
+        self.carrier, self.controllers, self.message = carrier, controllers, ""
         self._idle = 0
 
     def begin(self) -> None:
         """Take the first decisions."""
-        if not self.guides:
+        if not self.controllers:
             return
-        for guide in self.guides:
-            guide.begin()
+        for controller in self.controllers:
+            controller.begin()
         self.carrier.system.contacts["before"] = float("nan")  # what presses from the beginning has done no work yet
         self.carrier.system.settle()
         self.carrier.looks_ahead = True
@@ -44,11 +44,11 @@ class Asking:
     def to(self, end: float) -> int:
         """Go on to a time in s; returns RUNNING, or why that ends before."""
         carrier = self.carrier
-        if not self.guides:
+        if not self.controllers:
             return carrier.go(end)
         while carrier.t < end:
             begin = carrier.t
-            until = min([end, *(guide.next(begin) for guide in self.guides)])
+            until = min([end, *(controller.next(begin) for controller in self.controllers)])
             status = motion.ASKED
             if until - begin > NEXT_TO_NOTHING * carrier.longest:
                 status = carrier.to(until)
@@ -63,21 +63,21 @@ class Asking:
 
     def get_state(self) -> Tree:
         """All that changes in who decides."""
-        return {"idle": self._idle, "of": [guide.get_state() for guide in self.guides]}
+        return {"idle": self._idle, "of": [controller.get_state() for controller in self.controllers]}
 
     def set_state(self, tree: Tree) -> None:
         """Go on from there."""
         self._idle = tree["idle"]
-        for guide, own in zip(self.guides, tree["of"], strict=True):
-            guide.set_state(own)
+        for controller, own in zip(self.controllers, tree["of"], strict=True):
+            controller.set_state(own)
 
     def _ask(self) -> int:
         if self._idle > MOST_QUESTIONS:
             self.message = "a load asks again and again without moving on"
             return FAILED
         try:
-            for guide in self.guides:
-                guide.act()
+            for controller in self.controllers:
+                controller.act()
         except TravelEndedError:
             return motion.AT_END
         except RopewalkError as error:

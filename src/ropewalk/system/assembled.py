@@ -8,8 +8,8 @@ from typing import NamedTuple
 import scipy.sparse as sparse
 
 from ropewalk.mechanics.chain import Array, Integers
-from ropewalk.system.laying import Nets
 from ropewalk.system.structure import Structure
+from ropewalk.system.surface_paths import Nets
 
 
 class Attached(NamedTuple):

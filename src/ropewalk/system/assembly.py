@@ -9,14 +9,14 @@ import numpy as np
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
-from ropewalk.mechanics.assembly import axes_of, components, held_by, pack, speed_table, vector_table
-from ropewalk.mechanics.bodies import Bodies as FleetBodies
+from ropewalk.mechanics.assembly import axes_of, components, pack, restrained_by, speed_table, vector_table
+from ropewalk.mechanics.bodies import Bodies as AssembledBodies
 from ropewalk.mechanics.chain import BLOCK, COULOMB, DRAGGED, FRICTIONLESS, Array, Integers
 from ropewalk.mechanics.compiled import records
-from ropewalk.mechanics.fleet import MARGIN
 from ropewalk.mechanics.footfall import footfalls
-from ropewalk.mechanics.held_points import supports_of
 from ropewalk.mechanics.loading import Loading
+from ropewalk.mechanics.multibody_system import MARGIN
+from ropewalk.mechanics.restrained_points import supports_of
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import Hooke
@@ -28,21 +28,21 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
+from ropewalk.networks.assembly import Laid
+from ropewalk.networks.lengths import laid_at_rest
 from ropewalk.system import friction
 from ropewalk.system.assembled import Assembled
-from ropewalk.system.bodies import BLOWN, Bodies
+from ropewalk.system.bodies import BLOWN, BodyArrays
 from ropewalk.system.constrained import lent, nearly
 from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
 from ropewalk.system.friction import NOT, STANDS
 from ropewalk.system.inertia import Inertia
-from ropewalk.system.laying import Nets
 from ropewalk.system.overhead_lines import overhead_lines_of
 from ropewalk.system.sections import sections_of, sheaves_of
-from ropewalk.system.structure import About, Holdings, Lines, Nodes, Runs, Structure, Wind
+from ropewalk.system.structure import About, Lines, Nodes, Restraints, Runs, Structure, WindField
+from ropewalk.system.surface_paths import Nets
 from ropewalk.system.tethers import TETHER
 from ropewalk.system.travel import Tables
-from ropewalk.webs.laying import Laid
-from ropewalk.webs.lengths import laid_at_rest
 
 # Sine of the angle to the vertical below which a way on a net goes straight up.
 _UPRIGHT = 1e-9
@@ -103,7 +103,9 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     shown, dim = [0, 2] if len(axes) == 2 else [0, 1, 2], len(axes)
     nets = Nets(scenario, laid) if scenario.nets else None
     sections = list(sections_of(scenario, laid, set(nets.corners()) if nets is not None else set()))
-    original = np.concatenate([np.zeros(0, dtype=np.int64), *(node for _, node, _ in sections), laid.web.sheaves.node])
+    original = np.concatenate(
+        [np.zeros(0, dtype=np.int64), *(node for _, node, _ in sections), laid.network.sheaves.node]
+    )
     if nets is not None:
         original = nets.number(original)
     cables = _cables(scenario, axes)
@@ -165,11 +167,11 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
         np.array([float(name in scenario.lines) for name, *_ in sections] + [0.0] * len(ways)),
         np.array([0.0] * len(sections) + [way.firm for way in ways]), np.tile(np.eye(dim)[0], (len(links), 1)),
     )  # fmt: skip
-    holdings = _holdings(scenario, laid, sections, original, gravity, until, axes, nets)
+    restraints = _restraints(scenario, laid, sections, original, gravity, until, axes, nets)
     light = np.divide(1.0, mass, out=np.zeros(n), where=mass > 0.0)
-    light[holdings.node] = 0.0
+    light[restraints.node] = 0.0
     surfaces = nets.surfaces(dict(enumerate(first[len(sections) :]))) if nets is not None else None
-    mobile = _mobile(mass, light, holdings)
+    mobile = _mobile(mass, light, restraints)
     if surfaces is not None:
         A = surfaces.shares(n)
         r += np.asarray((A @ r.T).T)
@@ -187,10 +189,10 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
             np.concatenate([[0], np.cumsum(count)[:-1]]).astype(np.int64), count.astype(np.int64), np.array(begin),
             np.array(lengths),
         ),
-        holdings, _wind(scenario, until, axes), About.nothing(dim), Inertia.nothing(dim), surfaces, sheaves,
+        restraints, _wind(scenario, until, axes), About.nothing(dim), Inertia.nothing(dim), surfaces, sheaves,
         np.zeros(n) if (runs.law[:, 0] == law.RIGID).any() else None,
     )  # fmt: skip
-    where = {int(n): e for e in range(holdings.mass.size) for n in holdings.members(e)}
+    where = {int(n): e for e in range(restraints.mass.size) for n in restraints.members(e)}
     at_ends = {end.name: int(np.flatnonzero(original == end.node)[0]) for end in laid.ends}
     supports = tuple((name, where[node]) for name, node in at_ends.items())
     station = np.concatenate([*(station for *_, station in sections), np.full(n, np.nan)])[:n]
@@ -204,19 +206,19 @@ def _level(way: Array) -> Array:
     return level / size if size > _UPRIGHT * float(np.linalg.norm(way)) else np.eye(way.size)[0]
 
 
-def _mobile(mass: Array, light: Array, holdings: Holdings) -> Array:
+def _mobile(mass: Array, light: Array, restraints: Restraints) -> Array:
     found = light.copy()
-    for e in range(holdings.mass.size):
-        nodes = holdings.members(e)
-        weight = holdings.mass[e] + mass[nodes].sum()
-        found[nodes] = float(holdings.free[e].any()) / weight if weight > 0.0 else 0.0
+    for e in range(restraints.mass.size):
+        nodes = restraints.members(e)
+        weight = restraints.mass[e] + mass[nodes].sum()
+        found[nodes] = float(restraints.free[e].any()) / weight if weight > 0.0 else 0.0
     return found
 
 
-def _holdings(
+def _restraints(
     scenario: Scenario, laid: Laid, sections: list[tuple[str, Integers, Array]], original: Integers, gravity: Array,
     until: float, axes: tuple[str, ...], nets: Nets | None,
-) -> Holdings:  # fmt: skip
+) -> Restraints:  # fmt: skip
     """Supports of lines and sheaves, and what keeps nodes together."""
     dim = gravity.size
     members = {int(i): np.flatnonzero(original == i) for i in np.unique(original)}
@@ -238,7 +240,7 @@ def _holdings(
                     joint = scenario.joints[support.to]
                     entry |= {"mass": joint.mass, "force": joint.mass * gravity + components(joint.force, axes)}
                 continue
-            free, stiffness, damping, force = held_by(support, axes)
+            free, stiffness, damping, force = restrained_by(support, axes)
             mass = getattr(support, "mass", 0.0)
             history = getattr(support, "displacement", (0.0,) * dim)
             entry |= {
@@ -246,14 +248,14 @@ def _holdings(
                 "damping": damping, "place": components(place, axes), "table": vector_table(history, until, axes),
             }  # fmt: skip
     wheels = (sheave for line in scenario.lines.values() for sheave in line.sheaves.values())
-    for node, sheave in zip(laid.web.sheaves.node.tolist(), wheels, strict=True):
+    for node, sheave in zip(laid.network.sheaves.node.tolist(), wheels, strict=True):
         entry = found.setdefault(node, {"node": members[node], "free": np.eye(dim)})
         if sheave.to is None:
             entry |= {"free": np.zeros((dim, dim)), "place": components(sheave.at, axes)}
         else:
             joint = scenario.joints[sheave.to]
             entry |= {"mass": joint.mass, "force": joint.mass * gravity + components(joint.force, axes)}
-    for number, more in nets.held() if nets is not None else ():
+    for number, more in nets.restrained() if nets is not None else ():
         found.setdefault(number, {"node": members[number], "free": np.eye(dim)}).update(more)
     entries = [none | entry for entry in found.values()]
 
@@ -262,7 +264,7 @@ def _holdings(
 
     counts = np.array([entry["node"].size for entry in entries], dtype=np.int64)
     sizes = np.array([entry["table"][0].size for entry in entries], dtype=np.int64)
-    return Holdings(
+    return Restraints(
         np.cumsum(counts) - counts, counts, np.concatenate([e["node"] for e in entries]).astype(np.int64),
         column("mass"), column("force"), column("free"), column("stiffness"), column("damping"), column("place"),
         np.cumsum(sizes) - sizes, sizes, np.concatenate([e["table"][0] for e in entries]),
@@ -270,18 +272,18 @@ def _holdings(
     )  # fmt: skip
 
 
-def _wind(scenario: Scenario, until: float, axes: tuple[str, ...]) -> Wind:
+def _wind(scenario: Scenario, until: float, axes: tuple[str, ...]) -> WindField:
     wind = scenario.wind
     if wind is None:
-        return Wind(np.zeros(len(axes)), np.zeros(1), np.zeros(1), 1.0)
+        return WindField(np.zeros(len(axes)), np.zeros(1), np.zeros(1), 1.0)
     direction = components(wind.direction, axes)
     time, speed = speed_table(wind.speed, until)
-    return Wind(direction / np.linalg.norm(direction), time, speed, wind.air_density)
+    return WindField(direction / np.linalg.norm(direction), time, speed, wind.air_density)
 
 
 def contacts_of(
     scenario: Scenario, loading: Loading, structure: Structure, on: Mapping[str, int]
-) -> tuple[Any, Tables, Bodies]:
+) -> tuple[Any, Tables, BodyArrays]:
     """Contacts of all loads, their histories, and what has a mass above them.
 
     Args:
@@ -334,47 +336,53 @@ def contacts_of(
     contacts["margin"][led] = 0.0
     places = dim * len(heavy)
     load = np.repeat(contacts["load"][heavy], dim).astype(np.int64)
-    if loading.fleet is None:
+    if loading.multibody_system is None:
         owner = np.stack([np.repeat(heavy, dim), np.tile(np.arange(dim), len(heavy))], axis=1).astype(np.int64)
         mass = np.repeat(lends[heavy], dim)
         contacts["light"][heavy] = np.divide(1.0, lends[heavy])
         return contacts, tables, _bodies([], mass, np.zeros(places), owner, load, len(names))
-    fleet = loading.fleet.bodies
-    tables = tables._replace(drive_time=fleet.drive_time, drive_value=fleet.drive_value)
+    multibody_system = loading.multibody_system.bodies
+    tables = tables._replace(drive_time=multibody_system.drive_time, drive_value=multibody_system.drive_value)
     for key in ("drive_first", "drive_count"):
-        contacts[key] = fleet.wheels[key]
-    count = places + fleet.coordinates.size
+        contacts[key] = multibody_system.wheels[key]
+    count = places + multibody_system.coordinates.size
     mass, force, owner = np.zeros(count), np.zeros(count), np.full((count, 2), -1, dtype=np.int64)
     for k in heavy:
         own = contacts[k]["first"] + np.arange(dim)
-        mass[own] = fleet.wheels[k]["mass"][:dim]
+        mass[own] = multibody_system.wheels[k]["mass"][:dim]
         force[own[-1]] = -scenario.gravity * mass[own[-1]]
         mass[own] = np.where(mass[own] > 0.0, mass[own], lends[k])
         owner[own, 0], owner[own, 1] = k, np.arange(dim)
     parts = []
     load = np.pad(load, (0, count - places))
-    for v, vehicle in enumerate(fleet.vehicles):
+    for v, vehicle in enumerate(multibody_system.vehicles):
         own, n = int(vehicle["coordinates"]), int(vehicle["coordinates"] + vehicle["wheels"])
         at = [places + int(vehicle["first"]) + i for i in range(own)]
-        seats = list(zip(fleet.wheel[v, : n - own], fleet.axis[v, : n - own], strict=True))
-        at += [int(contacts[k]["first"] + a) for k, a in seats]
-        np.add.at(force, at, fleet.load[v, :n])
+        locations = list(zip(multibody_system.wheel[v, : n - own], multibody_system.axis[v, : n - own], strict=True))
+        at += [int(contacts[k]["first"] + a) for k, a in locations]
+        np.add.at(force, at, multibody_system.load[v, :n])
         begin = int(vehicle["first"])
-        below = [b for b in fleet.buffers if begin <= b["coordinate"] < begin + own]
+        below = [b for b in multibody_system.buffers if begin <= b["coordinate"] < begin + own]
         at += [int(contacts[b["wheel"]]["first"] + dim - 1) for b in below]
-        hangs = fleet.tethers["wheel"][fleet.tethers["first"] == begin].tolist()
-        more = [int(contacts[k]["first"] + a) for k in (*hangs, *(k for k, _ in seats)) if led[k] for a in range(dim)]
+        hangs = multibody_system.tethers["wheel"][multibody_system.tethers["first"] == begin].tolist()
+        more = [
+            int(contacts[k]["first"] + a) for k in (*hangs, *(k for k, _ in locations)) if led[k] for a in range(dim)
+        ]
         at += [c for c in dict.fromkeys(more) if c not in at]  # a foot is where its leg and the line are in balance
-        M, C, K = (np.pad(m[v, :n, :n], (0, len(at) - n)) for m in (fleet.M, fleet.C, fleet.K))
+        M, C, K = (
+            np.pad(m[v, :n, :n], (0, len(at) - n)) for m in (multibody_system.M, multibody_system.C, multibody_system.K)
+        )
         for j, buffer in enumerate(below, start=n):  # a contact without mass below the wheel
             both = np.ix_([int(buffer["coordinate"]) - begin, j], [int(buffer["coordinate"]) - begin, j])
             K[both] += float(buffer["stiffness"]) * np.array([[1.0, -1.0], [-1.0, 1.0]])
             contacts[buffer["wheel"]]["lift"] = buffer["side"]
         parts.append((np.array(at), M, C, K))
         hangs += [int(buffer["wheel"]) for buffer in below]
-        load[at[:own]] = contacts["load"][seats[0][0] if seats else hangs[0]]
+        load[at[:own]] = contacts["load"][locations[0][0] if locations else hangs[0]]
     bodies = _bodies(parts, mass, force, owner, load, len(names))
-    bodies = bodies._replace(tethers=_tethers(fleet, contacts, places), blown=_blown(fleet, contacts, heavy, places))
+    bodies = bodies._replace(
+        tethers=_tethers(multibody_system, contacts, places), blown=_blown(multibody_system, contacts, heavy, places)
+    )
     for k in heavy:
         own = contacts[k]["first"] + np.arange(dim)
         contacts[k]["light"] = bodies.per_mass[own].max()
@@ -443,17 +451,17 @@ def refuse_beyond(scenario: Scenario, loading: Loading, contacts: Any, structure
             )
 
 
-def _tethers(fleet: FleetBodies, contacts: Any, places: int) -> Any:
-    found = records(len(fleet.tethers), TETHER)
-    found["contact"], found["first"] = fleet.tethers["wheel"], places + fleet.tethers["first"]
+def _tethers(multibody_system: AssembledBodies, contacts: Any, places: int) -> Any:
+    found = records(len(multibody_system.tethers), TETHER)
+    found["contact"], found["first"] = multibody_system.tethers["wheel"], places + multibody_system.tethers["first"]
     for key in ("length", "full", "stiffness", "damping", "way", "on", "across"):
-        found[key] = fleet.tethers[key]
+        found[key] = multibody_system.tethers[key]
     return found
 
 
-def _blown(fleet: FleetBodies, contacts: Any, heavy: list[int], places: int) -> Any:
-    drags = [(int(contacts[k]["first"]), float(fleet.wheels[k]["air_drag"])) for k in heavy]
-    drags += [(places + c, float(drag)) for c, drag in enumerate(fleet.coordinates["drag"])]
+def _blown(multibody_system: AssembledBodies, contacts: Any, heavy: list[int], places: int) -> Any:
+    drags = [(int(contacts[k]["first"]), float(multibody_system.wheels[k]["air_drag"])) for k in heavy]
+    drags += [(places + c, float(drag)) for c, drag in enumerate(multibody_system.coordinates["drag"])]
     found = [pair for pair in drags if pair[1] > 0.0]
     return np.array(found, dtype=BLOWN) if found else records(0, BLOWN)
 
@@ -461,7 +469,7 @@ def _blown(fleet: FleetBodies, contacts: Any, heavy: list[int], places: int) -> 
 def _bodies(
     parts: list[tuple[Integers, Array, Array, Array]], mass: Array, force: Array, owner: Integers, load: Integers,
     loads: int,
-) -> Bodies:  # fmt: skip
+) -> BodyArrays:  # fmt: skip
     size = np.array([at.size for at, *_ in parts], dtype=np.int64)
     most = int(size.max(initial=1))
     at = np.zeros((len(parts), most), dtype=np.int64)
@@ -477,7 +485,7 @@ def _bodies(
         heavy = np.diag(M[p])[:n] > 0.0
         weightless[p] = int((~heavy).sum())
         per_mass[own] = np.divide(1.0, np.diag(M[p])[:n], out=np.zeros(n), where=heavy)
-    return Bodies(
+    return BodyArrays(
         mass, per_mass, force, owner[:, 0].copy(), owner[:, 1].copy(), alone, size, at, M, C, K,
         np.zeros((2, len(parts), most, most)), weightless, np.zeros((most, most)), np.zeros(most), np.zeros(mass.size),
         np.zeros(mass.size), load.astype(np.int64), np.zeros(loads, dtype=np.int64), records(0, TETHER),

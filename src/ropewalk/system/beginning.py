@@ -15,15 +15,15 @@ from ropewalk.model.run import Start
 from ropewalk.results.stored import stored_instant
 from ropewalk.solve.mode_of_structure import mode_of
 from ropewalk.system.constrained import bring, ways
-from ropewalk.system.standing import Standing
-from ropewalk.system.statics import Potential
-from ropewalk.system.structure import State, Structure
+from ropewalk.system.loaded_structure import LoadedStructure
+from ropewalk.system.statics import SystemPotential
+from ropewalk.system.structure import Structure, SystemState
 
 _AWAY = 1e-9  # of the size of a structure: what is held this close is where it was
 
 
 def begin_elsewhere(
-    structure: Structure, state: State, start: Start, shown: Integers, of_line: Sequence[str], *, within: bool
+    structure: Structure, state: SystemState, start: Start, shown: Integers, of_line: Sequence[str], *, within: bool
 ) -> None:
     """Put a structure at rest, without its loads, into a mode or to where it was at a stored instant.
 
@@ -42,7 +42,9 @@ def begin_elsewhere(
         _restore(structure, state, start, shown)
         return
     assert start.amplitude is not None
-    potential = Potential(structure, Standing(structure, state.r), float(np.ptp(state.r, axis=1).max()), within=within)
+    potential = SystemPotential(
+        structure, LoadedStructure(structure, state.r), float(np.ptp(state.r, axis=1).max()), within=within
+    )
     on = None
     if start.line is not None:
         on = np.zeros(state.r.shape[1], dtype=np.bool_)
@@ -60,7 +62,9 @@ def begin_elsewhere(
         state.r[:], state.v[:] = r.reshape(state.r.shape), (potential.free @ rate).reshape(state.v.shape)
 
 
-def _mode(potential: Potential, state: State, number: int, way: Array, on: np.ndarray | None) -> tuple[Array, float]:
+def _mode(
+    potential: SystemPotential, state: SystemState, number: int, way: Array, on: np.ndarray | None
+) -> tuple[Array, float]:
     """Shape (axis, node) of a mode whose largest displacement is 1, and its frequency, rad/s."""
     axes, n = state.r.shape
     at = state.r.ravel()
@@ -88,17 +92,17 @@ def _chord(r: Array, of_line: Sequence[str], line: str | None) -> Array:
     return np.asarray(way / np.linalg.norm(way))
 
 
-def _restore(structure: Structure, state: State, start: Start, shown: Integers) -> None:
+def _restore(structure: Structure, state: SystemState, start: Start, shown: Integers) -> None:
     """Put all nodes to where they were at a stored instant."""
-    rest, held = state.r.copy(), structure.holdings
+    rest, restrained = state.r.copy(), structure.restraints
     state.r[:, shown], state.v[:, shown] = stored_instant(start, shown.size, rest.shape[0])
     seen, away = set(shown.tolist()), 0.0
-    for e in range(held.mass.size):
-        nodes = held.members(e)
+    for e in range(restrained.mass.size):
+        nodes = restrained.members(e)
         known = next(int(node) for node in nodes if int(node) in seen)
         state.r[:, nodes], state.v[:, nodes] = state.r[:, [known]], state.v[:, [known]]
-        tied = np.eye(rest.shape[0]) - held.free[e]
-        if held.entries[e] <= 1:
+        tied = np.eye(rest.shape[0]) - restrained.free[e]
+        if restrained.entries[e] <= 1:
             away = max(away, float(np.abs(tied @ (state.r[:, known] - rest[:, known])).max()))
     if away > _AWAY * float(np.ptp(rest, axis=1).max()):
         raise RopewalkError(

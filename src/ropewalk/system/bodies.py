@@ -14,10 +14,10 @@ import numpy as np
 from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import inlined, lean_inner
-from ropewalk.mechanics.fleet import FIRM
+from ropewalk.mechanics.multibody_system import FIRM
 from ropewalk.system.contacts import AWAY, FORCE, FREE, GONE, ON, find_kinks, stiffen
 from ropewalk.system.spline import WIDTH
-from ropewalk.system.structure import HELD, IN_BODIES, STRUCK
+from ropewalk.system.structure import IN_BODIES, RESTRAINED, STRUCK
 from ropewalk.system.tethers import bear, hang
 
 # Rounds of Newton's method for contacts without mass, and the part of a link to which their places are found.
@@ -30,7 +30,7 @@ STAYS, LEAVES, GONE_FOR_GOOD = 0, 1, 2
 BLOWN = np.dtype([("first", "i8"), ("drag", "f8")], align=True)  # a particle, and kg/m, force over speed squared
 
 
-class Bodies(NamedTuple):
+class BodyArrays(NamedTuple):
     """All of them; a part is a set of coordinates that springs, dampers or a mass matrix join."""
 
     mass: Array  # (coordinate,) kg, where it is lumped
@@ -56,7 +56,7 @@ class Bodies(NamedTuple):
     blown: Records
 
 
-def with_step(bodies: Bodies, dt: float) -> Bodies:
+def with_step(bodies: BodyArrays, dt: float) -> BodyArrays:
     """The same for steps of a given length in s."""
     inverse = np.zeros_like(bodies.inverse)
     for i, h in enumerate((dt, 0.5 * dt)):
@@ -91,9 +91,9 @@ def _solve(A, b, n):
 
 
 @lean_inner
-def _balance(structure, room, contacts, bodies, state, table, out, p, rate):
+def _balance(structure, buffers, contacts, bodies, state, table, out, p, rate):
     """Balance one part, beside the kinks of others as they are; returns whether some of its contacts share links."""
-    A, b, n, crowded = bodies.A, bodies.b, bodies.size[p], False
+    A, b, n, shares_links = bodies.A, bodies.b, bodies.size[p], False
     for _ in range(ROUNDS):
         for i in range(n):
             c = bodies.at[p, i]
@@ -113,7 +113,7 @@ def _balance(structure, room, contacts, bodies, state, table, out, p, rate):
                     A[i, j] += bodies.C[p, i, j] * rate
                     b[i] += bodies.C[p, i, j] * rate * bodies.old[d]
             if k >= 0:
-                stiffen(structure, room, contacts, state, table, out, k)
+                stiffen(structure, buffers, contacts, state, table, out, k)
                 for j in range(n):  # N changes by S and by the tension that the kink makes
                     d = bodies.at[p, j]
                     if bodies.contact[d] == k:
@@ -131,15 +131,15 @@ def _balance(structure, room, contacts, bodies, state, table, out, p, rate):
             if bodies.per_mass[c] == 0.0:
                 if k >= 0 and contacts[k].state == ON:
                     most = max(most, abs(b[i] - state.u[c]) / structure.runs.h[contacts[k].run])
-                    crowded = crowded or contacts[k].crowded == 1
+                    shares_links = shares_links or contacts[k].shares_links == 1
                 state.u[c] = b[i]
         if most < SETTLED:
             break
-    return crowded
+    return shares_links
 
 
 @lean_inner
-def balance(structure, room, contacts, bodies, state, table, out, since):
+def balance(structure, buffers, contacts, bodies, state, table, out, since):
     """Put coordinates without mass where springs above and the line below are in balance, by Newton's method.
 
     Args:
@@ -152,12 +152,12 @@ def balance(structure, room, contacts, bodies, state, table, out, since):
     for c in range(bodies.mass.size):
         bodies.old[c] = state.u[c]
     for _ in range(ROUNDS):
-        crowded = False
+        shares_links = False
         for p in range(bodies.size.size):
             here = bodies.weightless[p] > 0 and bodies.gone[bodies.load[bodies.at[p, 0]]] == STAYS
-            if here and _balance(structure, room, contacts, bodies, state, table, out, p, rate):
-                crowded = True
-        if not crowded or not find_kinks(structure, room, contacts, state, table, out):
+            if here and _balance(structure, buffers, contacts, bodies, state, table, out, p, rate):
+                shares_links = True
+        if not shares_links or not find_kinks(structure, buffers, contacts, state, table, out):
             break
     for p in range(bodies.size.size):
         if bodies.weightless[p] > 0 and bodies.gone[bodies.load[bodies.at[p, 0]]] == STAYS:
@@ -217,7 +217,7 @@ def kick(structure, contacts, bodies, state, h, half):
             w[c] += (h if stage == STAYS or half == 1 else 0.5 * h) * f[c] * bodies.per_mass[c]
             if k >= 0 and contacts[k].frictionless == 1:
                 level = structure.runs.ahead[contacts[k].run, bodies.axis[c]]
-                state.work[HELD] += 0.5 * h * contacts[k].hold * level * (w[c] + old[c])
+                state.work[RESTRAINED] += 0.5 * h * contacts[k].hold * level * (w[c] + old[c])
     for e in range(bodies.tethers.size):
         first, own = bodies.tethers[e].first, contacts[bodies.tethers[e].contact].first
         if bodies.gone[bodies.load[first]] == STAYS:
@@ -289,7 +289,7 @@ def arrive(structure, contacts, bodies, state):
         if contacts[k].travel == FREE and comes == 0:
             state.work[STRUCK] -= gained
         else:
-            state.work[HELD] += gained
+            state.work[RESTRAINED] += gained
 
 
 @lean_inner

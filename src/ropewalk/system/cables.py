@@ -21,7 +21,7 @@ import numpy as np
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
-from ropewalk.mechanics.rider import look_up
+from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.compliance import ARC, SHORT_ARC, SMOOTH
 from ropewalk.system.inertia import hold_back
 from ropewalk.system.sheaves import blow_over, exist
@@ -76,7 +76,7 @@ def _stretch(x, y, z, bx, by, bz, strain, length, begin, n, h, arcs):
 
 
 @lean_inner
-def _stretch_little(structure, room, r):
+def _stretch_little(structure, buffers, r):
     """Strains of all links, whose second differences are known, to the first order about rest."""
     runs, links, rest, bent = structure.runs, structure.about.links, structure.about.shape[0], structure.about.shape[1]
     for s in range(runs.first.size):
@@ -86,16 +86,16 @@ def _stretch_little(structure, room, r):
                 chord = rest[a, i + 1] - rest[a, i]
                 change += chord * ((r[a, i + 1] - r[a, i]) - chord)
                 d, e = bent[a, i], bent[a, i + 1]
-                one, two = room.bent[a, i] - d, room.bent[a, i + 1] - e
+                one, two = buffers.bent[a, i] - d, buffers.bent[a, i + 1] - e
                 change += 2.0 * ARC * (d * one + e * two) + 2.0 * SHORT_ARC * (e - d) * (two - one)
-            room.length[i], room.pull[i] = links[i].length, links[i].pull
-            room.strain[i] = links[i].strain + change / (links[i].length * runs.h[s])
+            buffers.length[i], buffers.pull[i] = links[i].length, links[i].pull
+            buffers.strain[i] = links[i].strain + change / (links[i].length * runs.h[s])
 
 
 @inlined
-def stretch_all(structure, room, r):
+def stretch_all(structure, buffers, r):
     """Strain of all links without kinks; second differences of the nodes."""
-    runs, last, bent, s = structure.runs, r.shape[0] - 1, room.bent, 0
+    runs, last, bent, s = structure.runs, r.shape[0] - 1, buffers.bent, 0
     while s < runs.first.size:
         end = _alike(structure, s)
         begin, h = runs.first[s], runs.h[s]
@@ -108,15 +108,17 @@ def stretch_all(structure, room, r):
                 bent[a, k] = 2.0 * (r[a, k - 1] - r[a, k] - runs.turned[j, 1, a]) if runs.clamped[j, 1] == 1 else 0.0
         if structure.about.links.size == 0:
             if last == 1:
-                _stretch(r[0], None, r[1], bent[0], None, bent[1], room.strain, room.length, begin, n, h, runs.arcs[s])
+                _stretch(
+                    r[0], None, r[1], bent[0], None, bent[1], buffers.strain, buffers.length, begin, n, h, runs.arcs[s]
+                )
             else:
-                _stretch(r[0], r[1], r[2], bent[0], bent[1], bent[2], room.strain, room.length, begin, n, h,
+                _stretch(r[0], r[1], r[2], bent[0], bent[1], bent[2], buffers.strain, buffers.length, begin, n, h,
                          runs.arcs[s])  # fmt: skip
             for j in range(s, end):  # what is between two runs is no link
-                room.length[runs.first[j + 1] - 1] = room.strain[runs.first[j + 1] - 1] = 0.0
+                buffers.length[runs.first[j + 1] - 1] = buffers.strain[runs.first[j + 1] - 1] = 0.0
         s = end + 1
     if structure.about.links.size > 0:
-        _stretch_little(structure, room, r)
+        _stretch_little(structure, buffers, r)
 
 
 @lean_inner
@@ -198,22 +200,22 @@ def _turn_ends(force, bent, pull, begin, n, stiff, arcs, clamp0, clamp1):
 
 
 @lean_inner
-def _tensions_little(links, room, begin, n):
+def _tensions_little(links, buffers, begin, n):
     """Tensions to the first order about rest."""
     for i in range(begin, begin + n):
-        room.tension[i] = links[i].tension + links[i].slope * (room.strain[i] - links[i].strain)
+        buffers.tension[i] = links[i].tension + links[i].slope * (buffers.strain[i] - links[i].strain)
 
 
 @lean_inner
-def _changes(links, room, begin, n, h):
+def _changes(links, buffers, begin, n, h):
     """By how much tension over length has changed since rest, to the first order: to `room.change`."""
     for i in range(begin, begin + n):
-        longer = h * (room.strain[i] - links[i].strain)
-        room.change[i] = (room.tension[i] - links[i].tension - links[i].pull * longer) / links[i].length
+        longer = h * (buffers.strain[i] - links[i].strain)
+        buffers.change[i] = (buffers.tension[i] - links[i].tension - links[i].pull * longer) / links[i].length
 
 
 @inlined
-def pull_all(structure, room, r, dt):
+def pull_all(structure, buffers, r, dt):
     """Add the forces of all runs, whose strains are known, to `room.force`.
 
     Args:
@@ -230,44 +232,45 @@ def pull_all(structure, room, r, dt):
         n = runs.first[end] + runs.links[end] - begin
         if small:
             for j in range(s, end + 1):
-                _tensions_little(about.links, room, runs.first[j], runs.links[j])
+                _tensions_little(about.links, buffers, runs.first[j], runs.links[j])
         else:
-            _tensions(runs.law[s], room.strain, room.tension, begin, n)
+            _tensions(runs.law[s], buffers.strain, buffers.tension, begin, n)
         for j in range(s, end + 1):
             if runs.damping[j] > 0.0:
-                lost += _resist(runs.damping[j], h, room.strain, room.before, room.rate, room.tension, runs.first[j],
+                lost += _resist(runs.damping[j], h, buffers.strain, buffers.before, buffers.rate, buffers.tension,
+                                runs.first[j],
                                 runs.links[j], dt)  # fmt: skip
             if small:
-                _changes(about.links, room, runs.first[j], runs.links[j], h)
+                _changes(about.links, buffers, runs.first[j], runs.links[j], h)
         if not small:
-            _over_length(room.tension, room.length, room.pull, begin, n)
-        x, bent, pull, stiff = r, room.bent, room.pull, runs.bending[s] / (h * h * h)
+            _over_length(buffers.tension, buffers.length, buffers.pull, begin, n)
+        x, bent, pull, stiff = r, buffers.bent, buffers.pull, runs.bending[s] / (h * h * h)
         for again in range(2 if small else 1):
             if again == 1:  # by what changes, links pull at the places of rest
-                x, bent, pull, stiff = about.shape[0], about.shape[1], room.change, 0.0
+                x, bent, pull, stiff = about.shape[0], about.shape[1], buffers.change, 0.0
             for j in range(s, end):  # what is between two runs is no link
                 pull[runs.first[j + 1] - 1] = 0.0
             for a in range(last + 1):
-                _moments(bent[a], room.moment, pull, begin, n, stiff, runs.arcs[s])
+                _moments(bent[a], buffers.moment, pull, begin, n, stiff, runs.arcs[s])
                 for j in range(s, end + 1):
-                    room.moment[runs.first[j]] = room.moment[runs.first[j] + runs.links[j]] = 0.0
-                _pull(x[a], room.force[a], room.moment, pull, begin, n)
+                    buffers.moment[runs.first[j]] = buffers.moment[runs.first[j] + runs.links[j]] = 0.0
+                _pull(x[a], buffers.force[a], buffers.moment, pull, begin, n)
                 for j in range(s, end + 1):
                     if runs.clamped[j, 0] == 1 or runs.clamped[j, 1] == 1:
-                        _turn_ends(room.force[a], bent[a], pull, runs.first[j], runs.links[j], stiff, runs.arcs[s],
+                        _turn_ends(buffers.force[a], bent[a], pull, runs.first[j], runs.links[j], stiff, runs.arcs[s],
                                    runs.clamped[j, 0], runs.clamped[j, 1])  # fmt: skip
         for j in range(s, end + 1):
             if runs.bed[j] > 0.0:
                 k = runs.bed[j] * h
                 for i in range(runs.first[j], runs.first[j] + runs.links[j] + 1):
                     part = 0.5 if i in (runs.first[j], runs.first[j] + runs.links[j]) else 1.0
-                    room.force[last, i] -= part * k * (r[last, i] - structure.nodes.level[i])
+                    buffers.force[last, i] -= part * k * (r[last, i] - structure.nodes.level[i])
         s = end + 1
     return lost
 
 
 @lean_inner
-def _stored_little(structure, room, r, i, s):
+def _stored_little(structure, buffers, r, i, s):
     """Energy of a link of run s to the second order about rest, J."""
     rest, bent, link, h = (
         structure.about.shape[0],
@@ -275,10 +278,10 @@ def _stored_little(structure, room, r, i, s):
         structure.about.links[i],
         structure.runs.h[s],
     )
-    longer, square = room.strain[i] - link.strain, 0.0
+    longer, square = buffers.strain[i] - link.strain, 0.0
     for a in range(r.shape[0]):
         chord = (r[a, i + 1] - r[a, i]) - (rest[a, i + 1] - rest[a, i])
-        d, e = room.bent[a, i] - bent[a, i], room.bent[a, i + 1] - bent[a, i + 1]
+        d, e = buffers.bent[a, i] - bent[a, i], buffers.bent[a, i + 1] - bent[a, i + 1]
         square += 0.5 * chord * chord + ARC * (d * d + e * e) + SHORT_ARC * (e - d) ** 2
     stored = h * (law.stored(structure.runs.law[s], link.strain) + link.tension * longer)
     stored += 0.5 * h * link.slope * longer * longer
@@ -286,21 +289,21 @@ def _stored_little(structure, room, r, i, s):
 
 
 @lean
-def energy_of(structure, room, r):
+def energy_of(structure, buffers, r):
     """Energy stored in all runs, whose strains are known with kinks, J; `room.bent` holds second differences."""
     runs, last, total = structure.runs, r.shape[0] - 1, 0.0
     for s in range(runs.first.size):
         begin, n, h = runs.first[s], runs.links[s], runs.h[s]
         for i in range(begin, begin + n):
             if structure.about.links.size > 0:
-                total += _stored_little(structure, room, r, i, s)
+                total += _stored_little(structure, buffers, r, i, s)
             else:
-                total += h * law.stored(runs.law[s], room.strain[i])
+                total += h * law.stored(runs.law[s], buffers.strain[i])
         if runs.bending[s] > 0.0:
             stiff = 0.5 * runs.bending[s] / h**3
             for a in range(last + 1):
                 for i in range(begin, begin + n):
-                    d, e = room.bent[a, i], room.bent[a, i + 1]
+                    d, e = buffers.bent[a, i], buffers.bent[a, i + 1]
                     total += stiff * (0.5 * (d * d + e * e) + SMOOTH * (e - d) ** 2)
         if runs.bed[s] > 0.0:
             for i in range(begin, begin + n + 1):
@@ -310,59 +313,59 @@ def energy_of(structure, room, r):
 
 
 @lean_inner
-def blow(structure, room, r, v, t, h):
+def blow(structure, buffers, r, v, t, h):
     """Add the forces of the wind at the velocities in the middle of a kick of the length h; returns their power, W."""
     axes, light, power = r.shape[0], structure.nodes.light, 0.0
     for a in range(axes):
         for i in range(r.shape[1]):
-            room.guess[a, i] = v[a, i]
+            buffers.guess[a, i] = v[a, i]
     for again in range(2):
         for a in range(axes):
             for i in range(r.shape[1]):
-                room.air[a, i] = 0.0
-        power = _push(structure, r, room.guess, t, room.air)
+                buffers.air[a, i] = 0.0
+        power = _push(structure, r, buffers.guess, t, buffers.air)
         if again == 0:
             for a in range(axes):
                 for i in range(r.shape[1]):
-                    room.guess[a, i] = v[a, i] + 0.5 * h * light[i] * (room.force[a, i] + room.air[a, i])
+                    buffers.guess[a, i] = v[a, i] + 0.5 * h * light[i] * (buffers.force[a, i] + buffers.air[a, i])
             if structure.inertia.along.shape[1] > 0:
-                hold_back(structure, room.guess, v)
-            _guess_held(structure, room, h)
+                hold_back(structure, buffers.guess, v)
+            _guess_restrained(structure, buffers, h)
     for a in range(axes):
         for i in range(r.shape[1]):
-            room.force[a, i] += room.air[a, i]
+            buffers.force[a, i] += buffers.air[a, i]
     return power
 
 
 @lean_inner
-def guess(structure, room, v, h):
+def guess(structure, buffers, v, h):
     """Guess the velocities in the middle of a kick of the length h by the forces that are known, to `room.guess`."""
     for a in range(v.shape[0]):
         for i in range(v.shape[1]):
-            room.air[a, i] = 0.0
-            room.guess[a, i] = v[a, i] + 0.5 * h * structure.nodes.light[i] * room.force[a, i]
-    _guess_held(structure, room, h)
+            buffers.air[a, i] = 0.0
+            buffers.guess[a, i] = v[a, i] + 0.5 * h * structure.nodes.light[i] * buffers.force[a, i]
+    _guess_restrained(structure, buffers, h)
 
 
 @lean_inner
-def _guess_held(structure, room, h):
+def _guess_restrained(structure, buffers, h):
     """Guess how fast what is held is in the middle of a kick."""
-    held, nodes, axes = structure.holdings, structure.nodes, room.force.shape[0]
-    for e in range(held.mass.size):
-        mine = held.node[held.first[e] : held.first[e] + held.nodes[e]]
+    restrained, nodes, axes = structure.restraints, structure.nodes, buffers.force.shape[0]
+    for e in range(restrained.mass.size):
+        mine = restrained.node[restrained.first[e] : restrained.first[e] + restrained.nodes[e]]
         for a in range(axes):
-            M, gained = held.mass[e], 0.0
+            M, gained = restrained.mass[e], 0.0
             for n in mine:
                 M += nodes.mass[n]
             if M == 0.0:  # a sheave that stands fast
                 continue
             for c in range(axes):
-                F = held.force[e, c]
+                F = restrained.force[e, c]
                 for n in mine:
-                    F += room.force[c, n] + room.air[c, n]
-                gained += 0.5 * h * held.free[e, a, c] * F / M
+                    F += buffers.force[c, n] + buffers.air[c, n]
+                gained += 0.5 * h * restrained.free[e, a, c] * F / M
             for n in mine:
-                room.guess[a, n] += gained
+                buffers.guess[a, n] += gained
 
 
 @inlined

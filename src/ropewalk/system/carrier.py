@@ -10,20 +10,20 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
-from ropewalk.foreign.turns import Push
-from ropewalk.guides import carrier
-from ropewalk.guides import carrier as seen
+from ropewalk.controllers import carrier
+from ropewalk.controllers import carrier as seen
+from ropewalk.foreign.cosimulation_master import ContactPush
 from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import entry_of
-from ropewalk.mechanics.fleet import FIRM
+from ropewalk.mechanics.multibody_system import FIRM
 from ropewalk.mechanics.portions import portions
 from ropewalk.system import motion
 from ropewalk.system.arrivals import next_change
-from ropewalk.system.bodies import Bodies, with_step
+from ropewalk.system.bodies import BodyArrays, with_step
 from ropewalk.system.contacts import AWAY, BODY, ON
 from ropewalk.system.spline import WIDTH, share
-from ropewalk.system.structure import DRIVEN, IN_BODIES, STRUCK, Room, State, Structure
+from ropewalk.system.structure import DRIVEN, IN_BODIES, STRUCK, Buffers, Structure, SystemState
 from ropewalk.system.tethers import gap, height, seek
 from ropewalk.system.travel import Tables
 
@@ -41,11 +41,11 @@ class System(NamedTuple):
     """All that the kernel of a motion is handed."""
 
     structure: Structure
-    room: Room
+    buffers: Buffers
     contacts: Any
     tables: Tables
-    bodies: Bodies
-    state: State
+    bodies: BodyArrays
+    state: SystemState
     table: Array
     out: Array
     A: Array
@@ -76,8 +76,8 @@ class System(NamedTuple):
         if alone and self.is_verlet:
             self.contacts["step"] = dt
         self.bodies.inverse[:] = with_step(self.bodies, dt).inverse
-        if self.room.tight is not None:
-            self.room.tight.step_by(self.structure, dt)
+        if self.buffers.tight is not None:
+            self.buffers.tight.step_by(self.structure, dt)
         advance = advance or self.advance
         for part in portions(steps, self.state.r.shape[1], self.method[1].size):
             status = int(advance(dt, part)[0])
@@ -92,7 +92,7 @@ class System(NamedTuple):
         """Whether the method is Verlet's, in whose steps stiff contacts and supports give way."""
         return bool(self.method[1].size == 1)
 
-    def pieces(self, end: float) -> Iterator[float]:
+    def segments(self, end: float) -> Iterator[float]:
         """Instants up to a time in s to which steps of higher order go: contacts come, leave and stop between two."""
         while not self.is_verlet and (found := next_change(self, end)) is not None:
             before, after = found
@@ -105,7 +105,7 @@ class System(NamedTuple):
     def settle(self) -> None:
         """Find all forces anew after contacts have changed; what jumps with them has no rate that damps."""
         motion.advance(*self, 0.0, motion.SETTLE)
-        self.room.before[:] = self.room.strain
+        self.buffers.before[:] = self.buffers.strain
 
     def gap(self) -> float:
         """How far the next leg is from landing or taking off, m."""
@@ -115,7 +115,7 @@ class System(NamedTuple):
         """All that changes in motion."""
         own = arrays_of(self.bodies, "gone", "tethers", "M", "K")
         found = {
-            "state": arrays_of(self.state), "room": arrays_of(self.room), "contacts": {"records": self.contacts},
+            "state": arrays_of(self.state), "room": arrays_of(self.buffers), "contacts": {"records": self.contacts},
             "bodies": own,
         }  # fmt: skip
         if self.structure.sheaves is not None:
@@ -135,7 +135,7 @@ class System(NamedTuple):
 
 
 @dataclass
-class Line:
+class SystemLine:
     """A line as a load sees it while the motion goes on."""
 
     structure: Structure
@@ -242,13 +242,13 @@ class SystemCarrier:
         """Tethers."""
         return self.system.bodies.tethers
 
-    def line(self, k: int) -> Line:
+    def line(self, k: int) -> SystemLine:
         """The line of contact k as it is now."""
         own, state = self.system.contacts, self.system.state
         number, dim = int(own[k]["line"]), state.r.shape[0]
         on = np.flatnonzero((own["line"] == number) & (own["state"] == ON))
         kinks = [(float(state.s[j]), own[j]["d"][:dim].copy()) for j in on]
-        return Line(self.system.structure, number, state.r, state.v, kinks)
+        return SystemLine(self.system.structure, number, state.r, state.v, kinks)
 
     def is_on(self, k: int) -> bool:
         """Whether contact k is on its line."""
@@ -296,8 +296,8 @@ class SystemCarrier:
 
     def _lose_kink(self, k: int) -> None:
         """Let what is left of the kink of a contact that has gone straighten at once."""
-        contact, room = self.system.contacts[k], self.system.room
-        lost = float(room.pull[contact["link"]] @ contact["part"]) * float(contact["kink"])
+        contact, buffers = self.system.contacts[k], self.system.buffers
+        lost = float(buffers.pull[contact["link"]] @ contact["part"]) * float(contact["kink"])
         self.system.state.work[STRUCK] += lost
         contact["kink"] = 0.0
 
@@ -348,7 +348,7 @@ class SystemCarrier:
         """Book what loads lose, J."""
         self.system.state.work[IN_BODIES] += energy
 
-    def press(self, k: int, push: Push, every: float) -> None:
+    def press(self, k: int, push: ContactPush, every: float) -> None:
         """Let contact k do what a push says for some seconds: it slides on to there, or is put down anew."""
         contact, tables, state = self.system.contacts[k], self.system.tables, self.system.state
         away = push.xi - float(state.s[k])
@@ -361,9 +361,9 @@ class SystemCarrier:
         tables.speed_value[contact["speed_first"]] = speed
         contact["begin"] = float(state.s[k]) - speed * self.t
 
-    def lead(self, ghost: int, height: float, rise: float) -> None:
+    def lead(self, interface_coordinate: int, height: float, rise: float) -> None:
         """Put the far end of an interface's spring somewhere, and let it go on from there."""
-        self.q[ghost], self.v[ghost] = height, rise
+        self.q[interface_coordinate], self.v[interface_coordinate] = height, rise
 
     def reach(self, k: int) -> float:
         """How far from where it has slid to contact k may be said to be without being put down anew, m."""
@@ -381,12 +381,12 @@ class SystemCarrier:
             found[f"{k}.speed"] = tables.speed_value[at : at + 1]
         return found
 
-    def stored(self, line: carrier.Line) -> Tree:
+    def stored(self, line: carrier.CarrierLine) -> Tree:
         """A line of `frozen` as data."""
-        assert isinstance(line, Line)
+        assert isinstance(line, SystemLine)
         return {"r": line.r.copy(), "v": line.v.copy(), "kinks": copied(line.kinks)}
 
-    def frozen(self, k: int, tree: Tree | None = None) -> Line:
+    def frozen(self, k: int, tree: Tree | None = None) -> SystemLine:
         """The line of contact k as it is now, or as it was when `stored` gave a tree, to be looked at later."""
         line = self.line(k)
         if tree is None:
@@ -413,7 +413,7 @@ class SystemCarrier:
         status, steps = self.system.go(end, self.longest, alone, self.advance)
         self.steps += steps
         if status == motion.TOO_LONG:
-            tight = self.system.room.tight
+            tight = self.system.buffers.tight
             assert tight is not None
             fit = float(np.sqrt(tight.time[3] / tight.time[2]))
             if not fit > WILD * self.longest:
@@ -426,7 +426,7 @@ class SystemCarrier:
     def go(self, end: float) -> int:
         """Go on to a time in s where nobody is asked on the way; returns what has come of it."""
         status = motion.RUNNING
-        for until in self.system.pieces(end):
+        for until in self.system.segments(end):
             status = self.go_far(until, alone=True)
             if status != motion.RUNNING:
                 break

@@ -66,9 +66,9 @@ def gradients(potential: Any, shape: Array, links: Integers) -> sparse.csr_matri
     """Change of l^2/2 of some links with the unknowns, kinks included, (link, unknown) m."""
     potential.forces(shape)
     r, u = potential.put(shape)
-    rows, on = potential.rows(r, u.size), potential.standing.on
+    rows, on = potential.rows(r, u.size), potential.loaded.on
     if on.size:
-        contacts, reach = potential.standing.contacts[on], potential.reach()
+        contacts, reach = potential.loaded.contacts[on], potential.reach()
         stretched = sum(sparse.diags(contacts["d"][:, a]) @ one for a, one in enumerate(reach))
         rows = rows + potential.borne().T @ sparse.diags(contacts["by_tension"]) @ stretched
     return (rows.tocsr() @ potential.free)[links]
@@ -90,7 +90,7 @@ def bring(potential: Any, shape: Array, rate: Array) -> tuple[Array, Array]:
     (links, h), out = links_of(potential.structure), shape.copy()
     for _ in range(_ROUNDS):
         G = gradients(potential, out, links)
-        phi = 0.5 * (potential.room.length[links] ** 2 - h**2)
+        phi = 0.5 * (potential.buffers.length[links] ** 2 - h**2)
         if np.abs(phi).max() <= 1e-14 * float((h**2).max()):
             return out, rate - G.T @ scipy.sparse.linalg.spsolve(_of_links(G), G @ rate)
         out = potential.moved(out, -G.T @ scipy.sparse.linalg.spsolve(_of_links(G), phi))
@@ -103,17 +103,17 @@ def settle(potential: Any, start: Array) -> Array:
     Raises:
         EquilibriumError: there is none.
     """
-    structure, room = potential.structure, potential.room
+    structure, buffers = potential.structure, potential.buffers
     links, h = links_of(structure)
     shape, size = start.copy(), potential.size
     if not structure.taut.any():
-        room.tension[links] = 0.0
+        buffers.tension[links] = 0.0
         out, G = potential.out_of_balance(shape), gradients(potential, shape, links)
-        room.tension[links] = h * scipy.sparse.linalg.spsolve(_of_links(G), G @ out)
+        buffers.tension[links] = h * scipy.sparse.linalg.spsolve(_of_links(G), G @ out)
     before = np.inf
     for _ in range(_ROUNDS):
         K, out = potential.stiffness(shape), potential.out_of_balance(shape)
-        G, phi = gradients(potential, shape, links), 0.5 * (room.length[links] ** 2 - h**2)
+        G, phi = gradients(potential, shape, links), 0.5 * (buffers.length[links] ** 2 - h**2)
         whole = sparse.bmat([[K, G.T], [G, None]], format="csc")
         with warnings.catch_warnings():  # what comes of singular equations is no number
             warnings.simplefilter("ignore", scipy.sparse.linalg.MatrixRankWarning)
@@ -124,10 +124,10 @@ def settle(potential: Any, start: Array) -> Array:
             break
         part = min(1.0, _LONGEST * size / max(longest, 1e-300))
         shape = potential.moved(shape, part * moved)
-        room.tension[links] += part * h * pulled
+        buffers.tension[links] += part * h * pulled
         if longest <= _CLOSE * size or (longest >= before and longest <= 1e3 * _CLOSE * size):
-            if not potential.standing.on.size:
-                structure.taut[:] = room.tension
+            if not potential.loaded.on.size:
+                structure.taut[:] = buffers.tension
             return np.asarray(shape)
         before = longest
     raise EquilibriumError("inextensible lines find no rest; check their lengths, supports and joints")

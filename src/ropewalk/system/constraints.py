@@ -25,7 +25,7 @@ import numpy as np
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import lean_inner
-from ropewalk.mechanics.rider import look_up
+from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.cables import stretch_all
 from ropewalk.system.compliance import ARC, SHORT_ARC
 from ropewalk.system.contacts import ON, sit, soften
@@ -47,7 +47,7 @@ def note_kick(tight, h):
 
 
 @lean_inner
-def draw(tight, structure, room, contacts, bodies, state, table, out, since):
+def draw(tight, structure, buffers, contacts, bodies, state, table, out, since):
     """Bring links to their lengths after a drift of the length `since` in s; 0: nothing has moved.
 
     `room.tension` has the tensions for the kicks to come afterwards.
@@ -55,8 +55,8 @@ def draw(tight, structure, room, contacts, bodies, state, table, out, since):
     if tight is None:
         return
     if since > 0.0 and tight.time[0] > 0.0:
-        _draw(tight, structure, room, contacts, bodies, state, table, out, since)
-    _take_gradients(tight, structure, room, state.r)
+        _draw(tight, structure, buffers, contacts, bodies, state, table, out, since)
+    _take_gradients(tight, structure, buffers, state.r)
 
 
 @lean_inner
@@ -68,13 +68,13 @@ def is_too_long(tight, dt):
 
 
 @lean_inner
-def _draw(tight, structure, room, contacts, bodies, state, table, out, dt):
+def _draw(tight, structure, buffers, contacts, bodies, state, table, out, dt):
     """Find the impulses of links, and move everything by them."""
     n, kicked, ahead = tight.x.size, tight.time[0], tight.time[1]
     for i in range(n):
-        tight.guess[i] = tight.found[i] = room.tension[i]
-        room.tension[i] += ahead * (tight.guess[i] - tight.before[i])
-    worst = _miss(tight, structure, room, contacts, state, table, out)
+        tight.guess[i] = tight.found[i] = buffers.tension[i]
+        buffers.tension[i] += ahead * (tight.guess[i] - tight.before[i])
+    worst = _miss(tight, structure, buffers, contacts, state, table, out)
     _factor(tight, structure, contacts, bodies, dt)
     for _ in range(ROUNDS):
         if not worst > CLOSE:
@@ -91,8 +91,8 @@ def _draw(tight, structure, room, contacts, bodies, state, table, out, dt):
                 state.u[c] += dt * bodies.old[c]
         for i in range(n):
             tight.found[i] += tight.h[i] * tight.x[i] / kicked
-            room.tension[i] = tight.found[i] + ahead * (tight.found[i] - tight.before[i])
-        worst = _miss(tight, structure, room, contacts, state, table, out)
+            buffers.tension[i] = tight.found[i] + ahead * (tight.found[i] - tight.before[i])
+        worst = _miss(tight, structure, buffers, contacts, state, table, out)
     if worst > 1e3 * CLOSE:
         state.r[0, 0] = np.nan  # lengths cannot be kept in such a step
     _lift(tight, structure, state, dt)
@@ -100,24 +100,27 @@ def _draw(tight, structure, room, contacts, bodies, state, table, out, dt):
     for i in range(n):
         tight.before[i] = tight.found[i]
         if tight.h[i] > 0.0:
-            fastest = max(fastest, tight.fast[i] * room.tension[i])
+            fastest = max(fastest, tight.fast[i] * buffers.tension[i])
     tight.time[0], tight.time[1], tight.time[2] = 0.0, 1.0, fastest
 
 
 @lean_inner
 def _lift(tight, structure, state, dt):
     """Book the work that supports which move as prescribed do against what tensions were not as guessed."""
-    held, t = structure.holdings, state.t[0] - dt
-    for e in range(held.mass.size):
-        if held.entries[e] <= 1 or held.free[e, 0, 0] + held.free[e, state.r.shape[0] - 1, state.r.shape[0] - 1] > 0.0:
+    restrained, t = structure.restraints, state.t[0] - dt
+    for e in range(restrained.mass.size):
+        if (
+            restrained.entries[e] <= 1
+            or restrained.free[e, 0, 0] + restrained.free[e, state.r.shape[0] - 1, state.r.shape[0] - 1] > 0.0
+        ):
             continue
         for a in range(state.r.shape[0]):
-            first, count, rate = held.table[e], held.entries[e], 0.0
-            rate += look_up(held.time, held.moved[a], first, count, t + 0.5 * dt)
-            rate -= look_up(held.time, held.moved[a], first, count, t - 0.5 * dt)
+            first, count, rate = restrained.table[e], restrained.entries[e], 0.0
+            rate += look_up(restrained.time, restrained.moved[a], first, count, t + 0.5 * dt)
+            rate -= look_up(restrained.time, restrained.moved[a], first, count, t - 0.5 * dt)
             rate /= dt
-            for i in range(held.first[e], held.first[e] + held.nodes[e]):
-                node = held.node[i]
+            for i in range(restrained.first[e], restrained.first[e] + restrained.nodes[e]):
+                node = restrained.node[i]
                 for m in range(4):
                     link = node + 1 - m
                     if 0 <= link < tight.x.size and tight.h[link] > 0.0 and tight.g[a, m, link] != 0.0:
@@ -126,12 +129,12 @@ def _lift(tight, structure, state, dt):
 
 
 @lean_inner
-def _miss(tight, structure, room, contacts, state, table, out):
+def _miss(tight, structure, buffers, contacts, state, table, out):
     """phi of all links at the places of now, to `tight.miss`; returns the largest one over h^2/2."""
     r, worst = state.r, 0.0
-    stretch_all(structure, room, r)
+    stretch_all(structure, buffers, r)
     for i in range(tight.x.size):
-        tight.miss[i] = 0.5 * (room.length[i] ** 2 - tight.h[i] ** 2) if tight.h[i] > 0.0 else 0.0
+        tight.miss[i] = 0.5 * (buffers.length[i] ** 2 - tight.h[i] ** 2) if tight.h[i] > 0.0 else 0.0
     for k in range(contacts.size):
         if contacts[k].state == ON and structure.runs.law[contacts[k].run, 0] == law.RIGID:
             square = 0.0
@@ -154,7 +157,7 @@ def _miss(tight, structure, room, contacts, state, table, out):
 
 
 @lean_inner
-def _take_gradients(tight, structure, room, r):
+def _take_gradients(tight, structure, buffers, r):
     """Change of phi with the four nodes about each link, to `tight.g`; second differences are known."""
     runs, g = structure.runs, tight.g
     for s in range(runs.first.size):
@@ -163,7 +166,7 @@ def _take_gradients(tight, structure, room, r):
         begin, last = runs.first[s], runs.first[s] + runs.links[s]
         for a in range(r.shape[0]):
             for i in range(begin, last):
-                d, e = room.bent[a, i], room.bent[a, i + 1]
+                d, e = buffers.bent[a, i], buffers.bent[a, i + 1]
                 one = 2.0 * (ARC * d - SHORT_ARC * (e - d)) if i > begin else 0.0
                 two = 2.0 * (ARC * e + SHORT_ARC * (e - d)) if i + 1 < last else 0.0
                 chord = r[a, i + 1] - r[a, i]
@@ -174,7 +177,7 @@ def _take_gradients(tight, structure, room, r):
 @lean_inner
 def _push(tight, structure, contacts, bodies, state, x):
     """What impulses x of links change velocities by: of nodes to `tight.move`, of bodies to `bodies.old`."""
-    axes, n, g, move, held = state.r.shape[0], tight.x.size, tight.g, tight.move, structure.holdings
+    axes, n, g, move, restrained = state.r.shape[0], tight.x.size, tight.g, tight.move, structure.restraints
     for a in range(axes):
         for i in range(n):
             move[a, i] = 0.0
@@ -195,18 +198,18 @@ def _push(tight, structure, contacts, bodies, state, x):
                 bodies.f[contacts[k].first + a] -= pull * contacts[k].d[a]
                 for j in range(min(WIDTH, structure.runs.links[contacts[k].run] + 1)):
                     move[a, contacts[k].near + j] += contacts[k].weight[j] * pull * contacts[k].d[a]
-    for e in range(held.mass.size):
+    for e in range(restrained.mass.size):
         for a in range(axes):
             tight.whole[e, a] = 0.0
             for b in range(axes):
-                for i in range(held.first[e], held.first[e] + held.nodes[e]):
-                    tight.whole[e, a] += tight.mobile[e, a, b] * move[b, held.node[i]]
+                for i in range(restrained.first[e], restrained.first[e] + restrained.nodes[e]):
+                    tight.whole[e, a] += tight.mobile[e, a, b] * move[b, restrained.node[i]]
     for a in range(axes):
         for i in range(n):
             move[a, i] *= structure.nodes.light[i]
-        for e in range(held.mass.size):
-            for i in range(held.first[e], held.first[e] + held.nodes[e]):
-                move[a, held.node[i]] = tight.whole[e, a]
+        for e in range(restrained.mass.size):
+            for i in range(restrained.first[e], restrained.first[e] + restrained.nodes[e]):
+                move[a, restrained.node[i]] = tight.whole[e, a]
     for c in range(bodies.f.size):
         if bodies.alone[c] == 1:
             bodies.old[c] = bodies.f[c] * bodies.per_mass[c]

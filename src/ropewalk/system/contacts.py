@@ -72,7 +72,7 @@ CONTACT = np.dtype(
         ("stays", _CODE),  # 1: it stops at an end of its line, 0: it leaves there
         ("refuses", _CODE),  # 1: the motion ends where it would leave
         ("been", _CODE),  # 1: it has been on its line
-        ("held", _CODE),  # 1: it is stopped at an end
+        ("restrained", _CODE),  # 1: it is stopped at an end
         ("comes", _CODE),  # 1: it has just come there, -1: left
         ("stopped", _REAL),  # m/s, that it had when it was stopped
         ("run", _CODE),
@@ -107,14 +107,14 @@ CONTACT = np.dtype(
         ("lagged", *_VECTOR),  # N, `carried` times d then
         ("kink", _REAL),  # m^2, K
         ("beside", "f8", (3,)),  # m^2, what other kinks add to l^2/2 of the links below
-        ("crowded", _CODE),  # 1: others stand on these, too
+        ("shares_links", _CODE),  # 1: others stand on these, too
         ("fade", _REAL),  # m^2/s, by which it straightens after the contact has left
         ("turn", _REAL),  # J/m, change of the energy of the kink with s, beside that of p
         ("push", _REAL),  # N, change of all energy with s: what it takes to move it along
         ("pushed", _REAL),  # N, when it was last looked at; as of the next ones
         ("was_at", _REAL),  # m, s
         ("driven", _REAL),  # N
-        ("held_by", _REAL),  # N
+        ("restrained_by", _REAL),  # N
         ("evened", _REAL),  # N, what holds a body without friction beside `hold`, as of late
         ("stretch", _REAL),  # of the line at the contact, as its speed is measured
         ("step", _REAL),  # s, of the motion: what gives way within it keeps a stiff contact stable
@@ -165,7 +165,7 @@ def sit(structure, contacts, state, k, s):
 
 
 @inlined
-def _tension_under(structure, room, contacts, k, kink):
+def _tension_under(structure, buffers, contacts, k, kink):
     """Mean of h T/l of the links under a contact if a kink is added to them, and its change with that."""
     run, T, slope = contacts[k].run, 0.0, 0.0
     p, h = structure.runs.law[run], structure.runs.h[run]
@@ -173,9 +173,9 @@ def _tension_under(structure, room, contacts, k, kink):
         q = contacts[k].part[j]
         if q > 0.0:
             if p[0] == law.RIGID:
-                T += q * h / contacts[k].h[j] * room.tension[contacts[k].link[j]]
+                T += q * h / contacts[k].h[j] * buffers.tension[contacts[k].link[j]]
                 continue
-            square = room.length[contacts[k].link[j]] ** 2 + 2.0 * (q * kink + contacts[k].beside[j])
+            square = buffers.length[contacts[k].link[j]] ** 2 + 2.0 * (q * kink + contacts[k].beside[j])
             length = np.sqrt(square)
             strain = length / contacts[k].h[j] - 1.0
             own = h * law.tension(p, strain) / length
@@ -249,7 +249,7 @@ def _stay_firm(structure, contacts, k):
 
 
 @lean_inner
-def find_kink(structure, room, contacts, table, out, k, square, F):
+def find_kink(structure, buffers, contacts, table, out, k, square, F):
     """Find the kink of contact k, and its stiffness under the tension that the kink makes, by Newton's method.
 
     Args:
@@ -264,7 +264,7 @@ def find_kink(structure, room, contacts, table, out, k, square, F):
     see_others(contacts, k, ON)
     for _ in range(AGAIN):
         K = contacts[k].kink
-        T, change = _tension_under(structure, room, contacts, k, K)
+        T, change = _tension_under(structure, buffers, contacts, k, K)
         slope = soften(structure, contacts, table, out, k, T)
         S, first, falls = contacts[k].moving, contacts[k].by_tension, -contacts[k].curve
         if F > 0.0:
@@ -272,7 +272,7 @@ def find_kink(structure, room, contacts, table, out, k, square, F):
             falls += 2.0 * first * slope / S
         miss = K - 0.5 * square * h * first
         found = abs(miss) <= FOUND * K
-        if found and contacts[k].crowded == 0:
+        if found and contacts[k].shares_links == 0:
             break
         if miss > 0.0:
             high = K
@@ -295,19 +295,19 @@ def find_kink(structure, room, contacts, table, out, k, square, F):
 
 
 @lean_inner
-def _stiffen_little(structure, room, contacts, table, out, k):
+def _stiffen_little(structure, buffers, contacts, table, out, k):
     """Stiffness of contact k under the tension of rest, which changes with s."""
     T, graded = 0.0, 0.0
     for j in range(3):
-        T += structure.runs.h[contacts[k].run] * contacts[k].part[j] * room.pull[contacts[k].link[j]]
-        graded += contacts[k].change[j] * room.pull[contacts[k].link[j]]
+        T += structure.runs.h[contacts[k].run] * contacts[k].part[j] * buffers.pull[contacts[k].link[j]]
+        graded += contacts[k].change[j] * buffers.pull[contacts[k].link[j]]
     _soften(structure, contacts, table, out, k, T)
     contacts[k].firm += T * contacts[k].by_tension
     contacts[k].turn -= graded * contacts[k].by_tension
 
 
 @lean_inner
-def stiffen(structure, room, contacts, state, table, out, k):
+def stiffen(structure, buffers, contacts, state, table, out, k):
     """Stiffness and kink of the contact of a body, where the body is now."""
     axes, h, square = state.r.shape[0], structure.runs.h[contacts[k].run], 0.0
     for a in range(axes):
@@ -320,42 +320,42 @@ def stiffen(structure, room, contacts, state, table, out, k):
             contacts[k].d[a] = 0.0
     if structure.about.links.size > 0:
         contacts[k].rise = 0.0
-        _stiffen_little(structure, room, contacts, table, out, k)
+        _stiffen_little(structure, buffers, contacts, table, out, k)
         return
     for a in range(axes):
         square += contacts[k].d[a] ** 2
-    slope, change, _ = find_kink(structure, room, contacts, table, out, k, square, 0.0)
+    slope, change, _ = find_kink(structure, buffers, contacts, table, out, k, square, 0.0)
     contacts[k].rise = slope * change * h * contacts[k].by_tension
 
 
 @inlined
-def _bend(structure, room, contacts, state, table, out, k):
+def _bend(structure, buffers, contacts, state, table, out, k):
     """Find how far contact k is from its spline, with the kinks of others as they are."""
     axes = state.r.shape[0]
     if contacts[k].kind == BODY:
-        stiffen(structure, room, contacts, state, table, out, k)
+        stiffen(structure, buffers, contacts, state, table, out, k)
         if contacts[k].frictionless == 1 and contacts[k].step > 0.0:  # at rest `Holding` finds it
             _hold(structure, contacts, k, axes)
     elif structure.about.links.size > 0:
-        _yield_little(structure, room, contacts, k, table, out, axes)
+        _yield_little(structure, buffers, contacts, k, table, out, axes)
     else:
         F = _hold(structure, contacts, k, axes)
-        length = np.sqrt(find_kink(structure, room, contacts, table, out, k, 0.0, F)[2])
+        length = np.sqrt(find_kink(structure, buffers, contacts, table, out, k, 0.0, F)[2])
         for a in range(axes):
             contacts[k].d[a] = length * contacts[k].N[a] / F if F > 0.0 else 0.0
             contacts[k].place[a] = contacts[k].p[a] + contacts[k].d[a]
 
 
 @lean_inner
-def find_kinks(structure, room, contacts, state, table, out):
+def find_kinks(structure, buffers, contacts, state, table, out):
     """Find how far all contacts are from their splines; returns whether some were not found before."""
     for again in range(AGAIN):
         moved = False
         for k in range(contacts.size):
             before = contacts[k].kink
             if contacts[k].state == ON:
-                _bend(structure, room, contacts, state, table, out, k)
-            if contacts[k].crowded == 1 and abs(contacts[k].kink - before) > TOGETHER * contacts[k].kink:
+                _bend(structure, buffers, contacts, state, table, out, k)
+            if contacts[k].shares_links == 1 and abs(contacts[k].kink - before) > TOGETHER * contacts[k].kink:
                 moved = True
         if not moved:
             return again > 0
@@ -363,16 +363,16 @@ def find_kinks(structure, room, contacts, state, table, out):
 
 
 @inlined
-def bend(structure, room, contacts, state, table, out):
+def bend(structure, buffers, contacts, state, table, out):
     """Find how far all contacts are from their splines, and let the kinks lengthen the links below."""
-    find_kinks(structure, room, contacts, state, table, out)
+    find_kinks(structure, buffers, contacts, state, table, out)
     for k in range(contacts.size):
         if structure.about.links.size == 0 and (contacts[k].state == ON or contacts[k].kink > 0.0):
             for j in range(3):
                 i = contacts[k].link[j]
                 if contacts[k].part[j] > 0.0:
-                    room.length[i] = np.sqrt(room.length[i] ** 2 + 2.0 * contacts[k].part[j] * contacts[k].kink)
-                    room.strain[i] = room.length[i] / contacts[k].h[j] - 1.0
+                    buffers.length[i] = np.sqrt(buffers.length[i] ** 2 + 2.0 * contacts[k].part[j] * contacts[k].kink)
+                    buffers.strain[i] = buffers.length[i] / contacts[k].h[j] - 1.0
 
 
 @lean_inner
@@ -395,9 +395,9 @@ def _hold(structure, contacts, k, axes):
 
 
 @lean_inner
-def _yield_little(structure, room, contacts, k, table, out, axes):
+def _yield_little(structure, buffers, contacts, k, table, out, axes):
     """Let contact k give way under its given force, which is held across the line at rest where it has no friction."""
-    _stiffen_little(structure, room, contacts, table, out, k)
+    _stiffen_little(structure, buffers, contacts, table, out, k)
     level = structure.runs.ahead[contacts[k].run]
     if contacts[k].frictionless == 1:
         along, ahead = 0.0, 0.0
@@ -433,7 +433,7 @@ def _above(contacts, k, axes):
 
 
 @inlined
-def press(structure, room, contacts, state, table, out):
+def press(structure, buffers, contacts, state, table, out):
     """Forces of all contacts on their lines, added to those of the nodes; `room.pull` is known."""
     axes = state.r.shape[0]
     for k in range(contacts.size):
@@ -446,23 +446,23 @@ def press(structure, room, contacts, state, table, out):
         run = contacts[k].run
         most = min(WIDTH, structure.runs.links[run] + 1)
         for j in range(3):
-            T += contacts[k].part[j] * room.tension[contacts[k].link[j]]
-            pull += contacts[k].part[j] * room.pull[contacts[k].link[j]]
+            T += contacts[k].part[j] * buffers.tension[contacts[k].link[j]]
+            pull += contacts[k].part[j] * buffers.pull[contacts[k].link[j]]
         contacts[k].tension = T
         if structure.about.links.size > 0:
-            _stiffen_little(structure, room, contacts, table, out, k)
+            _stiffen_little(structure, buffers, contacts, table, out, k)
         elif contacts[k].kind == BODY:
             soften(structure, contacts, table, out, k, structure.runs.h[run] * pull)
         push = 0.0
         for j in range(3):
-            push += contacts[k].change[j] * room.pull[contacts[k].link[j]]
+            push += contacts[k].change[j] * buffers.pull[contacts[k].link[j]]
         contacts[k].push = push * contacts[k].kink / structure.runs.h[run]
         for a in range(axes):
             if contacts[k].kind == BODY:
                 contacts[k].N[a] = contacts[k].moving * contacts[k].d[a]
             contacts[k].push -= contacts[k].N[a] * contacts[k].along[a] + 0.5 * contacts[k].d[a] ** 2 * contacts[k].turn
             for j in range(most):
-                room.force[a, base + j] += contacts[k].weight[j] * contacts[k].N[a]
+                buffers.force[a, base + j] += contacts[k].weight[j] * contacts[k].N[a]
 
 
 @lean_inner

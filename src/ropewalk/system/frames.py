@@ -9,33 +9,33 @@ import numpy as np
 
 from ropewalk.checkpoint import Tree
 from ropewalk.mechanics.chain import Array
-from ropewalk.mechanics.fleet import FIRM
 from ropewalk.mechanics.loading import Loading
+from ropewalk.mechanics.multibody_system import FIRM
+from ropewalk.networks.membrane_elements import tensions_of
 from ropewalk.results.audit import Audit, energies
 from ropewalk.results.frame import IN_AIR, MOVES, STICKS, Contacts, Layout
 from ropewalk.results.frames import Frames, summed
 from ropewalk.system.assembled import Assembled
-from ropewalk.system.bodies import Bodies
+from ropewalk.system.bodies import BodyArrays
 from ropewalk.system.contacts import FORCE, ON, PRESCRIBED
-from ropewalk.system.holding import Grip, beside
+from ropewalk.system.hold_forces import Grip, beside
 from ropewalk.system.sheaves_at_rest import gravitational
 from ropewalk.system.structure import (
     CARRIED,
     DAMPED,
     DRIVEN,
-    HELD,
     IN_BODIES,
     LOADED,
     MOVED,
+    RESTRAINED,
     RUBBED,
     STRUCK,
-    Room,
-    State,
+    Buffers,
+    SystemState,
 )
-from ropewalk.webs.fabric import tensions_of
 
 
-class Note(NamedTuple):
+class SystemNote(NamedTuple):
     """What a frame is made of, unchanged by what comes; of several instants, with these in front of all."""
 
     t: Array  # () s
@@ -56,19 +56,20 @@ class Note(NamedTuple):
     elastic: Array  # () J, what lines and contacts store
 
     @staticmethod
-    def of(state: State, room: Room, contacts: Any, bodies: Bodies, elastic: float) -> Note:
+    def of(state: SystemState, buffers: Buffers, contacts: Any, bodies: BodyArrays, elastic: float) -> SystemNote:
         """Copies of what is known now."""
-        return Note(
+        return SystemNote(
             state.t[0].copy(), state.r.copy(), state.v.copy(), state.u.copy(), state.w.copy(), state.s.copy(),
-            state.work.copy(), room.tension.copy(), room.strain.copy(), room.bent.copy(), room.reaction.copy(),
+            state.work.copy(), buffers.tension.copy(), buffers.strain.copy(), buffers.bent.copy(),
+            buffers.reaction.copy(),
             contacts.copy(), bodies.tethers.copy(), bodies.M.copy(), bodies.K.copy(), np.array(elastic),
         )  # fmt: skip
 
     @staticmethod
-    def together(notes: Sequence[Note]) -> Note:
+    def together(notes: Sequence[SystemNote]) -> SystemNote:
         """The same of several instants."""
         columns: Any = zip(*notes, strict=True)
-        return Note(*(_stacked(column) for column in columns))
+        return SystemNote(*(_stacked(column) for column in columns))
 
 
 def _stacked(values: Sequence[Array]) -> Any:
@@ -90,7 +91,9 @@ class FrameBuilder:
         path: leading dimension of the result.
     """
 
-    def __init__(self, assembled: Assembled, loading: Loading, bodies: Bodies, windy: bool, path: str = "time") -> None:
+    def __init__(
+        self, assembled: Assembled, loading: Loading, bodies: BodyArrays, windy: bool, path: str = "time"
+    ) -> None:
         self.assembled, self.loading, self.bodies = assembled, loading, bodies
         runs, line = assembled.structure.runs, assembled.line
         nodes, links = [], []
@@ -102,17 +105,17 @@ class FrameBuilder:
             links.append(first + np.arange(n + int(s in over)))
         none, nets = np.zeros(0, dtype=np.int64), assembled.nets
         vertices = () if nets is None else nets.vertex
-        sheets = () if nets is None else nets.sheets
+        membranes = () if nets is None else nets.membranes
         self.node, self.link = np.concatenate([none, *nodes, *vertices]), np.concatenate([none, *links])
         station = np.where(
             np.arange(self.node.size) < sum(own.size for own in nodes), assembled.station[self.node], np.nan
         )
         begin = np.cumsum([sum(own.size for own in nodes), *(own.size for own in vertices)])
-        self._edges = [np.unique([self._holding_of(n) for n in own.tolist()]) for own in vertices]
-        held, supports = assembled.structure.holdings, [e for _, e in assembled.supports]
-        joints = np.setdiff1d(np.arange(held.mass.size), supports)
-        weight = -float(assembled.structure.nodes.force[-1].sum() + held.force[joints, -1].sum())
-        shown = () if loading.fleet is None else loading.fleet.shown
+        self._edges = [np.unique([self._restraint_of(n) for n in own.tolist()]) for own in vertices]
+        restrained, supports = assembled.structure.restraints, [e for _, e in assembled.supports]
+        joints = np.setdiff1d(np.arange(restrained.mass.size), supports)
+        weight = -float(assembled.structure.nodes.force[-1].sum() + restrained.force[joints, -1].sum())
+        shown = () if loading.multibody_system is None else loading.multibody_system.shown
         attached = assembled.attached
         more: dict[str, Any] = {}
         if attached is not None:
@@ -122,7 +125,7 @@ class FrameBuilder:
             axes=assembled.axes,
             node_line=(
                 *(name for name, own in zip(line, nodes, strict=True) for _ in own),
-                *(sheet.name for sheet, own in zip(sheets, vertices, strict=True) for _ in own),
+                *(sheet.name for sheet, own in zip(membranes, vertices, strict=True) for _ in own),
             ),
             node_xi=station,
             link_line=tuple(name for name, own in zip(line, links, strict=True) for _ in own),
@@ -130,14 +133,14 @@ class FrameBuilder:
             contact_load=tuple(wheel.name for wheel in loading.wheels),
             support=(
                 *(name for name, _ in assembled.supports), *(() if attached is None else attached.support),
-                *(f"{sheet.name}.edge" for sheet in sheets),
+                *(f"{sheet.name}.edge" for sheet in membranes),
             ),
             cell=tuple(
                 (int(i), int(j), int(k))
-                for sheet, at in zip(sheets, begin, strict=False)
+                for sheet, at in zip(membranes, begin, strict=False)
                 for i, j, k in sheet.surface.triangle + at
             ),
-            cell_net=tuple(sheet.name for sheet in sheets for _ in sheet.surface.triangle),
+            cell_net=tuple(sheet.name for sheet in membranes for _ in sheet.surface.triangle),
             body=tuple(body.name for body in shown),
             path=path,
             weight=float("nan") if windy or runs.bed.any() else weight,
@@ -153,7 +156,7 @@ class FrameBuilder:
         """Go on from there."""
         self._audit.set_state(tree)
 
-    def build(self, at: Note, *, still: float | None = None) -> Frames:
+    def build(self, at: SystemNote, *, still: float | None = None) -> Frames:
         """The frames of what has been noted.
 
         Args:
@@ -172,13 +175,13 @@ class FrameBuilder:
         }  # fmt: skip
         return Frames(at.t if still is None else np.full(at.t.shape, still), of)
 
-    def _holding_of(self, node: int) -> int:
+    def _restraint_of(self, node: int) -> int:
         """The holding of a node, -1: none."""
-        held = self.assembled.structure.holdings
-        at = np.flatnonzero(held.node == node)
-        return int(np.searchsorted(held.first, at[0], side="right")) - 1 if at.size else -1
+        restrained = self.assembled.structure.restraints
+        at = np.flatnonzero(restrained.node == node)
+        return int(np.searchsorted(restrained.first, at[0], side="right")) - 1 if at.size else -1
 
-    def _strains(self, at: Note) -> Array:
+    def _strains(self, at: SystemNote) -> Array:
         """Strains of links from where they are without force."""
         runs, strain = self.assembled.structure.runs, at.strain
         if self.assembled.stretch is not None:
@@ -186,7 +189,7 @@ class FrameBuilder:
                 strain[:, first : first + n] = e0 + (1.0 + e0) * strain[:, first : first + n]
         return np.asarray(strain[:, self.link])
 
-    def _reactions(self, at: Note) -> Array:
+    def _reactions(self, at: SystemNote) -> Array:
         """Forces of supports on lines, and of edges on nets, (instant, support, axis) N."""
         edges = [at.reaction[:, own[own >= 0]].sum(axis=1) for own in self._edges]
         ends = [at.reaction[:, e] for _, e in self.assembled.supports]
@@ -201,7 +204,7 @@ class FrameBuilder:
         nothing = np.zeros((0, *at.t.shape, at.reaction.shape[2]))
         return np.concatenate([nothing, *(one[None] for one in (*ends, *on_way, *edges))]).swapaxes(0, 1)
 
-    def _of_ties(self, at: Note, seen: Contacts, *, still: bool) -> dict[str, Array]:
+    def _of_ties(self, at: SystemNote, seen: Contacts, *, still: bool) -> dict[str, Array]:
         """Tensions of ties; samples of a motion are those of its frames."""
         attached, ties = self.assembled.attached, self.assembled.structure.ties
         if attached is None or ties is None:
@@ -216,12 +219,12 @@ class FrameBuilder:
             "sampled_uplift": rise[:, None],
         }  # fmt: skip
 
-    def _cell_tensions(self, at: Note) -> dict[str, Array]:
+    def _cell_tensions(self, at: SystemNote) -> dict[str, Array]:
         if (surfaces := self.assembled.structure.surfaces) is None:
             return {}
         return {"cell_tension": np.array([tensions_of(surfaces.cells, surfaces.cells.area.size, r.T) for r in at.r])}
 
-    def _axial_force(self, at: Note) -> Array:
+    def _axial_force(self, at: SystemNote) -> Array:
         """Force along the tangent in links, by their first node, N: what stretches them, and EI kappa^2."""
         structure, out = self.assembled.structure, at.tension.copy()
         runs = structure.runs
@@ -236,7 +239,7 @@ class FrameBuilder:
             out[:, first : first + n] += 0.5 * runs.bending[s] * (square[:, 1:] + square[:, :-1])
         return out
 
-    def _contacts(self, at: Note, tension: Array) -> Contacts:
+    def _contacts(self, at: SystemNote, tension: Array) -> Contacts:
         """What is told of contacts: those on their lines, one after the other, are looked at together."""
         runs, dim = self.assembled.structure.runs, at.r.shape[1]
         seen = Contacts(*at.contacts.shape, dim)
@@ -259,12 +262,12 @@ class FrameBuilder:
         seen.tension[on] = np.where(runs.firm[run][:, None] > 0.0, np.nan, both)
         return seen
 
-    def _shown_bodies(self, at: Note) -> tuple[Array, Array]:
+    def _shown_bodies(self, at: SystemNote) -> tuple[Array, Array]:
         """Places and velocities of bodies (instant, body, axis), m, m/s; along what has no coordinate above wheels."""
-        fleet, (count, dim, _) = self.loading.fleet, at.r.shape
-        shown = () if fleet is None else fleet.shown
+        multibody_system, (count, dim, _) = self.loading.multibody_system, at.r.shape
+        shown = () if multibody_system is None else multibody_system.shown
         out = np.zeros((2, count, len(shown), dim))
-        places = at.u.shape[1] - (0 if fleet is None else fleet.bodies.coordinates.size)
+        places = at.u.shape[1] - (0 if multibody_system is None else multibody_system.bodies.coordinates.size)
         first = np.cumsum([0, *(dim for c in self.bodies.contact[:places:dim])])
         own = dict(zip(self.bodies.contact[:places:dim].tolist(), first[:-1].tolist(), strict=True))
         for i, body in enumerate(shown):
@@ -275,27 +278,27 @@ class FrameBuilder:
                 out[0, :, i, 0] += body.ahead
         return out[0], out[1]
 
-    def _energy(self, at: Note, *, still: bool) -> Array:
+    def _energy(self, at: SystemNote, *, still: bool) -> Array:
         structure, bodies = self.assembled.structure, self.bodies
-        nodes, held = structure.nodes, structure.holdings
-        first, elastic = held.node[held.first], at.elastic
+        nodes, restrained = structure.nodes, structure.restraints
+        first, elastic = restrained.node[restrained.first], at.elastic
         r, v, square = at.r[:, :, first], at.v[:, :, first], (at.v**2).sum(axis=1)
         # What a kink that is carried along has of kinetic energy, which its line does not.
         kinks = np.where(at.contacts["state"] == ON, at.contacts["carried"] * (at.contacts["d"] ** 2).sum(axis=2), 0.0)
         swept = 0.5 * summed(kinks)
-        kinetic = 0.5 * (summed(nodes.mass * square) + summed(held.mass * square[:, first]))
+        kinetic = 0.5 * (summed(nodes.mass * square) + summed(restrained.mass * square[:, first]))
         kinetic = kinetic + structure.inertia.kinetic(nodes.mass, at.v, v)
-        weight = summed(nodes.force * at.r) + summed(held.force.T * r)
+        weight = summed(nodes.force * at.r) + summed(restrained.force.T * r)
         if structure.sheaves is not None:
             weight = weight - [gravitational(structure.sheaves, structure.runs, one) for one in at.r]
-        for e in np.flatnonzero(held.stiffness.any(axis=(1, 2))):
-            part = slice(int(held.table[e]), int(held.table[e] + held.entries[e]))
-            moved = [np.interp(at.t, held.time[part], row[part]) for row in held.moved]
-            away = r[:, :, e] - held.place[e] - np.transpose(moved)
-            elastic = elastic + 0.5 * _squares(away, held.stiffness[e])
+        for e in np.flatnonzero(restrained.stiffness.any(axis=(1, 2))):
+            part = slice(int(restrained.table[e]), int(restrained.table[e] + restrained.entries[e]))
+            moved = [np.interp(at.t, restrained.time[part], row[part]) for row in restrained.moved]
+            away = r[:, :, e] - restrained.place[e] - np.transpose(moved)
+            elastic = elastic + 0.5 * _squares(away, restrained.stiffness[e])
         # What moves as prescribed has its kinetic energy from there.
-        driven = np.flatnonzero((held.entries > 1) & (np.einsum("eaa->e", held.free) == 0.0))
-        mass = np.array([held.mass[e] + nodes.mass[held.members(int(e))].sum() for e in driven])
+        driven = np.flatnonzero((restrained.entries > 1) & (np.einsum("eaa->e", restrained.free) == 0.0))
+        mass = np.array([restrained.mass[e] + nodes.mass[restrained.members(int(e))].sum() for e in driven])
         moved_by = 0.5 * summed(mass * square[:, first[driven]])
         alone = bodies.alone == 1
         moving = 0.5 * summed((bodies.mass * at.w**2)[:, alone])
@@ -312,7 +315,7 @@ class FrameBuilder:
         return self._audit.of(
             kinetic=kinetic + swept, elastic=elastic, gravitational=-weight, load_kinetic=moving,
             load_potential=potential, line_damping=work[DAMPED], load_work=work[LOADED],
-            hold_work=work[HELD] + 2.0 * swept, support_work=work[MOVED] + moved_by,
+            hold_work=work[RESTRAINED] + 2.0 * swept, support_work=work[MOVED] + moved_by,
             load_damping=work[IN_BODIES], contact_dissipation=work[STRUCK] - work[CARRIED] + swept,
             friction=work[RUBBED], drive_work=work[DRIVEN],
         )  # fmt: skip
@@ -323,7 +326,7 @@ def _squares(x: Array, A: Array) -> Array:
     return summed(x[:, :, None] * A * x[:, None])
 
 
-def _of_tethers(at: Note) -> Array:
+def _of_tethers(at: SystemNote) -> Array:
     """Energy stored in all tethers, (instant,) J."""
     total, dim, instant = np.zeros(at.t.size), at.r.shape[1], np.arange(at.t.size)
     for tether in at.tethers.T:

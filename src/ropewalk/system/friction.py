@@ -38,7 +38,7 @@ def grip(mu, block, half):
 
 
 @lean_inner
-def _pressed(structure, room, contacts, state, table, out, k, hold):
+def _pressed(structure, buffers, contacts, state, table, out, k, hold):
     """Force of contact k along the line, the one across it and what friction bears of that, N, with a hold force in N.
 
     Returns:
@@ -62,10 +62,10 @@ def _pressed(structure, room, contacts, state, table, out, k, hold):
         for j in range(3):
             T += contacts[k].part[j] * structure.about.links[contacts[k].link[j]].tension
     else:
-        length = np.sqrt(find_kink(structure, room, contacts, table, out, k, 0.0, F)[2])
+        length = np.sqrt(find_kink(structure, buffers, contacts, table, out, k, 0.0, F)[2])
         for j in range(3):
             link, q = contacts[k].link[j], contacts[k].part[j]
-            longer = np.sqrt(room.length[link] ** 2 + 2.0 * max(q, 0.0) * contacts[k].kink)
+            longer = np.sqrt(buffers.length[link] ** 2 + 2.0 * max(q, 0.0) * contacts[k].kink)
             own = law.tension(structure.runs.law[run], longer / contacts[k].h[j] - 1.0)
             T += q * own
             stretch += q * longer / contacts[k].h[j]
@@ -85,10 +85,10 @@ def _pressed(structure, room, contacts, state, table, out, k, hold):
 
 
 @lean_inner
-def rub(structure, room, contacts, state, table, out, k):
+def rub(structure, buffers, contacts, state, table, out, k):
     """Find the hold force of contact k, a given force that rubs; if nothing holds it, that is not a number."""
     hold = contacts[k].hold if contacts[k].rubs == DRAGGED else 0.0
-    along, most, ahead, more = _pressed(structure, room, contacts, state, table, out, k, hold)
+    along, most, ahead, more = _pressed(structure, buffers, contacts, state, table, out, k, hold)
     sign = 1.0 if contacts[k].measured >= 0.0 else -1.0
     if contacts[k].rubs == STANDS:
         sign = 1.0 if along > 0.0 else -1.0
@@ -107,7 +107,7 @@ def rub(structure, room, contacts, state, table, out, k):
             slope = (miss - before) / change
         change, before = -miss / slope, miss
         hold += change
-        along, most, ahead, more = _pressed(structure, room, contacts, state, table, out, k, hold)
+        along, most, ahead, more = _pressed(structure, buffers, contacts, state, table, out, k, hold)
         found = abs(along - sign * most) <= FOUND * size
         if found:
             break

@@ -28,9 +28,9 @@ from ropewalk.system import motion
 from ropewalk.system.arrivals import next_change
 from ropewalk.system.carrier import System
 from ropewalk.system.contacts import ON
+from ropewalk.system.loaded_structure import Carried, LoadedStructure
 from ropewalk.system.rates import Forces, Powers
-from ropewalk.system.standing import Carried, Standing
-from ropewalk.system.statics import Potential
+from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import STRUCK, WORKS
 
 # Newton's error over the size of the structure, what rounding leaves of it, and the part of the error of a step that is
@@ -68,14 +68,14 @@ class Implicit:
     ) -> None:
         self.system, self._accuracy, self._longest, self._method = system, accuracy, longest, method
         carried = Carried(system.contacts, system.tables, system.bodies)
-        self._standing = Standing(system.structure, rest, carried, as_moving=True)
+        self._loaded = LoadedStructure(system.structure, rest, carried, as_moving=True)
         size = float(np.ptp(rest, axis=1).max())
-        self._potential = Potential(system.structure, self._standing, size)
+        self._potential = SystemPotential(system.structure, self._loaded, size)
         self._enough = max(min(NEWTON * LOCAL * accuracy, _FINE * size), _ROUNDING * size)
         self._first = min(_FIRST * first, longest)  # s, after a jump
         self.memory = np.array([self._first])  # s, the step to try next
         self.steps = 0
-        self._forces = Forces(system, self._standing)
+        self._forces = Forces(system, self._loaded)
         self._arrange()
 
     def to(self, end: float) -> int:
@@ -106,13 +106,13 @@ class Implicit:
 
     def _arrange(self) -> None:
         """Take note of the unknowns: of nodes that move, and of coordinates of loads that are there."""
-        self._standing.stand_as(self.system.state, self.system.contacts)
+        self._loaded.stand_as(self.system.state, self.system.contacts)
         self._potential.arrange()
         bodies, free = self.system.bodies, self._potential.free
-        stays = np.ones(self._standing.weight.size, dtype=np.bool_)
+        stays = np.ones(self._loaded.weight.size, dtype=np.bool_)
         stays[: bodies.load.size] = bodies.gone[bodies.load] == 0
-        begin = free.shape[1] - int(self._standing.moves.sum())
-        self._kept = np.concatenate([np.arange(begin), begin + np.flatnonzero(stays[self._standing.moves])])
+        begin = free.shape[1] - int(self._loaded.moves.sum())
+        self._kept = np.concatenate([np.arange(begin), begin + np.flatnonzero(stays[self._loaded.moves])])
         self._free = free[:, self._kept].tocsc()
         self._to_unknowns = splu((self._free.T @ self._free).tocsc())
         self._gone = self._forces.taken()[1]  # m/s, of loads that are gone, which keep theirs
@@ -123,9 +123,9 @@ class Implicit:
 
     def _linearise(self) -> None:
         """Take stiffness and damping of what is there now."""
-        standing, potential, kept = self._standing, self._potential, self._kept
-        standing.stand_as(self.system.state, self.system.contacts)
-        standing.contacts["speed"] = self.system.contacts["speed"]
+        loaded, potential, kept = self._loaded, self._potential, self._kept
+        loaded.stand_as(self.system.state, self.system.contacts)
+        loaded.contacts["speed"] = self.system.contacts["speed"]
         potential.arrange()
         shape = potential.taken()
         self._K, self._C, self._M = (
@@ -254,7 +254,7 @@ class Implicit:
 
     def _error(self, dt: float, Z: Array, v: Array, before: Array) -> float:
         """The embedded estimate of the error of a step, over what it may be."""
-        V, guide, rate = self._method.D @ Z / dt, self._method.guide, abs(self._method.modes[0].value) / dt
-        first, second = v - guide @ Z / dt, before - self._M @ (guide @ (V - v)) / dt
+        V, controller, rate = self._method.D @ Z / dt, self._method.controller, abs(self._method.modes[0].value) / dt
+        first, second = v - controller @ Z / dt, before - self._M @ (controller @ (V - v)) / dt
         found = self._factor(dt)[-1](second + rate * (self._M @ first) + self._C @ first)
         return float(np.abs(self._free @ found).max(initial=0.0)) / (LOCAL * self._accuracy)

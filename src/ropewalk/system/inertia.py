@@ -15,7 +15,7 @@ import numpy as np
 
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import lean_inner
-from ropewalk.results.frame import Account
+from ropewalk.results.frame import RunInfo
 from ropewalk.results.frames import summed
 
 if TYPE_CHECKING:
@@ -31,14 +31,14 @@ class Inertia(NamedTuple):
 
     factor: float
     along: Array  # (axis, node) unit vectors; zero: it is held, or the same in all directions
-    held: Array  # (holding, axis, axis) kg, what that adds to what a holding moves, within its free directions
+    restrained: Array  # (holding, axis, axis) kg, what that adds to what a holding moves, within its free directions
 
     @staticmethod
     def nothing(axes: int) -> Inertia:
         """Of nodes that are as heavy along their lines as across."""
         return Inertia(1.0, np.zeros((axes, 0)), np.zeros((0, axes, axes)))
 
-    def kinetic(self, mass: Array, v: Array, held: Array) -> Array:
+    def kinetic(self, mass: Array, v: Array, restrained: Array) -> Array:
         """What it adds to the kinetic energy, (instant,) J.
 
         Args:
@@ -49,7 +49,7 @@ class Inertia(NamedTuple):
         if not self.along.size:
             return np.zeros(len(v))
         along = (self.along * v).sum(axis=1)
-        more = summed(held[:, :, None] * self.held.transpose(1, 2, 0) * held[:, None])
+        more = summed(restrained[:, :, None] * self.restrained.transpose(1, 2, 0) * restrained[:, None])
         return np.asarray(0.5 * ((self.factor - 1.0) * summed(mass * along**2) + more))
 
 
@@ -66,11 +66,11 @@ def tangents(structure: Structure, r: Array) -> Array:
 
 def with_inertia(structure: Structure, rest: Array, factor: float) -> Structure:
     """The same structure with nodes that are a factor heavier along their lines, where these rest (axis, node) m."""
-    along, nodes, held = tangents(structure, rest), structure.nodes, structure.holdings
+    along, nodes, restrained = tangents(structure, rest), structure.nodes, structure.restraints
     more = (factor - 1.0) * nodes.mass * along[:, None] * along[None]
-    own = np.zeros_like(held.free)
-    for e in range(held.mass.size):
-        own[e] = held.free[e] @ more[:, :, held.members(e)].sum(axis=2) @ held.free[e]
+    own = np.zeros_like(restrained.free)
+    for e in range(restrained.mass.size):
+        own[e] = restrained.free[e] @ more[:, :, restrained.members(e)].sum(axis=2) @ restrained.free[e]
     return structure._replace(inertia=Inertia(factor, np.where(nodes.light > 0.0, along, 0.0), own))
 
 
@@ -89,7 +89,7 @@ def stiffer(structure: Structure, r: Array, rest: Array) -> Array:
     return np.asarray(0.5 * (ends[0] + ends[1]))
 
 
-def remark_inertia(account: Account, factor: float, structure: Structure, rest: Array, line: Sequence[str]) -> None:
+def remark_inertia(run_info: RunInfo, factor: float, structure: Structure, rest: Array, line: Sequence[str]) -> None:
     """Note what an axial inertia slows down, and doubt it on lines that swing along themselves in part.
 
     Args:
@@ -99,7 +99,7 @@ def remark_inertia(account: Account, factor: float, structure: Structure, rest: 
         rest: (axis, node) m.
         line: (run,) whose run each is.
     """
-    account.warnings.append(
+    run_info.warnings.append(
         f"run.axial_inertia of {factor:g} lets waves along lines run {factor**0.5:.3g} times slower than they do: "
         "tensions spread so late"
     )
@@ -110,14 +110,14 @@ def remark_inertia(account: Account, factor: float, structure: Structure, rest: 
         chord = rest[:, nodes[-1]] - rest[:, nodes[0]]
         square = 1.0 - float((((chord / np.linalg.norm(chord)) @ along[:, nodes]) ** 2).mean())
         if (more := (factor - 1.0) * square) > MUCH:
-            account.doubt(
+            run_info.doubt(
                 f"{name} rests so far off its chord that what swings across that has {100.0 * more:.2g} % more inertia",
                 "motion of a line that sags is along it, too", "run.axial_inertia", "leave axial_inertia out",
             )  # fmt: skip
 
 
 @lean_inner
-def kick_along(structure, room, state, h):
+def kick_along(structure, buffers, state, h):
     """Kick all nodes that no holding moves, along their lines less; returns what drag takes, J."""
     nodes, t, v, f, lost = structure.nodes, structure.inertia.along, state.v, structure.inertia.factor, 0.0
     for i in range(v.shape[1]):
@@ -126,13 +126,13 @@ def kick_along(structure, room, state, h):
             continue
         F = before = after = square = 0.0
         for a in range(v.shape[0]):
-            F += t[a, i] * room.force[a, i]
+            F += t[a, i] * buffers.force[a, i]
             before += t[a, i] * v[a, i]
         along = ((1.0 - x / f) * before + light / f * F) / (1.0 + x / f)
         for a in range(v.shape[0]):
-            after += t[a, i] * ((1.0 - x) * v[a, i] + light * room.force[a, i]) / (1.0 + x)
+            after += t[a, i] * ((1.0 - x) * v[a, i] + light * buffers.force[a, i]) / (1.0 + x)
         for a in range(v.shape[0]):
-            new = ((1.0 - x) * v[a, i] + light * room.force[a, i]) / (1.0 + x) + (along - after) * t[a, i]
+            new = ((1.0 - x) * v[a, i] + light * buffers.force[a, i]) / (1.0 + x) + (along - after) * t[a, i]
             square += (0.5 * (new + v[a, i])) ** 2
             v[a, i] = new
         lost += nodes.drag[i] * nodes.mass[i] * square

@@ -48,12 +48,12 @@ def first_damper(parts: Parts) -> str | None:
         return "wind"
     for part in (*parts.lines.values(), *parts.nets.values()):
         tree = {} if part is None else part.model_dump()
-        held = {key: tree.pop(key, None) for key in ("start_support", "end_support", "supports", "edge")}
+        restrained = {key: tree.pop(key, None) for key in ("start_support", "end_support", "supports", "edge")}
         if tree.get("drag"):
             return "the drag of lines"
         if _is_damped(tree):
             return "Kelvin-Voigt damping"
-        if _is_damped(held):
+        if _is_damped(restrained):
             return "dampers at supports"
     for line in parts.overhead.values():
         if _has({} if line is None else line.model_dump(), ("drag", "damping")):

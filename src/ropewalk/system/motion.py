@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
-from ropewalk.mechanics.rider import look_up
+from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.bodies import LEAVES, STAYS, arrive, balance, drift, ground, kick
 from ropewalk.system.cables import blow, energy_of, guess, pull_all, stretch_all
 from ropewalk.system.constraints import draw, is_too_long, note_kick
@@ -17,7 +17,7 @@ from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, bend, press
 from ropewalk.system.friction import NOT, rub
 from ropewalk.system.inertia import kick_along
 from ropewalk.system.sheaves import RUBS, exist, is_at_sheave, pass_nodes, pull_sheaves, slip, stored_at, stretch_over
-from ropewalk.system.structure import CARRIED, DAMPED, DRIVEN, HELD, LOADED, MOVED, RUBBED, STRUCK
+from ropewalk.system.structure import CARRIED, DAMPED, DRIVEN, LOADED, MOVED, RESTRAINED, RUBBED, STRUCK
 from ropewalk.system.surfaces import damp_surfaces, follow, hand_over, is_damped, pull_surfaces, stored_in
 from ropewalk.system.tethers import gap, grow
 from ropewalk.system.ties import are_damped, damp_ties, pull_ties, stored_in_ties, tie_up
@@ -28,13 +28,15 @@ GIVEN, SETTLE, LOCATE, LOOK = -3, -2, -1, 0  # instead of a number of steps
 
 
 @inlined
-def _displaced(holdings, e, a, t):
+def _displaced(restraints, e, a, t):
     """Component a of where a holding stands, or its springs are without force."""
-    return holdings.place[e, a] + look_up(holdings.time, holdings.moved[a], holdings.table[e], holdings.entries[e], t)
+    return restraints.place[e, a] + look_up(
+        restraints.time, restraints.moved[a], restraints.table[e], restraints.entries[e], t
+    )
 
 
 @inlined
-def _look(structure, room, contacts, tables, bodies, state, table, out, dt, since, windy, steps):
+def _look(structure, buffers, contacts, tables, bodies, state, table, out, dt, since, windy, steps):
     """All forces at the places of now: on nodes to `room.force`, of contacts to their records.
 
     Args:
@@ -48,62 +50,62 @@ def _look(structure, room, contacts, tables, bodies, state, table, out, dt, sinc
     stored = 0.0
     for a in range(state.r.shape[0]):
         for i in range(state.r.shape[1]):
-            room.force[a, i] = structure.nodes.force[a, i]
+            buffers.force[a, i] = structure.nodes.force[a, i]
     follow(structure.surfaces, state.r, state.v)
-    stretch_all(structure, room, state.r)
+    stretch_all(structure, buffers, state.r)
     if exist(structure.sheaves):
-        stretch_over(structure.sheaves, structure.runs, room, state.r)
-    locate(structure, room, contacts, tables, state, table, out, since)
+        stretch_over(structure.sheaves, structure.runs, buffers, state.r)
+    locate(structure, buffers, contacts, tables, state, table, out, since)
     if steps == LOCATE:
         for k in range(contacts.size):
             if contacts[k].kind == BODY and contacts[k].state == AWAY:
                 ground(structure, contacts, state, k)
         return 0.0, 0.0, 0.0
     if since > 0.0:
-        state.work[STRUCK] += fade(room, contacts, since)
+        state.work[STRUCK] += fade(buffers, contacts, since)
     if steps != GIVEN:
         _let_go(contacts, bodies)
     if steps != GIVEN and bodies.mass.size > 0:  # a call hands all arrays on, which costs as much as fifty nodes
         arrive(structure, contacts, bodies, state)
-    draw(room.tight, structure, room, contacts, bodies, state, table, out, since)
+    draw(buffers.tight, structure, buffers, contacts, bodies, state, table, out, since)
     if steps != GIVEN and bodies.mass.size > 0:
-        balance(structure, room, contacts, bodies, state, table, out, since)
+        balance(structure, buffers, contacts, bodies, state, table, out, since)
     for k in range(contacts.size):
         if contacts[k].rubs != NOT and contacts[k].state == ON:
-            rub(structure, room, contacts, state, table, out, k)
-    bend(structure, room, contacts, state, table, out)
+            rub(structure, buffers, contacts, state, table, out, k)
+    bend(structure, buffers, contacts, state, table, out)
     if exist(structure.sheaves):
         state.work[RUBBED] += slip(structure.sheaves, structure.runs, state.r, RUBS)
     if steps <= LOOK:
-        stored = energy_of(structure, room, state.r) + stored_in(structure.surfaces, state.r)
+        stored = energy_of(structure, buffers, state.r) + stored_in(structure.surfaces, state.r)
         stored += stored_at(structure.sheaves, structure.runs, state.r) + stored_in_ties(structure.ties, state.r)
         for k in range(contacts.size):
             if contacts[k].state == ON:
                 for a in range(state.r.shape[0]):
                     stored += 0.5 * contacts[k].d[a] ** 2 * contacts[k].firm
-    lost, blown = pull_all(structure, room, state.r, since), 0.0
-    press(structure, room, contacts, state, table, out)
-    hand_over(structure.surfaces, room.force)
-    pull_surfaces(structure.surfaces, state.r, room.force)
+    lost, blown = pull_all(structure, buffers, state.r, since), 0.0
+    press(structure, buffers, contacts, state, table, out)
+    hand_over(structure.surfaces, buffers.force)
+    pull_surfaces(structure.surfaces, state.r, buffers.force)
     if tie_up(structure.ties):
-        pull_ties(structure.ties, state.r, room.force)
+        pull_ties(structure.ties, state.r, buffers.force)
     if exist(structure.sheaves):
-        lost += pull_sheaves(structure.sheaves, structure.runs, room, state.r, since)
+        lost += pull_sheaves(structure.sheaves, structure.runs, buffers, state.r, since)
     if since > 0.0 and (is_damped(structure.surfaces) or are_damped(structure.ties)):
-        guess(structure, room, state.v, dt)
-        lost += damp_surfaces(structure.surfaces, state.r, room.guess, room.force)
-        lost += damp_ties(structure.ties, room.guess, room.force)
+        guess(structure, buffers, state.v, dt)
+        lost += damp_surfaces(structure.surfaces, state.r, buffers.guess, buffers.force)
+        lost += damp_ties(structure.ties, buffers.guess, buffers.force)
     if windy:
-        blown = blow(structure, room, state.r, state.v, state.t[0], dt)
+        blown = blow(structure, buffers, state.r, state.v, state.t[0], dt)
     return lost, blown, stored
 
 
 @inlined
-def _kick_nodes(structure, room, state, h, dragged):
+def _kick_nodes(structure, buffers, state, h, dragged):
     """Kick all nodes that no holding moves; returns what drag takes, J."""
     nodes, v, lost = structure.nodes, state.v, 0.0
     for a in range(v.shape[0]):
-        w, F, light = v[a], room.force[a], nodes.light
+        w, F, light = v[a], buffers.force[a], nodes.light
         if not dragged:
             for i in range(w.size):
                 w[i] += h * light[i] * F[i]
@@ -119,78 +121,88 @@ def _kick_nodes(structure, room, state, h, dragged):
 
 
 @inlined
-def _kick_holdings(structure, room, state, h, dt, A, b):
+def _kick_restraints(structure, buffers, state, h, dt, A, b):
     """Kick what is held: (M + h/2 C + dt^2/4 K) dv = h (F - C (v - v')), in the directions that are free."""
-    held, nodes, r, v, t = structure.holdings, structure.nodes, state.r, state.v, state.t[0]
+    restrained, nodes, r, v, t = structure.restraints, structure.nodes, state.r, state.v, state.t[0]
     axes = r.shape[0]
-    for e in range(held.mass.size):
-        first = held.node[held.first[e]]
-        M, drag = held.mass[e], 0.0
+    for e in range(restrained.mass.size):
+        first = restrained.node[restrained.first[e]]
+        M, drag = restrained.mass[e], 0.0
         for a in range(axes):
-            b[a] = held.force[e, a]
-        for i in range(held.first[e], held.first[e] + held.nodes[e]):
-            n = held.node[i]
+            b[a] = restrained.force[e, a]
+        for i in range(restrained.first[e], restrained.first[e] + restrained.nodes[e]):
+            n = restrained.node[i]
             M += nodes.mass[n]
             drag += nodes.mass[n] * nodes.drag[n]
             for a in range(axes):
-                b[a] += room.force[a, n]
-        moves = held.entries[e] > 1
+                b[a] += buffers.force[a, n]
+        moves = restrained.entries[e] > 1
         rank = 0.0
         for a in range(axes):
-            rank += held.free[e, a, a]
+            rank += restrained.free[e, a, a]
         for a in range(axes):
-            room.reaction[e, a] = held.force[e, a] - b[a]
+            buffers.reaction[e, a] = restrained.force[e, a] - b[a]
         if rank == 0.0:
             if moves:  # places half a kick before and after
                 for a in range(axes):
-                    way = _displaced(held, e, a, t + 0.5 * h) - _displaced(held, e, a, t - 0.5 * h)
+                    way = _displaced(restrained, e, a, t + 0.5 * h) - _displaced(restrained, e, a, t - 0.5 * h)
                     state.work[MOVED] -= b[a] * way
             continue
         for a in range(axes):
             F = b[a]
             for c in range(axes):
-                rate = (_displaced(held, e, c, t + 0.5 * h) - _displaced(held, e, c, t - 0.5 * h)) / h if moves else 0.0
-                F -= held.damping[e, a, c] * (v[c, first] - rate)
-                if held.stiffness[e, a, c] != 0.0:
-                    F += held.stiffness[e, a, c] * (_displaced(held, e, c, t) - r[c, first])
+                rate = (
+                    (_displaced(restrained, e, c, t + 0.5 * h) - _displaced(restrained, e, c, t - 0.5 * h)) / h
+                    if moves
+                    else 0.0
+                )
+                F -= restrained.damping[e, a, c] * (v[c, first] - rate)
+                if restrained.stiffness[e, a, c] != 0.0:
+                    F += restrained.stiffness[e, a, c] * (_displaced(restrained, e, c, t) - r[c, first])
             A[a, axes] = h * (F - drag * v[a, first])
         # within the free directions: P A P + (1 - P)
         for a in range(axes):
             b[a] = 0.0
             for c in range(axes):
-                b[a] += held.free[e, a, c] * A[c, axes]
+                b[a] += restrained.free[e, a, c] * A[c, axes]
         for a in range(axes):
             for c in range(axes):
-                A[a, c] = 0.5 * h * held.damping[e, a, c] + 0.25 * dt * dt * held.stiffness[e, a, c]
-                A[a, c] += (M + 0.5 * h * drag) * held.free[e, a, c] + (1.0 if a == c else 0.0) - held.free[e, a, c]
-        if structure.inertia.held.shape[0] > 0:
+                A[a, c] = 0.5 * h * restrained.damping[e, a, c] + 0.25 * dt * dt * restrained.stiffness[e, a, c]
+                A[a, c] += (
+                    (M + 0.5 * h * drag) * restrained.free[e, a, c]
+                    + (1.0 if a == c else 0.0)
+                    - restrained.free[e, a, c]
+                )
+        if structure.inertia.restrained.shape[0] > 0:
             for a in range(axes):
                 for c in range(axes):
-                    A[a, c] += structure.inertia.held[e, a, c]
+                    A[a, c] += structure.inertia.restrained[e, a, c]
         _cramer(A, b, axes)
         lost = 0.0
         for a in range(axes):
             rate_a, way = v[a, first] + 0.5 * b[a], 0.0
             if moves:
-                way = _displaced(held, e, a, t + 0.5 * h) - _displaced(held, e, a, t - 0.5 * h)
+                way = _displaced(restrained, e, a, t + 0.5 * h) - _displaced(restrained, e, a, t - 0.5 * h)
                 rate_a -= way / h
             for c in range(axes):
                 rate_c = v[c, first] + 0.5 * b[c]
                 if moves:
-                    rate_c -= (_displaced(held, e, c, t + 0.5 * h) - _displaced(held, e, c, t - 0.5 * h)) / h
-                    spring = held.stiffness[e, a, c] * (_displaced(held, e, c, t) - r[c, first])
-                    state.work[MOVED] += way * (spring - held.damping[e, a, c] * rate_c)
-                lost += rate_a * held.damping[e, a, c] * rate_c
+                    rate_c -= (
+                        _displaced(restrained, e, c, t + 0.5 * h) - _displaced(restrained, e, c, t - 0.5 * h)
+                    ) / h
+                    spring = restrained.stiffness[e, a, c] * (_displaced(restrained, e, c, t) - r[c, first])
+                    state.work[MOVED] += way * (spring - restrained.damping[e, a, c] * rate_c)
+                lost += rate_a * restrained.damping[e, a, c] * rate_c
             lost += drag * (v[a, first] + 0.5 * b[a]) ** 2
         state.work[DAMPED] += h * lost
         for a in range(axes):
-            room.reaction[e, a] += (M - held.mass[e]) * b[a] / h + drag * (v[a, first] + 0.5 * b[a])
-            if structure.inertia.held.shape[0] > 0:
+            buffers.reaction[e, a] += (M - restrained.mass[e]) * b[a] / h + drag * (v[a, first] + 0.5 * b[a])
+            if structure.inertia.restrained.shape[0] > 0:
                 for c in range(axes):
-                    room.reaction[e, a] += structure.inertia.held[e, a, c] * b[c] / h
-        for i in range(held.first[e], held.first[e] + held.nodes[e]):
+                    buffers.reaction[e, a] += structure.inertia.restrained[e, a, c] * b[c] / h
+        for i in range(restrained.first[e], restrained.first[e] + restrained.nodes[e]):
             for a in range(axes):
-                v[a, held.node[i]] += b[a]
+                v[a, restrained.node[i]] += b[a]
 
 
 @inlined
@@ -211,20 +223,20 @@ def _cramer(A, b, n):
 @inlined
 def _drift(structure, state, h):
     """Move all nodes for the time h; what moves as prescribed comes to its place."""
-    r, v, held = state.r, state.v, structure.holdings
+    r, v, restrained = state.r, state.v, structure.restraints
     for a in range(r.shape[0]):
         x, w = r[a], v[a]
         for i in range(x.size):
             x[i] += h * w[i]
-    for e in range(held.mass.size):
+    for e in range(restrained.mass.size):
         rank = 0.0
         for a in range(r.shape[0]):
-            rank += held.free[e, a, a]
-        if held.entries[e] > 1 and rank == 0.0:
-            for i in range(held.first[e], held.first[e] + held.nodes[e]):
-                n = held.node[i]
+            rank += restrained.free[e, a, a]
+        if restrained.entries[e] > 1 and rank == 0.0:
+            for i in range(restrained.first[e], restrained.first[e] + restrained.nodes[e]):
+                n = restrained.node[i]
                 for a in range(r.shape[0]):
-                    place = _displaced(held, e, a, state.t[0] + h)
+                    place = _displaced(restrained, e, a, state.t[0] + h)
                     v[a, n] = (place - r[a, n]) / h
                     r[a, n] = place
 
@@ -271,7 +283,7 @@ def _book(structure, contacts, state):
                 state.work[LOADED] += 0.5 * (contacts[k].given[a] + contacts[k].last[a]) * way
                 if contacts[k].kind != BODY:
                     level = structure.runs.ahead[contacts[k].run, a]
-                    state.work[HELD] += 0.5 * (contacts[k].hold + contacts[k].held_by) * level * way
+                    state.work[RESTRAINED] += 0.5 * (contacts[k].hold + contacts[k].restrained_by) * level * way
             push = contacts[k].carried * contacts[k].d[a]
             if np.isfinite(way):
                 state.work[CARRIED] += 0.5 * (push + contacts[k].lagged[a]) * (contacts[k].d[a] - contacts[k].was[a])
@@ -293,9 +305,9 @@ def _book(structure, contacts, state):
                 state.work[DRIVEN] += driven
                 state.work[RUBBED] += driven - work
             else:
-                state.work[HELD] += work
+                state.work[RESTRAINED] += work
         contacts[k].was_at, contacts[k].pushed = state.s[k], contacts[k].push
-        contacts[k].driven, contacts[k].held_by = contacts[k].drive, contacts[k].hold
+        contacts[k].driven, contacts[k].restrained_by = contacts[k].drive, contacts[k].hold
         for a in range(axes):
             contacts[k].before[a], contacts[k].last[a] = contacts[k].place[a], contacts[k].given[a]
 
@@ -329,7 +341,7 @@ def _is_any(values):
 
 
 @lean
-def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, method, dt, steps):
+def advance(structure, buffers, contacts, tables, bodies, state, table, out, A, b, method, dt, steps):
     """Move a state by some steps of the length dt in s. One kernel for all, which is compiled once.
 
     Args:
@@ -352,14 +364,14 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
         part = kicks[stage] if half == 1 or stage > 0 else kicks[stages] + kicks[0]
         h = part * dt
         lost, blown, stored = _look(
-            structure, room, contacts, tables, bodies, state, table, out, h, since, windy, steps
+            structure, buffers, contacts, tables, bodies, state, table, out, h, since, windy, steps
         )
         if steps <= LOOK:
             break
         whole = i > 0 and stage == 0
         ends = whole and _is_refused(contacts, state)
         asked = whole and bodies.tethers.size > 0 and gap(structure, contacts, bodies, state) <= 0.0
-        too_long = whole and is_too_long(room.tight, dt)
+        too_long = whole and is_too_long(buffers.tight, dt)
         stands = exist(structure.sheaves) and is_at_sheave(structure.sheaves, structure, contacts, state)
         if ends or asked or stands or runs_out or too_long:
             half, h = 1, kicks[stages] * dt
@@ -367,11 +379,11 @@ def advance(structure, room, contacts, tables, bodies, state, table, out, A, b, 
         state.work[LOADED] += h * blown
         _book(structure, contacts, state)
         if structure.inertia.along.shape[1] > 0:
-            state.work[DAMPED] += kick_along(structure, room, state, h)
+            state.work[DAMPED] += kick_along(structure, buffers, state, h)
         else:
-            state.work[DAMPED] += _kick_nodes(structure, room, state, h, dragged)
-        _kick_holdings(structure, room, state, h, yielding, A, b)
-        note_kick(room.tight, h)
+            state.work[DAMPED] += _kick_nodes(structure, buffers, state, h, dragged)
+        _kick_restraints(structure, buffers, state, h, yielding, A, b)
+        note_kick(buffers.tight, h)
         if bodies.mass.size > 0:
             kick(structure, contacts, bodies, state, h, half)
         if i < last and not (asked or stands or runs_out or too_long):

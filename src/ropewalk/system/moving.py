@@ -10,21 +10,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.checkpoint import Tree, copied, put
+from ropewalk.controllers.assembly import controllers_of
+from ropewalk.controllers.partner import Partner
 from ropewalk.errors import EquilibriumError
-from ropewalk.foreign.turns import begun
-from ropewalk.guides.assembly import guides_of
-from ropewalk.guides.partner import Partner
+from ropewalk.foreign.cosimulation_master import begun
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import CLAMPED, COULOMB, Array, Integers
-from ropewalk.mechanics.fleet import hung
 from ropewalk.mechanics.loading import loading_of
+from ropewalk.mechanics.multibody_system import hung
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.trolley import Trolley
+from ropewalk.networks.lengths import doubt_slack
 from ropewalk.results.exchanges import foreign_in
-from ropewalk.results.frame import Account, Layout
+from ropewalk.results.frame import Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.running import Ending
 from ropewalk.solve.choice import RKN6_LIMIT, Bounds, rkn6_step
@@ -37,17 +38,16 @@ from ropewalk.system.beginning import begin_elsewhere
 from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
-from ropewalk.system.frames import FrameBuilder, Note
-from ropewalk.system.holding import on_friction
+from ropewalk.system.frames import FrameBuilder, SystemNote
+from ropewalk.system.hold_forces import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
+from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
 from ropewalk.system.methods import first_damper
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.stability import GROWN, SAFETY, largest_frequency, largest_step, waves_of, while_passing
-from ropewalk.system.standing import Carried, Standing, load_springs, measure_from_ends
-from ropewalk.system.statics import Potential, about_rest, at_rest, least, tensions
-from ropewalk.system.structure import WORKS, Room, State
+from ropewalk.system.statics import SystemPotential, about_rest, at_rest, least, tensions
+from ropewalk.system.structure import WORKS, Buffers, SystemState
 from ropewalk.system.window import Window
-from ropewalk.webs.lengths import doubt_slack
 
 if TYPE_CHECKING:
     from ropewalk.system.implicit import Implicit
@@ -85,7 +85,7 @@ def _shaken(scenario: Scenario) -> list[str]:
     ]
 
 
-class Motion:
+class SystemMotion:
     """Cable runs, joints and what they carry, as the engine of a motion in their first state.
 
     Args:
@@ -102,12 +102,12 @@ class Motion:
     looks_ahead = False
 
     def __init__(
-        self, scenario: Scenario, account: Account, times: Array, *, past: bool = False,
+        self, scenario: Scenario, run_info: RunInfo, times: Array, *, past: bool = False,
         axes: tuple[str, ...] | None = None,
     ) -> None:  # fmt: skip
         asked = scenario.run
         assert isinstance(asked, Dynamic)
-        self.account, self.times = account, times
+        self.run_info, self.times = run_info, times
         self.assembled = structure_of(scenario, asked.until, axes)
         gravity = np.zeros(len(self.assembled.axes))
         gravity[-1] = -scenario.gravity
@@ -117,7 +117,7 @@ class Motion:
             self._refuse_limp(scenario)
         if asked.axial_inertia != 1.0:
             self.structure = with_inertia(self.structure, self.rest, asked.axial_inertia)
-            remark_inertia(account, asked.axial_inertia, self.structure, self.rest, self.assembled.line)
+            remark_inertia(run_info, asked.axial_inertia, self.structure, self.rest, self.assembled.line)
         self.assembled = replace(self.assembled, structure=self.structure, near=self.rest)
         loading = loading_of(scenario, asked.until, axes=self.assembled.axes)
         self.loading = loading
@@ -126,11 +126,11 @@ class Motion:
         refuse_beyond(scenario, loading, self.contacts, self.structure)
         measure_from_ends(self.contacts, self.structure, self.rest)
         dim, n = self.rest.shape
-        self.state = State(
+        self.state = SystemState(
             np.zeros(1), self.rest.copy(), np.zeros((dim, n)), np.zeros(self.bodies.mass.size),
             np.zeros(self.bodies.mass.size), np.zeros(self.contacts.size), np.zeros(WORKS),
         )  # fmt: skip
-        self._room, self._table, self._out = Room.of(self.structure, dim), compliances(), np.zeros(4)
+        self._buffers, self._table, self._out = Buffers.of(self.structure, dim), compliances(), np.zeros(4)
         self._A, self._b = np.zeros((3, 4)), np.zeros(3)
         self._method, self._step = VERLET, 0.0
         stages = self._choose(asked)
@@ -161,8 +161,8 @@ class Motion:
             stable = largest_step(self.structure, self.contacts, self.bodies, self.rest)
             self._implicit = Implicit(self._system(), self.rest, asked.precision, longest, stable, stages)
         tension = tensions(self.structure, self.state.r)
-        doubt_slack(scenario, account, self.layout.link_line, tension[self._builder.link])
-        account.warnings += _shaken(scenario)
+        doubt_slack(scenario, run_info, self.layout.link_line, tension[self._builder.link])
+        run_info.warnings += _shaken(scenario)
 
     @property
     def layout(self) -> Layout:
@@ -172,7 +172,7 @@ class Motion:
     @property
     def tension(self) -> Array:
         """Tensions of links by their first node, N."""
-        return self._room.tension
+        return self._buffers.tension
 
     @property
     def shown(self) -> Integers:
@@ -181,21 +181,21 @@ class Motion:
 
     def _choose(self, asked: Dynamic) -> Stages | None:
         """Choose method and step; returns the stages of an implicit one."""
-        account, parts = self.account, (self.structure, self.contacts, self.bodies, self.rest)
-        account.reason = "Verlet's method for all nodes and bodies; contacts on a spline of the fourth order"
-        account.method, stable = "explicit", largest_step(*parts)
+        run_info, parts = self.run_info, (self.structure, self.contacts, self.bodies, self.rest)
+        run_info.reason = "Verlet's method for all nodes and bodies; contacts on a spline of the fourth order"
+        run_info.method, stable = "explicit", largest_step(*parts)
         stable = min(stable, while_passing(self.structure, self.contacts, self.tables))
         safe, self._step = stable / SAFETY, stable
         stages: Stages | None = None
         if asked.method == "rkn6" and (damper := first_damper(self._scenario.parts)) is not None:
-            stages, account.method = LOBATTO, "rkn6"
-            account.reason = (
+            stages, run_info.method = LOBATTO, "rkn6"
+            run_info.reason = (
                 f"as asked: sixth order, by Lobatto's method IIIC, for steps that also go back in time do not bear "
                 f"{damper}; contacts on a spline of the fourth order"
             )
         elif asked.method == "rkn6":
-            self._method, account.method = RKN6, "rkn6"
-            account.reason = "as asked: sixth order for all nodes and bodies; contacts on a spline of the fourth order"
+            self._method, run_info.method = RKN6, "rkn6"
+            run_info.reason = "as asked: sixth order for all nodes and bodies; contacts on a spline of the fourth order"
             frequency = largest_frequency(*parts)
             safe = RKN6_LIMIT / max(frequency, 1e-300)
             longest = (self.structure.runs.h * self.structure.runs.links).max(
@@ -204,25 +204,25 @@ class Motion:
             relative = asked.precision / float(longest)
             self._step = RKN6_SAFETY * rkn6_step(Bounds(frequency, 0.0), relative)
         if asked.method == "implicit":
-            stages, account.method = RADAU, "implicit"
-            account.reason = "as asked: Radau's method of order 5; contacts on a spline of the fourth order"
+            stages, run_info.method = RADAU, "implicit"
+            run_info.reason = "as asked: Radau's method of order 5; contacts on a spline of the fourth order"
         if stages is not None:
             safe, self._step = np.inf, asked.until
         if asked.step is not None:
             self._step = asked.step
         if self._step > safe:
-            account.warnings.append(
+            run_info.warnings.append(
                 f"the step of {self._step:.3g} s is larger than {safe:.3g} s, up to which the motion is "
                 "stable for certain; write a smaller run.step, or leave it out"
             )
         self.contacts["step"] = self._step if self._gives_way else 0.0
-        account.step = self._step
+        run_info.step = self._step
         return stages
 
     @property
     def _gives_way(self) -> bool:
         """Whether stiff contacts give way within a step."""
-        return self.account.method == "explicit"
+        return self.run_info.method == "explicit"
 
     def _refuse_limp(self, scenario: Scenario) -> None:
         """Refuse runs that resist nothing across themselves to the first order about rest, least where loads stand.
@@ -245,7 +245,7 @@ class Motion:
 
     def _limit_tension(self) -> None:
         """Note how far tensions of inextensible lines may grow before steps are too long for their waves."""
-        if (tight := self._room.tight) is None:
+        if (tight := self._buffers.tight) is None:
             return
         for s in np.flatnonzero(self.structure.runs.law[:, 0] == law.RIGID):
             part = slice(self.structure.runs.first[s], self.structure.runs.first[s] + self.structure.runs.links[s])
@@ -254,15 +254,15 @@ class Motion:
 
     def _allowed(self) -> float:
         """The step in s that tensions of inextensible lines allow that bear what is there at the beginning."""
-        if (tight := self._room.tight) is None:
+        if (tight := self._buffers.tight) is None:
             return float("inf")
-        potential, pull = self._bearing(), self._room.tension
+        potential, pull = self._bearing(), self._buffers.tension
         with (
             suppress(EquilibriumError),
             np.errstate(all="ignore"),
         ):  # set down suddenly it pulls about as much as at rest
             least(potential, potential.taken())
-            pull = np.maximum(potential.room.tension, pull)
+            pull = np.maximum(potential.buffers.tension, pull)
         return SHORTER * float(np.sqrt(tight.time[3] / max((tight.fast * pull).max(), 1e-300)))
 
     def _lead(self) -> None:
@@ -270,24 +270,24 @@ class Motion:
         places = len(self.assembled.axes) * int((self.contacts["kind"] == BODY).sum())
         self._carrier = SystemCarrier(self._system(), self._scenario.gravity, places, self._step)
         led = {name: load for name, load in self._scenario.loads.items() if not isinstance(load, Footsteps)}  # tables
-        guides = guides_of(self._carrier, self.loading, self._scenario.model_copy(update={"loads": led}))
-        self._asking = Asking(self._carrier, guides)
-        self.turns = [guide.turns for guide in guides if isinstance(guide, Partner)]
+        controllers = controllers_of(self._carrier, self.loading, self._scenario.model_copy(update={"loads": led}))
+        self._asking = Asking(self._carrier, controllers)
+        self.turns = [controller.turns for controller in controllers if isinstance(controller, Partner)]
         with begun(self.turns):
             self._asking.begin()
 
     def _system(self) -> System:
         return System(
-            self.structure, self._room, self.contacts, self.tables, self.bodies, self.state, self._table, self._out,
+            self.structure, self._buffers, self.contacts, self.tables, self.bodies, self.state, self._table, self._out,
             self._A, self._b, self._method,
         )  # fmt: skip
 
-    def _bearing(self) -> Potential:
+    def _bearing(self) -> SystemPotential:
         """Potential energy of lines and of the loads where they begin, with kinks as in motion."""
         carried = Carried(self.contacts, self.tables, self.bodies)
-        standing = Standing(self.structure, self.rest, carried, as_moving=True)
-        standing.stand(0.0, self.rest)
-        return Potential(self.structure, standing, float(np.ptp(self.rest, axis=1).max()))
+        loaded = LoadedStructure(self.structure, self.rest, carried, as_moving=True)
+        loaded.stand(0.0, self.rest)
+        return SystemPotential(self.structure, loaded, float(np.ptp(self.rest, axis=1).max()))
 
     def _settle(self) -> None:
         """Let lines and loads rest together, with kinks as in the steps to come.
@@ -299,9 +299,9 @@ class Motion:
             self.contacts["step"] = self._in_steps(1)[1]
         potential = self._bearing()
         r, u = potential.put(least(potential, potential.taken()))
-        self.state.r[:], self.state.u[:] = r, u[: potential.standing.own]
-        if self._room.tight is not None:
-            self._room.tension[:] = potential.room.tension
+        self.state.r[:], self.state.u[:] = r, u[: potential.loaded.own]
+        if self._buffers.tight is not None:
+            self._buffers.tension[:] = potential.buffers.tension
 
     def _stand(self, *, with_loads: bool) -> None:
         """Let bodies move along with the line; where they do not rest on it, with springs without force but weights."""
@@ -332,7 +332,7 @@ class Motion:
             state.u[:] = resting
         self.contacts["comes"] = 0
         self._look()
-        self._room.before[:] = self._room.strain
+        self._buffers.before[:] = self._buffers.strain
 
     def _advance(self, dt: float, steps: int) -> float:
         return float(motion.advance(*self._system(), dt, steps)[1])
@@ -352,10 +352,10 @@ class Motion:
         if not i:
             return None
         if self._implicit is not None:
-            status, self.account.steps = self._implicit.to(float(self.times[i])), self._implicit.steps
+            status, self.run_info.steps = self._implicit.to(float(self.times[i])), self._implicit.steps
         else:
             status = (self._asking.to if self._window is None else self._go_in_window)(float(self.times[i]))
-            self.account.steps, self._carrier.steps = self.account.steps + self._carrier.steps, 0
+            self.run_info.steps, self._carrier.steps = self.run_info.steps + self._carrier.steps, 0
         if status == motion.RUNNING:
             return None
         outcome, advice = ("load failed", self._asking.message) if status == FAILED else _ENDS[status]
@@ -369,33 +369,33 @@ class Motion:
             left = max(1, int(np.ceil((end - begin) / self._step - 1e-9)))
             steps = min(left, self._window.wait(self.contacts, self.tables, self._step))
             narrow = self._window.around(self.contacts, self.state)
-            self._window.leave(narrow, self.state, self._room)
+            self._window.leave(narrow, self.state, self._buffers)
             carrier.system = self._system()._replace(structure=narrow)
             motion.advance(*carrier.system, 0.0, motion.LOOK)
-            self._room.before[:] = self._room.strain  # which differs where it is cut
+            self._buffers.before[:] = self._buffers.strain  # which differs where it is cut
             status = carrier.go(end if steps == left else begin + steps * (end - begin) / left)
         carrier.system = self._system()
         return status
 
-    def note(self) -> Note | None:
+    def note(self) -> SystemNote | None:
         """What the present frame will be made of; nothing of a motion that is no longer finite."""
         if not np.isfinite(self.state.r).all():
             return None
-        reaction = self._room.reaction.copy()
+        reaction = self._buffers.reaction.copy()
         elastic = self._carrier.advance(0.0, motion.LOOK)[1]
-        self._room.reaction[:] = reaction
+        self._buffers.reaction[:] = reaction
         for e in () if self._window is None else np.flatnonzero(self._window.still):
-            self._room.reaction[e] = -self._room.force[:, self.structure.holdings.members(int(e))].sum(axis=1)
+            self._buffers.reaction[e] = -self._buffers.force[:, self.structure.restraints.members(int(e))].sum(axis=1)
         t = float(self.state.t[0])
         if t == 0.0:
-            self._room.react(self.structure.holdings)
+            self._buffers.react(self.structure.restraints)
         self._ask_turned(t)
         self._doubt_struts(t)
-        return Note.of(self.state, self._room, self.contacts, self.bodies, elastic)
+        return SystemNote.of(self.state, self._buffers, self.contacts, self.bodies, elastic)
 
-    def frames(self, notes: Sequence[Note]) -> Frames:
+    def frames(self, notes: Sequence[SystemNote]) -> Frames:
         """The frames of some notes."""
-        at = Note.together(notes)
+        at = SystemNote.together(notes)
         frames = self._builder.build(at)
         self._doubt_speeds(at.t, at.contacts)
         self._ask_friction(frames, at.contacts)
@@ -426,7 +426,7 @@ class Motion:
         stable = largest_step(self.structure, self.contacts, self.bodies, self.state.r, self.rest) / SAFETY
         if self._step > stable:
             self._turned[0] = 1
-            self.account.warnings.append(
+            self.run_info.warnings.append(
                 f"at t = {t:.4g} s lines have turned so far that run.axial_inertia is of less use: the step of "
                 f"{self._step:.3g} s is stable for certain only below {stable:.3g} s"
             )
@@ -439,29 +439,29 @@ class Motion:
             found = on_friction(self.loading.wheels[k].name, kind, contact, float(needed[i, k]))
             if found and not self._slipped[k]:
                 self._slipped[k] = 1
-                self.account.warnings.append(f"at t = {frames.path[i]:.4g} s, {found}")
+                self.run_info.warnings.append(f"at t = {frames.path[i]:.4g} s, {found}")
 
     def _doubt_struts(self, t: float) -> None:
         """Doubt inextensible lines that are pushed together: there they are bars, which fold as the mesh lets them."""
         if self.structure.taut is None:
             return
-        assert self._room.tight is not None
-        pull, rigid = self._room.tension, self._room.tight.h > 0.0
+        assert self._buffers.tight is not None
+        pull, rigid = self._buffers.tension, self._buffers.tight.h > 0.0
         for s, name in enumerate(self.assembled.line):
             first, n = int(self.structure.runs.first[s]), int(self.structure.runs.links[s])
             own, key = pull[first : first + n], f"lines.{name}.law"
             if not rigid[first] or float(own.min()) >= -_PUSHED * float(np.abs(pull[rigid]).max()):
                 continue
-            if all(doubt.key != key for doubt in self.account.doubts):
-                self.account.doubt(
+            if all(doubt.key != key for doubt in self.run_info.doubts):
+                self.run_info.doubt(
                     f"line {name} is pushed together at t = {t:.4g} s, and folds as its elements let it",
                     "it is inextensible, and slack there", key, "give it an axial_stiffness with law: tension_only",
                 )  # fmt: skip
 
     def _doubt(self, name: str, load: str, speed: float, t: float) -> None:
-        if any(doubt.key == f"loads.{load}.travel.speed" for doubt in self.account.doubts):
+        if any(doubt.key == f"loads.{load}.travel.speed" for doubt in self.run_info.doubts):
             return
-        self.account.doubt(
+        self.run_info.doubt(
             f"load {name}: a mass at {speed:.4g} m/s comes to the speed of the transverse waves of its line at "
             f"t = {t:.4g} s",
             "its contact force is wrong once it is as fast as the waves", f"loads.{load}.travel.speed",

@@ -22,17 +22,17 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.overhead.section import CONTACT, Section, in_space, section_of
 from ropewalk.system.assembled import Assembled, Attached
 from ropewalk.system.inertia import Inertia
-from ropewalk.system.structure import About, Holdings, Lines, Nodes, Runs, Structure, Wind
+from ropewalk.system.structure import About, Lines, Nodes, Restraints, Runs, Structure, WindField
 from ropewalk.system.ties import Point, Tie, ties_of
 from ropewalk.wires.plan import Hold, Spot, Wire
-from ropewalk.wires.plan import Tie as Planned
+from ropewalk.wires.plan import WireTie as Planned
 from ropewalk.wires.rest import hung
 
 _SURE = 1e-9  # of a line: what is no further from its end is there
 
 
 @dataclass(frozen=True)
-class _Run:
+class _WireRun:
     """A wire as a run."""
 
     wire: Wire
@@ -66,7 +66,7 @@ def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assem
     aside = any(section.stagger.any() for section in sections.values())
     axes = axes or (("x", "y", "z") if aside else axes_of(scenario))
     shown = [0, 1, 2] if len(axes) == 3 else [0, 2]
-    parts, runs, on = list[_Part](), list[_Run](), dict[str, int]()
+    parts, runs, on = list[_Part](), list[_WireRun](), dict[str, int]()
     for name, section in sections.items():
         laid = in_space(section, scenario.overhead_lines[name]) if len(axes) == 3 else section
         on |= {load: len(runs) + CONTACT for load, it in scenario.loads.items() if it.on == name}
@@ -76,16 +76,16 @@ def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assem
     gravity = np.zeros(len(axes))
     gravity[-1] = -scenario.gravity
     nodes = _nodes(parts, runs, gravity)
-    holdings, names = _holdings(parts, len(axes))
-    nodes.light[holdings.node] = 0.0
-    nodes.mobile[holdings.node] *= holdings.free.any(axis=(1, 2))
+    restraints, names = _restraints(parts, len(axes))
+    nodes.light[restraints.node] = 0.0
+    nodes.mobile[restraints.node] *= restraints.free.any(axis=(1, 2))
     ties, attached = _ties(parts, nodes.mass.size)
     count = len(runs)
     structure = Structure(
         _as_runs(runs, len(axes)), nodes,
         Lines(np.arange(count), np.ones(count, dtype=np.int64), np.zeros(count),
               np.array([run.wire.length for run in runs])),
-        holdings, Wind(np.zeros(len(axes)), np.zeros(1), np.zeros(1), 1.0), About.nothing(len(axes)),
+        restraints, WindField(np.zeros(len(axes)), np.zeros(1), np.zeros(1), 1.0), About.nothing(len(axes)),
         Inertia.nothing(len(axes)), None, None, ties=ties_of(ties, len(axes)),
     )  # fmt: skip
     station = np.concatenate([np.linspace(0.0, run.wire.length, run.links + 1) for run in runs])
@@ -96,7 +96,7 @@ def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assem
     )  # fmt: skip
 
 
-def _runs(section: Section, shown: list[int], first: int) -> Iterator[_Run]:
+def _runs(section: Section, shown: list[int], first: int) -> Iterator[_WireRun]:
     mesh, near = section.mesh(), section.near[shown]
     unstrained = hung(mesh, section.rest.position)
     for i, wire in enumerate(section.plan.wires):
@@ -106,11 +106,11 @@ def _runs(section: Section, shown: list[int], first: int) -> Iterator[_Run]:
         even = np.linspace(0.0, wire.length, links + 1)
         rest = np.array([np.interp(even, along, row) for row in near[:, part]])
         place = mesh.strands.h[i] * np.arange(links + 1.0)
-        yield _Run(wire, first, links, rest, wire.length / float(length[-1]) - 1.0, place, along)
+        yield _WireRun(wire, first, links, rest, wire.length / float(length[-1]) - 1.0, place, along)
         first += links + 1
 
 
-def _as_runs(runs: Sequence[_Run], axes: int) -> Runs:
+def _as_runs(runs: Sequence[_WireRun], axes: int) -> Runs:
     def column(key: str) -> Array:
         return np.array([getattr(run.wire, key) for run in runs], dtype=np.float64)
 
@@ -132,7 +132,7 @@ class _Part:
     """One overhead line."""
 
     section: Section
-    runs: list[_Run]
+    runs: list[_WireRun]
     shown: list[int]  # axes, as numbers of x, y and z
 
     def point(self, spot: Spot) -> Point:
@@ -147,7 +147,7 @@ class _Part:
         return None
 
 
-def _nodes(parts: Sequence[_Part], runs: Sequence[_Run], gravity: Array) -> Nodes:
+def _nodes(parts: Sequence[_Part], runs: Sequence[_WireRun], gravity: Array) -> Nodes:
     """Masses are shared by the nodes beside them as by levers."""
     mass = np.concatenate([np.full(run.links + 1, run.wire.mass * run.h) for run in runs])
     for run in runs:
@@ -164,7 +164,7 @@ def _nodes(parts: Sequence[_Part], runs: Sequence[_Run], gravity: Array) -> Node
     return Nodes(mass, light, light.copy(), mass * gravity[:, None], drag / mass, np.zeros(mass.size))
 
 
-def _holdings(parts: Sequence[_Part], axes: int) -> tuple[Holdings, list[str]]:
+def _restraints(parts: Sequence[_Part], axes: int) -> tuple[Restraints, list[str]]:
     """What holds the ends of all wires: fast, or on rails along which weights pull."""
     node, place, free, force, names = [], [], [], [], []
     for part in parts:
@@ -179,7 +179,7 @@ def _holdings(parts: Sequence[_Part], axes: int) -> tuple[Holdings, list[str]]:
                 free.append(np.diag((~np.isinf(stiffness[part.shown])).astype(np.float64)))
                 force.append(np.zeros(axes) if hold is None else np.array(hold.force)[part.shown])
     count, none = len(node), np.zeros((len(node), axes, axes))
-    return Holdings(
+    return Restraints(
         np.arange(count), np.ones(count, dtype=np.int64), np.array(node, dtype=np.int64), np.zeros(count),
         np.array(force), np.array(free), none, none.copy(), np.array(place), np.arange(count),
         np.ones(count, dtype=np.int64), np.zeros(count), np.zeros((axes, count)),
@@ -189,7 +189,7 @@ def _holdings(parts: Sequence[_Part], axes: int) -> tuple[Holdings, list[str]]:
 def _ties(parts: Sequence[_Part], nodes: int) -> tuple[list[Tie], Attached]:
     """Droppers and arms, and then what holds wires on their way, axis by axis."""
     shown: list[tuple[Tie, Planned]] = []
-    held: list[tuple[Tie, str]] = []
+    restrained: list[tuple[Tie, str]] = []
     watched: dict[str, tuple[float, Point]] = {}
     for part in parts:
         plan = part.section.plan
@@ -199,11 +199,11 @@ def _ties(parts: Sequence[_Part], nodes: int) -> tuple[list[Tie], Attached]:
             shown.append((Tie(part.point(tie.spot), other, tie.length, stiffness, (tie.damping, 0.0)), tie))
         for hold in plan.holds:
             if part.end_of(hold) is None:
-                held += [(tie, hold.name) for tie in _axes_of(part, hold)]
+                restrained += [(tie, hold.name) for tie in _axes_of(part, hold)]
         watched |= {name: (spot.station, part.point(spot)) for name, spot in plan.watched.items()}
     arms = [tie.name for _, tie in shown if not isinstance(tie.other, Spot)]
-    supports = tuple(dict.fromkeys([*(name for _, name in held), *arms]))
-    names = [tie.name for _, tie in shown] + [name for _, name in held]
+    supports = tuple(dict.fromkeys([*(name for _, name in restrained), *arms]))
+    names = [tie.name for _, tie in shown] + [name for _, name in restrained]
     watch = sparse.lil_matrix((len(watched), nodes))
     for row, (_, point) in enumerate(watched.values()):
         own, weight = point.parts
@@ -213,7 +213,7 @@ def _ties(parts: Sequence[_Part], nodes: int) -> tuple[list[Tie], Attached]:
         np.array([supports.index(name) if name in supports else -1 for name in names], dtype=np.int64),
         tuple(watched), tuple(station for station, _ in watched.values()), watch.tocsr(),
     )  # fmt: skip
-    return [tie for tie, _ in shown] + [tie for tie, _ in held], attached
+    return [tie for tie, _ in shown] + [tie for tie, _ in restrained], attached
 
 
 def _axes_of(part: _Part, hold: Hold) -> Iterator[Tie]:

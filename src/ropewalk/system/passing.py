@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from ropewalk.mechanics.chain import ARC, HORIZONTAL, SLIP, Array
 from ropewalk.mechanics.compiled import lean
-from ropewalk.mechanics.rider import look_up
-from ropewalk.solve.superposition import Touch
+from ropewalk.mechanics.moving_contact import look_up
+from ropewalk.solve.superposition import ContactsAtInstant
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import AWAY, ON, sit, stiffen
-from ropewalk.system.standing import Standing
-from ropewalk.system.statics import Potential
+from ropewalk.system.loaded_structure import LoadedStructure
+from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import Structure
 from ropewalk.system.travel import Tables, place
 
@@ -22,9 +22,9 @@ _BEYOND = 1e-9  # of its line: a contact that is as far past an end stands there
 
 
 @lean
-def _pass_over(structure, room, contacts, tables, state, on, table, out):
+def _pass_over(structure, buffers, contacts, tables, state, on, table, out):
     """Put contacts where they are at the time of the state, those that are on their lines as told within these."""
-    place(structure, room, contacts, tables, state)
+    place(structure, buffers, contacts, tables, state)
     for k in range(contacts.size):
         if on[k] == 0:
             contacts[k].state = AWAY
@@ -46,7 +46,7 @@ def _pass_over(structure, room, contacts, tables, state, on, table, out):
             stretch = np.sqrt(square)
         contacts[k].measured = 0.0 if stops else speed
         contacts[k].speed = contacts[k].measured / stretch
-        stiffen(structure, room, contacts, state, table, out, k)
+        stiffen(structure, buffers, contacts, state, table, out, k)
 
 
 class Passing:
@@ -58,34 +58,36 @@ class Passing:
         tables: histories of its contacts.
     """
 
-    def __init__(self, structure: Structure, standing: Standing, potential: Potential, tables: Tables) -> None:
-        self.structure, self.standing, self._tables = structure, standing, tables
-        self.contacts = standing.contacts
-        self._room, self._table, self._out = potential.room, compliances(), np.zeros(4)
-        self.state = standing.state.copy()
+    def __init__(
+        self, structure: Structure, loaded: LoadedStructure, potential: SystemPotential, tables: Tables
+    ) -> None:
+        self.structure, self.loaded, self._tables = structure, loaded, tables
+        self.contacts = loaded.contacts
+        self._buffers, self._table, self._out = potential.buffers, compliances(), np.zeros(4)
+        self.state = loaded.state.copy()
         self.contacts["measure"][self.contacts["measure"] == SLIP] = ARC  # along what stands still
 
     def place(self, t: float, on: NDArray[np.bool_]) -> Array:
         """Put contacts where they are at time t in s, those that are on their lines as told; where they would be, m."""
         self.state.t[0] = t
         _pass_over(
-            self.structure, self._room, self.contacts, self._tables, self.state, on.astype(np.int64), self._table,
+            self.structure, self._buffers, self.contacts, self._tables, self.state, on.astype(np.int64), self._table,
             self._out,
         )  # fmt: skip
         return self.state.s
 
-    def at(self, t: float, on: NDArray[np.bool_]) -> Touch:
+    def at(self, t: float, on: NDArray[np.bool_]) -> ContactsAtInstant:
         """Those that are on their lines, as said."""
         self.place(t, on)
         here, dim = np.flatnonzero(on), self.state.r.shape[0]
         contacts: Any = self.contacts[here]
         force = contacts["given"][:, :dim].copy()
-        along, held = contacts["along"][:, :dim], contacts["frictionless"] == 1
-        if held.any():  # a horizontal force holds it across its line at rest
-            level = self.structure.runs.ahead[contacts["run"][held]]
-            hold = (force[held] * along[held]).sum(axis=1) / (level * along[held]).sum(axis=1)
-            force[held] -= hold[:, None] * level
-        return Touch(
+        along, restrained = contacts["along"][:, :dim], contacts["frictionless"] == 1
+        if restrained.any():  # a horizontal force holds it across its line at rest
+            level = self.structure.runs.ahead[contacts["run"][restrained]]
+            hold = (force[restrained] * along[restrained]).sum(axis=1) / (level * along[restrained]).sum(axis=1)
+            force[restrained] -= hold[:, None] * level
+        return ContactsAtInstant(
             here, contacts["near"].copy(), contacts["weight"].copy(), 1.0 / contacts["moving"],
             contacts["p"][:, :dim].copy(), contacts["speed"][:, None] * along, force,
         )  # fmt: skip

@@ -18,8 +18,8 @@ from ropewalk.system import motion
 from ropewalk.system.bodies import STAYS
 from ropewalk.system.carrier import System
 from ropewalk.system.contacts import BODY, FORCE, ON
-from ropewalk.system.standing import Standing, gathered
-from ropewalk.system.structure import CARRIED, DAMPED, HELD, IN_BODIES, LOADED, MOVED, STRUCK, WORKS
+from ropewalk.system.loaded_structure import LoadedStructure, gathered
+from ropewalk.system.structure import CARRIED, DAMPED, IN_BODIES, LOADED, MOVED, RESTRAINED, STRUCK, WORKS
 from ropewalk.system.surfaces import damp_surfaces
 from ropewalk.system.ties import damp_ties
 
@@ -41,14 +41,14 @@ class Forces:
         standing: its loads, with coordinates of given forces.
     """
 
-    def __init__(self, system: System, standing: Standing) -> None:
-        self.system, self._standing = system, standing
+    def __init__(self, system: System, loaded: LoadedStructure) -> None:
+        self.system, self._loaded = system, loaded
         structure, bodies, own = system.structure, system.bodies, system.bodies.mass.size
-        held = structure.holdings
+        restrained = structure.restraints
         self.K, self.C = (gathered(bodies, matrix, own).tocsr() for matrix in (bodies.K, bodies.C))
-        rank = np.einsum("eaa->e", held.free)
-        self._driven = np.flatnonzero((held.entries > 1) & (rank < 0.5))
-        self._sprung = np.flatnonzero(held.stiffness.any(axis=(1, 2)) | held.damping.any(axis=(1, 2)))
+        rank = np.einsum("eaa->e", restrained.free)
+        self._driven = np.flatnonzero((restrained.entries > 1) & (rank < 0.5))
+        self._sprung = np.flatnonzero(restrained.stiffness.any(axis=(1, 2)) | restrained.damping.any(axis=(1, 2)))
         self._damped_links = np.zeros(structure.nodes.mass.size)  # c of links, N s
         self._h = np.ones(structure.nodes.mass.size)
         for first, n, h, c in zip(
@@ -73,17 +73,19 @@ class Forces:
 
     def taken(self) -> tuple[Array, Array]:
         """Places and velocities of everything as it is."""
-        state, given = self.system.state, self._standing.weight.size - self.system.bodies.mass.size
+        state, given = self.system.state, self._loaded.weight.size - self.system.bodies.mass.size
         none = np.zeros(given)
         return np.concatenate([state.r.ravel(), state.u, none]), np.concatenate([state.v.ravel(), state.w, none])
 
     def _place(self, e: int, t: float) -> Array:
-        held = self.system.structure.holdings
-        part = slice(int(held.table[e]), int(held.table[e] + held.entries[e]))
-        return np.asarray(held.place[e] + [np.interp(t, held.time[part], row[part]) for row in held.moved])
+        restrained = self.system.structure.restraints
+        part = slice(int(restrained.table[e]), int(restrained.table[e] + restrained.entries[e]))
+        return np.asarray(
+            restrained.place[e] + [np.interp(t, restrained.time[part], row[part]) for row in restrained.moved]
+        )
 
     def _rate(self, e: int, t: float) -> Array:
-        if self.system.structure.holdings.entries[e] < 2:
+        if self.system.structure.restraints.entries[e] < 2:
             return np.zeros(self.system.state.r.shape[0])
         return (self._place(e, t) - self._place(e, t - self._little)) / self._little
 
@@ -91,17 +93,17 @@ class Forces:
         axes, n = self.system.state.r.shape
         for e, value in zip(self._driven, values, strict=True):
             for a in range(axes):
-                found[a * n + self.system.structure.holdings.members(int(e))] = value[a]
+                found[a * n + self.system.structure.restraints.members(int(e))] = value[a]
         return found
 
     def driven(self, t: float) -> Array:
         """Places of what moves as prescribed at time t in s, zero elsewhere."""
-        none = np.zeros(self.system.state.r.size + self._standing.weight.size)
+        none = np.zeros(self.system.state.r.size + self._loaded.weight.size)
         return self._all_driven(none, [self._place(int(e), t) for e in self._driven])
 
     def driven_rates(self, t: float) -> Array:
         """The same of velocities."""
-        none = np.zeros(self.system.state.r.size + self._standing.weight.size)
+        none = np.zeros(self.system.state.r.size + self._loaded.weight.size)
         return self._all_driven(none, [self._rate(int(e), t) for e in self._driven])
 
     def _look(self, t: float, shape: Array, rates: Array) -> None:
@@ -114,24 +116,24 @@ class Forces:
 
     def at(self, t: float, shape: Array, rates: Array) -> Array:
         """Forces at time t in s, N; the state is left there."""
-        room, state, structure = self.system.room, self.system.state, self.system.structure
+        buffers, state, structure = self.system.buffers, self.system.state, self.system.structure
         if self._damped_links.any():
-            room.rate[:], total = 0.0, np.zeros_like(room.rate)
+            buffers.rate[:], total = 0.0, np.zeros_like(buffers.rate)
             for side, part in self._sides(t):
                 self._look(t + side * self._little, shape + side * self._little * rates, rates)
-                total += part * room.strain
-            room.rate[:] = total / (2.0 * self._little)
+                total += part * buffers.strain
+            buffers.rate[:] = total / (2.0 * self._little)
         self._look(t, shape, rates)
-        force = room.force - structure.nodes.mass * structure.nodes.drag * state.v
+        force = buffers.force - structure.nodes.mass * structure.nodes.drag * state.v
         if self._has_dampers:
             _damp(structure.surfaces, structure.ties, state.r, state.v, force)
-        held = structure.holdings
-        first = held.node[held.first]
+        restrained = structure.restraints
+        first = restrained.node[restrained.first]
         for e, n in enumerate(first):
-            force[:, n] += held.force[e]
+            force[:, n] += restrained.force[e]
         for e in self._sprung.tolist():
             away, rate = self._place(e, t) - state.r[:, first[e]], state.v[:, first[e]] - self._rate(e, t)
-            force[:, first[e]] += held.stiffness[e] @ away - held.damping[e] @ rate
+            force[:, first[e]] += restrained.stiffness[e] @ away - restrained.damping[e] @ rate
         out = np.zeros(shape.size)
         out[: force.size], out[force.size : force.size + state.u.size] = force.ravel(), self._on_bodies()
         return out
@@ -172,30 +174,30 @@ class Forces:
 
     def react(self, acceleration: Array) -> None:
         """Note reactions of supports, whose nodes are accelerated as given, m/s^2."""
-        room, state, held = self.system.room, self.system.state, self.system.structure.holdings
+        buffers, state, restrained = self.system.buffers, self.system.state, self.system.structure.restraints
         nodes, a = self.system.structure.nodes, acceleration[: state.r.size].reshape(state.r.shape)
-        for e in range(held.mass.size):
-            own = held.members(e)
-            drag = nodes.mass[own] * nodes.drag[own] * state.v[:, own] * float(held.free[e].any())
-            room.reaction[e] = (nodes.mass[own] * a[:, own] + drag - room.force[:, own]).sum(axis=1)
+        for e in range(restrained.mass.size):
+            own = restrained.members(e)
+            drag = nodes.mass[own] * nodes.drag[own] * state.v[:, own] * float(restrained.free[e].any())
+            buffers.reaction[e] = (nodes.mass[own] * a[:, own] + drag - buffers.force[:, own]).sum(axis=1)
 
     def losses(self, t: float) -> Array:
         """Powers (work,) of what is audited, W, but for those of contacts, which depend on how they move."""
-        structure, state, room = self.system.structure, self.system.state, self.system.room
-        nodes, held, power = structure.nodes, structure.holdings, np.zeros(WORKS)
-        power[DAMPED] = float((self._damped_links * self._h * room.rate**2).sum())
+        structure, state, buffers = self.system.structure, self.system.state, self.system.buffers
+        nodes, restrained, power = structure.nodes, structure.restraints, np.zeros(WORKS)
+        power[DAMPED] = float((self._damped_links * self._h * buffers.rate**2).sum())
         power[DAMPED] += float((nodes.mass * nodes.drag * state.v**2).sum())
         if self._has_dampers:
             power[DAMPED] += _damp(structure.surfaces, structure.ties, state.r, state.v, np.zeros_like(state.v))
         if structure.wind.direction.any():
-            power[LOADED] = float((room.air * state.v).sum())
+            power[LOADED] = float((buffers.air * state.v).sum())
         for e in np.union1d(self._sprung, self._driven):
-            n = int(held.node[held.first[e]])
+            n = int(restrained.node[restrained.first[e]])
             moves, rate = self._rate(e, t), state.v[:, n] - self._rate(e, t)
-            power[DAMPED] += float(rate @ held.damping[e] @ rate)
-            bears = held.stiffness[e] @ (self._place(e, t) - state.r[:, n]) - held.damping[e] @ rate
+            power[DAMPED] += float(rate @ restrained.damping[e] @ rate)
+            bears = restrained.stiffness[e] @ (self._place(e, t) - state.r[:, n]) - restrained.damping[e] @ rate
             if e in self._driven:
-                bears = -(held.force[e] + room.force[:, held.members(e)].sum(axis=1))
+                bears = -(restrained.force[e] + buffers.force[:, restrained.members(e)].sum(axis=1))
             power[MOVED] += float(moves @ bears)
         bodies = self.system.bodies
         w = np.where(bodies.gone[bodies.load] == STAYS, state.w, 0.0) if bodies.load.size else state.w
@@ -241,10 +243,10 @@ class Powers:
             work = (stage["given"][:, :axes] * place).sum(axis=1)
             power[LOADED] += float(work[on].sum())
             level = self._forces.system.structure.runs.ahead[stage["run"]]
-            held = stage["hold"] * (level * place).sum(axis=1)
-            power[HELD] += float(held[on & (stage["kind"] == FORCE)].sum())
+            restrained = stage["hold"] * (level * place).sum(axis=1)
+            power[RESTRAINED] += float(restrained[on & (stage["kind"] == FORCE)].sum())
             power[CARRIED] += float((stage["carried"] * (stage["d"][:, :axes] * d).sum(axis=1))[on].sum())
             push = stage["push"] * stage["speed"]
             power[STRUCK] -= float(push[on & (stage["kind"] == FORCE)].sum())
-            power[HELD] += float(push[on & (stage["kind"] == BODY)].sum())
+            power[RESTRAINED] += float(push[on & (stage["kind"] == BODY)].sum())
             yield power

@@ -11,9 +11,9 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.capabilities import refusal
 from ropewalk.model.scenario import Scenario
+from ropewalk.networks.assembly import Laid
 from ropewalk.system.capabilities import between_nodes
 from ropewalk.system.structure import Sheaves
-from ropewalk.webs.laying import Laid
 
 
 def sections_of(scenario: Scenario, laid: Laid, corners: set[int]) -> Iterator[tuple[str, Integers, Array]]:
@@ -31,13 +31,13 @@ def sections_of(scenario: Scenario, laid: Laid, corners: set[int]) -> Iterator[t
     for strand in laid.strands:
         line, last = scenario.lines.get(strand.name), strand.node.size - 1
         supports = line.supports.values() if line is not None else ()
-        held = {int(np.abs(strand.station - s.at).argmin()) for s in supports}
-        inner = [i for i in range(1, last) if uses[strand.node[i]] > 1 or i in held or strand.node[i] in corners]
+        restrained = {int(np.abs(strand.station - s.at).argmin()) for s in supports}
+        inner = [i for i in range(1, last) if uses[strand.node[i]] > 1 or i in restrained or strand.node[i] in corners]
         if line is not None and line.bending_stiffness:  # it does not end where something is joined to it
             if np.ptp(np.diff(strand.station)) > 1e-9 * strand.station[-1]:
                 raise refusal(between_nodes(strand.name, line.elements))
             inner = []
-        over = laid.web.sheaves.link - strand.first
+        over = laid.network.sheaves.link - strand.first
         for i, j in pairwise(sorted({0, last, *inner})):
             marks = [i, *(p + k for p in sorted(over[(i <= over) & (over < j)].tolist()) for k in (0, 1)), j]
             for begin, end in zip(marks[::2], marks[1::2], strict=True):
@@ -58,12 +58,12 @@ def sheaves_of(laid: Laid, sections: list[tuple[str, Integers, Array]], weight: 
         weight: (section, axis) N/m.
         first: the first of the nodes of all sheaves.
     """
-    own = laid.web.sheaves
+    own = laid.network.sheaves
     if not own.node.size:
         return None
     ends = [int(nodes[-1]) for _, nodes, _ in sections]
     starts = [int(nodes[0]) for _, nodes, _ in sections]
-    links = laid.web.links
+    links = laid.network.links
     pairs = list(zip(ends[:-1], starts[1:], strict=True))
     run = np.array([pairs.index((links.one[e], links.other[e])) for e in own.link], dtype=np.int64)
     return Sheaves(

@@ -14,7 +14,7 @@ def see_others(contacts, k, on):
     Args:
         on: state of those that are on their lines.
     """
-    contacts[k].crowded = 0
+    contacts[k].shares_links = 0
     for j in range(3):
         contacts[k].beside[j] = 0.0
     for m in range(contacts.size):
@@ -28,4 +28,4 @@ def see_others(contacts, k, on):
                 if contacts[m].link[i] == contacts[k].link[j] and contacts[m].part[i] > 0.0:
                     contacts[k].beside[j] += contacts[m].part[i] * contacts[m].kink
                     if contacts[m].state == on:
-                        contacts[k].crowded = 1
+                        contacts[k].shares_links = 1

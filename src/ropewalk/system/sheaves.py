@@ -137,19 +137,19 @@ def slip(sheaves, runs, r, how):
 
 
 @lean_inner
-def stretch_over(sheaves, runs, room, r):
+def stretch_over(sheaves, runs, buffers, r):
     """Lengths of all links that sheaves divide, and their strains in the mean."""
     if sheaves is None:
         return
     for q in range(sheaves.node.size):
         run, b = sheaves.run[q], sheaves.node[q]
         e = runs.first[run] + runs.links[run]
-        room.length[e] = _distance(r, e, b) + _distance(r, b, e + 1)
-        room.strain[e] = room.length[e] / runs.h[run] - 1.0
+        buffers.length[e] = _distance(r, e, b) + _distance(r, b, e + 1)
+        buffers.strain[e] = buffers.length[e] / runs.h[run] - 1.0
 
 
 @lean_inner
-def pull_sheaves(sheaves, runs, room, r, since):
+def pull_sheaves(sheaves, runs, buffers, r, since):
     """Add the forces of all pieces, whose strains and slip are known, to `room.force`; returns what they damp, W.
 
     Args:
@@ -164,18 +164,18 @@ def pull_sheaves(sheaves, runs, room, r, since):
         l1, l2 = max(_distance(r, e, b), CLOSEST * h), max(_distance(r, b, e + 1), CLOSEST * h)
         if c > 0.0:
             if since > 0.0:
-                room.rate[e] = (room.strain[e] - room.before[e]) / since
-                room.before[e] = room.strain[e]
-            viscous = c * room.rate[e]
-            lost += viscous * h * room.rate[e]
-        room.tension[e] = law.tension(runs.law[run], room.strain[e]) + viscous
+                buffers.rate[e] = (buffers.strain[e] - buffers.before[e]) / since
+                buffers.before[e] = buffers.strain[e]
+            viscous = c * buffers.rate[e]
+            lost += viscous * h * buffers.rate[e]
+        buffers.tension[e] = law.tension(runs.law[run], buffers.strain[e]) + viscous
         q1, q2 = (sheaves.tension[q, 0] + viscous) / l1, (sheaves.tension[q, 1] + viscous) / l2
         for a in range(r.shape[0]):
             w = 0.5 * sheaves.weight[q, a]
             one, two = q1 * (r[a, b] - r[a, e]) - w * (h - s), q2 * (r[a, b] - r[a, e + 1]) - w * s
-            room.force[a, e] += one
-            room.force[a, e + 1] += two
-            room.force[a, b] -= one + two
+            buffers.force[a, e] += one
+            buffers.force[a, e + 1] += two
+            buffers.force[a, b] -= one + two
     return lost
 
 

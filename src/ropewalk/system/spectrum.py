@@ -8,17 +8,17 @@ import scipy.sparse as sparse
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Account, Layout
+from ropewalk.results.frame import Layout, RunInfo
 from ropewalk.results.running import TimeHistory
 from ropewalk.results.spectrum import Spectrum
 from ropewalk.solve.equations import Equations
 from ropewalk.solve.free_vibration import free_vibration
 from ropewalk.system.compliance import AT_REST, compliance
 from ropewalk.system.constrained import ways
-from ropewalk.system.moving import Motion
-from ropewalk.system.standing import Carried, Standing
-from ropewalk.system.statics import Potential
-from ropewalk.system.still import Still
+from ropewalk.system.loaded_structure import Carried, LoadedStructure
+from ropewalk.system.moving import SystemMotion
+from ropewalk.system.statics import SystemPotential
+from ropewalk.system.still import SystemStatics
 
 _AGAIN = 4  # rounds in which a kink and the tension that it makes find each other
 
@@ -36,7 +36,7 @@ def spectrum(scenario: Scenario, how_many: int | None = None, *, with_loads: boo
     """
     if not with_loads:
         scenario = scenario.model_copy(update={"loads": {}})
-    still = Still(scenario, Account(), 0.0, space=True)
+    still = SystemStatics(scenario, RunInfo(), 0.0, space=True)
     return free_vibration(equations_of(still), how_many)
 
 
@@ -47,29 +47,29 @@ def spectrum_at(scenario: Scenario, t: float, how_many: int | None = None) -> Sp
         RopewalkError: the motion does not come to the instant.
     """
     times = np.array([0.0, t] if t > 0.0 else [0.0])
-    moving = Motion(scenario, account := Account(), times, axes=("x", "y", "z"))
-    TimeHistory(moving, account).last()
+    moving = SystemMotion(scenario, run_info := RunInfo(), times, axes=("x", "y", "z"))
+    TimeHistory(moving, run_info).last()
     carried = Carried(moving.contacts, moving.tables, moving.bodies)
-    standing = Standing(moving.structure, moving.rest, carried)
-    standing.stand_as(moving.state, moving.contacts)
-    potential = Potential(moving.structure, standing, float(np.ptp(moving.rest, axis=1).max()), part=AT_REST)
+    loaded = LoadedStructure(moving.structure, moving.rest, carried)
+    loaded.stand_as(moving.state, moving.contacts)
+    potential = SystemPotential(moving.structure, loaded, float(np.ptp(moving.rest, axis=1).max()), part=AT_REST)
     if potential.structure.taut is not None:
-        potential.room.tension[:] = moving.tension
+        potential.buffers.tension[:] = moving.tension
     for _ in range(_AGAIN):  # what stands there presses as it does in motion, where contacts give way in a step
         potential.forces(potential.taken())
-        for k in standing.on:
-            at, contact = slice(int(standing.contacts[k]["first"]), None), standing.contacts[k]
+        for k in loaded.on:
+            at, contact = slice(int(loaded.contacts[k]["first"]), None), loaded.contacts[k]
             place = contact["p"] + moving.contacts[k]["N"] / contact["moving"]
-            standing.state.u[at][: moving.rest.shape[0]] = place[: moving.rest.shape[0]]
+            loaded.state.u[at][: moving.rest.shape[0]] = place[: moving.rest.shape[0]]
     return free_vibration(_equations(potential, potential.taken(), moving.shown, moving.layout), how_many)
 
 
-def equations_of(still: Still) -> Equations:
+def equations_of(still: SystemStatics) -> Equations:
     """Equations of motion about rest with the loads at their start; contacts of forces have no mass."""
     return _equations(still.potential, still.at_rest_with_loads(), still.shown, still.layout)
 
 
-def _equations(potential: Potential, shape: Array, nodes: Integers, layout: Layout) -> Equations:
+def _equations(potential: SystemPotential, shape: Array, nodes: Integers, layout: Layout) -> Equations:
     """Equations of motion about a shape, as results show its nodes."""
     K, M, C = potential.stiffness(shape), potential.masses(), potential.damping(shape)
     K = K + _locked(potential)
@@ -83,14 +83,14 @@ def _equations(potential: Potential, shape: Array, nodes: Integers, layout: Layo
     return Equations("system", K, M, C, sparse.csr_matrix(moves), position, layout.node_line)
 
 
-def _locked(potential: Potential) -> sparse.csc_matrix:
+def _locked(potential: SystemPotential) -> sparse.csc_matrix:
     """What keeps contacts on their particles beyond their kinks, (unknown, unknown) N/m.
 
     A kink gives way along its line as across it. There it is held by links that are stretched on one side and shortened
     on the other: h kappa / EA, with kappa as without bending.
     """
-    standing, runs, out = potential.standing, potential.structure.runs, np.zeros(4)
-    contacts, more = standing.contacts[standing.on], np.zeros(standing.on.size)
+    loaded, runs, out = potential.loaded, potential.structure.runs, np.zeros(4)
+    contacts, more = loaded.contacts[loaded.on], np.zeros(loaded.on.size)
     for i, contact in enumerate(contacts):
         s = int(contact["run"])
         if runs.firm[s] > 0.0 or runs.law[s, 0] == law.RIGID:  # a net; links that keep their lengths

@@ -10,14 +10,14 @@ import numpy as np
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array
-from ropewalk.mechanics.fleet import FIRM
-from ropewalk.system.bodies import Bodies
+from ropewalk.mechanics.multibody_system import FIRM
+from ropewalk.networks.membrane_elements import bounds_of_cells
+from ropewalk.system.bodies import BodyArrays
 from ropewalk.system.compliance import CORRECTION, NEAR, PARTS, SHARES, SHORT, compliances
 from ropewalk.system.contacts import BODY
 from ropewalk.system.inertia import stiffer
 from ropewalk.system.structure import Structure
 from ropewalk.system.travel import Tables
-from ropewalk.webs.fabric import bounds_of_cells
 
 # Part of the stable step that is used. A contact of a body gives way within a step so that it needs half of the square
 # of the largest frequency, and leaves the other half.
@@ -36,7 +36,7 @@ _SHARED = 0.7  # sum of the squares of the parts of nodes in the point of a cont
 _ARCS = 1.0 + CORRECTION / 3.0 + 2.0 * SHORT / 3.0
 
 
-def largest_step(structure: Structure, contacts: Any, bodies: Bodies, r: Array, rest: Array | None = None) -> float:
+def largest_step(structure: Structure, contacts: Any, bodies: BodyArrays, r: Array, rest: Array | None = None) -> float:
     """The step that is used at most, s: 2/omega (sqrt(1 + zeta^2) - zeta) with bounds of frequency and damping.
 
     Args:
@@ -54,18 +54,19 @@ def largest_step(structure: Structure, contacts: Any, bodies: Bodies, r: Array, 
     return (SAFETY if contacts.size else WITHOUT_LOADS) * float(min(steps, default=np.inf))
 
 
-def largest_frequency(structure: Structure, contacts: Any, bodies: Bodies, r: Array) -> float:
+def largest_frequency(structure: Structure, contacts: Any, bodies: BodyArrays, r: Array) -> float:
     """A bound of the largest frequency where nothing gives way within a step, rad/s.
 
     Squares of frequencies of springs that act on the same masses add up at most: those of lines, of bodies, of supports
     and of contacts, with each as far from the ends of its run as kinks have their whole compliance.
     """
-    runs, held, mass = structure.runs, structure.holdings, structure.nodes.mass
+    runs, restrained, mass = structure.runs, structure.restraints, structure.nodes.mass
     square = max((line for line, _ in _of_lines(structure, r)), default=0.0)
     square += (2.0 / min(_of_bodies(contacts, bodies), default=np.inf)) ** 2
     springs = [
-        float(np.linalg.eigvalsh(held.stiffness[e])[-1]) / float(held.mass[e] + mass[held.members(e)].sum())
-        for e in np.flatnonzero(held.stiffness.any(axis=(1, 2))).tolist()
+        float(np.linalg.eigvalsh(restrained.stiffness[e])[-1])
+        / float(restrained.mass[e] + mass[restrained.members(e)].sum())
+        for e in np.flatnonzero(restrained.stiffness.any(axis=(1, 2))).tolist()
     ]
     table, pressed = compliances()[0][:, (NEAR - 1) * PARTS :].max(axis=1), [0.0]
     for contact in contacts[contacts["kind"] == BODY]:
@@ -129,7 +130,7 @@ def _of_rigid(structure: Structure, contacts: Any) -> list[float]:
     return steps
 
 
-def _of_bodies(contacts: Any, bodies: Bodies) -> list[float]:
+def _of_bodies(contacts: Any, bodies: BodyArrays) -> list[float]:
     """Stable steps of bodies and tethers, s."""
     steps = []
     for p, n in enumerate(bodies.size):
@@ -154,7 +155,7 @@ def _at_sheaves(structure: Structure, r: Array) -> Iterator[tuple[float, float]]
     magnitudes 1, 2 and 1 at most. It is no more than that of springs from each of the three nodes to the ground, of
     k c^2 x with 1/x adding up to 1.
     """
-    sheaves, runs, held, mass = structure.sheaves, structure.runs, structure.holdings, structure.nodes.mass
+    sheaves, runs, restrained, mass = structure.sheaves, structure.runs, structure.restraints, structure.nodes.mass
     if sheaves is None:
         return
     for q, (node, s) in enumerate(zip(sheaves.node, sheaves.run, strict=True)):
@@ -164,8 +165,12 @@ def _at_sheaves(structure: Structure, r: Array) -> Iterator[tuple[float, float]]
         stretched, taut = (float(f(runs.law[s], strain).max()) for f in (law.tangents, law.tensions))
         k = max(stretched, taut * _ARCS) / h
         own = k * (_STUCK if sheaves.friction[q] > 0.0 else 1.0)
-        carrier = int(np.searchsorted(held.first, np.flatnonzero(held.node == node)[0], side="right")) - 1
-        M = float(held.mass[carrier] + mass[held.members(carrier)].sum()) if held.free[carrier].any() else np.inf
+        carrier = int(np.searchsorted(restrained.first, np.flatnonzero(restrained.node == node)[0], side="right")) - 1
+        M = (
+            float(restrained.mass[carrier] + mass[restrained.members(carrier)].sum())
+            if restrained.free[carrier].any()
+            else np.inf
+        )
         x = np.geomspace(1.01, 1e4, 400)  # of the sheave
         square = np.maximum((2.0 * k + 2.0 * own / (1.0 - 1.0 / x)) / m, 4.0 * own * x / M)
         yield float(square.min()), 4.0 * float(runs.damping[s]) / (m * h)
@@ -207,7 +212,7 @@ def of_cells(structure: Structure) -> tuple[Array, Array]:
     surfaces, mass = structure.surfaces, structure.nodes.mass
     if surfaces is None:
         return np.zeros(0), np.zeros(0)
-    fixed = [structure.holdings.members(int(e)) for e in np.flatnonzero(~structure.holdings.free.any(axis=(1, 2)))]
+    fixed = [structure.restraints.members(int(e)) for e in np.flatnonzero(~structure.restraints.free.any(axis=(1, 2)))]
     moves = mass > 0.0
     moves[np.concatenate([np.zeros(0, dtype=np.int64), *fixed])] = False
     stiffness, damping = bounds_of_cells(surfaces.cells, mass.size)

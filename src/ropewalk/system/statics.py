@@ -23,6 +23,7 @@ from ropewalk.system.air import damping_by_wind
 from ropewalk.system.cables import energy_of, pull_all, stretch_all
 from ropewalk.system.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
 from ropewalk.system.contacts import ON, bend, press
+from ropewalk.system.loaded_structure import LoadedStructure
 from ropewalk.system.sheaves import SLIPS, STICKS, pass_nodes, pull_sheaves, slip, stored_at, stretch_over
 from ropewalk.system.sheaves_at_rest import (
     damping_of,
@@ -33,18 +34,17 @@ from ropewalk.system.sheaves_at_rest import (
     stiffness_of,
 )
 from ropewalk.system.spline import WIDTH
-from ropewalk.system.standing import Standing
-from ropewalk.system.structure import REST, WORKS, About, Room, Structure
+from ropewalk.system.structure import REST, WORKS, About, Buffers, Structure
 from ropewalk.system.surfaces import hand_over, pull_surfaces, stored_in
 from ropewalk.system.ties import pull_ties, stored_in_ties
 
 
 @lean_inner
-def _stretch(structure, room, contacts, state, table, out, how):
+def _stretch(structure, buffers, contacts, state, table, out, how):
     """Strains of all links with the kinks under what stands on them."""
     runs, r = structure.runs, state.r
-    stretch_all(structure, room, r)
-    stretch_over(structure.sheaves, runs, room, r)
+    stretch_all(structure, buffers, r)
+    stretch_over(structure.sheaves, runs, buffers, r)
     for k in range(contacts.size):
         if contacts[k].state != ON:
             continue
@@ -55,15 +55,15 @@ def _stretch(structure, room, contacts, state, table, out, how):
                 here += contacts[k].weight[j] * r[a, contacts[k].near + j]
                 slope += contacts[k].slope[j] * r[a, contacts[k].near + j]
             contacts[k].p[a], contacts[k].along[a] = here, slope / runs.h[run]
-    bend(structure, room, contacts, state, table, out)
+    bend(structure, buffers, contacts, state, table, out)
     slip(structure.sheaves, runs, r, how)
 
 
 @lean
-def _stored(structure, room, contacts, state, table, out, how):
+def _stored(structure, buffers, contacts, state, table, out, how):
     """Energy stored in all runs with their kinks, J."""
-    _stretch(structure, room, contacts, state, table, out, how)
-    total = energy_of(structure, room, state.r) + stored_in(structure.surfaces, state.r)
+    _stretch(structure, buffers, contacts, state, table, out, how)
+    total = energy_of(structure, buffers, state.r) + stored_in(structure.surfaces, state.r)
     total += stored_at(structure.sheaves, structure.runs, state.r) + stored_in_ties(structure.ties, state.r)
     for k in range(contacts.size):
         if contacts[k].state == ON:
@@ -73,31 +73,31 @@ def _stored(structure, room, contacts, state, table, out, how):
 
 
 @lean
-def _forces(structure, room, contacts, state, table, out, how, given, firm):
+def _forces(structure, buffers, contacts, state, table, out, how, given, firm):
     """Add the forces of all runs and contacts to `room.force`.
 
     Args:
         given: first coordinate of given forces which press by the stiffness of their own kink.
         firm: (contact,) N/m, overwritten: stiffness under the tension that each kink makes by itself.
     """
-    _stretch(structure, room, contacts, state, table, out, how)
+    _stretch(structure, buffers, contacts, state, table, out, how)
     for k in range(contacts.size):
         firm[k] = contacts[k].moving
-    pull_all(structure, room, state.r, 0.0)
-    press(structure, room, contacts, state, table, out)
-    pull_surfaces(structure.surfaces, state.r, room.force)
-    pull_ties(structure.ties, state.r, room.force)
-    pull_sheaves(structure.sheaves, structure.runs, room, state.r, 0.0)
+    pull_all(structure, buffers, state.r, 0.0)
+    press(structure, buffers, contacts, state, table, out)
+    pull_surfaces(structure.surfaces, state.r, buffers.force)
+    pull_ties(structure.ties, state.r, buffers.force)
+    pull_sheaves(structure.sheaves, structure.runs, buffers, state.r, 0.0)
     for k in range(contacts.size):
         if contacts[k].state == ON and contacts[k].first >= given:
             for a in range(state.r.shape[0]):
                 less, contacts[k].N[a] = contacts[k].N[a], firm[k] * contacts[k].d[a]
                 for j in range(min(WIDTH, structure.runs.links[contacts[k].run] + 1)):
-                    room.force[a, contacts[k].near + j] += contacts[k].weight[j] * (contacts[k].N[a] - less)
-    hand_over(structure.surfaces, room.force)
+                    buffers.force[a, contacts[k].near + j] += contacts[k].weight[j] * (contacts[k].N[a] - less)
+    hand_over(structure.surfaces, buffers.force)
 
 
-class Potential:
+class SystemPotential:
     """Potential energy as a function of a shape: places of all nodes (axis, node), then coordinates of loads.
 
     Args:
@@ -112,23 +112,23 @@ class Potential:
     is_symmetric = True
 
     def __init__(
-        self, structure: Structure, standing: Standing, size: float, *, within: bool = False, part: float = PART,
+        self, structure: Structure, loaded: LoadedStructure, size: float, *, within: bool = False, part: float = PART,
         how: int = SLIPS,
     ) -> None:  # fmt: skip
-        self.structure, self.standing, self.size, self.within, self.how = structure, standing, size, within, how
-        self.axes, n = standing.rest.shape
-        self.room, self.table, self._out = Room.of(structure, self.axes), compliances(part=part), np.zeros(4)
+        self.structure, self.loaded, self.size, self.within, self.how = structure, loaded, size, within, how
+        self.axes, n = loaded.rest.shape
+        self.buffers, self.table, self._out = Buffers.of(structure, self.axes), compliances(part=part), np.zeros(4)
         self.blown = np.zeros((self.axes, n))  # N, of the wind
-        held = structure.holdings
+        restrained = structure.restraints
         moves = np.ones(n, dtype=np.bool_)
-        moves[held.node] = False
+        moves[restrained.node] = False
         if structure.surfaces is not None:  # whose ways are where they are
             moves[structure.surfaces.node] = False
         whole = np.flatnonzero(np.tile(moves, self.axes))
         columns = [(np.array([i]), np.ones(1)) for i in whole]
-        for e in range(held.mass.size):
-            nodes = held.members(e)
-            values, ways = np.linalg.eigh(held.free[e])
+        for e in range(restrained.mass.size):
+            nodes = restrained.members(e)
+            values, ways = np.linalg.eigh(restrained.free[e])
             for way in ways.T[values > 0.5]:
                 at = (nodes[None, :] + n * np.arange(self.axes)[:, None]).ravel()
                 columns.append((at, np.repeat(way, nodes.size)))
@@ -154,9 +154,9 @@ class Potential:
 
     def arrange(self) -> None:
         """Take note of what stands where."""
-        bodies = sparse.identity(self.standing.weight.size, format="csc")[:, self.standing.moves]
+        bodies = sparse.identity(self.loaded.weight.size, format="csc")[:, self.loaded.moves]
         self.free = sparse.block_diag([self._nodes_free, bodies], format="csc")
-        self._shares = self.standing.shares(self.structure.nodes.mass.size)
+        self._shares = self.loaded.shares(self.structure.nodes.mass.size)
 
     def _operators(self) -> tuple[sparse.csr_matrix, sparse.csr_matrix, Array]:
         """Links and second differences (node, node), and weights of the bending energy of these."""
@@ -176,13 +176,13 @@ class Potential:
 
     def put(self, shape: Array) -> tuple[Array, Array]:
         """Put everything into a shape; gives places of the nodes (axis, node) and coordinates of loads."""
-        state = self.standing.state
+        state = self.loaded.state
         state.r[:], state.u[:] = shape[: state.r.size].reshape(state.r.shape), shape[state.r.size :]
         return state.r, state.u
 
     def taken(self) -> Array:
         """The shape that everything is in."""
-        return np.concatenate([self.standing.state.r.ravel(), self.standing.state.u])
+        return np.concatenate([self.loaded.state.r.ravel(), self.loaded.state.u])
 
     def stored(self, shape: Array) -> float:
         """Energy stored in the runs with their kinks, J."""
@@ -191,45 +191,45 @@ class Potential:
 
     def energy(self, shape: Array) -> float:
         """Potential energy, J."""
-        held, total = self.structure.holdings, self.stored(shape)
+        restrained, total = self.structure.restraints, self.stored(shape)
         r, u = self.put(shape)
         if self.structure.sheaves is not None:
             total += gravitational(self.structure.sheaves, self.structure.runs, r)
         total -= float(((self.structure.nodes.force + self.blown) * r).sum())
-        for e in range(held.mass.size):
-            here = r[:, held.node[held.first[e]]]
+        for e in range(restrained.mass.size):
+            here = r[:, restrained.node[restrained.first[e]]]
             away = here - self.place_of(e)
-            total += 0.5 * float(away @ held.stiffness[e] @ away) - float(held.force[e] @ here)
-        return total + self.standing.energy(u)
+            total += 0.5 * float(away @ restrained.stiffness[e] @ away) - float(restrained.force[e] @ here)
+        return total + self.loaded.energy(u)
 
     def place_of(self, e: int) -> Array:
         """Where a holding stands, or its springs are without force, m."""
-        held, t = self.structure.holdings, float(self.standing.state.t[0])
-        part = slice(int(held.table[e]), int(held.table[e] + held.entries[e]))
-        moved = [np.interp(t, held.time[part], row[part]) for row in held.moved]
-        return np.asarray(held.place[e] + moved)
+        restrained, t = self.structure.restraints, float(self.loaded.state.t[0])
+        part = slice(int(restrained.table[e]), int(restrained.table[e] + restrained.entries[e]))
+        moved = [np.interp(t, restrained.time[part], row[part]) for row in restrained.moved]
+        return np.asarray(restrained.place[e] + moved)
 
     def _arguments(self) -> tuple[object, ...]:
-        standing = self.standing
-        return self.structure, self.room, standing.contacts, standing.state, self.table, self._out, self.how
+        loaded = self.loaded
+        return self.structure, self.buffers, loaded.contacts, loaded.state, self.table, self._out, self.how
 
     def _look(self, shape: Array) -> tuple[Array, Array]:
         """Find all forces in a shape, see `put`."""
         found = self.put(shape)
-        self.room.force[:] = self.structure.nodes.force + self.blown
-        standing = self.standing
-        given = standing.own if standing.as_moving else standing.weight.size
-        _forces(*self._arguments(), given, standing.firm)
+        self.buffers.force[:] = self.structure.nodes.force + self.blown
+        loaded = self.loaded
+        given = loaded.own if loaded.as_moving else loaded.weight.size
+        _forces(*self._arguments(), given, loaded.firm)
         return found
 
     def forces(self, shape: Array) -> Array:
         """Forces on all nodes (axis, node) and then on coordinates, N, those of springs of supports included."""
         r, u = self._look(shape)
-        held, out = self.structure.holdings, self.room.force.copy()
-        for e in range(held.mass.size):
-            node = held.node[held.first[e]]
-            out[:, node] += held.force[e] + held.stiffness[e] @ (self.place_of(e) - r[:, node])
-        return np.concatenate([out.ravel(), self.standing.forces(u)])
+        restrained, out = self.structure.restraints, self.buffers.force.copy()
+        for e in range(restrained.mass.size):
+            node = restrained.node[restrained.first[e]]
+            out[:, node] += restrained.force[e] + restrained.stiffness[e] @ (self.place_of(e) - r[:, node])
+        return np.concatenate([out.ravel(), self.loaded.forces(u)])
 
     def out_of_balance(self, shape: Array) -> Array:
         return np.asarray(self.free.T @ self.forces(shape))
@@ -238,7 +238,7 @@ class Potential:
         """Second derivatives of the energy, (unknown, unknown) N/m."""
         runs, n, axes = self.structure.runs, self.structure.nodes.mass.size, self.axes
         r, u = self._look(shape)
-        tension, strain, length = self.room.tension.copy(), self.room.strain.copy(), self.room.length.copy()
+        tension, strain, length = self.buffers.tension.copy(), self.buffers.strain.copy(), self.buffers.length.copy()
         if self.structure.is_linearised:
             tension[:], strain[:] = self.structure.about.links["tension"], self.structure.about.links["strain"]
         h, slope, EI, bed, is_link = np.ones(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.bool_)
@@ -264,12 +264,12 @@ class Potential:
         bent = bent + self._three.T @ sparse.diags(SMOOTH * EI + 2.0 * SHORT_ARC * arced) @ self._three
         blocks = [across + bent] * (axes - 1) + [across + bent + sparse.diags(bed)]
         rows = self.rows(r, u.size)
-        K = sparse.block_diag([*blocks, self.standing.stiffness(u)]) + rows.T @ sparse.diags(rise) @ rows
+        K = sparse.block_diag([*blocks, self.loaded.stiffness(u)]) + rows.T @ sparse.diags(rise) @ rows
         K = (K + self._kinks(rows, rise) + self._of_groups("stiffness", r, u.size)).tolil()
-        held = self.structure.holdings
-        for e in np.flatnonzero(held.stiffness.any(axis=(1, 2))):
-            at = held.node[held.first[e]] + n * np.arange(axes)
-            K[np.ix_(at, at)] += held.stiffness[e]
+        restrained = self.structure.restraints
+        for e in np.flatnonzero(restrained.stiffness.any(axis=(1, 2))):
+            at = restrained.node[restrained.first[e]] + n * np.arange(axes)
+            K[np.ix_(at, at)] += restrained.stiffness[e]
         return (self.free.T @ K.tocsc() @ self.free).tocsc()
 
     def _of_groups(self, what: str, r: Array, more: int) -> sparse.csc_matrix:
@@ -287,7 +287,7 @@ class Potential:
 
         Of what is linearised, at rest.
         """
-        n, D = r.shape[1], self.room.bent
+        n, D = r.shape[1], self.buffers.bent
         if self.structure.is_linearised:
             r, D = self.structure.about.shape
         pair = sparse.diags([np.ones(n), np.ones(n - 1)], [0, 1])
@@ -301,18 +301,18 @@ class Potential:
 
     def reach(self) -> list[sparse.csr_matrix]:
         """Change of d of all contacts on their lines with the shape, (contact, place), one for each axis."""
-        on, n, count = self.standing.on, self.structure.nodes.mass.size, self.standing.weight.size
+        on, n, count = self.loaded.on, self.structure.nodes.mass.size, self.loaded.weight.size
         shares, none = self._shares[on], sparse.csr_matrix((on.size, n))
         found = []
         for a in range(self.axes):
-            own = (np.ones(on.size), (np.arange(on.size), self.standing.contacts["first"][on] + a))
+            own = (np.ones(on.size), (np.arange(on.size), self.loaded.contacts["first"][on] + a))
             parts = [-shares if b == a else none for b in range(self.axes)]
             found.append(sparse.hstack([*parts, sparse.csr_matrix(own, shape=(on.size, count))], format="csr"))
         return found
 
     def borne(self) -> sparse.csr_matrix:
         """Change of T of the contacts on their lines with T/l of links, and of l^2/2 with K/h, (contact, link) m."""
-        contacts, on, n = self.standing.contacts, self.standing.on, self.structure.nodes.mass.size
+        contacts, on, n = self.loaded.contacts, self.loaded.on, self.structure.nodes.mass.size
         own = self.structure.runs.h[contacts["run"][on]]
         entries = (own[:, None] * contacts["part"][on]).ravel(), (np.repeat(np.arange(on.size), 3),
                                                                   contacts["link"][on].ravel())  # fmt: skip
@@ -320,7 +320,7 @@ class Potential:
 
     def _kinks(self, rows: sparse.csr_matrix, rise: Array) -> sparse.csc_matrix:
         """What contacts add to the second derivatives, (place, place) N/m."""
-        contacts, on = self.standing.contacts, self.standing.on
+        contacts, on = self.loaded.contacts, self.loaded.on
         if not on.size:
             return sparse.csc_matrix((rows.shape[1], rows.shape[1]))
         S, first, second = (contacts[key][on] for key in ("moving", "by_tension", "curve"))
@@ -340,38 +340,38 @@ class Potential:
 
     def masses(self) -> sparse.csc_matrix:
         """Masses of the unknowns, (unknown, unknown) kg."""
-        held, mass = self.structure.holdings, self.structure.nodes.mass.copy()
-        np.add.at(mass, held.node[held.first], held.mass)
-        M = sparse.block_diag([sparse.diags(np.tile(mass, self.axes)), self.standing.masses()])
+        restrained, mass = self.structure.restraints, self.structure.nodes.mass.copy()
+        np.add.at(mass, restrained.node[restrained.first], restrained.mass)
+        M = sparse.block_diag([sparse.diags(np.tile(mass, self.axes)), self.loaded.masses()])
         return (self.free.T @ M @ self.free).tocsc()
 
     def damping(self, shape: Array) -> sparse.csc_matrix:
         """Forces of axial dampers, drag, wind, supports and bodies over velocities of the unknowns, N s/m."""
-        runs, nodes, held, n = self.structure.runs, self.structure.nodes, self.structure.holdings, self.axes
+        runs, nodes, restrained, n = self.structure.runs, self.structure.nodes, self.structure.restraints, self.axes
         r, u = self._look(shape)
-        rows, felt, on = self.rows(r, u.size), np.zeros(nodes.mass.size), self.standing.on
+        rows, felt, on = self.rows(r, u.size), np.zeros(nodes.mass.size), self.loaded.on
         for first, links, h, c in zip(runs.first, runs.links, runs.h, runs.damping, strict=True):
             part = slice(first, first + links)
-            felt[part] = c / (h * self.room.length[part] ** 2)
+            felt[part] = c / (h * self.buffers.length[part] ** 2)
         if on.size and not self.structure.is_linearised:  # kinks lengthen links, too
-            contacts, reach = self.standing.contacts[on], self.reach()
+            contacts, reach = self.loaded.contacts[on], self.reach()
             stretched = sum(sparse.diags(contacts["d"][:, a]) @ reach[a] for a in range(n))
             rows = rows + self.borne().T @ sparse.diags(contacts["by_tension"]) @ stretched
         C = rows.T @ sparse.diags(felt) @ rows
-        by_wind = damping_by_wind(self.structure, r, float(self.standing.state.t[0]))
+        by_wind = damping_by_wind(self.structure, r, float(self.loaded.state.t[0]))
         by_nodes = sparse.diags(np.tile(nodes.mass * nodes.drag, n)) + by_wind
-        by_nodes = sparse.block_diag([by_nodes, self.standing.damping(u)])
+        by_nodes = sparse.block_diag([by_nodes, self.loaded.damping(u)])
         C = (C + by_nodes + self._of_groups("damping", r, u.size)).tolil()
-        for e in np.flatnonzero(held.damping.any(axis=(1, 2))):
-            at = held.node[held.first[e]] + nodes.mass.size * np.arange(n)
-            C[np.ix_(at, at)] += held.damping[e]
+        for e in np.flatnonzero(restrained.damping.any(axis=(1, 2))):
+            at = restrained.node[restrained.first[e]] + nodes.mass.size * np.arange(n)
+            C[np.ix_(at, at)] += restrained.damping[e]
         C = (self.free.T @ C.tocsc() @ self.free).tocsc()
         C.eliminate_zeros()
         return C
 
     def pattern(self, shape: Array) -> sparse.csc_matrix:
         K, structure = abs(self.stiffness(shape)), self.structure
-        n, count = structure.nodes.mass.size, self.standing.weight.size
+        n, count = structure.nodes.mass.size, self.loaded.weight.size
         # Cells and ties that are slack, and lines that are drawn straight up over sheaves, have zeros there now.
         near = [group.neighbours(n) for group in (structure.surfaces, structure.ties) if group is not None]
         if structure.sheaves is not None:
@@ -419,7 +419,9 @@ def settle(structure: Structure, start: Array, *, within: bool = False) -> Array
     Raises:
         EquilibriumError: no rest was found.
     """
-    potential = Potential(structure, Standing(structure, start), float(np.ptp(start, axis=1).max()), within=within)
+    potential = SystemPotential(
+        structure, LoadedStructure(structure, start), float(np.ptp(start, axis=1).max()), within=within
+    )
     try:
         return least(potential, start.ravel()).reshape(start.shape)
     except EquilibriumError as error:
@@ -427,7 +429,7 @@ def settle(structure: Structure, start: Array, *, within: bool = False) -> Array
         raise EquilibriumError(f"{error}{remedy if structure.sheaves is not None else ''}") from error
 
 
-def least(potential: Potential, start: Array) -> Array:
+def least(potential: SystemPotential, start: Array) -> Array:
     """The rest next to a shape, at which inextensible links have their lengths.
 
     Raises:
@@ -455,10 +457,10 @@ def at_rest(structure: Structure, gravity: Array, start: Array, *, within: bool 
         EquilibriumError: no rest was found.
     """
     rest, runs = settle(structure, start, within=within), structure.runs
-    held = structure.holdings
+    restrained = structure.restraints
     fast = {
-        int(node) for e in range(held.mass.size) if not held.free[e].any()
-        for node in held.members(e)
+        int(node) for e in range(restrained.mass.size) if not restrained.free[e].any()
+        for node in restrained.members(e)
     }  # fmt: skip
     T, shift, force = tensions(structure, rest), np.zeros_like(runs.shift), structure.nodes.force.copy()
     over = set() if structure.sheaves is None else set(structure.sheaves.run.tolist())  # they end beside sheaves
@@ -482,18 +484,18 @@ def at_rest(structure: Structure, gravity: Array, start: Array, *, within: bool 
 
 def about_rest(structure: Structure, rest: Array) -> Structure:
     """The same structure, linearised about places of its nodes at rest (axis, node) in m."""
-    potential, found = Potential(structure, Standing(structure, rest), 1.0), records(rest.shape[1], REST)
+    potential, found = SystemPotential(structure, LoadedStructure(structure, rest), 1.0), records(rest.shape[1], REST)
     potential.forces(rest.ravel())
-    room, runs = potential.room, structure.runs
+    buffers, runs = potential.buffers, structure.runs
     for key in ("strain", "tension", "length", "pull"):
-        found[key] = getattr(room, key)
+        found[key] = getattr(buffers, key)
     for s, (first, links) in enumerate(zip(runs.first, runs.links, strict=True)):
-        found["slope"][first : first + links] = law.tangents(runs.law[s], room.strain[first : first + links])
-    return structure._replace(about=About(np.array([rest, room.bent]), found))
+        found["slope"][first : first + links] = law.tangents(runs.law[s], buffers.strain[first : first + links])
+    return structure._replace(about=About(np.array([rest, buffers.bent]), found))
 
 
 def tensions(structure: Structure, r: Array) -> Array:
     """Tensions of all links, each by its first node, at places of the nodes (axis, node) in m; N."""
-    potential = Potential(structure, Standing(structure, r), 1.0, how=STICKS)
+    potential = SystemPotential(structure, LoadedStructure(structure, r), 1.0, how=STICKS)
     potential.forces(r.ravel())
-    return potential.room.tension
+    return potential.buffers.tension

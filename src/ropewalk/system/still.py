@@ -12,39 +12,39 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean
 from ropewalk.mechanics.loading import loading_of
-from ropewalk.mechanics.rider import look_up_integral
+from ropewalk.mechanics.moving_contact import look_up_integral
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Account, Frame, Layout
+from ropewalk.networks.lengths import doubt_slack
+from ropewalk.results.frame import Frame, Layout, RunInfo
 from ropewalk.solve.following import schedule, slow_motion
 from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
 from ropewalk.system.cables import blow
 from ropewalk.system.compliance import AT_REST
 from ropewalk.system.contacts import ON
-from ropewalk.system.frames import FrameBuilder, Note
-from ropewalk.system.holding import Holding, on_friction
-from ropewalk.system.standing import Carried, Standing
-from ropewalk.system.statics import Potential, at_rest, least
-from ropewalk.system.structure import State
-from ropewalk.webs.lengths import doubt_slack
+from ropewalk.system.frames import FrameBuilder, SystemNote
+from ropewalk.system.hold_forces import HoldForces, on_friction
+from ropewalk.system.loaded_structure import Carried, LoadedStructure
+from ropewalk.system.statics import SystemPotential, at_rest, least
+from ropewalk.system.structure import SystemState
 
 # Rounds in which lines find their rest in the wind, and the move over their size that is none any more.
 _ROUNDS, _NEAR = 100, 1e-10
 
 
 @lean
-def _blow(structure, room, r, v, t):
+def _blow(structure, buffers, r, v, t):
     """Forces of the wind on what stands still, to `room.air`."""
-    blow(structure, room, r, v, t, 0.0)
+    blow(structure, buffers, r, v, t, 0.0)
 
 
-class _Shape(NamedTuple):
+class _RestShape(NamedTuple):
     """A rest on the way, and the contacts there."""
 
     places: Array  # as `statics.Potential` has them
     contacts: Any
 
 
-class Still:
+class SystemStatics:
     """A run without inertia: its layout, and its frames.
 
     Args:
@@ -57,7 +57,7 @@ class Still:
         RopewalkError: there is no rest without loads, or a load begins beyond its line.
     """
 
-    def __init__(self, scenario: Scenario, account: Account, until: float, *, space: bool = False) -> None:
+    def __init__(self, scenario: Scenario, run_info: RunInfo, until: float, *, space: bool = False) -> None:
         assembled = structure_of(scenario, until, ("x", "y", "z") if space else None)
         loading = loading_of(scenario, until, axes=assembled.axes)
         within = scenario.is_plane
@@ -66,17 +66,17 @@ class Still:
         self._carried = Carried(*contacts_of(scenario, loading, structure, assembled.on))
         refuse_beyond(scenario, loading, self._carried.contacts, structure)
         self._carried.contacts["margin"] = 0.0
-        self._scenario, self._account, self._structure, self._loading = scenario, account, structure, loading
-        self._standing = Standing(structure, rest, self._carried)
+        self._scenario, self._run_info, self._structure, self._loading = scenario, run_info, structure, loading
+        self._loaded = LoadedStructure(structure, rest, self._carried)
         size = float(np.ptp(rest, axis=1).max())
-        self.potential = Potential(structure, self._standing, size, within=within, part=AT_REST)
+        self.potential = SystemPotential(structure, self._loaded, size, within=within, part=AT_REST)
         loads = loading.loads
         ahead = np.copysign(1.0, loads.speed_value[loads.speed_first])
-        self._holding = Holding(loads.contact, ahead, structure, self.potential.room.tension, rest.shape[0])
+        self._restraint = HoldForces(loads.contact, ahead, structure, self.potential.buffers.tension, rest.shape[0])
         self._remarked: set[int] = set()
         windy = scenario.wind is not None and not scenario.wind.is_calm
         self._builder = FrameBuilder(assembled, loading, self._carried.bodies, windy, path="load_path")
-        account.method, account.reason = "rest", "least potential energy"
+        run_info.method, run_info.reason = "rest", "least potential energy"
 
     @property
     def layout(self) -> Layout:
@@ -96,10 +96,10 @@ class Still:
         """
         return self._rest(0.0, None).places
 
-    def standing(self) -> Frame:
+    def loaded(self) -> Frame:
         """The only frame of an equilibrium: at rest with the loads at their start."""
         frame = self._frame(self._rest(0.0, None), 0.0, 0.0)
-        doubt_slack(self._scenario, self._account, self.layout.link_line, frame.tension)
+        doubt_slack(self._scenario, self._run_info, self.layout.link_line, frame.tension)
         return frame
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
@@ -115,20 +115,20 @@ class Still:
         for at in slow_motion(self._rest, self._places, *self._schedule(), positions, turn):
             yield self._frame(at.shape, at.path, at.t)
 
-    def _rest(self, t: float, near: _Shape | None) -> _Shape:
+    def _rest(self, t: float, near: _RestShape | None) -> _RestShape:
         """Rest with all loads where they are at a time in s, next to another one."""
-        standing, structure, potential = self._standing, self._structure, self.potential
-        r = self._standing.rest.copy()
+        loaded, structure, potential = self._loaded, self._structure, self.potential
+        r = self._loaded.rest.copy()
         if near is not None:
-            standing.contacts[:] = near.contacts
+            loaded.contacts[:] = near.contacts
             r = potential.put(near.places)[0].copy()
-        held = structure.holdings
-        standing.state.t[0] = t
-        for e in np.flatnonzero(held.entries > 1):  # what moves as prescribed is where it is then
-            nodes = held.members(int(e))
-            tied = np.eye(r.shape[0]) - held.free[e]
+        restrained = structure.restraints
+        loaded.state.t[0] = t
+        for e in np.flatnonzero(restrained.entries > 1):  # what moves as prescribed is where it is then
+            nodes = restrained.members(int(e))
+            tied = np.eye(r.shape[0]) - restrained.free[e]
             r[:, nodes] += tied @ (potential.place_of(int(e))[:, None] - r[:, nodes])
-        standing.stand(t, r)
+        loaded.stand(t, r)
         potential.arrange()
 
         def settle(shape: Array) -> Array:
@@ -136,9 +136,9 @@ class Still:
             potential.forces(found)  # and all that contacts note of them
             return found
 
-        contacts, s = standing.contacts, standing.state.s
-        shape = self._holding.hold(contacts, s, standing.on, settle, potential.taken())
-        return _Shape(shape, contacts.copy())
+        contacts, s = loaded.contacts, loaded.state.s
+        shape = self._restraint.hold(contacts, s, loaded.on, settle, potential.taken())
+        return _RestShape(shape, contacts.copy())
 
     def _settled(self, shape: Array, t: float) -> Array:
         """Rest in the wind as it blows at time t in s, next to a shape: what it pushes at depends on it.
@@ -151,21 +151,21 @@ class Still:
             return least(potential, shape)
         for _ in range(_ROUNDS):
             r = potential.put(shape)[0]
-            _blow(structure, potential.room, r, np.zeros_like(r), t)
-            potential.blown[:] = potential.room.air
+            _blow(structure, potential.buffers, r, np.zeros_like(r), t)
+            potential.blown[:] = potential.buffers.air
             last, shape = shape, least(potential, shape)
             if float(np.abs(shape - last).max()) <= _NEAR * potential.size:
                 return shape
         raise EquilibriumError("lines find no rest in the wind: they flutter or lift; give wind less speed")
 
-    def _places(self, shape: _Shape) -> Array:
+    def _places(self, shape: _RestShape) -> Array:
         """Where contacts are, (contact, axis) m; NaN of those off their lines."""
         on = shape.contacts["state"] == ON
-        return np.where(on[:, None], shape.contacts["place"][:, : self._standing.rest.shape[0]], np.nan)
+        return np.where(on[:, None], shape.contacts["place"][:, : self._loaded.rest.shape[0]], np.nan)
 
     def _schedule(self) -> tuple[Array, Array]:
         """Times and paths of the first load, until all its contacts have come to the end of their line."""
-        contacts, tables = self._standing.contacts, self._carried.tables
+        contacts, tables = self._loaded.contacts, self._carried.tables
         if not contacts.size:
             raise EquilibriumError("slow motion needs a load that travels")
         first = contacts[0]
@@ -181,25 +181,25 @@ class Still:
         name = list(self._scenario.loads)[int(first["load"])]
         return schedule(name, place, end, last=float(behind.max()), first=float(behind.min()))
 
-    def _frame(self, shape: _Shape, path: float, t: float) -> Frame:
-        standing, potential = self._standing, self.potential
-        standing.contacts[:] = shape.contacts
-        standing.state.t[0] = t
+    def _frame(self, shape: _RestShape, path: float, t: float) -> Frame:
+        loaded, potential = self._loaded, self.potential
+        loaded.contacts[:] = shape.contacts
+        loaded.state.t[0] = t
         elastic = potential.stored(shape.places)
         potential.forces(shape.places)
-        room, own, seen = potential.room, standing.own, standing.state
-        room.react(self._structure.holdings)
-        state = State(seen.t, seen.r, seen.v, seen.u[:own], seen.w[:own], seen.s, seen.work)
-        note = Note.of(state, room, standing.contacts, self._carried.bodies, elastic)
-        frame = self._builder.build(Note.together([note]), still=path)[0]
+        buffers, own, seen = potential.buffers, loaded.own, loaded.state
+        buffers.react(self._structure.restraints)
+        state = SystemState(seen.t, seen.r, seen.v, seen.u[:own], seen.w[:own], seen.s, seen.work)
+        note = SystemNote.of(state, buffers, loaded.contacts, self._carried.bodies, elastic)
+        frame = self._builder.build(SystemNote.together([note]), still=path)[0]
         self._remark(frame)
         return frame
 
     def _remark(self, frame: Frame) -> None:
         """Note what friction does not hold, each once."""
-        for k in self._standing.on.tolist():
-            contact, kind = self._standing.contacts[k], int(self._loading.loads.contact[k])
+        for k in self._loaded.on.tolist():
+            contact, kind = self._loaded.contacts[k], int(self._loading.loads.contact[k])
             found = on_friction(self._loading.wheels[k].name, kind, contact, float(frame.contact_friction[k]))
             if found and k not in self._remarked:
                 self._remarked.add(k)
-                self._account.warnings.append(f"from load path {frame.path:.4g} m on, {found}")
+                self._run_info.warnings.append(f"from load path {frame.path:.4g} m on, {found}")

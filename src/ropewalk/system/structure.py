@@ -59,7 +59,7 @@ class Lines(NamedTuple):
     length: Array  # (line,) m, unstrained
 
 
-class Holdings(NamedTuple):
+class Restraints(NamedTuple):
     """What holds one node, or several together: supports and joints."""
 
     first: Integers  # (holding,) where its nodes begin
@@ -81,7 +81,7 @@ class Holdings(NamedTuple):
         return self.node[self.first[e] : self.first[e] + self.nodes[e]]
 
 
-class Wind(NamedTuple):
+class WindField(NamedTuple):
     """Air that moves."""
 
     direction: Array  # (axis,) unit vector; zeros: no wind
@@ -125,8 +125,8 @@ class Structure(NamedTuple):
     runs: Runs
     nodes: Nodes
     lines: Lines
-    holdings: Holdings
-    wind: Wind
+    restraints: Restraints
+    wind: WindField
     about: About
     inertia: Inertia
     surfaces: Surfaces | None
@@ -164,28 +164,30 @@ class Tight(NamedTuple):
     @staticmethod
     def of(structure: Structure, axes: int) -> Tight | None:
         """Of a structure, if it has inextensible links."""
-        runs, n, held = structure.runs, structure.nodes.mass.size, structure.holdings.mass.size
+        runs, n, restrained = structure.runs, structure.nodes.mass.size, structure.restraints.mass.size
         if structure.taut is None:
             return None
         h, fast = np.zeros(n), np.zeros(n)
         for s in np.flatnonzero(runs.law[:, 0] == law.RIGID):
             part = slice(runs.first[s], runs.first[s] + runs.links[s])
             h[part], fast[part] = runs.h[s], 1.0 / (runs.rho[s] * runs.h[s] ** 2)
-        room = [np.zeros(n) for _ in range(8)]
-        room[2][:] = structure.taut
-        more = [np.zeros(size) for size in ((4, n), (axes, 4, n), (axes, n), (held, axes), (held, axes, axes))]
-        return Tight(h, fast, np.zeros(4), *room, *more)
+        buffers = [np.zeros(n) for _ in range(8)]
+        buffers[2][:] = structure.taut
+        more = [
+            np.zeros(size) for size in ((4, n), (axes, 4, n), (axes, n), (restrained, axes), (restrained, axes, axes))
+        ]
+        return Tight(h, fast, np.zeros(4), *buffers, *more)
 
     def step_by(self, structure: Structure, dt: float) -> None:
         """Note how holdings yield in a step of the length dt in s, as they are kicked."""
-        held, axes = structure.holdings, self.move.shape[0]
-        for e in range(held.mass.size):
-            P, mass = held.free[e], float(held.mass[e] + structure.nodes.mass[held.members(e)].sum())
-            A = mass * np.eye(axes) + 0.5 * dt * held.damping[e] + 0.25 * dt * dt * held.stiffness[e]
+        restrained, axes = structure.restraints, self.move.shape[0]
+        for e in range(restrained.mass.size):
+            P, mass = restrained.free[e], float(restrained.mass[e] + structure.nodes.mass[restrained.members(e)].sum())
+            A = mass * np.eye(axes) + 0.5 * dt * restrained.damping[e] + 0.25 * dt * dt * restrained.stiffness[e]
             self.mobile[e] = P @ np.linalg.inv(P @ A @ P + np.eye(axes) - P) @ P
 
 
-class Room(NamedTuple):
+class Buffers(NamedTuple):
     """Room for a step, so that the loop allocates nothing; (node,) or (axis, node), links by their first node."""
 
     strain: Array
@@ -205,23 +207,23 @@ class Room(NamedTuple):
     tight: Tight | None
 
     @staticmethod
-    def of(structure: Structure, axes: int) -> Room:
+    def of(structure: Structure, axes: int) -> Buffers:
         """Room of the right size."""
-        n, held = structure.nodes.mass.size, structure.holdings.mass.size
-        sizes = [(n,)] * 9 + [(axes, n)] * 4 + [(held, axes)]
+        n, restrained = structure.nodes.mass.size, structure.restraints.mass.size
+        sizes = [(n,)] * 9 + [(axes, n)] * 4 + [(restrained, axes)]
         parts: list[Any] = [*(np.zeros(size) for size in sizes), Tight.of(structure, axes)]
-        room = Room(*parts)
+        buffers = Buffers(*parts)
         if structure.taut is not None:
-            room.tension[:] = structure.taut
-        return room
+            buffers.tension[:] = structure.taut
+        return buffers
 
-    def react(self, holdings: Holdings) -> None:
+    def react(self, restraints: Restraints) -> None:
         """Note reactions of supports on what stands still, whose forces are known."""
-        for e in range(holdings.mass.size):
-            self.reaction[e] = -self.force[:, holdings.members(e)].sum(axis=1)
+        for e in range(restraints.mass.size):
+            self.reaction[e] = -self.force[:, restraints.members(e)].sum(axis=1)
 
 
-class State(NamedTuple):
+class SystemState(NamedTuple):
     """All that changes in motion."""
 
     t: Array  # (1,) s
@@ -232,11 +234,11 @@ class State(NamedTuple):
     s: Array  # (contact,) m, along its line
     work: Array  # (WORKS,) J, done or lost since the start
 
-    def copy(self) -> State:
+    def copy(self) -> SystemState:
         """An independent copy."""
-        return State(*(array.copy() for array in self))
+        return SystemState(*(array.copy() for array in self))
 
 
 # Entries of `work`.
-DAMPED, LOADED, HELD, MOVED, IN_BODIES, STRUCK, CARRIED, RUBBED, DRIVEN = range(9)
+DAMPED, LOADED, RESTRAINED, MOVED, IN_BODIES, STRUCK, CARRIED, RUBBED, DRIVEN = range(9)
 WORKS = 9

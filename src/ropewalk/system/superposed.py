@@ -19,27 +19,27 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import ENERGY_FORMS, Account, Frame, Layout
+from ropewalk.networks.lengths import doubt_slack
+from ropewalk.networks.membrane_elements import tensions_of
+from ropewalk.results.frame import ENERGY_FORMS, Frame, Layout, RunInfo
 from ropewalk.solve.crossings import CLOSE, LOOKS, crossings
-from ropewalk.solve.modal import Modes
+from ropewalk.solve.modal import ModalBasis
 from ropewalk.solve.superposition import (
     TOLERANCE,
-    Bodies,
+    ModalBodies,
     Moment,
     Stretch,
     Superposition,
-    held_by_pulling,
     passed_an_end,
+    restrained_by_pulling,
 )
 from ropewalk.system.assembled import Assembled
 from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
-from ropewalk.system.frames import FrameBuilder, Note
+from ropewalk.system.frames import FrameBuilder, SystemNote
+from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
 from ropewalk.system.passing import Passing
-from ropewalk.system.standing import Carried, Standing, load_springs, measure_from_ends
-from ropewalk.system.statics import Potential, about_rest, at_rest
-from ropewalk.system.structure import WORKS, State, Structure
-from ropewalk.webs.fabric import tensions_of
-from ropewalk.webs.lengths import doubt_slack
+from ropewalk.system.statics import SystemPotential, about_rest, at_rest
+from ropewalk.system.structure import WORKS, Structure, SystemState
 
 _STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
 _KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]
@@ -60,8 +60,8 @@ class Superposed:
         RopewalkError: there is no rest, or something resists nothing to the first order.
     """
 
-    def __init__(self, scenario: Scenario, run: Linear, times: Array, account: Account) -> None:
-        self._scenario, self._times, self._account = scenario, times, account
+    def __init__(self, scenario: Scenario, run: Linear, times: Array, run_info: RunInfo) -> None:
+        self._scenario, self._times, self._run_info = scenario, times, run_info
         axes = axes_of(scenario)
         assembled = structure_of(scenario, run.until, axes)
         loading = loading_of(scenario, run.until, axes=axes)
@@ -72,19 +72,19 @@ class Superposed:
         refuse_beyond(scenario, loading, contacts, structure)
         measure_from_ends(contacts, structure, rest)
         contacts["margin"] = contacts["step"] = 0.0
-        self._still = _Rest(structure, rest)
+        self._still = _RestState(structure, rest)
         K, M, C = self._still.equations
-        self.modes = Modes.of(K, M, C, self._still.free, run.modes)
+        self.modes = ModalBasis.of(K, M, C, self._still.free, run.modes)
         carried = Carried(contacts, self._tables, self._of)
-        self._standing = Standing(self._linear, rest, carried)
-        self._potential = Potential(self._linear, self._standing, float(np.ptp(rest, axis=1).max()))
+        self._loaded = LoadedStructure(self._linear, rest, carried)
+        self._potential = SystemPotential(self._linear, self._loaded, float(np.ptp(rest, axis=1).max()))
         self._potential.forces(self._potential.taken())
-        self._standing.stand(0.0, rest)
-        self._passing = Passing(self._linear, self._standing, self._potential, self._tables)
+        self._loaded.stand(0.0, rest)
+        self._passing = Passing(self._linear, self._loaded, self._potential, self._tables)
         self._builder = FrameBuilder(self._assembled, loading, self._of, windy=False)
-        doubt_slack(scenario, account, self.layout.link_line, self._potential.room.tension[self._builder.link])
-        account.method = "modal superposition"
-        account.audit = "the linear theory superposes modes and keeps no works"
+        doubt_slack(scenario, run_info, self.layout.link_line, self._potential.buffers.tension[self._builder.link])
+        run_info.method = "modal superposition"
+        run_info.audit = "the linear theory superposes modes and keeps no works"
 
     @property
     def layout(self) -> Layout:
@@ -101,13 +101,13 @@ class Superposed:
         stretches = self._stretches()
         moments, step, missed = motion.moments(stretches, self._longest(), self._start(stretches[0].on))
         count, among = self.modes.frequency.size, self._still.free.shape[1]
-        account = self._account
-        account.step = step
-        account.reason = f"{count} of {among} modes of the structure at rest, and what is left at once with the forces"
+        run_info = self._run_info
+        run_info.step = step
+        run_info.reason = f"{count} of {among} modes of the structure at rest, and what is left at once with the forces"
         if count == among:
-            account.reason = f"all {count} modes of the structure at rest"
+            run_info.reason = f"all {count} modes of the structure at rest"
         if missed > 10.0 * TOLERANCE:
-            account.doubt(
+            run_info.doubt(
                 f"half the steps still change {missed:.2g} of the displacement or contact force", "what stands on the "
                 "structure swings faster than it goes along", "", "compare with kind: dynamic, geometry: linearised",
             )  # fmt: skip
@@ -117,17 +117,17 @@ class Superposed:
             self._ask_contact(float(t), moment, lost)
             yield self._frame(float(t), moment, on)
 
-    def _bodies(self) -> Bodies:
-        own, standing = self._standing.own, self._standing
-        first = standing.contacts["first"].copy()
+    def _bodies(self) -> ModalBodies:
+        own, loaded = self._loaded.own, self._loaded
+        first = loaded.contacts["first"].copy()
         first[first >= own] = -1
-        K, C = standing.K.toarray()[:own, :own], standing.damping(standing.state.u).toarray()[:own, :own]
-        M = standing.masses().toarray()[:own, :own]
-        return Bodies(M, C, K, standing.weight[:own], first, self._of.load)
+        K, C = loaded.K.toarray()[:own, :own], loaded.damping(loaded.state.u).toarray()[:own, :own]
+        M = loaded.masses().toarray()[:own, :own]
+        return ModalBodies(M, C, K, loaded.weight[:own], first, self._of.load)
 
     def _longest(self) -> float:
         """Length of a step in which contacts go part of a link, s."""
-        contacts, runs = self._standing.contacts, self._linear.runs
+        contacts, runs = self._loaded.contacts, self._linear.runs
         longest = float(np.diff(self._times).max(initial=0.0)) or 1.0
         for k in range(contacts.size):
             begin, count = int(contacts[k]["speed_first"]), int(contacts[k]["speed_count"])
@@ -139,9 +139,9 @@ class Superposed:
 
     def _start(self, on: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Bodies at rest on their springs, as they go along; contacts that are not on their lines on the ground."""
-        own, u = self._standing.own, self._standing.state.u.copy()
+        own, u = self._loaded.own, self._loaded.state.u.copy()
         w, touch = np.zeros(u.size), self._passing.at(0.0, on)
-        first = self._standing.contacts["first"]
+        first = self._loaded.contacts["first"]
         for i, k in enumerate(touch.contact):
             at = first[k] + np.arange(self.rest.shape[0])
             u[at], w[at] = touch.point[i], touch.way[i]
@@ -157,7 +157,7 @@ class Superposed:
         kept = np.concatenate([[True], np.diff(instants) > CLOSE * until])
         instants = instants[kept]
         shown = {int(np.abs(instants - t).argmin()) for t in self._times}
-        contacts = self._standing.contacts
+        contacts = self._loaded.contacts
         been, found = self._passing.whether_on(0.0, np.zeros(contacts.size, dtype=np.bool_)), []
         seen = been.copy()
         for i in range(instants.size - 1):
@@ -171,13 +171,13 @@ class Superposed:
         return found
 
     def _refuse_to_leave(self, off: NDArray[np.bool_], t: float) -> None:
-        for k in np.flatnonzero(off & (self._standing.contacts["refuses"] == 1)):
+        for k in np.flatnonzero(off & (self._loaded.contacts["refuses"] == 1)):
             name = self._builder.loading.wheels[int(k)].load
             raise passed_an_end(name, t)
 
     def _comings(self, until: float) -> Iterator[float]:
         """Instants at which loads come to their lines or leave them, s."""
-        nobody = np.zeros(self._standing.contacts.size, dtype=np.bool_)
+        nobody = np.zeros(self._loaded.contacts.size, dtype=np.bool_)
         if not nobody.size:
             return
         looks = np.unique(np.concatenate([np.linspace(0.0, until, LOOKS), self._times]))
@@ -186,22 +186,22 @@ class Superposed:
 
     def _ask_contact(self, t: float, moment: Moment, lost: set[int]) -> None:
         """Note once where a contact holds a wheel by pulling."""
-        contacts, forces = self._standing.contacts, moment.force[:, -1]
-        for k in np.flatnonzero((contacts["first"] < self._standing.own) & (forces > 0.0)):
+        contacts, forces = self._loaded.contacts, moment.force[:, -1]
+        for k in np.flatnonzero((contacts["first"] < self._loaded.own) & (forces > 0.0)):
             if k not in lost:
                 lost.add(int(k))
                 name = self._builder.loading.wheels[int(k)].name
                 remedy = "kind: dynamic with lift_off: true lets it fly"
-                self._account.warnings.append(held_by_pulling(name, t, remedy))
+                self._run_info.warnings.append(restrained_by_pulling(name, t, remedy))
 
     def _frame(self, t: float, moment: Moment, on: NDArray[np.bool_]) -> Frame:
-        standing, potential, dim = self._standing, self._potential, self.rest.shape[0]
-        touch, own = self._passing.at(t, on), standing.own
+        loaded, potential, dim = self._loaded, self._potential, self.rest.shape[0]
+        touch, own = self._passing.at(t, on), loaded.own
         x = moment.place
         r = self.rest + x.reshape(self.rest.shape)
-        shape = np.concatenate([r.ravel(), moment.u, np.zeros(standing.weight.size - own)])
+        shape = np.concatenate([r.ravel(), moment.u, np.zeros(loaded.weight.size - own)])
         for i, k in enumerate(touch.contact):  # a contact is where it presses as it does
-            contact, at = standing.contacts[k], slice(touch.near[i], touch.near[i] + touch.weight.shape[1])
+            contact, at = loaded.contacts[k], slice(touch.near[i], touch.near[i] + touch.weight.shape[1])
             below = r[:, at] @ touch.weight[i][: r[:, at].shape[1]]
             first = r.size + int(contact["first"])
             shape[first : first + dim] = below + moment.force[k] * touch.soft[i]
@@ -210,18 +210,18 @@ class Superposed:
                 level = self._linear.runs.ahead[contact["run"]]
                 contact["hold"] = level @ (moment.force[k] - contact["given"][:dim])
         potential.forces(shape)
-        room, v = potential.room, moment.velocity.reshape(r.shape)
+        buffers, v = potential.buffers, moment.velocity.reshape(r.shape)
         inertia, forces = self._still.mass * moment.acceleration, self._still.forces(x, moment.velocity)
         forces = forces + self._still.handed(self._pressed(touch, moment.force))
-        room.force[:] = (forces - inertia).reshape(r.shape)
-        room.react(self._linear.holdings)
-        seated = standing.contacts[touch.contact]
-        kinks = 0.5 * float((seated["firm"][:, None] * seated["d"] ** 2).sum())
-        state = State(
+        buffers.force[:] = (forces - inertia).reshape(r.shape)
+        buffers.react(self._linear.restraints)
+        located = loaded.contacts[touch.contact]
+        kinks = 0.5 * float((located["firm"][:, None] * located["d"] ** 2).sum())
+        state = SystemState(
             np.array([t]), r, v, moment.u, moment.w, self._passing.state.s, np.zeros(WORKS)
         )  # fmt: skip
-        note = Note.of(state, room, standing.contacts, self._of, self._still.stored(x) + kinks)
-        frame = self._builder.build(Note.together([note]))[0]
+        note = SystemNote.of(state, buffers, loaded.contacts, self._of, self._still.stored(x) + kinks)
+        frame = self._builder.build(SystemNote.together([note]))[0]
         energy = np.full(len(ENERGY_FORMS), np.nan)
         energy[_KNOWN] = frame.energy[_KNOWN]
         return replace(frame, energy=energy, cell_tension=self._cell_tensions(x))
@@ -251,7 +251,7 @@ class Superposed:
         return np.asarray(at_rest + (ahead - behind) / (2.0 * part))
 
 
-class _Rest:
+class _RestState:
     """A structure at rest without loads: its matrices, forces and energy to the second order.
 
     Args:
@@ -260,7 +260,7 @@ class _Rest:
     """
 
     def __init__(self, structure: Structure, rest: Array) -> None:
-        potential = Potential(structure, Standing(structure, rest), float(np.ptp(rest, axis=1).max()))
+        potential = SystemPotential(structure, LoadedStructure(structure, rest), float(np.ptp(rest, axis=1).max()))
         shape, n = rest.ravel(), rest.shape[1]
         K, M, C = potential.stiffness(shape), potential.masses(), potential.damping(shape)
         self.free = potential.free.tocsr()
@@ -268,16 +268,16 @@ class _Rest:
         self.mass = np.tile(structure.nodes.mass, rest.shape[0])  # (place,) kg
         self._elastic = potential.stored(shape)
         potential.forces(shape)
-        self._force = potential.room.force.ravel().copy()  # N, of lines, cells and weights
+        self._force = potential.buffers.force.ravel().copy()  # N, of lines, cells and weights
         self._weight = structure.nodes.force.ravel().copy()
         # The same of every place by itself, without what holds it.
-        holdings = structure.holdings
+        restraints = structure.restraints
         bare = structure._replace(
-            holdings=holdings._replace(
-                stiffness=np.zeros_like(holdings.stiffness), damping=np.zeros_like(holdings.damping)
+            restraints=restraints._replace(
+                stiffness=np.zeros_like(restraints.stiffness), damping=np.zeros_like(restraints.damping)
             )
         )
-        whole = Potential(bare, Standing(bare, rest), potential.size)
+        whole = SystemPotential(bare, LoadedStructure(bare, rest), potential.size)
         whole.free = sparse.identity(shape.size, format="csc")
         self._K, self._C = whole.stiffness(shape), whole.damping(shape)
         self._laid: Any = None

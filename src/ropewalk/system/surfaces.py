@@ -19,8 +19,8 @@ import scipy.sparse as sparse
 
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean, lean_inner
-from ropewalk.webs.fabric import cell_stiffness, damp_cells, pull_cells, stored
-from ropewalk.webs.web import Cells
+from ropewalk.networks.membrane_elements import cell_stiffness, damp_cells, pull_cells, stored
+from ropewalk.networks.network import Cells
 
 
 class Surfaces(NamedTuple):

@@ -18,11 +18,11 @@ import numpy as np
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import ARC, HORIZONTAL, MATERIAL, SLIP, Array
 from ropewalk.mechanics.compiled import inlined, lean_inner
-from ropewalk.mechanics.rider import look_up, look_up_integral
+from ropewalk.mechanics.moving_contact import look_up, look_up_integral
 from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, goes_on, sit, slope_at_rest, stiffen, yields
 from ropewalk.system.friction import grip
 from ropewalk.system.spline import WIDTH
-from ropewalk.system.structure import HELD, STRUCK
+from ropewalk.system.structure import RESTRAINED, STRUCK
 
 # Rounds in which a place is found, the part of a link to which it is, and the most that it moves in a round.
 ROUNDS, CLOSE, FAR = 60, 1e-12, 0.5
@@ -62,14 +62,14 @@ def _travelled(tables, contacts, k, t):
 
 
 @inlined
-def locate(structure, room, contacts, tables, state, table, out, since):
+def locate(structure, buffers, contacts, tables, state, table, out, since):
     """Put all contacts where they are along their lines now.
 
     Args:
         since: s, since that was done before; 0: nothing has moved.
     """
     lines, t = structure.lines, state.t[0]
-    _measure_lines(structure, room, contacts)
+    _measure_lines(structure, buffers, contacts)
     for k in range(contacts.size):
         give(tables, contacts, k, t, state.r.shape[0])
         was, length = contacts[k].state, lines.length[contacts[k].line]
@@ -86,27 +86,27 @@ def locate(structure, room, contacts, tables, state, table, out, since):
             if since > 0.0:
                 contacts[k].speed, contacts[k].flown = (s - old) / since, contacts[k].flown + since
             if contacts[k].measure != SLIP:  # it goes on from where it lands
-                landed = _measured(structure, room, contacts, state, k, s)
+                landed = _measured(structure, buffers, contacts, state, k, s)
                 contacts[k].begin = landed - _travelled(tables, contacts, k, t)
         elif contacts[k].travel == FREE:
             s = old
             if since > 0.0 and was == ON:
-                s = _slide(structure, room, contacts, state, table, out, k, speed, since)
+                s = _slide(structure, buffers, contacts, state, table, out, k, speed, since)
                 contacts[k].speed = (s - old) / since
             elif since == 0.0 and contacts[k].been == 0:
                 s = contacts[k].begin
         else:
-            s = _prescribed(structure, room, contacts, tables, state, k, speed, since)
+            s = _prescribed(structure, buffers, contacts, tables, state, k, speed, since)
         U = contacts[k].speed
         low = contacts[k].margin if U < 0.0 else 0.0
         high = length - (contacts[k].margin if U > 0.0 else 0.0)
         if contacts[k].stays == 1 and (s > high or (s < low and contacts[k].been == 1)):
             end = high if s > high else low
-            if contacts[k].been == 1 and contacts[k].held == 0:
+            if contacts[k].been == 1 and contacts[k].restrained == 0:
                 contacts[k].stopped = U
-            contacts[k].held, contacts[k].speed, s = 1, 0.0, end
+            contacts[k].restrained, contacts[k].speed, s = 1, 0.0, end
         else:
-            contacts[k].held = 0
+            contacts[k].restrained = 0
         state.s[k] = s
         contacts[k].state = ON if low <= s <= high else AWAY
         if contacts[k].state == AWAY:
@@ -122,8 +122,8 @@ def locate(structure, room, contacts, tables, state, table, out, since):
             if contacts[k].apart == 1 or was != ON:
                 contacts[k].hold = contacts[k].evened = 0.0
             elif since > 0.0:
-                _even_out(structure, room, contacts, state, table, out, k, since)
-        if contacts[k].travel == FREE or contacts[k].held == 1:
+                _even_out(structure, buffers, contacts, state, table, out, k, since)
+        if contacts[k].travel == FREE or contacts[k].restrained == 1:
             square = 0.0
             for a in range(state.r.shape[0]):
                 square += contacts[k].along[a] ** 2
@@ -132,7 +132,7 @@ def locate(structure, room, contacts, tables, state, table, out, since):
 
 
 @lean_inner
-def _even_out(structure, room, contacts, state, table, out, k, since):
+def _even_out(structure, buffers, contacts, state, table, out, k, since):
     """Put the body of contact k, which has no friction, where it takes nothing to move the contact along its line.
 
     It moves level, as the force does that holds it, which is noted.
@@ -141,7 +141,7 @@ def _even_out(structure, room, contacts, state, table, out, k, since):
     h, level = structure.runs.h[contacts[k].run], structure.runs.ahead[contacts[k].run]
     slack = _least_stiffness(structure, contacts, k)
     for _ in range(ROUNDS):
-        push = _resistance(structure, room, contacts, state, table, out, k, s, since)[0]
+        push = _resistance(structure, buffers, contacts, state, table, out, k, s, since)[0]
         slope = 0.0
         for a in range(axes):
             slope += (max(contacts[k].moving, 0.0) + slack) * contacts[k].along[a] * level[a]
@@ -155,7 +155,7 @@ def _even_out(structure, room, contacts, state, table, out, k, since):
     for a in range(axes):
         state.w[first + a] += change * level[a]
         rate += state.w[first + a] * level[a]
-    state.work[HELD] += change / contacts[k].light * (rate - 0.5 * change)
+    state.work[RESTRAINED] += change / contacts[k].light * (rate - 0.5 * change)
     # Of the passage of some knots of the table: at each the body is moved by microns, and stopped a step later.
     part = min(KNOTS * abs(contacts[k].speed) * since / h, 1.0) if contacts[k].speed != 0.0 else 1.0
     contacts[k].evened += part * (change / (contacts[k].light * since) - contacts[k].evened)
@@ -179,7 +179,7 @@ def _straighten(structure, contacts, state, k):
 
 
 @inlined
-def fade(room, contacts, since):
+def fade(buffers, contacts, since):
     """Let the kinks of contacts that have left straighten for a time in s; returns what their links lose by it, J."""
     lost = 0.0
     for k in range(contacts.size):
@@ -188,19 +188,19 @@ def fade(room, contacts, since):
         less = min(contacts[k].fade * since, contacts[k].kink)
         contacts[k].kink -= less
         for j in range(3):
-            lost += room.pull[contacts[k].link[j]] * contacts[k].part[j] * less
+            lost += buffers.pull[contacts[k].link[j]] * contacts[k].part[j] * less
     return lost
 
 
 @lean_inner
-def place(structure, room, contacts, tables, state):
+def place(structure, buffers, contacts, tables, state):
     """Put contacts, which have not moved yet, where they stand at the time of the state."""
-    _measure_lines(structure, room, contacts)
+    _measure_lines(structure, buffers, contacts)
     for k in range(contacts.size):
         give(tables, contacts, k, state.t[0], state.r.shape[0])
         s = contacts[k].begin
         if contacts[k].travel != FREE:
-            s = _prescribed(structure, room, contacts, tables, state, k, 0.0, 0.0)
+            s = _prescribed(structure, buffers, contacts, tables, state, k, 0.0, 0.0)
         state.s[k] = s
         contacts[k].state = ON if 0.0 <= s <= structure.lines.length[contacts[k].line] else AWAY
         if contacts[k].state == ON:
@@ -208,7 +208,7 @@ def place(structure, room, contacts, tables, state):
 
 
 @inlined
-def _measure_lines(structure, room, contacts):
+def _measure_lines(structure, buffers, contacts):
     """Lengths of all lines up to each of their nodes, to `room.path`, if any contact measures them."""
     lines, runs, measured = structure.lines, structure.runs, False
     for k in range(contacts.size):
@@ -219,16 +219,16 @@ def _measure_lines(structure, room, contacts):
         gone, last = 0.0, lines.first[line] + lines.runs[line] - 1
         for s in range(lines.first[line], last + 1):
             begin = runs.first[s]
-            room.path[begin] = gone
+            buffers.path[begin] = gone
             for i in range(begin, begin + runs.links[s]):
-                gone += room.length[i]
-                room.path[i + 1] = gone
+                gone += buffers.length[i]
+                buffers.path[i + 1] = gone
             if s < last and not goes_on(lines, runs, s):
-                gone += room.length[begin + runs.links[s]]
+                gone += buffers.length[begin + runs.links[s]]
 
 
 @lean_inner
-def _measured(structure, room, contacts, state, k, s):
+def _measured(structure, buffers, contacts, state, k, s):
     """Put contact k at s of its line, and look up its place as its speed is measured; m.
 
     Notes how the line is stretched as it is measured.
@@ -248,18 +248,18 @@ def _measured(structure, room, contacts, state, k, s):
         return s
     run, base, value, slope = contacts[k].run, contacts[k].near, 0.0, 0.0
     for j in range(min(WIDTH, structure.runs.links[run] + 1)):
-        value += contacts[k].weight[j] * room.path[base + j]
-        slope += contacts[k].slope[j] * room.path[base + j]
+        value += contacts[k].weight[j] * buffers.path[base + j]
+        slope += contacts[k].slope[j] * buffers.path[base + j]
     contacts[k].stretch = slope / structure.runs.h[run]
     return value
 
 
 @lean_inner
-def _find(structure, room, contacts, state, k, wanted):
+def _find(structure, buffers, contacts, state, k, wanted):
     """Find s of contact k, where its place as measured is as wanted; beyond the ends, the ground is not stretched."""
     length = structure.lines.length[contacts[k].line]
-    first = _measured(structure, room, contacts, state, k, 0.0)
-    last = _measured(structure, room, contacts, state, k, length)
+    first = _measured(structure, buffers, contacts, state, k, 0.0)
+    last = _measured(structure, buffers, contacts, state, k, length)
     sign = 1.0 if last > first else -1.0
     if sign * (wanted - first) < 0.0:
         return -abs(wanted - first)
@@ -269,7 +269,7 @@ def _find(structure, room, contacts, state, k, wanted):
     if not low <= s <= high:
         s = 0.5 * length
     for _ in range(ROUNDS):
-        miss = sign * (_measured(structure, room, contacts, state, k, s) - wanted)
+        miss = sign * (_measured(structure, buffers, contacts, state, k, s) - wanted)
         if miss > 0.0:
             high = s
         else:
@@ -285,7 +285,7 @@ def _find(structure, room, contacts, state, k, wanted):
 
 
 @lean_inner
-def _prescribed(structure, room, contacts, tables, state, k, speed, since):
+def _prescribed(structure, buffers, contacts, tables, state, k, speed, since):
     """Place of contact k at time t as its travel prescribes; notes its speed along the line."""
     t, old = state.t[0], state.s[k]
     wanted = contacts[k].begin + _travelled(tables, contacts, k, t)
@@ -300,14 +300,16 @@ def _prescribed(structure, room, contacts, tables, state, k, speed, since):
             for j in range(3):
                 q = contacts[k].part[j]
                 stretch += (
-                    q * np.sqrt(room.length[contacts[k].link[j]] ** 2 + 2.0 * q * contacts[k].kink) / contacts[k].h[j]
+                    q
+                    * np.sqrt(buffers.length[contacts[k].link[j]] ** 2 + 2.0 * q * contacts[k].kink)
+                    / contacts[k].h[j]
                 )
         contacts[k].speed = speed / stretch
         if since > 0.0:  # as stretched as in the middle of the step, from the two instants before
             contacts[k].stretch = stretch
             return old + way * (1.5 / stretch - 0.5 / before if before > 0.0 else 1.0 / stretch)
         return old
-    s = _find(structure, room, contacts, state, k, wanted)
+    s = _find(structure, buffers, contacts, state, k, wanted)
     stretch = contacts[k].stretch if 0.0 <= s <= structure.lines.length[contacts[k].line] else 1.0
     if since > 0.0:
         contacts[k].speed = (s - old) / since
@@ -343,14 +345,14 @@ def _least_stiffness(structure, contacts, k):
 
 
 @lean_inner
-def _resistance(structure, room, contacts, state, table, out, k, s, since):
+def _resistance(structure, buffers, contacts, state, table, out, k, s, since):
     """Put contact k at s of its line, where it comes after a time in s.
 
     Returns:
         `push` there, N, the friction R, N, the stretch of the line, and by how much dampers stiffen `push`, N/m.
     """
     sit(structure, contacts, state, k, s)
-    stiffen(structure, room, contacts, state, table, out, k)
+    stiffen(structure, buffers, contacts, state, table, out, k)
     run, h = contacts[k].run, structure.runs.h[contacts[k].run]
     T, stretch, along, square = 0.0, 0.0, 0.0, 0.0
     push, tangent, damper = 0.0, 0.0, 0.0
@@ -362,7 +364,7 @@ def _resistance(structure, room, contacts, state, table, out, k, s, since):
         if q <= 0.0 and contacts[k].change[j] == 0.0:
             continue
         kinks = q * contacts[k].kink + contacts[k].beside[j]
-        length = np.sqrt(room.length[link] ** 2 + 2.0 * kinks)
+        length = np.sqrt(buffers.length[link] ** 2 + 2.0 * kinks)
         stretch += q * length / contacts[k].h[j]  # not of the spline, which cuts the corner
         own = tight
         if structure.runs.law[run, 0] != law.RIGID:
@@ -374,7 +376,7 @@ def _resistance(structure, room, contacts, state, table, out, k, s, since):
             # As the link is damped where it is sought: with the rate of the step before, a kink whose damper
             # stiffens it more than its contact does is thrown back and forth, further at each step.
             c = structure.runs.damping[run] / since
-            push += lengthens * c * (length / contacts[k].h[j] - 1.0 - room.before[link])
+            push += lengthens * c * (length / contacts[k].h[j] - 1.0 - buffers.before[link])
             damper += c * lengthens**2 / contacts[k].h[j]
     slack = _least_stiffness(structure, contacts, k)
     for a in range(state.r.shape[0]):
@@ -396,7 +398,7 @@ def _resistance(structure, room, contacts, state, table, out, k, s, since):
 
 
 @lean_inner
-def _slide(structure, room, contacts, state, table, out, k, speed, since):
+def _slide(structure, buffers, contacts, state, table, out, k, speed, since):
     """Find the place s of contact k, which travels freely, after a time; notes its speed and its drive.
 
     Args:
@@ -405,10 +407,10 @@ def _slide(structure, room, contacts, state, table, out, k, speed, since):
     """
     h, old, P = structure.runs.h[contacts[k].run], state.s[k], contacts[k].drive
     length, viscous, driver = structure.lines.length[contacts[k].line], contacts[k].viscous, contacts[k].driver
-    push, R, stretch, damper = _resistance(structure, room, contacts, state, table, out, k, old, since)
+    push, R, stretch, damper = _resistance(structure, buffers, contacts, state, table, out, k, old, since)
     if driver > 0.0:
         wanted = min(max(old + since * speed / stretch, 0.0), length)
-        needed, own, there, _ = _resistance(structure, room, contacts, state, table, out, k, wanted, since)
+        needed, own, there, _ = _resistance(structure, buffers, contacts, state, table, out, k, wanted, since)
         U = (wanted - old) / since
         needed = needed / there + own * np.sign(U) + viscous * there * U
         if abs(needed - P) <= driver:
@@ -435,6 +437,6 @@ def _slide(structure, room, contacts, state, table, out, k, speed, since):
         step, s = abs(new - s), new
         if step <= CLOSE * h or s < 0.0 or s > length:
             break
-        push, R, stretch, damper = _resistance(structure, room, contacts, state, table, out, k, s, since)
+        push, R, stretch, damper = _resistance(structure, buffers, contacts, state, table, out, k, s, since)
         miss = push - P * stretch + sign * R * stretch + viscous * stretch**2 * (s - old) / since
     return s

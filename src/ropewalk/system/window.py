@@ -14,7 +14,7 @@ import numpy as np
 
 from ropewalk.mechanics.chain import Array
 from ropewalk.system.contacts import AWAY, FREE, GONE
-from ropewalk.system.structure import DAMPED, Room, State, Structure
+from ropewalk.system.structure import DAMPED, Buffers, Structure, SystemState
 from ropewalk.system.travel import Tables
 
 # Nodes at a cut that stand still: three links on, second differences and their own are whole.
@@ -33,13 +33,13 @@ class Window:
 
     def __init__(self, structure: Structure, width: float) -> None:
         self.whole, self._width = structure, width
-        held, runs = structure.holdings, structure.runs
+        restrained, runs = structure.restraints, structure.runs
         self._joined: list[list[tuple[int, int]]] = [[] for _ in runs.first]  # holdings of each run, and where
-        for e in range(held.mass.size):
-            for node in held.members(e).tolist():
+        for e in range(restrained.mass.size):
+            for node in restrained.members(e).tolist():
                 s = int(np.searchsorted(runs.first, node, side="right")) - 1
                 self._joined[s].append((e, node - int(runs.first[s])))
-        self.still = np.zeros(held.mass.size, dtype=np.bool_)  # holdings that do
+        self.still = np.zeros(restrained.mass.size, dtype=np.bool_)  # holdings that do
 
     def wait(self, contacts: Any, tables: Tables, step: float) -> int:
         """For how many steps of a length in s contacts stay where the window is open, at their largest speeds."""
@@ -52,7 +52,7 @@ class Window:
             fastest = max(fastest, *speeds)
         return int(np.clip(WAITS * self._width / max(fastest * step, 1e-300), 1, LONGEST))
 
-    def around(self, contacts: Any, state: State) -> Structure:
+    def around(self, contacts: Any, state: SystemState) -> Structure:
         """The structure with what is within the window alone; all of it if no contact is near a line."""
         whole, reach = self.whole, (1.0 + 2.0 * WAITS) * self._width
         runs, lines = whole.runs, whole.lines
@@ -88,19 +88,19 @@ class Window:
             light[begin + first : begin + last + 1] = whole.nodes.light[begin + first : begin + last + 1]
             low[s], high[s] = max(first - STILL, 0), min(last + STILL, n)
         clamped = runs.clamped * np.stack([low == 0, high == runs.links], axis=1)
-        held, moves = whole.holdings, ~self.still
+        restrained, moves = whole.restraints, ~self.still
         return whole._replace(
             runs=runs._replace(first=runs.first + low, links=high - low, clamped=clamped),
             lines=lines._replace(begin=lines.begin + low * runs.h),
             nodes=whole.nodes._replace(light=light),
-            holdings=held._replace(
-                free=held.free * moves[:, None, None], entries=np.where(moves, held.entries, 1)
+            restraints=restrained._replace(
+                free=restrained.free * moves[:, None, None], entries=np.where(moves, restrained.entries, 1)
             ),
         )  # fmt: skip
 
     def _distances(self, places: list[list[float]]) -> Array:
         """How far holdings are from contacts along the lines, m; `places` of contacts on each run, m along it."""
-        near, h = np.full(self.whole.holdings.mass.size, np.inf), self.whole.runs.h
+        near, h = np.full(self.whole.restraints.mass.size, np.inf), self.whole.runs.h
         while True:
             before = near.copy()
             for s, joined in enumerate(self._joined):
@@ -110,17 +110,17 @@ class Window:
             if np.array_equal(near, before):
                 return near
 
-    def leave(self, narrow: Structure, state: State, room: Room) -> None:
+    def leave(self, narrow: Structure, state: SystemState, buffers: Buffers) -> None:
         """Let what the window has left stand still."""
-        nodes, held = self.whole.nodes, self.whole.holdings
+        nodes, restrained = self.whole.nodes, self.whole.restraints
         stands = (narrow.nodes.light == 0.0) & (nodes.light > 0.0)
         lost = 0.5 * float((nodes.mass * state.v**2)[:, stands].sum())
         for e in np.flatnonzero(self.still):
-            own = held.members(int(e))
+            own = restrained.members(int(e))
             lost += 0.5 * float(
-                (nodes.mass[own] * state.v[:, own] ** 2).sum() + held.mass[e] * (state.v[:, own[0]] ** 2).sum()
+                (nodes.mass[own] * state.v[:, own] ** 2).sum() + restrained.mass[e] * (state.v[:, own[0]] ** 2).sum()
             )
             stands[own] = True
         state.work[DAMPED] += lost
         state.v[:, stands] = 0.0
-        room.rate[stands] = 0.0
+        buffers.rate[stands] = 0.0

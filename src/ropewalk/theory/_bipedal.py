@@ -61,7 +61,7 @@ class SpringLegs:
 
 
 @dataclass(frozen=True)
-class _Step:
+class _BipedalStep:
     """Three phases from one upright stance to the next: what integrated them, with the feet on the ground, in m."""
 
     phases: tuple[Any, Any, Any]
@@ -144,7 +144,7 @@ def walk(t: ArrayLike, legs: SpringLegs, *, height: float, speed: float, climb: 
     _arguments.finite(speed=speed, climb=climb)
     last = float(np.max(t, initial=0.0))
     state, now = np.array([0.0, height, speed, climb]), 0.0
-    steps: list[_Step] = []
+    steps: list[_BipedalStep] = []
     while not steps or now <= last:
         steps.append(_step(legs, state, now, steps[-1].new if steps else 0.0))
         state, now = steps[-1].end, float(steps[-1].phases[2].t[-1])
@@ -233,7 +233,7 @@ def _next(legs: SpringLegs, energy: float, height: float, climb: float) -> Float
     return _step(legs, start, 0.0, 0.0).end[[1, 3]]
 
 
-def _largest_force(legs: SpringLegs, step: _Step) -> float:
+def _largest_force(legs: SpringLegs, step: _BipedalStep) -> float:
     """Of both legs, vertical: sampled, and refined about the largest sample."""
     from scipy.optimize import minimize_scalar
 
@@ -251,7 +251,7 @@ def _largest_force(legs: SpringLegs, step: _Step) -> float:
     return largest
 
 
-def _step(legs: SpringLegs, state: FloatArray, begin: float, old: float) -> _Step:
+def _step(legs: SpringLegs, state: FloatArray, begin: float, old: float) -> _BipedalStep:
     """From upright over the foot ``old`` to upright over the next one."""
 
     def length(y: FloatArray, foot: float) -> float:
@@ -276,7 +276,7 @@ def _step(legs: SpringLegs, state: FloatArray, begin: float, old: float) -> _Ste
     state, now = second.y[:, -1], second.t[-1]
     over: Event = lambda _, y: float(y[0]) - new  # noqa: E731
     third = _phase(legs, (new,), state, now, (over, 1.0), {"takes off": (excess(new), 1.0), **_turns()})
-    return _Step((first, second, third), old, new)
+    return _BipedalStep((first, second, third), old, new)
 
 
 def _turns() -> dict[str, tuple[Event, float]]:

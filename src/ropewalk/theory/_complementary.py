@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropewalk.theory import _pieces
-from ropewalk.theory._pieces import AxialLaw, FloatArray
+from ropewalk.theory import _segments
+from ropewalk.theory._segments import AxialLaw, FloatArray
 
 __all__ = ["ComplementaryEnergy", "of_rope"]
 
@@ -19,7 +19,7 @@ class ComplementaryEnergy:
     """Complementary energy of a rope in J; forces are those at the beginning of its piece without offset, in N."""
 
     offset: FloatArray  # by which the force at the beginning of every piece differs from that, shape (pieces, 2), N
-    pieces: FloatArray  # their lengths, m; zero between loads at one place
+    segments: FloatArray  # their lengths, m; zero between loads at one place
     weight: float  # N per unstrained metre
     compliance: float  # 1/EA, 1/N
     law: AxialLaw
@@ -27,8 +27,10 @@ class ComplementaryEnergy:
 
     def gradient(self, force: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the gap (2,) in m, and its derivative (2, 2) in m/N."""
-        of_pieces = force + self.offset, self.pieces, self.weight, self.compliance, self.law
-        return _pieces.reach(*of_pieces).sum(axis=0) - self.ends, _pieces.reach_derivative(*of_pieces).sum(axis=0)
+        of_segments = force + self.offset, self.segments, self.weight, self.compliance, self.law
+        return _segments.reach(*of_segments).sum(axis=0) - self.ends, _segments.reach_derivative(*of_segments).sum(
+            axis=0
+        )
 
     def start(self) -> FloatArray:
         """Return where the search begins: lower than any kink.
@@ -41,13 +43,13 @@ class ComplementaryEnergy:
         """
         taut = self._taut()
         others = np.any(self.offset, axis=1)
-        kink = -self.middle[~others][np.argmax(self.pieces[~others])]
-        stretched = kink + self.middle[others], self.pieces[others], 0.0, self.compliance, self.law
-        fall = self.ends - _pieces.reach(*stretched).sum(axis=0)
+        kink = -self.middle[~others][np.argmax(self.segments[~others])]
+        stretched = kink + self.middle[others], self.segments[others], 0.0, self.compliance, self.law
+        fall = self.ends - _segments.reach(*stretched).sum(axis=0)
         if not np.any(fall):
             return taut
         fall /= np.hypot(*fall)
-        far, near = float(np.max(np.abs(taut))), self.weight * float(self.pieces[~others].sum())
+        far, near = float(np.max(np.abs(taut))), self.weight * float(self.segments[~others].sum())
         while far > max(near, 1e-300) and float(self.gradient(kink + far * fall)[0] @ fall) > 0.0:
             far *= 0.5
         return min(taut, kink + far * fall, key=self.rough)
@@ -55,24 +57,24 @@ class ComplementaryEnergy:
     def rough(self, force: FloatArray) -> float:
         """Return the energy, with the tension in the middle of every piece for that of all of it: J."""
         stretched = np.hypot(*(force + self.middle).T), self.compliance, self.law
-        return float(self.pieces @ _pieces.complementary(*stretched) - force @ self.ends)
+        return float(self.segments @ _segments.complementary(*stretched) - force @ self.ends)
 
     @property
     def middle(self) -> FloatArray:
         """Offset of the force in the middle of every piece, shape (pieces, 2), N."""
-        return np.asarray(self.offset + np.outer(0.5 * self.weight * self.pieces, [0.0, 1.0]))
+        return np.asarray(self.offset + np.outer(0.5 * self.weight * self.segments, [0.0, 1.0]))
 
     def _taut(self) -> FloatArray:
         """Force of a taut rope: chord plus elongation is length plus the transverse load's slack."""
         from scipy.optimize import brentq
 
-        total, distance = self.pieces.sum(), float(np.hypot(*self.ends))
+        total, distance = self.segments.sum(), float(np.hypot(*self.ends))
         chord = self.ends / distance
         first = self.offset
         last = 2.0 * self.middle - first
-        mean = (self.pieces @ (first + last)) / (2.0 * total)
+        mean = (self.segments @ (first + last)) / (2.0 * total)
         p, q = ((side - mean) @ np.array([-chord[1], chord[0]]) for side in (first, last))
-        slack = 0.5 * float((self.pieces * (p * p + p * q + q * q)).sum()) / (3.0 * total)
+        slack = 0.5 * float((self.segments * (p * p + p * q + q * q)).sum()) / (3.0 * total)
         excess = 1.0 - distance / total
         if self.compliance == 0.0:
             tension = float(np.sqrt(slack / max(excess, 1e-300)))
@@ -87,13 +89,13 @@ class ComplementaryEnergy:
 
 
 def of_rope(
-    offset: FloatArray, pieces: FloatArray, weight: float, compliance: float, law: AxialLaw, ends: FloatArray
+    offset: FloatArray, segments: FloatArray, weight: float, compliance: float, law: AxialLaw, ends: FloatArray
 ) -> ComplementaryEnergy:
     """Return the energy with the force of the piece that is nearest to slack as its unknown.
 
     ``offset`` is measured from any force. If the unknown were the force of another piece, its roundings could be more
     than all that the piece near slackness carries, which would point anywhere.
     """
-    from_any = ComplementaryEnergy(offset, pieces, weight, compliance, law, ends)
-    origin = min(np.flatnonzero(pieces > 0.0), key=lambda i: from_any.rough(-from_any.middle[i]))
-    return ComplementaryEnergy(offset - offset[origin], pieces, weight, compliance, law, ends)
+    from_any = ComplementaryEnergy(offset, segments, weight, compliance, law, ends)
+    origin = min(np.flatnonzero(segments > 0.0), key=lambda i: from_any.rough(-from_any.middle[i]))
+    return ComplementaryEnergy(offset - offset[origin], segments, weight, compliance, law, ends)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from ropewalk.theory import _panels
 from ropewalk.theory._wave import FloatArray
 
-__all__ = ["Course", "Given", "course"]
+__all__ = ["Given", "PiecewiseFunction", "course"]
 
 Given = Callable[[FloatArray], ArrayLike] | tuple[ArrayLike, ArrayLike] | float
 
@@ -20,7 +20,7 @@ NARROWEST = 2.0**-44  # panel, of the whole time
 
 
 @dataclass(frozen=True)
-class Course:
+class PiecewiseFunction:
     """Function of time between the first and the last edge."""
 
     edges: FloatArray
@@ -30,18 +30,18 @@ class Course:
         index, place = self._find(t)
         return _panels.at(self.coefficients[index], place)
 
-    def rate(self) -> "Course":
+    def rate(self) -> "PiecewiseFunction":
         """The derivative."""
         slopes = legendre.legder(self.coefficients, axis=1) * (2.0 / np.diff(self.edges))[:, np.newaxis]
-        return Course(self.edges, slopes)
+        return PiecewiseFunction(self.edges, slopes)
 
-    def integral(self) -> "Course":
+    def integral(self) -> "PiecewiseFunction":
         """The integral from the first edge."""
         widths = np.diff(self.edges)[:, np.newaxis]
         rises = 0.5 * widths * legendre.legint(self.coefficients, lbnd=-1, axis=1)
         ends = np.sum(rises, axis=1)
         rises[:, 0] += np.concatenate([[0.0], np.cumsum(ends)[:-1]])
-        return Course(self.edges, rises)
+        return PiecewiseFunction(self.edges, rises)
 
     def times_at(self, level: float) -> FloatArray:
         """Times inside panels at which the function takes a value."""
@@ -62,7 +62,7 @@ class Course:
         return index, (t - self.edges[index]) / (self.edges[index + 1] - self.edges[index])
 
 
-def course(name: str, given: Given, start: float, end: float, *, scale: float | None = None) -> Course:
+def course(name: str, given: Given, start: float, end: float, *, scale: float | None = None) -> PiecewiseFunction:
     """Return a number, a table (times, values) or a function of an array of times as a course.
 
     A table is linear between its times and ends with them. A function is followed from start to end to rounding of its
@@ -76,7 +76,7 @@ def course(name: str, given: Given, start: float, end: float, *, scale: float | 
     if not callable(given):
         if not np.isfinite(given):
             raise ValueError(f"{name} must be finite, not {given}")
-        return Course(np.array([start, end]), np.array([[float(given), 0.0]]))
+        return PiecewiseFunction(np.array([start, end]), np.array([[float(given), 0.0]]))
     done: list[tuple[FloatArray, FloatArray]] = []
     low = np.linspace(start, end, FIRST_PANELS + 1)
     low, high, largest = low[:-1], low[1:], 0.0
@@ -104,13 +104,13 @@ def course(name: str, given: Given, start: float, end: float, *, scale: float | 
     starts = np.concatenate([part[0] for part in done])
     order = np.argsort(starts)
     coefficients = np.concatenate([part[1] for part in done])[order]
-    return Course(np.append(starts[order], end), coefficients)
+    return PiecewiseFunction(np.append(starts[order], end), coefficients)
 
 
-def _table(name: str, times: ArrayLike, values: ArrayLike) -> Course:
+def _table(name: str, times: ArrayLike, values: ArrayLike) -> PiecewiseFunction:
     t, y = np.asarray(times, dtype=np.float64), np.asarray(values, dtype=np.float64)
     if t.ndim != 1 or t.shape != y.shape or len(t) < 2 or not np.all(np.diff(t) > 0.0):
         raise ValueError(f"{name} as a table must be (times, values), both of one length, the times increasing")
     if not (np.all(np.isfinite(t)) and np.all(np.isfinite(y))):
         raise ValueError(f"{name} must be finite")
-    return Course(t, 0.5 * np.stack([y[1:] + y[:-1], np.diff(y)], axis=1))
+    return PiecewiseFunction(t, 0.5 * np.stack([y[1:] + y[:-1], np.diff(y)], axis=1))

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from ropewalk.theory import _panels
 
-__all__ = ["Ride", "Rider", "ride"]
+__all__ = ["DelayBody", "DelaySolution", "ride"]
 
 FloatArray = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ NARROWEST = 1e-12  # panel, of an interval between two meetings
 
 
 @dataclass(frozen=True)
-class Rider:
+class DelayBody:
     """Equations ``inertia z' = matrix z + drive - line n e_0`` from z = 0, no inertia only in the first row."""
 
     inertia: FloatArray
@@ -56,7 +56,7 @@ class Rider:
 
 
 @dataclass(frozen=True)
-class Clock:
+class DelayClock:
     """Times of the meetings with the wave from the far support, and places between them."""
 
     alpha: float
@@ -126,11 +126,11 @@ class _Panels:
 
 
 @dataclass(frozen=True)
-class Ride:
+class DelaySolution:
     """The march's answer."""
 
-    clock: Clock
-    rider: Rider
+    clock: DelayClock
+    moving_load: DelayBody
     panels: _Panels
     deflection: FloatArray  # at the start of each panel, and at the end
 
@@ -179,14 +179,14 @@ class Ride:
 
     def _force_coefficients(self) -> FloatArray:
         fields = self.panels.coefficients[: self.panels.count]
-        return self.rider.line * (fields[:, -2] + fields[:, -1] - fields[:, 0])
+        return self.moving_load.line * (fields[:, -2] + fields[:, -1] - fields[:, 0])
 
 
-def ride(alpha: float, rider: Rider) -> Ride:
+def ride(alpha: float, moving_load: DelayBody) -> DelaySolution:
     """Return the passage of a rider with speed ``alpha`` (0 < alpha < 1) times that of the waves."""
-    clock = Clock(alpha)
-    panels = _Panels.none(rider.size + 2)
-    first, state = _beginning(clock, rider, panels)
+    clock = DelayClock(alpha)
+    panels = _Panels.none(moving_load.size + 2)
+    first, state = _beginning(clock, moving_load, panels)
     deepest = int(np.ceil(np.log(REMAINDER) / np.log(clock.beta)))
     for k in range(deepest):
         start, width = clock.meeting(k), clock.width(k)
@@ -195,31 +195,33 @@ def ride(alpha: float, rider: Rider) -> Ride:
             # No further than the wave from the left is known.
             until = min(((start + s * width) / clock.beta - start) / width, 1.0)
             until = 1.0 if until > 1.0 - 1e-9 else until
-            state = _stretch(clock, rider, panels, k, (s, until), state)
+            state = _stretch(clock, moving_load, panels, k, (s, until), state)
             s = until
     used = slice(0, panels.count)
     widths = panels.width[used] * clock.width(0) * clock.beta ** panels.interval[used]
     steps = widths * panels.coefficients[used, 0, 0]
-    return Ride(clock, rider, panels, np.concatenate([[0.0], np.cumsum(steps)]))
+    return DelaySolution(clock, moving_load, panels, np.concatenate([[0.0], np.cumsum(steps)]))
 
 
-def _beginning(clock: Clock, rider: Rider, panels: _Panels) -> tuple[float, FloatArray]:
+def _beginning(clock: DelayClock, moving_load: DelayBody, panels: _Panels) -> tuple[float, FloatArray]:
     """Put down the power series of the first moments; return the place in interval 0 that it reaches and the state."""
-    closed, beta = rider.closed(), clock.beta
-    rate = np.max(np.abs(closed) / np.where(rider.inertia > 0.0, rider.inertia, np.inf)[:, np.newaxis])
+    closed, beta = moving_load.closed(), clock.beta
+    rate = np.max(np.abs(closed) / np.where(moving_load.inertia > 0.0, moving_load.inertia, np.inf)[:, np.newaxis])
     reach = min(0.5, (1.0 - beta) / max(rate * clock.width(0), 1e-300))
-    series = np.zeros((_panels.ORDER + 4, rider.size))
+    series = np.zeros((_panels.ORDER + 4, moving_load.size))
     waves = np.zeros(len(series))
     for j in range(len(series)):
         if j > 0:
-            change = rider.matrix @ series[j - 1] + rider.drive * (j == 1)
-            change[0] -= rider.line * waves[j - 1]
+            change = moving_load.matrix @ series[j - 1] + moving_load.drive * (j == 1)
+            change[0] -= moving_load.line * waves[j - 1]
             series[j] = np.where(
-                rider.inertia > 0.0, change / np.where(rider.inertia > 0.0, rider.inertia, 1.0) / j, 0.0
+                moving_load.inertia > 0.0,
+                change / np.where(moving_load.inertia > 0.0, moving_load.inertia, 1.0) / j,
+                0.0,
             )
-        if rider.inertia[0] == 0.0:
-            given = rider.matrix[0, 1:] @ series[j, 1:] + rider.drive[0] * (j == 0)
-            series[j, 0] = given / (rider.line / (1.0 - beta ** (j + 1)) - rider.matrix[0, 0])
+        if moving_load.inertia[0] == 0.0:
+            given = moving_load.matrix[0, 1:] @ series[j, 1:] + moving_load.drive[0] * (j == 0)
+            series[j, 0] = given / (moving_load.line / (1.0 - beta ** (j + 1)) - moving_load.matrix[0, 0])
         waves[j] = series[j, 0] / (1.0 - beta ** (j + 1))
     width = reach * clock.width(0)
     powers = (width * _panels.POINTS[:, np.newaxis]) ** np.arange(len(series))
@@ -229,7 +231,7 @@ def _beginning(clock: Clock, rider: Rider, panels: _Panels) -> tuple[float, Floa
 
 
 def _stretch(
-    clock: Clock, rider: Rider, panels: _Panels, k: int, span: tuple[float, float], state: FloatArray
+    clock: DelayClock, moving_load: DelayBody, panels: _Panels, k: int, span: tuple[float, float], state: FloatArray
 ) -> FloatArray:
     """March over places ``span`` of interval k from a state; return the state at the end."""
     before = panels.edges(k - 1)[::2] if k else np.zeros(0)
@@ -237,9 +239,9 @@ def _stretch(
     edges = np.concatenate([[span[0]], inside, [span[1]]])
     tolerance = TOLERANCE * min(clock.beta**-k, LOOSEST) if k else SMOOTH
     while True:
-        coefficients, end = _solve(clock, rider, panels, k, edges, state)
+        coefficients, end = _solve(clock, moving_load, panels, k, edges, state)
         # The waves alone decide: they hold the force, and a stiff spring's length is small differences of velocities.
-        waves = coefficients[:, [0, rider.size, rider.size + 1]]
+        waves = coefficients[:, [0, moving_load.size, moving_load.size + 1]]
         tail = np.max(np.abs(waves[:, :, -2:]), axis=(1, 2))
         poor = (tail > tolerance * np.max(np.abs(waves))) & (np.diff(edges) > NARROWEST)
         if not np.any(poor) or len(edges) > MOST_PANELS:
@@ -249,29 +251,29 @@ def _stretch(
 
 
 def _solve(
-    clock: Clock, rider: Rider, panels: _Panels, k: int, edges: FloatArray, state: FloatArray
+    clock: DelayClock, moving_load: DelayBody, panels: _Panels, k: int, edges: FloatArray, state: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Collocate at the Gauss points of all panels; return coefficients (panel, field, degree) and the last state."""
-    size, order = rider.size, _panels.ORDER
+    size, order = moving_load.size, _panels.ORDER
     s = edges[:-1, np.newaxis] + np.diff(edges)[:, np.newaxis] * _panels.POINTS
     left = clock.beta * panels.at(size, *clock.place(clock.beta * (clock.meeting(k) + s * clock.width(k))))
     right = panels.at(size + 1, np.full(s.shape, k - 1), s) / clock.beta if k else np.zeros_like(s)
     step = np.diff(edges) * clock.width(k)
-    closed, identity = rider.closed(), np.eye(order)
-    known = np.repeat(rider.drive[np.newaxis, :, np.newaxis], len(step), axis=0) * np.ones(order)
-    known[:, 0] -= rider.line * (left + right)
+    closed, identity = moving_load.closed(), np.eye(order)
+    known = np.repeat(moving_load.drive[np.newaxis, :, np.newaxis], len(step), axis=0) * np.ones(order)
+    known[:, 0] -= moving_load.line * (left + right)
 
     matrix = np.zeros((len(step), size, order, size, order))
     given = np.zeros((len(step), size, order, size + 1))  # what comes from each row of the state, and the rest
     for row in range(size):
-        if rider.inertia[row] > 0.0:
+        if moving_load.inertia[row] > 0.0:
             total = step[:, np.newaxis, np.newaxis] * _panels.SUM_TO_POINTS
-            given[:, row, :, row] = rider.inertia[row]
+            given[:, row, :, row] = moving_load.inertia[row]
         else:
             total = np.broadcast_to(identity, (len(step), order, order))
         for column in range(size):
             matrix[:, row, :, column] = -closed[row, column] * total
-        matrix[:, row, :, row] += rider.inertia[row] * identity
+        matrix[:, row, :, row] += moving_load.inertia[row] * identity
         given[:, row, :, size] = np.einsum("pij,pj->pi", total, known[:, row])
     parts = np.linalg.solve(
         matrix.reshape(len(step), size * order, size * order), given.reshape(len(step), size * order, size + 1)
@@ -281,8 +283,8 @@ def _solve(
     change = np.einsum("rc,pcks->prks", closed, parts)
     change[..., size] += known
     end = np.einsum("k,prks->prs", _panels.SUM, change) * step[:, np.newaxis, np.newaxis]
-    heavy = rider.inertia > 0.0
-    end = np.where(heavy[:, np.newaxis], end / np.where(heavy, rider.inertia, 1.0)[:, np.newaxis], 0.0)
+    heavy = moving_load.inertia > 0.0
+    end = np.where(heavy[:, np.newaxis], end / np.where(heavy, moving_load.inertia, 1.0)[:, np.newaxis], 0.0)
     end[:, :, :size] += np.diag(heavy)
     starts = [state]
     for panel in end:

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ropewalk.theory import _arguments
 from ropewalk.theory._quadrature import Integrand, adaptive
-from ropewalk.theory._spans import Spans
+from ropewalk.theory._spans import SpanLayout
 
 __all__ = ["moving_force", "moving_force_drag", "moving_force_error"]
 
@@ -71,7 +71,9 @@ def moving_force(
     keeps pace with the load undamped. Undamped strings far below their wave speed take long. `ValueError` for
     arguments out of range, for supports without stiffness, and for a string at its wave speed.
     """
-    spans = Spans(spacing, mass, tension, bending_stiffness, support_stiffness, support_mass, damping, support_damping)
+    spans = SpanLayout(
+        spacing, mass, tension, bending_stiffness, support_stiffness, support_mass, damping, support_damping
+    )
     deflection, error, scale = _deflection(spans, x, place, force, speed, tolerance)
     if error > tolerance * scale:
         raise ArithmeticError(
@@ -102,7 +104,9 @@ def moving_force_error(
     Arguments as there. The estimate adds up the differences of the last two halvings of all panels, the share of
     the last octave of q for what lies beyond, and the last step of the extrapolation.
     """
-    spans = Spans(spacing, mass, tension, bending_stiffness, support_stiffness, support_mass, damping, support_damping)
+    spans = SpanLayout(
+        spacing, mass, tension, bending_stiffness, support_stiffness, support_mass, damping, support_damping
+    )
     deflection, error, _ = _deflection(spans, x, place, force, speed, tolerance)
     return deflection, error
 
@@ -127,7 +131,9 @@ def moving_force_drag(
     work that the line takes up per span, by damping or, undamped, by radiation. It is minus ``force`` times the
     mean slope under the load, ``F^2/pi Re integral i q A dq`` with the mean A of the integrand over a span.
     """
-    spans = Spans(spacing, mass, tension, bending_stiffness, support_stiffness, support_mass, damping, support_damping)
+    spans = SpanLayout(
+        spacing, mass, tension, bending_stiffness, support_stiffness, support_mass, damping, support_damping
+    )
     _require(spans, force, speed, tolerance)
     if speed == 0.0 or force == 0.0:
         return 0.0
@@ -139,7 +145,7 @@ def moving_force_drag(
 
 
 def _deflection(
-    spans: Spans, x: ArrayLike, place: ArrayLike, force: float, speed: float, tolerance: float
+    spans: SpanLayout, x: ArrayLike, place: ArrayLike, force: float, speed: float, tolerance: float
 ) -> tuple[FloatArray, float, float]:
     """Deflection, error, and the deflection that the tolerance refers to."""
     _require(spans, force, speed, tolerance)
@@ -174,7 +180,7 @@ def _deflection(
     return force * (known + values)[:-1].reshape(shape), abs(force) * error, abs(force) * scale
 
 
-def _at_rest(spans: Spans, x: FloatArray, y: FloatArray, tolerance: float) -> tuple[FloatArray, float]:
+def _at_rest(spans: SpanLayout, x: FloatArray, y: FloatArray, tolerance: float) -> tuple[FloatArray, float]:
     """Deflection per force at rest, and its error.
 
     All q that differ by 2 pi/d meet the same G, and their sum is G again: ``w = 1/(2 pi) integral over mu of G(x - y)
@@ -200,7 +206,7 @@ def _at_rest(spans: Spans, x: FloatArray, y: FloatArray, tolerance: float) -> tu
     return result, change
 
 
-def _require(spans: Spans, force: float, speed: float, tolerance: float) -> None:
+def _require(spans: SpanLayout, force: float, speed: float, tolerance: float) -> None:
     _arguments.finite(force=force)
     _arguments.not_negative(speed=speed)
     _arguments.positive(tolerance=tolerance)
@@ -211,7 +217,7 @@ def _require(spans: Spans, force: float, speed: float, tolerance: float) -> None
 
 
 def _limit(
-    spans: Spans,
+    spans: SpanLayout,
     speed: float,
     tolerance: float,
     integrand: Callable[[float], Integrand],
@@ -243,7 +249,7 @@ class _Kink:
     r: float  # infinite for a string
 
     @staticmethod
-    def of(spans: Spans, speed: float) -> "_Kink":
+    def of(spans: SpanLayout, speed: float) -> "_Kink":
         effective, s = spans.tension - spans.mass * speed**2, 2.0 / spans.spacing
         if spans.bending_stiffness == 0.0:
             return _Kink(effective, s, np.inf)
@@ -261,7 +267,7 @@ class _Kink:
         return (near - np.exp(-self.r * xi) / (2.0 * self.r * self.factor)) / (self.r**2 - self.s**2)
 
 
-def _field(spans: Spans, x: FloatArray, speed: float, growth: float) -> Integrand:
+def _field(spans: SpanLayout, x: FloatArray, speed: float, growth: float) -> Integrand:
     """The integrand at the points x, 0..d, for the load at y = 0."""
     rest = _rest_near_zero(spans, np.append(x, 0.0), speed, growth)
 
@@ -292,7 +298,7 @@ def _field(spans: Spans, x: FloatArray, speed: float, growth: float) -> Integran
     return field
 
 
-def _mean_slope(spans: Spans, speed: float, growth: float) -> Integrand:
+def _mean_slope(spans: SpanLayout, speed: float, growth: float) -> Integrand:
     """i q times the integrand at the load, averaged over a span."""
     rest = _rest_near_zero(spans, np.zeros(1), speed, growth)
 
@@ -312,14 +318,14 @@ def _mean_slope(spans: Spans, speed: float, growth: float) -> Integrand:
     return slope
 
 
-def _support(spans: Spans, omega: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+def _support(spans: SpanLayout, omega: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
     """A support as the pair (1, D), a rigid one as (0, 1)."""
     one = np.ones((len(omega), 1), dtype=np.complex128)
     return (0.0 * one, one) if spans.rigid else (one, spans.support(omega)[:, None])
 
 
 @dataclass(frozen=True)
-class _Rest:
+class _Remainder:
     """R inside a circle of wavenumbers from its values on it."""
 
     reach: float
@@ -331,7 +337,7 @@ class _Rest:
         return np.asarray(kernel @ self.values)
 
 
-def _rest_near_zero(spans: Spans, x: FloatArray, speed: float, growth: float) -> _Rest:
+def _rest_near_zero(spans: SpanLayout, x: FloatArray, speed: float, growth: float) -> _Remainder:
     step = 2.0 * np.pi / spans.spacing
     radius = 0.25 * step
     while True:  # no pole of another branch within twice the radius
@@ -345,11 +351,11 @@ def _rest_near_zero(spans: Spans, x: FloatArray, speed: float, growth: float) ->
     omega_nodes = nodes * speed - 1j * growth
     bare = spans.spacing * spans.stiffness(nodes, omega_nodes)[:, None]
     compliance = spans.compliance(x, omega_nodes, nodes * spans.spacing)
-    return _Rest(0.5 * radius, nodes, compliance - np.exp(-1j * nodes[:, None] * x) / bare)
+    return _Remainder(0.5 * radius, nodes, compliance - np.exp(-1j * nodes[:, None] * x) / bare)
 
 
 def _integrate(
-    f: Integrand, spans: Spans, speed: float, tolerance: float, known: FloatArray | float, least: float
+    f: Integrand, spans: SpanLayout, speed: float, tolerance: float, known: FloatArray | float, least: float
 ) -> tuple[FloatArray, float]:
     """Real part of the integral of f over q > 0, over pi, and its error.
 
@@ -384,7 +390,7 @@ def _integrate(
         total, last, best = total + whole, result, better
 
 
-def _breakpoints(spans: Spans, speed: float, low: float, high: float, panels: int) -> FloatArray:
+def _breakpoints(spans: SpanLayout, speed: float, low: float, high: float, panels: int) -> FloatArray:
     """Ends of panels: equal steps, the free waves of the undamped line, and where it nearly has one."""
     even = np.linspace(low, high, panels + 1)
     if speed == 0.0:

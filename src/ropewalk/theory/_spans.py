@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from ropewalk.theory import _arguments
 
-__all__ = ["Spans"]
+__all__ = ["SpanLayout"]
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
@@ -30,7 +30,7 @@ _ROOM = 1e250  # the largest number, 1e308, with room for higher bands
 
 
 @dataclass(frozen=True)
-class Spans:
+class SpanLayout:
     """Line and supports; `ValueError` out of range. An infinite ``support_stiffness`` stands for rigid supports."""
 
     spacing: float

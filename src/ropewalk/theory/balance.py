@@ -22,8 +22,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy import hypot, inf, isinf, log, log1p, tanh
 
-from ropewalk.theory import _convex, _pieces
-from ropewalk.theory._pieces import AxialLaw, FloatArray, PointLoad
+from ropewalk.theory import _convex, _segments
+from ropewalk.theory._segments import AxialLaw, FloatArray, PointLoad
 from ropewalk.theory.rope import RestingRope
 
 __all__ = ["heavy_piece", "resting", "straight_piece"]
@@ -42,18 +42,18 @@ def resting(
     loads: Sequence[PointLoad] = (),
 ) -> RestingRope:
     """Return the same as `ropewalk.theory.rope.resting`, with the same arguments, by the balance at the loads."""
-    compliance = _pieces.check_rope(span, height, length, weight, axial_stiffness, law)
-    breaks, drops = _pieces.break_at_loads(loads, length)
-    pieces, ends = np.diff(breaks), np.array([span, height])
+    compliance = _segments.check_rope(span, height, length, weight, axial_stiffness, law)
+    breaks, drops = _segments.break_at_loads(loads, length)
+    segments, ends = np.diff(breaks), np.array([span, height])
     if weight == 0.0 and not np.any(drops) and length >= hypot(span, height):
         raise ValueError("a slack rope without weight or load has no definite shape: give a force")
     # loads in one place, to the roundings of places, act as one; loads on a support go into it
-    long = pieces > 1e-13 * length
+    long = segments > 1e-13 * length
     forces = np.diff(drops[long], axis=0)
     scale = float(np.abs(forces).sum()) + weight * length
     inner = breaks[1:-1][long[:-1]] if long[-1] else breaks[1:-1][long[:-1]][:-1]
     guess = np.outer(inner / length, ends)
-    rope = (guess, ends, pieces[long], forces, weight, compliance, law, scale)
+    rope = (guess, ends, segments[long], forces, weight, compliance, law, scale)
     places, pulls = _elastic(*rope) or _stiffened(*rope)
     index = np.concatenate([[0], np.cumsum(long)])
     nodes = np.vstack([np.zeros(2), places, ends])[index]
@@ -90,10 +90,10 @@ def heavy_piece(step: FloatArray, length: float, weight: float, compliance: floa
         # log((s^2 - rise^2)/dx^2), without the difference of s and dx where they are close
         inside = (spare + dz * dz * (more / (1.0 + more)) * (1.0 + 1.0 / (1.0 + more))) / dx**2
         straight = log1p(inside) if abs(inside) < 0.5 else log((length - rise) / dx * ((length + rise) / dx))
-        return float(log1p(kappa / p) - _pieces.log_sinhc(p) + 0.5 * straight)
+        return float(log1p(kappa / p) - _segments.log_sinhc(p) + 0.5 * straight)
 
     if kappa == 0.0:
-        p = _pieces.solve_log_sinhc(0.5 * log1p(spare / dx**2))
+        p = _segments.solve_log_sinhc(0.5 * log1p(spare / dx**2))
     else:
         low = high = 1.0
         while excess(low) <= 0.0:
@@ -133,17 +133,17 @@ def _steps(places: FloatArray, ends: FloatArray) -> FloatArray:
     return np.diff(np.vstack([np.zeros(2), places, ends]), axis=0)
 
 
-def _pulls(steps: FloatArray, pieces: FloatArray, weight: float, compliance: float, law: AxialLaw) -> FloatArray:
+def _pulls(steps: FloatArray, segments: FloatArray, weight: float, compliance: float, law: AxialLaw) -> FloatArray:
     """Internal force at the beginning of every piece."""
     if weight > 0.0:
-        return np.array([heavy_piece(step, s, weight, compliance) for step, s in zip(steps, pieces, strict=True)])
-    return np.array([straight_piece(step, s, compliance, law) for step, s in zip(steps, pieces, strict=True)])
+        return np.array([heavy_piece(step, s, weight, compliance) for step, s in zip(steps, segments, strict=True)])
+    return np.array([straight_piece(step, s, compliance, law) for step, s in zip(steps, segments, strict=True)])
 
 
 def _elastic(
     places: FloatArray,
     ends: FloatArray,
-    pieces: FloatArray,
+    segments: FloatArray,
     forces: FloatArray,
     weight: float,
     compliance: float,
@@ -156,30 +156,30 @@ def _elastic(
     """
     if compliance == 0.0:
         return None
-    gain = np.stack([0.0 * pieces, weight * pieces], axis=1)
-    soft = _SLACK * scale / float(pieces.sum())
-    far = float(pieces.sum()) * (1.0 + scale * compliance) + float(hypot(*ends))
+    gain = np.stack([0.0 * segments, weight * segments], axis=1)
+    soft = _SLACK * scale / float(segments.sum())
+    far = float(segments.sum()) * (1.0 + scale * compliance) + float(hypot(*ends))
 
     def miss(flat: FloatArray) -> tuple[FloatArray, FloatArray]:
-        pulls = _pulls(_steps(flat.reshape(-1, 2), ends), pieces, weight, compliance, law)
+        pulls = _pulls(_steps(flat.reshape(-1, 2), ends), segments, weight, compliance, law)
         residual = (pulls + gain)[:-1] - pulls[1:] - forces
-        return residual.ravel(), _assembled(_stiffness(pulls, pieces, weight, compliance, law, soft))
+        return residual.ravel(), _assembled(_stiffness(pulls, segments, weight, compliance, law, soft))
 
     if len(places):
         try:
             places = _convex.minimise(miss, places.ravel(), scale, longest=far).reshape(-1, 2)
         except (ValueError, np.linalg.LinAlgError):
             return None
-    return places, _pulls(_steps(places, ends), pieces, weight, compliance, law)
+    return places, _pulls(_steps(places, ends), segments, weight, compliance, law)
 
 
 def _stiffness(
-    pulls: FloatArray, pieces: FloatArray, weight: float, compliance: float, law: AxialLaw, soft: float
+    pulls: FloatArray, segments: FloatArray, weight: float, compliance: float, law: AxialLaw, soft: float
 ) -> FloatArray:
     """Derivative of every piece's pull by its step, shape (pieces, 2, 2)."""
-    stiffness = np.tile(soft * np.eye(2), (len(pieces), 1, 1))
+    stiffness = np.tile(soft * np.eye(2), (len(segments), 1, 1))
     taut = np.any(pulls != 0.0, axis=1) & np.all(np.isfinite(pulls), axis=1)
-    give = _pieces.reach_derivative(pulls[taut], pieces[taut], weight, compliance, law)
+    give = _segments.reach_derivative(pulls[taut], segments[taut], weight, compliance, law)
     stiffness[taut] = np.linalg.inv(give)
     return stiffness
 
@@ -198,7 +198,7 @@ def _assembled(stiffness: FloatArray) -> FloatArray:
 def _stiffened(
     places: FloatArray,
     ends: FloatArray,
-    pieces: FloatArray,
+    segments: FloatArray,
     forces: FloatArray,
     weight: float,
     compliance: float,
@@ -211,14 +211,14 @@ def _stiffened(
     enough; places and pulls together do, with the balance at the loads and ``reach(pull) = step``.
     """
     soft = max(compliance, 1e-2 / scale)
-    found = _elastic(places, ends, pieces, forces, weight, soft, law, scale)
+    found = _elastic(places, ends, segments, forces, weight, soft, law, scale)
     if found is None:
         raise ValueError("no balance found: the data are too extreme for double precision")
     places, pulls = found
     while soft > compliance:
         size = max(scale, float(np.abs(pulls).max()))
         soft = max(0.2 * soft, compliance) if soft * size > 1e-15 else compliance
-        places, pulls = _mixed(places, pulls, ends, pieces, forces, weight, soft, law, scale)
+        places, pulls = _mixed(places, pulls, ends, segments, forces, weight, soft, law, scale)
     return places, pulls
 
 
@@ -226,7 +226,7 @@ def _mixed(
     places: FloatArray,
     pulls: FloatArray,
     ends: FloatArray,
-    pieces: FloatArray,
+    segments: FloatArray,
     forces: FloatArray,
     weight: float,
     compliance: float,
@@ -234,17 +234,17 @@ def _mixed(
     scale: float,
 ) -> tuple[FloatArray, FloatArray]:
     """Newton's method for places and pulls of all pieces but slack ones without weight."""
-    k, length, best = len(places), float(pieces.sum()), inf
-    gain = np.stack([0.0 * pieces, weight * pieces], axis=1)
-    taut = np.ones(len(pieces), dtype=bool) if weight > 0.0 else np.any(pulls != 0.0, axis=1)
+    k, length, best = len(places), float(segments.sum()), inf
+    gain = np.stack([0.0 * segments, weight * segments], axis=1)
+    taut = np.ones(len(segments), dtype=bool) if weight > 0.0 else np.any(pulls != 0.0, axis=1)
     matrix = np.zeros((4 * k + 2, 4 * k + 2))
     matrix[: 2 * k, 2 * k :] = np.eye(2 * k, 2 * k + 2) - np.eye(2 * k, 2 * k + 2, 2)
     matrix[2 * k :, : 2 * k] = -matrix[: 2 * k, 2 * k :].T * np.repeat(taut, 2)[:, np.newaxis]
     for _ in range(30):
         residual = ((pulls + gain)[:-1] - pulls[1:] - forces).ravel()
-        gap = _pieces.reach(pulls, pieces, weight, compliance, law) - _steps(places, ends)
-        turn = np.tile(np.eye(2), (len(pieces), 1, 1))
-        turn[taut] = _pieces.reach_derivative(pulls[taut], pieces[taut], weight, compliance, law)
+        gap = _segments.reach(pulls, segments, weight, compliance, law) - _steps(places, ends)
+        turn = np.tile(np.eye(2), (len(segments), 1, 1))
+        turn[taut] = _segments.reach_derivative(pulls[taut], segments[taut], weight, compliance, law)
         for i, block in enumerate(turn):
             at = slice(2 * k + 2 * i, 2 * k + 2 * i + 2)
             matrix[at, at] = block
@@ -258,6 +258,6 @@ def _mixed(
         best = min(best, miss)
     else:
         raise ValueError("no balance found: a piece is about to become slack, or the data are too extreme")
-    if np.any(np.hypot(*_steps(places, ends)[~taut].T) > pieces[~taut] * (1.0 + 1e-12)):
+    if np.any(np.hypot(*_steps(places, ends)[~taut].T) > segments[~taut] * (1.0 + 1e-12)):
         raise ValueError("a piece is about to become slack: the balance does not find out which")
     return places, pulls

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from ropewalk.theory import _arguments
 from ropewalk.theory.beam_modes import Beam, Ends, Modes
 from ropewalk.theory.beam_response import GAUSS, STAGES
-from ropewalk.theory.beam_step import Surface, Track
+from ropewalk.theory.beam_step import BeamUnderWheels, Track
 from ropewalk.theory.beam_vehicle import Vehicle, oscillator, point_mass
 
 __all__ = ["Crossing", "moving_mass", "moving_oscillator", "moving_vehicle"]
@@ -237,7 +237,7 @@ class _March:
         """March from one event to the next in equal steps, some at a time."""
         count = max(2, int(np.ceil(self.steps * (stop - start) / passage)))
         h = (stop - start) / count
-        step = _Step(self, h)
+        step = _CrossingStep(self, h)
         together = max(1, 400_000 // (STAGES**2 * len(on) * len(self.series.frequency)))
         inside = np.flatnonzero((self.instants > start) & (self.instants <= stop))
         of_step = np.clip(np.ceil((self.instants[inside] - start) / h) - 1, 0, count - 1)
@@ -250,7 +250,7 @@ class _March:
                 step.take(index, start + h * number, on, inside[bounds[number] : bounds[number + 1]])
 
 
-class _Step:
+class _CrossingStep:
     """Collocation over steps of one size: what each mode does alone, and the equations that couple them.
 
     Unknown at the stages are the contact forces and the accelerations of the bodies; ``a = K (f + r)`` are those of
@@ -260,7 +260,7 @@ class _Step:
     def __init__(self, march: _March, h: float) -> None:
         self.march, self.h = march, h
         self.once, self.twice, self.c = h * GAUSS.once, h**2 * GAUSS.twice, h * GAUSS.c
-        self.surface = Surface(march.track, h, exact=not march.vehicle.heavy_wheels)
+        self.surface = BeamUnderWheels(march.track, h, exact=not march.vehicle.heavy_wheels)
         self.threshold = -1e-12 * float(np.max(np.abs(march.vehicle.static_load)))
 
     def prepare(self, begins: FloatArray, on: NDArray[np.bool_]) -> None:

@@ -26,7 +26,7 @@ from scipy.optimize import brentq
 from ropewalk.theory import _arguments
 from ropewalk.theory.beam_modes import Beam, Ends, Modes
 from ropewalk.theory.beam_response import GAUSS, STAGES
-from ropewalk.theory.beam_step import Surface, Track
+from ropewalk.theory.beam_step import BeamUnderWheels, Track
 from ropewalk.theory.beam_vehicle import Vehicle
 
 __all__ = ["Flight", "flying_vehicle"]
@@ -109,9 +109,9 @@ def flying_vehicle(
     highest = series.frequency[-1] if vehicle.heavy_wheels else 0.0
     rate = np.max([4.0 * series.frequency[0], *(4.0 * vehicle.natural_frequencies()), 0.1 * highest])
     steps = 40 + int(min(float(np.max(instants, initial=0.0)) * rate / (2.0 * np.pi), MOST_STEPS))
-    last: _Run | None = None
+    last: _Passage | None = None
     while steps <= MOST_STEPS:
-        run = _Run(track, vehicle, steps, instants)
+        run = _Passage(track, vehicle, steps, instants)
         run.go()
         if last is not None:
             pairs = ((last.seen, run.seen), (last.coordinates, run.coordinates), (last.body, run.body))
@@ -135,14 +135,14 @@ class _Trial:
     h: float
     on: Mask
     flies: Mask
-    surface: Surface
+    surface: BeamUnderWheels
     contact: FloatArray  # (stage, wheel) N, 0 in the air
     own: FloatArray  # (stage, wheel) acceleration of flying wheels with mass, rate of those without
     pull: FloatArray  # (stage, body) accelerations of the bodies
     pushed: FloatArray  # (mode, stage) modal forces
 
 
-class _Run:
+class _Passage:
     """One passage with given modes and steps."""
 
     def __init__(self, track: Track, vehicle: Vehicle, steps: int, instants: FloatArray) -> None:
@@ -197,7 +197,7 @@ class _Run:
         """March between entries and exits in equal steps, each cut where a wheel leaves or lands."""
         count = max(2, int(np.ceil(self.steps * (stop - begin) / end)))
         h, exact = (stop - begin) / count, not self.vehicle.heavy_wheels
-        whole = Surface(self.track, h, exact=exact)
+        whole = BeamUnderWheels(self.track, h, exact=exact)
         together = max(1, 400_000 // (STAGES**2 * len(on) * len(self.q)))
         for first in range(0, count, together):
             starts: FloatArray = np.asarray(
@@ -210,7 +210,7 @@ class _Run:
                 while True:
                     theta, wheel, lands = self._first_event(trial)
                     if AT_ONCE < theta < 1.0 - AT_ONCE:
-                        part = Surface(self.track, theta * trial.h, exact=exact)
+                        part = BeamUnderWheels(self.track, theta * trial.h, exact=exact)
                         cut = part.prepare(np.array([now]), on)
                         trial = self._try(now, part, [[m[0] for m in kind] for kind in cut], part.shape[0], on)
                     if theta > AT_ONCE:
@@ -221,11 +221,13 @@ class _Run:
                     self._switch(now, wheel, lands, on, at_once=theta <= AT_ONCE)
                     if left <= AT_ONCE * h:
                         break
-                    rest = Surface(self.track, left, exact=exact)
+                    rest = BeamUnderWheels(self.track, left, exact=exact)
                     maps_of_rest = rest.prepare(np.array([now]), on)
                     trial = self._try(now, rest, [[m[0] for m in kind] for kind in maps_of_rest], rest.shape[0], on)
 
-    def _try(self, begin: float, surface: Surface, maps: list[list[FloatArray]], shape: FloatArray, on: Mask) -> _Trial:
+    def _try(
+        self, begin: float, surface: BeamUnderWheels, maps: list[list[FloatArray]], shape: FloatArray, on: Mask
+    ) -> _Trial:
         """Solve the equations of bodies and wheels at the stages of a step."""
         h, bodies, wheels, flies = surface.h, self.vehicle.bodies, len(on), self.flies
         size = bodies + wheels

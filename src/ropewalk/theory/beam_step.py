@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ropewalk.theory.beam_modes import Beam, Modes
 from ropewalk.theory.beam_response import GAUSS, ExactStep, GaussStep
 
-__all__ = ["Surface", "Track"]
+__all__ = ["BeamUnderWheels", "Track"]
 
 FloatArray = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ class Track:
         return self.enters + self.beam.length / self.speed
 
 
-class Surface:
+class BeamUnderWheels:
     """The line under the wheels in steps of one size h."""
 
     def __init__(self, track: Track, h: float, *, exact: bool) -> None:

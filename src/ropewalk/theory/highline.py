@@ -93,9 +93,9 @@ def stand(
         span=span, length=length, axial_stiffness=stiffness, loads=[(place * length, (0.0, -weight))]
     )
     position, tensions = resting.load_positions[0], resting.load_tensions[0]
-    pieces = np.array([position, [span, 0.0] - position])
-    lengths = np.hypot(pieces[:, 0], pieces[:, 1])
-    tangents = pieces / lengths[:, np.newaxis]
+    segments = np.array([position, [span, 0.0] - position])
+    lengths = np.hypot(segments[:, 0], segments[:, 1])
+    tangents = segments / lengths[:, np.newaxis]
     along, across = stiffness / (length * np.array([place, 1.0 - place])), tensions / lengths
     dyads = tangents[:, :, np.newaxis] * tangents[:, np.newaxis, :]
     matrix = np.tensordot(across, np.eye(2) - dyads, 1) + np.tensordot(along, dyads, 1)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ropewalk.theory import _arguments
-from ropewalk.theory._course import Course, Given, course
+from ropewalk.theory._course import Given, PiecewiseFunction, course
 from ropewalk.theory._wave import FloatArray, wave_speed
 
 __all__ = ["travelling_force"]
@@ -65,11 +65,11 @@ def travelling_force(
 
 
 @dataclass(frozen=True)
-class _Run:
+class _Stretch:
     """Stretch of time, with the force on the string, on which the phase ``c tau + sign x1`` rises, falls or stays."""
 
-    place: Course
-    rate: Course
+    place: PiecewiseFunction
+    rate: PiecewiseFunction
     sign: float
     wave_speed: float
     times: FloatArray  # of pieces in which x1 is one polynomial
@@ -78,7 +78,7 @@ class _Run:
     def phase(self, t: FloatArray) -> FloatArray:
         return self.wave_speed * t + self.sign * self.place(t)
 
-    def passed(self, u: FloatArray, until: FloatArray, work: Course, period: float) -> FloatArray:
+    def passed(self, u: FloatArray, until: FloatArray, work: PiecewiseFunction, period: float) -> FloatArray:
         """Integral of f floor((u - phase)/period) over the run, up to the times ``until``, which broadcast to u."""
         end = np.clip(until, self.times[0], self.times[-1])
         begin = work(self.times[:1])[0]
@@ -124,7 +124,9 @@ class _Run:
         return np.asarray(at)
 
 
-def _runs(place: Course, given: Course, sign: float, c: float, length: float) -> Iterator[_Run]:
+def _runs(
+    place: PiecewiseFunction, given: PiecewiseFunction, sign: float, c: float, length: float
+) -> Iterator[_Stretch]:
     """Split the time at edges, at entries and exits and where the phase turns, and join what belongs together."""
     rate = place.rate()
     start, end = max(place.edges[0], given.edges[0]), min(place.edges[-1], given.edges[-1])
@@ -143,5 +145,5 @@ def _runs(place: Course, given: Course, sign: float, c: float, length: float) ->
     for piece in range(1, len(kind) + 1):
         if piece == len(kind) or kind[piece] != kind[first]:
             if not np.isnan(kind[first]):
-                yield _Run(place, rate, sign, c, times[first : piece + 1], phases[first : piece + 1])
+                yield _Stretch(place, rate, sign, c, times[first : piece + 1], phases[first : piece + 1])
             first = piece

@@ -12,8 +12,8 @@ import numpy as np
 from numpy import inf
 from numpy.typing import ArrayLike
 
-from ropewalk.theory import _arguments, _pieces, friction, pulley, rope
-from ropewalk.theory._pieces import AxialLaw, FloatArray
+from ropewalk.theory import _arguments, _segments, friction, pulley, rope
+from ropewalk.theory._segments import AxialLaw, FloatArray
 
 __all__ = ["Locus", "clamped", "ellipse", "frictionless"]
 
@@ -43,7 +43,7 @@ def ellipse(*, span: float, height: float = 0.0, length: float, load: ArrayLike,
     ``z = (A B - sqrt(A^2 - (1 - B^2) x^2))/(1 - B^2)``; between level supports the ellipse with the semi-axes
     ``L/2`` and ``sqrt(L^2 - span^2)/2``. The hold force is the load times its slope. Derived here.
     """
-    _pieces.check_rope(span, height, length, 0.0, inf, "hooke")
+    _segments.check_rope(span, height, length, 0.0, inf, "hooke")
     load, x = (np.asarray(value, dtype=np.float64) for value in (load, x))
     load, x = np.broadcast_arrays(load, x)
     if not np.all((load > 0.0) & np.isfinite(load)):
@@ -114,12 +114,12 @@ def frictionless(
     """
     if (x is None) == (xi is None):
         raise ValueError("just one of x and xi must be given")
-    places, held = (x, "horizontal") if xi is None else (xi, "material")
+    places, restrained = (x, "horizontal") if xi is None else (xi, "material")
 
     def at(place: float) -> rope.RestingRope:
         return pulley.resting(
             span=span, height=height, length=length, weight=weight, axial_stiffness=axial_stiffness, law=law,
-            loads=[(place, force)], held="horizontal" if held == "horizontal" else "material",
+            loads=[(place, force)], restrained="horizontal" if restrained == "horizontal" else "material",
         )  # fmt: skip
 
     assert places is not None

@@ -75,7 +75,7 @@ def moving_mass(
         return _on_massless(t, load_mass, speed, length, tension, weight)
     c = wave_speed(tension=tension, mass=mass)
     line = min(2.0 * mass * length / load_mass, LIGHTEST)
-    ride = _delay.ride(speed / c, _delay.Rider(np.ones(1), np.zeros((1, 1)), np.ones(1), line))
+    ride = _delay.ride(speed / c, _delay.DelayBody(np.ones(1), np.zeros((1, 1)), np.ones(1), line))
     own = t * c / length
     force, velocity = weight * ride.force(own), gravity * length / c * ride.state(0, own)
     arrived = own * speed / c >= 1.0 - _delay.REMAINDER

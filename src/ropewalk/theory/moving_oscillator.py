@@ -65,10 +65,10 @@ def moving_oscillator(
     if speed == 0.0 or speed >= c:
         return OscillatorPassage(still, still, still, still, np.full_like(t, total * gravity), None)
     time = length / c
-    rider = _rider(
+    moving_load = _moving_load(
         contact_mass / total, stiffness * time**2 / total, damping * time / total, 2.0 * mass * length / total
     )
-    ride = _delay.ride(speed / c, rider)
+    ride = _delay.ride(speed / c, moving_load)
     own = t / time
     w, force, v = ride.path(own), ride.force(own), ride.state(0, own)
     arrived = (own * speed / c >= 1.0 - _delay.REMAINDER) & (contact_mass > 0.0)
@@ -109,10 +109,10 @@ def moving_oscillator_infinite(
     total = sprung_mass + contact_mass
     contact_mass = contact_mass if contact_mass > NO_MASS * total else 0.0
     settling = total / resistance
-    rider = _rider(contact_mass / total, stiffness * settling**2 / total, damping * settling / total, 1.0)
+    moving_load = _moving_load(contact_mass / total, stiffness * settling**2 / total, damping * settling / total, 1.0)
     # Unknowns w', y' and y - w less their final values 1, 1, 0; without contact mass w' follows from the other two.
-    closed, first = rider.closed(), 0 if contact_mass > 0.0 else 1
-    reduced = closed[first:] / rider.inertia[first:, np.newaxis]
+    closed, first = moving_load.closed(), 0 if contact_mass > 0.0 else 1
+    reduced = closed[first:] / moving_load.inertia[first:, np.newaxis]
     if first == 1:
         contact = -closed[0, 1:] / closed[0, 0]
         system = reduced[:, 1:] + np.outer(reduced[:, 0], contact)
@@ -151,10 +151,10 @@ def _decay(system: FloatArray, start: FloatArray, t: FloatArray) -> tuple[FloatA
     return np.real((np.exp(exponent) * parts) @ modes.T), np.real((sums * parts) @ modes.T)
 
 
-def _rider(contact: float, stiffness: float, damping: float, line: float) -> _delay.Rider:
+def _moving_load(contact: float, stiffness: float, damping: float, line: float) -> _delay.DelayBody:
     """Velocities of contact and body and compression of the spring, with weight, total mass and gravity 1."""
     spring = np.array([-damping, damping, stiffness])
-    return _delay.Rider(
+    return _delay.DelayBody(
         inertia=np.array([contact, 1.0 - contact, 1.0]),
         matrix=np.array([spring, -spring, [-1.0, 1.0, 0.0]]),
         drive=np.array([1.0, 0.0, 0.0]),

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ropewalk.theory import _arguments
 from ropewalk.theory._floquet_integral import moving_force, moving_force_drag, moving_force_error
-from ropewalk.theory._spans import Spans
+from ropewalk.theory._spans import SpanLayout
 
 __all__ = [
     "BandDiagram",
@@ -72,7 +72,7 @@ def pass_bands(
     mass 0) everything passes. Rigid supports (infinite stiffness): a beam has bands; the spans of a string do not
     hear each other, and its bands have no width. Formulas at the head of this module.
     """
-    spans = Spans(spacing, mass, tension, bending_stiffness, support_stiffness, support_mass)
+    spans = SpanLayout(spacing, mass, tension, bending_stiffness, support_stiffness, support_mass)
     _arguments.positive(highest=highest)
     count = int(max(np.max(_count(spans, np.array([highest]), mu)) for mu in (0.0, np.pi)))
     edges = _edges(spans, count + 2)
@@ -102,7 +102,7 @@ def band_frequencies(
     ``propagation`` is mu in rad, of any size; the result is even and 2 pi-periodic in it and ascends along the
     bands, ``bands`` >= 1 of them. The rest and the errors as in `pass_bands`.
     """
-    spans = Spans(spacing, mass, tension, bending_stiffness, support_stiffness, support_mass)
+    spans = SpanLayout(spacing, mass, tension, bending_stiffness, support_stiffness, support_mass)
     _arguments.finite(propagation=propagation)
     if bands < 1:
         raise ValueError(f"bands must be at least 1, not {bands}")
@@ -163,7 +163,9 @@ def propagation_constant(
 
     Roots of ``1 + D G(0) = 0``, linear or quadratic in cos(mu); formulas at the head of this module.
     """
-    spans = Spans(spacing, mass, tension, bending_stiffness, support_stiffness, support_mass, damping, support_damping)
+    spans = SpanLayout(
+        spacing, mass, tension, bending_stiffness, support_stiffness, support_mass, damping, support_damping
+    )
     _arguments.finite(frequency=frequency)
     omega = np.asarray(frequency, dtype=np.complex128)
     if not np.all(omega.real > 0.0):
@@ -208,7 +210,7 @@ def _arc(log_cosine: ComplexArray, undamped: bool) -> ComplexArray:
     return np.asarray(np.where(mu.imag > 0.0, -mu, mu))
 
 
-def _count(spans: Spans, omega: FloatArray, mu: ArrayLike) -> NDArray[np.int64]:
+def _count(spans: SpanLayout, omega: FloatArray, mu: ArrayLike) -> NDArray[np.int64]:
     """Number of free waves of phase mu, 0..pi, below the frequency omega; broadcasts."""
     omega, mu = np.broadcast_arrays(omega, np.asarray(mu, dtype=np.float64))
     compliance, theta = _line_compliance(spans, omega, mu)
@@ -224,7 +226,7 @@ def _count(spans: Spans, omega: FloatArray, mu: ArrayLike) -> NDArray[np.int64]:
     return np.asarray(clamped + freed, dtype=np.int64)
 
 
-def _line_compliance(spans: Spans, omega: FloatArray, mu: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _line_compliance(spans: SpanLayout, omega: FloatArray, mu: FloatArray) -> tuple[FloatArray, FloatArray]:
     """G(0), real because nothing is damped, and the phase b d of the line's own wave."""
     shape = omega.shape
     flat = np.asarray(np.ravel(omega), dtype=np.complex128)
@@ -238,7 +240,7 @@ def _line_compliance(spans: Spans, omega: FloatArray, mu: FloatArray) -> tuple[F
     return np.reshape(at_zero.astype(np.float64), shape), np.reshape(theta.astype(np.float64), shape)
 
 
-def _frequencies(spans: Spans, mu: FloatArray, bands: int) -> FloatArray:
+def _frequencies(spans: SpanLayout, mu: FloatArray, bands: int) -> FloatArray:
     """The first frequencies for mu in 0..pi, by bisection of the count."""
     n = np.arange(1, bands + 1)
     b = (n + 3.0) * np.pi / spans.spacing  # supports raise the count of the bare line by -1 at the least
@@ -253,7 +255,7 @@ def _frequencies(spans: Spans, mu: FloatArray, bands: int) -> FloatArray:
         low, high = np.where(below, low, middle), np.where(below, middle, high)
 
 
-def _edges(spans: Spans, bands: int) -> FloatArray:
+def _edges(spans: SpanLayout, bands: int) -> FloatArray:
     """Lowest and highest frequency of each band, shape (bands, 2)."""
     ends = _frequencies(spans, np.array([0.0, np.pi]), bands)
     edges = np.stack([np.min(ends, axis=0), np.max(ends, axis=0)], axis=-1)
@@ -265,7 +267,7 @@ def _edges(spans: Spans, bands: int) -> FloatArray:
     return edges
 
 
-def _folds(spans: Spans, highest: float) -> list[tuple[float, float]]:
+def _folds(spans: SpanLayout, highest: float) -> list[tuple[float, float]]:
     """Minima of the bands of a beam strictly between mu = 0 and pi, as (frequency, mu)."""
     d = spans.spacing
     found = []

@@ -16,14 +16,14 @@ from typing import Literal
 import numpy as np
 from numpy import inf
 
-from ropewalk.theory import _pieces
+from ropewalk.theory import _segments
 from ropewalk.theory import rope as clamped
-from ropewalk.theory._pieces import AxialLaw, FloatArray, PointLoad
+from ropewalk.theory._segments import AxialLaw, FloatArray, PointLoad
 from ropewalk.theory.rope import RestingRope
 
-__all__ = ["Held", "resting"]
+__all__ = ["Restrained", "resting"]
 
-Held = Literal["horizontal", "material"]
+Restrained = Literal["horizontal", "material"]
 _System = Callable[[FloatArray, float], tuple[FloatArray, FloatArray]]
 
 
@@ -36,7 +36,7 @@ def resting(
     axial_stiffness: float = inf,
     law: AxialLaw = "hooke",
     loads: Sequence[PointLoad],
-    held: Held = "horizontal",
+    restrained: Restrained = "horizontal",
     frictionless: Sequence[bool] | None = None,
 ) -> RestingRope:
     """Return a rope at rest under frictionless loads, hold forces included in `RestingRope.load_forces`.
@@ -49,18 +49,18 @@ def resting(
     `ValueError` for arguments out of range and where no hold force makes the tensions equal: out of the rope's
     reach, or on an elastic rope too near to a support, where the load slips off for any hold force.
     """
-    compliance = _pieces.check_rope(span, height, length, weight, axial_stiffness, law)
-    if held not in ("horizontal", "material"):
-        raise ValueError(f"held must be 'horizontal' or 'material', not {held!r}")
+    compliance = _segments.check_rope(span, height, length, weight, axial_stiffness, law)
+    if restrained not in ("horizontal", "material"):
+        raise ValueError(f"held must be 'horizontal' or 'material', not {restrained!r}")
     free = np.ones(len(loads), dtype=bool) if frictionless is None else np.asarray(frictionless, dtype=bool)
-    if free.shape != (len(loads),) or not loads or (held == "horizontal" and not np.all(free)):
+    if free.shape != (len(loads),) or not loads or (restrained == "horizontal" and not np.all(free)):
         raise ValueError("loads must be given, all frictionless if held is 'horizontal', or frictionless for each")
     places = np.array([place for place, _ in loads], dtype=np.float64)
     forces = np.array([force for _, force in loads], dtype=np.float64).reshape(-1, 2)
     if not (np.all(np.isfinite(places)) and np.all(np.isfinite(forces))):
         raise ValueError("places and forces of the loads must be finite")
     rope = _Rope(span, height, length, weight, compliance, law)
-    if held == "horizontal":
+    if restrained == "horizontal":
         forces[:, 0] = 0.0
         share = np.array([0.0, weight * length / (len(loads) + 1)])
         start = rope.weightless(places, forces[:, 1] - share[1])
@@ -108,12 +108,12 @@ class _Rope:
     ) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
         """Miss at the end and tension differences by derivative; rows 2..2+k are left for the places; x of loads."""
         k = len(forces)
-        _, force, pieces = self._unpack(y, forces, weight)
+        _, force, segments = self._unpack(y, forces, weight)
         law, compliance = self.law, self.compliance
-        reach = _pieces.reach(force, pieces, weight, compliance, law)
-        turn = _pieces.reach_derivative(force, pieces, weight, compliance, law)
-        at_end = force + np.stack([0.0 * pieces, weight * pieces], axis=1)
-        grow = _pieces.end_gradient(at_end, compliance, law)
+        reach = _segments.reach(force, segments, weight, compliance, law)
+        turn = _segments.reach_derivative(force, segments, weight, compliance, law)
+        at_end = force + np.stack([0.0 * segments, weight * segments], axis=1)
+        grow = _segments.end_gradient(at_end, compliance, law)
         step = np.zeros((k + 1, 2, 2 + 2 * k))  # derivative of every piece's reach by y
         step[:, :, :2] = turn
         for i in range(k + 1):
@@ -143,8 +143,8 @@ class _Rope:
 
     def at_rest(self, y: FloatArray, forces: FloatArray) -> RestingRope:
         """Put the solution in its clothes."""
-        xi, force, pieces = self._unpack(y, forces, self.weight)
-        steps = _pieces.reach(force, pieces, self.weight, self.compliance, self.law)
+        xi, force, segments = self._unpack(y, forces, self.weight)
+        steps = _segments.reach(force, segments, self.weight, self.compliance, self.law)
         nodes = np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])
         if self.weight == 0.0:
             nodes[-1] = self.ends
@@ -203,7 +203,7 @@ class _Rope:
 
         def slack(log_tension: float) -> float:
             tension = least + size * float(np.exp(log_tension))
-            stretched = self.length * (1.0 + float(_pieces.strain(np.asarray(tension), self.compliance, self.law)))
+            stretched = self.length * (1.0 + float(_segments.strain(np.asarray(tension), self.compliance, self.law)))
             return float(np.log(np.hypot(dx, polygon(tension)[1]).sum() / stretched))
 
         if not (size > 0.0 and slack(-30.0) > 0.0):

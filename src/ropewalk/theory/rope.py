@@ -20,8 +20,8 @@ import numpy as np
 from numpy import inf
 from numpy.typing import ArrayLike, NDArray
 
-from ropewalk.theory import _arguments, _complementary, _convex, _pieces
-from ropewalk.theory._pieces import AxialLaw, FloatArray, PointLoad
+from ropewalk.theory import _arguments, _complementary, _convex, _segments
+from ropewalk.theory._segments import AxialLaw, FloatArray, PointLoad
 
 __all__ = [
     "AxialLaw",
@@ -97,7 +97,7 @@ class RestingRope:
             columns = [np.interp(xi, self.breaks, self.nodes[:, axis]) for axis in (0, 1)]
             return np.stack(columns, axis=-1)
         covered = xi - self.breaks[piece]
-        return np.asarray(self.nodes[piece] + _pieces.reach(self.force[piece], covered, self.weight, self.compliance))
+        return np.asarray(self.nodes[piece] + _segments.reach(self.force[piece], covered, self.weight, self.compliance))
 
     def tension(self, xi: ArrayLike) -> FloatArray:
         """Return the tension in N at material coordinates ``xi`` (m, 0..length); on a load, that ahead."""
@@ -138,9 +138,9 @@ def resting(
     range, for an inextensible rope not longer than the distance of its ends, and for no force on a slack rope
     without weight, which has no definite shape.
     """
-    compliance = _pieces.check_rope(span, height, length, weight, axial_stiffness, law)
-    breaks, drops = _pieces.break_at_loads(loads, length)
-    pieces, ends = np.diff(breaks), np.array([span, height])
+    compliance = _segments.check_rope(span, height, length, weight, axial_stiffness, law)
+    breaks, drops = _segments.break_at_loads(loads, length)
+    segments, ends = np.diff(breaks), np.array([span, height])
     distance = float(np.hypot(span, height))
     if weight == 0.0:
         if not np.any(drops) and length >= distance:
@@ -148,8 +148,8 @@ def resting(
         partly_slack = _partly_slack(breaks, ends, drops, compliance, law)
         if partly_slack is not None:
             return partly_slack
-    offset = -drops + np.stack([np.zeros_like(pieces), weight * breaks[:-1]], axis=1)
-    energy = _complementary.of_rope(offset, pieces, weight, compliance, law, ends)
+    offset = -drops + np.stack([np.zeros_like(segments), weight * breaks[:-1]], axis=1)
+    energy = _complementary.of_rope(offset, segments, weight, compliance, law, ends)
     force = _convex.minimise(energy.gradient, energy.start(), scale=length + distance) + energy.offset
     if weight > 0.0:
         return _from_start(breaks, force, weight, compliance, law)
@@ -168,10 +168,10 @@ def catenary(
     _arguments.positive(weight=weight)
     if loads:
         return resting(span=span, height=height, length=length, weight=weight, loads=loads)
-    _pieces.check_rope(span, height, length, weight, inf, "hooke")
+    _segments.check_rope(span, height, length, weight, inf, "hooke")
     distance = float(np.hypot(span, height))
     excess = (length - distance) * (length + distance) / span**2
-    u = _pieces.solve_log_sinhc(0.5 * float(np.log1p(excess)))
+    u = _segments.solve_log_sinhc(0.5 * float(np.log1p(excess)))
     horizontal = weight * span / (2.0 * u)
     vertical = 0.5 * weight * (height / float(np.tanh(u)) - length)
     return _from_start(np.array([0.0, length]), np.array([[horizontal, vertical]]), weight, 0.0, "hooke")
@@ -223,8 +223,8 @@ def weightless_inextensible(
     """
     if len(loads) != 1:
         return resting(span=span, height=height, length=length, loads=loads)
-    _pieces.check_rope(span, height, length, 0.0, inf, "hooke")
-    breaks, drops = _pieces.break_at_loads(loads, length)
+    _segments.check_rope(span, height, length, 0.0, inf, "hooke")
+    breaks, drops = _segments.break_at_loads(loads, length)
     if not np.any(drops):
         raise ValueError("a slack rope without weight or load has no definite shape: give a force")
     ends = np.array([span, height])
@@ -256,21 +256,21 @@ def _partly_slack(
     breaks: FloatArray, ends: FloatArray, drops: FloatArray, compliance: float, law: AxialLaw
 ) -> RestingRope | None:
     """Weightless rope of which a piece, and all others under the same force, is slack, if there is such a state."""
-    pieces = np.diff(breaks)
-    for candidate in drops[pieces > 0.0]:
+    segments = np.diff(breaks)
+    for candidate in drops[segments > 0.0]:
         force = candidate - drops
         slack = ~np.any(force, axis=1)
-        steps = _pieces.reach(force, pieces, 0.0, compliance, law)
-        gap, spare = ends - steps[~slack].sum(axis=0), float(pieces[slack].sum())
+        steps = _segments.reach(force, segments, 0.0, compliance, law)
+        gap, spare = ends - steps[~slack].sum(axis=0), float(segments[slack].sum())
         if np.hypot(*gap) <= spare:
-            steps[slack] = gap * (pieces[slack] / spare)[:, np.newaxis]
+            steps[slack] = gap * (segments[slack] / spare)[:, np.newaxis]
             nodes = np.vstack([np.zeros(2), np.cumsum(steps, axis=0)[:-1], ends])
             return RestingRope(0.0, 0.0, breaks, nodes, force)
     return None
 
 
 def _from_start(breaks: FloatArray, force: FloatArray, weight: float, compliance: float, law: AxialLaw) -> RestingRope:
-    steps = _pieces.reach(force, np.diff(breaks), weight, compliance, law)
+    steps = _segments.reach(force, np.diff(breaks), weight, compliance, law)
     return RestingRope(weight, compliance, breaks, np.vstack([np.zeros(2), np.cumsum(steps, axis=0)]), force)
 
 

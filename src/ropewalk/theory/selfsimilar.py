@@ -70,7 +70,7 @@ class SelfSimilarWave:
     @property
     def contact_velocity(self) -> FloatArray:
         """Velocity (x, z) of the contact in space, m/s: ``v + U r_xi``, the same from both sides."""
-        v, r_xi = self._pieces()
+        v, r_xi = self._segments()
         return np.asarray(v[2] + self.speed * r_xi[2])
 
     @property
@@ -88,9 +88,9 @@ class SelfSimilarWave:
 
     def jump_residual(self) -> FloatArray:
         """Return the residual of the two vector jump conditions at the contact, shape (4,), by c_l and EA."""
-        pieces = _sides(np.array([*self.strain, *self.angle]), self.prestrain)
+        segments = _sides(np.array([*self.strain, *self.angle]), self.prestrain)
         force = np.array(self.force) / self.axial_stiffness
-        return np.real(_jumps(pieces, self.speed / self.front_speed, force))
+        return np.real(_jumps(segments, self.speed / self.front_speed, force))
 
     def position(self, xi: ArrayLike, t: ArrayLike) -> FloatArray:
         """Return positions (x, z) in m at material coordinates ``xi`` in m and times ``t`` in s, (..., 2).
@@ -99,7 +99,7 @@ class SelfSimilarWave:
         piece of the solution is ``r = r_xi xi + v t``; before t = 0 the string lies at rest.
         """
         xi, t = np.broadcast_arrays(np.asarray(xi, dtype=np.float64), np.asarray(t, dtype=np.float64))
-        v, r_xi = self._pieces()
+        v, r_xi = self._segments()
         piece = self._piece_of(xi, t)
         place = r_xi[piece] * xi[..., np.newaxis] + v[piece] * np.maximum(t, 0.0)[..., np.newaxis]
         return np.asarray(place)
@@ -107,14 +107,14 @@ class SelfSimilarWave:
     def velocity(self, xi: ArrayLike, t: ArrayLike) -> FloatArray:
         """Return velocities (x, z) in m/s, arguments as in `position`; on a front, the piece ahead."""
         xi, t = np.broadcast_arrays(np.asarray(xi, dtype=np.float64), np.asarray(t, dtype=np.float64))
-        return self._pieces()[0][self._piece_of(xi, t)]
+        return self._segments()[0][self._piece_of(xi, t)]
 
     def gradient(self, xi: ArrayLike, t: ArrayLike) -> FloatArray:
         """Return r_xi (tangent times stretch), arguments as in `position`; on a front, the piece ahead."""
         xi, t = np.broadcast_arrays(np.asarray(xi, dtype=np.float64), np.asarray(t, dtype=np.float64))
-        return self._pieces()[1][self._piece_of(xi, t)]
+        return self._segments()[1][self._piece_of(xi, t)]
 
-    def _pieces(self) -> tuple[FloatArray, FloatArray]:
+    def _segments(self) -> tuple[FloatArray, FloatArray]:
         """Velocities and r_xi of the six pieces from left to right, shape (6, 2) each."""
         c_l, e0 = self.front_speed, self.prestrain
         sides = _sides(np.array([*self.strain, *self.angle]), e0)

@@ -16,8 +16,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy import inf
 
-from ropewalk.theory import _pieces
-from ropewalk.theory._pieces import AxialLaw, FloatArray, PointLoad
+from ropewalk.theory import _segments
+from ropewalk.theory._segments import AxialLaw, FloatArray, PointLoad
 from ropewalk.theory.rope import RestingRope
 
 __all__ = ["resting", "shot"]
@@ -40,8 +40,8 @@ def resting(
 
     `ValueError` also if a piece without weight is slack: its direction, and so the shot, is not defined.
     """
-    compliance = _pieces.check_rope(span, height, length, weight, axial_stiffness, law)
-    breaks, drops = _pieces.break_at_loads(loads, length)
+    compliance = _segments.check_rope(span, height, length, weight, axial_stiffness, law)
+    breaks, drops = _segments.break_at_loads(loads, length)
     if weight == 0.0 and not np.any(drops) and length >= np.hypot(span, height):
         raise ValueError("a slack rope without weight or load has no definite shape: give a force")
     ends = np.array([span, height])
@@ -89,7 +89,7 @@ def _integrate(
     n = np.stack([np.full_like(xi, force[0]), force[1] + weight * xi], axis=1)
     tension = np.maximum(np.hypot(n[:, 0], n[:, 1]), 1e-300)
     tangent = n / tension[:, np.newaxis]
-    eps = _pieces.strain(tension, compliance, law)
+    eps = _segments.strain(tension, compliance, law)
     give = np.full_like(eps, compliance) if law == "hooke" else compliance / (1.0 + 2.0 * eps)
     reach = ((part * (1.0 + eps))[:, np.newaxis] * tangent).sum(axis=0)
     turn = part * (1.0 + eps) / tension

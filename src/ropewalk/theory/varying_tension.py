@@ -21,7 +21,7 @@ Profile = Callable[[FloatArray], ArrayLike]
 Ends = Literal["simply_supported", "clamped", "hanging"]
 
 # Zeros of the shapes at start and end.
-HELD = {"simply_supported": (1, 1), "clamped": (2, 2), "hanging": (1, 0)}
+RESTRAINED = {"simply_supported": (1, 1), "clamped": (2, 2), "hanging": (1, 0)}
 HIGHEST_DEGREE = 100
 
 
@@ -101,12 +101,12 @@ def _matrices(
     """Stiffness, Gram matrix and basis on y = -1..1: Legendre polynomials with the zeros of the ends."""
     _arguments.positive(length=length)
     _arguments.not_negative(bending_stiffness=bending_stiffness, foundation=foundation)
-    if ends not in HELD:
-        raise ValueError(f"ends must be one of {', '.join(HELD)}, not {ends!r}")
-    start, end = HELD[ends]
+    if ends not in RESTRAINED:
+        raise ValueError(f"ends must be one of {', '.join(RESTRAINED)}, not {ends!r}")
+    start, end = RESTRAINED[ends]
     legendre = np.polynomial.Legendre
-    held = legendre.fromroots([-1.0] * start + [1.0] * end)
-    shapes = [held * legendre.basis(i) * (2.0 * i + 1.0) ** (0.5 - start - end) for i in range(degree)]
+    restrained = legendre.fromroots([-1.0] * start + [1.0] * end)
+    shapes = [restrained * legendre.basis(i) * (2.0 * i + 1.0) ** (0.5 - start - end) for i in range(degree)]
 
     def basis(y: FloatArray, derivative: int) -> FloatArray:
         return np.array([shape.deriv(derivative)(y) if derivative else shape(y) for shape in shapes])

@@ -11,20 +11,20 @@ import scipy.sparse as sparse
 from ropewalk.errors import EquilibriumError
 from ropewalk.solve.mode_of_structure import mode_of
 from ropewalk.wires.bearing import Bearing
-from ropewalk.wires.equilibrium import Potential, movable
-from ropewalk.wires.journey import Journey
+from ropewalk.wires.contact_location import location_at
+from ropewalk.wires.equilibrium import WirePotential, movable
 from ropewalk.wires.mesh import Mesh
 from ropewalk.wires.plan import Array, Integers
+from ropewalk.wires.prescribed_motion import PrescribedMotion
 from ropewalk.wires.pressing import Pressing, pressing
 from ropewalk.wires.rest import moving, rows, spring, vertical_stiffness
-from ropewalk.wires.seat import seat_at
 from ropewalk.wires.small import SmallMotion
-from ropewalk.wires.task import Start, along, place_at, resting, standing
+from ropewalk.wires.task import WireStart, along, loaded, place_at, resting
 
 _MOST_ROUNDS, _CLOSE = 100, 1e-13  # rounds between tight and slack, and the end of them, of the longest wire
 
 
-def in_mode(start: Start, wires: Sequence[int], number: int, amplitude: float, direction: Array) -> Array:
+def in_mode(start: WireStart, wires: Sequence[int], number: int, amplitude: float, direction: Array) -> Array:
     """Positions (3, node) in m of wires at rest, some of which are deflected in a mode of theirs.
 
     Args:
@@ -47,7 +47,7 @@ def in_mode(start: Start, wires: Sequence[int], number: int, amplitude: float, d
         K = sparse.block_diag([sparse.csc_matrix((2 * n, 2 * n)), _about_rest(start)], format="csc")
     else:
         free = movable(mesh, space=bool(direction[1]))
-        K = Potential(mesh, start.unstrained).stiffness(start.position)
+        K = WirePotential(mesh, start.unstrained).stiffness(start.position)
     free &= mine
     whole = np.flatnonzero(free.ravel())
     row = 3 * (whole % n) + whole // n
@@ -56,7 +56,7 @@ def in_mode(start: Start, wires: Sequence[int], number: int, amplitude: float, d
     return start.position + amplitude * mode_of(K[whole][:, whole], M, moves, number, direction).T
 
 
-def _about_rest(start: Start) -> sparse.csc_matrix:
+def _about_rest(start: WireStart) -> sparse.csc_matrix:
     """Stiffness of small motion against vertical displacements, ties as they are at rest, (node, node) N/m."""
     mesh, rest = start.mesh, start.rest
     assert rest is not None
@@ -71,7 +71,9 @@ def _about_rest(start: Start) -> sparse.csc_matrix:
     return sparse.csc_matrix(K)
 
 
-def on_moved(start: Start, journeys: Sequence[Journey], position: Array, velocity: Array) -> tuple[Journey, ...]:
+def on_moved(
+    start: WireStart, prescribed_motions: Sequence[PrescribedMotion], position: Array, velocity: Array
+) -> tuple[PrescribedMotion, ...]:
     """Journeys whose riders begin on wires that are elsewhere than at rest, and move.
 
     Args:
@@ -80,24 +82,28 @@ def on_moved(start: Start, journeys: Sequence[Journey], position: Array, velocit
         position, velocity: (3, node) m and m/s, of the wires at the beginning.
     """
     moved, out = replace(start, position=position), []
-    for journey in journeys:
-        if not journey.stands:
-            out.append(journey)
+    for prescribed_motion in prescribed_motions:
+        if not prescribed_motion.stands:
+            out.append(prescribed_motion)
             continue
-        there = standing(moved, journey)
+        there = loaded(moved, prescribed_motion)
         rates = replace(moved, position=np.stack([position[0], velocity[1], velocity[2]]))
-        stations = [float(journey.place(np.zeros(1))[0]) - c.behind for c in journey.rider.contacts]
+        stations = [
+            float(prescribed_motion.place(np.zeros(1))[0]) - c.behind for c in prescribed_motion.moving_load.contacts
+        ]
         own = [
             place_at(rates, c.wire, s, material=c.material)[0]
             if 0.0 < s < start.mesh.plan.wires[c.wire].length
             else 0.0
-            for c, s in zip(journey.rider.contacts, stations, strict=True)
+            for c, s in zip(prescribed_motion.moving_load.contacts, stations, strict=True)
         ]
-        out.append(replace(there, rate=there.rate + resting(journey.rider, np.array(own))))
+        out.append(replace(there, rate=there.rate + resting(prescribed_motion.moving_load, np.array(own))))
     return tuple(out)
 
 
-def small_under_loads(motion: SmallMotion, journeys: Sequence[Journey]) -> tuple[Array, tuple[Journey, ...]]:
+def small_under_loads(
+    motion: SmallMotion, prescribed_motions: Sequence[PrescribedMotion]
+) -> tuple[Array, tuple[PrescribedMotion, ...]]:
     """Small motion at rest with its loads: displacements (node,) in m from rest without them, and the journeys there.
 
     Droppers slacken as they do in motion, and what can lift off does; then nothing moves unless a load does.
@@ -105,24 +111,24 @@ def small_under_loads(motion: SmallMotion, journeys: Sequence[Journey]) -> tuple
     Raises:
         EquilibriumError: there is no such rest.
     """
-    mesh, riders, springs, holders = motion.mesh, motion.riders, motion.springs, motion.holders
+    mesh, moving_loads, springs, holders = motion.mesh, motion.moving_loads, motion.springs, motion.holders
     corrected: Mesh = mesh._replace(strands=mesh.strands._replace(stiffness=motion.stencil.bending))
     K, free, n = vertical_stiffness(corrected), moving(mesh), mesh.nodes
-    bearing = Bearing(mesh, journeys, np.ones(n), space=False)
+    bearing = Bearing(mesh, prescribed_motions, np.ones(n), space=False)
     station = bearing.stations(0.0)
-    wire = riders.wire
+    wire = moving_loads.wire
     inside = np.array([0.0 <= s <= bearing.length(k) for k, s in enumerate(station)], dtype=np.bool_)
     ground = np.where(inside, np.nan, bearing.ground(station))
-    seats = [
-        seat_at(mesh, int(wire[k]), min(s, mesh.plan.wires[wire[k]].length) / float(mesh.strands.h[wire[k]]))
+    locations = [
+        location_at(mesh, int(wire[k]), min(s, mesh.plan.wires[wire[k]].length) / float(mesh.strands.h[wire[k]]))
         if inside[k]
         else None
         for k, s in enumerate(station)
     ]
-    local = np.array([seat.local if seat is not None else 0.0 for seat in seats])
+    local = np.array([location.local if location is not None else 0.0 for location in locations])
     with np.errstate(divide="ignore"):
-        local = np.where(riders.spring > 0.0, np.maximum(local, -0.5 / riders.spring), local)
-    at = bearing.rows(seats)
+        local = np.where(moving_loads.spring > 0.0, np.maximum(local, -0.5 / moving_loads.spring), local)
+    at = bearing.rows(locations)
     half = springs.weight.shape[1] // 2
     apart = _spread(springs.one, springs.weight[:, :half], n) + _spread(springs.other, springs.weight[:, half:], n)
     hold, fast = _spread(holders.base, holders.way * holders.weight, n), holders.fast
@@ -132,7 +138,9 @@ def small_under_loads(motion: SmallMotion, journeys: Sequence[Journey]) -> tuple
     ratio = np.divide(springs.push, springs.pull, out=np.zeros_like(springs.pull), where=tie)
     before = np.where(springs.rest > 0.0, springs.rest, springs.rest * ratio)  # what is put on at rest already
     for _ in range(_MOST_ROUNDS):
-        found: Pressing = pressing(journeys, riders, 0.0, local, bearing.rough(station), touches, ground)
+        found: Pressing = pressing(
+            prescribed_motions, moving_loads, 0.0, local, bearing.rough(station), touches, ground
+        )
         # N = k (rest / pull + way apart) of each tie; what it changes by acts along its way
         k = np.where(tie, np.where(tight, springs.pull, springs.push), 0.0)
         N = k * np.divide(springs.rest, springs.pull, out=np.zeros_like(k), where=tie)
@@ -141,14 +149,16 @@ def small_under_loads(motion: SmallMotion, journeys: Sequence[Journey]) -> tuple
         given -= apart.T @ np.where(tie, springs.way * (N - before), 0.0)
         A = K + apart.T @ sparse.diags(stiff) @ apart + at.T @ sparse.csr_matrix(found.stiffness) @ at
         last, u = u, np.zeros(n)
-        u[free] = _held(sparse.csc_matrix(A)[free][:, free], hold[:fast][:, free], holders.local[:fast], given[free])
+        u[free] = _restrained(
+            sparse.csc_matrix(A)[free][:, free], hold[:fast][:, free], holders.local[:fast], given[free]
+        )
         was, tight = tight, springs.rest + springs.pull * springs.way * (apart @ u) > 0.0
         force = found.given - found.stiffness @ (at @ (motion.level + u))
-        lifted = touches & inside & riders.lifts & (riders.sign * force < 0.0)
+        lifted = touches & inside & moving_loads.lifts & (moving_loads.sign * force < 0.0)
         touches &= ~lifted
         if not lifted.any() and np.array_equal(was, tight) and np.abs(u - last).max(initial=0.0) <= _CLOSE * size:
-            q, begin = found.coordinates(at @ (motion.level + u)), np.concatenate([[0], np.cumsum(riders.size)])
-            return u, tuple(replace(j, first=q[begin[i] : begin[i + 1]]) for i, j in enumerate(journeys))
+            q, begin = found.coordinates(at @ (motion.level + u)), np.concatenate([[0], np.cumsum(moving_loads.size)])
+            return u, tuple(replace(j, first=q[begin[i] : begin[i + 1]]) for i, j in enumerate(prescribed_motions))
     raise EquilibriumError("the droppers find no rest with the loads between tight and slack; check their lengths")
 
 
@@ -159,7 +169,7 @@ def _spread(base: Integers, weight: Array, nodes: int) -> sparse.csr_matrix:
     return sparse.csr_matrix((weight.ravel(), (row, column)), shape=(count, nodes))
 
 
-def _held(A: sparse.csc_matrix, hold: sparse.csr_matrix, local: Array, given: Array) -> Array:
+def _restrained(A: sparse.csc_matrix, hold: sparse.csr_matrix, local: Array, given: Array) -> Array:
     """Solve A u = given + hold' force, hold u + local force = 0."""
     count = hold.shape[0]
     system = sparse.bmat([[A, -hold.T], [hold, sparse.diags(local)]], format="csc") if count else A
@@ -167,7 +177,9 @@ def _held(A: sparse.csc_matrix, hold: sparse.csr_matrix, local: Array, given: Ar
     return found[: given.size]
 
 
-def along_moved(start: Start, journeys: Sequence[Journey], u: Array) -> tuple[Journey, ...]:
+def along_moved(
+    start: WireStart, prescribed_motions: Sequence[PrescribedMotion], u: Array
+) -> tuple[PrescribedMotion, ...]:
     """Journeys with rates as of riders that go along wires displaced upwards by u (node,) m."""
     moved = replace(start, position=start.position + np.outer([0.0, 0.0, 1.0], u))
-    return tuple(along(moved, journey) for journey in journeys)
+    return tuple(along(moved, prescribed_motion) for prescribed_motion in prescribed_motions)

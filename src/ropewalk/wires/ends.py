@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ropewalk.mechanics.assembly import held_by, vector_table
-from ropewalk.mechanics.held_points import supports_of
+from ropewalk.mechanics.assembly import restrained_by, vector_table
+from ropewalk.mechanics.restrained_points import supports_of
 from ropewalk.model.inner_support import InnerSupport
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
-from ropewalk.wires.plan import Array, EndKind, History, Hold, PointMass, Spot, Three, Wire
+from ropewalk.wires.plan import Array, EndKind, Hold, PointMass, Spot, Three, Wire, WireDisplacement
 
 _AXES = ("x", "y", "z")
 _ALONG = 1e-12  # of an axis: a rail that is less off it goes along it
@@ -24,7 +24,7 @@ def kinds_of(line: Line) -> tuple[EndKind, EndKind]:
 
 def _kind(support: Support) -> EndKind:
     if isinstance(support, Fixed):
-        return "clamped" if support.clamped else "held"
+        return "clamped" if support.clamped else "pinned"
     return "free"
 
 
@@ -43,7 +43,7 @@ def holds_of(line: Line, wire: Wire, number: int, until: float) -> Iterator[Hold
         time, moved = vector_table(getattr(support, "displacement", (0.0, 0.0)), until, _AXES)
         yield Hold(
             f"{wire.name}.{side}", Spot(number, station), _three(stiffness), _three(damping), point,
-            _three(force), (_three(axes[0]), _three(axes[1]), _three(axes[2])), History(time, moved),
+            _three(force), (_three(axes[0]), _three(axes[1]), _three(axes[2])), WireDisplacement(time, moved),
         )  # fmt: skip
 
 
@@ -77,7 +77,7 @@ def lengthened(line: Line) -> float:
 
 def _springs(support: Support | InnerSupport) -> tuple[Array, Array, Array, Array]:
     """Axes (3, 3) of its springs, their stiffnesses and dampings, and a constant force; wires stay in the x-z plane."""
-    free, _, _, force = held_by(support, _AXES)
+    free, _, _, force = restrained_by(support, _AXES)
     axes, stiffness, damping = np.eye(3), np.full(3, np.inf), np.zeros(3)
     if isinstance(support, Guided):
         along = np.linalg.eigh(free)[1][:, -1]

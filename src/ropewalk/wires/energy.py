@@ -10,28 +10,28 @@ import numpy as np
 from ropewalk.checkpoint import Tree
 from ropewalk.results.audit import Audit
 from ropewalk.results.frames import summed
-from ropewalk.wires.equilibrium import Potential
-from ropewalk.wires.holding import AHEAD, NOW
+from ropewalk.wires.equilibrium import WirePotential
 from ropewalk.wires.large import LargeMotion, correction
-from ropewalk.wires.mesh import Mesh, Riders
-from ropewalk.wires.plan import Array
-from ropewalk.wires.rest import rows, vertical_stiffness
-from ropewalk.wires.riders import (
+from ropewalk.wires.mesh import Mesh, MovingLoads
+from ropewalk.wires.moving_loads import (
     DAMPED,
     FORCE,
     GAP,
     GIVEN,
     GIVEN_FORCE,
     HEIGHT,
-    HELD,
     LOCAL,
     LOST,
     MOVED,
     PLACE,
+    RESTRAINED,
     ROUGH,
     SLOPE,
     TAKEN,
 )
+from ropewalk.wires.plan import Array
+from ropewalk.wires.rest import rows, vertical_stiffness
+from ropewalk.wires.restraints import AHEAD, NOW
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.spline import WIDTH
 
@@ -70,18 +70,18 @@ class Energies:
     """
 
     def __init__(
-        self, mesh: Mesh, riders: Riders, motion: LargeMotion | SmallMotion, start: Array, unstrained: Array
+        self, mesh: Mesh, moving_loads: MovingLoads, motion: LargeMotion | SmallMotion, start: Array, unstrained: Array
     ) -> None:
-        self._mesh, self._riders, self._motion = mesh, riders, motion
+        self._mesh, self._moving_loads, self._motion = mesh, moving_loads, motion
         self._audit = Audit()
-        self._unsqueezed = np.full(riders.owner.size, np.nan)  # J, stored in each contact at first
+        self._unsqueezed = np.full(moving_loads.owner.size, np.nan)  # J, stored in each contact at first
         bending = (motion.threads if isinstance(motion, LargeMotion) else motion.stencil).bending
         corrected = mesh._replace(strands=mesh.strands._replace(stiffness=bending))
         if isinstance(motion, LargeMotion):
             axes = [0, 1, 2] if motion.both[0].shape[0] == 3 else [0, 2]
             more = np.zeros((3, mesh.nodes))
             more[axes] = correction(mesh, start[axes], bending)
-            self._more, self._potential = more, Potential(corrected, unstrained, more)
+            self._more, self._potential = more, WirePotential(corrected, unstrained, more)
         else:
             self._stiffness = vertical_stiffness(corrected)
             self._ties = rows(mesh.ties.other, mesh.nodes) - rows(mesh.ties.one, mesh.nodes)
@@ -92,12 +92,12 @@ class Energies:
         along = np.array([motion.inertia if isinstance(motion, LargeMotion) else 1.0, 1.0, 1.0])
         kinetic = 0.5 * summed(self._mesh.mass * (along[:, None] * velocity**2))
         elastic, gravitational = self._stored(then)
-        moving, potential = self._of_riders(then)
-        squeezed, given, held, taken = self._at_contacts(then)
+        moving, potential = self._of_moving_loads(then)
+        squeezed, given, restrained, taken = self._at_contacts(then)
         energy = self._audit.of(
             kinetic=kinetic, elastic=elastic, gravitational=gravitational, load_kinetic=moving,
             load_potential=potential + squeezed, line_damping=work[DAMPED], contact_dissipation=taken - squeezed,
-            load_damping=work[LOST], load_work=given, hold_work=held, support_work=work[MOVED],
+            load_damping=work[LOST], load_work=given, hold_work=restrained, support_work=work[MOVED],
         )  # fmt: skip
         energy[np.abs(energy) < _NOTHING] = 0.0
         return energy
@@ -142,12 +142,12 @@ class Energies:
             u: (instant, node) m.
             displaced: (instant, holder) m, by how much holders are then.
         """
-        holders, held = motion.holders, np.zeros(len(u))
+        holders, restrained = motion.holders, np.zeros(len(u))
         if holders.fast < holders.hold.size:
             elastic = slice(holders.fast, None)
             points = (holders.weight * u.take(holders.base[:, None] + np.arange(WIDTH), axis=1)).sum(axis=2)
             stretched = (displaced - holders.way[:, 0] * points)[:, elastic]
-            held = 0.5 * summed(holders.stiffness[elastic] * stretched**2)
+            restrained = 0.5 * summed(holders.stiffness[elastic] * stretched**2)
         s = motion.springs
         one, other = s.weight[:, : s.weight.shape[1] // 2], s.weight[:, s.weight.shape[1] // 2 :]
         share = np.arange(s.weight.shape[1] // 2)
@@ -161,19 +161,19 @@ class Energies:
         stored = 0.5 * np.where(after > 0.0, after**2 / k, p * (after / k) ** 2)
         stored -= 0.5 * np.where(rest > 0.0, rest**2 / k, p * (rest / k) ** 2)
         springs += summed(stored - before * along)
-        return np.asarray(0.5 * summed(u * (self._stiffness @ u.T).T) + springs + held)
+        return np.asarray(0.5 * summed(u * (self._stiffness @ u.T).T) + springs + restrained)
 
-    def _of_riders(self, then: Then) -> tuple[Array, Array]:
+    def _of_moving_loads(self, then: Then) -> tuple[Array, Array]:
         """Kinetic and potential energy of all riders without their contacts, J; weights count from their bases."""
-        riders, (kinetic, potential) = self._riders, np.zeros((2, len(then.q)))
-        for i, n in enumerate(riders.size):
+        moving_loads, (kinetic, potential) = self._moving_loads, np.zeros((2, len(then.q)))
+        for i, n in enumerate(moving_loads.size):
             q, last = then.q[:, i, :n], then.last[:, i, :n]
             rate = (q - last) / self._motion.pace.step
-            kinetic += 0.5 * summed(rate[:, :, None] * riders.mass[i, :n, :n] * rate[:, None])
-            own = riders.owner == i
-            weight = riders.rest[own] @ riders.row[own][:, :n]
+            kinetic += 0.5 * summed(rate[:, :, None] * moving_loads.mass[i, :n, :n] * rate[:, None])
+            own = moving_loads.owner == i
+            weight = moving_loads.rest[own] @ moving_loads.row[own][:, :n]
             for u in (q, last):
-                springs = summed(u[:, :, None] * riders.stiffness[i, :n, :n] * u[:, None])
+                springs = summed(u[:, :, None] * moving_loads.stiffness[i, :n, :n] * u[:, None])
                 potential += 0.25 * springs - 0.5 * summed(u * weight)
         return kinetic, potential
 
@@ -182,16 +182,18 @@ class Energies:
 
         Known is the last instant that was looked at, and the one before: it goes on as it did for half a step.
         """
-        riders, here, before = self._riders, then.here, then.before
+        moving_loads, here, before = self._moving_loads, then.here, then.before
         there = np.isfinite(here[:, :, HEIGHT])
         on = there & np.isfinite(before[:, :, HEIGHT])
         now, moved = (np.where(on[:, :, None], each, 0.0) for each in (here, here - before))
-        touches, outside = riders.spring > 0.0, riders.size[riders.owner] == 0
+        touches, outside = moving_loads.spring > 0.0, moving_loads.size[moving_loads.owner] == 0
         rough = np.where(touches, 0.5 * now[:, :, FORCE] * moved[:, :, ROUGH], 0.0)
-        given, held, taken = (then.work[:, form] for form in (GIVEN, HELD, TAKEN))
+        given, restrained, taken = (then.work[:, form] for form in (GIVEN, RESTRAINED, TAKEN))
         given = given + 0.5 * summed(now[:, :, GIVEN_FORCE] * moved[:, :, HEIGHT]) - summed(rough[:, outside])
-        held = (
-            held - 0.5 * summed(now[:, :, FORCE] * now[:, :, SLOPE] * moved[:, :, PLACE]) - summed(rough[:, ~outside])
+        restrained = (
+            restrained
+            - 0.5 * summed(now[:, :, FORCE] * now[:, :, SLOPE] * moved[:, :, PLACE])
+            - summed(rough[:, ~outside])
         )
         taken = taken + 0.5 * summed((now[:, :, FORCE] * moved[:, :, GAP])[:, touches])
         stored = np.zeros(len(here))
@@ -202,16 +204,19 @@ class Energies:
             if np.isnan(self._unsqueezed[k]):
                 self._unsqueezed[k] = energy[0]
             stored[at] += energy - self._unsqueezed[k]
-        return stored, given, held, taken
+        return stored, given, restrained, taken
 
     def _squeezed(self, k: int, gap: Array, local: Array) -> Array:
         """Potential energy of the force at contact k, where rider and spline overlap by gaps in m, (instant,) J."""
-        riders = self._riders
-        rest, yields = riders.rest[k], local + (0.0 if np.isinf(riders.spring[k]) else 1.0 / riders.spring[k])
+        moving_loads = self._moving_loads
+        rest, yields = (
+            moving_loads.rest[k],
+            local + (0.0 if np.isinf(moving_loads.spring[k]) else 1.0 / moving_loads.spring[k]),
+        )
         gives = yields > 0.0
         more = np.where(gives, gap - local * rest, 0.0) / np.where(gives, yields, 1.0)
         stored = rest * gap + 0.5 * yields * more**2
-        if not riders.lifts[k]:
+        if not moving_loads.lifts[k]:
             return np.asarray(stored)
-        free = (riders.sign[k] * (rest + more) < 0.0) | (~gives & (riders.sign[k] * gap < 0.0))
+        free = (moving_loads.sign[k] * (rest + more) < 0.0) | (~gives & (moving_loads.sign[k] * gap < 0.0))
         return np.asarray(np.where(free, 0.5 * rest**2 * (2.0 * local - yields), stored))

@@ -23,7 +23,7 @@ _PARTS = 8  # in which constant forces are put on, where rest is hard to find
 _ROUNDS, _ON_RAIL = 5, 1e-14  # in which ends are brought onto their rails, and how closely, of the longest wire
 
 
-class Potential:
+class WirePotential:
     """Potential energy of wires, its gradient and its second derivatives, as functions of all positions (3, node).
 
     Args:
@@ -82,7 +82,7 @@ class Potential:
 
     def hold_forces(self, r: Array) -> Array:
         """Forces of all holds on their wires, (hold, 3) N."""
-        return self._held(r) + self.mesh.holds.force
+        return self._restrained(r) + self.mesh.holds.force
 
     def _stretched(self, r: Array) -> Array:
         """By how much the springs of holds pull their wires along their axes, (hold, 3) m."""
@@ -95,7 +95,7 @@ class Potential:
         across = np.isinf(holds.stiffness) & ((holds.node >= 0) | (holds.at.local == 0.0))[:, None]
         return np.asarray(np.einsum("hja,hj,hjb,hb->ha", holds.axes, across, holds.axes, self.place - self._hold @ r.T))
 
-    def _held(self, r: Array) -> Array:
+    def _restrained(self, r: Array) -> Array:
         """Forces of the springs of all holds on their wires, (hold, 3) N."""
         found: Array = np.einsum("hja,hj->ha", self.mesh.holds.axes, self._stiff * self._stretched(r))
         return found
@@ -104,7 +104,7 @@ class Potential:
         """Potential energy, J."""
         strain = self.tension(r) / self._EA
         *_, longer, k = self._ties(r)
-        held = self._stiff * self._stretched(r) ** 2
+        restrained = self._stiff * self._stretched(r) ** 2
         bent = ((r - self._unbent) * (self._bend @ (r - self._unbent).T).T).sum()
         sunk = (self._bed * (r[2] - self._level) ** 2).sum()
         axial = (self._EA * self._rest * strain**2).sum()
@@ -113,7 +113,7 @@ class Potential:
             at, loads = self.pressing
             height = at @ r[2]
             given += height @ (loads.given - 0.5 * loads.stiffness @ height)
-        return float(0.5 * (axial + bent + sunk + (k * longer**2).sum() + held.sum()) - self.share * given)
+        return float(0.5 * (axial + bent + sunk + (k * longer**2).sum() + restrained.sum()) - self.share * given)
 
     def pull(self, r: Array) -> Array:
         """Forces on all nodes, (3, node) N."""
@@ -128,8 +128,8 @@ class Potential:
         out[2] -= self._bed * (r[2] - self._level)
         d, length, longer, k = self._ties(r)
         out -= (self._tie.T @ (k * longer / length * d).T).T
-        held: Array = out + (self._hold.T @ self._held(r)).T
-        return held
+        restrained: Array = out + (self._hold.T @ self._restrained(r)).T
+        return restrained
 
     def bare_pull(self, r: Array) -> Array:
         """The same without what holds do."""
@@ -202,8 +202,8 @@ class Potential:
     def _constant(self) -> sparse.csc_matrix:
         """What bending, beds and holds add, whatever the shape is."""
         axes = self.mesh.holds.axes
-        held = np.einsum("hja,hj,hjb->abh", axes, self._stiff, axes)
-        blocks = [[self._hold.T @ sparse.diags(held[a, b]) @ self._hold for b in range(3)] for a in range(3)]
+        restrained = np.einsum("hja,hj,hjb->abh", axes, self._stiff, axes)
+        blocks = [[self._hold.T @ sparse.diags(restrained[a, b]) @ self._hold for b in range(3)] for a in range(3)]
         for a in range(3):
             blocks[a][a] = blocks[a][a] + self._bend
         blocks[2][2] = blocks[2][2] + sparse.diags(self._bed)
@@ -248,19 +248,19 @@ def allowed(mesh: Mesh) -> sparse.csc_matrix:
 
 
 @dataclass(frozen=True)
-class Balance:
+class WireBalance:
     """Wires at rest."""
 
     position: Array  # (3, node) m
     tension: Array  # (link,) N
 
 
-class _Shape:
+class _WireShape:
     """The potential energy of wires as a function of what may move, see `solve/minimum.py`."""
 
     is_symmetric = True
 
-    def __init__(self, potential: Potential, *, space: bool) -> None:
+    def __init__(self, potential: WirePotential, *, space: bool) -> None:
         self.potential = potential
         self.size = float(max(wire.length for wire in potential.mesh.plan.wires))
         self._free = np.flatnonzero(movable(potential.mesh, space=space))
@@ -299,7 +299,7 @@ class _Shape:
             yield r
 
 
-def settle(potential: Potential, start: Array, *, space: bool = False) -> Balance:
+def settle(potential: WirePotential, start: Array, *, space: bool = False) -> WireBalance:
     """Find the rest next to a shape, see `solve/minimum.py`.
 
     Args:
@@ -310,11 +310,11 @@ def settle(potential: Potential, start: Array, *, space: bool = False) -> Balanc
     Raises:
         EquilibriumError: no rest was found.
     """
-    r = minimum.settle(_Shape(potential, space=space), start)
-    return Balance(r, potential.tension(r))
+    r = minimum.settle(_WireShape(potential, space=space), start)
+    return WireBalance(r, potential.tension(r))
 
 
-def settle_on_rails(potential: Potential, start: Array, *, space: bool = False) -> Balance:
+def settle_on_rails(potential: WirePotential, start: Array, *, space: bool = False) -> WireBalance:
     """As `settle`; ends then stand on their rails exactly, and not but for what a stiff spring gives way."""
     found = settle(potential, start, space=space)
     size = max(wire.length for wire in potential.mesh.plan.wires)

@@ -11,29 +11,29 @@ import numpy as np
 
 from ropewalk.checkpoint import Tree, arrays_of, copied, put
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.turns import TravelEndedError, Turns
+from ropewalk.foreign.cosimulation_master import CosimulationMaster, TravelEndedError
 from ropewalk.mechanics.portions import portion
 from ropewalk.model.run import common_interval
-from ropewalk.results.frame import OFF_LINE, Account, Frame, Layout
+from ropewalk.results.frame import OFF_LINE, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.running import Ending
 from ropewalk.wires.bearing import at_rest_together
 from ropewalk.wires.beginning import along_moved, on_moved, small_under_loads
-from ropewalk.wires.drive import ON_WIRE, Drive, Record
+from ropewalk.wires.contact_location import location_at
 from ropewalk.wires.energy import Energies, Then
-from ropewalk.wires.equilibrium import Potential
-from ropewalk.wires.journey import drive_of
+from ropewalk.wires.equilibrium import WirePotential
+from ropewalk.wires.frame_arrays import Pictures, WireNote
 from ropewalk.wires.large import LargeMotion
 from ropewalk.wires.layout import axes_of, layout_of
-from ropewalk.wires.mesh import riders_of
-from ropewalk.wires.partners import SLIDES, Foreigner, Partner
-from ropewalk.wires.picture import Note, Pictures
+from ropewalk.wires.mesh import moving_loads_of
+from ropewalk.wires.partners import SLIDES, Foreigner, WirePartner
 from ropewalk.wires.plan import Array, Integers
-from ropewalk.wires.rest import Rest, rows
-from ropewalk.wires.seat import seat_at
+from ropewalk.wires.prescribed_motion import drive_of
+from ropewalk.wires.rest import WiresAtRest, rows
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.stability import largest_step, largest_step_along
-from ropewalk.wires.task import Task, ready
+from ropewalk.wires.step_inputs import ON_WIRE, Drive, Record
+from ropewalk.wires.task import WireTask, ready
 
 SAMPLE = 1e-3  # s, interval of samples where none is asked for
 _AHEAD = 256  # rows of what is given that are found at once
@@ -69,7 +69,7 @@ class Wires:
     looks_ahead, together = True, True
 
     def __init__(
-        self, task: Task, times: Array, account: Account, sample: float | None = None, step: float | None = None
+        self, task: WireTask, times: Array, run_info: RunInfo, sample: float | None = None, step: float | None = None
     ) -> None:
         sample = sample or max(SAMPLE, step or 0.0)
         self.task, start = ready(task)
@@ -77,11 +77,13 @@ class Wires:
             self.task, start = at_rest_together(self.task, start)
         begun = None if task.beginning is None else task.beginning(start)
         if begun is not None:
-            self.task = replace(self.task, journeys=on_moved(start, self.task.journeys, *begun))
-        account.warnings += task.remarks
+            self.task = replace(self.task, prescribed_motions=on_moved(start, self.task.prescribed_motions, *begun))
+        run_info.warnings += task.remarks
         self.start, self.mesh, self._at_rest = start, start.mesh, start.position
-        self.account = account
-        self.riders = riders_of([journey.rider for journey in self.task.journeys])
+        self.run_info = run_info
+        self.moving_loads = moving_loads_of(
+            [prescribed_motion.moving_load for prescribed_motion in self.task.prescribed_motions]
+        )
         interval = float(times[1] - times[0]) if times.size > 1 else sample  # none is longer
         self.axes, potential = axes_of(task), None
         self.turns = [
@@ -95,36 +97,37 @@ class Wires:
         # Rows from each output instant to the next one.
         self._counts = [*(max(1, round(float(each) / self.sample)) for each in np.diff(self.times)), 1]
         along = largest_step_along(self.mesh, task.inertia) if start.rest is None else np.inf
-        self._stable = largest_step(self.mesh, self.riders)
-        if np.isinf(self.riders.spring).any():  # rigid contacts go on by the steps of axial waves
+        self._stable = largest_step(self.mesh, self.moving_loads)
+        if np.isinf(self.moving_loads.spring).any():  # rigid contacts go on by the steps of axial waves
             self._stable = min(self._stable, along)
         self.steps = _parts(self.sample, self._stable if step is None else step)
-        account.method, account.step = "explicit", self.sample / self.steps
-        if account.step > self._stable * (1.0 + 1e-9):
-            account.warnings.append(
-                f"the step of {account.step:.3g} s is larger than {self._stable:.3g} s, up to which the motion is "
+        run_info.method, run_info.step = "explicit", self.sample / self.steps
+        if run_info.step > self._stable * (1.0 + 1e-9):
+            run_info.warnings.append(
+                f"the step of {run_info.step:.3g} s is larger than {self._stable:.3g} s, up to which the motion is "
                 "stable: it may swing without reason even where it does not grow beyond all bounds; write a smaller "
                 "run.step, or leave it out"
             )
-        inner = _parts(account.step, along)
+        inner = _parts(run_info.step, along)
         if start.rest is None:
-            account.reason = "Stoermer's method for all components" + (
+            run_info.reason = "Stoermer's method for all components" + (
                 f"; {inner} inner steps of the wires alone follow axial waves" if inner > 1 else ""
             )
-            potential = Potential(self.mesh, start.unstrained)
+            potential = WirePotential(self.mesh, start.unstrained)
             self.motion: LargeMotion | SmallMotion = LargeMotion(
-                self.mesh, start.position, start.unstrained, self.riders, account.step, self._first("first"), inner,
+                self.mesh, start.position, start.unstrained, self.moving_loads, run_info.step, self._first("first"),
+                inner,
                 task.inertia, space=task.space,
             )  # fmt: skip
         else:
-            account.reason = "Stoermer's method for small vertical motion about rest, with constant tensions"
+            run_info.reason = "Stoermer's method for small vertical motion about rest, with constant tensions"
             self._doubt_sag(start.rest)
             self.motion = SmallMotion(
-                self.mesh, start.rest, self.riders, account.step, self._first("first"), task.window
+                self.mesh, start.rest, self.moving_loads, run_info.step, self._first("first"), task.window
             )
             if task.with_loads:
-                u, journeys = small_under_loads(self.motion, self.task.journeys)
-                self.task = replace(self.task, journeys=along_moved(start, journeys, u))
+                u, prescribed_motions = small_under_loads(self.motion, self.task.prescribed_motions)
+                self.task = replace(self.task, prescribed_motions=along_moved(start, prescribed_motions, u))
                 self.motion.pace.q[:] = self.motion.pace.last[:] = self._first("first")
                 self.motion.begin(u, np.zeros_like(u))
         if begun is not None and isinstance(self.motion, LargeMotion):
@@ -132,24 +135,24 @@ class Wires:
         elif begun is not None:
             assert isinstance(self.motion, SmallMotion)
             self.motion.begin(begun[0][2] - self.motion.level, begun[1][2])
-        self.motion.pace.last[:] -= account.step * self._first("rate")
+        self.motion.pace.last[:] -= run_info.step * self._first("rate")
         # Contacts and wires that have been doubted.
         self._steep, self._pushed, self._left = set[str](), set[str](), set[str]()
         self._partners = [self._partner(*pair) for pair in zip(task.foreigners, self.turns, strict=True)]
         watched = rows(self.motion.watched, self.mesh.nodes) @ self._at_rest[2]
         self._pictures = Pictures(
-            self.task, self.mesh, self.riders, self.motion, self.sample, potential,
+            self.task, self.mesh, self.moving_loads, self.motion, self.sample, potential,
             watched if start.rest is None else np.zeros_like(watched),
-            Energies(self.mesh, self.riders, self.motion, start.position, start.unstrained),
+            Energies(self.mesh, self.moving_loads, self.motion, start.position, start.unstrained),
         )  # fmt: skip
         self._potential, self._ahead = potential, _Ahead(0, np.zeros(1, dtype=np.int64), self._drive(0.0, 1))
         contacts = len(self.task.contacts)
         self._nothing = Record.of(
-            self.rows, self.riders, len(task.plan.ties), len(task.plan.holds), self.motion.watched
+            self.rows, self.moving_loads, len(task.plan.ties), len(task.plan.holds), self.motion.watched
         ).turned()
         self._stations = np.full((self.rows, contacts), np.nan)  # since the last frame, as is what was recorded
         self._before = Record(*(np.full_like(array, np.nan) for array in self._nothing))
-        self._now: Note | None = None
+        self._now: WireNote | None = None
         self._escaped = _ESCAPED * max(wire.length for wire in task.plan.wires)  # m
         self._failed = False
 
@@ -176,13 +179,13 @@ class Wires:
         put({"stations": self._stations} | arrays_of(self._before), {"stations": tree["stations"]} | tree["before"])
         self._steep, self._pushed, self._left = (set(tree[key]) for key in ("steep", "pushed", "left"))
 
-    def _doubt_sag(self, rest: Rest) -> None:
+    def _doubt_sag(self, rest: WiresAtRest) -> None:
         """Small motion is about a rest that is nearly straight: nothing that sags stretches there."""
         sag = np.abs(rest.position[2] - self.mesh.straight()[2])
         for i, wire in enumerate(self.task.plan.wires):
             depth = float(sag[self.mesh.of(i)].max())
             if depth > _SHALLOW * wire.chord:
-                self.account.doubt(
+                self.run_info.doubt(
                     f"at rest {wire.name} hangs {depth:.3g} m through over {wire.chord:.3g} m",
                     "small motion knows no tension that grows with the sag", "run.geometry",
                     "write geometry: nonlinear, or give tension",
@@ -191,17 +194,19 @@ class Wires:
     def _remark(self, frame: Frame) -> None:
         """Doubt loads on steep lines, and compression that no bending stiffness bears."""
         strands, last, z, x = self.mesh.strands, 0, frame.position[:, -1], frame.position[:, 0]
-        for k in np.flatnonzero((frame.contact_state != OFF_LINE) & (self.riders.size[self.riders.owner] > 0)):
-            a = int(self.riders.wire[k])
-            seat = seat_at(self.mesh, a, float(frame.contact_xi[k]) / float(strands.h[a]))
-            slope = abs(float(seat.slope(z))) / max(abs(float(seat.slope(x))), 1e-300)
+        for k in np.flatnonzero(
+            (frame.contact_state != OFF_LINE) & (self.moving_loads.size[self.moving_loads.owner] > 0)
+        ):
+            a = int(self.moving_loads.wire[k])
+            location = location_at(self.mesh, a, float(frame.contact_xi[k]) / float(strands.h[a]))
+            slope = abs(float(location.slope(z))) / max(abs(float(location.slope(x))), 1e-300)
             name, wire = self.task.contacts[k], self.task.plan.wires[a].name
             if slope > _STEEP and name not in self._steep:
                 self._steep.add(name)
                 key, remedy = f"lines.{wire}.bending_stiffness", "leave it out, if the line is a rope"
                 if section := wire.rpartition(".")[0]:
                     key, remedy = f"overhead_lines.{section}.contact_wire.tension", "give more of it, or a lighter load"
-                self.account.doubt(
+                self.run_info.doubt(
                     f"load {name} rides where {wire} slopes by {slope:.2g}, at t = {frame.path:.4g} s",
                     "on such lines a load moves up and down only, its inertia along them is left out",
                     key,
@@ -213,7 +218,7 @@ class Wires:
             borne = np.pi**2 * wire_.bending_stiffness / float(strands.h[a]) ** 2
             if pushed > max(borne, _SLIGHT * wire_.axial_stiffness) and wire_.name not in self._pushed:
                 self._pushed.add(wire_.name)
-                self.account.doubt(
+                self.run_info.doubt(
                     f"{wire_.name} is pushed together with {pushed:.4g} N at t = {frame.path:.4g} s",
                     f"between two nodes it bears {borne:.4g} N and buckles beyond, into waves that no mesh resolves",
                     f"lines.{wire_.name}.bending_stiffness",
@@ -222,30 +227,36 @@ class Wires:
 
     def _doubt_leaving(self, frames: Frames) -> None:
         """At the fixed end of a string the path of a mass jumps, however slow it is: the mesh bounds its force."""
-        for k in np.flatnonzero(np.isinf(self.riders.spring)):
-            journey, wire = self.task.journeys[self.riders.owner[k]], self.task.plan.wires[self.riders.wire[k]]
-            begin, name = float(journey.place(np.zeros(1))[0] - self.riders.behind[k]), self.task.contacts[k]
+        for k in np.flatnonzero(np.isinf(self.moving_loads.spring)):
+            prescribed_motion, wire = (
+                self.task.prescribed_motions[self.moving_loads.owner[k]],
+                self.task.plan.wires[self.moving_loads.wire[k]],
+            )
+            begin, name = (
+                float(prescribed_motion.place(np.zeros(1))[0] - self.moving_loads.behind[k]),
+                self.task.contacts[k],
+            )
             left = frames.of["contact_state"][:, k] == OFF_LINE
             if "." in wire.name and name not in self._left and 0.0 <= begin <= wire.length and left.any():
                 self._left.add(name)
-                self.account.doubt(
+                self.run_info.doubt(
                     f"load {name} left {wire.name} at t = {frames.path[left.argmax()]:.4g} s on a rigid wheel",
                     "close to the end of a wire the force of such a wheel grows without bounds with finer links",
                     f"loads.{name.partition('.')[0]}", "give it a contact_stiffness, or end the run before",
                 )  # fmt: skip
 
-    def _partner(self, foreigner: Foreigner, turns: Turns) -> Partner:
-        columns = np.flatnonzero(self.riders.owner == foreigner.journey)
-        return Partner(
-            turns, range(int(columns[0]), int(columns[-1]) + 1), int(self.riders.wire[columns[0]]), self.mesh,
+    def _partner(self, foreigner: Foreigner, turns: CosimulationMaster) -> WirePartner:
+        columns = np.flatnonzero(self.moving_loads.owner == foreigner.prescribed_motion)
+        return WirePartner(
+            turns, range(int(columns[0]), int(columns[-1]) + 1), int(self.moving_loads.wire[columns[0]]), self.mesh,
             self.motion, self.axes, lambda drive: self.motion.go(drive, self.steps), self.sample,
         )  # fmt: skip
 
     def _first(self, what: Literal["first", "rate"]) -> Array:
         """Coordinates of all riders at the beginning, (rider, C) m; or their rates, m/s."""
-        first = np.zeros(self.riders.mass.shape[:2])
-        for i, journey in enumerate(self.task.journeys):
-            own = getattr(journey, what)
+        first = np.zeros(self.moving_loads.mass.shape[:2])
+        for i, prescribed_motion in enumerate(self.task.prescribed_motions):
+            own = getattr(prescribed_motion, what)
             first[i, : own.size] = own
         return first
 
@@ -265,21 +276,21 @@ class Wires:
         except RopewalkError as error:
             if not i:
                 raise
-            self._now, self._failed = Note.of(t, then, drive, self._nothing, self._stations, self._before), True
+            self._now, self._failed = WireNote.of(t, then, drive, self._nothing, self._stations, self._before), True
             outcome = "travel ended" if isinstance(error, TravelEndedError) else "load failed"
             return Ending(outcome, f"stopped after t = {t:.6g} s: {error}")
-        self._now = Note.of(t, then, drive, record, self._stations, self._before)
+        self._now = WireNote.of(t, then, drive, record, self._stations, self._before)
         on = np.where(drive.where[:-1] == ON_WIRE, drive.station[:-1], np.nan)
         self._stations = _padded(on, self.rows)
         self._before = Record(*(_padded(each, self.rows) for each in record))
-        self.account.steps += 0 if final else on.shape[0] * self.steps
+        self.run_info.steps += 0 if final else on.shape[0] * self.steps
         return None if self.is_sane() else Ending("diverged", self._advice(t))
 
-    def note(self) -> Note | None:
+    def note(self) -> WireNote | None:
         """What the frame of the instant looked at last will be made of."""
         return self._now
 
-    def frames(self, notes: Sequence[Note]) -> Frames:
+    def frames(self, notes: Sequence[WireNote]) -> Frames:
         """The frames of some notes."""
         frames = self._pictures.build(notes)
         self._doubt_leaving(frames)
@@ -293,7 +304,9 @@ class Wires:
             last = min(i + 1 + _AHEAD // self.rows, self.times.size)
             times = [self.times[j] + self.sample * np.arange(self._counts[j] + 1.0) for j in range(i, last)]
             begin = np.cumsum([0, *(own.size for own in times)])
-            self._ahead = _Ahead(i, begin, drive_of(self.task.plan, self.task.journeys, np.concatenate(times)))
+            self._ahead = _Ahead(
+                i, begin, drive_of(self.task.plan, self.task.prescribed_motions, np.concatenate(times))
+            )
         begin, end = self._ahead.begin[i - self._ahead.first : i - self._ahead.first + 2].tolist()
         return self._ahead.given.rows(begin, end - 1)
 
@@ -316,7 +329,7 @@ class Wires:
         return parts[0] if len(parts) == 1 else Record(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
     def _drive(self, t: float, count: int) -> Drive:
-        return drive_of(self.task.plan, self.task.journeys, t + self.sample * np.arange(count + 1.0))
+        return drive_of(self.task.plan, self.task.prescribed_motions, t + self.sample * np.arange(count + 1.0))
 
     def is_sane(self) -> bool:
         """Whether no node has got further away than a wire that is held can."""
@@ -325,8 +338,8 @@ class Wires:
 
     def _advice(self, t: float) -> str:
         what = f"after t = {t:.6g} s the motion grew beyond all bounds; "
-        if self.account.step > self._stable:
-            what += f"its step of {self.account.step:.3g} s is larger than the stable one of {self._stable:.3g} s: "
+        if self.run_info.step > self._stable:
+            what += f"its step of {self.run_info.step:.3g} s is larger than the stable one of {self._stable:.3g} s: "
             return what + "write a smaller run.step, or leave it out"
         return what + "write a smaller run.step, and check masses, stiffnesses and what travels"
 

@@ -15,12 +15,8 @@ import numpy as np
 from ropewalk.checkpoint import Arrays, Changing, arrays_of
 from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
 from ropewalk.wires.damping import EVERY, dissipated
-from ropewalk.wires.drive import ABSENT, Drive, Record
-from ropewalk.wires.holding import MOVES, coordinates, grip, holders_of, move_places, restrain
-from ropewalk.wires.mesh import Mesh, Riders, places_of
-from ropewalk.wires.plan import Array
-from ropewalk.wires.rest import rows, slowed_ends, without_supports
-from ropewalk.wires.riders import (
+from ropewalk.wires.mesh import Mesh, MovingLoads, places_of
+from ropewalk.wires.moving_loads import (
     CHANGES,
     DAMPED,
     begin,
@@ -36,8 +32,12 @@ from ropewalk.wires.riders import (
     settle_accounts,
     sweeps_of,
 )
+from ropewalk.wires.plan import Array
+from ropewalk.wires.rest import rows, slowed_ends, without_supports
+from ropewalk.wires.restraints import MOVES, coordinates, grip, holders_of, move_places, restrain
 from ropewalk.wires.spline import WIDTH, weights
-from ropewalk.wires.strings import pull_ties, steady_of, strings_of
+from ropewalk.wires.springs import pull_ties, steady_of, strings_of
+from ropewalk.wires.step_inputs import ABSENT, Drive, Record
 
 # Strain up to which tension over length follows from a series: its error is 1e-11 of the tension there.
 SMALL_STRAIN = 5e-3
@@ -188,7 +188,7 @@ def _end(now, other, felt, ql, qi, gain, e, d, keep, keep_end, b, t, fall, bed, 
 
 
 @inlined
-def _move(strands, threads, now, other, room, q, level, slope, small, dt):
+def _move(strands, threads, now, other, buffers, q, level, slope, small, dt):
     """Let the wires go on for a step."""
     axes, up = now.shape[0], now.shape[0] - 1
     for a in range(strands.first.size):
@@ -204,9 +204,9 @@ def _move(strands, threads, now, other, room, q, level, slope, small, dt):
             k, felt = bed if c == up else 0.0, now[c]
             b = (strands.stiffness[a] if c == 0 else threads.bending[a]) / (h * h * h)  # waves along are not corrected
             if late > 0.0:
-                felt = room
+                felt = buffers
                 for j in range(i, i + n + 1):
-                    room[j] = now[c, j] + late * (now[c, j] - other[c, j])
+                    buffers[j] = now[c, j] + late * (now[c, j] - other[c, j])
             if c == 0 and b == 0.0 and late == 0.0:
                 _axial(now[c], other[c], q, gain, i, n, keep)
             elif late > 0.0 or k > 0.0:
@@ -256,16 +256,16 @@ def _seek(x, s, n, place, w):
 
 
 @inlined
-def _seat(strands, riders, pace, x, z, drive, row, part, k, w):
+def _location(strands, moving_loads, pace, x, z, drive, row, part, k, w):
     """Where contact k is on its wire, whose nodes are at x and z: whether there, links, first node, height, and slope.
 
     Before the start and beyond the end there is level ground, as high as these. The slope is one per link.
     """
-    a, place, height, slope = riders.wire[k], between(drive.station, row, part, k), 0.0, 0.0
+    a, place, height, slope = moving_loads.wire[k], between(drive.station, row, part, k), 0.0, 0.0
     first, n, h = strands.first[a], strands.links[a], strands.h[a]
     s, base = min(max(place / h, 0.0), float(n)), 0
     on = abs(s - place / h) < _CLOSE
-    if riders.material[k] or not on:
+    if moving_loads.material[k] or not on:
         base = first + weights(s, n, w)
     else:
         guess = pace.place[k] if np.isfinite(pace.place[k]) else s
@@ -280,34 +280,34 @@ def _seat(strands, riders, pace, x, z, drive, row, part, k, w):
 
 
 @inlined
-def _touch(strands, threads, riders, pace, now, other, drive, record, row, step, steps, k, w):
+def _touch(strands, threads, moving_loads, pace, now, other, drive, record, row, step, steps, k, w):
     """What contact k does during a step."""
     part, up, local = step / steps, now.shape[0] - 1, 0.0
     if drive.where[row, k] == ABSENT:
         return
-    on, s, base, height, slope = _seat(strands, riders, pace, now[0], now[up], drive, row, part, k, w)
+    on, s, base, height, slope = _location(strands, moving_loads, pace, now[0], now[up], drive, row, part, k, w)
     if on:
-        local = local_under(strands, riders, k, s)
+        local = local_under(strands, moving_loads, k, s)
     given, rough = between(drive.given, row, part, k), between(drive.rough, row, part, k)
-    force = given + press(riders, pace, k, height + rough, local)
-    note(riders, pace, record, row, step, k, height, s, slope, given, force, local, rough)
+    force = given + press(moving_loads, pace, k, height + rough, local)
+    note(moving_loads, pace, record, row, step, k, height, s, slope, given, force, local, rough)
     if on:
         for j in range(WIDTH):
             other[up, base + j] += threads.kick[up, base + j] * w[0, j] * force
 
 
 @inlined
-def _join(strands, threads, riders, pace, other, drive, record, row, step, steps, k, w):
+def _join(strands, threads, moving_loads, pace, other, drive, record, row, step, steps, k, w):
     """What keeps the rigid contact k together at the end of a step."""
     part, up, soft, local = (step + 1.0) / steps, other.shape[0] - 1, 0.0, 0.0
     if drive.where[row, k] == ABSENT:
         return
-    on, s, base, height, _ = _seat(strands, riders, pace, other[0], other[up], drive, row, part, k, w)
+    on, s, base, height, _ = _location(strands, moving_loads, pace, other[0], other[up], drive, row, part, k, w)
     if on:
-        local = max(local_at(strands, riders.wire[k], s), 0.0)
+        local = max(local_at(strands, moving_loads.wire[k], s), 0.0)
         for j in range(WIDTH):
             soft += w[0, j] * w[0, j] * threads.gain[up, base + j]
-    force = join(riders, pace, k, height + between(drive.rough, row, part, k), soft, local)
+    force = join(moving_loads, pace, k, height + between(drive.rough, row, part, k), soft, local)
     if step == 0:
         record.force[row, k] += force
     if on:
@@ -316,7 +316,8 @@ def _join(strands, threads, riders, pace, other, drive, record, row, step, steps
 
 
 @lean
-def advance(strands, threads, strings, holders, watched, riders, pace, level, slope, now, other, room, q, small, inner,
+def advance(strands, threads, strings, holders, watched, moving_loads, pace, level, slope, now, other, buffers, q,
+            small, inner,
             drive, record, steps, sweeps, w):  # fmt: skip
     """Go on by all rows of the record.
 
@@ -337,31 +338,31 @@ def advance(strands, threads, strings, holders, watched, riders, pace, level, sl
         for p in range(watched.base.size):
             for k in range(WIDTH):
                 record.watched[p, row] += watched.weight[p, k] * now[axes - 1, watched.base[p] + k]
-        for i in range(riders.size.size):
-            for c in range(riders.size[i]):
+        for i in range(moving_loads.size.size):
+            for c in range(moving_loads.size[i]):
                 record.body[row, i, c] = pace.q[i, c]
         for step in range(steps):
             move_places(holders, between_rows(drive.time, row, (step + 1.0 / inner) / steps))
-            _move(strands, threads, now, other, room, q, level, slope, small, dt)
+            _move(strands, threads, now, other, buffers, q, level, slope, small, dt)
             pull_ties(strings, now, other, threads.kick, pace, record.tie, row, step)
-            begin(riders, pace, drive.push, row, step / steps)
-            for k in range(riders.owner.size):
-                _touch(strands, threads, riders, pace, now, other, drive, record, row, step, steps, k, w)
-            ride(riders, pace)
+            begin(moving_loads, pace, drive.push, row, step / steps)
+            for k in range(moving_loads.owner.size):
+                _touch(strands, threads, moving_loads, pace, now, other, drive, record, row, step, steps, k, w)
+            ride(moving_loads, pace)
             restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, pace.work, record.hold,
                      row, step == 0)  # fmt: skip
             for sweep in range(sweeps):
                 grip(holders, other, threads.gain, pace.work, record.hold, row, step == 0, sweep == 0)
-                for k in range(riders.owner.size):
-                    if np.isinf(riders.spring[k]):
-                        _join(strands, threads, riders, pace, other, drive, record, row, step, steps, k, w)
-            settle_accounts(riders, pace)
+                for k in range(moving_loads.owner.size):
+                    if np.isinf(moving_loads.spring[k]):
+                        _join(strands, threads, moving_loads, pace, other, drive, record, row, step, steps, k, w)
+            settle_accounts(moving_loads, pace)
             gone = row * steps + step
             now, other = other, now
             for part in range(inner):
                 if part > 0:
                     move_places(holders, between_rows(drive.time, row, (step + (part + 1.0) / inner) / steps))
-                    _move(strands, threads, now, other, room, q, level, slope, small, dt)
+                    _move(strands, threads, now, other, buffers, q, level, slope, small, dt)
                     restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, pace.work,
                              record.hold, row, False)  # fmt: skip
                     grip(holders, other, threads.gain, pace.work, record.hold, row, False, True)
@@ -387,17 +388,18 @@ class LargeMotion(Changing):
     """
 
     def __init__(
-        self, mesh: Mesh, position: Array, rest: Array, riders: Riders, step: float, q: Array, inner: int = 1,
+        self, mesh: Mesh, position: Array, rest: Array, moving_loads: MovingLoads, step: float, q: Array,
+        inner: int = 1,
         inertia: float = 1.0, *, space: bool = False,
     ) -> None:  # fmt: skip
-        self.mesh, self.riders, self.rest, axes = mesh, riders, rest, [0, 1, 2] if space else [0, 2]
+        self.mesh, self.moving_loads, self.rest, axes = mesh, moving_loads, rest, [0, 1, 2] if space else [0, 2]
         self.inertia, self.inner = inertia, inner
         self.threads = threads_of(mesh, position[axes], rest, step / inner, inner, inertia)
         self.strings = strings_of(mesh, position)
         steady = steady_of(self.strings, mesh.nodes)
         self.threads.fall[1:] += (steady if space else steady[1:]) * self.threads.gain[1:]
         self.holders = holders_of(mesh, self.threads.gain, axes, position[axes], mesh.holds.place)
-        self.pace = pace_of(riders, step, q, np.full(riders.owner.size, np.nan))
+        self.pace = pace_of(moving_loads, step, q, np.full(moving_loads.owner.size, np.nan))
         self.watched = places_of(mesh.strands, list(mesh.plan.watched.values()))
         straight = mesh.straight()[axes]
         self._level, ends = np.ascontiguousarray(straight[-1]), mesh.strands.first + mesh.strands.links
@@ -406,7 +408,7 @@ class LargeMotion(Changing):
         self._slope[1::2] = (straight[:, ends - 1] - straight[:, ends]).T
         self._r = [np.ascontiguousarray(position[axes]) for _ in range(2)]  # now, a step before
         self._side = position[1].copy()
-        self._room = np.zeros(mesh.nodes), np.zeros(mesh.nodes)
+        self._buffers = np.zeros(mesh.nodes), np.zeros(mesh.nodes)
         self.tie_at_rest, self.hold_at_rest = np.zeros(len(mesh.plan.ties)), mesh.holds.force
         self._w = np.zeros((3, WIDTH))
         self._advance: Callable[..., object] | None = None
@@ -469,14 +471,14 @@ class LargeMotion(Changing):
     def go(self, drive: Drive, steps: int = 1) -> Record:
         """Go on by the rows of the drive but the last, `steps` steps each."""
         plan = self.mesh.plan
-        record = Record.of(drive.station.shape[0] - 1, self.riders, len(plan.ties), len(plan.holds), self.watched)
+        record = Record.of(drive.station.shape[0] - 1, self.moving_loads, len(plan.ties), len(plan.holds), self.watched)
         strain = self.strain(self._r[0])
         strain[self.mesh.strands.first + self.mesh.strands.links] = 0.0
         small = bool(np.abs(strain).max() < 0.5 * SMALL_STRAIN)
         arguments = (
-            self.mesh.strands, self.threads, self.strings, self.holders, self.watched, self.riders, self.pace,
-            self._level, self._slope, *self._r, *self._room, small, self.inner, drive, record, steps,
-            sweeps_of(self.riders, self.holders.fast), self._w,
+            self.mesh.strands, self.threads, self.strings, self.holders, self.watched, self.moving_loads, self.pace,
+            self._level, self._slope, *self._r, *self._buffers, small, self.inner, drive, record, steps,
+            sweeps_of(self.moving_loads, self.holders.fast), self._w,
         )  # fmt: skip
         if self._advance is None:
             self._advance = entry_of(advance, arguments)

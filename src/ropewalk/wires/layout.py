@@ -6,17 +6,17 @@ import numpy as np
 
 from ropewalk.results.frame import Layout, uniform
 from ropewalk.wires.mesh import Mesh
-from ropewalk.wires.plan import Array, Integers, Plan, Spot
+from ropewalk.wires.plan import Array, Integers, Spot, WirePlan
 from ropewalk.wires.rest import rows, without_supports
-from ropewalk.wires.task import Task
+from ropewalk.wires.task import WireTask
 
 
-def axes_of(task: Task) -> list[int]:
+def axes_of(task: WireTask) -> list[int]:
     """The axes that results have, as numbers of x, y and z."""
     return [0, 1, 2] if task.space else [0, 2]
 
 
-def supports_of(plan: Plan) -> tuple[tuple[str, ...], Integers]:
+def supports_of(plan: WirePlan) -> tuple[tuple[str, ...], Integers]:
     """Names of all that holds wires, ends first, and which of them each hold is."""
     ends = [f"{wire.name}.{end}" for wire in plan.wires for end in ("start", "end")]
     arms = (plan.ties[i].name for i in _arms(plan))
@@ -25,7 +25,7 @@ def supports_of(plan: Plan) -> tuple[tuple[str, ...], Integers]:
     return names, np.array([number[hold.name] for hold in plan.holds], dtype=np.int64)
 
 
-def _arms(plan: Plan) -> list[int]:
+def _arms(plan: WirePlan) -> list[int]:
     """Ties to the ground."""
     return [i for i, tie in enumerate(plan.ties) if not isinstance(tie.other, Spot)]
 
@@ -64,14 +64,14 @@ class Reactions:
             way = np.ascontiguousarray(self._ground - low.swapaxes(-1, -2))
             pull = tie[..., self._arms, None] * way / np.linalg.norm(way, axis=-1)[..., None]
             out[..., self._own, :] += pull
-        held = out[..., :ends, :]
-        inertia = self._share * (bare + held)
-        out[..., :ends, :] = np.where(self._fixed, self._weight - bare, held + self._weight - inertia)
+        restrained = out[..., :ends, :]
+        inertia = self._share * (bare + restrained)
+        out[..., :ends, :] = np.where(self._fixed, self._weight - bare, restrained + self._weight - inertia)
         return out
 
 
 def layout_of(
-    task: Task, mesh: Mesh, *, path: str = "time", foreign: tuple[str, ...] = (), sample: tuple[float, ...] = ()
+    task: WireTask, mesh: Mesh, *, path: str = "time", foreign: tuple[str, ...] = (), sample: tuple[float, ...] = ()
 ) -> Layout:
     """The layout of a result.
 

@@ -10,15 +10,15 @@ import numpy as np
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import MATERIAL, Loads
 from ropewalk.mechanics.loading import Loading
-from ropewalk.mechanics.rider import force_at
+from ropewalk.mechanics.moving_contact import force_at
 from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import AnyLoad, MovingForce
 from ropewalk.model.support import Guided
 from ropewalk.solve.multibody import Multibody, multibody_of
 from ropewalk.wires.ends import compliance, kinds_of, lengthened
-from ropewalk.wires.journey import ON_GROUND, Journey
-from ropewalk.wires.plan import Array, Contact, Rider, Wire
+from ropewalk.wires.plan import Array, Contact, TravellingLoad, Wire
+from ropewalk.wires.prescribed_motion import ON_GROUND, PrescribedMotion
 from ropewalk.wires.task import Shown
 
 
@@ -48,7 +48,9 @@ def _pulled(line: Line) -> float | None:
     return min(found, default=None)
 
 
-def journey_of(loading: Loading, name: str, load: AnyLoad, number: int, wire: Wire) -> tuple[Journey, Multibody | None]:
+def prescribed_motion_of(
+    loading: Loading, name: str, load: AnyLoad, number: int, wire: Wire
+) -> tuple[PrescribedMotion, Multibody | None]:
     """The journey of a load on its wire, and how it was put together if it has a mass.
 
     Args:
@@ -67,15 +69,15 @@ def journey_of(loading: Loading, name: str, load: AnyLoad, number: int, wire: Wi
     if isinstance(load, MovingForce):
         k, up = int(wheels[0]), len(loading.axes) - 1
         none = np.zeros((0, 0))
-        rider = Rider(name, none, none, none, (Contact(number, stiffness=0.0, material=material),))
+        moving_load = TravellingLoad(name, none, none, none, (Contact(number, stiffness=0.0, material=material),))
 
         def given(times: Array) -> Array:
             return np.array([[force_at(loading.loads, k, float(t), up)] for t in times])
 
-        return Journey(rider, place, given=given), None
+        return PrescribedMotion(moving_load, place, given=given), None
     system = multibody_of(loading, name, load, behind)
-    rider = _rider(system, name, load, number, scale * behind, wire.start[2], material=material)
-    return Journey(rider, place, beside=ON_GROUND, stands=True), system
+    moving_load = _moving_load(system, name, load, number, scale * behind, wire.start[2], material=material)
+    return PrescribedMotion(moving_load, place, beside=ON_GROUND, stands=True), system
 
 
 def _place(loads: Loads, k: int, start: float, scale: float) -> Callable[[Array], Array]:
@@ -84,9 +86,9 @@ def _place(loads: Loads, k: int, start: float, scale: float) -> Callable[[Array]
     return partial(Travelled(loads.speed_time[part], scale * loads.speed_value[part]).at, start=start)
 
 
-def _rider(
+def _moving_load(
     system: Multibody, name: str, load: AnyLoad, wire: int, behind: Array, ground: float, *, material: bool
-) -> Rider:
+) -> TravellingLoad:
     """Coordinates and heavy wheels move up from rest on ground as high as the start; light wheels follow the wire."""
     M, C, K = system.mass, system.damping, system.stiffness
     own = M.shape[0] - behind.size
@@ -96,11 +98,11 @@ def _rider(
     lifts, below = bool(getattr(load, "lift_off", False)), getattr(load, "side", "above") == "below"
     contacts = []
     for j, distance in enumerate(behind):
-        seat, row, stiffness, damping = own + j, np.zeros(keep.size), np.inf, 0.0
-        if seat in light:
-            stiffness, damping = float(K[seat, seat]), float(C[seat, seat])
-            row = -K[seat, keep] / stiffness
-            if not np.allclose(C[seat, keep], -damping * row, rtol=1e-9, atol=1e-12 * (damping + 1e-300)):
+        location, row, stiffness, damping = own + j, np.zeros(keep.size), np.inf, 0.0
+        if location in light:
+            stiffness, damping = float(K[location, location]), float(C[location, location])
+            row = -K[location, keep] / stiffness
+            if not np.allclose(C[location, keep], -damping * row, rtol=1e-9, atol=1e-12 * (damping + 1e-300)):
                 raise RopewalkError(
                     f"load {name}: springs and dampers of a wheel without mass join it to different places; give the "
                     "wheel a mass"
@@ -108,7 +110,7 @@ def _rider(
             reduced[0][:] -= stiffness * np.outer(row, row)
             reduced[1][:] -= damping * np.outer(row, row)
         else:
-            row[np.flatnonzero(keep == seat)[0]] = 1.0
+            row[np.flatnonzero(keep == location)[0]] = 1.0
         rest = -float(system.static_load[j])
         contacts.append(
             Contact(
@@ -116,18 +118,18 @@ def _rider(
                 base=ground, rest=rest, below=below, lifts_off=lifts,
             )
         )  # fmt: skip
-    return Rider(name, M[np.ix_(keep, keep)], reduced[1], reduced[0], tuple(contacts))
+    return TravellingLoad(name, M[np.ix_(keep, keep)], reduced[1], reduced[0], tuple(contacts))
 
 
-def shown_of(loading: Loading, system: Multibody, journey: int, wire: Wire) -> list[Shown]:
+def shown_of(loading: Loading, system: Multibody, prescribed_motion: int, wire: Wire) -> list[Shown]:
     """The bodies of a load that results show: what moves up and down."""
-    assert loading.fleet is not None
+    assert loading.multibody_system is not None
     heavy = int((np.diag(system.mass) > 0.0).sum())
     found = []
-    for body in loading.fleet.shown:
+    for body in loading.multibody_system.shown:
         if body.wheel in system.wheels and body.coordinates[-1] in system.coordinates:
             c = system.coordinates.index(body.coordinates[-1])
             base = wire.start[2] + float(system.rest[c])
             wheel = system.wheels.tolist().index(body.wheel)
-            found.append(Shown(body.name, journey, np.eye(heavy)[c], base, body.ahead, wheel))
+            found.append(Shown(body.name, prescribed_motion, np.eye(heavy)[c], base, body.ahead, wheel))
     return found

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.errors import RopewalkError
-from ropewalk.wires.plan import Array, Hold, Integers, Plan, Rider, Spot, Wire
+from ropewalk.wires.plan import Array, Hold, Integers, Spot, TravellingLoad, Wire, WirePlan
 from ropewalk.wires.spline import WIDTH, points
 
 FEWEST_LINKS = 8
@@ -24,7 +24,7 @@ _AT_NODE = 1e-6  # links
 _STIFF = 5.0  # links: where sqrt(EI / T) is longer, a wire is a beam on this mesh
 
 
-class Strands(NamedTuple):
+class WireRuns(NamedTuple):
     """One entry for each wire."""
 
     first: Integers  # index of the first control point
@@ -51,7 +51,7 @@ class Places(NamedTuple):
     local: Array  # (point,) m/N: the point of the wire stands this much higher than the spline, for each N upwards
 
 
-class Ties(NamedTuple):
+class WireTies(NamedTuple):
     """Links between two points, or between a point and the ground."""
 
     one: Places
@@ -89,14 +89,14 @@ class Holds(NamedTuple):
 class Mesh(NamedTuple):
     """Everything that does not change while the wires move."""
 
-    plan: Plan
-    strands: Strands
+    plan: WirePlan
+    strands: WireRuns
     mass: Array  # (node,) kg, with all that is clamped to the wires
     own: Array  # (node,) kg, of the wires alone
     fixed: NDArray[np.bool_]  # (3, node) whether a component stands where it is held, or goes as prescribed
     driven: NDArray[np.bool_]  # (3, node) whether it goes as prescribed
     extra: Integers  # (special,) control points that carry more than their wire
-    ties: Ties
+    ties: WireTies
     holds: Holds
 
     @property
@@ -135,7 +135,7 @@ def links_of(wire: Wire, element: float) -> int:
     return max(FEWEST_LINKS, round(wire.length / element))
 
 
-def mesh_of(plan: Plan, element: float | list[int]) -> Mesh:
+def mesh_of(plan: WirePlan, element: float | list[int]) -> Mesh:
     """Divide the wires of a plan.
 
     Args:
@@ -152,7 +152,7 @@ def mesh_of(plan: Plan, element: float | list[int]) -> Mesh:
         for key in ("tension", "bending_stiffness", "mass", "drag", "retardation", "bed", "length")
     }
     first = np.concatenate([[0], np.cumsum(count + 1)[:-1]]).astype(np.int64)
-    strands = Strands(
+    strands = WireRuns(
         first, count, column["length"] / count, column["tension"], column["bending_stiffness"], column["mass"],
         column["drag"], column["retardation"], column["bed"],
         np.array([[end == "clamped" for end in wire.ends] for wire in wires], dtype=np.bool_),
@@ -178,7 +178,7 @@ def mesh_of(plan: Plan, element: float | list[int]) -> Mesh:
     return Mesh(plan, strands, mass, own, fixed, driven, extra, _ties(strands, plan), holds)
 
 
-def places_of(strands: Strands, spots: Sequence[Spot]) -> Places:
+def places_of(strands: WireRuns, spots: Sequence[Spot]) -> Places:
     """Where points of wires are on the mesh."""
     wire = np.array([spot.wire for spot in spots], dtype=np.int64)
     station = np.array([spot.station for spot in spots], dtype=np.float64)
@@ -191,7 +191,7 @@ def places_of(strands: Strands, spots: Sequence[Spot]) -> Places:
     return Places(base + strands.first[wire], np.ascontiguousarray(weight[:, 0]), wire, station, local)
 
 
-def clamped_at(strands: Strands, spots: Sequence[Spot]) -> Places:
+def clamped_at(strands: WireRuns, spots: Sequence[Spot]) -> Places:
     """The same for what stays where it is: at the ends and the nodes of strings it takes hold of the node itself."""
     places = places_of(strands, spots)
     wire = places.wire
@@ -259,7 +259,7 @@ def _exact_compliance(x: float, reach: float) -> float:
     return float(exact)
 
 
-def _check(plan: Plan) -> None:
+def _check(plan: WirePlan) -> None:
     spots = [(f"tie {tie.name}", spot) for tie in plan.ties for spot in (tie.spot, tie.other) if isinstance(spot, Spot)]
     spots += [(f"hold {hold.name}", hold.spot) for hold in plan.holds]
     spots += [(f"mass at {lump.spot.station:g} m", lump.spot) for lump in plan.masses]
@@ -276,19 +276,19 @@ def _column(values: list[float]) -> Array:
     return np.array(values, dtype=np.float64)
 
 
-def _ties(strands: Strands, plan: Plan) -> Ties:
+def _ties(strands: WireRuns, plan: WirePlan) -> WireTies:
     ties = plan.ties
     ground = np.array([(np.nan,) * 3 if isinstance(tie.other, Spot) else tie.other for tie in ties]).reshape(-1, 3)
     one = clamped_at(strands, [tie.spot for tie in ties])
     other = clamped_at(strands, [tie.other if isinstance(tie.other, Spot) else tie.spot for tie in ties])
     other.weight[np.isfinite(ground[:, 0])] = 0.0
-    return Ties(
+    return WireTies(
         one, other, ground, _column([tie.stiffness for tie in ties]), _column([tie.pushes for tie in ties]),
         _column([tie.damping for tie in ties]), _column([tie.length for tie in ties]),
     )  # fmt: skip
 
 
-def _holds(strands: Strands, plan: Plan) -> Holds:
+def _holds(strands: WireRuns, plan: WirePlan) -> Holds:
     holds = plan.holds
 
     def threes(key: str) -> Array:
@@ -324,7 +324,7 @@ def _at_start(hold: Hold) -> Array:
     return np.array([np.interp(0.0, hold.moved.time, row) for row in hold.moved.value])
 
 
-def _fixed(strands: Strands, plan: Plan, holds: Holds) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _fixed(strands: WireRuns, plan: WirePlan, holds: Holds) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """What ends and the holds there fix, and what goes as prescribed, (3, node); such springs of holds are put to zero.
 
     Only what a hold keeps along x, y and z at the node of an end: elsewhere its force keeps it.
@@ -344,7 +344,7 @@ def _fixed(strands: Strands, plan: Plan, holds: Holds) -> tuple[NDArray[np.bool_
     return fixed, driven
 
 
-class Riders(NamedTuple):
+class MovingLoads(NamedTuple):
     """What travels, as arrays padded to the largest rider."""
 
     size: Integers  # (rider,) number of coordinates
@@ -364,19 +364,19 @@ class Riders(NamedTuple):
     lifts: NDArray[np.bool_]  # (contact,)
 
 
-def riders_of(riders: list[Rider]) -> Riders:
+def moving_loads_of(moving_loads: list[TravellingLoad]) -> MovingLoads:
     """The arrays of all riders."""
-    most = max([rider.size for rider in riders], default=0)
-    stack = np.zeros((3, len(riders), most, most))
-    for i, rider in enumerate(riders):
-        for j, matrix in enumerate((rider.mass, rider.damping, rider.stiffness)):
-            stack[j, i, : rider.size, : rider.size] = matrix
-    contacts = [(i, contact) for i, rider in enumerate(riders) for contact in rider.contacts]
+    most = max([moving_load.size for moving_load in moving_loads], default=0)
+    stack = np.zeros((3, len(moving_loads), most, most))
+    for i, moving_load in enumerate(moving_loads):
+        for j, matrix in enumerate((moving_load.mass, moving_load.damping, moving_load.stiffness)):
+            stack[j, i, : moving_load.size, : moving_load.size] = matrix
+    contacts = [(i, contact) for i, moving_load in enumerate(moving_loads) for contact in moving_load.contacts]
     row = np.zeros((len(contacts), most))
     for k, (_, contact) in enumerate(contacts):
         row[k, : len(contact.row)] = contact.row
-    return Riders(
-        np.array([rider.size for rider in riders], dtype=np.int64), stack[0], stack[1], stack[2],
+    return MovingLoads(
+        np.array([moving_load.size for moving_load in moving_loads], dtype=np.int64), stack[0], stack[1], stack[2],
         np.array([i for i, _ in contacts], dtype=np.int64),
         row,
         np.array([contact.wire for _, contact in contacts], dtype=np.int64),

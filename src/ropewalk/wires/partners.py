@@ -10,14 +10,14 @@ import numpy as np
 
 from ropewalk.checkpoint import Tree, copied
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.turns import Bearer, Push, Pushes, Turns
-from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive
+from ropewalk.foreign.cosimulation_master import Bearer, ContactPush, CosimulationMaster, Pushes
+from ropewalk.wires.contact_location import location_at, location_below
 from ropewalk.wires.large import LargeMotion
 from ropewalk.wires.mesh import Mesh
-from ropewalk.wires.plan import Array, Contact, Rider
-from ropewalk.wires.seat import seat_at, seat_below
+from ropewalk.wires.plan import Array, Contact, TravellingLoad
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.spline import WIDTH
+from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Drive
 
 # A damper needs a spring beside it: one that nobody feels, N/m.
 _NEXT_TO_NOTHING = 1e-6
@@ -29,20 +29,20 @@ Motion = LargeMotion | SmallMotion
 class Foreigner:
     """A foreign load of a task."""
 
-    journey: int
-    turns: Callable[[int, float], Turns]  # from the number of axes and the reach of a contact in m
+    prescribed_motion: int
+    turns: Callable[[int, float], CosimulationMaster]  # from the number of axes and the reach of a contact in m
 
 
-def rider_of(name: str, wire: int, contacts: int, stiffness: float, damping: float) -> Rider:
+def moving_load_of(name: str, wire: int, contacts: int, stiffness: float, damping: float) -> TravellingLoad:
     """What a foreign load is to the wires: contacts without coordinates, whose springs end where they are told to."""
     none = np.zeros((0, 0))
     spring = max(stiffness, _NEXT_TO_NOTHING) if damping else stiffness
     contact = Contact(wire, material=True, stiffness=spring, damping=damping)
-    return Rider(name, none, none, none, (contact,) * contacts)
+    return TravellingLoad(name, none, none, none, (contact,) * contacts)
 
 
 @dataclass(frozen=True)
-class Still:
+class NodeSnapshot:
     """Positions and velocities of all nodes as they were at an instant, (3, node) m and m/s."""
 
     r: Array
@@ -67,12 +67,12 @@ class WireLine:
     def at(self, xi: float) -> tuple[Array, Array]:
         """Position in m and velocity in m/s of the wire at a station, (axis,)."""
         h = self.mesh.strands.h[self.wire]
-        seat = seat_at(self.mesh, self.wire, xi / h)
-        r, v = self.piece(slice(seat.first, seat.first + WIDTH))
-        place, velocity = (r @ seat.weight[0])[self.axes], (v @ seat.weight[0])[self.axes]
+        location = location_at(self.mesh, self.wire, xi / h)
+        r, v = self.piece(slice(location.first, location.first + WIDTH))
+        place, velocity = (r @ location.weight[0])[self.axes], (v @ location.weight[0])[self.axes]
         for station, force in self.soft:
             if abs(station - xi) < h:  # beside its spline the wire gives way to what stands on it
-                place[-1] += seat.local * force
+                place[-1] += location.local * force
         return place, velocity
 
     def below(self, x: float) -> float:
@@ -84,11 +84,11 @@ class WireLine:
         part = self.mesh.of(self.wire)
         place = np.zeros(self.mesh.nodes)
         place[part] = self.piece(part)[0][0]
-        return seat_below(self.mesh, self.wire, place, x).links * float(self.mesh.strands.h[self.wire])
+        return location_below(self.mesh, self.wire, place, x).links * float(self.mesh.strands.h[self.wire])
 
 
 @dataclass
-class Partner(Bearer):
+class WirePartner(Bearer):
     """A foreign model on a wire while it moves.
 
     Args:
@@ -101,7 +101,7 @@ class Partner(Bearer):
         sample: s, between two rows.
     """
 
-    turns: Turns
+    turns: CosimulationMaster
     columns: range
     wire: int
     mesh: Mesh
@@ -133,14 +133,14 @@ class Partner(Bearer):
 
     def frozen(self) -> WireLine:
         """The same, to be looked at later."""
-        return self._seen(Still(self.motion.position, self.motion.velocity))
+        return self._seen(NodeSnapshot(self.motion.position, self.motion.velocity))
 
     def get_state(self) -> Tree:
         """What is remembered of the exchange, and what the contacts are doing."""
         pushes = [None if push is None else copied(push._asdict()) for push in self.pushes]
 
         def stored(line: WireLine) -> Tree:
-            assert isinstance(line.piece, Still)
+            assert isinstance(line.piece, NodeSnapshot)
             return {"soft": list(line.soft), "r": line.piece.r.copy(), "v": line.piece.v.copy()}
 
         return {"turns": self.turns.get_state(stored), "pushes": pushes, "jumped": list(self._jumped)}
@@ -149,11 +149,11 @@ class Partner(Bearer):
         """Go on from there."""
 
         def line(stored: Tree) -> WireLine:
-            seen = self._seen(Still(stored["r"].copy(), stored["v"].copy()))
+            seen = self._seen(NodeSnapshot(stored["r"].copy(), stored["v"].copy()))
             return replace(seen, soft=list(stored["soft"]))
 
         self.turns.set_state(tree["turns"], line)
-        self.pushes = [None if push is None else Push(**copied(push)) for push in tree["pushes"]]
+        self.pushes = [None if push is None else ContactPush(**copied(push)) for push in tree["pushes"]]
         self._jumped = list(tree["jumped"])
 
     def ahead(self, pushes: Pushes, h: float) -> WireLine:
@@ -219,7 +219,7 @@ class Partner(Bearer):
         ]
         return WireLine(self.mesh, self.wire, self.axes, piece, self._length, soft)
 
-    def _pressing(self, k: int, push: Push) -> float:
+    def _pressing(self, k: int, push: ContactPush) -> float:
         """Force upwards on the wire at the end of an interval, N."""
         if not (self.turns.exchange.stiffness or self.turns.exchange.damping):
             return float(push.last[-1])

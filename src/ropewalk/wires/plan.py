@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Three = tuple[float, float, float]
-EndKind = Literal["held", "clamped", "free"]
+EndKind = Literal["pinned", "clamped", "free"]
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Wire:
     drag: float = 0.0  # 1/s, alpha of Rayleigh damping
     retardation: float = 0.0  # s, beta of Rayleigh damping
     bed: float = 0.0  # N/m^2, of an elastic bed below
-    ends: tuple[EndKind, EndKind] = ("held", "held")
+    ends: tuple[EndKind, EndKind] = ("pinned", "pinned")
     unstrained: float | None = None  # m; None: what follows from the tension
     stretched: bool = True  # whether stations count metres of the stretched wire where only its tension is given
 
@@ -67,7 +67,7 @@ class PointMass:
 
 
 @dataclass(frozen=True)
-class History:
+class WireDisplacement:
     """A displacement over time: linear between its instants, constant outside."""
 
     time: Array  # (instant,) s
@@ -89,11 +89,11 @@ class Hold:
     place: Three = (0.0, 0.0, 0.0)  # m, where the springs are without force
     force: Three = (0.0, 0.0, 0.0)  # N on the wire along x, y and z, constant
     axes: tuple[Three, Three, Three] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))  # orthogonal unit vectors
-    moved: History | None = None  # of its place
+    moved: WireDisplacement | None = None  # of its place
 
 
 @dataclass(frozen=True)
-class Tie:
+class WireTie:
     """A straight link between two wires (a dropper), or between a wire and a place on the ground (a steady arm)."""
 
     name: str
@@ -123,7 +123,7 @@ class Contact:
 
 
 @dataclass(frozen=True)
-class Rider:
+class TravellingLoad:
     """What travels: M q'' + C q' + K q = forces, with heights q, and its contacts; without coordinates, a force."""
 
     name: str
@@ -139,11 +139,11 @@ class Rider:
 
 
 @dataclass(frozen=True)
-class Plan:
+class WirePlan:
     """All wires and what is attached to them."""
 
     wires: tuple[Wire, ...]
-    ties: tuple[Tie, ...] = ()
+    ties: tuple[WireTie, ...] = ()
     holds: tuple[Hold, ...] = ()
     masses: tuple[PointMass, ...] = ()
     gravity: float = 9.81  # m/s^2, downwards

@@ -14,9 +14,9 @@ import scipy.linalg as linalg
 from numpy.typing import NDArray
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.wires.journey import Journey
-from ropewalk.wires.mesh import Riders
+from ropewalk.wires.mesh import MovingLoads
 from ropewalk.wires.plan import Array
+from ropewalk.wires.prescribed_motion import PrescribedMotion
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,8 @@ class Pressing:
 
 
 def pressing(
-    journeys: Sequence[Journey],
-    riders: Riders,
+    prescribed_motions: Sequence[PrescribedMotion],
+    moving_loads: MovingLoads,
     t: float,
     local: Array,
     rough: Array,
@@ -56,28 +56,29 @@ def pressing(
     Raises:
         EquilibriumError: nothing determines how a load stands.
     """
-    count, instant = riders.owner.size, np.array([t])
+    count, instant = moving_loads.owner.size, np.array([t])
     given, stiffness = np.zeros(count), np.zeros((count, count))
     shift, follow = [], []
-    for i, journey in enumerate(journeys):
-        n = int(riders.size[i])
-        mine = np.flatnonzero((riders.owner == i) & on)
-        own = np.broadcast_to(journey.given(instant), (1, int((riders.owner == i).sum())))[0]
-        own = own[on[riders.owner == i]]
-        rest, row = riders.rest[mine], riders.row[mine, :n]
+    for i, prescribed_motion in enumerate(prescribed_motions):
+        n = int(moving_loads.size[i])
+        mine = np.flatnonzero((moving_loads.owner == i) & on)
+        own = np.broadcast_to(prescribed_motion.given(instant), (1, int((moving_loads.owner == i).sum())))[0]
+        own = own[on[moving_loads.owner == i]]
+        rest, row = moving_loads.rest[mine], moving_loads.row[mine, :n]
         given[mine] = own + (rest if n else 0.0)
         if not n:
             continue
-        yields = local[mine] + 1.0 / riders.spring[mine]
+        yields = local[mine] + 1.0 / moving_loads.spring[mine]
         # K q + row' c = push;  row q - yields c = H + rough + local (rest + own) - base,  F = rest + own + c
-        A = np.block([[riders.stiffness[i, :n, :n], row.T], [row, -np.diag(yields)]])
-        push = np.broadcast_to(journey.push(instant), (1, n))[0]
-        right = np.concatenate([push, rough[mine] + local[mine] * (rest + own) - riders.base[mine]])
+        A = np.block([[moving_loads.stiffness[i, :n, :n], row.T], [row, -np.diag(yields)]])
+        push = np.broadcast_to(prescribed_motion.push(instant), (1, n))[0]
+        right = np.concatenate([push, rough[mine] + local[mine] * (rest + own) - moving_loads.base[mine]])
         try:
             inverse = linalg.inv(A)
         except linalg.LinAlgError:
             raise EquilibriumError(
-                f"load {journey.rider.name}: nothing keeps it where it stands; check its springs and wheels"
+                f"load {prescribed_motion.moving_load.name}: nothing keeps it where it stands; check its "
+                f"springs and wheels"
             ) from None
         given[mine] += (inverse @ right)[n:]
         stiffness[np.ix_(mine, mine)] = -inverse[n:, n:]

@@ -23,7 +23,7 @@ _RIGID = 1e-12  # m/N: what yields less is taken to yield by this
 
 
 @dataclass(frozen=True)
-class Rest:
+class WiresAtRest:
     """Wires at rest."""
 
     position: Array  # (3, node) m
@@ -95,7 +95,7 @@ def moving(mesh: Mesh) -> NDArray[np.bool_]:
     return free
 
 
-def held_shape(mesh: Mesh, places: Places, heights: Array, load: Array) -> tuple[Array, Array]:
+def restrained_shape(mesh: Mesh, places: Places, heights: Array, load: Array) -> tuple[Array, Array]:
     """Heights of all control points of wires that go through given heights, and the forces upwards that it takes.
 
     Args:
@@ -123,7 +123,7 @@ def _solve(K: Any, C: Any, local: Array, free: NDArray[np.bool_], load: Array, g
     return z, found[found.size - k :]
 
 
-def rest_of(mesh: Mesh) -> Rest:
+def rest_of(mesh: Mesh) -> WiresAtRest:
     """Rest under gravity with the given lengths of the ties; ties that would be pushed are slack.
 
     Raises:
@@ -154,7 +154,7 @@ def rest_of(mesh: Mesh) -> Rest:
         force = k * longer
         tangent = k * way[:, 2] ** 2 + force / reach * (1.0 - way[:, 2] ** 2)
         out = load - K @ z - A.T @ (force * way[:, 2])
-        step, held = _solve(K + A.T @ sparse.diags(tangent) @ A, grip, local, free, out, level - grip @ z)
+        step, restrained = _solve(K + A.T @ sparse.diags(tangent) @ A, grip, local, free, out, level - grip @ z)
         z = z + step
         if np.abs(step).max() <= _CLOSE * size or not ties.length.size:  # without ties one step leads there
             break
@@ -164,8 +164,8 @@ def rest_of(mesh: Mesh) -> Rest:
         )
     position[2] = z
     lift = holds.force[:, 2] + stiff * (holds.place[:, 2] - H @ z)
-    lift[fast] += held
-    return Rest(position, force, way, reach, lift)
+    lift[fast] += restrained
+    return WiresAtRest(position, force, way, reach, lift)
 
 
 def spring(stiffness: Array, local: Array) -> Array:

@@ -13,24 +13,8 @@ import numpy as np
 from ropewalk.checkpoint import Arrays, Changing, arrays_of
 from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
 from ropewalk.wires.damping import EVERY, dissipated
-from ropewalk.wires.drive import ABSENT, ON_WIRE, Drive, Record
-from ropewalk.wires.holding import (
-    A_STEP_AGO,
-    AHEAD,
-    MOVES,
-    NOW,
-    coordinate,
-    coordinates,
-    give_way,
-    holders_of,
-    move_places,
-    restrain,
-    write_force,
-)
-from ropewalk.wires.mesh import Mesh, Places, Riders, places_of
-from ropewalk.wires.plan import Array, Integers
-from ropewalk.wires.rest import Rest
-from ropewalk.wires.riders import (
+from ropewalk.wires.mesh import Mesh, MovingLoads, Places, places_of
+from ropewalk.wires.moving_loads import (
     CHANGES,
     DAMPED,
     MOVED,
@@ -47,8 +31,24 @@ from ropewalk.wires.riders import (
     settle_accounts,
     sweeps_of,
 )
-from ropewalk.wires.small_arrays import Springs, Watched, Window, springs_of, stencil_of, x_of
+from ropewalk.wires.plan import Array, Integers
+from ropewalk.wires.rest import WiresAtRest
+from ropewalk.wires.restraints import (
+    A_STEP_AGO,
+    AHEAD,
+    MOVES,
+    NOW,
+    coordinate,
+    coordinates,
+    give_way,
+    holders_of,
+    move_places,
+    restrain,
+    write_force,
+)
+from ropewalk.wires.small_arrays import Springs, Watched, WireWindow, springs_of, stencil_of, x_of
 from ropewalk.wires.spline import WIDTH, weights
+from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Drive, Record
 
 _NOTHING = 1e-150  # m
 _CLOSE = 1e-9  # links, beyond an end: nothing
@@ -93,7 +93,8 @@ def _end(now, felt, other, gain, e, d, keep, keep_end, t, b, bed, clamped):
 
 
 @lean
-def advance(strands, stencil, springs, holders, window, watched, riders, pace, level, now, other, room, drive, record,
+def advance(strands, stencil, springs, holders, window, watched, moving_loads, pace, level, now, other, buffers,
+            drive, record,
             steps, sweeps, w):  # fmt: skip
     """Go on by all rows of the record.
 
@@ -111,28 +112,44 @@ def advance(strands, stencil, springs, holders, window, watched, riders, pace, l
     here, ahead, gain = now.reshape(1, -1), other.reshape(1, -1), stencil.gain.reshape(1, -1)
     for row in range(record.force.shape[0]):
         _look(watched, window, now, record.watched, row)
-        for i in range(riders.size.size):
-            for c in range(riders.size[i]):
+        for i in range(moving_loads.size.size):
+            for c in range(moving_loads.size[i]):
                 record.body[row, i, c] = pace.q[i, c]
         for step in range(steps):
             move_places(holders, between_rows(drive.time, row, (step + 1.0) / steps))
-            _move(strands, stencil, window, now, other, room, pace.step)
+            _move(strands, stencil, window, now, other, buffers, pace.step)
             _pull(springs, window, now, other, stencil.gain, pace, record, row, step)
-            begin(riders, pace, drive.push, row, step / steps)
-            for k in range(riders.owner.size):
-                _touch(strands, riders, pace, level, now, other, stencil.gain, drive, record, row, step, steps, k, w)
-            ride(riders, pace)
+            begin(moving_loads, pace, drive.push, row, step / steps)
+            for k in range(moving_loads.owner.size):
+                _touch(
+                    strands, moving_loads, pace, level, now, other, stencil.gain, drive, record, row, step, steps, k, w
+                )
+            ride(moving_loads, pace)
             restrain(holders, window.elastic[0], window.elastic[1], here, ahead, gain, pace.step, pace.work,
                      record.hold, row, step == 0)  # fmt: skip
             for sweep in range(sweeps):
                 _grip(holders, window, here, ahead, gain, pace.work, record, row, step, sweep == 0)
-                for k in range(riders.owner.size):
-                    if np.isinf(riders.spring[k]):
-                        _join(strands, riders, pace, level, other, stencil.gain, drive, record, row, step, steps, k, w)
-            settle_accounts(riders, pace)
+                for k in range(moving_loads.owner.size):
+                    if np.isinf(moving_loads.spring[k]):
+                        _join(
+                            strands,
+                            moving_loads,
+                            pace,
+                            level,
+                            other,
+                            stencil.gain,
+                            drive,
+                            record,
+                            row,
+                            step,
+                            steps,
+                            k,
+                            w,
+                        )
+            settle_accounts(moving_loads, pace)
             gone = row * steps + step
             if stencil.damped and gone % every == 0:
-                lost = _lost(strands, stencil, window, now, other, room, pace.step)
+                lost = _lost(strands, stencil, window, now, other, buffers, pace.step)
                 pace.work[DAMPED] += min(every, whole - gone) * lost
             now, other = other, now
             here, ahead = ahead, here
@@ -146,7 +163,7 @@ def _look(watched, window, now, found, row):
 
 
 @inlined
-def _move(strands, stencil, window, now, other, room, dt):
+def _move(strands, stencil, window, now, other, buffers, dt):
     """Let the wires go on for a step."""
     gain = stencil.gain
     for a in range(strands.first.size):
@@ -157,9 +174,9 @@ def _move(strands, stencil, window, now, other, room, dt):
         t, b, bed = strands.tension[a] / h, stencil.bending[a] / (h * h * h), strands.bed[a] * h
         felt = now
         if late > 0.0:
-            felt = room
+            felt = buffers
             for k in range(i + max(low - 2, 0), i + min(high + 2, n + 1)):
-                room[k] = now[k] + late * (now[k] - other[k])
+                buffers[k] = now[k] + late * (now[k] - other[k])
         bare = stencil.bare[a]
         if bare > 0.0:
             for k in range(window.laden[a, 0], window.laden[a, 1]):
@@ -178,7 +195,7 @@ def _move(strands, stencil, window, now, other, room, dt):
 
 
 @lean_inner
-def _lost(strands, stencil, window, now, other, room, dt):
+def _lost(strands, stencil, window, now, other, buffers, dt):
     """What all wires lose in a step from the one to the other, J; `room` is what they have felt."""
     lost = 0.0
     for a in range(strands.first.size):
@@ -186,7 +203,7 @@ def _lost(strands, stencil, window, now, other, room, dt):
         if low >= high or (strands.drag[a] == 0.0 and late == 0.0):
             continue
         part = slice(i + low, min(i + high, i + strands.links[a] + 1))
-        felt, scale = (room[part], dt / late) if late > 0.0 else (other[part], 1.0)
+        felt, scale = (buffers[part], dt / late) if late > 0.0 else (other[part], 1.0)
         lost += dissipated(
             now[part], other[part], felt, scale, stencil.mass[part], strands.drag[a], late, strands.tension[a] / h,
             stencil.bending[a] / (h * h * h), strands.bed[a] * h,
@@ -196,12 +213,12 @@ def _lost(strands, stencil, window, now, other, room, dt):
 
 
 @inlined
-def _seat(strands, riders, level, moved, drive, row, part, k, w):
+def _location(strands, moving_loads, level, moved, drive, row, part, k, w):
     """Where contact k is: whether on its wire, links along it, first node, height, and slope per link.
 
     Before the start and beyond the end there is level ground, as high as these.
     """
-    a, height, slope = riders.wire[k], 0.0, 0.0
+    a, height, slope = moving_loads.wire[k], 0.0, 0.0
     place, n = between(drive.station, row, part, k) / strands.h[a], strands.links[a]
     s = min(max(place, 0.0), float(n))
     base = strands.first[a] + weights(s, n, w)
@@ -213,17 +230,17 @@ def _seat(strands, riders, level, moved, drive, row, part, k, w):
 
 
 @inlined
-def _touch(strands, riders, pace, level, now, other, gain, drive, record, row, step, steps, k, w):
+def _touch(strands, moving_loads, pace, level, now, other, gain, drive, record, row, step, steps, k, w):
     """What contact k does during a step."""
     part, local = step / steps, 0.0
     if drive.where[row, k] == ABSENT:
         return
-    on, s, base, height, slope = _seat(strands, riders, level, now, drive, row, part, k, w)
+    on, s, base, height, slope = _location(strands, moving_loads, level, now, drive, row, part, k, w)
     if on:
-        local = local_under(strands, riders, k, s)
+        local = local_under(strands, moving_loads, k, s)
     given, rough = between(drive.given, row, part, k), between(drive.rough, row, part, k)
-    force = given + press(riders, pace, k, height + rough, local)
-    note(riders, pace, record, row, step, k, height, s, slope, given, force, local, rough)
+    force = given + press(moving_loads, pace, k, height + rough, local)
+    note(moving_loads, pace, record, row, step, k, height, s, slope, given, force, local, rough)
     if on:
         for j in range(WIDTH):
             other[base + j] += gain[base + j] * w[0, j] * force
@@ -248,17 +265,17 @@ def _grip(holders, window, now, other, gain, work, record, row, step, begins):
 
 
 @inlined
-def _join(strands, riders, pace, level, other, gain, drive, record, row, step, steps, k, w):
+def _join(strands, moving_loads, pace, level, other, gain, drive, record, row, step, steps, k, w):
     """What keeps the rigid contact k together at the end of a step."""
     part, soft, local = (step + 1.0) / steps, 0.0, 0.0
     if drive.where[row, k] == ABSENT:
         return
-    on, s, base, height, _ = _seat(strands, riders, level, other, drive, row, part, k, w)
+    on, s, base, height, _ = _location(strands, moving_loads, level, other, drive, row, part, k, w)
     if on:
-        local = max(local_at(strands, riders.wire[k], s), 0.0)
+        local = max(local_at(strands, moving_loads.wire[k], s), 0.0)
         for j in range(WIDTH):
             soft += w[0, j] * w[0, j] * gain[base + j]
-    force = join(riders, pace, k, height + between(drive.rough, row, part, k), soft, local)
+    force = join(moving_loads, pace, k, height + between(drive.rough, row, part, k), soft, local)
     if step == 0:
         record.force[row, k] += force
     if on:
@@ -322,16 +339,18 @@ class SmallMotion(Changing):
         window: half width of what moves around the contacts, m; everything if infinite.
     """
 
-    def __init__(self, mesh: Mesh, rest: Rest, riders: Riders, step: float, q: Array, window: float = np.inf) -> None:
-        self.mesh, self.rest, self.riders, self.window = mesh, rest, riders, window
+    def __init__(
+        self, mesh: Mesh, rest: WiresAtRest, moving_loads: MovingLoads, step: float, q: Array, window: float = np.inf
+    ) -> None:
+        self.mesh, self.rest, self.moving_loads, self.window = mesh, rest, moving_loads, window
         self.stencil = stencil_of(mesh, step)
-        self.pace = pace_of(riders, step, q, np.zeros(riders.owner.size))
+        self.pace = pace_of(moving_loads, step, q, np.zeros(moving_loads.owner.size))
         springs = springs_of(mesh, rest)
         order = np.argsort(springs.x, kind="stable")
         self.springs = Springs(*(np.ascontiguousarray(array[order]) for array in springs))  # type: ignore[arg-type]
         blank = np.zeros((1, mesh.nodes))
         self.holders = holders_of(mesh, self.stencil.gain[None], [2], blank, np.zeros_like(mesh.holds.place))
-        self._sweeps = sweeps_of(riders, self.holders.fast)
+        self._sweeps = sweeps_of(moving_loads, self.holders.fast)
         self.level = np.ascontiguousarray(rest.position[2])
         self.watched = places_of(mesh.strands, list(mesh.plan.watched.values()))
         self._watched = _looked_at(mesh, self.watched)
@@ -341,11 +360,11 @@ class SmallMotion(Changing):
         # Not quite zero: what arrives early of a wave is below the smallest normal number, and slow to compute with.
         nothing = np.where(self.stencil.gain > 0.0, _NOTHING, 0.0)
         self._u = _apart(nothing)  # now, a step before
-        self._room, self._w = np.zeros(mesh.nodes), np.zeros((3, WIDTH))
+        self._buffers, self._w = np.zeros(mesh.nodes), np.zeros((3, WIDTH))
         fast, count = self.holders.fast, self.holders.x.size
         whole = (0, self.springs.x.size), (0, fast), (fast, count), (0, self._watched.x.size)
         laden = np.stack([self.stencil.first[:-1], self.stencil.first[1:]], axis=1)
-        self._whole = Window(np.zeros_like(mesh.strands.links), mesh.strands.links + 1, laden, *whole)
+        self._whole = WireWindow(np.zeros_like(mesh.strands.links), mesh.strands.links + 1, laden, *whole)
         self._advance: Callable[..., object] | None = None
 
     def begin(self, u: Array, velocity: Array) -> None:
@@ -403,10 +422,11 @@ class SmallMotion(Changing):
     def go(self, drive: Drive, steps: int = 1) -> Record:
         """Go on by the rows of the drive but the last, `steps` steps each."""
         rows, plan = drive.station.shape[0] - 1, self.mesh.plan
-        record = Record.of(rows, self.riders, len(plan.ties), len(plan.holds), self.watched)
+        record = Record.of(rows, self.moving_loads, len(plan.ties), len(plan.holds), self.watched)
         arguments = (
             self.mesh.strands, self.stencil, self.springs, self.holders, self._window(drive), self._watched,
-            self.riders, self.pace, self.level, *self._u, self._room, drive, record, steps, self._sweeps, self._w,
+            self.moving_loads, self.pace, self.level, *self._u, self._buffers, drive, record, steps, self._sweeps,
+            self._w,
         )  # fmt: skip
         if self._advance is None:
             self._advance = entry_of(advance, arguments)
@@ -415,11 +435,11 @@ class SmallMotion(Changing):
             self._u.reverse()
         return record.turned()
 
-    def _window(self, drive: Drive) -> Window:
+    def _window(self, drive: Drive) -> WireWindow:
         if not np.isfinite(self.window):
             return self._whole
         strands, on = self.mesh.strands, drive.where == ON_WIRE
-        station = x_of(self.mesh, np.broadcast_to(self.riders.wire, on.shape)[on], drive.station[on])
+        station = x_of(self.mesh, np.broadcast_to(self.moving_loads.wire, on.shape)[on], drive.station[on])
         if station.size == 0:
             return self._whole
         begin, end, edge = station.min() - self.window, station.max() + self.window, WIDTH * strands.h.max()
@@ -432,7 +452,7 @@ class SmallMotion(Changing):
             (first + int(np.searchsorted(x, begin + edge)), first + int(np.searchsorted(x, end - edge)))
             for x, first in ((self.springs.x, 0), (x[:fast], 0), (x[fast:], fast), (self._watched.x, 0))
         ]
-        return Window(low, high, self._laden(low, high), *parts)
+        return WireWindow(low, high, self._laden(low, high), *parts)
 
     def _laden(self, low: Integers, high: Integers) -> Integers:
         """Which of the laden nodes of each wire lie between two of its nodes."""
@@ -446,8 +466,8 @@ class SmallMotion(Changing):
 def _apart(values: Array) -> list[Array]:
     """Two copies that begin half a page apart: arrays at equal places of their pages hinder each other in a cache."""
     second = values.size + (_HALF_PAGE - values.size) % (2 * _HALF_PAGE)
-    room = np.empty(second + values.size)
-    copies = [room[: values.size], room[second:]]
+    buffers = np.empty(second + values.size)
+    copies = [buffers[: values.size], buffers[second:]]
     for copy in copies:
         copy[:] = values
     return copies

@@ -8,7 +8,7 @@ import numpy as np
 
 from ropewalk.wires.mesh import Mesh
 from ropewalk.wires.plan import Array, Integers
-from ropewalk.wires.rest import Rest, slowed_ends, ties_springs, without_supports
+from ropewalk.wires.rest import WiresAtRest, slowed_ends, ties_springs, without_supports
 from ropewalk.wires.spline import WIDTH
 
 _FEW = 0.1  # part of the nodes of a wire that may carry more than it and be seen to afterwards
@@ -33,7 +33,7 @@ class Springs(NamedTuple):
     number: Integers  # of the tie
 
 
-class Window(NamedTuple):
+class WireWindow(NamedTuple):
     """What of the wires moves: the rest stands still. Each as the first of them and one beyond the last."""
 
     low: Integers  # (wire,) control points, counted in the wire
@@ -81,7 +81,7 @@ def x_of(mesh: Mesh, wire: Integers, station: Array) -> Array:
     return x
 
 
-def springs_of(mesh: Mesh, rest: Rest) -> Springs:
+def springs_of(mesh: Mesh, rest: WiresAtRest) -> Springs:
     """Ties as springs about rest."""
     ties = mesh.ties
     pull, slack = ties_springs(mesh)

@@ -9,21 +9,21 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
-from ropewalk.results.frame import IN_AIR, OFF_LINE, Account
+from ropewalk.results.frame import IN_AIR, OFF_LINE, RunInfo
 from ropewalk.results.running import TimeHistory
 from ropewalk.results.spectrum import Spectrum
 from ropewalk.solve.equations import Equations, LinearBody, sprung
 from ropewalk.solve.free_vibration import free_vibration
 from ropewalk.wires.bearing import Bearing
-from ropewalk.wires.equilibrium import Potential, allowed
+from ropewalk.wires.contact_location import Location, location_at
+from ropewalk.wires.equilibrium import WirePotential, allowed
 from ropewalk.wires.frames import Wires
-from ropewalk.wires.journey import ON_GROUND, Journey
 from ropewalk.wires.layout import axes_of
-from ropewalk.wires.mesh import Mesh, Riders, riders_of
+from ropewalk.wires.mesh import Mesh, MovingLoads, moving_loads_of
 from ropewalk.wires.plan import Array
+from ropewalk.wires.prescribed_motion import ON_GROUND, PrescribedMotion
 from ropewalk.wires.rest import beds, rows, ties_springs, vertical_stiffness
-from ropewalk.wires.seat import Seat, seat_at
-from ropewalk.wires.task import Start, Task, ready
+from ropewalk.wires.task import WireStart, WireTask, ready
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,12 @@ class _State:
     unstrained: Array  # (node,) m
     position: Array  # (3, node) m, about which is linearised
     shape: Array  # (3, node) m, which says whether ties are tight: in small motion another one
-    journeys: tuple[Journey, ...] = ()
-    seats: tuple[Seat | None, ...] = ()  # of each contact; None: it is on no wire
+    prescribed_motions: tuple[PrescribedMotion, ...] = ()
+    locations: tuple[Location | None, ...] = ()  # of each contact; None: it is on no wire
     ground: NDArray[np.bool_] | None = None  # (contact,) whether it is on level ground instead
 
 
-def spectrum(task: Task, how_many: int | None = None) -> Spectrum:
+def spectrum(task: WireTask, how_many: int | None = None) -> Spectrum:
     """Natural frequencies, damping ratios and shapes of wires at rest, without what travels on them.
 
     Args:
@@ -49,11 +49,11 @@ def spectrum(task: Task, how_many: int | None = None) -> Spectrum:
     Raises:
         RopewalkError: there is no rest.
     """
-    _, start = ready(replace(task, journeys=(), contacts=(), shown=(), foreigners=(), with_loads=False))
+    _, start = ready(replace(task, prescribed_motions=(), contacts=(), shown=(), foreigners=(), with_loads=False))
     return free_vibration(_equations(_bare(start)), how_many)
 
 
-def spectrum_with_loads(task: Task, how_many: int | None = None) -> Spectrum:
+def spectrum_with_loads(task: WireTask, how_many: int | None = None) -> Spectrum:
     """The same at rest with what travels, where it begins.
 
     Raises:
@@ -62,16 +62,18 @@ def spectrum_with_loads(task: Task, how_many: int | None = None) -> Spectrum:
     if task.geometry == "linearised":
         return spectrum_at(task, 0.0, how_many=how_many)
     task, start = ready(task)
-    borne = Bearing(start.mesh, task.journeys, start.unstrained, space=task.space).stand(0.0, start.position)
-    seats = tuple(seat if on else None for seat, on in zip(borne.seats, borne.touches, strict=True))
+    borne = Bearing(start.mesh, task.prescribed_motions, start.unstrained, space=task.space).stand(0.0, start.position)
+    locations = tuple(location if on else None for location, on in zip(borne.locations, borne.touches, strict=True))
     beside = _beside(task)
-    ground = np.array([seat is None for seat in borne.seats], dtype=np.bool_) & beside
-    state = _State(start.mesh, start.unstrained, borne.position, borne.position, task.journeys, seats, ground)
+    ground = np.array([location is None for location in borne.locations], dtype=np.bool_) & beside
+    state = _State(
+        start.mesh, start.unstrained, borne.position, borne.position, task.prescribed_motions, locations, ground
+    )
     return free_vibration(_equations(state), how_many)
 
 
 def spectrum_at(
-    task: Task, t: float, *, sample: float | None = None, step: float | None = None, how_many: int | None = None
+    task: WireTask, t: float, *, sample: float | None = None, step: float | None = None, how_many: int | None = None
 ) -> Spectrum:
     """The same at an instant of a motion, everything frozen as it is then: loads stay where they stand.
 
@@ -84,37 +86,40 @@ def spectrum_at(
     Raises:
         RopewalkError: the motion does not come to the instant.
     """
-    run = Wires(task, np.array([0.0, t] if t > 0.0 else [0.0]), account := Account(), sample, step)
-    frame = TimeHistory(run, account).last()
+    run = Wires(task, np.array([0.0, t] if t > 0.0 else [0.0]), run_info := RunInfo(), sample, step)
+    frame = TimeHistory(run, run_info).last()
     start, mesh = run.start, run.mesh
     shape = start.position.copy()
     shape[axes_of(task)] = frame.position.T
     position = start.position if start.rest is not None else shape
-    wire, h = run.riders.wire, mesh.strands.h
+    wire, h = run.moving_loads.wire, mesh.strands.h
     off = np.isin(frame.contact_state, (OFF_LINE, IN_AIR))
-    seats = tuple(
-        None if off[k] else seat_at(mesh, int(wire[k]), float(frame.contact_xi[k]) / float(h[wire[k]]))
+    locations = tuple(
+        None if off[k] else location_at(mesh, int(wire[k]), float(frame.contact_xi[k]) / float(h[wire[k]]))
         for k in range(off.size)
     )
     ground = (frame.contact_state == OFF_LINE) & _beside(run.task)
     return free_vibration(
-        _equations(_State(mesh, start.unstrained, position, shape, run.task.journeys, seats, ground)), how_many
+        _equations(_State(mesh, start.unstrained, position, shape, run.task.prescribed_motions, locations, ground)),
+        how_many,
     )
 
 
-def _beside(task: Task) -> NDArray[np.bool_]:
+def _beside(task: WireTask) -> NDArray[np.bool_]:
     """Of each contact, whether there is level ground beside its wire."""
-    return np.array([j.beside == ON_GROUND for j in task.journeys for _ in j.rider.contacts], dtype=np.bool_)
+    return np.array(
+        [j.beside == ON_GROUND for j in task.prescribed_motions for _ in j.moving_load.contacts], dtype=np.bool_
+    )
 
 
-def _bare(start: Start) -> _State:
+def _bare(start: WireStart) -> _State:
     return _State(start.mesh, start.unstrained, start.position, start.position)
 
 
 def _equations(state: _State) -> Equations:
     """Equations of motion of the wires, and of what stands on them."""
     mesh, r = state.mesh, state.position
-    potential = Potential(mesh, state.unstrained)
+    potential = WirePotential(mesh, state.unstrained)
     way = allowed(mesh)
     K = way.T @ (potential.stiffness(r) + _loosened(potential, mesh, r, state.shape)) @ way
     C = way.T @ damping_of(potential, mesh, r, state.shape) @ way
@@ -128,37 +133,42 @@ def _equations(state: _State) -> Equations:
 
 def _bodies(state: _State, way: sparse.csc_matrix, stiffest: float) -> Sequence[LinearBody]:
     """What stands on the wires; its contacts move up and down only, as in motion."""
-    if not state.journeys:
+    if not state.prescribed_motions:
         return []
-    riders: Riders = riders_of([journey.rider for journey in state.journeys])
+    moving_loads: MovingLoads = moving_loads_of(
+        [prescribed_motion.moving_load for prescribed_motion in state.prescribed_motions]
+    )
     assert state.ground is not None
     found = []
-    for i, n in enumerate(riders.size):
-        touching = [k for k in np.flatnonzero(riders.owner == i) if state.seats[k] is not None]
-        resting = [k for k in np.flatnonzero((riders.owner == i) & state.ground) if state.seats[k] is None]
+    for i, n in enumerate(moving_loads.size):
+        touching = [k for k in np.flatnonzero(moving_loads.owner == i) if state.locations[k] is not None]
+        resting = [k for k in np.flatnonzero((moving_loads.owner == i) & state.ground) if state.locations[k] is None]
         if not n or not touching:
             continue
         mine = np.array(sorted(touching + resting), dtype=np.int64)
         at, local = sparse.lil_matrix((mine.size, way.shape[0])), np.zeros(mine.size)
         for j, k in enumerate(mine):
-            seat = state.seats[k]
-            if seat is not None:
-                first = 2 * state.mesh.nodes + seat.first
-                at[j, first : first + seat.weight.shape[1]] = seat.weight[0]
-                local[j] = seat.local
-        spring = riders.spring[mine]
+            location = state.locations[k]
+            if location is not None:
+                first = 2 * state.mesh.nodes + location.first
+                at[j, first : first + location.weight.shape[1]] = location.weight[0]
+                local[j] = location.local
+        spring = moving_loads.spring[mine]
         with np.errstate(divide="ignore"):
             yields = np.maximum(local, -0.5 / spring) + 1.0 / spring
         found.append(
             sprung(
-                riders.mass[i, :n, :n], riders.damping[i, :n, :n], riders.stiffness[i, :n, :n], riders.row[mine, :n],
-                (yields, riders.damper[mine]), at.tocsr() @ way, stiffest,
+                moving_loads.mass[i, :n, :n], moving_loads.damping[i, :n, :n], moving_loads.stiffness[i, :n, :n],
+                moving_loads.row[mine, :n],
+                (yields, moving_loads.damper[mine]), at.tocsr() @ way, stiffest,
             )
         )  # fmt: skip
     return found
 
 
-def _stretched(potential: Potential, mesh: Mesh, r: Array) -> tuple[sparse.csr_matrix, Array, Array, NDArray[np.bool_]]:
+def _stretched(
+    potential: WirePotential, mesh: Mesh, r: Array
+) -> tuple[sparse.csr_matrix, Array, Array, NDArray[np.bool_]]:
     """Ties as rows of nodes, their directions (3, tie), lengths in m, and whether each is tight."""
     ties = mesh.ties
     tie = rows(ties.other, mesh.nodes) - rows(ties.one, mesh.nodes)
@@ -167,7 +177,7 @@ def _stretched(potential: Potential, mesh: Mesh, r: Array) -> tuple[sparse.csr_m
     return tie, d / far, far, potential.tie_forces(r) > 0.0
 
 
-def _loosened(potential: Potential, mesh: Mesh, r: Array, shape: Array) -> sparse.csc_matrix:
+def _loosened(potential: WirePotential, mesh: Mesh, r: Array, shape: Array) -> sparse.csc_matrix:
     """What the stiffness at r changes by where ties are as tight or slack as in another shape, (3 node, 3 node)."""
     tie, way, far, tight = _stretched(potential, mesh, r)
     now = _stretched(potential, mesh, shape)[3]
@@ -181,20 +191,20 @@ def _loosened(potential: Potential, mesh: Mesh, r: Array, shape: Array) -> spars
     return sparse.bmat(blocks, format="csc")
 
 
-def damping_of(potential: Potential, mesh: Mesh, r: Array, shape: Array) -> sparse.csc_matrix:
+def damping_of(potential: WirePotential, mesh: Mesh, r: Array, shape: Array) -> sparse.csc_matrix:
     """Damping of all components (3 node, 3 node), N s/m: drag, retardation, dampers of tight ties and of holds."""
     s, ties, holds = mesh.strands, mesh.ties, mesh.holds
     nodes = [int(n) + 1 for n in s.links]
     drag = np.repeat(s.drag, nodes) * mesh.own
     late = sparse.diags(np.repeat(s.retardation, nodes))
     felt = late @ (vertical_stiffness(mesh) - sparse.diags(beds(mesh)))  # tension and bending, of all components alike
-    hold, held = rows(holds.at, mesh.nodes), np.einsum("hja,hj,hjb->abh", holds.axes, holds.damping, holds.axes)
+    hold, restrained = rows(holds.at, mesh.nodes), np.einsum("hja,hj,hjb->abh", holds.axes, holds.damping, holds.axes)
     tie, way = _stretched(potential, mesh, r)[:2]
     c = np.where(_stretched(potential, mesh, shape)[3], ties.damping, 0.0)
     blocks = [
         [
             tie.T @ sparse.diags(c * way[a] * way[b]) @ tie
-            + hold.T @ sparse.diags(held[a, b]) @ hold
+            + hold.T @ sparse.diags(restrained[a, b]) @ hold
             + (sparse.diags(drag) + felt if a == b else 0.0 * felt)
             for b in range(3)
         ]

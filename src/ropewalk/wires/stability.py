@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.wires.mesh import Mesh, Riders
+from ropewalk.wires.mesh import Mesh, MovingLoads
 from ropewalk.wires.plan import Array
 from ropewalk.wires.rest import spring, ties_springs
 
@@ -12,18 +12,18 @@ SAFETY, SAFETY_ALONG = 0.9, 0.97  # nothing but the wire itself counts along it
 _SQUARES = 0.72  # the largest sum of squares of the weights of a spline
 
 
-def largest_step(mesh: Mesh, riders: Riders) -> float:
+def largest_step(mesh: Mesh, moving_loads: MovingLoads) -> float:
     """A step in s that is stable for motion across, from bounds of all frequencies, which add up at worst."""
     s = mesh.strands
     T, m = np.maximum(s.tension, 0.0), s.rho * s.h
     bending = s.stiffness + T * s.h**2 / 12.0
     across = (4.0 * T / s.h + 16.0 * bending / s.h**3 + s.bed * s.h) / m
     lightest = float(m.min())
-    total = across + _attached(mesh, lightest) + _at_ends(mesh) + _ridden(mesh, riders, lightest)
+    total = across + _attached(mesh, lightest) + _at_ends(mesh) + _ridden(mesh, moving_loads, lightest)
     # omega^2 (dt^2 + 2 beta dt) + 2 c / m dt < 4 for each wire
-    late = s.retardation + _damped(mesh, riders, lightest) / total
+    late = s.retardation + _damped(mesh, moving_loads, lightest) / total
     steps = np.sqrt(4.0 / total + late**2) - late
-    return SAFETY * float(min(steps.min(), _alone(riders)))
+    return SAFETY * float(min(steps.min(), _alone(moving_loads)))
 
 
 def largest_step_along(mesh: Mesh, inertia: float = 1.0) -> float:
@@ -37,8 +37,8 @@ def largest_step_along(mesh: Mesh, inertia: float = 1.0) -> float:
 def _attached(mesh: Mesh, lightest: float) -> float:
     """Bound of what ties and holds add to the square of a frequency; two neighbours may share nodes."""
     inside = (mesh.holds.node < 0)[:, None] & ~np.isinf(mesh.holds.stiffness)
-    held = np.where(inside, spring(mesh.holds.stiffness, mesh.holds.at.local[:, None]), 0.0)
-    stiff = [0.0, *ties_springs(mesh)[0], *held.ravel()]
+    restrained = np.where(inside, spring(mesh.holds.stiffness, mesh.holds.at.local[:, None]), 0.0)
+    stiff = [0.0, *ties_springs(mesh)[0], *restrained.ravel()]
     return 2.0 * _SQUARES * float(max(stiff)) / lightest
 
 
@@ -49,44 +49,44 @@ def _at_ends(mesh: Mesh) -> float:
     return float((stiff / mesh.mass[mesh.holds.node[at]]).max(initial=0.0))
 
 
-def _damped(mesh: Mesh, riders: Riders, lightest: float) -> float:
+def _damped(mesh: Mesh, moving_loads: MovingLoads, lightest: float) -> float:
     """Bound of the rates of dampers that act with the velocity of half a step ago, 1/s; those of holds do not."""
     tied = 2.0 * _SQUARES * float(max([0.0, *mesh.ties.damping])) / lightest
     found = [0.0]
-    for k, i in enumerate(riders.owner):
-        n = riders.size[i]
-        row = riders.row[k, :n]
-        light = float(row @ np.linalg.solve(riders.mass[i, :n, :n], row)) if n else 0.0
-        found.append(riders.damper[k] * (_SQUARES / lightest + light))
+    for k, i in enumerate(moving_loads.owner):
+        n = moving_loads.size[i]
+        row = moving_loads.row[k, :n]
+        light = float(row @ np.linalg.solve(moving_loads.mass[i, :n, :n], row)) if n else 0.0
+        found.append(moving_loads.damper[k] * (_SQUARES / lightest + light))
     return tied + float(sum(sorted(found)[-2:]))
 
 
-def _ridden(mesh: Mesh, riders: Riders, lightest: float) -> float:
+def _ridden(mesh: Mesh, moving_loads: MovingLoads, lightest: float) -> float:
     g = np.linspace(0.0, 0.25, 26)  # f (1 - f) at all parts of a link
     c = mesh.strands.local[:, :, None]
     local = (c[:, 0] + g * g * (c[:, 1] + g * c[:, 2])).min(axis=1)
     found = [0.0]
-    for k, i in enumerate(riders.owner):
-        if riders.spring[k] == 0.0 or np.isinf(riders.spring[k]):
+    for k, i in enumerate(moving_loads.owner):
+        if moving_loads.spring[k] == 0.0 or np.isinf(moving_loads.spring[k]):
             continue
-        stiff = 1.0 / (1.0 / riders.spring[k] + max(local[riders.wire[k]], -0.5 / riders.spring[k]))
-        n = riders.size[i]
-        row = riders.row[k, :n]
-        light = float(row @ np.linalg.solve(riders.mass[i, :n, :n], row)) if n else 0.0
+        stiff = 1.0 / (1.0 / moving_loads.spring[k] + max(local[moving_loads.wire[k]], -0.5 / moving_loads.spring[k]))
+        n = moving_loads.size[i]
+        row = moving_loads.row[k, :n]
+        light = float(row @ np.linalg.solve(moving_loads.mass[i, :n, :n], row)) if n else 0.0
         found.append(stiff * (_SQUARES / lightest + light))
     return float(sum(sorted(found)[-2:]))
 
 
-def _alone(riders: Riders) -> float:
+def _alone(moving_loads: MovingLoads) -> float:
     """The same for riders on rigid ground."""
     steps = [np.inf]
-    for i, n in enumerate(riders.size):
+    for i, n in enumerate(moving_loads.size):
         if n == 0:
             continue
-        K: Array = riders.stiffness[i, :n, :n].copy()
-        for k in np.flatnonzero(riders.owner == i):
-            if np.isfinite(riders.spring[k]):
-                K += riders.spring[k] * np.outer(riders.row[k, :n], riders.row[k, :n])
-        square = np.abs(np.linalg.eigvals(np.linalg.solve(riders.mass[i, :n, :n], K))).max()
+        K: Array = moving_loads.stiffness[i, :n, :n].copy()
+        for k in np.flatnonzero(moving_loads.owner == i):
+            if np.isfinite(moving_loads.spring[k]):
+                K += moving_loads.spring[k] * np.outer(moving_loads.row[k, :n], moving_loads.row[k, :n])
+        square = np.abs(np.linalg.eigvals(np.linalg.solve(moving_loads.mass[i, :n, :n], K))).max()
         steps.append(2.0 / np.sqrt(square) if square > 0.0 else np.inf)
     return float(min(steps))

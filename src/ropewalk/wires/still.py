@@ -8,15 +8,15 @@ import numpy as np
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.results.audit import energies
-from ropewalk.results.frame import IN_AIR, MOVES, Account, Contacts, Frame, Layout
+from ropewalk.results.frame import IN_AIR, MOVES, Contacts, Frame, Layout, RunInfo
 from ropewalk.solve.following import schedule, slow_motion
 from ropewalk.wires.bearing import Bearing, Borne
 from ropewalk.wires.layout import Reactions, axes_of, axial_force, layout_of
 from ropewalk.wires.plan import Array
-from ropewalk.wires.task import Task, ready
+from ropewalk.wires.task import WireTask, ready
 
 
-class Still:
+class WireStatics:
     """A run without inertia: its layout, and its frames one after the other.
 
     Args:
@@ -27,20 +27,20 @@ class Still:
         RopewalkError: there is no rest without loads.
     """
 
-    def __init__(self, task: Task, account: Account) -> None:
+    def __init__(self, task: WireTask, run_info: RunInfo) -> None:
         self.task, self._start = ready(task)
-        account.warnings += task.remarks
-        account.method, account.reason = "rest", "least potential energy"
-        self.account, self.mesh = account, self._start.mesh
+        run_info.warnings += task.remarks
+        run_info.method, run_info.reason = "rest", "least potential energy"
+        self.run_info, self.mesh = run_info, self._start.mesh
         self._axes, self._supports = axes_of(task), Reactions(self.mesh)
-        self._bearing = Bearing(self.mesh, self.task.journeys, self._start.unstrained, space=task.space)
+        self._bearing = Bearing(self.mesh, self.task.prescribed_motions, self._start.unstrained, space=task.space)
 
     @property
     def layout(self) -> Layout:
         """Names and coordinates of the result."""
         return layout_of(self.task, self.mesh, path="load_path")
 
-    def standing(self) -> Frame:
+    def loaded(self) -> Frame:
         """The only frame of an equilibrium."""
         return self._frame(self._bearing.stand(0.0, self._start.position), 0.0)
 
@@ -63,39 +63,41 @@ class Still:
 
     def _schedule(self) -> tuple[Array, Array]:
         """Times and paths of the first load, until all its contacts have come to the end of their line."""
-        if not self.task.journeys:
+        if not self.task.prescribed_motions:
             raise EquilibriumError("slow motion needs a load that travels")
-        journey = self.task.journeys[0]
-        length = self.task.plan.wires[journey.rider.contacts[0].wire].length
-        behind = [contact.behind for contact in journey.rider.contacts]
-        return schedule(journey.rider.name, journey.place, length, last=max(behind), first=min(behind))
+        prescribed_motion = self.task.prescribed_motions[0]
+        length = self.task.plan.wires[prescribed_motion.moving_load.contacts[0].wire].length
+        behind = [contact.behind for contact in prescribed_motion.moving_load.contacts]
+        return schedule(
+            prescribed_motion.moving_load.name, prescribed_motion.place, length, last=max(behind), first=min(behind)
+        )
 
     def _places(self, found: Borne) -> Array:
         """Where contacts are, (contact, 3) m; NaN of those off their wires."""
-        out = np.full((len(found.seats), 3), np.nan)
-        for k, seat in enumerate(found.seats):
-            if seat is not None:
-                out[k] = seat.value(found.position)
+        out = np.full((len(found.locations), 3), np.nan)
+        for k, location in enumerate(found.locations):
+            if location is not None:
+                out[k] = location.value(found.position)
                 out[k, -1] = found.height[k]
         return out
 
     def _frame(self, found: Borne, path: float) -> Frame:
         axes, mesh, count, dim = self._axes, self.mesh, found.station.size, len(self._axes)
         r, strands = found.position, mesh.strands
-        potential, riders = self._bearing.potential, self._bearing.riders
+        potential, moving_loads = self._bearing.potential, self._bearing.moving_loads
         stretched = potential.tension(r)
         tension = axial_force(mesh, stretched, r)
         EA = np.repeat([wire.axial_stiffness for wire in self.task.plan.wires], strands.links)
         seen = Contacts(count, dim)
         seen.position = self._places(found)[:, axes]
         first = np.concatenate([[0], np.cumsum(strands.links)[:-1]])
-        for k, seat in enumerate(found.seats):
-            if seat is None:
+        for k, location in enumerate(found.locations):
+            if location is None:
                 continue
-            a = int(riders.wire[k])
+            a = int(moving_loads.wire[k])
             seen.force[k], seen.force[k, -1] = 0.0, found.force[k]
-            seen.xi[k], seen.speed[k], seen.hold[k] = seat.links * strands.h[a], 0.0, 0.0
-            seen.tension[k] = tension[first[a] + min(int(seat.links), int(strands.links[a]) - 1)]
+            seen.xi[k], seen.speed[k], seen.hold[k] = location.links * strands.h[a], 0.0, 0.0
+            seen.tension[k] = tension[first[a] + min(int(location.links), int(strands.links[a]) - 1)]
             seen.state[k] = MOVES if found.touches[k] else IN_AIR
         bodies = self._bodies(found)
         return Frame(
@@ -106,16 +108,16 @@ class Still:
         )  # fmt: skip
 
     def _bodies(self, found: Borne) -> Array:
-        riders = self._bearing.riders
-        begin = np.concatenate([[0], np.cumsum(riders.size)])
+        moving_loads = self._bearing.moving_loads
+        begin = np.concatenate([[0], np.cumsum(moving_loads.size)])
         out = np.zeros((len(self.task.shown), len(self._axes)))
         for i, body in enumerate(self.task.shown):
-            k = int(np.flatnonzero(riders.owner == body.journey)[body.wheel])
-            a = int(riders.wire[k])
+            k = int(np.flatnonzero(moving_loads.owner == body.prescribed_motion)[body.wheel])
+            a = int(moving_loads.wire[k])
             start, along = self.mesh.strands.across[a].tolist()
-            seat, station = found.seats[k], float(found.station[k])
-            x = float(seat.value(found.position)[0]) if seat is not None else start + along * station
-            q = found.coordinates[begin[body.journey] : begin[body.journey + 1]]
+            location, station = found.locations[k], float(found.station[k])
+            x = float(location.value(found.position)[0]) if location is not None else start + along * station
+            q = found.coordinates[begin[body.prescribed_motion] : begin[body.prescribed_motion + 1]]
             out[i, 0], out[i, -1] = x + np.sign(along) * body.ahead, body.base + float(body.row @ q)
         return out
 
@@ -131,5 +133,5 @@ class Still:
         weights = float((potential.force * r).sum())
         stored = potential.energy(r) + weights
         potential.pressing = loads
-        borne = -float(self._bearing.riders.rest @ np.where(found.touches, found.height, 0.0))
+        borne = -float(self._bearing.moving_loads.rest @ np.where(found.touches, found.height, 0.0))
         return energies(elastic=stored, gravitational=-weights, load_potential=borne)

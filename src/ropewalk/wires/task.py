@@ -12,13 +12,13 @@ from scipy.optimize import brentq
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.solve.minimum import is_definite
-from ropewalk.wires.equilibrium import Potential, settle_on_rails
-from ropewalk.wires.journey import Journey
+from ropewalk.wires.contact_location import location_at, location_below
+from ropewalk.wires.equilibrium import WirePotential, settle_on_rails
 from ropewalk.wires.mesh import Mesh, mesh_of
 from ropewalk.wires.partners import Foreigner
-from ropewalk.wires.plan import Array, Plan, Rider, Spot, Wire
-from ropewalk.wires.rest import Rest, hung, moving, rest_of, rows, spring, vertical_stiffness
-from ropewalk.wires.seat import seat_at, seat_below
+from ropewalk.wires.plan import Array, Spot, TravellingLoad, Wire, WirePlan
+from ropewalk.wires.prescribed_motion import PrescribedMotion
+from ropewalk.wires.rest import WiresAtRest, hung, moving, rest_of, rows, spring, vertical_stiffness
 
 Geometry = Literal["nonlinear", "linearised"]
 _MOST_ROUNDS, _CLOSE = 20, 1e-6  # in which unstrained lengths are found, and how closely they give the tension
@@ -33,7 +33,7 @@ class Shown:
     """A coordinate of a rider that results show as a body: how high it is, and where."""
 
     name: str
-    journey: int
+    prescribed_motion: int
     row: Array  # (coordinate,) height over `base`
     base: float  # m
     ahead: float = 0.0  # m ahead of the contact
@@ -41,11 +41,11 @@ class Shown:
 
 
 @dataclass(frozen=True)
-class Task:
+class WireTask:
     """What is computed."""
 
-    plan: Plan
-    journeys: tuple[Journey, ...]
+    plan: WirePlan
+    prescribed_motions: tuple[PrescribedMotion, ...]
     contacts: tuple[str, ...]  # name of each contact in results
     shown: tuple[Shown, ...] = ()
     element: float | list[int] = 0.25  # m, or the number of links of each wire
@@ -58,20 +58,20 @@ class Task:
     remarks: tuple[str, ...] = ()  # what one should know of it
     with_loads: bool = False  # whether the wires begin at rest with what travels on them
     # From wires at rest without loads to positions and velocities (3, node) in m and m/s that they begin with.
-    beginning: Callable[[Start], tuple[Array, Array]] | None = None
+    beginning: Callable[[WireStart], tuple[Array, Array]] | None = None
 
 
 @dataclass(frozen=True)
-class Start:
+class WireStart:
     """Wires divided and at rest."""
 
     mesh: Mesh
     position: Array  # (3, node) m
     unstrained: Array  # (node,) m, of the link behind each node
-    rest: Rest | None  # small motion: about this
+    rest: WiresAtRest | None  # small motion: about this
 
 
-def unstretched(plan: Plan, element: float | list[int]) -> Plan:
+def unstretched(plan: WirePlan, element: float | list[int]) -> WirePlan:
     """The plan with wires whose stations count unstrained metres as long as their tensions ask for.
 
     Raises:
@@ -87,7 +87,7 @@ def unstretched(plan: Plan, element: float | list[int]) -> Plan:
     for _ in range(_MOST_ROUNDS):  # where supports yield, the guess is none of the tension at rest
         mesh = mesh_of(found, element)
         position, unstrained = _guess(mesh)
-        rest = settle_on_rails(Potential(mesh, unstrained), position) if yields.intersection(wanted) else None
+        rest = settle_on_rails(WirePotential(mesh, unstrained), position) if yields.intersection(wanted) else None
         if rest is None:
             break
         last, soft, more = np.cumsum(mesh.strands.links), _softness(mesh), dict[int, float]()
@@ -102,7 +102,7 @@ def unstretched(plan: Plan, element: float | list[int]) -> Plan:
     return found
 
 
-def _with_lengths(plan: Plan, lengths: dict[int, float]) -> Plan:
+def _with_lengths(plan: WirePlan, lengths: dict[int, float]) -> WirePlan:
     """The plan with other unstrained lengths of some wires, in m; what is attached to them goes along."""
     wires = tuple(
         replace(wire, unstrained=lengths[i]) if i in lengths else wire for i, wire in enumerate(plan.wires)
@@ -128,18 +128,21 @@ def _softness(mesh: Mesh) -> Array:
     return out
 
 
-def ready(task: Task) -> tuple[Task, Start]:
+def ready(task: WireTask) -> tuple[WireTask, WireStart]:
     """Divide the wires and find their rest; riders that are to stand on the wires take their first places there.
 
     Raises:
         RopewalkError: something is attached off its wire, or there is no rest.
     """
     start = _linearised(task) if task.geometry == "linearised" else _nonlinear(task)
-    journeys = tuple(standing(start, journey) if journey.stands else journey for journey in task.journeys)
-    return replace(task, journeys=journeys), start
+    prescribed_motions = tuple(
+        loaded(start, prescribed_motion) if prescribed_motion.stands else prescribed_motion
+        for prescribed_motion in task.prescribed_motions
+    )
+    return replace(task, prescribed_motions=prescribed_motions), start
 
 
-def _linearised(task: Task) -> Start:
+def _linearised(task: WireTask) -> WireStart:
     for wire in task.plan.wires:
         if wire.tension <= 0.0 and not wire.bending_stiffness:
             raise EquilibriumError(
@@ -162,10 +165,10 @@ def _linearised(task: Task) -> Start:
                 "straight line: write geometry: nonlinear, or give tension"
             )
     rest = rest_of(mesh)
-    return Start(mesh, rest.position, hung(mesh, rest.position), rest)
+    return WireStart(mesh, rest.position, hung(mesh, rest.position), rest)
 
 
-def _nonlinear(task: Task) -> Start:
+def _nonlinear(task: WireTask) -> WireStart:
     plan = task.plan
     mesh = mesh_of(plan, task.element)
     if task.near is not None:
@@ -174,7 +177,7 @@ def _nonlinear(task: Task) -> Start:
     else:
         position, unstrained = _guess(mesh)
     for _ in range(2):
-        found = settle_on_rails(Potential(mesh, unstrained), position, space=task.space)
+        found = settle_on_rails(WirePotential(mesh, unstrained), position, space=task.space)
         position = found.position
         if all(wire.unstrained is None for wire in plan.wires):
             break
@@ -187,7 +190,7 @@ def _nonlinear(task: Task) -> Start:
         ]
         plan = replace(plan, wires=tuple(wires))
         mesh = mesh_of(plan, task.element)
-    return Start(mesh, position, unstrained, None)
+    return WireStart(mesh, position, unstrained, None)
 
 
 def _guess(mesh: Mesh) -> tuple[Array, Array]:
@@ -216,8 +219,8 @@ def yielded(mesh: Mesh, position: Array, tension: Array) -> Array:
         a, axes, stiff = int(mesh.holds.at.wire[i]), mesh.holds.axes[i], mesh.holds.stiffness[i]
         way = np.subtract(mesh.plan.wires[a].end, mesh.plan.wires[a].start) / mesh.plan.wires[a].chord
         pull = way * tension[a] * (1.0 if node == s.first[a] else -1.0) + mesh.holds.force[i]
-        held = np.isfinite(stiff) & (stiff > 0.0)
-        moved = float(axes[held, 0] @ (axes[held] @ pull / stiff[held]))
+        restrained = np.isfinite(stiff) & (stiff > 0.0)
+        moved = float(axes[restrained, 0] @ (axes[restrained] @ pull / stiff[restrained]))
         part, along = mesh.of(a), np.linspace(0.0, 1.0, int(s.links[a]) + 1)
         out[0, part] += moved * (along if node != s.first[a] else 1.0 - along)
     return out
@@ -247,7 +250,7 @@ def hanging(start: Array, end: Array, length: float, links: int) -> Array:
     return np.stack([start[0] + flat[0] * part, start[1] + flat[1] * part, z])
 
 
-def place_at(start: Start, wire: int, station: float, *, material: bool) -> tuple[float, float]:
+def place_at(start: WireStart, wire: int, station: float, *, material: bool) -> tuple[float, float]:
     """Height of a wire at rest in m, and its slope in m per m of station; beyond its ends it is level.
 
     Args:
@@ -258,58 +261,64 @@ def place_at(start: Start, wire: int, station: float, *, material: bool) -> tupl
     if not 0.0 <= station <= mesh.plan.wires[wire].length:
         return float(own[0 if station < 0.0 else -1]), 0.0
     if material or start.rest is not None:
-        seat = seat_at(mesh, wire, station / h)
-        return float(seat.value(z)), float(seat.slope(z)) / h
+        location = location_at(mesh, wire, station / h)
+        return float(location.value(z)), float(location.slope(z)) / h
     begin, along = mesh.strands.across[wire]
-    seat = seat_below(mesh, wire, start.position[0], float(begin + along * station))
-    return float(seat.value(z)), float(along * seat.slope(z) / seat.slope(start.position[0]))
+    location = location_below(mesh, wire, start.position[0], float(begin + along * station))
+    return float(location.value(z)), float(along * location.slope(z) / location.slope(start.position[0]))
 
 
-def standing(start: Start, journey: Journey) -> Journey:
+def loaded(start: WireStart, prescribed_motion: PrescribedMotion) -> PrescribedMotion:
     """A journey whose rider begins at rest within itself, on contacts that go along the wires as they rest."""
-    rider = journey.rider
-    stations = [float(journey.place(np.zeros(1))[0]) - c.behind for c in rider.contacts]
-    found = [place_at(start, c.wire, s, material=c.material)[0] for c, s in zip(rider.contacts, stations, strict=True)]
-    height = np.array(found) - [c.base for c in rider.contacts]
-    return along(start, replace(journey, first=resting(rider, height)))
+    moving_load = prescribed_motion.moving_load
+    stations = [float(prescribed_motion.place(np.zeros(1))[0]) - c.behind for c in moving_load.contacts]
+    found = [
+        place_at(start, c.wire, s, material=c.material)[0] for c, s in zip(moving_load.contacts, stations, strict=True)
+    ]
+    height = np.array(found) - [c.base for c in moving_load.contacts]
+    return along(start, replace(prescribed_motion, first=resting(moving_load, height)))
 
 
-def along(start: Start, journey: Journey) -> Journey:
+def along(start: WireStart, prescribed_motion: PrescribedMotion) -> PrescribedMotion:
     """The same with rates as of one that goes along the wires as they rest.
 
     Who begins at the very end of a wire comes from level ground: only what is rigidly on the wire rises with it.
     """
-    rider = journey.rider
-    if not journey.stands:
-        return journey
-    place = journey.place(np.array([0.0, _INSTANT]))
+    moving_load = prescribed_motion.moving_load
+    if not prescribed_motion.stands:
+        return prescribed_motion
+    place = prescribed_motion.place(np.array([0.0, _INSTANT]))
     speed = (place[1] - place[0]) / _INSTANT
-    stations = [float(place[0]) - c.behind for c in rider.contacts]
-    slopes = [place_at(start, c.wire, s, material=c.material)[1] for c, s in zip(rider.contacts, stations, strict=True)]
+    stations = [float(place[0]) - c.behind for c in moving_load.contacts]
+    slopes = [
+        place_at(start, c.wire, s, material=c.material)[1] for c, s in zip(moving_load.contacts, stations, strict=True)
+    ]
     rise = speed * np.array(slopes)
-    lengths = [start.mesh.plan.wires[c.wire].length for c in rider.contacts]
+    lengths = [start.mesh.plan.wires[c.wire].length for c in moving_load.contacts]
     within = np.array([0.0 < s < length for s, length in zip(stations, lengths, strict=True)], dtype=np.bool_)
-    return replace(journey, rate=_struck(rider, resting(rider, np.where(within, rise, 0.0)), rise))
+    return replace(
+        prescribed_motion, rate=_struck(moving_load, resting(moving_load, np.where(within, rise, 0.0)), rise)
+    )
 
 
-def _struck(rider: Rider, rate: Array, rise: Array) -> Array:
+def _struck(moving_load: TravellingLoad, rate: Array, rise: Array) -> Array:
     """Rates of the coordinates after a blow that gives rigid contacts the rates of the wires under them."""
-    rigid = np.array([np.isinf(contact.stiffness) for contact in rider.contacts], dtype=np.bool_)
+    rigid = np.array([np.isinf(contact.stiffness) for contact in moving_load.contacts], dtype=np.bool_)
     if not rigid.any():
         return rate
-    row = np.array([contact.row for contact in rider.contacts]).reshape(-1, rider.size)[rigid]
-    yielding = np.linalg.solve(rider.mass, row.T)
+    row = np.array([contact.row for contact in moving_load.contacts]).reshape(-1, moving_load.size)[rigid]
+    yielding = np.linalg.solve(moving_load.mass, row.T)
     struck: Array = rate + yielding @ np.linalg.lstsq(row @ yielding, rise[rigid] - row @ rate, rcond=None)[0]
     return struck
 
 
-def resting(rider: Rider, height: Array) -> Array:
+def resting(moving_load: TravellingLoad, height: Array) -> Array:
     """Coordinates of a rider at rest on contacts that are moved up by heights in m; or their rates, by rates."""
-    size = rider.size
-    rigid = np.array([np.isinf(contact.stiffness) for contact in rider.contacts], dtype=np.bool_)
-    row = np.array([contact.row for contact in rider.contacts]).reshape(-1, size)
-    soft = np.where(rigid, 0.0, [contact.stiffness for contact in rider.contacts])
-    stiffness = rider.stiffness + row.T @ (soft[:, None] * row)
+    size = moving_load.size
+    rigid = np.array([np.isinf(contact.stiffness) for contact in moving_load.contacts], dtype=np.bool_)
+    row = np.array([contact.row for contact in moving_load.contacts]).reshape(-1, size)
+    soft = np.where(rigid, 0.0, [contact.stiffness for contact in moving_load.contacts])
+    stiffness = moving_load.stiffness + row.T @ (soft[:, None] * row)
     fast, none = row[rigid], np.zeros((int(rigid.sum()),) * 2)
     K = np.block([[stiffness, fast.T], [fast, none]])
     given = np.concatenate([row.T @ (np.where(rigid, 0.0, soft) * height), height[rigid]])

@@ -1,0 +1,199 @@
+"""Wheels: every place where a load touches its line, from the declarations of the loads."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.footfall import Footfall, outwards
+from ropewalk.model.fmu import Fmu
+from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.history import ForceTable
+from ropewalk.model.line import Line
+from ropewalk.model.load import AnyLoad, Foreign, MovingForce
+from ropewalk.model.mass import MovingMass
+from ropewalk.model.matrices import Matrices
+from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.scenario import Scenario
+from ropewalk.model.stepper import Stepper
+from ropewalk.model.travel import FreeTravel, Measure, Travel
+from ropewalk.model.trolley import Trolley
+from ropewalk.model.vehicle import Vehicle
+from ropewalk.model.walker import Walker
+
+FEET = {"left": ("left", "right"), "right": ("right", "left")}
+"""Names of the feet of a person, the first one first."""
+
+
+@dataclass(frozen=True)
+class ContactPoint:
+    """A wheel, foot or contact of a load."""
+
+    load: str  # name of its load
+    part: str  # name within it, empty where it is the only one
+    on: str
+    measured: Measure
+    start: float  # m from the start of the line, as measured; negative: before it
+    speed: Any = 0.0  # m/s as measured, a history
+    at_end: str = "leave"
+    margin: float | None = None  # m
+    force: Any = (0.0, 0.0)  # N, a history
+    contact: str = "clamped"
+    friction: float | None = None
+    friction_model: str = "capstan"
+    mass: float = 0.0  # kg, that follows the line up and down
+    across: float = 0.0  # kg, more of it in the other directions: what the wheel pulls along
+    air_drag: float = 0.0  # kg/m
+    lift: int = 0  # 1: runs above and may leave the line, -1: below
+    free: FreeTravel | None = None
+    given: bool = field(default=True)  # False for a force that is found while the motion goes on
+
+    @property
+    def name(self) -> str:
+        """Name of the contact in results."""
+        return f"{self.load}.{self.part}" if self.part else self.load
+
+
+def wheels_of(scenario: Scenario) -> list[ContactPoint]:
+    """All wheels of all loads, in order."""
+    return [
+        wheel
+        for name, load in scenario.loads.items()
+        for wheel in _wheels(name, load, scenario.gravity, scenario.lines.get(load.on))
+    ]
+
+
+def _wheels(name: str, load: AnyLoad, gravity: float, line: Line | None) -> Iterator[ContactPoint]:
+    places = load.starts()
+    if isinstance(load, MovingForce):
+        yield ContactPoint(
+            name, "", load.on, places[0].measured, places[0].start, **_prescribed(load.travel), force=load.force,
+            contact=load.contact, friction=load.friction, friction_model=load.friction_model,
+        )  # fmt: skip
+    elif isinstance(load, MovingMass):
+        yield ContactPoint(
+            name, "", load.on, places[0].measured, places[0].start, **_travel(load.travel), force=load.force,
+            contact=load.contact, mass=load.mass, air_drag=load.air_drag, lift=_lift(load),
+        )  # fmt: skip
+    elif isinstance(load, Trolley):
+        yield ContactPoint(
+            name, "", load.on, places[0].measured, places[0].start, **_travel(load.travel), force=load.force,
+            mass=load.mass, air_drag=load.air_drag, lift=_lift(load),
+        )  # fmt: skip
+    elif isinstance(load, Oscillator):
+        soft = load.contact_stiffness is not None
+        yield ContactPoint(
+            name, "", load.on, places[0].measured, places[0].start, **_travel(load.travel),
+            mass=0.0 if soft else load.wheel_mass, across=load.mass + load.wheel_mass if soft else 0.0,
+            lift=0 if soft else _lift(load),
+        )  # fmt: skip
+    elif isinstance(load, Vehicle):
+        across = shares(load)
+        for place, (part, wheel) in zip(places, load.wheels.items(), strict=True):
+            soft = wheel.contact_stiffness is not None
+            yield ContactPoint(
+                name, part if len(places) > 1 else "", load.on, place.measured, place.start,
+                **_prescribed(load.travel), mass=0.0 if soft else wheel.mass,
+                across=across[part] + (wheel.mass if soft else 0.0), lift=0 if soft else _lift(load),
+            )  # fmt: skip
+    elif isinstance(load, Matrices):
+        for place, (part, axle) in zip(places, load.wheels.items(), strict=True):
+            own = load.coordinates.index(axle.coordinate)
+            yield ContactPoint(
+                name, part if len(places) > 1 else "", load.on, place.measured, place.start,
+                **_prescribed(load.travel), mass=load.mass[own][own], lift=_lift(load),
+            )  # fmt: skip
+    elif isinstance(load, Footsteps):
+        side = outwards(line, load.towards, load.first_foot) if load.lateral and line is not None else None
+        for number, foot in enumerate(FEET[load.first_foot]):
+            force = Footfall(load, number, gravity, side)
+            yield ContactPoint(name, foot, load.on, "material", places[0].start, force=force, given=False)
+    elif isinstance(load, Walker):
+        for foot in FEET[load.first_foot]:
+            yield ContactPoint(name, foot, load.on, "material", places[0].start, mass=load.foot_mass, given=False)
+    else:
+        assert isinstance(load, Stepper | Fmu)
+        count = contacts_of(name, load)
+        parts = list(load.contacts) if isinstance(load, Fmu) else [str(number + 1) for number in range(count)]
+        for number, part in enumerate(parts):
+            start = places[number if isinstance(load, Fmu) else 0].start
+            yield ContactPoint(
+                name, part if count > 1 else "", load.on, "material", start, given=False,
+                force=ForceTable(time=(0.0, load.every), value=((0.0, 0.0), (0.0, 0.0))),  # filled as it goes
+            )  # fmt: skip
+
+
+def contacts_of(name: str, load: Foreign) -> int:
+    """How many contacts a foreign load may have: of a stepper its attribute `contacts`, an option of that name, or 1.
+
+    Raises:
+        RopewalkError: there is no such model.
+    """
+    if isinstance(load, Fmu):
+        return len(load.contacts)
+    model = named(name, load.model) if isinstance(load.model, str) else load.model
+    return int(getattr(model, "contacts", load.options.get("contacts", 1)))
+
+
+def named(name: str, place: str) -> Any:
+    """What module:name or file.py:name stands for, for the load of a name.
+
+    Raises:
+        RopewalkError: there is no such thing.
+    """
+    home, _, attribute = place.rpartition(":")
+    try:
+        if not home.endswith(".py"):
+            return getattr(importlib.import_module(home), attribute)
+        spec = importlib.util.spec_from_file_location(Path(home).stem, home)
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return getattr(module, attribute)
+    except (Exception, SystemExit) as error:
+        why = f"it ends the program, {error!r}" if isinstance(error, SystemExit) else error
+        raise RopewalkError(f"load {name}: its model {place} cannot be found ({why})") from error
+
+
+def _prescribed(travel: Travel) -> dict[str, Any]:
+    return {"speed": travel.speed, "at_end": travel.at_end, "margin": travel.margin}
+
+
+def _travel(travel: Travel | FreeTravel) -> dict[str, Any]:
+    if isinstance(travel, Travel):
+        return _prescribed(travel)
+    return {
+        "speed": travel.driver.speed if travel.driver is not None else travel.speed, "at_end": travel.at_end,
+        "margin": travel.margin, "friction": travel.friction, "friction_model": travel.friction_model, "free": travel,
+    }  # fmt: skip
+
+
+def _lift(load: MovingMass | Trolley | Oscillator | Vehicle | Matrices) -> int:
+    return 0 if not load.lift_off else (1 if load.side == "above" else -1)
+
+
+def shares(load: Vehicle) -> dict[str, float]:
+    """Mass that each wheel of a vehicle pulls along: its bodies, shared as by levers about the outer springs."""
+    names = list(load.wheels)
+    if len(names) == 1:
+        return {names[0]: sum(body.mass for body in load.bodies.values())}
+    found = dict.fromkeys(names, 0.0)
+    for body in load.bodies.values():  # to the two wheels on both sides of its centre
+        ahead = [n for n in names if load.wheels[n].at >= body.at]
+        behind = [n for n in names if load.wheels[n].at < body.at]
+        front = min(ahead, key=lambda n: load.wheels[n].at) if ahead else max(names, key=lambda n: load.wheels[n].at)
+        rear = max(behind, key=lambda n: load.wheels[n].at) if behind else min(names, key=lambda n: load.wheels[n].at)
+        if front == rear or not ahead or not behind:
+            found[front if ahead else rear] += body.mass
+            continue
+        a, b = load.wheels[rear].at, load.wheels[front].at
+        part = (body.at - a) / (b - a)
+        found[front] += part * body.mass
+        found[rear] += (1.0 - part) * body.mass
+    return found

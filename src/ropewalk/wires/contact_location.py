@@ -1,0 +1,59 @@
+"""Where a point of a wire is: its place on the spline that is the wire."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropewalk.wires.mesh import Mesh
+from ropewalk.wires.plan import Array, Integers
+from ropewalk.wires.spline import WIDTH, points
+
+_MOST, _CLOSE = 20, 1e-12  # steps of a search for a place, and its end, in links
+
+
+@dataclass(frozen=True)
+class Location:
+    """A point of a wire: the nodes that share it."""
+
+    links: float  # from the start of the wire
+    first: int  # node
+    weight: Array  # (derivative, WIDTH), with respect to `links`
+    local: float  # m/N, by which the wire yields beside the spline
+
+    def value(self, values: Array) -> Array:
+        """What the spline through values (..., node) of all nodes is there."""
+        return np.asarray(values[..., self.first : self.first + WIDTH] @ self.weight[0])
+
+    def slope(self, values: Array) -> Array:
+        """Its derivative there, per link."""
+        return np.asarray(values[..., self.first : self.first + WIDTH] @ self.weight[1])
+
+
+def location_at(mesh: Mesh, wire: int, links: float) -> Location:
+    """The point of a wire so many links from its start."""
+    n: Integers = mesh.strands.links[wire : wire + 1]
+    base, weight = points(np.array([links]), n)
+    local, part = mesh.strands.local[wire], links - np.floor(links)
+    g = part * (1.0 - part)
+    own = float(local[0] + g * g * (local[1] + g * local[2]))
+    return Location(links, int(base[0] + mesh.strands.first[wire]), weight[0], own)
+
+
+def location_below(mesh: Mesh, wire: int, x: Array, place: float) -> Location:
+    """The point of a wire at a horizontal place, or the end of the wire next to it.
+
+    Args:
+        x: (node,) m, of all nodes.
+        place: m.
+    """
+    n, own = float(mesh.strands.links[wire]), x[mesh.of(wire)]
+    turn = 1.0 if own[-1] >= own[0] else -1.0
+    found = location_at(mesh, wire, float(np.interp(turn * place, turn * own, np.arange(own.size))))
+    for _ in range(_MOST):
+        step = float((place - found.value(x)) / found.slope(x))
+        found = location_at(mesh, wire, min(max(found.links + step, 0.0), n))
+        if abs(step) < _CLOSE:
+            break
+    return found

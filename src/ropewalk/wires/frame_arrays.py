@@ -1,0 +1,210 @@
+"""From what is noted of the motion of wires to frames of the result, of many instants at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ropewalk.checkpoint import Tree
+from ropewalk.results.frame import IN_AIR, MOVES, Contacts
+from ropewalk.results.frames import Frames, summed
+from ropewalk.wires.contact_location import location_below
+from ropewalk.wires.energy import Energies, Then
+from ropewalk.wires.equilibrium import WirePotential
+from ropewalk.wires.large import LargeMotion
+from ropewalk.wires.layout import Reactions, axes_of, axial_force
+from ropewalk.wires.mesh import Mesh, MovingLoads
+from ropewalk.wires.plan import Array, Integers
+from ropewalk.wires.rest import beds, vertical_stiffness
+from ropewalk.wires.small import SmallMotion
+from ropewalk.wires.spline import WIDTH, points
+from ropewalk.wires.step_inputs import ON_WIRE, Drive, Record
+from ropewalk.wires.task import WireTask
+
+_NOTHING = 1e-100  # m: small motion begins with a little more than nothing
+
+
+class WireNote(NamedTuple):
+    """What a frame is made of, unchanged by what comes; of several instants, with these in front of all."""
+
+    t: Array  # () s
+    then: Then
+    where: Integers  # (contact,) as in `Drive`
+    station: Array  # (2, contact) m, now and a sample later
+    force: Array  # (contact,) N, of the step that follows, as are heights, ties and holds
+    height: Array  # (contact,) m
+    tie: Array  # (tie,) N
+    hold: Array  # (hold, 3) N
+    stations: Array  # (sample, contact) m, since the frame before, as is what was recorded
+    recorded: tuple[Array, Array, Array, Array]  # forces, heights, ties, watched points
+
+    @staticmethod
+    def of(t: float, then: Then, drive: Drive, now: Record, stations: Array, before: Record) -> WireNote:
+        """What is known at t in s, with what comes next and what came before."""
+        later = min(1, drive.station.shape[0] - 1)
+        return WireNote(
+            np.array(t), then, drive.where[0], drive.station[[0, later]], now.force[0], now.height[0], now.tie[0],
+            now.hold[0], stations, (before.force, before.height, before.tie, before.watched),
+        )  # fmt: skip
+
+
+class Pictures:
+    """What makes frames; the energies of the first one are the origin of its audit.
+
+    Args:
+        task: what is computed.
+        mesh: of its wires.
+        riders: on them.
+        motion: of both.
+        sample: s, from one sample to the next.
+        potential: of a large motion.
+        watched: (point,) m, heights of watched points at rest.
+        energies: of them.
+    """
+
+    def __init__(
+        self, task: WireTask, mesh: Mesh, moving_loads: MovingLoads, motion: LargeMotion | SmallMotion, sample: float,
+        potential: WirePotential | None, watched: Array, energies: Energies,
+    ) -> None:  # fmt: skip
+        self.task, self.mesh, self.moving_loads, self.motion, self.sample = task, mesh, moving_loads, motion, sample
+        self.axes, self._supports, self._energies, self._watched = axes_of(task), Reactions(mesh), energies, watched
+        self._in_air = np.zeros(moving_loads.owner.size)  # s, of each contact up to the last frame
+        ends, links = self._supports.ends, mesh.strands.links
+        self._first = np.concatenate([[0], np.cumsum(links)[:-1]])  # (wire,) number of its first link
+        self._links = np.concatenate([i + np.arange(n) for i, n in zip(mesh.strands.first, links, strict=True)])
+        self._stiffness = np.repeat([wire.axial_stiffness for wire in task.plan.wires], links)
+        self._potential = potential
+        if potential is None:
+            self._end_stiffness = vertical_stiffness(mesh)[ends]
+            self._risen = (beds(mesh) * mesh.straight()[2])[ends]
+            self._end_weight = task.plan.gravity * mesh.mass[ends]
+            self._strained = np.repeat([wire.tension / wire.axial_stiffness for wire in task.plan.wires], links)
+
+    def get_state(self) -> Tree:
+        """The origin of the audit, and how long contacts have been in the air."""
+        return {"energies": self._energies.get_state(), "in_air": self._in_air.copy()}
+
+    def set_state(self, tree: Tree) -> None:
+        """Go on from there."""
+        self._energies.set_state(tree["energies"])
+        self._in_air[:] = tree["in_air"]
+
+    def build(self, notes: Sequence[WireNote]) -> Frames:
+        """The frames of some notes."""
+        *early, recorded = zip(*notes, strict=True)
+        t, thens, *values = early
+        then = Then.together(thens)
+        where, station, force, height, tie, hold, stations = (np.stack(each) for each in values)
+        before = [np.stack(each) for each in zip(*recorded, strict=True)]
+        motion, lifts = self.motion, self.moving_loads.lifts
+        r, v = motion.seen(then.both)
+        if isinstance(motion, LargeMotion):
+            strain = motion.strain(r[:, self.axes])[:, self._links]
+            tension = axial_force(self.mesh, self._stiffness * strain, r)
+        else:
+            strain = np.broadcast_to(self._strained, (len(r), self._strained.size))
+            tension = self._stiffness * strain
+        tie = tie + motion.tie_at_rest
+        in_air = np.cumsum([self._in_air, *self.sample * ((before[0] == 0.0) & lifts).sum(axis=1)], axis=0)[1:]
+        self._in_air[:] = in_air[-1]
+        places, rates = self._bodies(then, station, r)
+        watched = np.where(np.abs(before[3]) < _NOTHING, 0.0, before[3] - self._watched)
+        of = {
+            "position": r[:, self.axes].swapaxes(1, 2), "velocity": v[:, self.axes].swapaxes(1, 2),
+            "tension": tension, "strain": strain, "body_position": places, "body_velocity": rates,
+            **self._contacts(r, tension, where == ON_WIRE, station, force, height, in_air).told(),
+            "reaction": self.reactions(motion.hold_at_rest + hold, tie, r), "energy": self._energies.of(then),
+            "tie_force": tie, "sampled_station": stations, "sampled_force": before[0], "sampled_height": before[1],
+            "sampled_tie_force": before[2] + motion.tie_at_rest, "sampled_uplift": watched,
+        }  # fmt: skip
+        return Frames(np.array(t), of)
+
+    def _contacts(
+        self, r: Array, tension: Array, on: Array, station: Array, force: Array, height: Array, in_air: Array
+    ) -> Contacts:
+        seen, strands = Contacts(*on.shape, len(self.axes)), self.mesh.strands
+        seen.position[on], seen.force[on], seen.hold[on] = 0.0, 0.0, 0.0
+        seen.position[on, -1], seen.force[on, -1] = height[on], force[on]
+        for k in np.flatnonzero(on.any(axis=0)):
+            at, a = np.flatnonzero(on[:, k]), int(self.moving_loads.wire[k])
+            links, first, weight = self._locations(int(k), station[at, 0, k], r[at])
+            for i, axis in enumerate(self.axes[:-1]):
+                seen.position[at, k, i] = _value(r[at, axis], first, weight)
+            seen.xi[at, k] = links * strands.h[a]
+            own = self._first[a] + np.minimum(links.astype(np.int64), strands.links[a] - 1)
+            seen.tension[at, k] = tension[at, own][:, None]
+        counted = np.where(self.moving_loads.material, 1.0, np.abs(strands.across[self.moving_loads.wire, 1]))
+        seen.speed[on] = (counted * (station[:, 1] - station[:, 0]) / self.sample)[on]
+        seen.state[on] = np.where(self.moving_loads.lifts & (force == 0.0), IN_AIR, MOVES)[on]
+        seen.in_air = in_air
+        return seen
+
+    def _locations(self, k: int, station: Array, r: Array) -> tuple[Array, Integers, Array]:
+        """Where contact k is on its wire at some instants, at an end if it is beyond that.
+
+        Args:
+            k: the contact.
+            station: (instant,) m.
+            r: (instant, 3, node) m.
+
+        Returns:
+            Links from the start of the wire (instant,), first of the nodes that share the point, and their parts
+            (instant, WIDTH).
+        """
+        a, strands = int(self.moving_loads.wire[k]), self.mesh.strands
+        inside = np.minimum(np.maximum(station, 0.0), self.task.plan.wires[a].length)
+        if isinstance(self.motion, LargeMotion) and not self.moving_loads.material[k]:
+            begin, along = strands.across[a]
+            x = begin + along * inside
+            locations = [location_below(self.mesh, a, row, float(place)) for row, place in zip(r[:, 0], x, strict=True)]
+            links = np.array([location.links for location in locations])
+        else:
+            links = inside / float(strands.h[a])
+        base, weight = points(links, np.full(links.size, strands.links[a]))
+        return links, base + strands.first[a], weight[:, 0]
+
+    def _bodies(self, then: Then, station: Array, r: Array) -> tuple[Array, Array]:
+        """Places and velocities of bodies, (instant, body, axis) m and m/s."""
+        out = np.zeros((2, len(r), len(self.task.shown), len(self.axes)))
+        for i, body in enumerate(self.task.shown):
+            k = int(np.flatnonzero(self.moving_loads.owner == body.prescribed_motion)[body.wheel])
+            a, n = int(self.moving_loads.wire[k]), body.row.size
+            q, last = then.q[:, body.prescribed_motion, :n], then.last[:, body.prescribed_motion, :n]
+            along, length = float(self.mesh.strands.across[a, 1]), self.task.plan.wires[a].length
+            x = []
+            for own in (station[:, 0, k], station[:, 1, k]):
+                _, first, weight = self._locations(k, own, r)
+                beyond = own - np.minimum(np.maximum(own, 0.0), length)
+                x.append(_value(r[:, 0], first, weight) + along * beyond)
+            out[0, :, i, 0], out[0, :, i, -1] = x[0] + np.sign(along) * body.ahead, body.base + summed(q * body.row)
+            out[1, :, i, 0], out[1, :, i, -1] = (
+                (x[1] - x[0]) / self.sample,
+                (q - last) @ body.row / self.motion.pace.step,
+            )
+        return out[0], out[1]
+
+    def reactions(self, hold: Array, tie: Array, r: Array) -> Array:
+        """Forces of all that holds wires on them, (instant, support, axis) N.
+
+        Args:
+            hold: (instant, hold, 3) N, those of holds.
+            tie: (instant, tie) N, those of ties.
+            r: (instant, 3, node) m.
+        """
+        strands, supports = self.mesh.strands, self._supports
+        if self._potential is not None:
+            bare = np.array([self._potential.bare_pull(one)[:, supports.ends].T for one in r])
+            return supports.of(bare, hold, tie, r)[..., self.axes]
+        bare = np.zeros((len(r), supports.ends.size, 3))
+        bare[..., 2] = self._risen - (self._end_stiffness @ r[:, 2].T).T - self._end_weight
+        force = supports.of(bare, hold, tie, r)
+        force[:, : 2 * strands.first.size, 0] = np.stack([-strands.tension, strands.tension], axis=1).ravel()
+        return force[..., self.axes]
+
+
+def _value(values: Array, first: Integers, weight: Array) -> Array:
+    """What splines through values (instant, node) are where nodes from the first on share a point by their weights."""
+    near = np.take_along_axis(values, first[:, None] + np.arange(WIDTH), axis=1)
+    return np.asarray((near * weight).sum(axis=1))

@@ -1,0 +1,219 @@
+"""Riders on wires: linear multi-body systems that touch the spline, the same for both kinds of motion."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ropewalk.mechanics.compiled import inlined
+from ropewalk.wires.mesh import MovingLoads
+from ropewalk.wires.plan import Array
+
+_SWEEPS = 4
+# Entries of `work`: of given forces, pushes and foreign interfaces; of what holds riders at their places along the line
+# and drives them over its roughness; lost in dampers of riders; taken up by contacts, as they come closer; lost in
+# dampers and drag of wires, ties and holds; done by holds that move, at their far ends.
+GIVEN, RESTRAINED, LOST, TAKEN, DAMPED, MOVED = 0, 1, 2, 3, 4, 5
+WORKS = 6
+# Entries of what is known of a contact at an instant: height of the spline in m, place in links, slope in m per link,
+# given force and all force on the wire in N, by how much rider and spline overlap in m, compliance beside the spline in
+# m/N, roughness in m.
+HEIGHT, PLACE, SLOPE, GIVEN_FORCE, FORCE, GAP, LOCAL, ROUGH = 0, 1, 2, 3, 4, 5, 6, 7
+_KNOWN = 8
+
+
+class TimeStepping(NamedTuple):
+    """What a step of a given length needs of the riders: central differences, damping implicit. And their state."""
+
+    step: float  # s
+    inverse: Array  # (rider, C, C) of M/dt^2 + C/(2 dt)
+    middle: Array  # (rider, C, C) 2 M/dt^2 - K
+    back: Array  # (rider, C, C) M/dt^2 - C/(2 dt)
+    q: Array  # (rider, C) now
+    last: Array  # (rider, C) a step ago
+    pushed: Array  # (rider, C) N, room
+    outer: Array  # (rider, C) N, what is put on them from outside
+    past: Array  # (rider, C) m, room
+    gap: Array  # (contact,) m by which rider and spline overlapped last, NaN before the first step
+    place: Array  # (contact,) in links along its wire, where it was found last
+    joined: Array  # (contact,) N, what has kept a rigid contact together in this step
+    here: Array  # (contact, _KNOWN) at the last instant, NaN where it was neither on the wire nor beside it
+    before: Array  # (contact, _KNOWN) the same a step ago
+    work: Array  # (WORKS,) J since the start
+    yields: Array  # (contact,) m/N by which a rigid contact gives way on the side of its rider, during a step
+
+
+# What of it changes from step to step, and is more than room.
+CHANGES = ("q", "last", "gap", "place", "joined", "here", "before", "work")
+
+
+def pace_of(moving_loads: MovingLoads, step: float, q: Array, place: Array) -> TimeStepping:
+    """Prepare steps of a length in s, from rest at coordinates q."""
+    M, C = moving_loads.mass / step**2, moving_loads.damping / (2.0 * step)
+    inverse = np.zeros_like(M)
+    for i, n in enumerate(moving_loads.size):
+        inverse[i, :n, :n] = np.linalg.inv((M + C)[i, :n, :n])
+    count = moving_loads.owner.size
+    nowhere, unknown = np.full(count, np.nan), np.full((count, _KNOWN), np.nan)
+    yields = np.array([row @ inverse[i] @ row for i, row in zip(moving_loads.owner, moving_loads.row, strict=True)])
+    return TimeStepping(
+        step, inverse, 2.0 * M - moving_loads.stiffness, M - C, q.copy(), q.copy(), np.zeros_like(q), np.zeros_like(q),
+        np.zeros_like(q), nowhere, place.copy(), np.zeros(count), unknown, unknown.copy(), np.zeros(WORKS),
+        yields.reshape(-1),
+    )  # fmt: skip
+
+
+def sweeps_of(moving_loads: MovingLoads, grips: int) -> int:
+    """How often all that is rigid is seen to in a step: contacts and holds that share nodes, or a rider, disturb."""
+    rigid = int(np.isinf(moving_loads.spring).sum())
+    return 0 if rigid + grips == 0 else 1 if rigid == 0 else _SWEEPS
+
+
+@inlined
+def between(table, row, part, k):
+    """Entry k of a table between two of its rows."""
+    return table[row, k] + part * (table[row + 1, k] - table[row, k])
+
+
+@inlined
+def between_rows(table, row, part):
+    """A table of one entry a row, between two of its rows."""
+    return table[row] + part * (table[row + 1] - table[row])
+
+
+@inlined
+def begin(moving_loads, pace, push, row, part):
+    """Put what is given on the coordinates of all riders."""
+    for k in range(moving_loads.owner.size):
+        pace.joined[k] = 0.0
+        for c in range(_KNOWN):
+            pace.before[k, c], pace.here[k, c] = pace.here[k, c], np.nan
+    for i in range(moving_loads.size.size):
+        for c in range(moving_loads.size[i]):
+            pace.outer[i, c] = push[row, i, c] + part * (push[row + 1, i, c] - push[row, i, c])
+            pace.pushed[i, c] = pace.outer[i, c]
+
+
+@inlined
+def press(moving_loads, pace, k, height, local):
+    """Force upwards on the wire at contact k, where the spline stands at a height; its rider feels the reaction.
+
+    Args:
+        height: with its roughness.
+        local: compliance of the wire beside its spline, in series with the spring of the contact, m/N: the wire stands
+            so much higher, for each N.
+    """
+    i, spring, rest = moving_loads.owner[k], moving_loads.spring[k], moving_loads.rest[k]
+    if spring == 0.0:
+        return rest
+    gap = moving_loads.base[k] - height
+    for c in range(moving_loads.size[i]):
+        gap += moving_loads.row[k, c] * pace.q[i, c]
+    last, pace.gap[k] = pace.gap[k], gap
+    if np.isinf(spring):  # rigid contacts are joined at the end of the step
+        return rest
+    force = rest + (gap - local * rest) / (local + 1.0 / spring)
+    if moving_loads.damper[k] > 0.0 and np.isfinite(last):
+        force += moving_loads.damper[k] * (gap - last) / pace.step
+    if moving_loads.lifts[k] and moving_loads.sign[k] * force < 0.0:
+        force = 0.0
+    for c in range(moving_loads.size[i]):
+        pace.pushed[i, c] -= moving_loads.row[k, c] * (force - rest)
+    return force
+
+
+@inlined
+def note(moving_loads, pace, record, row, step, k, height, s, slope, given, force, local, rough):
+    """Keep what is known of contact k in this step: for the accounts, and in the first step of a row for the record."""
+    here, gap = pace.here[k], pace.gap[k] if moving_loads.spring[k] > 0.0 else 0.0
+    here[HEIGHT], here[PLACE], here[SLOPE], here[GIVEN_FORCE], here[FORCE] = height, s, slope, given, force
+    here[GAP], here[LOCAL], here[ROUGH] = gap, local, rough
+    if step == 0:
+        record.force[row, k] = force
+        record.height[row, k] = height + gap if np.isinf(moving_loads.spring[k]) else height + local * force
+
+
+@inlined
+def join(moving_loads, pace, k, height, soft, local):
+    """Force upwards on the wire that brings a rigid contact together at the end of a step; its rider gives way.
+
+    Args:
+        height: of the spline at the end of the step, and all that was done before; with its roughness.
+        soft: what the spline gives way to a force during the step, m/N.
+        local: what the wire gives way to beside its spline, m/N.
+    """
+    i, sign, rest = moving_loads.owner[k], moving_loads.sign[k], moving_loads.rest[k]
+    gap = moving_loads.base[k] - height - local * (rest + pace.joined[k])
+    for c in range(moving_loads.size[i]):
+        gap += moving_loads.row[k, c] * pace.q[i, c]
+    force = gap / (soft + local + pace.yields[k])
+    if moving_loads.lifts[k] and sign * (rest + pace.joined[k] + force) < 0.0:
+        force = -rest - pace.joined[k]
+    pace.joined[k] += force
+    for c in range(moving_loads.size[i]):
+        for d in range(moving_loads.size[i]):
+            pace.q[i, c] -= pace.inverse[i, c, d] * moving_loads.row[k, d] * force
+    return force
+
+
+@inlined
+def ride(moving_loads, pace):
+    """Let the coordinates of all riders go on for a step."""
+    q, last, past, pushed = pace.q, pace.last, pace.past, pace.pushed
+    for i in range(moving_loads.size.size):
+        n = moving_loads.size[i]
+        for c in range(n):
+            for d in range(n):
+                pushed[i, c] += pace.middle[i, c, d] * q[i, d] - pace.back[i, c, d] * last[i, d]
+        for c in range(n):
+            past[i, c], last[i, c] = last[i, c], q[i, c]
+        for c in range(n):
+            q[i, c] = 0.0
+            for d in range(n):
+                q[i, c] += pace.inverse[i, c, d] * pushed[i, d]
+        for c in range(n):
+            two = q[i, c] - past[i, c]  # moved in two steps
+            pace.work[GIVEN] += 0.5 * pace.outer[i, c] * two
+            for d in range(n):
+                pace.work[LOST] += 0.25 * moving_loads.damping[i, c, d] * two * (q[i, d] - past[i, d]) / pace.step
+
+
+@inlined
+def settle_accounts(moving_loads, pace):
+    """Work at all contacts in the step that ends now, by what was there a step ago and is there now.
+
+    A force on the wire gives it the force times the rise of the particles below: the rise of the contact less what its
+    advance along the slope makes of it. The latter is what holds the rider at its place, against the slope; as is what
+    drives it over roughness. What rider and wire lose together is taken up by their contact.
+    """
+    for k in range(moving_loads.owner.size):
+        here, before = pace.here[k], pace.before[k]
+        here[FORCE] += pace.joined[k]
+        if np.isnan(here[HEIGHT]) or np.isnan(before[HEIGHT]):
+            continue
+        force, rough = 0.5 * (here[FORCE] + before[FORCE]), here[ROUGH] - before[ROUGH]
+        pace.work[GIVEN] += 0.5 * (here[GIVEN_FORCE] + before[GIVEN_FORCE]) * (here[HEIGHT] - before[HEIGHT])
+        pace.work[RESTRAINED] -= 0.5 * force * (here[SLOPE] + before[SLOPE]) * (here[PLACE] - before[PLACE])
+        if moving_loads.spring[k] == 0.0:
+            continue
+        if moving_loads.size[moving_loads.owner[k]] == 0:  # the far end of an interface is moved from outside
+            pace.work[GIVEN] -= force * rough
+        else:
+            pace.work[RESTRAINED] -= force * rough
+        pace.work[TAKEN] += force * (here[GAP] - before[GAP])
+
+
+@inlined
+def local_at(strands, a, s):
+    """Compliance of wire a beside its spline at a place in links, m/N."""
+    part = s - np.floor(s)
+    g = part * (1.0 - part)
+    return strands.local[a, 0] + g * g * (strands.local[a, 1] + g * strands.local[a, 2])
+
+
+@inlined
+def local_under(strands, moving_loads, k, s):
+    """The same under contact k; where the spline yields more than a stiff wire itself, half of the contact at most."""
+    local, spring = local_at(strands, moving_loads.wire[k], s), moving_loads.spring[k]
+    return max(local, -0.5 / spring) if spring > 0.0 else local

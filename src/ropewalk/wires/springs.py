@@ -1,0 +1,108 @@
+"""Ties of wires in the plane or in space, as springs between splines, and between splines and the ground."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ropewalk.mechanics.compiled import inlined
+from ropewalk.wires.mesh import Mesh
+from ropewalk.wires.moving_loads import DAMPED
+from ropewalk.wires.plan import Array, Integers
+from ropewalk.wires.rest import rows, ties_springs
+from ropewalk.wires.spline import WIDTH
+
+_SHARES = tuple(np.uint64(k) for k in range(WIDTH))
+
+
+class Strings(NamedTuple):
+    """Ties in space."""
+
+    one: Integers  # (spring,) first node of the one end, and of the other
+    other: Integers
+    weight: Array  # (spring, 2, WIDTH) of both ends
+    place: Array  # (spring, 3) m, of the ground; NaN where the other end is on a wire
+    aside: Array  # (spring,) m sideways from the one end to the other, in the plane
+    length: Array  # m unstrained
+    pull: Array  # N/m
+    push: Array  # N/m
+    damping: Array  # N s/m
+    last: Array  # (spring,) m, length a step ago
+    rate: Array  # (spring,) m/s at which that changed, while it damped
+    steady: Array  # (spring, 2) N on the one end at rest, sideways and upwards: put on all the time, and not as pushes
+
+
+def strings_of(mesh: Mesh, position: Array) -> Strings:
+    """All ties, at rest at positions (3, node) m."""
+    ties = mesh.ties
+    pull, push = ties_springs(mesh)
+    away = (rows(ties.other, mesh.nodes) - rows(ties.one, mesh.nodes)) @ position.T
+    away += np.where(np.isfinite(ties.ground), ties.ground, 0.0)
+    last = np.sqrt((away**2).sum(axis=1))
+    longer = last - ties.length
+    pulls = np.where(longer > 0.0, pull, push) * longer / last
+    return Strings(
+        ties.one.base, ties.other.base, np.stack([ties.one.weight, ties.other.weight], axis=1), ties.ground,
+        away[:, 1].copy(), ties.length, pull, push, ties.damping, last, np.zeros_like(last),
+        pulls[:, None] * away[:, 1:],
+    )  # fmt: skip
+
+
+def steady_of(strings: Strings, nodes: int) -> Array:
+    """What all ties put on nodes at rest, sideways and upwards, (2, node) N."""
+    out = np.zeros((2, nodes))
+    for e, (i, j) in enumerate(zip(strings.one, strings.other, strict=True)):
+        out[:, i : i + WIDTH] += np.outer(strings.steady[e], strings.weight[e, 0])
+        out[:, j : j + WIDTH] -= np.outer(strings.steady[e], strings.weight[e, 1])
+    return out
+
+
+@inlined
+def _height(x, i, weight, e, side):
+    """Coordinate of one end of spring e on a wire."""
+    out = 0.0
+    for k in _SHARES:
+        out += weight[e, side, k] * x[i + k]
+    return out
+
+
+@inlined
+def _give(x, gain, i, weight, e, side, F):
+    """Let a force move the nodes that share one end of spring e."""
+    for k in _SHARES:
+        x[i + k] += gain[i + k] * weight[e, side, k] * F
+
+
+@inlined
+def pull_ties(strings, now, other, gain, pace, found, row, step):
+    """What ties do during a step."""
+    dt, axes, weight, length, last = pace.step, now.shape[0], strings.weight, strings.length, strings.last
+    steady = strings.steady
+    x, z, out_x, out_z = now[0], now[axes - 1], other[0], other[axes - 1]
+    for e in range(strings.one.size):
+        i, j = np.uint64(strings.one[e]), np.uint64(strings.other[e])  # unsigned: no look at what is before an array
+        dx, dy, dz = strings.place[e, 0], strings.place[e, 1], strings.place[e, 2]
+        if np.isnan(dx):
+            dx, dz = _height(x, j, weight, e, 1), _height(z, j, weight, e, 1)
+            dy = _height(now[1], j, weight, e, 1) if axes == 3 else 0.0
+        dx, dz = dx - _height(x, i, weight, e, 0), dz - _height(z, i, weight, e, 0)
+        dy = dy - _height(now[1], i, weight, e, 0) if axes == 3 else strings.aside[e]
+        size = np.sqrt(dx * dx + dy * dy + dz * dz)
+        c, rate, before = strings.damping[e], (size - last[e]) / dt, strings.rate[e]
+        pace.work[DAMPED] += 0.5 * c * before * (before + rate) * dt
+        if size > length[e]:
+            N, strings.rate[e] = strings.pull[e] * (size - length[e]) + c * rate, rate
+        else:
+            N, strings.rate[e] = strings.push[e] * (size - length[e]), 0.0
+        last[e] = size
+        if step == 0:
+            found[e, row] = N
+        N /= size
+        _give(out_x, gain[0], i, weight, e, 0, N * dx)
+        _give(out_z, gain[axes - 1], i, weight, e, 0, N * dz - steady[e, 1])
+        _give(out_x, gain[0], j, weight, e, 1, -N * dx)
+        _give(out_z, gain[axes - 1], j, weight, e, 1, steady[e, 1] - N * dz)
+        if axes == 3:
+            _give(other[1], gain[1], i, weight, e, 0, N * dy - steady[e, 0])
+            _give(other[1], gain[1], j, weight, e, 1, steady[e, 0] - N * dy)

@@ -1,0 +1,52 @@
+"""What riders do during a run, and what is recorded of it: in rows at equal times, each of some steps."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ropewalk.wires.mesh import MovingLoads, Places
+from ropewalk.wires.plan import Array, Integers
+
+ABSENT, ON_WIRE, ON_GROUND = 0, 1, 2
+
+
+class Drive(NamedTuple):
+    """What is given at each row, and after the last one; linear in between."""
+
+    station: Array  # (row, contact) m along the wire
+    where: Integers  # (row, contact) ABSENT, ON_WIRE or ON_GROUND: level ground of the height of the wire's end
+    rough: Array  # (row, contact) m, irregularity: height that the contact feels beside that of the wire
+    given: Array  # (row, contact) N upwards on the wire, beside what a rider does
+    push: Array  # (row, rider, C) N on the coordinates
+    time: Array  # (row,) s
+
+    def rows(self, begin: int, end: int) -> Drive:
+        """Some of the rows, and that after them."""
+        return Drive(*(array[begin : end + 1] for array in self))  # type: ignore[arg-type]
+
+
+class Record(NamedTuple):
+    """What is found at each row."""
+
+    force: Array  # (row, contact) N upwards on the wire
+    height: Array  # (row, contact) m, of the wire at the contact
+    body: Array  # (row, rider, C) m, coordinates
+    tie: Array  # (row, tie) N, pull; in small motion its change since rest
+    hold: Array  # (row, hold, 3) N on the wire; in small motion its change since rest
+    watched: Array  # (row, point) m, height of watched points; in small motion over rest
+
+    @staticmethod
+    def of(rows: int, moving_loads: MovingLoads, ties: int, holds: int, watched: Places) -> Record:
+        """Room for a number of rows, which come last where there is an entry for each tie, hold or watched point."""
+        contacts, bodies = moving_loads.owner.size, moving_loads.mass.shape[:2]
+        unknown = (np.full((rows, *shape), np.nan) for shape in ((contacts,), (contacts,), bodies))
+        # Zeros cost nothing until they are touched: in this order, what lies beyond a window is not.
+        return Record(*unknown, *(np.zeros((*shape, rows)) for shape in ((ties,), (holds, 3), (watched.base.size,))))
+
+    def turned(self) -> Record:
+        """The same with rows first everywhere."""
+        return Record(
+            self.force, self.height, self.body, self.tie.T, self.hold.transpose(2, 0, 1), self.watched.T
+        )  # fmt: skip
