@@ -12,7 +12,7 @@ from statistics import median
 
 import numpy as np
 
-from ropewalk.mechanics.chain import Buffers
+from ropewalk.mechanics.chain import ChainBuffers
 from ropewalk.mechanics.compiled import entry_of
 from ropewalk.model import Dynamic, Line, MovingForce, Scenario, Travel
 from ropewalk.results.frame import RunInfo
@@ -55,7 +55,7 @@ def nanoseconds(elements: int, method: str, damping: float) -> float:
     count = max(min(int(WORK / elements / drifts.size), int(1.4 / step)), 20)
     times = []
     for _ in range(8):
-        now, buffers = state.copy(), Buffers.for_state(state)
+        now, buffers = state.copy(), ChainBuffers.for_state(state)
         start = clock.process_time()
         _, steps = advance(setting.strands, setting.loads, now, buffers, kicks, drifts, count * step, step, 10**9)
         times.append((clock.process_time() - start) / steps / elements)

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from motion_cases import order, slack_rope
 from ropewalk.mechanics import law
-from ropewalk.mechanics.chain import CONTACT, LINE_DAMPING, LOAD_WORK, OFF, Buffers, ChainState
+from ropewalk.mechanics.chain import CONTACT, LINE_DAMPING, LOAD_WORK, OFF, ChainBuffers, ChainState
 from ropewalk.model import Scenario
 from ropewalk.solve.banded import factorise, substitute
 from ropewalk.solve.collocation import REJECTIONS, E, balance
@@ -50,7 +50,7 @@ def implicit(
 def explicit(setting: PreparedRun, start: ChainState, until: float, step: float) -> ChainState:
     state = start.copy()
     status, _ = advance(
-        setting.strands, setting.loads, state, Buffers.for_state(state), *VERLET, until, step, 10_000_000
+        setting.strands, setting.loads, state, ChainBuffers.for_state(state), *VERLET, until, step, 10_000_000
     )
     assert status == RUNNING
     return state

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from ropewalk.mechanics.chain import Buffers, ChainState, Loads
+from ropewalk.mechanics.chain import ChainBuffers, ChainState, Loads
 from ropewalk.mechanics.link import pull, pull_one, pull_vectors, stretch_rate
 from ropewalk.solve import eigenvalues
 from ropewalk.solve.composition import VERLET
@@ -296,7 +296,7 @@ def test_the_verlet_method_is_stable_up_to_the_stable_step_and_not_beyond(c):
             np.zeros(1), r + shape, np.zeros_like(r), X.copy(), none, none.copy(), whole, none.copy(), np.zeros(4)
         )
         status, steps = advance(
-            strands, loads, state, Buffers.for_state(state), *VERLET, 600 * step, step * (1 + 1e-9), 10**6
+            strands, loads, state, ChainBuffers.for_state(state), *VERLET, 600 * step, step * (1 + 1e-9), 10**6
         )
         assert (status, steps) == (RUNNING, 600)
         return np.abs(state.r - r).max() / 1e-7

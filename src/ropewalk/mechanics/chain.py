@@ -103,7 +103,7 @@ class ChainState(NamedTuple):
         return ChainState(*(array.copy() for array in self))  # type: ignore[arg-type]
 
 
-class Buffers(NamedTuple):
+class ChainBuffers(NamedTuple):
     """Room for a step, so that the loop allocates nothing."""
 
     per_length: Array  # (link,) 1/m, one over the length of each link when it was last looked at
@@ -118,11 +118,11 @@ class Buffers(NamedTuple):
     velocity: Array  # (axis,)
 
     @staticmethod
-    def for_state(state: ChainState) -> Buffers:
-        """Buffers of the right size."""
+    def for_state(state: ChainState) -> ChainBuffers:
+        """ChainBuffers of the right size."""
         dim, loads = state.r.shape[0], state.xi.size
         location, one, axes = np.zeros((dim, loads)), np.zeros(loads), np.zeros(dim)
-        return Buffers(
+        return ChainBuffers(
             np.zeros(state.X.size),
             np.zeros(state.X.size),
             np.zeros_like(state.r),

@@ -13,7 +13,7 @@ from ropewalk.controllers.carrier import Controller
 from ropewalk.errors import RopewalkError
 from ropewalk.foreign.cosimulation_master import TravelEndedError
 from ropewalk.mechanics.bodies import Bodies
-from ropewalk.mechanics.chain import Array, Buffers, ChainState, Integers, Loads, Strands, Supports
+from ropewalk.mechanics.chain import Array, ChainBuffers, ChainState, Integers, Loads, Strands, Supports
 from ropewalk.mechanics.compiled import entry_of
 from ropewalk.mechanics.portions import portion
 from ropewalk.solve.choice import RKN6_LIMIT, SAFETY_WITH_MASSES, Bounds, Choice, bounds, is_compressed, verlet_step
@@ -205,7 +205,7 @@ class ChainMotion:
                 return  # what is in the way there will be said when it is reached
 
     def _advance(
-        self, loads: Loads, state: ChainState, buffers: Buffers | Workspace, bodies: Bodies | None, stop: float
+        self, loads: Loads, state: ChainState, buffers: ChainBuffers | Workspace, bodies: Bodies | None, stop: float
     ) -> tuple[int, int]:
         status, steps, most = TOO_MANY_STEPS, 0, portion(state.X.size, _EFFORT[self.choice.method])
         while status == TOO_MANY_STEPS and steps < MOST_STEPS:
@@ -218,7 +218,7 @@ class ChainMotion:
         most: int,
         loads: Loads,
         state: ChainState,
-        buffers: Buffers | Workspace,
+        buffers: ChainBuffers | Workspace,
         bodies: Bodies | None,
         stop: float,
     ) -> tuple[int, int]:
@@ -286,13 +286,13 @@ def _is_torn(strands: Strands, state: ChainState) -> bool:
     return False
 
 
-def _room_for(choice: Choice, loads: Loads, state: ChainState) -> Buffers | Workspace:
+def _room_for(choice: Choice, loads: Loads, state: ChainState) -> ChainBuffers | Workspace:
     """Room for the steps of the chosen method."""
     if choice.method == "implicit":
         from ropewalk.solve.radau import workspace_for
 
         return workspace_for(loads, state)
-    return Buffers.for_state(state)
+    return ChainBuffers.for_state(state)
 
 
 def _knots(times: Array, counts: Integers) -> Array:

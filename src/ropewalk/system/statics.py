@@ -210,8 +210,7 @@ class SystemPotential:
         return np.asarray(restrained.place[e] + moved)
 
     def _arguments(self) -> tuple[object, ...]:
-        loaded = self.loaded
-        return self.structure, self.buffers, loaded.contacts, loaded.state, self.table, self._out, self.how
+        return self.structure, self.buffers, self.loaded.contacts, self.loaded.state, self.table, self._out, self.how
 
     def _look(self, shape: Array) -> tuple[Array, Array]:
         """Find all forces in a shape, see `put`."""

@@ -1,0 +1,57 @@
+"""Names are words of structural and multibody dynamics, one for each thing, and each thing has one."""
+
+from __future__ import annotations
+
+import ast
+import io
+import re
+import tokenize
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+import ropewalk
+
+HOUSE = Path(ropewalk.__file__).parent
+FILES = sorted(path for path in HOUSE.rglob("*.py") if "__pycache__" not in path.parts)
+PRIVATE = set(
+    re.findall(
+        r"\w+",
+        "boarding board person guide guides rider riders carrying crowds crowded fleet ghost ghosts bodywork held holding "
+        "holdings standing pieces timetable web webs laying building sheets fabric seat seats seated travellers traveller "
+        "journey journeys account",
+    )
+)
+"""Words that say nothing to a stranger, each of which had a word of the field."""
+OF_THE_FIELD = {
+    "standing_force": "one that does not move",
+    "standing_tension": "of webbing between its anchors, as measured",
+}
+"""Names in which one of them is meant as everybody means it."""
+
+
+def words(name: str) -> set[str]:
+    """The words of an identifier, in small letters."""
+    return {word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", name)}
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(HOUSE).as_posix())
+def test_identifiers_are_words_of_the_field(path: Path) -> None:
+    found = {
+        f"{token.string} ({token.start[0]})"
+        for token in tokenize.generate_tokens(io.StringIO(path.read_text("utf-8")).readline)
+        if token.type == tokenize.NAME and token.string not in OF_THE_FIELD and words(token.string) & PRIVATE
+    }
+    assert not found, sorted(found)
+    assert not words(path.stem) & PRIVATE
+
+
+def test_no_class_has_the_name_of_another() -> None:
+    """But for `theory`, which stands alone."""
+    where = defaultdict(list)
+    for path in (path for path in FILES if "theory" not in path.parts):
+        for node in ast.parse(path.read_text("utf-8")).body:
+            if isinstance(node, ast.ClassDef):
+                where[node.name].append(path.relative_to(HOUSE).as_posix())
+    assert not {name: files for name, files in where.items() if len(files) > 1}
