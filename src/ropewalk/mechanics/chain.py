@@ -119,7 +119,7 @@ class ChainBuffers(NamedTuple):
 
     @staticmethod
     def for_state(state: ChainState) -> ChainBuffers:
-        """ChainBuffers of the right size."""
+        """Buffers of the right size."""
         dim, loads = state.r.shape[0], state.xi.size
         location, one, axes = np.zeros((dim, loads)), np.zeros(loads), np.zeros(dim)
         return ChainBuffers(

@@ -27,7 +27,7 @@ from ropewalk.mechanics.chain import (
     SHARED,
     STAY,
     Array,
-    Buffers,
+    ChainBuffers,
     ChainState,
     Integers,
 )
@@ -75,7 +75,7 @@ ITERATIONS, JACOBIANS, FACTORS, REJECTIONS = 0, 1, 2, 3
 class Workspace(NamedTuple):
     """Room for a step and what one step leaves to the next, so that the loop allocates nothing."""
 
-    locations: Buffers
+    locations: ChainBuffers
     Z: Array  # (stage, axis, node) m, positions of the stages beyond those at the start
     last: Array  # the same of the last step taken
     r: Array  # (stage, axis, node) m
@@ -110,7 +110,7 @@ class Workspace(NamedTuple):
         factors = np.zeros((5, nodes, dim, dim))
         per_load, plane = np.zeros((3, loads)), np.zeros((dim, nodes))
         return Workspace(
-            locations=Buffers.for_state(state),
+            locations=ChainBuffers.for_state(state),
             Z=stages.copy(), last=stages.copy(), r=stages.copy(), w=stages.copy(), g=stages.copy(),
             X=np.zeros((3, nodes)), t=np.zeros((3, 1)),
             xi=per_load.copy(), speed=per_load.copy(), way=per_load.copy(), pace=np.ones(loads), square=np.zeros(3),
