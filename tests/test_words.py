@@ -16,9 +16,9 @@ import ropewalk
 HOUSE = Path(ropewalk.__file__).parent
 FILES = sorted(path for path in HOUSE.rglob("*.py") if "__pycache__" not in path.parts)
 _LIST = """
-boarding board person guide guides rider riders carrying crowds crowded fleet ghost ghosts bodywork held holding holdings
-standing pieces timetable web webs laying building sheets fabric seat seats seated travellers traveller journey journeys
-account
+boarding board person guide guides rider riders carrying crowds crowded fleet ghost ghosts bodywork held holding
+holdings standing pieces timetable web webs laying building sheets fabric seat seats seated travellers traveller
+journey journeys account
 """
 PRIVATE = set(_LIST.split())
 """Words that say nothing to a stranger, each of which had a word of the field."""

@@ -176,7 +176,7 @@ def _unseen(name: str, line: OverheadLine) -> Iterator[str]:
 def _pantograph(
     name: str, load: Pantograph, section: Section, wire: int, until: float, *, slow: bool
 ) -> PrescribedMotion:
-    """The journey of a pantograph; `slow`: it presses with all of its force from the beginning."""
+    """The prescribed motion of a pantograph; `slow`: it presses with all of its force from the beginning."""
     course, start = Travelled(*speed_table(load.travel.speed, until)), load.travel.start
     lift = 0.0
     if load.wanted_mean is not None:

@@ -1,4 +1,4 @@
-"""The guides of a scenario."""
+"""The controllers of a scenario."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ropewalk.model.walker import Walker
 
 
 def controllers_of(carrier: Carrier, loading: Loading, scenario: Scenario) -> list[Steps | SpringLegWalker | Partner]:
-    """The guides of all loads that need one.
+    """The controllers of all loads that need one.
 
     Raises:
         RopewalkError: the model of a stepper cannot be made.

@@ -1,4 +1,4 @@
-"""Carriers: what an engine lets guides see and do while a motion goes on.
+"""Carriers: what an engine lets controllers see and do while a motion goes on.
 
 Contacts, coordinates of bodies and legs are numbered as in `mechanics/fleet.py`, whatever the engine makes of them.
 """

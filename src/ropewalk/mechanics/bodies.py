@@ -54,7 +54,7 @@ WHEEL = np.dtype(
         # how it moves
         ("phase", _CODE),
         ("at", _CODE),  # the link it is inside of, parked on or above, or the node whose place it has
-        ("passed", _CODE),  # seated: 1 if the node's particle is behind it by now
+        ("passed", _CODE),  # located: 1 if the node's particle is behind it by now
         ("r", *_VECTOR),  # m
         ("v", *_VECTOR),  # m/s
         ("ahead", *_VECTOR),  # m/s, extrapolated to the instant of the positions

@@ -110,7 +110,7 @@ class ChainBuffers(NamedTuple):
     q: Array  # (link,) N/m, tension over length of each link
     f: Array  # (axis, link) N, force vector of each link
     ahead: Array  # (axis, node) m/s, velocities extrapolated to the instant of the positions (damped lines only)
-    target: Array  # (load,) m, xi at which the load's seat on the chain has to change next
+    target: Array  # (load,) m, xi at which the load's location on the chain has to change next
     dr: Array  # (axis, load) m, r_c - r_a before a drift
     dw: Array  # (axis, load) m/s, w_c - w_a before a kick
     before: Array  # (load,) m/s, w along x of riding nodes before a kick

@@ -238,7 +238,7 @@ def material_speed(strands, loads, state, k, V):
 
 @lean_inner
 def next_change(strands, loads, state, k):
-    """The xi, ahead on the travel, at which the load's seat on the chain has to change."""
+    """The xi, ahead on the travel, at which the load's location on the chain has to change."""
     s = loads.strand[k]
     h, n = strands.h[s], strands.links[s]
     b, U, xi, margin = state.moving_load[k], state.speed[k], state.xi[k], loads.margin[k]
@@ -392,7 +392,7 @@ def _claim(strands, loads, state, k):
 
 @lean_inner
 def settle(strands, loads, state, k, point, velocity):
-    """Change the seat of load k if it has come to a place where it must.
+    """Change the location of load k if it has come to a place where it must.
 
     Returns:
         True if the load has come to the end of its line and may go neither on nor off.

@@ -1,4 +1,4 @@
-"""From a scenario to a web: nodes numbered, lines divided between what is joined to them, all as plain arrays."""
+"""From a scenario to a network: nodes numbered, lines divided between what is joined to them, all as plain arrays."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _POINTS = 401  # on each span of the curve along which a line is drawn
 
 @dataclass(frozen=True, eq=False)
 class Laid:
-    """A web as laid out, with what results are made of."""
+    """A network as laid out, with what results are made of."""
 
     network: Network
     place: Array  # (node, 3) m, about where nodes are
@@ -181,7 +181,7 @@ def _needs(line: Line) -> set[str]:
 
 
 def lay(scenario: Scenario, lengths: Mapping[str, float], until: float) -> Laid:
-    """Make a web of a scenario.
+    """Make a network of a scenario.
 
     Args:
         scenario: what is there.

@@ -1,4 +1,4 @@
-"""The arrays of a web under construction: what each line, joint, net and sheave adds to them."""
+"""The arrays of a network under construction: what each line, joint, net and sheave adds to them."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class End(NamedTuple):
 
 
 class Builder:
-    """Arrays of a web under construction."""
+    """Arrays of a network under construction."""
 
     def __init__(self, scenario: Scenario, place: Array, number: Integers, until: float) -> None:
         self.scenario, self.place, self.number, self.until = scenario, place, number, until

@@ -1,4 +1,4 @@
-"""From a web at rest to a frame of the result: tensions, contacts, reactions, energy."""
+"""From a network at rest to a frame of the result: tensions, contacts, reactions, energy."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ropewalk.results.frame import MOVES, Contacts, Frame, Layout, RunInfo
 
 
 class NetworkFrameBuilder:
-    """A web of lines laid out, and what builds frames of it.
+    """A network of lines laid out, and what builds frames of it.
 
     Args:
         scenario: what is computed.
@@ -25,7 +25,7 @@ class NetworkFrameBuilder:
         until: how long the histories of the loads are needed, s.
 
     Raises:
-        RopewalkError: the web cannot be laid out, or has no rest.
+        RopewalkError: the network cannot be laid out, or has no rest.
     """
 
     def __init__(self, scenario: Scenario, run_info: RunInfo, until: float) -> None:

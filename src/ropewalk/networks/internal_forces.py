@@ -1,4 +1,4 @@
-"""Forces in a web at rest: links, springs, sheaves, wind; with those of its cells, all forces on its nodes."""
+"""Forces in a network at rest: links, springs, sheaves, wind; with those of its cells, all forces on its nodes."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ def laid_at_rest(scenario: Scenario, until: float) -> tuple[Laid, Array]:
         until: how long the histories of the loads are needed, s.
 
     Returns:
-        The web, and the places of its nodes and contacts (node, 3) in m.
+        The network, and the places of its nodes and contacts (node, 3) in m.
 
     Raises:
         EquilibriumError: there is no rest, or not with these tensions.

@@ -1,4 +1,4 @@
-"""What travels on a web: where its contacts are at which time, and with which force."""
+"""What travels on a network: where its contacts are at which time, and with which force."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class MovingLoad:
 
 @dataclass(frozen=True, eq=False)
 class Strand:
-    """A line of a web: its nodes in order and where they are along it."""
+    """A line of a network: its nodes in order and where they are along it."""
 
     name: str
     node: Integers

@@ -1,4 +1,4 @@
-"""Potential energy of a web at rest, its forces and its stiffness, with contacts as further nodes."""
+"""Potential energy of a network at rest, its forces and its stiffness, with contacts as further nodes."""
 
 from __future__ import annotations
 
@@ -120,10 +120,10 @@ def _of_sheave(links, sheaves, k, which):
 
 
 class NetworkPotential:
-    """Potential energy of a web and its contacts as they stand, as a function of all places (node, 3).
+    """Potential energy of a network and its contacts as they stand, as a function of all places (node, 3).
 
     Args:
-        web: whose contacts have been seated and stand on slots.
+        network: whose contacts have been located and stand on slots.
         rubs: whether lines rub at sheaves, from the slip where they are; else they slip freely.
     """
 

@@ -1,4 +1,4 @@
-"""Rest of a web, its contacts as they stand."""
+"""Rest of a network, its contacts as they stand."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def stand(network: Network, r: Array, t: float) -> None:
     """Let all contacts stand where they are at time t; those that were not there before start on the straight line.
 
     Args:
-        web: whose slots change.
+        network: whose slots change.
         r: (node, 3) m; places of contacts change.
     """
     locations = network.locations
@@ -94,12 +94,12 @@ def put_slip(network: Network, slip: Slip) -> None:
 
 
 def size_of(r: Array) -> float:
-    """Extent of a web, m."""
+    """Extent of a network, m."""
     return float(np.ptp(r, axis=0).max())
 
 
 class _NetworkShape:
-    """The potential energy of a web as a function of what may move, see `solve/minimum.py`."""
+    """The potential energy of a network as a function of what may move, see `solve/minimum.py`."""
 
     def __init__(self, potential: NetworkPotential, start: Array) -> None:
         self.potential, self.network = potential, potential.network
@@ -157,7 +157,7 @@ def settle(network: Network, start: Array, *, rubs: bool = False, way: Way = "au
     """Find the rest next to a shape, contacts as they stand, see `solve/minimum.py`.
 
     Args:
-        web: lines slip at its sheaves.
+        network: lines slip at its sheaves.
         start: (node, 3) m.
         rubs: whether they rub there.
         way: of solving, see `solve/symmetric.py`.

@@ -1,4 +1,4 @@
-"""How stiff a web is around each of its nodes."""
+"""How stiff a network is around each of its nodes."""
 
 from __future__ import annotations
 

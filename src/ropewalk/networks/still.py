@@ -15,7 +15,7 @@ from ropewalk.networks.rest import Slip, put_slip, settle, size_of, slip_of, sta
 from ropewalk.results.frame import Frame, Layout, RunInfo
 from ropewalk.solve.following import schedule, slow_motion
 
-# Rounds in which a web finds its rest in the wind, and the move over its size that is none any more.
+# Rounds in which a network finds its rest in the wind, and the move over its size that is none any more.
 _ROUNDS, _NEAR = 100, 1e-10
 
 
@@ -28,7 +28,7 @@ class NetworkStatics:
         until: how long the histories of the loads are needed, s.
 
     Raises:
-        RopewalkError: the web cannot be laid out, or has no rest.
+        RopewalkError: the network cannot be laid out, or has no rest.
     """
 
     def __init__(self, scenario: Scenario, run_info: RunInfo, until: float) -> None:

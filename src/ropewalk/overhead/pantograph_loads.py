@@ -1,4 +1,4 @@
-"""Pantographs as riders on wires: coordinates are the heights of the masses in m, from the base to the head."""
+"""Pantographs as moving loads on wires: coordinates are the heights of the masses in m, from the base to the head."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Plain ropes as guides see them, and what guides do with loads on them."""
+"""Plain ropes as controllers see them, and what controllers do with loads on them."""
 
 from __future__ import annotations
 

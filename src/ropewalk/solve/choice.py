@@ -18,7 +18,7 @@ MOST_EXPLICIT_STEPS_PER_LINK = 1000
 COARSE = 4e-4
 # Times that damping makes a step shorter, from which on it is told.
 MUCH_SHORTER = 10.0
-# Part of the stable step that is used: the tangent of the law and the seats of the loads change on the way.
+# Part of the stable step that is used: the tangent of the law and the locations of the loads change on the way.
 SAFETY = 0.9
 # omega dt up to which the sixth-order method is used: it is stable up to 9.07 but for two narrow bands, the first of
 # them from 3.1414 to 3.1423.

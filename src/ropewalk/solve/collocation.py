@@ -2,7 +2,7 @@
 
 Source: Hairer & Wanner, Solving Ordinary Differential Equations II, section IV.8. With D the inverse of the
 Runge-Kutta matrix A, and Z the positions of the three stages beyond those at the start of the step, all rates follow
-from Z: node velocities v = D Z / dt, velocities of the material w = v less what a rider owes to its travel, and
+from Z: node velocities v = D Z / dt, velocities of the material w = v less what a moving load owes to its travel, and
 accelerations (D w - (D 1) w_0) / dt. What is left is one balance of forces for each stage, with the Jacobian
 
     D^2/dt^2 (x) M  +  D/dt (x) C  +  1 (x) K,     M = rho h,  K = -df/dr,  C = -df/dv,
@@ -98,7 +98,7 @@ class Workspace(NamedTuple):
     pair: NDArray[np.complex128]  # the same of the complex one
     x: Array  # (node, axis)
     y: NDArray[np.complex128]  # (node, axis)
-    location: Integers  # (load,) riders in the last step
+    location: Integers  # (load,) moving loads in the last step
     memory: Array  # (4,) see radau.py
     counts: Integers  # (4,) how often so far: ITERATIONS ... REJECTIONS
 

@@ -24,7 +24,7 @@ def place_loads(setting: PreparedRun, state: ChainState, with_loads: bool = Fals
     """Let all bodies take their places, at rest within themselves and moving with their wheels.
 
     Args:
-        setting, state: the model and its state, every load in the seat of a force; the state is changed.
+        setting, state: the model and its state, every load in the location of a force; the state is changed.
         with_loads: let lines and loads rest together.
 
     Returns:

@@ -11,7 +11,7 @@ from ropewalk.solve.banded import factorise
 
 @kernel
 def linearise(strands, state, v, s, stiff, damp):
-    """Jacobian of the forces on the inner nodes of strand s, riders and momentum flux included.
+    """Jacobian of the forces on the inner nodes of strand s, moving loads and momentum flux included.
 
     Args:
         state: the instant about which to linearise.
@@ -29,7 +29,7 @@ def linearise(strands, state, v, s, stiff, damp):
                 damp[0, i, a, b] = strands.drag[s] * m if a == b else 0.0
     for i in range(i0, i1):
         rest, square, along, spread = X[i + 1] - X[i], 0.0, 0.0, 0.0
-        for k in range(state.moving_load.size):  # how fast the material beside riders grows
+        for k in range(state.moving_load.size):  # how fast the material beside moving loads grows
             if state.moving_load[k] == i + 1:
                 spread += state.speed[k]
             elif state.moving_load[k] == i:

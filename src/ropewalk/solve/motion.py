@@ -99,8 +99,8 @@ class ChainMotion:
         progress: filled in.
         supports: what holds the ends; None: points that do not move.
         bodies: what has a mass of its own; changed with the state.
-        guides: who decide on the way what loads do.
-        contacts: what guides put down and take up where nothing has a mass, and `bodies` is None.
+        controllers: who decide on the way what loads do.
+        contacts: what controllers put down and take up where nothing has a mass, and `bodies` is None.
 
     Raises:
         RopewalkError: the method does not know what the supports do.
@@ -254,7 +254,7 @@ def move(
     """Yield the state at each of the times; the same object every time, to be read before going on.
 
     Args:
-        strands, loads, state, choice, accuracy, progress, supports, bodies, guides: see `Motion`.
+        strands, loads, state, choice, accuracy, progress, supports, bodies, controllers: see `Motion`.
         times: rising instants, s; the iteration ends early if the progress is no longer RUNNING.
     """
     motion = ChainMotion(strands, loads, state, choice, accuracy, progress, supports, bodies, controllers)

@@ -29,7 +29,7 @@ class Multibody:
     stiffness: Array  # N/m
     axles: Array  # (wheel,) m behind the foremost one
     static_load: Array  # (wheel,) N, on the line at rest on level ground
-    coordinates: tuple[int, ...]  # number in the fleet of each body coordinate
+    coordinates: tuple[int, ...]  # number in the multibody system of each body coordinate
     rest: Array  # (coordinate,) value at rest on level ground, of heights over it, m
     weights: Array  # (coordinate and wheel,) N
     carried: float  # kg, of all that moves along

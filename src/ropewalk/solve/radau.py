@@ -1,7 +1,7 @@
 """Implicit motion: Radau IIA of order 5 with adaptive steps, the whole loop compiled.
 
 For lines whose Kelvin-Voigt damping makes the explicit step too small (docs/notes/implicit.md). Steps end exactly at
-the instants asked for, and where a load changes its seat on the chain: to rounding for the measure `material`, else
+the instants asked for, and where a load changes its location on the chain: to rounding for the measure `material`, else
 within 2 AIM of a link, as the speed depends on a state that is not known before.
 """
 
@@ -45,7 +45,7 @@ NOW, LENGTH, WISH, FACTORISED = 0, 1, 2, 3
 # A step's error may be this part of the tolerance (measured: then the run keeps it), Newton's error this part of that;
 # without a tolerance it is this part of the length of the lines.
 LOCAL, NEWTON, ROUNDING = 0.01, 5e-4, 1e-13
-# The stage about which the Jacobian is taken: inside the step, as the links beside a rider turn far during one.
+# The stage about which the Jacobian is taken: inside the step, as the links beside a moving load turn far during one.
 MIDDLE = 1
 # A step is longer than the one before by this much at most, and no more often rejected in a row than this.
 GROWTH, SAFETY, MOST_REJECTIONS = 2.0, 0.9, 60
@@ -99,7 +99,7 @@ def _time_to(loads, k, t, U, distance, within):
 
 @inner
 def _reach(strands, loads, state, target, pace, until):
-    """Time to the next event: a change of seat, or `until`."""
+    """Time to the next event: a change of location, or `until`."""
     t = state.t[0]
     rest = until - t
     for k in range(state.xi.size):
@@ -205,7 +205,7 @@ def _accept(strands, loads, state, space, dt):
 
 @inner
 def _has_moved(moving_load, location):
-    """Whether a load has another seat than in the last step."""
+    """Whether a load has another location than in the last step."""
     moved = False
     for k in range(moving_load.size):
         moved = moved or moving_load[k] != location[k]

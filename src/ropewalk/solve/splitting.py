@@ -2,7 +2,7 @@
 
 A step is kick b1, drift a1, kick b2, ..., drift am, kick b1 with the coefficients of composition.py. The last kick of a
 step and the first of the next need the same force, which is evaluated once. Steps end exactly where a load changes its
-seat on the chain and at the instants asked for.
+location on the chain and at the instants asked for.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def _even_out_all(strands, loads, state, buffers, kick):
     """Put all frictionless contacts where both tensions agree, at rates that keep them so.
 
     Args:
-        kick: length of the kick that has just been, s; 0: seats have changed, which is a blow at an instant.
+        kick: length of the kick that has just been, s; 0: locations have changed, which is a blow at an instant.
     """
     for k in range(state.xi.size):
         b = state.moving_load[k]
@@ -107,7 +107,7 @@ def _copy(source, target):
 
 @inlined
 def _gap(target, xi, speed):
-    """Distance still to go to the next change of seat; negative if the load has turned round since it was noted."""
+    """Distance still to go to the next change of location; negative if the load has turned round since it was noted."""
     if speed == 0.0:
         return np.inf
     return -1.0 if np.isinf(target) else (target - xi if speed > 0.0 else xi - target)
@@ -115,7 +115,7 @@ def _gap(target, xi, speed):
 
 @lean_inner
 def _take_locations(strands, loads, state, buffers):
-    """Let every load take the seat that its place asks for, and note where it has to change next.
+    """Let every load take the location that its place asks for, and note where it has to change next.
 
     Returns:
         True if a load has come to the end of its line and may go neither on nor off.
@@ -149,7 +149,7 @@ def _plan(rest, longest, target, xi, speed, moving_load):
 
 @inlined
 def _is_due(target, xi, speed, moving_load, tolerance):
-    """Whether some load has come to a place where its seat has to change."""
+    """Whether some load has come to a place where its location has to change."""
     for k in range(xi.size):  # noqa: SIM110, a generator cannot be compiled
         if moving_load[k] != OFF and _gap(target[k], xi[k], speed[k]) <= tolerance:
             return True

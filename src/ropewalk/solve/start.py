@@ -218,7 +218,7 @@ def onward(setting: PreparedRun, r: Array, s: int) -> Array:
 
 
 def start_state(setting: PreparedRun, with_loads: bool, resting: Array | None = None) -> ChainState:
-    """The state of rest under gravity (and the loads at their start, if wanted), every load in the seat of a force.
+    """The state of rest under gravity (and the loads at their start, if wanted), every load in the location of a force.
 
     Args:
         setting: the model.

@@ -49,7 +49,7 @@ _SHIFTS = 10.0 ** np.arange(-8.0, 1.0)
 
 
 class IndefiniteError(RopewalkError):
-    """A stiffness that is not positive definite: the web can give way without being forced, or buckles.
+    """A stiffness that is not positive definite: the network can give way without being forced, or buckles.
 
     Attributes:
         unknown: the first, in the order of elimination, that yields for nothing.
@@ -244,7 +244,7 @@ def modes(K: Any, mass: ArrayLike, how_many: int) -> tuple[Array, Array]:
 
     Returns:
         Frequencies (mode,) in rad/s, ascending; where K is not definite, zeros and, as negative numbers, the rates in
-        1/s at which the web gives way. Shapes (unknown, mode) with x^T M x = 1 and a positive largest component.
+        1/s at which the network gives way. Shapes (unknown, mode) with x^T M x = 1 and a positive largest component.
 
     Raises:
         ValueError: a mass that is not positive, sizes that do not fit, fewer than one mode.

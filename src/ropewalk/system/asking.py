@@ -11,7 +11,7 @@ from ropewalk.foreign.cosimulation_master import TravelEndedError
 from ropewalk.system import motion
 from ropewalk.system.carrier import SystemCarrier
 
-# So often guides may be asked without a step in between.
+# So often controllers may be asked without a step in between.
 MOST_QUESTIONS = 100
 # Part of a step by which instants differ that are meant to be the same.
 NEXT_TO_NOTHING = 1e-6
@@ -24,7 +24,7 @@ class Asking:
 
     Args:
         carrier: what moves.
-        guides: who decide.
+        controllers: who decide.
     """
 
     def __init__(self, carrier: SystemCarrier, controllers: Sequence[Controller]) -> None:

@@ -34,7 +34,7 @@ class Assembled:
     station: Array  # (node,) m along the line of each
     line: tuple[str, ...]  # (run,) but for those of ways on nets, which come last
     on: dict[str, int]  # line on which each load travels
-    supports: tuple[tuple[str, int], ...]  # names of supports, and which holdings they are
+    supports: tuple[tuple[str, int], ...]  # names of supports, and which restraints they are
     nets: Nets | None = None
     attached: Attached | None = None
     stretch: Array | None = None  # (run,) stretch of links whose strain counts from the state that they rest in

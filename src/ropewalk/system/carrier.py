@@ -1,4 +1,4 @@
-"""The system as guides see it, and what guides do with loads on it."""
+"""The system as controllers see it, and what controllers do with loads on it."""
 
 from __future__ import annotations
 

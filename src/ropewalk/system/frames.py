@@ -48,7 +48,7 @@ class SystemNote(NamedTuple):
     tension: Array  # (node,) N, of links by their first node, as are strains
     strain: Array
     bent: Array  # (axis, node) m, second differences
-    reaction: Array  # (holding, axis) N
+    reaction: Array  # (restraint, axis) N
     contacts: Any  # (contact,) records
     tethers: Any  # (tether,) records
     M: Array  # (part, size, size) kg
@@ -176,7 +176,7 @@ class FrameBuilder:
         return Frames(at.t if still is None else np.full(at.t.shape, still), of)
 
     def _restraint_of(self, node: int) -> int:
-        """The holding of a node, -1: none."""
+        """The restraint of a node, -1: none."""
         restrained = self.assembled.structure.restraints
         at = np.flatnonzero(restrained.node == node)
         return int(np.searchsorted(restrained.first, at[0], side="right")) - 1 if at.size else -1

@@ -44,7 +44,7 @@ class Inertia(NamedTuple):
         Args:
             mass: (node,) kg.
             v: (instant, axis, node) m/s.
-            held: (instant, axis, holding) m/s.
+            held: (instant, axis, restraint) m/s.
         """
         if not self.along.size:
             return np.zeros(len(v))
@@ -118,7 +118,7 @@ def remark_inertia(run_info: RunInfo, factor: float, structure: Structure, rest:
 
 @lean_inner
 def kick_along(structure, buffers, state, h):
-    """Kick all nodes that no holding moves, along their lines less; returns what drag takes, J."""
+    """Kick all nodes that no restraint moves, along their lines less; returns what drag takes, J."""
     nodes, t, v, f, lost = structure.nodes, structure.inertia.along, state.v, structure.inertia.factor, 0.0
     for i in range(v.shape[1]):
         light, x = h * nodes.light[i], 0.5 * h * nodes.drag[i]

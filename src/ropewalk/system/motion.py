@@ -29,7 +29,7 @@ GIVEN, SETTLE, LOCATE, LOOK = -3, -2, -1, 0  # instead of a number of steps
 
 @inlined
 def _displaced(restraints, e, a, t):
-    """Component a of where a holding stands, or its springs are without force."""
+    """Component a of where a restraint stands, or its springs are without force."""
     return restraints.place[e, a] + look_up(
         restraints.time, restraints.moved[a], restraints.table[e], restraints.entries[e], t
     )
@@ -102,7 +102,7 @@ def _look(structure, buffers, contacts, tables, bodies, state, table, out, dt, s
 
 @inlined
 def _kick_nodes(structure, buffers, state, h, dragged):
-    """Kick all nodes that no holding moves; returns what drag takes, J."""
+    """Kick all nodes that no restraint moves; returns what drag takes, J."""
     nodes, v, lost = structure.nodes, state.v, 0.0
     for a in range(v.shape[0]):
         w, F, light = v[a], buffers.force[a], nodes.light

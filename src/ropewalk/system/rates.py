@@ -1,6 +1,6 @@
 """Forces of everything at given velocities, and the powers of what is audited.
 
-The kernels of explicit motion know strain rates as differences in time and kick holdings and bodies by their dampers;
+The kernels of explicit motion know strain rates as differences in time and kick restraints and bodies by their dampers;
 here all of that is a function of places and velocities.
 """
 

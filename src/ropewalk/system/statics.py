@@ -203,7 +203,7 @@ class SystemPotential:
         return total + self.loaded.energy(u)
 
     def place_of(self, e: int) -> Array:
-        """Where a holding stands, or its springs are without force, m."""
+        """Where a restraint stands, or its springs are without force, m."""
         restrained, t = self.structure.restraints, float(self.loaded.state.t[0])
         part = slice(int(restrained.table[e]), int(restrained.table[e] + restrained.entries[e]))
         moved = [np.interp(t, restrained.time[part], row[part]) for row in restrained.moved]

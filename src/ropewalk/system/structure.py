@@ -43,8 +43,8 @@ class Nodes(NamedTuple):
     """What nodes are; (node,) or (axis, node)."""
 
     mass: Array  # kg
-    light: Array  # 1/kg, what a force accelerates; 0 for nodes that a holding moves
-    mobile: Array  # 1/kg, the same, with what holdings let move
+    light: Array  # 1/kg, what a force accelerates; 0 for nodes that a restraint moves
+    mobile: Array  # 1/kg, the same, with what restraints let move
     force: Array  # (axis, node) N, weight and constant forces
     drag: Array  # 1/s, force over momentum
     level: Array  # m, height at which the foundation is without force
@@ -62,15 +62,15 @@ class Lines(NamedTuple):
 class Restraints(NamedTuple):
     """What holds one node, or several together: supports and joints."""
 
-    first: Integers  # (holding,) where its nodes begin
+    first: Integers  # (restraint,) where its nodes begin
     nodes: Integers
     node: Integers
     mass: Array  # kg, its own
-    force: Array  # (holding, axis) N, constant, its weight included
-    free: Array  # (holding, axis, axis) projection onto the directions in which it may move
-    stiffness: Array  # (holding, axis, axis) N/m, within the free directions
+    force: Array  # (restraint, axis) N, constant, its weight included
+    free: Array  # (restraint, axis, axis) projection onto the directions in which it may move
+    stiffness: Array  # (restraint, axis, axis) N/m, within the free directions
     damping: Array  # N s/m
-    place: Array  # (holding, axis) m, where it stands, or its springs are without force
+    place: Array  # (restraint, axis) m, where it stands, or its springs are without force
     table: Integers  # where the table of its displacement begins
     entries: Integers
     time: Array  # s
@@ -158,8 +158,8 @@ class Tight(NamedTuple):
     band: Array  # (4, node)
     g: Array  # (axis, 4, node) m, change of the squares of lengths over 2 with nodes
     move: Array  # (axis, node) m/s
-    whole: Array  # (holding, axis) m/s
-    mobile: Array  # (holding, axis, axis) 1/kg, of holdings in a step
+    whole: Array  # (restraint, axis) m/s
+    mobile: Array  # (restraint, axis, axis) 1/kg, of restraints in a step
 
     @staticmethod
     def of(structure: Structure, axes: int) -> Tight | None:
@@ -179,7 +179,7 @@ class Tight(NamedTuple):
         return Tight(h, fast, np.zeros(4), *buffers, *more)
 
     def step_by(self, structure: Structure, dt: float) -> None:
-        """Note how holdings yield in a step of the length dt in s, as they are kicked."""
+        """Note how restraints yield in a step of the length dt in s, as they are kicked."""
         restrained, axes = structure.restraints, self.move.shape[0]
         for e in range(restrained.mass.size):
             P, mass = restrained.free[e], float(restrained.mass[e] + structure.nodes.mass[restrained.members(e)].sum())
@@ -203,7 +203,7 @@ class Buffers(NamedTuple):
     force: Array  # (axis, node) N
     air: Array  # (axis, node) N, of the wind
     guess: Array  # (axis, node) m/s, in the middle of a kick
-    reaction: Array  # (holding, axis) N, of the support on the structure
+    reaction: Array  # (restraint, axis) N, of the support on the structure
     tight: Tight | None
 
     @staticmethod

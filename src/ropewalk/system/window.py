@@ -34,12 +34,12 @@ class Window:
     def __init__(self, structure: Structure, width: float) -> None:
         self.whole, self._width = structure, width
         restrained, runs = structure.restraints, structure.runs
-        self._joined: list[list[tuple[int, int]]] = [[] for _ in runs.first]  # holdings of each run, and where
+        self._joined: list[list[tuple[int, int]]] = [[] for _ in runs.first]  # restraints of each run, and where
         for e in range(restrained.mass.size):
             for node in restrained.members(e).tolist():
                 s = int(np.searchsorted(runs.first, node, side="right")) - 1
                 self._joined[s].append((e, node - int(runs.first[s])))
-        self.still = np.zeros(restrained.mass.size, dtype=np.bool_)  # holdings that do
+        self.still = np.zeros(restrained.mass.size, dtype=np.bool_)  # restraints that do
 
     def wait(self, contacts: Any, tables: Tables, step: float) -> int:
         """For how many steps of a length in s contacts stay where the window is open, at their largest speeds."""
@@ -99,7 +99,7 @@ class Window:
         )  # fmt: skip
 
     def _distances(self, places: list[list[float]]) -> Array:
-        """How far holdings are from contacts along the lines, m; `places` of contacts on each run, m along it."""
+        """How far restraints are from contacts along the lines, m; `places` of contacts on each run, m along it."""
         near, h = np.full(self.whole.restraints.mass.size, np.inf), self.whole.runs.h
         while True:
             before = near.copy()

@@ -1,4 +1,4 @@
-"""A rider on a taut string between two supports, slower than the waves: two delays, marched to the far support.
+"""A moving load on a taut string between two supports, slower than the waves: two delays, marched to the far support.
 
 Lengths are counted in L, times in L/c, accelerations in g. Write v for the velocity of the rider's contact across the
 string, and ``N = line m g n`` for the contact force, m the rider's mass, ``line = 2 rho L/m``. A force on the string
@@ -143,7 +143,7 @@ class DelaySolution:
         return _panels.at(self.panels.coefficients[index, row], place)
 
     def force(self, t: FloatArray) -> FloatArray:
-        """Contact force over the rider's weight, ``line n``."""
+        """Contact force over the moving load's weight, ``line n``."""
         index, place = self._at(t)
         return _panels.at(self._force_coefficients()[index], place)
 
@@ -183,7 +183,7 @@ class DelaySolution:
 
 
 def ride(alpha: float, moving_load: DelayBody) -> DelaySolution:
-    """Return the passage of a rider with speed ``alpha`` (0 < alpha < 1) times that of the waves."""
+    """Return the passage of a moving load with speed ``alpha`` (0 < alpha < 1) times that of the waves."""
     clock = DelayClock(alpha)
     panels = _Panels.none(moving_load.size + 2)
     first, state = _beginning(clock, moving_load, panels)

@@ -32,7 +32,7 @@ class Borne:
     force: Array  # (contact,) N upwards on the wire
     height: Array  # (contact,) m, of the wire itself
     touches: NDArray[np.bool_]  # (contact,) whether it is on its wire and has not lifted off
-    coordinates: Array  # of all riders, one rider after the other, m
+    coordinates: Array  # of all moving loads, one moving load after the other, m
 
 
 class Bearing:
@@ -40,7 +40,7 @@ class Bearing:
 
     Args:
         mesh: the wires.
-        journeys: of the loads.
+        prescribed motions: of the loads.
         unstrained: (node,) m, of the link behind each node.
         space: whether anything moves sideways.
     """

@@ -56,7 +56,7 @@ class Pictures:
     Args:
         task: what is computed.
         mesh: of its wires.
-        riders: on them.
+        moving loads: on them.
         motion: of both.
         sample: s, from one sample to the next.
         potential: of a large motion.

@@ -253,7 +253,7 @@ class Wires:
         )  # fmt: skip
 
     def _first(self, what: Literal["first", "rate"]) -> Array:
-        """Coordinates of all riders at the beginning, (rider, C) m; or their rates, m/s."""
+        """Coordinates of all moving loads at the beginning, (moving load, C) m; or their rates, m/s."""
         first = np.zeros(self.moving_loads.mass.shape[:2])
         for i, prescribed_motion in enumerate(self.task.prescribed_motions):
             own = getattr(prescribed_motion, what)

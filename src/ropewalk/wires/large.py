@@ -2,7 +2,7 @@
 
 Störmer's method for all components. The stencil corrects the dispersion of transverse waves as in small motion. Waves
 along the wires are tens of times faster than all else: the wires and what holds them alone follow them by inner steps,
-while ties and riders push once in each step (docs/notes/wires.md).
+while ties and moving loads push once in each step (docs/notes/wires.md).
 """
 
 from __future__ import annotations
@@ -379,9 +379,9 @@ class LargeMotion(Changing):
         mesh: the wires and what is attached to them.
         position: (3, node) m at rest.
         rest: (node,) m, unstrained length of the link behind each node.
-        riders: what travels.
+        moving loads: what travels.
         step: s.
-        q: (rider, C) m, first coordinates, at rest.
+        q: (moving load, C) m, first coordinates, at rest.
         inner: steps of the wires alone in each step; 1 where contacts are rigid.
         inertia: factor on the mass for motion along x, which lets the step grow by its root.
         space: whether anything moves sideways.

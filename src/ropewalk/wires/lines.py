@@ -51,7 +51,7 @@ def _pulled(line: Line) -> float | None:
 def prescribed_motion_of(
     loading: Loading, name: str, load: AnyLoad, number: int, wire: Wire
 ) -> tuple[PrescribedMotion, Multibody | None]:
-    """The journey of a load on its wire, and how it was put together if it has a mass.
+    """The prescribed motion of a load on its wire, and how it was put together if it has a mass.
 
     Args:
         number: of the wire.

@@ -347,11 +347,11 @@ def _fixed(strands: WireRuns, plan: WirePlan, holds: Holds) -> tuple[NDArray[np.
 class MovingLoads(NamedTuple):
     """What travels, as arrays padded to the largest rider."""
 
-    size: Integers  # (rider,) number of coordinates
-    mass: Array  # (rider, C, C)
+    size: Integers  # (moving load,) number of coordinates
+    mass: Array  # (moving load, C, C)
     damping: Array
     stiffness: Array
-    owner: Integers  # (contact,) its rider
+    owner: Integers  # (contact,) its moving load
     row: Array  # (contact, C) its height is row @ q; zeros: a given force
     wire: Integers  # (contact,)
     behind: Array  # (contact,) m
@@ -360,7 +360,7 @@ class MovingLoads(NamedTuple):
     material: NDArray[np.bool_]  # (contact,) whether its station counts along the wire itself, not along x
     base: Array  # (contact,) m
     rest: Array  # (contact,) N
-    sign: Array  # (contact,) +1: the rider is below and pushes the wire up; -1: it stands on the wire
+    sign: Array  # (contact,) +1: the moving load is below and pushes the wire up; -1: it stands on the wire
     lifts: NDArray[np.bool_]  # (contact,)
 
 

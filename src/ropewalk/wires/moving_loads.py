@@ -27,21 +27,21 @@ class TimeStepping(NamedTuple):
     """What a step of a given length needs of the riders: central differences, damping implicit. And their state."""
 
     step: float  # s
-    inverse: Array  # (rider, C, C) of M/dt^2 + C/(2 dt)
-    middle: Array  # (rider, C, C) 2 M/dt^2 - K
-    back: Array  # (rider, C, C) M/dt^2 - C/(2 dt)
-    q: Array  # (rider, C) now
-    last: Array  # (rider, C) a step ago
-    pushed: Array  # (rider, C) N, room
-    outer: Array  # (rider, C) N, what is put on them from outside
-    past: Array  # (rider, C) m, room
-    gap: Array  # (contact,) m by which rider and spline overlapped last, NaN before the first step
+    inverse: Array  # (moving load, C, C) of M/dt^2 + C/(2 dt)
+    middle: Array  # (moving load, C, C) 2 M/dt^2 - K
+    back: Array  # (moving load, C, C) M/dt^2 - C/(2 dt)
+    q: Array  # (moving load, C) now
+    last: Array  # (moving load, C) a step ago
+    pushed: Array  # (moving load, C) N, room
+    outer: Array  # (moving load, C) N, what is put on them from outside
+    past: Array  # (moving load, C) m, room
+    gap: Array  # (contact,) m by which moving load and spline overlapped last, NaN before the first step
     place: Array  # (contact,) in links along its wire, where it was found last
     joined: Array  # (contact,) N, what has kept a rigid contact together in this step
     here: Array  # (contact, _KNOWN) at the last instant, NaN where it was neither on the wire nor beside it
     before: Array  # (contact, _KNOWN) the same a step ago
     work: Array  # (WORKS,) J since the start
-    yields: Array  # (contact,) m/N by which a rigid contact gives way on the side of its rider, during a step
+    yields: Array  # (contact,) m/N by which a rigid contact gives way on the side of its moving load, during a step
 
 
 # What of it changes from step to step, and is more than room.
@@ -97,7 +97,7 @@ def begin(moving_loads, pace, push, row, part):
 
 @inlined
 def press(moving_loads, pace, k, height, local):
-    """Force upwards on the wire at contact k, where the spline stands at a height; its rider feels the reaction.
+    """Force upwards on the wire at contact k, where the spline stands at a height; its moving load feels the reaction.
 
     Args:
         height: with its roughness.
@@ -136,7 +136,7 @@ def note(moving_loads, pace, record, row, step, k, height, s, slope, given, forc
 
 @inlined
 def join(moving_loads, pace, k, height, soft, local):
-    """Force upwards on the wire that brings a rigid contact together at the end of a step; its rider gives way.
+    """Force upwards on the wire that brings a rigid contact together at the end of a step; its moving load gives way.
 
     Args:
         height: of the spline at the end of the step, and all that was done before; with its roughness.
@@ -159,7 +159,7 @@ def join(moving_loads, pace, k, height, soft, local):
 
 @inlined
 def ride(moving_loads, pace):
-    """Let the coordinates of all riders go on for a step."""
+    """Let the coordinates of all moving loads go on for a step."""
     q, last, past, pushed = pace.q, pace.last, pace.past, pace.pushed
     for i in range(moving_loads.size.size):
         n = moving_loads.size[i]
@@ -185,7 +185,7 @@ def settle_accounts(moving_loads, pace):
 
     A force on the wire gives it the force times the rise of the particles below: the rise of the contact less what its
     advance along the slope makes of it. The latter is what holds the rider at its place, against the slope; as is what
-    drives it over roughness. What rider and wire lose together is taken up by their contact.
+    drives it over roughness. What moving load and wire lose together is taken up by their contact.
     """
     for k in range(moving_loads.owner.size):
         here, before = pace.here[k], pace.before[k]

@@ -108,17 +108,17 @@ class WireTie:
 
 @dataclass(frozen=True)
 class Contact:
-    """Where a rider touches a wire. Infinite stiffness keeps them together, or apart, rigidly."""
+    """Where a moving load touches a wire. Infinite stiffness keeps them together, or apart, rigidly."""
 
     wire: int
     row: tuple[float, ...] = ()  # its height is row @ q; nothing: a force that is given
-    behind: float = 0.0  # m, behind the place of the rider
+    behind: float = 0.0  # m, behind the place of the moving load
     material: bool = False  # whether its station counts along the wire itself, and not along x
     stiffness: float = np.inf  # N/m; 0: nothing but what is given
     damping: float = 0.0  # N s/m
     base: float = 0.0  # m, height of the contact where row @ q is zero
     rest: float = 0.0  # N upwards on the wire where nothing is moved: coordinates may count from an equilibrium
-    below: bool = False  # whether the rider touches the wire from below
+    below: bool = False  # whether the moving load touches the wire from below
     lifts_off: bool = False
 
 

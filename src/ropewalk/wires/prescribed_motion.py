@@ -1,4 +1,4 @@
-"""Journeys: where riders are and what is put on them, at any time; from them, what drives a run."""
+"""Journeys: where moving loads are and what is put on them, at any time; from them, what drives a run."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ def smooth(stations: Array) -> Array:
 
 @dataclass(frozen=True)
 class PrescribedMotion:
-    """What a rider does, of which the wires know nothing. Times in s."""
+    """What a moving load does, of which the wires know nothing. Times in s."""
 
     moving_load: TravellingLoad
-    place: Callable[[Array], Array]  # times to the station of the rider, m
+    place: Callable[[Array], Array]  # times to the station of the moving load, m
     push: Callable[[Array], Array] = _nothing  # times to forces on the coordinates, (time, coordinate or 1) N
     given: Callable[[Array], Array] = _nothing  # times to forces upwards on the wire, (time, contact or 1) N
     rough: Callable[[Array], Array] = smooth  # stations to heights that are added to the wire, m

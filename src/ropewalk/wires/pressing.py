@@ -25,11 +25,11 @@ class Pressing:
 
     given: Array  # (contact,) N
     stiffness: Array  # (contact, contact) N/m
-    shift: Array  # (rider coordinate,) m, of all coordinates one after the other where all wires are at height 0
-    follow: Array  # (rider coordinate, contact) by which they follow the heights of the wires
+    shift: Array  # (moving load coordinate,) m, of all coordinates one after the other where all wires are at height 0
+    follow: Array  # (moving load coordinate, contact) by which they follow the heights of the wires
 
     def coordinates(self, height: Array) -> Array:
-        """Coordinates of all riders, one rider after the other, m."""
+        """Coordinates of all moving loads, one moving load after the other, m."""
         return self.shift + self.follow @ height
 
 
@@ -45,8 +45,8 @@ def pressing(
     """How loads press at an instant.
 
     Args:
-        journeys: all loads.
-        riders: the same as arrays.
+        prescribed motions: all loads.
+        moving loads: the same as arrays.
         t: s.
         local: (contact,) m/N, compliance of the wires beside their splines, as `riders.local_under` has it.
         rough: (contact,) m, heights that are added to the wires.

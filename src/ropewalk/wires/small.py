@@ -333,9 +333,9 @@ class SmallMotion(Changing):
     Args:
         mesh: the wires and what is attached to them.
         rest: their rest.
-        riders: what travels.
+        moving loads: what travels.
         step: time step, s.
-        q: (rider, C) m, first coordinates, at rest.
+        q: (moving load, C) m, first coordinates, at rest.
         window: half width of what moves around the contacts, m; everything if infinite.
     """
 

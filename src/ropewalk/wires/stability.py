@@ -78,7 +78,7 @@ def _ridden(mesh: Mesh, moving_loads: MovingLoads, lightest: float) -> float:
 
 
 def _alone(moving_loads: MovingLoads) -> float:
-    """The same for riders on rigid ground."""
+    """The same for moving loads on rigid ground."""
     steps = [np.inf]
     for i, n in enumerate(moving_loads.size):
         if n == 0:

@@ -1,4 +1,4 @@
-"""What riders do during a run, and what is recorded of it: in rows at equal times, each of some steps."""
+"""What moving loads do during a run, and what is recorded of it: in rows at equal times, each of some steps."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ class Drive(NamedTuple):
     station: Array  # (row, contact) m along the wire
     where: Integers  # (row, contact) ABSENT, ON_WIRE or ON_GROUND: level ground of the height of the wire's end
     rough: Array  # (row, contact) m, irregularity: height that the contact feels beside that of the wire
-    given: Array  # (row, contact) N upwards on the wire, beside what a rider does
-    push: Array  # (row, rider, C) N on the coordinates
+    given: Array  # (row, contact) N upwards on the wire, beside what a moving load does
+    push: Array  # (row, moving load, C) N on the coordinates
     time: Array  # (row,) s
 
     def rows(self, begin: int, end: int) -> Drive:
@@ -32,7 +32,7 @@ class Record(NamedTuple):
 
     force: Array  # (row, contact) N upwards on the wire
     height: Array  # (row, contact) m, of the wire at the contact
-    body: Array  # (row, rider, C) m, coordinates
+    body: Array  # (row, moving load, C) m, coordinates
     tie: Array  # (row, tie) N, pull; in small motion its change since rest
     hold: Array  # (row, hold, 3) N on the wire; in small motion its change since rest
     watched: Array  # (row, point) m, height of watched points; in small motion over rest

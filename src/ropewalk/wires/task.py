@@ -30,14 +30,14 @@ _NARROW, _STEEP = 1e-3, 1.0 - 1e-9
 
 @dataclass(frozen=True)
 class Shown:
-    """A coordinate of a rider that results show as a body: how high it is, and where."""
+    """A coordinate of a moving load that results show as a body: how high it is, and where."""
 
     name: str
     prescribed_motion: int
     row: Array  # (coordinate,) height over `base`
     base: float  # m
     ahead: float = 0.0  # m ahead of the contact
-    wheel: int = 0  # which of the rider's contacts that is
+    wheel: int = 0  # which of the moving load's contacts that is
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class WireTask:
     window: float = np.inf  # m on both sides of the contacts, beyond which nothing moves; linearised only
     inertia: float = 1.0  # factor on the mass along x; nonlinear only
     space: bool = False  # whether anything moves sideways
-    foreigners: tuple[Foreigner, ...] = ()  # who of the journeys are models of somebody else's
+    foreigners: tuple[Foreigner, ...] = ()  # who of the prescribed motions are models of somebody else's
     near: tuple[Array, ...] | None = None  # near rest, of each wire: (3, node) m; needed where wires run aside
     remarks: tuple[str, ...] = ()  # what one should know of it
     with_loads: bool = False  # whether the wires begin at rest with what travels on them
@@ -129,7 +129,7 @@ def _softness(mesh: Mesh) -> Array:
 
 
 def ready(task: WireTask) -> tuple[WireTask, WireStart]:
-    """Divide the wires and find their rest; riders that are to stand on the wires take their first places there.
+    """Divide the wires and find their rest; moving loads that are to stand on the wires take their first places there.
 
     Raises:
         RopewalkError: something is attached off its wire, or there is no rest.
@@ -313,7 +313,7 @@ def _struck(moving_load: TravellingLoad, rate: Array, rise: Array) -> Array:
 
 
 def resting(moving_load: TravellingLoad, height: Array) -> Array:
-    """Coordinates of a rider at rest on contacts that are moved up by heights in m; or their rates, by rates."""
+    """Coordinates of a moving load at rest on contacts that are moved up by heights in m; or their rates, by rates."""
     size = moving_load.size
     rigid = np.array([np.isinf(contact.stiffness) for contact in moving_load.contacts], dtype=np.bool_)
     row = np.array([contact.row for contact in moving_load.contacts]).reshape(-1, size)
