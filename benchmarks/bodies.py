@@ -37,7 +37,7 @@ WALKER = Path(__file__).parents[1] / "examples" / "highline-walker.yaml"
 
 
 @dataclass(frozen=True)
-class Ride:
+class LoneVehicle:
     """A motion: path of the first load (time, axis) in m, CPU seconds of the motion alone, and of its guides."""
 
     path: Array
@@ -64,7 +64,7 @@ class _Timed:
         self.seconds += clock.process_time() - begin
 
 
-def ride(scenario: Scenario, timed: bool = False) -> Ride:
+def ride(scenario: Scenario, timed: bool = False) -> LoneVehicle:
     """Move a scenario through its outputs, from rest; `timed`: count what its guides take, which costs a little."""
     run, setting = scenario.run, setting_of(scenario, 0.0)
     state = start_state(setting, run.start.with_loads, resting_forces(setting.loading))
@@ -98,16 +98,16 @@ def ride(scenario: Scenario, timed: bool = False) -> Ride:
         path.append(_place(bodies, now))
     seconds = clock.process_time() - begin
     if progress.status != RUNNING:
-        raise Failed(": ".join(progress.told()))
+        raise Failed(": ".join(progress.message()))
     asked = sum(controller.seconds for controller in controllers) if timed else 0.0
-    return Ride(np.array(path)[:, :dim], seconds, progress.steps, asked)
+    return LoneVehicle(np.array(path)[:, :dim], seconds, progress.steps, asked)
 
 
 def _place(bodies: Any, state: ChainState) -> Array:
     return np.array(bodies.wheels["r"][0]) if bodies is not None else np.full(3, np.nan)
 
 
-def usual(scenario: Scenario, times: int = 5) -> Ride:
+def usual(scenario: Scenario, times: int = 5) -> LoneVehicle:
     """The ride of median CPU time out of several, after one that compiles or loads from the cache."""
     ride(scenario)
     rides = sorted((ride(scenario) for _ in range(times)), key=lambda done: done.seconds)

@@ -11,7 +11,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from ropewalk.foreign.fmu import FmuModel
+from ropewalk.external.fmu import FmuModel
 from ropewalk.model import Dynamic, Fmu, Line, MovingForce, Scenario, Stepper
 from ropewalk.simulate import simulate
 

@@ -63,9 +63,9 @@ def table(name: str, on: Callable[[int], Scenario], exact: Callable[[xr.Dataset]
     for elements in (48, 100, 200, 400):
         given = on(elements)
         result, alone = seconds(given)
-        told, both = seconds(given.model_copy(update={"run": given.run.model_copy(update={"mesh_error": True})}))
+        message, both = seconds(given.model_copy(update={"run": given.run.model_copy(update={"mesh_error": True})}))
         error = float(np.nanmax(np.linalg.norm(path(result) - exact(result), axis=1))) / unit
-        estimate = float(told.attrs["mesh_error_of_contacts"]) / unit
+        estimate = float(message.attrs["mesh_error_of_contacts"]) / unit
         print(f"{elements:6}{error:10.3g}{alone:9.3f}{estimate:11.3g}{estimate / error:8.2f}{both:9.3f}", flush=True)
 
 
@@ -79,9 +79,9 @@ def chosen() -> None:
         tree["lines"]["rope"]["elements"], tree["run"]["accuracy"] = "auto", accuracy
         result, took = seconds(Scenario.model_validate(tree))
         error = 1e3 * float(np.nanmax(np.linalg.norm(path(result) - reference, axis=1)))
-        told = [1e3 * float(result.attrs[key]) for key in ("mesh_error", "mesh_error_of_contacts")]
+        message = [1e3 * float(result.attrs[key]) for key in ("mesh_error", "mesh_error_of_contacts")]
         links = result.sizes["link"]
-        print(f"{1e3 * accuracy:9g}{links:7}{told[0]:10.1f}{told[1]:9.1f}{error:8.1f}{took:8.2f}", flush=True)
+        print(f"{1e3 * accuracy:9g}{links:7}{message[0]:10.1f}{message[1]:9.1f}{error:8.1f}{took:8.2f}", flush=True)
 
 
 def main() -> None:

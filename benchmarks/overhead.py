@@ -68,7 +68,7 @@ def by_hermite(element: float = 0.5, step: float = 1e-3, seconds: float = 2.0) -
     moving_loads = [prescribed_motion.moving_load for prescribed_motion in run.task.prescribed_motions]
     rows = int(seconds / step)
     drive = drive_of(run.task.plan, run.task.prescribed_motions, step * np.arange(rows + 0.0))
-    own = hermite.Drive(station=drive.station, rough=drive.rough, given=drive.given, push=drive.push)
+    own = hermite.StepInputs(station=drive.station, rough=drive.rough, given=drive.given, push=drive.push)
     hermite.run(model, moving_loads, own, step)
     found = []
     for _ in range(TURNS):

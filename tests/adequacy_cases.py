@@ -67,7 +67,7 @@ def dying(point):
     return plain(point)
 
 
-def told_where(point):
+def message_where(point):
     """Tells in which process it is computed, and how many threads that may use."""
     threads = float(os.environ.get("OMP_NUM_THREADS", "0"))
     return {"linear": {**plain(point)["linear"], "process": float(os.getpid()), "threads": threads}}

@@ -42,7 +42,7 @@ class Problem:
         given = self.on(elements or self.elements)
         return simulate(given.model_copy(update={"run": given.run.model_copy(update={"mesh_error": True})}))
 
-    def told(self, result: xr.Dataset) -> float:
+    def message(self, result: xr.Dataset) -> float:
         """What a result says of the error where the answer is known, m."""
         return float(result.attrs["mesh_error_of_contacts" if self.of_contacts else "mesh_error"])
 

@@ -51,7 +51,7 @@ class Assembly:
 
 
 @dataclass(frozen=True)
-class Riding:
+class MovingWith:
     """Two masses on springs below a point of the contact wire."""
 
     spot: Spot
@@ -104,9 +104,9 @@ class Hermite:
         z[free] = splu(K[free][:, free]).solve((f - K @ z)[free])
         return z[0::2], pull
 
-    def matrices(self, riding: Riding | None = None) -> tuple[csc_matrix, csc_matrix, NDArray[np.int64]]:
+    def matrices(self, moving_with: MovingWith | None = None) -> tuple[csc_matrix, csc_matrix, NDArray[np.int64]]:
         """Stiffness and mass about rest of all degrees of freedom, and which of them are free."""
-        size, h, more = 5 * 2 * self.count, self.h, 2 if riding is not None else 0
+        size, h, more = 5 * 2 * self.count, self.h, 2 if moving_with is not None else 0
         z, pulls = self.rest()
         K, M = Assembly(size + more), Assembly(size + more)
         for w, wire in enumerate(self.plan.wires):
@@ -135,12 +135,12 @@ class Hermite:
         for lump_ in self.plan.masses:
             at = 5 * self.node(lump_.spot) + np.array([X, Y, Z])
             M.add(at, lump_.mass * np.eye(3))
-        if riding is not None:
-            at = np.array([size, size + 1, 5 * self.node(riding.spot) + Z])
-            M.add(at[:2], np.diag(riding.masses))
-            low, high = riding.stiffness
+        if moving_with is not None:
+            at = np.array([size, size + 1, 5 * self.node(moving_with.spot) + Z])
+            M.add(at[:2], np.diag(moving_with.masses))
+            low, high = moving_with.stiffness
             K.add(at[:2], np.array([[low + high, -high], [-high, high]]))
-            K.add(at[1:], riding.contact * np.array([[1.0, -1.0], [-1.0, 1.0]]))
+            K.add(at[1:], moving_with.contact * np.array([[1.0, -1.0], [-1.0, 1.0]]))
         for tie, pull in zip(self.plan.ties, pulls, strict=True):
             assert isinstance(tie.other, Spot)
             one, other = self.node(tie.spot), self.node(tie.other)
@@ -160,9 +160,9 @@ class Hermite:
             fixed += [5 * self.node(hold.spot) + a for a, k in zip((X, Y, Z), hold.stiffness, strict=True) if k > 0.0]
         return K.sum(), M.sum(), np.setdiff1d(np.arange(size + more), fixed)
 
-    def frequencies(self, riding: Riding | None = None) -> Array:
+    def frequencies(self, moving_with: MovingWith | None = None) -> Array:
         """The lowest natural angular frequencies, rad/s."""
-        K, M, free = self.matrices(riding)
+        K, M, free = self.matrices(moving_with)
         stiff, heavy = K[free][:, free], M[free][:, free]
         squares = np.sort(eigsh(stiff, 16, heavy, sigma=-1.0, return_eigenvectors=False))
         return np.sqrt(squares[squares > 1e-6])  # both wires together may slide along x

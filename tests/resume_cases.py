@@ -34,7 +34,7 @@ run: {kind: dynamic, until: 0.4, every: 0.04%s}
 STEPS = """{kind: footsteps, on: s, mass: 70, frequency: 2.5 Hz, step_length: 0.7 m, overlap: 0.2, from: 20 m}"""
 OSCILLATOR = """{kind: oscillator, on: s, mass: 20, stiffness: 4 kN/m, damping: 50 N*s/m,
   travel: {speed: 20, from: 5 m}}"""
-STEPPER = """{kind: stepper, on: s, model: "foreign_cases:%s", every: 10 ms, exchange: {%s}}"""
+STEPPER = """{kind: stepper, on: s, model: "external_cases:%s", every: 10 ms, exchange: {%s}}"""
 VEHICLE = """{kind: vehicle, on: s, bodies: {box: {mass: 60, inertia: 20}}, wheels: {front: {at: 1 m},
   rear: {at: -1 m, mass: 5}}, springs: {front: {between: [box, front], stiffness: 9 kN/m, damping: 200},
   rear: {between: [box, rear], stiffness: 9 kN/m, damping: 200}}, travel: {speed: 20, from: 8 m}%s}"""

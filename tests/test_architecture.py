@@ -16,15 +16,16 @@ import pytest
 import ropewalk
 
 HOUSE = Path(ropewalk.__file__).parent
-# From the ground up; a module imports from its own storey and from those before it.
-STOREYS = (
-    ("errors", "units", "hooks", "interrupts"), ("checkpoint",), ("model",), ("theory",), ("mechanics",), ("foreign",),
+# From the ground up; a module imports from its own layer and from those before it.
+LAYERS = (
+    ("errors", "units", "hooks", "interrupts", "renamed"), ("checkpoint",), ("model",),
+    ("theory",), ("mechanics",), ("external",),
     ("controllers",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("networks",), ("system",),
     ("capabilities",), ("chains", "wiring"), ("meshes",), ("simulate",), ("decouple",), ("coupling",), ("scenario",),
     ("resuming",), ("console",), ("cli", "__main__"),
 )  # fmt: skip
-# Wings above the house may look at everything; a wing not named here must be given its place first.
-ABOVE = ("compare", "paper", "sweeps", "cosim", "studio", "warming")
+# Extensions above the layers may look at everything; one not named here must be given its place first.
+ABOVE = ("compare", "paper", "sweeps", "cosim", "studio", "warming", "foreign")
 # Who may set closed forms beside the discrete solution.
 USES_THEORY = ("theory", "linear", "compare", "paper")
 LONGEST_FILE = 500
@@ -32,12 +33,12 @@ LONGEST_FILE = 500
 SOLVERS = ("solve", "linear", "wires", "overhead", "networks", "chains", "wiring", "simulate")
 
 
-def storey(name: str) -> int:
-    for level, members in enumerate(STOREYS):
+def layer(name: str) -> int:
+    for level, members in enumerate(LAYERS):
         if name in members:
             return level
-    assert name in ABOVE, f"{name} has no place in the house: add it to STOREYS or ABOVE"
-    return len(STOREYS)
+    assert name in ABOVE, f"{name} has no layer: add it to LAYERS or ABOVE"
+    return len(LAYERS)
 
 
 def modules() -> list[Path]:
@@ -101,7 +102,7 @@ def upward(path: Path, source: str | None = None) -> list[str]:
     own = part_of(path)
     found = []
     for line, other in imported_parts(path, source):
-        if storey(other) > storey(own):
+        if layer(other) > layer(own):
             found.append(f"{path.relative_to(HOUSE)}:{line} imports {other}")
         elif other == "theory" and own not in USES_THEORY:
             found.append(f"{path.relative_to(HOUSE)}:{line} uses theory, which only checks")
@@ -122,7 +123,7 @@ def reached_from(start: Path) -> set[str]:
     return seen
 
 
-MACHINE = ("checkpoint", "model", "mechanics", "foreign", "controllers", "results", "solve", "wires", "overhead",
+MACHINE = ("checkpoint", "model", "mechanics", "external", "controllers", "results", "solve", "wires", "overhead",
            "networks",
            "system", "chains", "wiring")  # fmt: skip
 
@@ -260,6 +261,6 @@ assert not heavy, heavy
 
 
 def test_the_storeys_are_in_the_order_of_the_plan() -> None:
-    levels = [storey(name) for name in ("errors", "model", "theory", "mechanics", "results", "solve", "simulate",
+    levels = [layer(name) for name in ("errors", "model", "theory", "mechanics", "results", "solve", "simulate",
                                         "scenario", "cli", "studio")]  # fmt: skip
     assert all(a < b for a, b in pairwise(levels))

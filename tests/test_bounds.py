@@ -18,7 +18,7 @@ def test_no_kernel_reaches_beyond_its_arrays() -> None:
         [sys.executable, str(here / "plain_runs.py")], env=place, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr[-2000:]
-    told = dict(row.rsplit(": ", 1) for row in done.stdout.splitlines())
-    assert set(told) == {*plain_runs.scenarios(), *plain_runs.CASES}
+    message = dict(row.rsplit(": ", 1) for row in done.stdout.splitlines())
+    assert set(message) == {*plain_runs.scenarios(), *plain_runs.CASES}
     # Short runs on coarse meshes may be doubtful, but each of them has gone through.
-    assert set(told.values()) <= {"completed", "doubtful"}, told
+    assert set(message.values()) <= {"completed", "doubtful"}, message

@@ -182,11 +182,11 @@ def test_the_comparison_is_told_for_lines_supports_and_wheels():
     }  # fmt: skip
     run = {"kind": "dynamic", "until": 2.0, "every": 0.02, "start": {"with_loads": True}}
     found = feedback(scenario(trolley, end=(20.0, -2.0), tension=4e3, axial_damping=50.0, run=run))
-    told = found.as_dict()
-    assert list(told["supports"]) == ["rope.start", "rope.end"]
-    assert told["wheels"]["cart"]["contact_force"]["mean"]["without"]["value"] == pytest.approx(82.0 * G, rel=0.05)
+    message = found.as_dict()
+    assert list(message["supports"]) == ["rope.start", "rope.end"]
+    assert message["wheels"]["cart"]["contact_force"]["mean"]["without"]["value"] == pytest.approx(82.0 * G, rel=0.05)
     # it runs down the hollow that it makes itself, which ground has not
-    assert told["wheels"]["cart"]["contact_force"]["largest_difference"]["value"] > 10.0
+    assert message["wheels"]["cart"]["contact_force"]["largest_difference"]["value"] > 10.0
     rows = {row[0]: row for row in found.table()}
     assert rows["largest deflection of rope"][1].endswith(" m")
     assert rows["contact force of cart, mean"][1].endswith(" N")

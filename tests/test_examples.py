@@ -290,7 +290,7 @@ KNOWN = {
         Known("deflection at midspan, m", deflection_at_midspan, routes.bridge_under_a_coach(), 1.5e-5),
     ],
     "exudyn-vehicle.yaml": [
-        # That of kind: vehicle with the same data (tests/foreign/test_exudyn_vehicle.py).
+        # That of kind: vehicle with the same data (tests/external/test_exudyn_vehicle.py).
         Known("largest force of a wheel, N", largest_contact_force, 2552.0, 10.0),
         Known("deepest place of the rope, m", deepest_node, -0.08634, 1e-4),
     ],
@@ -396,7 +396,7 @@ KNOWN = {
 def test_an_example_runs_and_gives_its_number(name: str) -> None:
     assert name in KNOWN, f"examples/{name} has no number here: every example asserts one"
     if name in NEEDS:
-        pytest.importorskip(NEEDS[name], reason=f'{NEEDS[name]} is not installed: pip install "ropewalk[foreign]"')
+        pytest.importorskip(NEEDS[name], reason=f'{NEEDS[name]} is not installed: pip install "ropewalk[external]"')
     settings = {known.settings for known in KNOWN[name]}
     results = {s: simulate(load(FOLDER / name, s)) for s in settings}
     for result in results.values():

@@ -57,7 +57,7 @@ def test_figure_7_names_its_data_marks_slack_droppers_and_compares_two_motions()
 
 def test_droppers_of_figure_7_are_slack_where_their_ends_are_closer_than_their_length() -> None:
     result = coarse()["nonlinear"]
-    rest, now = (figure7.shape_at(result, place) for place in (figure7.START, figure7.SHOWN))
+    rest, now = (figure7.shape_at(result, place) for place in (figure7.START, figure7.DISPLAYED))
     far, at_rest = (np.linalg.norm(s.droppers[:, 1] - s.droppers[:, 0], axis=1) for s in (now, rest))
     length = at_rest - rest.pull / 100e3
     slack = now.pull <= 0.0
@@ -66,7 +66,9 @@ def test_droppers_of_figure_7_are_slack_where_their_ends_are_closer_than_their_l
     assert (far[slack] < length[slack] + 3e-4).all()
     assert (far[slack] < length[slack] - 1e-2).any()
     np.testing.assert_allclose(far[~slack], (length + now.pull / 100e3)[~slack], atol=3e-4)
-    assert now.place == pytest.approx(figure7.SHOWN, abs=1e-4)  # along a wire that hangs by hundredths of a millimetre
+    assert now.place == pytest.approx(
+        figure7.DISPLAYED, abs=1e-4
+    )  # along a wire that hangs by hundredths of a millimetre
 
 
 def test_both_motions_of_figure_7_are_one_key_apart_and_nearly_the_same() -> None:

@@ -14,17 +14,21 @@ import pytest
 import ropewalk
 
 HOUSE = Path(ropewalk.__file__).parent
-FILES = sorted(path for path in HOUSE.rglob("*.py") if "__pycache__" not in path.parts)
+BEFORE = HOUSE / "foreign"  # a package as it was called before
+FILES = sorted(path for path in HOUSE.rglob("*.py") if "__pycache__" not in path.parts and BEFORE not in path.parents)
 _LIST = """
 boarding board person guide guides rider riders carrying crowds crowded fleet ghost ghosts bodywork held holding
 holdings standing pieces timetable web webs laying building sheets fabric seat seats seated travellers traveller
-journey journeys account
+journey journeys account rung rungs ladder climbing hands sight ride rides ridden riding rider grip grips told shown
+foreign foreigner foreigners blow resist attract wing wings
 """
 PRIVATE = set(_LIST.split())
 """Words that say nothing to a stranger, each of which had a word of the field."""
 OF_THE_FIELD = {
     "standing_force": "one that does not move",
     "standing_tension": "of webbing between its anchors, as measured",
+    "sight": "as it was called before",
+    "rung": "as it was called before",
 }
 """Names in which one of them is meant as everybody means it."""
 

@@ -23,8 +23,8 @@ nets            `Net` and `Membrane` with a `ClampedEdge`, a `SoftEdge` or a `Ca
 what is asked   `Dynamic` (from a `Start`), `Quasistatic`, `Equilibrium`, `Linear`
 files           `load` and `save` a scenario, `open_result`; `export_fmu` writes a line or a vehicle as an FMU
 answers         `simulate`, `resume`, `spectrum`; `feedback` gives a `Comparison` with a run `without_feedback`,
-                `ladder` a `Ladder` of simpler models, `adequacy` an `AdequacyMap` over two `Axis`es; `summary`,
-                `tables`, `figure` and `film` of a result, paths of contacts `extrapolated` from two meshes;
+                `model_hierarchy` a `ModelHierarchy` of simpler models, `adequacy` an `AdequacyMap` over two `Axis`es;
+                `summary`, `tables`, `figure` and `film` of a result, paths of contacts `extrapolated` from two meshes;
                 `contact_statistics` and `html_report` of overhead lines
 many runs       `sweep` gives one dataset over what varies (`Sweep`), `sweep_figure` and `sweep_table` are of it
 closed forms    `theory`: what the simulation is checked against
@@ -46,7 +46,7 @@ from ropewalk import hooks
 
 if TYPE_CHECKING:
     from ropewalk import theory
-    from ropewalk.compare import Ladder, ladder
+    from ropewalk.compare import ModelHierarchy, model_hierarchy
     from ropewalk.compare.adequacy import AdequacyMap, adequacy
     from ropewalk.compare.axes import Axis
     from ropewalk.cosim.export import export as export_fmu
@@ -171,7 +171,6 @@ __all__ = [
     "InnerMoving",
     "Joined",
     "Joint",
-    "Ladder",
     "Line",
     "Linear",
     "Matrices",
@@ -179,6 +178,7 @@ __all__ = [
     "Membrane",
     "MessengerSupports",
     "MessengerWire",
+    "ModelHierarchy",
     "Moving",
     "MovingForce",
     "MovingMass",
@@ -222,8 +222,8 @@ __all__ = [
     "figure",
     "film",
     "html_report",
-    "ladder",
     "load",
+    "model_hierarchy",
     "open_result",
     "resume",
     "save",
@@ -273,7 +273,7 @@ _HOME = {
     "InnerMoving": "model",
     "Joined": "model",
     "Joint": "model",
-    "Ladder": "compare",
+    "ModelHierarchy": "compare",
     "Line": "model",
     "Linear": "model",
     "Matrices": "model",
@@ -324,7 +324,7 @@ _HOME = {
     "figure": "results",
     "film": "results",
     "html_report": "results",
-    "ladder": "compare",
+    "model_hierarchy": "compare",
     "load": "scenario",
     "open_result": "results",
     "resume": "resuming",
@@ -337,6 +337,7 @@ _HOME = {
     "tables": "results",
     "without_feedback": "decouple",
 }
+_RENAMED = {"Ladder": "ModelHierarchy", "ladder": "model_hierarchy"}
 _NAME_AT_HOME = {"export_fmu": "export", "spectrum": "spectrum_of"}
 
 
@@ -346,6 +347,9 @@ hooks.unsupported = lambda parts: import_module("ropewalk.capabilities").unsuppo
 def __getattr__(name: str) -> Any:
     if name == "theory":
         return import_module("ropewalk.theory")
+    if name in _RENAMED:
+        import_module("ropewalk.renamed").warn_renamed(f"ropewalk.{name}", f"ropewalk.{_RENAMED[name]}")
+        return getattr(import_module(__name__), _RENAMED[name])
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"ropewalk.{_HOME[name]}"), _NAME_AT_HOME.get(name, name))

@@ -18,20 +18,20 @@ def main() -> None:
         app()
     except SystemExit as end:
         # Of the first typer says nothing, and code of others may have swallowed the second.
-        told = not isinstance(getattr(end.__context__, "__cause__", None), KeyboardInterrupt) and end.code
+        text = not isinstance(getattr(end.__context__, "__cause__", None), KeyboardInterrupt) and end.code
         if is_interrupted():
-            _end_interrupted(bool(told))
+            _end_interrupted(bool(text))
         raise
     except BaseException:  # what extension modules make of an interrupt
         if not is_interrupted():
             raise
-        _end_interrupted(told=False)
+        _end_interrupted(text=False)
     finally:
         gc.freeze()  # or the interpreter, before it ends, looks for cycles in half a second's worth of objects
 
 
-def _end_interrupted(told: bool) -> NoReturn:
-    if not told:
+def _end_interrupted(text: bool) -> NoReturn:
+    if not text:
         print("interrupted", file=sys.stderr)
     sys.exit(EXIT_CODE)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ropewalk.linear import capabilities as linear
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import Capabilities, missing, refusal
-from ropewalk.model.load import RUBBING, AnyLoad, Foreign, MovingForce
+from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
@@ -44,7 +44,7 @@ def engine_of(asked: Parts | Scenario) -> Engine:
         return _of_linear_theory(parts)
     if parts.is_network:
         return _of_networks(parts)
-    return _of_beams(parts) if parts.is_stiff else _of_ropes(parts)
+    return _of_beams(parts) if parts.has_bending_stiffness else _of_ropes(parts)
 
 
 def _of_linear_theory(parts: Parts) -> Engine:
@@ -137,7 +137,7 @@ def unsupported(parts: Parts) -> Iterator[Finding]:
     engine = engine_of(parts)
     known = parts.is_complete and None not in parts.lines.values()
     for found in (engine.motion if isinstance(parts.run, Dynamic | Linear) else engine.at_rest).unsupported(parts):
-        a_rope = not (parts.is_network or parts.is_stiff or isinstance(parts.run, Linear))
+        a_rope = not (parts.is_network or parts.has_bending_stiffness or isinstance(parts.run, Linear))
         if known or not a_rope or found.path[0] != "run":  # a line not known may have bending stiffness
             yield found
 
@@ -188,7 +188,7 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
         return
     remedy = "ask for that of the line alone (no instant, no start.with_loads), or write kind: matrices"
     for name, load in scenario.loads.items():
-        if isinstance(load, Walker | Foreign):
+        if isinstance(load, Walker | ExternalModel):
             raise refusal(missing(("loads", name, "kind"), "the spectrum with loads", load.kind, remedy))
 
 
@@ -200,7 +200,7 @@ def check_without_feedback(scenario: Scenario) -> None:
     """
     what = "a run without feedback"
     for name, load in scenario.loads.items():
-        if isinstance(load, Pantograph) or (isinstance(load, Foreign) and engine_of(scenario) is WIRES):
+        if isinstance(load, Pantograph) or (isinstance(load, ExternalModel) and engine_of(scenario) is WIRES):
             where = "" if isinstance(load, Pantograph) else " of beams"
             remedy = "leave it out, or ask for ropewalk compare"
             raise refusal(missing(("loads", name, "kind"), what + where, load.kind, remedy))

@@ -23,6 +23,7 @@ from ropewalk.console import (
     fail,
     finish,
     load_scenario,
+    now_called,
     print_columns,
     print_json,
     print_summary,
@@ -109,7 +110,7 @@ def check(file: ScenarioFile, settings: Settings = None) -> None:
     with reported():
         scenario = load_scenario(file, settings)
         if scenario.loads:
-            import_module("ropewalk.foreign.models").check_foreign(scenario.loads)
+            import_module("ropewalk.external.models").check_external(scenario.loads)
         if scenario.sweep is not None:
             import_module("ropewalk.sweeps.plan").Plan.of(scenario, scenario.sweep)
         names = ", ".join((*scenario.lines, *scenario.overhead_lines, *scenario.loads))
@@ -137,14 +138,14 @@ def run(
         from ropewalk.results import check_target
 
         scenario = load_scenario(file, settings, no_code)
-        shown = display_units(units)
+        displayed = display_units(units)
         check_target(target)
         replaced = " (replaced)" if target.exists() else ""
         from ropewalk.simulate import simulate
 
         with progress_of_run(scenario, quiet) as progress:
             dataset = simulate(scenario, file=target, overwrite=overwrite, progress=progress)
-        _close(dataset, target, replaced, shown, as_json=as_json, quiet=quiet)
+        _close(dataset, target, replaced, displayed, as_json=as_json, quiet=quiet)
 
 
 def _close(dataset: xr.Dataset, file: Path, remark: str, units: DisplayUnits, *, as_json: bool, quiet: bool) -> None:
@@ -173,15 +174,15 @@ def resume(
     """Go on with a run that was interrupted or killed, or is to be longer, in its result file."""
     with reported(result):
         end = None if until is None else quantity_of(until, "s")
-        shown = display_units(units)
+        displayed = display_units(units)
         with import_module("ropewalk.resuming").taken_up(result, end) as rest:
             if no_code:
-                import_module("ropewalk.foreign.models").refuse_code(rest.scenario.loads)
+                import_module("ropewalk.external.models").refuse_code(rest.scenario.loads)
             if not quiet:
                 say(f"going on from t = {rest.begin:.6g} s")
             with progress_of_run(rest.scenario, quiet) as progress:
                 dataset = rest.run(progress)
-        _close(dataset, result, "", shown, as_json=as_json, quiet=quiet)
+        _close(dataset, result, "", displayed, as_json=as_json, quiet=quiet)
 
 
 @app.command()
@@ -223,8 +224,7 @@ def show(
         if (many := import_module("ropewalk.sweeps.writing").read(result)) is not None:
             import_module("ropewalk.sweeps.command").tell(many, [output] if output else [], as_json, quiet)
             return
-        if output is not None:
-            check_picture(output)
+        check_picture(output)
         kind = "" if output is None else output.suffix.lower()
         if (every or at) and (kind not in TABLE_SUFFIXES or panels):
             fail(f"--every and --at choose the rows of tables; write one with -o OUT{', OUT'.join(TABLE_SUFFIXES)}")
@@ -232,16 +232,16 @@ def show(
             fail(f"--panels chooses what a figure shows; write one with -o OUT{', OUT'.join(FIGURE_SUFFIXES)}")
         if size and kind not in (*FIGURE_SUFFIXES, *FILM_SUFFIXES):
             fail("--size is that of a figure or a film; write one with -o")
-        shown = display_units(units or "engineering")
+        displayed = display_units(units or "engineering")
         from ropewalk.results import open_result, summary
 
         with open_result(result) as dataset:
             if output is None or as_json:
-                print_summary({"file": str(result), **summary(dataset)}, as_json, quiet, shown)
+                print_summary({"file": str(result), **summary(dataset)}, as_json, quiet, displayed)
             if output is None:
                 return
             names = None if panels is None else [name.strip() for name in panels.split(",")]
-            written = show_in(dataset, output, quiet, names, size, None if units is None else shown, every, at)
+            written = show_in(dataset, output, quiet, names, size, None if units is None else displayed, every, at)
         if not quiet:
             say(f"{' and '.join(map(str, written))} written")
 
@@ -283,8 +283,7 @@ def spectrum(
 ) -> None:
     """Compute the frequencies and damping of the small motions, which decide the method; draw the modes."""
     with reported():
-        if output is not None:
-            check_picture(output, FIGURE_SUFFIXES)
+        check_picture(output, FIGURE_SUFFIXES)
         scenario = load_scenario(file, settings, no_code)
         found = import_module("ropewalk.simulate").spectrum_of(scenario, at=at)
         if as_json:
@@ -325,14 +324,13 @@ def compare(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Climb the ladder from the linear theory to full feedback: is a simpler model good enough?"""
+    """Compare simpler models, from the linear theory upwards, with the full one: is one of them good enough?"""
     with reported():
-        if output is not None:
-            check_picture(output, FIGURE_SUFFIXES)
+        check_picture(output, FIGURE_SUFFIXES)
         scenario = load_scenario(file, settings, no_code)
-        wing = import_module("ropewalk.compare")
+        package = import_module("ropewalk.compare")
         with progress_of_many(quiet) as progress:
-            found = wing.ladder(scenario, tolerance=tolerance, progress=progress)
+            found = package.model_hierarchy(scenario, tolerance=tolerance, progress=progress)
         if as_json:
             print_json(found.as_dict())
         elif not quiet:
@@ -350,7 +348,8 @@ def adequacy(
     file: ScenarioFile,
     x: Annotated[str, typer.Option("--x", metavar="KEY=FROM:TO:COUNT[:log]", help="First parameter, key or ratio.")],
     y: Annotated[str, typer.Option("--y", metavar="KEY=FROM:TO:COUNT[:log]", help='Second, as "load ratio=0.01:1:9".')],
-    rung: Annotated[list[str], typer.Option("--rung", help="Simpler model; may be repeated.")] = ["linear"],  # noqa: B006
+    model: Annotated[list[str], typer.Option("--model", help="Simpler model; may be repeated.")] = ["linear"],  # noqa: B006
+    rung: Annotated[list[str] | None, typer.Option(hidden=True, callback=now_called("--model"))] = None,
     quantity: Annotated[str, typer.Option("--quantity", help="In which it is compared.")] = "deflection",
     tolerance: Annotated[str, typer.Option("--tolerance", help="Allowed relative distance, 0.02 or 2 %.")] = "5 %",
     store: Annotated[Path | None, typer.Option("--store", help="Points [default: FILE.adequacy.jsonl].")] = None,
@@ -364,18 +363,18 @@ def adequacy(
 ) -> None:
     """Map where in a plane of two parameters a simpler model is good enough; go on where a map was stopped."""
     with reported(), progress_of_many(quiet) as progress:
-        if output is not None:
-            check_picture(output, FIGURE_SUFFIXES)
+        check_picture(output, FIGURE_SUFFIXES)
+        model = rung or model
         found = import_module("ropewalk.compare.command").adequacy_from_text(
-            load_scenario(file, settings, no_code), (x, y), rung, quantity, tolerance,
+            load_scenario(file, settings, no_code), (x, y), model, quantity, tolerance,
             store or Path(f"{file.stem}.adequacy.jsonl"), workers, retry, progress,
         )  # fmt: skip
         if output is not None:
-            save_figure(found.figure(rung), output)
+            save_figure(found.figure(model), output)
     if as_json:
         print_json(found.as_dict())
     elif not quiet:
-        typer.echo("\n".join(str(found.coverage(name)) for name in rung))
+        typer.echo("\n".join(str(found.coverage(name)) for name in model))
 
 
 @app.command()
@@ -412,17 +411,17 @@ def sweep(
 ) -> None:
     """Run a scenario many times with other values, on all cores; go on where a sweep was stopped."""
     with reported():
-        wing, outputs = import_module("ropewalk.sweeps.command"), output or []
-        wing.check_outputs(outputs)
+        package, outputs = import_module("ropewalk.sweeps.command"), output or []
+        package.check_outputs(outputs)
         store = store or Path(f"{file.stem}.sweep.jsonl")
         scenario = load_scenario(file, settings, no_code)
         with progress_of_many(quiet) as progress:
-            found = wing.sweep_from_text(
+            found = package.sweep_from_text(
                 scenario, over or [], derive or [], progress, record=record, combine=combine, count=count,
                 seed=seed, store=store, workers=workers, cluster=cluster, retry=retry,
             )  # fmt: skip
-        wing.tell(found, outputs, as_json, quiet)
-        wing.finish(found, store, outputs, quiet)
+        package.tell(found, outputs, as_json, quiet)
+        package.finish(found, store, outputs, quiet)
 
 
 @app.command()

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
+from typer import CallbackParam
 
 from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
 from ropewalk.interrupts import is_interrupted
@@ -34,7 +35,7 @@ REPORT_SUFFIX = ".html"
 EXPORT_SUFFIX = ".pvd"
 TABLE_SUFFIXES = (".csv", ".xlsx", ".parquet")
 Progress = Callable[[float], None]
-Told = Callable[..., None]  # a task, the part that is done, and maybe what it is at
+Report = Callable[..., None]  # a task, the part that is done, and maybe what it is at
 _READ: ContextVar[tuple[Path, tuple[str, ...]] | None] = ContextVar("read", default=None)  # file and settings
 TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
 
@@ -46,7 +47,7 @@ def load_scenario(file: Path, settings: list[str] | None, no_code: bool = False)
     scenario = load(file, settings or ())
     _READ.set((file, tuple(settings or ())))  # read well: what is found later can be shown its place
     if no_code:
-        from ropewalk.foreign.models import refuse_code
+        from ropewalk.external.models import refuse_code
 
         refuse_code(scenario.loads)
     return scenario
@@ -61,8 +62,8 @@ def finish(found: dict[str, Any], target: Path) -> None:
     if outcome == "interrupted":
         fail(f"interrupted; what was computed is kept in {target}{advice}", INTERRUPTED)
     if outcome == "doubtful":
-        told = "\n".join(found["doubts"])
-        fail(f"the run went through, but must not be trusted; it is kept in {target}\n{told}", DOUBTFUL)
+        report = "\n".join(found["doubts"])
+        fail(f"the run went through, but must not be trusted; it is kept in {target}\n{report}", DOUBTFUL)
     fail(f"the run stopped early: {outcome}; what was computed is kept in {target}{advice}", STOPPED_EARLY)
 
 
@@ -100,9 +101,11 @@ def print_columns(rows: list[tuple[str, ...]]) -> None:
 
 
 def check_picture(
-    output: Path,
+    output: Path | None,
     known: tuple[str, ...] = (*FIGURE_SUFFIXES, *FILM_SUFFIXES, REPORT_SUFFIX, EXPORT_SUFFIX, *TABLE_SUFFIXES),
 ) -> None:
+    if output is None:
+        return
     if output.suffix.lower() not in known:
         fail(f"{output}: unknown kind of picture, report or table; the name must end in {', '.join(known)}")
     if not output.parent.is_dir():
@@ -187,8 +190,8 @@ def fail(message: str, code: int = BAD_INPUT) -> None:
 @contextmanager
 def progress_bar(label: str, quiet: bool) -> Iterator[Progress | None]:
     """A bar on stderr if that is a terminal; gives the function that moves it."""
-    with progress_of_many(quiet) as told:
-        yield told and partial(told, label)
+    with progress_of_many(quiet) as report:
+        yield report and partial(report, label)
 
 
 @contextmanager
@@ -198,21 +201,21 @@ def progress_of_run(scenario: Scenario, quiet: bool) -> Iterator[Progress | None
 
     if not quiet and (how_long := must_compile(scenario)):
         say(f"compiling (first run only, {how_long})")
-    with progress_of_many(quiet) as told:
-        if told is None:
+    with progress_of_many(quiet) as report:
+        if report is None:
             yield None
             return
         from ropewalk.mechanics.compiled import compiling
 
-        compiling.told = partial(told, "compiling")
+        compiling.progress = partial(report, "compiling")
         try:
-            yield partial(told, "running")
+            yield partial(report, "running")
         finally:
-            compiling.told = None
+            compiling.progress = None
 
 
 @contextmanager
-def progress_of_many(quiet: bool) -> Iterator[Told | None]:
+def progress_of_many(quiet: bool) -> Iterator[Report | None]:
     """A bar for each of several tasks, as they come, on stderr if that is a terminal."""
     if quiet or not sys.stderr.isatty():
         yield None
@@ -223,12 +226,23 @@ def progress_of_many(quiet: bool) -> Iterator[Told | None]:
     with Bar(console=Console(stderr=True), transient=True) as bar:
         tasks: dict[str, Any] = {}
 
-        def told(label: str, done: float, what: str = "") -> None:
+        def report(label: str, done: float, what: str = "") -> None:
             if label not in tasks:
                 tasks[label] = bar.add_task(label, total=1.0)
             bar.update(tasks[label], completed=done, description=f"{label} {what}".rstrip())
 
-        yield told
+        yield report
+
+
+def now_called(new: str) -> Callable[[CallbackParam, Any], Any]:
+    """A callback of an option that has another name now: it still works for one release, and says so."""
+
+    def used(option: CallbackParam, value: Any) -> Any:
+        if value:
+            say(f"{option.opts[0]} is called {new} now; the old name goes with the next release")
+        return value
+
+    return used
 
 
 @contextmanager

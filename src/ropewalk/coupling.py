@@ -112,8 +112,8 @@ def feedback(scenario: Scenario) -> Comparison:
     coupled, without = simulate(scenario), simulate(alone)
     for result, which in ((coupled, "with"), (without, "without")):
         if result.attrs["outcome"] not in ("completed", "doubtful"):
-            told = f"{result.attrs['outcome']}: {result.attrs['advice']}"
-            raise RopewalkError(f"the run {which} feedback did not come to its end ({told})")
+            metadata = f"{result.attrs['outcome']}: {result.attrs['advice']}"
+            raise RopewalkError(f"the run {which} feedback did not come to its end ({metadata})")
     both = (summary(coupled), summary(without))
     supports = {
         name: _pair(*({k: found["supports"][name][k] for k in ("value", "time")} for found in both))
@@ -211,14 +211,14 @@ def percent(part: float | None) -> str:
 
 
 def _row(what: str, pair: Summary, unit: str) -> tuple[str, str, str, str]:
-    def told(found: Summary | None) -> str:
+    def metadata(found: Summary | None) -> str:
         return "–" if found is None or found["value"] is None else f"{number(found['value'])} {unit}"
 
     change = pair["relative"]
     sign = "+" if change is not None and change > 0.0 else ""
     first: dict[str, Any] = pair["with"] or {}
     where = "  ".join(_where(first))
-    return what, told(pair["with"]), told(pair["without"]), f"{sign}{percent(change)}  {where}".rstrip()
+    return what, metadata(pair["with"]), metadata(pair["without"]), f"{sign}{percent(change)}  {where}".rstrip()
 
 
 def _where(found: Summary) -> Iterator[str]:

@@ -24,7 +24,7 @@ from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import ForceTable, SpeedTable
 from ropewalk.model.line import Line, spatial
-from ropewalk.model.load import AnyLoad, Foreign, MovingForce, Travelling
+from ropewalk.model.load import AnyLoad, ExternalModel, MovingForce, Travelling
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
@@ -210,13 +210,13 @@ class _Ground:
         ground, load = _ground_of(scenario, name, run.until)
         every = min(every_of(run), run.until / SAMPLES)
         falls = isinstance(load, Trolley) and load.payload.at is not None
-        start = Start(with_loads=not (falls or isinstance(load, Foreign)))
+        start = Start(with_loads=not (falls or isinstance(load, ExternalModel)))
         dynamic = Dynamic(until=run.until, every=every, accuracy=run.accuracy, start=start)
         alone = Scenario(gravity=scenario.gravity, lines={name: ground}, loads={name: load}, run=dynamic)
         result = simulate(alone)
         if result.attrs["outcome"] != "completed":
-            told = f"{result.attrs['outcome']}: {'; '.join(doubts_of(result)) or result.attrs['advice']}"
-            raise RopewalkError(f"the run of {name} on rigid ground did not come to its end ({told})")
+            text = f"{result.attrs['outcome']}: {'; '.join(doubts_of(result)) or result.attrs['advice']}"
+            raise RopewalkError(f"the run of {name} on rigid ground did not come to its end ({text})")
         scale = ground.distance / float(result["xi"].values.max())
         upright = engine_of(scenario) is WIRES
         return cls(result, tuple(wheel.name for wheel in wheels_of(alone)), scale, upright)
@@ -362,7 +362,7 @@ def _put_down(load: AnyLoad, time: Array, place: Array, force: Array) -> list[Mo
         place: (time,) m, NaN while it is off the line.
         force: (time, axis) N.
     """
-    assert isinstance(load, Walker | Foreign)
+    assert isinstance(load, Walker | ExternalModel)
     at_end = load.travel.at_end if isinstance(load, Fmu) else load.at_end
     on = np.isfinite(place)
     breaks = np.flatnonzero(np.abs(np.diff(np.where(on, place, 0.0))) > HOP * np.diff(time)) + 1

@@ -124,10 +124,10 @@ def _checked(past: Past) -> Scenario:
     Raises:
         ResultError: why it may not.
     """
-    path, told = past.path, past.attributes
-    if told.get("Conventions") != CONVENTIONS:
+    path, metadata = past.path, past.attributes
+    if metadata.get("Conventions") != CONVENTIONS:
         raise ResultError(f"{path}: no result of ropewalk (attribute Conventions is not {CONVENTIONS})")
-    text = str(told.get("scenario", ""))
+    text = str(metadata.get("scenario", ""))
     try:
         tree = json.loads(text)
         kind = tree["run"]["kind"]
@@ -135,18 +135,18 @@ def _checked(past: Past) -> Scenario:
         raise ResultError(f"{path}: its scenario cannot be read") from problem
     if kind != "dynamic":
         raise ResultError(f"{path}: a run of kind {kind} has nothing to go on from; run it again")
-    version = told.get("ropewalk_version")
+    version = metadata.get("ropewalk_version")
     if version != ropewalk.__version__:
         raise ResultError(f"{path}: was written by ropewalk {version}, this is {ropewalk.__version__}; run it again")
-    if told.get("scenario_sha256") != hashlib.sha256(text.encode()).hexdigest():
+    if metadata.get("scenario_sha256") != hashlib.sha256(text.encode()).hexdigest():
         raise ResultError(f"{path}: its scenario is not what was run (its digest is another); run it again")
     if (named := _named_only(tree)) is not None:
         raise ResultError(f"{path}: {named} is a function or an object of Python, which no file holds; run it again")
-    outcome = told.get("outcome")
+    outcome = metadata.get("outcome")
     if outcome not in (*_ENDED, *_CUT_SHORT):
         raise ResultError(f"{path}: the run stopped by itself ({outcome}), there is nothing to go on with")
     if past.checkpoint is None:
-        why = f": {told[LACKING]}" if LACKING in told else "; run it again"
+        why = f": {metadata[LACKING]}" if LACKING in metadata else "; run it again"
         raise ResultError(f"{path}: has no checkpoint to go on from{why}")
     try:
         scenario = loads(text, f"{path}.json")

@@ -305,7 +305,7 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
         if at is not None:
             return system.spectrum_at(scenario, at, how_many)
         return system.spectrum(scenario, how_many, with_loads=with_loads)
-    if scenario.is_stiff:
+    if scenario.has_bending_stiffness:
         from ropewalk.wires import spectrum as wires  # lazy: as above
         from ropewalk.wiring import task_of
 

@@ -82,7 +82,7 @@ def to_si(value: object, unit: str) -> float:
     if math.isnan(number):
         raise Refused(f"expected {_meaning(unit)}, not nan", _write_it(unit))
     if abs(number) > LARGEST:
-        raise Refused("the number is too large to calculate with", f"stay below {LARGEST:g} {_shown(unit)}")
+        raise Refused("the number is too large to calculate with", f"stay below {LARGEST:g} {_displayed(unit)}")
     return number
 
 
@@ -106,7 +106,7 @@ def _meaning(unit: str) -> str:
     return _MEANING.get(unit, (f"a quantity in {unit}", ""))[0]
 
 
-def _shown(unit: str) -> str:
+def _displayed(unit: str) -> str:
     return "" if unit == "dimensionless" else unit
 
 

@@ -56,14 +56,16 @@ def alone(name: str, scenario: Scenario) -> dict[str, tuple[str, ...]]:
 
 
 def warm_up(
-    groups: Mapping[str, Sequence[str]], workers: int | None = None, told: Callable[[str, float], None] | None = None
+    groups: Mapping[str, Sequence[str]],
+    workers: int | None = None,
+    progress: Callable[[str, float], None] | None = None,
 ) -> dict[str, str]:
     """Compile the kernels that scenarios need, groups side by side in processes of their own.
 
     Args:
         groups: texts of scenarios, by a name for each group.
         workers: processes; None: one for each core.
-        told: called with what is being done and the part that is done.
+        progress: called with what is being done and the part that is done.
 
     Returns:
         What was done for each group, a phrase.
@@ -75,8 +77,8 @@ def warm_up(
     done = dict.fromkeys(groups, "there already")
     if not waiting:
         return done
-    told = told or (lambda what, part: None)
-    told("compiling", 0.0)
+    progress = progress or (lambda what, part: None)
+    progress("compiling", 0.0)
     tasks = ((name, tuple(groups[name])) for name in waiting)
     answers = each(tasks, _compile, min(workers or cores(), len(waiting)), None)
     for finished, ((name, texts), answer) in enumerate(answers, 1):
@@ -85,7 +87,7 @@ def warm_up(
         kernels, seconds = answer
         _mark(texts).touch()
         done[name] = f"{kernels} kernels compiled in {seconds:.0f} s" if kernels else "there already"
-        told("compiling", finished / len(waiting))
+        progress("compiling", finished / len(waiting))
     return done
 
 

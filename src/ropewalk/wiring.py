@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.models import turns_of
+from ropewalk.external.models import cosimulation_of
 from ropewalk.mechanics.assembly import speed_table
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.beginning import UP
 from ropewalk.model.division import links_of_line
 from ropewalk.model.line import spatial
-from ropewalk.model.load import AnyLoad, Foreign
+from ropewalk.model.load import AnyLoad, ExternalModel
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic, Quasistatic
@@ -32,13 +32,13 @@ from ropewalk.solve.load_schedule import horizon
 from ropewalk.wires.beginning import in_mode
 from ropewalk.wires.ends import holds_of, masses_of
 from ropewalk.wires.equilibrium import movable
-from ropewalk.wires.lines import prescribed_motion_of, shown_of, wire_of
+from ropewalk.wires.lines import displayed_of, prescribed_motion_of, wire_of
 from ropewalk.wires.mesh import links_of
-from ropewalk.wires.partners import Foreigner
-from ropewalk.wires.partners import moving_load_of as foreign_moving_load
+from ropewalk.wires.partners import WireExternalModel
+from ropewalk.wires.partners import moving_load_of as external_moving_load
 from ropewalk.wires.plan import Array, WirePlan
 from ropewalk.wires.prescribed_motion import PrescribedMotion, smooth
-from ropewalk.wires.task import Shown, WireStart, WireTask, unstretched
+from ropewalk.wires.task import Displayed, WireStart, WireTask, unstretched
 
 _HEAVY = 500.0  # N: droppers bear about 100 N
 _MASSES = {2: ("frame", "head"), 3: ("lower", "upper", "head")}
@@ -77,26 +77,26 @@ def task_of(scenario: Scenario) -> WireTask:
     numbers |= {name: first + i for i, name in enumerate(scenario.lines)}
     prescribed_motions: list[PrescribedMotion] = []
     contacts: list[str] = []
-    shown: list[Shown] = []
-    foreigners: list[Foreigner] = []
+    displayed: list[Displayed] = []
+    external_models: list[WireExternalModel] = []
     for name, load in scenario.loads.items():
         number, on = len(prescribed_motions), numbers[load.on]
         if isinstance(load, Pantograph):
             prescribed_motions.append(_pantograph(name, load, sections[load.on], on, until, slow=slow))
             contacts.append(name)
-            shown += _masses(name, load, number)
+            displayed += _masses(name, load, number)
             continue
-        if isinstance(load, Foreign):
+        if isinstance(load, ExternalModel):
             own = [wheel.name for wheel in loading.wheels if wheel.load == name]
-            moving_load = foreign_moving_load(name, on, len(own), load.exchange.stiffness, load.exchange.damping)
+            moving_load = external_moving_load(name, on, len(own), load.exchange.stiffness, load.exchange.damping)
             prescribed_motions.append(PrescribedMotion(moving_load, np.zeros_like))
-            foreigners.append(Foreigner(number, partial(turns_of, name, load, until)))
+            external_models.append(WireExternalModel(number, partial(cosimulation_of, name, load, until)))
             contacts += own
             continue
         prescribed_motion, system = prescribed_motion_of(loading, name, load, on, plan.wires[on])
         prescribed_motions.append(prescribed_motion)
         contacts += [wheel.name for wheel in loading.wheels if wheel.load == name]
-        shown += shown_of(loading, system, number, plan.wires[on]) if system is not None else []
+        displayed += displayed_of(loading, system, number, plan.wires[on]) if system is not None else []
     more: dict[str, Any] = {}
     if isinstance(run, Dynamic):
         more = {
@@ -116,7 +116,8 @@ def task_of(scenario: Scenario) -> WireTask:
     if isinstance(run, Dynamic) and not nonlinear:
         remarks += tuple(remark for name, line in scenario.overhead_lines.items() for remark in _unseen(name, line))
     return WireTask(
-        plan, tuple(prescribed_motions), tuple(contacts), tuple(shown), elements, foreigners=tuple(foreigners),
+        plan, tuple(prescribed_motions), tuple(contacts), tuple(displayed), elements,
+        external_models=tuple(external_models),
         remarks=remarks,
         **more,
     )  # fmt: skip
@@ -200,7 +201,9 @@ def _rough(name: str, load: Pantograph) -> Callable[[Array], Array]:
     return read_irregularity(Path(load.irregularity), f"loads.{name}.irregularity").at
 
 
-def _masses(name: str, load: AnyLoad, prescribed_motion: int) -> list[Shown]:
+def _masses(name: str, load: AnyLoad, prescribed_motion: int) -> list[Displayed]:
     assert isinstance(load, Pantograph)
     count = len(load.parts.masses)
-    return [Shown(f"{name}.{part}", prescribed_motion, np.eye(count)[i], 0.0) for i, part in enumerate(_MASSES[count])]
+    return [
+        Displayed(f"{name}.{part}", prescribed_motion, np.eye(count)[i], 0.0) for i, part in enumerate(_MASSES[count])
+    ]

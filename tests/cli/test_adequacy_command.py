@@ -28,7 +28,7 @@ def kilo(point):
 
 def test_it_prints_the_verdict_and_writes_store_and_figure(call, string, monkeypatch):
     monkeypatch.setattr(compare, "distances", kilo)
-    out = call(*PLAIN, "-o", "map.png", "--rung", "linear", "--rung", "full")
+    out = call(*PLAIN, "-o", "map.png", "--model", "linear", "--model", "full")
     assert out.exit_code == 0, out.output
     first, second = out.stdout.splitlines()
     assert "the linear theory is within 25 % of the full answer on 50 % of the plane (3 of 6 points)" in first
@@ -37,8 +37,8 @@ def test_it_prints_the_verdict_and_writes_store_and_figure(call, string, monkeyp
     assert (string / "map.png").stat().st_size > 10_000
     assert len((string / "string.adequacy.jsonl").read_text("utf-8").splitlines()) == 7
     monkeypatch.setattr(compare, "distances", None)  # all is there: nothing is computed
-    told = json.loads(call(*PLAIN, "--json").stdout)
-    assert told["distances"]["linear"]["deflection"][0] == pytest.approx([0.1, 0.2, 0.3])
+    message = json.loads(call(*PLAIN, "--json").stdout)
+    assert message["distances"]["linear"]["deflection"][0] == pytest.approx([0.1, 0.2, 0.3])
     assert call(*PLAIN, "--quiet").stdout == ""
 
 
@@ -60,16 +60,16 @@ def test_interrupted_it_says_how_to_go_on(call, string, monkeypatch):
         (("--x", "tension"), "--x: this is no axis, given 'tension'; write KEY=FROM:TO:COUNT"),
         (("--y", "lod ratio=1:2:3"), "--y: lod ratio: neither a key of a scenario nor a ratio"),
         (("--tolerance", "few"), "--tolerance: cannot be read as a plain number, given 'few'; write for example 0.05"),
-        (("--rung", "lineer"), "no such rung, given 'lineer'; did you mean linear?"),
+        (("--model", "lineer"), "no such rung, given 'lineer'; did you mean linear?"),
         (("--quantity", "weight"), "no such quantity, given 'weight'"),
         (("--workers", "0"), "workers: must be at least 1"),
         (("-o", "map.doc"), "the name must end in .png, .svg, .pdf"),
         (("--store", "string.yaml"), "string.yaml: exists and is no store of points; it is left alone"),
     ],
 )
-def test_bad_input_is_told_and_computes_nothing(call, string, monkeypatch, changes, told):
+def test_bad_input_is_told_and_computes_nothing(call, string, monkeypatch, changes, message):
     monkeypatch.setattr(compare, "distances", None)
     out = call(*PLAIN, *changes)
     assert out.exit_code == 2, out.output
-    assert told in out.stderr
+    assert message in out.stderr
     assert not (string / "string.adequacy.jsonl").exists()

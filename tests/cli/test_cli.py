@@ -54,8 +54,8 @@ def test_quiet_is_silent(call, scenario):
 def test_set_changes_the_scenario(call, scenario, folder):
     out = call("run", scenario(), "-q", "--set", "title=Changed", "--set", "run.until=2 s")
     assert out.exit_code == 0, out.output
-    told = json.loads(open_result(folder / "rope.nc").attrs["scenario"])
-    assert (told["title"], told["run"]["until"]) == ("Changed", 2.0)
+    message = json.loads(open_result(folder / "rope.nc").attrs["scenario"])
+    assert (message["title"], message["run"]["until"]) == ("Changed", 2.0)
 
 
 @pytest.mark.parametrize("command", ["run", "check", "spectrum"])

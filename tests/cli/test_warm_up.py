@@ -26,7 +26,7 @@ def place(tmp_path, monkeypatch):
     return tmp_path
 
 
-def told_of(groups, monkeypatch, answer):
+def message_of(groups, monkeypatch, answer):
     asked = []
 
     def each(tasks, compute, processes, lost):
@@ -35,31 +35,31 @@ def told_of(groups, monkeypatch, answer):
             yield task, answer
 
     monkeypatch.setattr(warming, "each", each)
-    told = []
-    return warming.warm_up(groups, 2, lambda what, part: told.append((what, part))), asked, told
+    message = []
+    return warming.warm_up(groups, 2, lambda what, part: message.append((what, part))), asked, message
 
 
 def test_groups_are_compiled_once_side_by_side(place, monkeypatch):
     groups = {"one": ["a"], "two": ["b", "c"], "three": ["d"]}
-    done, asked, told = told_of(groups, monkeypatch, (7, 12.3))
+    done, asked, message = message_of(groups, monkeypatch, (7, 12.3))
     assert done == dict.fromkeys(groups, "7 kernels compiled in 12 s")
     assert asked == [("one", 2), ("two", 2), ("three", 2)]
-    assert [round(part, 2) for _, part in told] == [0.0, 0.33, 0.67, 1.0]
-    done, asked, _ = told_of({"one": ["a"], "two": ["b"]}, monkeypatch, (0, 0.0))
+    assert [round(part, 2) for _, part in message] == [0.0, 0.33, 0.67, 1.0]
+    done, asked, _ = message_of({"one": ["a"], "two": ["b"]}, monkeypatch, (0, 0.0))
     assert done == {"one": "there already", "two": "there already"}
     assert asked == [("two", 1)]  # other scenarios than those of before
 
 
 def test_marks_are_for_one_processor(place, monkeypatch):
-    told_of({"one": ["a"]}, monkeypatch, (7, 12.3))
+    message_of({"one": ["a"]}, monkeypatch, (7, 12.3))
     monkeypatch.setattr(warming, "processor", lambda: "another")
-    assert told_of({"one": ["a"]}, monkeypatch, (7, 12.3))[1] == [("one", 1)]
+    assert message_of({"one": ["a"]}, monkeypatch, (7, 12.3))[1] == [("one", 1)]
 
 
 def test_a_process_that_died_leaves_no_mark(place, monkeypatch):
     with pytest.raises(RopewalkError, match="one: the process that compiled died"):
-        told_of({"one": ["a"]}, monkeypatch, None)
-    assert told_of({"one": ["a"]}, monkeypatch, (7, 12.3))[1] == [("one", 1)]
+        message_of({"one": ["a"]}, monkeypatch, None)
+    assert message_of({"one": ["a"]}, monkeypatch, (7, 12.3))[1] == [("one", 1)]
 
 
 def test_long_runs_are_cut_short(monkeypatch):

@@ -43,9 +43,9 @@ def store(tmp_path):
     return tmp_path / "map.jsonl"
 
 
-def test_all_rungs_and_quantities_come_from_one_go():
+def test_all_simpler_models_and_quantities_come_from_one_go():
     found = mapped()
-    assert (found.rungs, found.quantities) == (("linear", "quasi-static"), ("deflection", "tension"))
+    assert (found.models, found.quantities) == (("linear", "quasi-static"), ("deflection", "tension"))
     np.testing.assert_allclose(found.of(), [[100.0, 200.0, 300.0], [200.0, 400.0, 600.0]])
     np.testing.assert_allclose(found.of("quasi-static", "tension"), [[0.2] * 3, [0.4] * 3])
     assert np.isnan(found.of("linear", "tension")).all()
@@ -54,7 +54,7 @@ def test_all_rungs_and_quantities_come_from_one_go():
 
 
 def test_processes_give_the_same_as_none_with_one_thread_each():
-    found, alone = mapped(cases.told_where, workers=2), mapped()
+    found, alone = mapped(cases.message_where, workers=2), mapped()
     np.testing.assert_array_equal(found.of(), alone.of())
     assert (found.of(quantity="threads") == 1.0).all()
     processes = set(found.of(quantity="process").ravel().tolist())
@@ -98,12 +98,12 @@ def test_a_line_that_a_kill_has_cut_is_computed_again(store, computed):
 def test_another_map_is_refused_and_left_alone(store):
     mapped(store=store)
     before = store.read_bytes()
-    for told, changes in (
+    for message, changes in (
         ("belongs to another scenario", {"given": cases.scenario(gravity=1.0)}),
         ("has another axis x", {"x": Axis.linear("lines.string.tension", 1e3, 3e3, 4)}),
         ("has another axis y", {"y": Axis.linear("lines.string.mass", 1, 2, 2)}),
     ):
-        with pytest.raises(ResultError, match=f"{told}; choose another store, or delete it"):
+        with pytest.raises(ResultError, match=f"{message}; choose another store, or delete it"):
             mapped(store=store, **changes)
     assert store.read_bytes() == before
     mapped(store=store, given=cases.scenario(title="Another name is no other scenario"))
@@ -119,14 +119,14 @@ def test_another_map_is_refused_and_left_alone(store):
         ('{"format": "ropewalk adequacy"', 'lines: {"rope"', "exists and is no store of points; it is left alone"),
     ],
 )
-def test_a_store_that_cannot_be_trusted_is_refused(store, old, new, told):
+def test_a_store_that_cannot_be_trusted_is_refused(store, old, new, message):
     mapped(store=store)
     text = store.read_text("utf-8")
     assert old in text
     store.write_text(text.replace(old, new, 1), "utf-8")
     with pytest.raises(ResultError) as error:
         mapped(store=store)
-    assert told in str(error.value)
+    assert message in str(error.value)
 
 
 def test_a_point_that_fails_is_kept_with_its_reason(store, computed):
@@ -136,10 +136,10 @@ def test_a_point_that_fails_is_kept_with_its_reason(store, computed):
         ("", "", ""),
     )
     np.testing.assert_array_equal(np.isnan(found.of()), [[False, True, True], [True, False, False]])
-    told = json.loads(json.dumps(found.as_dict(), allow_nan=False))
-    assert told["distances"]["linear"]["deflection"] == [[100.0, None, None], [None, 400.0, 600.0]]
-    assert [fail["point"] for fail in told["failed"]] == [[1, 0], [2, 0]]
-    assert (told["adequate"], told["points"]) == (1, 6)
+    message = json.loads(json.dumps(found.as_dict(), allow_nan=False))
+    assert message["distances"]["linear"]["deflection"] == [[100.0, None, None], [None, 400.0, 600.0]]
+    assert [fail["point"] for fail in message["failed"]] == [[1, 0], [2, 0]]
+    assert (message["adequate"], message["points"]) == (1, 6)
     assert mapped(cases.counted, store=store).reasons == found.reasons
     assert computed() == []
     assert mapped(cases.counted, store=store, retry=True).reasons == (("", "", ""), ("", "", ""))
@@ -173,8 +173,8 @@ def _refusing(point):
         ("lines.string.tension=1 m:2 m:2", "gravity=1:2:2", "m does not fit: expected a force"),
     ],
 )
-def test_axes_that_do_not_go_with_the_scenario_are_refused_before_anything_is_computed(x, y, told):
-    with pytest.raises(ScenarioError, match=told):
+def test_axes_that_do_not_go_with_the_scenario_are_refused_before_anything_is_computed(x, y, message):
+    with pytest.raises(ScenarioError, match=message):
         mapped(x=Axis.parse(x), y=Axis.parse(y))
 
 
@@ -183,12 +183,12 @@ def test_axes_that_do_not_go_with_the_scenario_are_refused_before_anything_is_co
     [
         ({"tolerance": 0.0}, "tolerance: must be positive, given 0"),
         ({"workers": 0}, "workers: must be at least 1"),
-        ({"measure": None, "rung": "lineer"}, "no such rung, given 'lineer'; did you mean linear"),
+        ({"measure": None, "model": "lineer"}, "no such rung, given 'lineer'; did you mean linear"),
         ({"measure": None, "quantity": "tention"}, "no such quantity, given 'tention'; did you mean tension"),
     ],
 )
-def test_what_is_asked_must_exist(changes, told):
-    with pytest.raises(ScenarioError, match=told):
+def test_what_is_asked_must_exist(changes, message):
+    with pytest.raises(ScenarioError, match=message):
         mapped(**changes)
 
 
@@ -214,9 +214,9 @@ LOAD, SPEED = Axis("load ratio", (0.01, 0.1, 1.0)), Axis("speed ratio", (0.1, 0.
         ("???? ???? ????", "deflection: the linear theory has no answer anywhere in the plane"),
     ],
 )
-def test_the_verdict_says_where(rows, told):
+def test_the_verdict_says_where(rows, message):
     distance = np.array([[{"a": 0.01, ".": 0.4, "?": np.nan}[sign] for sign in row] for row in rows.split()])
-    assert told in str(coverage_of(distance, SPEED, LOAD, "linear", "deflection", 0.05))
+    assert message in str(coverage_of(distance, SPEED, LOAD, "linear", "deflection", 0.05))
 
 
 def test_the_largest_block_is_found():
@@ -247,7 +247,7 @@ def test_slow_theory_misses_the_travelling_wave_by_what_the_closed_form_says():
     # x = 0.4 L, where both are largest.
     x, y = Axis.linear("speed ratio", 0.3, 0.5, 3), Axis("load ratio", (5e-4, 5e-3))
     fine = cases.scenario(lines={"string": cases.ROPE | {"elements": 80}})  # 40 links lose 8 % of the energy at 0.5
-    found = adequacy(fine, x, y, rung="quasi-static", workers=1)
+    found = adequacy(fine, x, y, model="quasi-static", workers=1)
     exact = np.abs(1.0 - 0.6 * (1.0 + np.array(x.values)))
     # 80 links: the path of the load is of first order, half a link of 32
     np.testing.assert_allclose(found.of(), np.tile(exact, (2, 1)), atol=0.03)

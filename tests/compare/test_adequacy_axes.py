@@ -60,10 +60,10 @@ def test_an_axis_is_read_with_its_unit_and_its_load():
         ("mass=1:2:3", "neither a key of a scenario nor a ratio, given 'mass'"),
     ],
 )
-def test_what_is_no_axis_is_told(text, told):
+def test_what_is_no_axis_is_told(text, message):
     with pytest.raises(ScenarioError) as error:
         Axis.parse(text)
-    assert told in str(error.value)
+    assert message in str(error.value)
 
 
 def test_the_speed_ratio_counts_waves_as_the_load_counts_its_way():
@@ -84,14 +84,14 @@ def test_another_speed_ratio_is_the_same_passage_in_another_time():
     fast = scenario_at(scenario(), x, TENSION, (0.1, 4e3))
     assert fast.loads["cart"].travel.speed == pytest.approx(2.0 * speed, rel=2e-3)
     table = {"time": [0.0, 1.0], "value": [0.0, -50.0]}
-    told = scenario_at(
+    message = scenario_at(
         scenario({"kind": "force", "force": [0.0, -1.0], "travel": {"speed": table, "from": 9.0}}),
         x,
         TENSION,
         (0.1, 1e3),
     )
-    assert told.loads["cart"].travel.speed.value == pytest.approx((0.0, -speed))
-    assert told.loads["cart"].travel.speed.time == pytest.approx((0.0, 50.0 / speed))
+    assert message.loads["cart"].travel.speed.value == pytest.approx((0.0, -speed))
+    assert message.loads["cart"].travel.speed.time == pytest.approx((0.0, 50.0 / speed))
 
 
 def test_load_and_mass_ratio_scale_the_load_as_a_whole():
@@ -148,8 +148,8 @@ def test_forces_matrices_and_masses_have_a_weight():
         (scenario({**MASS, "travel": {"speed": 0.0}}), "speed ratio", "cart does not move"),
     ],
 )
-def test_a_load_without_the_ratio_is_told(given, ratio, told):
-    with pytest.raises(ScenarioError, match=told):
+def test_a_load_without_the_ratio_is_told(given, ratio, message):
+    with pytest.raises(ScenarioError, match=message):
         Pair.of(given, ratio).value(ratio)
 
 

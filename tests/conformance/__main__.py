@@ -71,7 +71,7 @@ def compute(missing: list[Case], folder: Path, workers: int, file: Path, state: 
     count = 0
     with file.open("a", encoding="utf-8") as store:
 
-        def told(case: Case, found: Tree) -> None:
+        def message(case: Case, found: Tree) -> None:
             nonlocal last, count
             count += 1
             done[case.name] = {"name": case.name, "state": state, **found}
@@ -83,7 +83,7 @@ def compute(missing: list[Case], folder: Path, workers: int, file: Path, state: 
                 ending = "\r" if sys.stderr.isatty() and count < len(missing) else "\n"
                 print(f"{count} of {len(missing)} cases, {now - begin:.0f} s", end=ending, file=sys.stderr, flush=True)
 
-        answers(missing, folder, workers, told)
+        answers(missing, folder, workers, message)
 
 
 def stored(file: Path, state: str) -> dict[str, Tree]:

@@ -17,7 +17,7 @@ mesh may leave between two right engines. Forces and tensions ring with the link
 
 def compared(found: Mapping[str, Tree]) -> dict[str, Tree]:
     """The cases, with those that differ from the same thing said in other words marked so."""
-    told = dict(found)
+    message = dict(found)
     for name, case in found.items():
         table, row, structure, load = name.split(" / ")
         base = found.get(f"{table} / {row} / {BY_NAME[structure].twin} / {load}") if structure in BY_NAME else None
@@ -25,8 +25,8 @@ def compared(found: Mapping[str, Tree]) -> dict[str, Tree]:
             beyond = {k: v for k, v in apart(base, case).items() if v > ALLOWED[k]}
             if beyond:
                 note = ", ".join(f"{aspect} {100 * size:.2g} %" for aspect, size in beyond.items())
-                told[name] = {**case, "verdict": DIFFERS, "note": f"differs from {BY_NAME[structure].twin}: {note}"}
-    return told
+                message[name] = {**case, "verdict": DIFFERS, "note": f"differs from {BY_NAME[structure].twin}: {note}"}
+    return message
 
 
 def apart(one: Tree, other: Tree) -> dict[str, float]:

@@ -41,7 +41,7 @@ def page(cases: Iterable[Case], verdicts: Verdicts) -> str:
     notes = _Notes()
     body = "\n".join(part for title, table in _TABLES.items() for part in table(title, every, verdicts, notes))
     head = _HEAD.format(count=len(every), missing=MISSING, no_sense=NO_SENSE)
-    return "\n".join([head, _counted(every, verdicts), body, *notes.told(), ""])
+    return "\n".join([head, _counted(every, verdicts), body, *notes.message(), ""])
 
 
 def _counted(every: list[Case], verdicts: Verdicts) -> str:
@@ -73,7 +73,7 @@ class _Notes:
             self._signs[refusal.reason] = str(number) if refusal.kind == MISSING else _letters(number)
         return self._signs[refusal.reason]
 
-    def told(self) -> Iterator[str]:
+    def message(self) -> Iterator[str]:
         yield "## Why not\n"
         for kind in (MISSING, NO_SENSE):
             yield f"{kind.capitalize()}:\n"
@@ -107,9 +107,9 @@ def _cell(found: list[str], notes: _Notes) -> str:
     if working == len(found):
         return "**yes**"
     signs = [notes.sign(verdict) for verdict in dict.fromkeys(found) if verdict.startswith(REFUSED)]
-    told = [*(["?"] if DOUBTFUL in found else []), *(["stops"] if STOPPED in found else [])]
+    message = [*(["?"] if DOUBTFUL in found else []), *(["stops"] if STOPPED in found else [])]
     share = [f"{working}/{len(found)}"] if working else []
-    return " ".join([*share, *told, *([f"<sup>{', '.join(sorted(signs, key=_in_order))}</sup>"] if signs else [])])
+    return " ".join([*share, *message, *([f"<sup>{', '.join(sorted(signs, key=_in_order))}</sup>"] if signs else [])])
 
 
 def _table(

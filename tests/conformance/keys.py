@@ -37,7 +37,7 @@ PART = 5
 """One in so many changes is in the sample."""
 SAME = 1e-10
 """Part of the largest value of a variable by which it may differ and be the same."""
-_TOLD = ("title", "outcome", "advice", "doubts", "warnings", "mesh")
+_MESSAGE = ("title", "outcome", "advice", "doubts", "warnings", "mesh")
 _MORE = 1.25  # times a number that is given
 _PLAIN = 3  # letters: shorter names of keys are words of any text
 
@@ -61,7 +61,7 @@ class Change:
         return f"{self.model.__name__}.{self.key}"
 
     @property
-    def told(self) -> str:
+    def message(self) -> str:
         return f"{self.base}: {'.'.join((*self.place, self.key))} ({self.name}) = {self.choice[:80]}"
 
     def tree(self) -> Tree:
@@ -189,7 +189,7 @@ class Outcome:
     note: str = ""
 
     def __str__(self) -> str:
-        return f"{self.verdict}: {self.change.told}{': ' if self.note else ''}{self.note}"
+        return f"{self.verdict}: {self.change.message}{': ' if self.note else ''}{self.note}"
 
 
 @cache
@@ -200,12 +200,12 @@ def _computed(base: str) -> dict[str, Any]:
 def values(result: xr.Dataset) -> dict[str, Any]:
     """All that a result says: numbers, and what is told."""
     numbers = {str(name): v.values for name, v in result.variables.items() if v.dtype.kind in "fiub"}
-    return {**numbers, **{key: str(result.attrs.get(key, "")) for key in _TOLD}}
+    return {**numbers, **{key: str(result.attrs.get(key, "")) for key in _MESSAGE}}
 
 
 def differing(one: dict[str, Any], other: dict[str, Any]) -> str:
     """What differs first, empty if nothing does."""
-    for name in sorted({*one, *other}, key=lambda name: (name in _TOLD, name)):
+    for name in sorted({*one, *other}, key=lambda name: (name in _MESSAGE, name)):
         a, b = one.get(name), other.get(name)
         if isinstance(a, str) or isinstance(b, str) or a is None or b is None:
             if a is None or b is None or a != b:
@@ -242,7 +242,7 @@ def outcome(change: Change) -> Outcome:
 
 def is_in_the_sample(change: Change) -> bool:
     """Whether a change is one of those of every day: a part of all, always the same."""
-    return int(hashlib.sha256(change.told.encode()).hexdigest(), 16) % PART == 0
+    return int(hashlib.sha256(change.message.encode()).hexdigest(), 16) % PART == 0
 
 
 def names(error: RopewalkError, change: Change) -> bool:

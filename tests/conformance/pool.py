@@ -57,8 +57,8 @@ class Worker:
         code = process.wait()
         self._process = None
         self._errors.seek(0)
-        told = self._errors.read()[-300:].strip()
-        note = f"no answer within {PATIENCE:g} s" if late.is_set() else f"the process died ({code}): {told}"
+        message = self._errors.read()[-300:].strip()
+        note = f"no answer within {PATIENCE:g} s" if late.is_set() else f"the process died ({code}): {message}"
         return {"verdict": CRASH, "note": note, "numbers": {}, "trace": {}, "cpu": 0.0}
 
     def close(self) -> None:
@@ -77,8 +77,8 @@ class Worker:
         )  # fmt: skip
 
 
-def answers(cases: Iterable[Case], folder: Path, workers: int, told: Callable[[Case, Tree], None]) -> None:
-    """Answer all cases; `told` is called with each as it is done, by one thread at a time."""
+def answers(cases: Iterable[Case], folder: Path, workers: int, message: Callable[[Case, Tree], None]) -> None:
+    """Answer all cases; `message` is called with each as it is done, by one thread at a time."""
     queue: Queue[Case] = Queue()
     for case in cases:
         queue.put(case)
@@ -94,7 +94,7 @@ def answers(cases: Iterable[Case], folder: Path, workers: int, told: Callable[[C
                     return
                 found = worker.answer(case)
                 with lock:
-                    told(case, found)
+                    message(case, found)
         finally:
             worker.close()
 

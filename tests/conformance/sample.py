@@ -28,14 +28,14 @@ def pairs(case: Case) -> set[tuple[str, ...]]:
 
 def sample(every: Iterable[Case], verdicts: Verdicts) -> list[Case]:
     """Cases that run and between them show all pairs: greedily, those first that show most."""
-    shown = [(case, pairs(case)) for case in every if not verdicts[case.name].startswith(REFUSED)]
-    missing = set[tuple[str, ...]]().union(*(found for _, found in shown))
+    displayed = [(case, pairs(case)) for case in every if not verdicts[case.name].startswith(REFUSED)]
+    missing = set[tuple[str, ...]]().union(*(found for _, found in displayed))
     chosen = []
     while missing:
-        best, found = max(shown, key=lambda each: len(each[1] & missing))
+        best, found = max(displayed, key=lambda each: len(each[1] & missing))
         chosen.append(best)
         missing -= found
-        shown = [each for each in shown if not missing.isdisjoint(each[1])]
+        displayed = [each for each in displayed if not missing.isdisjoint(each[1])]
     return chosen
 
 

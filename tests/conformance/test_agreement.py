@@ -19,10 +19,10 @@ GROWN = 3.0
 def test_another_engine_says_the_same_or_differs_as_is_known(name: str, kind: str) -> None:
     """A known difference that has gone must be struck from the list, and none may grow."""
     expected, found = known()[name].get(kind, {}), differences(name, kind)
-    told = f"{found}, known {expected}: {pair(name, kind)[1]['note']}"
-    assert set(found) <= set(expected), f"a new difference: {told}"
-    assert set(expected) <= set(found), f"a known difference is no more; {COMMAND}: {told}"
-    assert all(found[aspect] <= GROWN * expected[aspect] for aspect in found), f"a difference has grown: {told}"
+    message = f"{found}, known {expected}: {pair(name, kind)[1]['note']}"
+    assert set(found) <= set(expected), f"a new difference: {message}"
+    assert set(expected) <= set(found), f"a known difference is no more; {COMMAND}: {message}"
+    assert all(found[aspect] <= GROWN * expected[aspect] for aspect in found), f"a difference has grown: {message}"
 
 
 def test_every_known_difference_has_a_reason() -> None:

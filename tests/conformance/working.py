@@ -65,12 +65,12 @@ def _feedback(tree: Tree, options: Tree) -> Verdict:
 
 
 def _compare(tree: Tree, options: Tree) -> Verdict:
-    from ropewalk.compare import ladder
+    from ropewalk.compare import model_hierarchy
 
-    found = ladder(read_scenario(tree))
+    found = model_hierarchy(read_scenario(tree))
     json.dumps(found.as_dict(), allow_nan=False)
     assert found.verdict
-    good = [step.result for step in found.rungs.values() if step.result is not None and not step.reason]
+    good = [step.result for step in found.models.values() if step.result is not None and not step.reason]
     return _worst(Verdict(WORKS), *map(judge, good))
 
 

@@ -11,7 +11,7 @@ import ropewalk
 from ropewalk.cosim import Outside, stepwise
 from ropewalk.cosim.export import export
 from ropewalk.cosim.master import FmuPart
-from ropewalk.cosim.vehicle import Ride, alone
+from ropewalk.cosim.vehicle import LoneVehicle, alone
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model import MovingMass, Oscillator
 
@@ -76,10 +76,10 @@ def test_the_line_in_the_fmu_is_the_line(files):
         fmu.begin(at | {"contact1.force": 0.0, "contact2.force": 0.0})
         for n in range(20):
             fmu.step(n * h, h, {"contact1.force": -50.0 * (n + 1), "contact2.place": 12.0 + 4.0 * (n + 1) * h})
-            line.press("a", 5.0, -50.0 * n, last=-50.0 * (n + 1))
-            line.press("b", 12.0 + 4.0 * n * h, 0.0, 4.0)
+            line.set_force("a", 5.0, -50.0 * n, last=-50.0 * (n + 1))
+            line.set_force("b", 12.0 + 4.0 * n * h, 0.0, 4.0)
             line.step(h)
-        a, b = line.sight("a"), line.sight("b")
+        a, b = line.output("a"), line.output("b")
         assert fmu.look("contact1.height") == pytest.approx(a.place[-1], abs=1e-12)  # the same but for rounding
         assert fmu.look("contact2.velocity") == pytest.approx(b.velocity[-1], abs=1e-12)
         assert fmu.look("contact1.slope") == pytest.approx(a.slope, abs=1e-12)
@@ -127,18 +127,18 @@ def test_who_has_run_an_fmu_can_write_another(files, tmp_path):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_fmu_goes_back_in_time(kind, files):
-    told, seen = {
+    message, seen = {
         "motion": ("contact1.force", "contact1.height"), "force": ("contact1.height", "contact1.force"),
         "vehicle": ("contact1.height", "contact1.force"), "mass": ("contact1.force", "contact1.height"),
     }[kind]  # fmt: skip
     with FmuPart(files / f"{kind}.fmu") as fmu:
         fmu.begin({})
-        scale = 10.0 if told.endswith("force") else 1e-2
+        scale = 10.0 if message.endswith("force") else 1e-2
 
         def go():
             found = []
             for n in range(5):
-                fmu.step(n * 1e-3, 1e-3, {told: -scale * n})
+                fmu.step(n * 1e-3, 1e-3, {message: -scale * n})
                 found.append(fmu.look(seen))
             return found
 
@@ -169,7 +169,7 @@ def test_a_vehicle_moves_exactly_over_a_step_of_any_length():
 
     expected = solve_ivp(rate, (0.0, h), [0.0, 0.0], rtol=1e-11, atol=1e-13).y[:, -1]
     for parts in (1, 7):
-        ride = Ride(vehicle, "force")
+        ride = LoneVehicle(vehicle, "force")
         ride.place(low, np.zeros(1))
         for n in range(parts):
             ends = (low + rise * h * n / parts, rise), (low + rise * h * (n + 1) / parts, rise)
@@ -180,7 +180,7 @@ def test_a_vehicle_moves_exactly_over_a_step_of_any_length():
 def test_a_wheel_that_lifts_off_lands_again():
     vehicle = alone(string({"b": MovingMass(on="rope", mass=5.0, travel=TRAVEL, lift_off=True)}), "b",
                     contact_stiffness=2e4)  # fmt: skip
-    ride, still = Ride(vehicle, "force"), (np.zeros(1), np.zeros(1))
+    ride, still = LoneVehicle(vehicle, "force"), (np.zeros(1), np.zeros(1))
     ride.place(*still)
     ride.q[:] += 0.5  # thrown down from half a metre
     drop = 0.5 - 5.0 * 9.81 / 2e4

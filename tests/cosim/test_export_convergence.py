@@ -11,8 +11,8 @@ import pytest
 import ropewalk
 from ropewalk.cosim import Outside, stepwise
 from ropewalk.cosim.export import export
-from ropewalk.cosim.master import FmuPart, Link, Master, RidePart
-from ropewalk.cosim.vehicle import Ride, alone
+from ropewalk.cosim.master import FmuPart, Link, Master, VehiclePart
+from ropewalk.cosim.vehicle import LoneVehicle, alone
 from ropewalk.model import MovingMass, Oscillator
 
 pytest.importorskip("pythonfmu")
@@ -49,8 +49,8 @@ def files(tmp_path_factory):
 def start():
     """Height of the line where they begin, and the velocity of a contact that travels there."""
     line = stepwise(scenario(), {"c": Outside("s")})
-    line.press("c", XI, 0.0, V)
-    sight = line.sight("c")
+    line.set_force("c", XI, 0.0, V)
+    sight = line.output("c")
     return float(sight.place[-1]), float(sight.velocity[-1])
 
 
@@ -197,15 +197,15 @@ def radius(a, scheme, order):
     weights = ([1.0, 0.0, 0.0], [2.0, -1.0, 0.0], [3.0, -3.0, 1.0])[order]
     # State: v, forces F F1 F2, what was told of them last G, heights z z1 z2, and what was told of them last E.
     step = np.zeros((9, 9))
-    told, ahead = np.zeros(9), np.zeros(9)
-    told[1:4] = weights
+    message, ahead = np.zeros(9), np.zeros(9)
+    message[1:4] = weights
     before = np.eye(9)[4]
-    step[0] = np.eye(9)[0] - 0.5 * a * (told + before)
-    height = np.eye(9)[5] + np.eye(9)[0] - a * (before / 3.0 + told / 6.0)
+    step[0] = np.eye(9)[0] - 0.5 * a * (message + before)
+    height = np.eye(9)[5] + np.eye(9)[0] - a * (before / 3.0 + message / 6.0)
     ahead[5:8] = weights
     given = height if scheme == "sequential" else ahead
     step[1] = given - np.eye(9)[8]  # the line is moved from what it was told before to what it is told now
-    step[2], step[3], step[4] = np.eye(9)[1], np.eye(9)[2], told
+    step[2], step[3], step[4] = np.eye(9)[1], np.eye(9)[2], message
     step[5], step[6], step[7], step[8] = height, np.eye(9)[5], np.eye(9)[6], given
     values = np.abs(np.linalg.eigvals(step))
     return values.max()
@@ -241,7 +241,7 @@ def is_mass_stable(folder, h, scheme, order):
     vehicle = alone(scenario({"body": MovingMass(on="s", mass=M, travel=TRAVEL)}, gravity=0.0), "body")
     with FmuPart(folder / "force.fmu") as line:
         z = Master(
-            {"body": RidePart(Ride(vehicle, "motion")), "line": line},
+            {"body": VehiclePart(LoneVehicle(vehicle, "motion")), "line": line},
             [
                 Link("body", "contact1.height", "line", "contact1.height"),
                 Link("line", "contact1.force", "body", "contact1.force"),
@@ -275,7 +275,7 @@ def test_limit_of_a_damper_on_a_line_that_gives_motion(order, limit, long_line):
         vehicle = alone(scenario({"body": body}, gravity=0.0), "body")
         with FmuPart(long_line / "motion.fmu") as line:
             F = Master(
-                {"line": line, "body": RidePart(Ride(vehicle, "force"))},
+                {"line": line, "body": VehiclePart(LoneVehicle(vehicle, "force"))},
                 [
                     Link("line", "contact1.height", "body", "contact1.height"),
                     Link("line", "contact1.velocity", "body", "contact1.velocity"),

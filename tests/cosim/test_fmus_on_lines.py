@@ -70,7 +70,7 @@ def contact(**more: Any) -> dict[str, Any]:
     return {"w": {**names, "force_factor": 1, "height_from": "zero", **more}}
 
 
-def foreign(file: Path, every: float, on: str = "rope", **exchange: Any) -> dict[str, Any]:
+def external(file: Path, every: float, on: str = "rope", **exchange: Any) -> dict[str, Any]:
     return {
         "kind": "fmu", "on": on, "file": str(file), "contacts": contact(), "travel": TRAVEL, "every": every,
         "exchange": exchange,
@@ -82,7 +82,7 @@ def test_an_oscillator_as_an_fmu(written: Any, scheme: str, degree: int, wanted:
     file, reference = written["oscillator"]
     sizes = [0.04, 0.02, 0.01] if scheme == "iterated" else [0.02, 0.01, 0.005]
     errors = [
-        off(ridden(simulate(on_rope(foreign(file, h, scheme=scheme, order=degree))), "contact_position"), reference)
+        off(ridden(simulate(on_rope(external(file, h, scheme=scheme, order=degree))), "contact_position"), reference)
         for h in sizes
     ]
     print(f"oscillator, {scheme}, order {degree}: {errors}, observed {order(sizes, errors):.2f}")
@@ -97,7 +97,7 @@ def test_a_pantograph_as_an_fmu(written: Any, scheme: str, degree: int, wanted: 
     file, reference = written["pantograph"]
     sizes, errors = [2e-3, 1e-3, 5e-4], []
     for h in sizes:
-        load = foreign(file, h, "ohl", scheme=scheme, order=degree)
+        load = external(file, h, "ohl", scheme=scheme, order=degree)
         load["travel"] = {"speed": "250 km/h", "measured": "horizontal", "from": "20 m"}
         errors.append(off(ridden(simulate(under_wire(load)), "contact_force"), reference))
     print(f"pantograph, {scheme}, order {degree}: {errors}, observed {order(sizes, errors):.2f}")
@@ -110,7 +110,7 @@ def mass_as_fmu(file: Path, every: float, stiffness: float, damping: float, sche
     """A mass that gives its motion and begins as one does that rolls along the line at rest."""
     first = simulate(on_rope(MASS)).position.sel(axis="z").isel(time=0)
     slope = float(np.diff(np.interp([4.75, 5.25], first.xi.values, first.values))[0]) / 0.5
-    load = foreign(file, every, scheme=scheme, stiffness=stiffness, damping=damping)
+    load = external(file, every, scheme=scheme, stiffness=stiffness, damping=damping)
     load["contacts"] = contact(gives="motion", height_from="start")
     # The force that it is told is the mean of the interval: it is to be held.
     rest = {

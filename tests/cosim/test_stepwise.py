@@ -33,12 +33,12 @@ def travelling(scenario, force, speed):
 
 def test_a_string_answers_a_force_with_its_velocity():
     line = stepwise(string(), {"c": Outside("s")})
-    line.press("c", 20.0, -10.0)
+    line.set_force("c", 20.0, -10.0)
     before = line.at("s", 20.0)[0][-1]
     for _ in range(100):
         line.step(2e-3)
     # Mean velocity, as the links beside the contact ring; 1 % is what they lag behind.
-    assert (line.sight("c").place[-1] - before) / 0.2 == pytest.approx(-10.0 / IMPEDANCE, rel=0.01)
+    assert (line.output("c").place[-1] - before) / 0.2 == pytest.approx(-10.0 / IMPEDANCE, rel=0.01)
 
 
 @pytest.mark.parametrize(("scenario", "h"), [(string, 1e-3), (beam, 1e-3)])
@@ -46,14 +46,14 @@ def test_a_force_pressed_from_outside_does_what_a_travelling_force_does(scenario
     until = scenario().run.until
     line = stepwise(scenario(), {"c": Outside("s")}, step=h)
     for n in range(round(until / h)):
-        line.press("c", 5.0 + 10.0 * n * h, -100.0, 10.0)
+        line.set_force("c", 5.0 + 10.0 * n * h, -100.0, 10.0)
         line.step(h)
     result = ropewalk.simulate(travelling(scenario, -100.0, 10.0))
     expected = result.contact_position.isel(time=-1, contact=0).values
     # The chain seats its load at the beginning (a force that is put down shares the nodes of its link until it comes to
     # the next one); wires differ by the choice of their inner steps.
     deepest = abs(result.contact_position.sel(axis="z").values).max()
-    assert line.sight("c").place == pytest.approx(expected, abs=5e-3 * deepest)
+    assert line.output("c").place == pytest.approx(expected, abs=5e-3 * deepest)
 
 
 @pytest.mark.parametrize("scenario", [string, beam])
@@ -64,11 +64,11 @@ def test_going_back_repeats_what_was(scenario, stiffness):
     def go():
         xi = 5.0 + 10.0 * line.t
         if stiffness:
-            line.lead("c", xi, -1.0 * line.t, -1.0, 10.0)
+            line.set_motion("c", xi, -1.0 * line.t, -1.0, 10.0)
         else:
-            line.press("c", xi, -100.0, 10.0)
+            line.set_force("c", xi, -100.0, 10.0)
         line.step(5e-3)
-        return line.sight("c")
+        return line.output("c")
 
     go()
     state = line.get_state()
@@ -86,9 +86,9 @@ def test_forces_are_linear_over_a_step():
         line = stepwise(string(), {"c": Outside("s")})
         h = 0.05 / steps
         for n in range(steps):
-            line.press("c", 20.0, -100.0 * n / steps, last=-100.0 * (n + 1) / steps)
+            line.set_force("c", 20.0, -100.0 * n / steps, last=-100.0 * (n + 1) / steps)
             line.step(h)
-        ends.append(line.sight("c").place[-1])
+        ends.append(line.output("c").place[-1])
     # 1e-3: a step of the motion more or less ends within each short one.
     assert ends[0] == pytest.approx(ends[1], rel=1e-3)
 
@@ -103,11 +103,11 @@ def test_contacts_travel_and_rise_evenly_over_a_step(scenario, stiffness):
         for n in range(steps):
             xi = 5.0 + 10.0 * n * h
             if stiffness:
-                line.lead("c", xi, rest - 1.0 * n * h, -1.0, 10.0)
+                line.set_motion("c", xi, rest - 1.0 * n * h, -1.0, 10.0)
             else:
-                line.press("c", xi, -100.0, 10.0)
+                line.set_force("c", xi, -100.0, 10.0)
             line.step(h)
-        found.append(line.sight("c").place)
+        found.append(line.output("c").place)
     deepest = abs(found[1][-1] - rest)
     assert deepest > 1e-3
     assert found[0] == pytest.approx(found[1], abs=0.02 * deepest)  # as above
@@ -117,15 +117,15 @@ def test_a_body_on_one_side_lets_go():
     line = stepwise(string(), {"c": Outside("s", 5e3, side="above"), "held": Outside("s", 5e3)})
     places = {"c": 10.0, "held": line.length("s") - 10.0}
     for name, xi in places.items():
-        line.lead(name, xi, -0.05)
+        line.set_motion(name, xi, -0.05)
     line.step(0.02)
-    assert line.sight("c").force[-1] == pytest.approx(line.sight("held").force[-1], rel=1e-6)  # rounding
-    assert line.sight("c").force[-1] < -10.0
+    assert line.output("c").force[-1] == pytest.approx(line.output("held").force[-1], rel=1e-6)  # rounding
+    assert line.output("c").force[-1] < -10.0
     for name, xi in places.items():
-        line.lead(name, xi, 0.3)
+        line.set_motion(name, xi, 0.3)
     line.step(0.02)
-    assert line.sight("c").force[-1] == 0.0
-    assert line.sight("held").force[-1] > 10.0
+    assert line.output("c").force[-1] == 0.0
+    assert line.output("held").force[-1] > 10.0
 
 
 def test_supports_bear_the_weight_and_what_is_pressed():
@@ -142,9 +142,9 @@ def test_large_motion_of_wires_is_moved_as_well():
     for line in (small, large):
         rest = line.at("s", 10.0)[0][-1]
         for n in range(40):
-            line.lead("c", 10.0, rest - 0.1 * n * 1e-3, -0.1)
+            line.set_motion("c", 10.0, rest - 0.1 * n * 1e-3, -0.1)
             line.step(1e-3)
-        heights.append(line.sight("c").place[-1] - rest)
+        heights.append(line.output("c").place[-1] - rest)
     assert heights[0] == pytest.approx(heights[1], rel=0.02)  # 4 mm of 20 m: as good as linear
 
 
@@ -161,21 +161,21 @@ def test_what_cannot_be_moved_is_refused():
         stepwise(string(), {"c": Outside("S")})
     line = stepwise(string(), {"c": Outside("s")})
     with pytest.raises(RopewalkError, match="use press"):
-        line.lead("c", 1.0, 0.0)
+        line.set_motion("c", 1.0, 0.0)
     with pytest.raises(RopewalkError, match="did you mean c"):
-        line.press("C", 1.0, 0.0)
+        line.set_force("C", 1.0, 0.0)
     with pytest.raises(RopewalkError, match="3 components"):
-        line.press("c", 1.0, (0.0, 1.0, 2.0))
+        line.set_force("c", 1.0, (0.0, 1.0, 2.0))
     with pytest.raises(RopewalkError, match="up and down only"):
-        stepwise(beam(), {"c": Outside("s")}, step=1e-3).press("c", 1.0, (1.0, 1.0))
+        stepwise(beam(), {"c": Outside("s")}, step=1e-3).set_force("c", 1.0, (1.0, 1.0))
 
 
 def test_a_contact_beyond_the_end_lets_go():
     line = stepwise(string(), {"c": Outside("s")})
     length = line.length("s")
-    line.press("c", length - 0.05, -10.0, 10.0)
+    line.set_force("c", length - 0.05, -10.0, 10.0)
     line.step(0.01)
-    assert line.sight("c").force[-1] == 0.0
+    assert line.output("c").force[-1] == 0.0
     line.step(0.01)
     assert line.t == pytest.approx(0.02)
 
@@ -188,9 +188,9 @@ def test_a_line_on_which_somebody_walks_goes_back_with_her():
 
     def go():
         for _ in range(70):  # over a landing
-            line.press("c", 30.0, -100.0)
+            line.set_force("c", 30.0, -100.0)
             line.step(0.01)
-        return line.sight("c")
+        return line.output("c")
 
     go()
     state = line.get_state()

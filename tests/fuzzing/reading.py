@@ -54,11 +54,11 @@ def outcome(text: str, file: str = "mutant.yaml") -> str:
 
 def lacks(problem: Problem, file: str) -> str:
     """What a message does not say that it should; empty if nothing."""
-    told = str(problem)
+    message = str(problem)
     if problem.file != file:
-        return f"no file: {told}"
+        return f"no file: {message}"
     if problem.line is None and not problem.key:
-        return f"neither line nor key: {told}"
+        return f"neither line nor key: {message}"
     if not problem.remedy and problem.key:
-        return f"no remedy: {told}"
-    return "" if told.isprintable() or told.replace("\n", "").isprintable() else f"not printable: {told!r}"
+        return f"no remedy: {message}"
+    return "" if message.isprintable() or message.replace("\n", "").isprintable() else f"not printable: {message!r}"

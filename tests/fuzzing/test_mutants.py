@@ -49,10 +49,10 @@ def test_what_is_spoilt_is_sound() -> None:
     ],
     ids=["brackets", "indented", "keys", "comment"],
 )
-def test_what_would_take_long_is_refused_at_once(text: str, told: str) -> None:
+def test_what_would_take_long_is_refused_at_once(text: str, message: str) -> None:
     from ropewalk.errors import ScenarioError
     from ropewalk.scenario import loads
 
     assert outcome(text) == REFUSED
-    with pytest.raises(ScenarioError, match=told.replace(".", r"\.")):
+    with pytest.raises(ScenarioError, match=message.replace(".", r"\.")):
         loads(text, "mutant.yaml")

@@ -133,7 +133,7 @@ class Location(NamedTuple):
     last: Array  # the same one and two steps before
     earlier: Array
     force: Array  # N
-    told: Array  # N, that the first solution of a step knows
+    message: Array  # N, that the first solution of a step knows
     ago: Integers  # first node of its element one step before, or -1
     ago_shape: Array
     mutual: Array  # (contact, contact) m/N
@@ -296,10 +296,10 @@ def _load(t, nodes, carried, links, touch, strain, location, first):
         strain.sent[k] = strain.force[k]
     for k in range(location.on.size):
         if location.ago[k] >= 0:
-            _put(t, nodes.at, location.ago[k], location.ago_shape[k], touch.side[k] * location.told[k])
+            _put(t, nodes.at, location.ago[k], location.ago_shape[k], touch.side[k] * location.message[k])
         if location.on[k]:
             _put(t, nodes.at, location.place[k], location.shape[k], touch.side[k] * location.force[k])
-        location.told[k] = location.force[k]
+        location.message[k] = location.force[k]
 
 
 @lean_inner
@@ -395,7 +395,7 @@ def _settle(t, nodes, links, touch, bodies, strain, location, c):
                 nodes.at,
                 location.place[k],
                 location.shape[k],
-                touch.side[k] * (location.force[k] - location.told[k]),
+                touch.side[k] * (location.force[k] - location.message[k]),
             )
             location.ago[k] = location.place[k]
             for b in range(4):
@@ -405,7 +405,7 @@ def _settle(t, nodes, links, touch, bodies, strain, location, c):
                 for a in range(size):
                     for b in range(size):
                         bodies.fresh[r, a] -= bodies.yields[r, a, b] * touch.row[k, b] * force
-        location.told[k] = location.force[k]
+        location.message[k] = location.force[k]
     for r in range(bodies.q.shape[0]):
         for a in range(size):
             gone = c * (bodies.fresh[r, a] - bodies.q[r, a])

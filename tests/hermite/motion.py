@@ -26,7 +26,7 @@ _ROUND_OFF = 1e-14  # a repeated node feels this part of what stands `reach` nod
 
 
 @dataclass
-class Drive:
+class StepInputs:
     """What the riders do at every step, beginning with the start; contacts are counted over all riders."""
 
     station: Array  # (step, contact) m from the start of its wire; nothing is touched beyond its ends
@@ -56,7 +56,8 @@ class Record:
 
 
 def run(
-    model: HermiteModel, moving_loads: Sequence[TravellingLoad], drive: Drive, dt: float, start: State | None = None
+    model: HermiteModel, moving_loads: Sequence[TravellingLoad], drive: StepInputs, dt: float,
+    start: State | None = None
 ) -> Record:  # fmt: skip
     """Move riders along wires, from rest with unstrained riders unless a state is given.
 
@@ -245,7 +246,7 @@ def _links(model: HermiteModel, nodes: compiled.Nodes, reach: int) -> compiled.L
     )  # fmt: skip
 
 
-def _touch(model: HermiteModel, moving_loads: Sequence[TravellingLoad], drive: Drive, size: int) -> compiled.Touch:
+def _touch(model: HermiteModel, moving_loads: Sequence[TravellingLoad], drive: StepInputs, size: int) -> compiled.Touch:
     pairs = [(r, contact) for r, moving_load in enumerate(moving_loads) for contact in moving_load.contacts]
     rows, zero = np.zeros((len(pairs), size)), np.zeros(len(pairs))
     leading: dict[int, float] = {}

@@ -20,11 +20,11 @@ def main(count: int, seed: int) -> int:
             name = list(SCENARIOS)[number % len(SCENARIOS)]
             whole, seconds = wholes[name]
             after = seconds * chance.uniform(0.1, 1.0)
-            told = trial(name, Path(folder) / str(number), after, whole)
+            message = trial(name, Path(folder) / str(number), after, whole)
             done[name] += 1
-            if told:
+            if message:
                 wrong += 1
-                print(f"kill {number} of {name} after {after:.3f} s: {told}", flush=True)
+                print(f"kill {number} of {name} after {after:.3f} s: {message}", flush=True)
     print(f"seed {seed}: {count} kills ({dict(done)}), {wrong} of them wrong")
     return int(wrong > 0)
 

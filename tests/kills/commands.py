@@ -93,9 +93,9 @@ class Command:
     def whole(self, *, resume: bool = False) -> None:
         """Let it come to its end."""
         with self.start(resume=resume) as process:
-            _, told = process.communicate()
+            _, message = process.communicate()
         if process.returncode:
-            raise AssertionError(f"{self.name}: {told}")
+            raise AssertionError(f"{self.name}: {message}")
 
     def killed(self, after: float) -> bool:
         """Kill it after some seconds; whether it was still running."""
@@ -148,10 +148,10 @@ def trial(name: str, folder: Path, after: float, whole: Command) -> str:
     if frames and name not in STORES and one.content(frames) != whole.content(frames):
         return f"{frames} frames differ"
     with one.start(resume=bool(frames)) as process:
-        _, told = process.communicate()
-    if process.returncode and "no checkpoint" not in told and "is complete" not in told:
-        return f"not taken up again after {frames} frames: {told}"
-    if process.returncode and "no checkpoint" in told:
+        _, message = process.communicate()
+    if process.returncode and "no checkpoint" not in message and "is complete" not in message:
+        return f"not taken up again after {frames} frames: {message}"
+    if process.returncode and "no checkpoint" in message:
         one.whole()
     return "" if one.content() == whole.content() else f"differs when it is taken up again after {frames} frames"
 

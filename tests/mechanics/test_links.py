@@ -50,7 +50,7 @@ def plain(p: np.ndarray, c: float, h: float, r: np.ndarray, w: np.ndarray) -> tu
 def compiled(p: np.ndarray, c: float, h: float, r: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, float]:
     q, f = np.zeros(r.shape[1]), np.zeros_like(r)
     total = link.pull(p, c, h, 0, r.shape[1] - 1, r, w, q)
-    link.pull_vectors(0, r.shape[1] - 1, r, q, f)
+    link.link_force_vectors(0, r.shape[1] - 1, r, q, f)
     assert q[-1] == 0.0
     assert np.all(f[:, -1] == 0.0)
     return f[:, :-1], total
@@ -92,15 +92,15 @@ def test_the_pull_in_a_loop_over_time_equals_its_plain_twin_however_far_lengths_
     per_length, q, f = np.zeros(nodes), np.zeros(nodes), np.zeros_like(r)
     if np.isfinite(change):
         before = r * (1.0 + change * np.linspace(0.0, 1.0, nodes))
-        link.pull_again(p, c, h, 0, nodes - 1, before, w, per_length, q, f)
-    total = link.pull_again(p, c, h, 0, nodes - 1, r, w, per_length, q, f)
+        link.add_link_forces_again(p, c, h, 0, nodes - 1, before, w, per_length, q, f)
+    total = link.add_link_forces_again(p, c, h, 0, nodes - 1, r, w, per_length, q, f)
     expected, rate = plain(p, c, h, r, w)
     # of the length's error of 2e-11 at most, where it has changed by less than 1 %, the stiffness makes 1e-10 EA
     assert f[:, :-1] == pytest.approx(expected, rel=1e-10, abs=1e-10 * EA)
     assert total == pytest.approx(float((rate**2).sum()) if c else 0.0, rel=1e-9)
     assert np.all(f[:, -1] == 0.0)
     if p[0] == law.CUBIC:
-        assert link.pull_one_again(p, h, r, per_length, 3) * np.diff(r, axis=1)[:, 3] == pytest.approx(
+        assert link.link_force_again(p, h, r, per_length, 3) * np.diff(r, axis=1)[:, 3] == pytest.approx(
             plain(p, 0.0, h, r, w)[0][:, 3], rel=1e-10, abs=1e-10 * EA
         )
 
@@ -112,9 +112,9 @@ def test_what_is_not_finite_does_not_get_lost(name: str, c: float, bad: float) -
     p, h = LAWS[name], 0.5
     r, w = chain(2)
     per_length, q, f = np.zeros(9), np.zeros(9), np.zeros_like(r)
-    link.pull_again(p, c, h, 0, 8, r, w, per_length, q, f)
+    link.add_link_forces_again(p, c, h, 0, 8, r, w, per_length, q, f)
     r[0, 4] = bad
-    link.pull_again(p, c, h, 0, 8, r, w, per_length, q, f)
+    link.add_link_forces_again(p, c, h, 0, 8, r, w, per_length, q, f)
     assert not np.isfinite(f[:, 3:5]).all(axis=0).any()
 
 
@@ -125,7 +125,7 @@ def test_a_single_link_pulls_as_it_does_in_the_chain(name: str, dim: int) -> Non
     r, w = chain(dim)
     expected, rate = plain(p, C, h, r, w)
     for i in range(r.shape[1] - 1):
-        q = link.pull_one(p, C, h, rate[i], r, i)
+        q = link.link_force(p, C, h, rate[i], r, i)
         assert q * np.diff(r, axis=1)[:, i] == pytest.approx(expected[:, i], rel=1e-13, abs=1e-14 * EA)
         assert link.stretch(r, i) == pytest.approx(float(np.linalg.norm(np.diff(r, axis=1)[:, i])), rel=1e-15)
         assert link.stretch_rate(r, w, i) / h == pytest.approx(rate[i], rel=1e-12, abs=1e-13)
@@ -139,7 +139,7 @@ def test_only_the_links_asked_for_are_written(name: str, dim: int, c: float) -> 
     r, w = chain(dim)
     q, f = np.full(r.shape[1], -7.0), np.full_like(r, -7.0)
     total = link.pull(p, c, h, 2, 6, r, w, q)
-    link.pull_vectors(2, 6, r, q, f)
+    link.link_force_vectors(2, 6, r, q, f)
     expected, rate = plain(p, c, h, r, w)
     assert f[:, 2:6] == pytest.approx(expected[:, 2:6], rel=1e-13, abs=1e-14 * EA)
     assert total == pytest.approx(float((rate[2:6] ** 2).sum()) if c else 0.0, rel=1e-13)

@@ -163,10 +163,10 @@ REFUSED = {
 
 @pytest.mark.parametrize("what", REFUSED)
 def test_what_has_no_meshes_is_refused(what: str) -> None:
-    given, told = REFUSED[what]
+    given, message = REFUSED[what]
     with pytest.raises(RopewalkError) as caught:
         loads(given, "a.yaml")
-    assert told in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_an_estimate_is_that_of_richardson() -> None:

@@ -224,8 +224,8 @@ def test_a_line_cut_in_two_at_a_joint_without_mass_is_the_line() -> None:
     for n in links:
         whole = run_of({"rope": {**AIRY, "elements": n}}, run, wind=CALM, loads={"p": load})
         cut = run_of(halves(n), run, joints={"knot": {}}, loads={"p": {**load, "on": "one"}})
-        shown = np.r_[: n // 2 + 1, n // 2 + 2 : n + 2]
-        away = np.abs(cut.position.values[:, shown] - whole.position.values).max(axis=(1, 2))
+        displayed = np.r_[: n // 2 + 1, n // 2 + 2 : n + 2]
+        away = np.abs(cut.position.values[:, displayed] - whole.position.values).max(axis=(1, 2))
         rest.append(float(away[0]))
         moving.append(float(np.sqrt(np.mean(away**2))))
     assert rest[-1] < 1e-7

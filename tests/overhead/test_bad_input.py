@@ -159,9 +159,9 @@ def test_an_unstable_step_ends_with_a_partial_result_and_advice(geometry: str, s
         # What is kept is from before it was noticed: nothing has moved further than lines do.
         assert np.isfinite(result.position.values).all()
         assert np.abs(result.position.values - result.position.values[0]).max() < 2.0 * 600.0
-    shown = CliRunner().invoke(app, ["show", str(target)])
-    assert shown.exit_code == 0, shown.output
-    assert "advice: after t = " in shown.output
+    displayed = CliRunner().invoke(app, ["show", str(target)])
+    assert displayed.exit_code == 0, displayed.output
+    assert "advice: after t = " in displayed.output
 
 
 def test_an_unstable_step_that_stays_bounded_is_warned_of() -> None:

@@ -159,7 +159,7 @@ def by_hermite_elements(element: float, dt: float, settings: tuple[str, ...] = (
     station, none = (10.0 + speed * t)[:, np.newaxis], np.zeros((t.size, 1))
     push = push_of(declared, section.level)(t, speed)[:, np.newaxis]
     moving_load, model = moving_load_of("pantograph", declared), hermite.rest_of(section.plan, element)
-    record = hermite.run(model, [moving_load], hermite.Drive(station, none, none, push), dt)
+    record = hermite.run(model, [moving_load], hermite.StepInputs(station, none, none, push), dt)
     return evaluated(station[:, 0], record.contact_force[:, 0], record.watched, dt)
 
 

@@ -49,7 +49,9 @@ def by_hermite_elements(element: float, dt: float) -> np.ndarray:
     rise = float(np.diff(hermite.height(model, 0, [60.0, 60.0 + 1e-4]))[0] / 1e-4) * TRAVEL["speed"]
     start = hermite.State(np.zeros((3, model.station.size, 2)), np.array([[[-M * G / K]], [[rise]], [[0.0]]]))
     push = np.full((t.size, 1, 1), -M * G)
-    return hermite.run(model, [moving_load], hermite.Drive(station, none, none, push), dt, start).contact_force[:, 0]
+    return hermite.run(model, [moving_load], hermite.StepInputs(station, none, none, push), dt, start).contact_force[
+        :, 0
+    ]
 
 
 def test_a_mass_bends_the_line_slowly_as_its_weight_does() -> None:

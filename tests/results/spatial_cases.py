@@ -42,9 +42,9 @@ def frame(plan: Layout, time: float, position: np.ndarray, **given: object) -> F
 
 def energy(time: float) -> np.ndarray:
     """Something stored, damped and done, and little missing."""
-    told = {"kinetic": 20.0, "elastic": 60.0, "gravitational": -50.0, "line_damping": 5.0, "load_work": 35.0}
+    message = {"kinetic": 20.0, "elastic": 60.0, "gravitational": -50.0, "line_damping": 5.0, "load_work": 35.0}
     swing = {"kinetic": np.sin(np.pi * time) ** 2, "line_damping": time, "load_work": time}
-    out = [told.get(form, 0.0) * swing.get(form, np.sin(0.5 * np.pi * time)) for form in ENERGY_FORMS]
+    out = [message.get(form, 0.0) * swing.get(form, np.sin(0.5 * np.pi * time)) for form in ENERGY_FORMS]
     out[ENERGY_FORMS.index("imbalance")] = 0.01 * np.sin(9.0 * time)
     return np.array(out)
 

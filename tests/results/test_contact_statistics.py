@@ -61,7 +61,7 @@ def ride(force=known, *, ends=None, **changes):
             time = end + np.array(layout.sample)
             there = (time > ends[i - 1] - 0.5 * DT) if i else np.zeros(rows, dtype=bool)
 
-            def told(values, there=there):
+            def sampled(values, there=there):
                 return np.where(there.reshape(-1, *[1] * (values.ndim - 1)), values, np.nan)
 
             slack = np.where(np.sin(2 * np.pi * time) < 0.0, 0.0, 60.0)
@@ -76,8 +76,9 @@ def ride(force=known, *, ends=None, **changes):
                 contact_tension=unknown, contact_friction=nothing, contact_state=nothing + 3.0, contact_in_air=nothing,
                 friction_power=nothing, body_position=np.zeros((0, 2)), body_velocity=np.zeros((0, 2)),
                 reaction=np.zeros((1, 2)), energy=np.full(len(ENERGY_FORMS), np.nan), tie_force=hung[0],
-                sampled_station=told((SPEED * time)[:, None]), sampled_force=told(force(time)[:, None]),
-                sampled_height=told(0.01 * time[:, None]), sampled_tie_force=told(hung), sampled_uplift=told(rise),
+                sampled_station=sampled((SPEED * time)[:, None]), sampled_force=sampled(force(time)[:, None]),
+                sampled_height=sampled(0.01 * time[:, None]), sampled_tie_force=sampled(hung),
+                sampled_uplift=sampled(rise),
             ))  # fmt: skip
     return recorder.close()
 
@@ -194,8 +195,8 @@ def test_samples_too_far_apart_for_the_filter_are_told(result):
 
 def test_uplift_and_slackness_are_those_put_in(result):
     line = line_statistics(result)["line"]
-    told = {name.removeprefix("line."): (s.uplift, s.analysed) for name, s in line.supports.items()}
-    assert told == {
+    message = {name.removeprefix("line."): (s.uplift, s.analysed) for name, s in line.supports.items()}
+    assert message == {
         "support.1": (pytest.approx(0.05), True), "support.2": (pytest.approx(0.06), True),
         "support.3": (pytest.approx(0.1), False),
     }  # fmt: skip
@@ -238,7 +239,7 @@ def test_each_pantograph_has_the_uplift_of_its_own(small):
         ("{speed: -50 m/s, from: 390 m}", "[5, 7]", "starts 40 m before"),
     ],
 )
-def test_a_pantograph_that_starts_too_close_to_the_analysed_spans_is_told(travel, spans, told):
+def test_a_pantograph_that_starts_too_close_to_the_analysed_spans_is_told(travel, spans, message):
     scenario = loads(f"""
         overhead_lines:
           line: {{spans: {{count: 8, length: 50 m}}, droppers: {{per_span: 2}}, element: 2 m, analysed_spans: {spans}}}
@@ -246,8 +247,8 @@ def test_a_pantograph_that_starts_too_close_to_the_analysed_spans_is_told(travel
         run: {{kind: dynamic, geometry: linearised, until: 10 ms}}
     """)
     warnings = simulate(scenario).attrs["warnings"]
-    assert told in warnings
-    assert bool(told) == ("analysed spans" in warnings)
+    assert message in warnings
+    assert bool(message) == ("analysed spans" in warnings)
 
 
 def test_an_uplift_of_nothing_is_written_as_nothing(result):

@@ -32,8 +32,8 @@ from ropewalk.units import to_si
         ("1", [0.5], ""),
     ],
 )
-def test_the_largest_of_like_numbers_decides(unit, values, shown):
-    assert DisplayUnits.read(None).of(unit, values).symbol == shown
+def test_the_largest_of_like_numbers_decides(unit, values, displayed):
+    assert DisplayUnits.read(None).of(unit, values).symbol == displayed
 
 
 @pytest.mark.parametrize("asked", ["kN", "mm", "km/h", "kJ", "lbf", "deg", "%", "ms"])
@@ -94,12 +94,16 @@ def test_there_are_no_rows_about_nothing(result):
 
 
 def test_tables_stay_in_si_until_units_are_asked_for(result):
-    plain, shown = tables(result), tables(result, units=DisplayUnits.read("kN,mm"))
+    plain, displayed = tables(result), tables(result, units=DisplayUnits.read("kN,mm"))
     column = "rope.largest_tension"
-    np.testing.assert_allclose(shown["series"][f"{column} [kN]"], plain["series"][f"{column} [N]"] / 1e3)
-    np.testing.assert_allclose(shown["series"]["rope.largest_sag [mm]"], 1e3 * plain["series"]["rope.largest_sag [m]"])
-    np.testing.assert_array_equal(shown["series"]["walker.position.x [m]"], plain["series"]["walker.position.x [m]"])
-    rows = shown["summary"].set_index("quantity")
+    np.testing.assert_allclose(displayed["series"][f"{column} [kN]"], plain["series"][f"{column} [N]"] / 1e3)
+    np.testing.assert_allclose(
+        displayed["series"]["rope.largest_sag [mm]"], 1e3 * plain["series"]["rope.largest_sag [m]"]
+    )
+    np.testing.assert_array_equal(
+        displayed["series"]["walker.position.x [m]"], plain["series"]["walker.position.x [m]"]
+    )
+    rows = displayed["summary"].set_index("quantity")
     assert rows.loc["largest_tension", "unit"] == "kN"
     assert rows.loc["largest_tension", "value"] == pytest.approx(summary(result)["largest_tension"]["value"] / 1e3)
 

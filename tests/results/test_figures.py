@@ -67,8 +67,8 @@ def test_axes_are_labelled_in_the_units_shown_and_without_a_factor(result):
         ax = fig.axes[0]
         assert ax.get_ylabel() == f"tension ({unit})"
         assert ax.yaxis.get_offset_text().get_text() == ""
-        shown = [float(tick.get_text().replace("−", "-")) for tick in ax.get_yticklabels()]
-        np.testing.assert_allclose(shown, np.array(ax.get_yticks()) / size, rtol=1e-6)
+        displayed = [float(tick.get_text().replace("−", "-")) for tick in ax.get_yticklabels()]
+        np.testing.assert_allclose(displayed, np.array(ax.get_yticks()) / size, rtol=1e-6)
 
 
 def test_small_numbers_are_labelled_with_a_power_of_ten(result):
@@ -157,6 +157,6 @@ def test_a_film_has_the_size_asked_for_and_the_force_as_a_number(result, tmp_pat
 
 def test_numbers_of_a_film_keep_their_width():
     forces = np.array([[1.0, 2000.0], [np.nan, -3.0], [900.0, 0.0]])
-    told = [Meter(["a", "long"], forces).told(k) for k in range(3)]
-    assert told[0].splitlines() == ["a     0.00 kN", "long  2.00 kN"]
-    assert all(len(line) == len(first) for first, line in itertools.pairwise("\n".join(told).splitlines()))
+    message = [Meter(["a", "long"], forces).message(k) for k in range(3)]
+    assert message[0].splitlines() == ["a     0.00 kN", "long  2.00 kN"]
+    assert all(len(line) == len(first) for first, line in itertools.pairwise("\n".join(message).splitlines()))

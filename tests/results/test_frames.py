@@ -42,7 +42,7 @@ def test_to_the_last_bit_frames_do_not_depend_on_how_many_are_made_at_once(kind,
 class Engine:
     """Frames made from formulas, at instants that are gone to one by one."""
 
-    looks_ahead, together, turns = False, True, ()
+    looks_ahead, together, cosimulation = False, True, ()
 
     def __init__(self, ends=None):
         self.layout, self._ends, self._now = wave.layout(), ends, -1
@@ -86,11 +86,11 @@ def test_frames_that_wait_are_given_before_an_interrupt(monkeypatch):
 
 def test_no_more_frames_wait_than_there_is_room_for(monkeypatch):
     monkeypatch.setattr(frames, "WAIT", 1e9)
-    waiting = Waiting(frames.ROOM // 3)
+    waiting = Waiting(frames.SPACE // 3)
     assert waiting.append(0)  # the first one waits for none
     assert waiting.taken() == [0]
     assert [waiting.append(i) for i in range(3)] == [False, False, True]
-    assert Waiting(2 * frames.ROOM).append(0)  # one larger than all the room
+    assert Waiting(2 * frames.SPACE).append(0)  # one larger than all the room
 
 
 def test_what_is_recorded_at_once_is_what_is_recorded_one_by_one(tmp_path, monkeypatch):

@@ -31,10 +31,10 @@ def test_every_axis_has_a_label_with_its_unit(case, make):
     fig = figure(make(**case))
     fig.canvas.draw()
     for ax in fig.axes:
-        for axis, shown in ((ax.xaxis, ax.xaxis.get_tick_params().get("labelbottom", True)), (ax.yaxis, True)):
+        for axis, displayed in ((ax.xaxis, ax.xaxis.get_tick_params().get("labelbottom", True)), (ax.yaxis, True)):
             label = axis.get_label_text()
             texts = any(tick.get_text() for tick in axis.get_ticklabels())
-            assert not (shown and texts) or label.split(", drawn")[0].endswith(")"), (ax.get_title("left"), label)
+            assert not (displayed and texts) or label.split(", drawn")[0].endswith(")"), (ax.get_title("left"), label)
         assert ax.get_title("left") or ax.get_label() == "<colorbar>"
 
 
@@ -121,16 +121,16 @@ def test_a_film_moves(result):
     ],
 )
 def test_the_scale_of_time_is_the_one_stated(count, every, frames, delay, label, make):
-    pace = tempo(make(wave.layout(links=2), times=every * np.arange(count)))
-    assert (len(pace.frames), pace.delay, pace.label) == (frames, delay, label)
+    timing = tempo(make(wave.layout(links=2), times=every * np.arange(count)))
+    assert (len(timing.frames), timing.delay, timing.label) == (frames, delay, label)
 
 
 def test_films_keep_time_where_frames_are_missing(make):
     times = np.delete(0.01 * np.arange(101), np.arange(40, 60))
     result = make(wave.layout(links=2), times=times)
-    shown = times[tempo(result, 101).frames]
-    assert len(shown) == 101
-    assert np.abs(shown - 0.01 * np.arange(101)).max() <= 0.11
+    displayed = times[tempo(result, 101).frames]
+    assert len(displayed) == 101
+    assert np.abs(displayed - 0.01 * np.arange(101)).max() <= 0.11
 
 
 def test_a_slow_motion_of_the_load_claims_no_scale_of_time(make):

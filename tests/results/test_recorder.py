@@ -142,14 +142,19 @@ def test_a_run_without_frames_is_a_result(make, tmp_path):
 
 
 def test_the_attributes_hold_the_scenario_its_hash_and_how_it_went(result):
-    told = result.attrs
+    message = result.attrs
     scenario = wave.scenario()
-    assert loads(told["scenario"], "scenario.json") == scenario
-    assert told["scenario_sha256"] == hashlib.sha256(told["scenario"].encode()).hexdigest()
-    assert told["title"] == scenario.title
-    assert told["ropewalk_version"] == ropewalk.__version__
-    assert (told["outcome"], told["method"], told["steps"], told["step"]) == ("completed", "rkn6", 3600, 5e-4)
-    assert told["reason"].startswith("undamped")
+    assert loads(message["scenario"], "scenario.json") == scenario
+    assert message["scenario_sha256"] == hashlib.sha256(message["scenario"].encode()).hexdigest()
+    assert message["title"] == scenario.title
+    assert message["ropewalk_version"] == ropewalk.__version__
+    assert (message["outcome"], message["method"], message["steps"], message["step"]) == (
+        "completed",
+        "rkn6",
+        3600,
+        5e-4,
+    )
+    assert message["reason"].startswith("undamped")
 
 
 def test_a_table_in_the_scenario_can_be_run_again():
@@ -168,8 +173,8 @@ def test_a_callable_in_the_scenario_is_recorded_by_its_name():
     scenario = wave.scenario()
     load = scenario.loads["walker"].model_copy(update={"force": pulse})
     scenario = scenario.model_copy(update={"loads": {"walker": load}})
-    told = Recorder(wave.layout(), scenario, wave.run_info()).close().attrs
-    assert json.loads(told["scenario"])["loads"]["walker"]["force"].endswith("pulse>")
+    message = Recorder(wave.layout(), scenario, wave.run_info()).close().attrs
+    assert json.loads(message["scenario"])["loads"]["walker"]["force"].endswith("pulse>")
 
 
 def test_a_frame_may_be_used_again_after_it_was_recorded():

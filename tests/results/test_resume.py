@@ -83,9 +83,12 @@ def test_a_complete_run_may_be_longer(kind, tmp_path):
     short = long.model_copy(update={"run": run.model_copy(update={"until": 6.0 * run.every})})
     ropewalk.simulate(short, file=tmp_path / "short.nc")
     whole, found = ropewalk.simulate(long, file=tmp_path / "long.nc"), ropewalk.resume(tmp_path / "short.nc", run.until)
-    for told in (whole, found):  # why the method was chosen tells the length of the run, and so does an implicit step
-        told.attrs["reason"] = told.attrs["reason"].partition(":")[0]
-        told.attrs["step"] = min(told.attrs["step"], run.every)
+    for message in (
+        whole,
+        found,
+    ):  # why the method was chosen tells the length of the run, and so does an implicit step
+        message.attrs["reason"] = message.attrs["reason"].partition(":")[0]
+        message.attrs["step"] = min(message.attrs["step"], run.every)
     assert_same(whole, found)
 
 
@@ -111,8 +114,8 @@ def test_the_interval_of_output_stays_a_hundredth_of_the_first_end(tmp_path):
     ropewalk.simulate(short, file=tmp_path / "out.nc")
     found = ropewalk.resume(tmp_path / "out.nc", 0.12)
     assert found["time"].values == pytest.approx(np.linspace(0.0, 0.12, 121), abs=1e-12)
-    told = json.loads(found.attrs["scenario"])["run"]
-    assert (told["until"], told["every"]) == (0.12, pytest.approx(1e-3))
+    message = json.loads(found.attrs["scenario"])["run"]
+    assert (message["until"], message["every"]) == (0.12, pytest.approx(1e-3))
 
 
 def test_resumed_twice_and_made_longer_twice_is_the_same_as_at_once(tmp_path, at_once):
@@ -222,12 +225,12 @@ def attribute(file: Path, **given: object) -> None:
         ({"Conventions": "CF-1.8"}, 1.0, r"no result of ropewalk"),
     ],
 )
-def test_what_cannot_go_on_is_refused_in_one_line_and_left_alone(given, until, told, tmp_path):
+def test_what_cannot_go_on_is_refused_in_one_line_and_left_alone(given, until, message, tmp_path):
     file = tmp_path / "out.nc"
     ropewalk.simulate(case("mass"), file=file)
     attribute(file, **given)
     before = file.read_bytes()
-    with pytest.raises(ResultError, match=told) as problem:
+    with pytest.raises(ResultError, match=message) as problem:
         ropewalk.resume(file, until)
     assert "\n" not in str(problem.value)
     assert file.read_bytes() == before
@@ -236,8 +239,8 @@ def test_what_cannot_go_on_is_refused_in_one_line_and_left_alone(given, until, t
 def test_what_is_no_result_is_told(tmp_path):
     (tmp_path / "text.nc").write_text("no result")
     xr.Dataset({"time": ("time", [1.0])}).to_netcdf(tmp_path / "other.nc", format="NETCDF3_64BIT")
-    for name, told in (("text", "cannot be read"), ("other", "no result of ropewalk"), ("none", "there is no such")):
-        with pytest.raises(ResultError, match=rf"{name}\.nc: {told}"):
+    for name, message in (("text", "cannot be read"), ("other", "no result of ropewalk"), ("none", "there is no such")):
+        with pytest.raises(ResultError, match=rf"{name}\.nc: {message}"):
             ropewalk.resume(tmp_path / f"{name}.nc", 1.0)
 
 
@@ -257,10 +260,10 @@ def test_a_model_without_a_state_is_told_by_its_name(tmp_path, at_once):
 
 
 def test_an_object_of_python_is_in_no_file(tmp_path):
-    import foreign_cases
+    import external_cases
 
     scenario = case("stepper")
-    load = scenario.loads["m"].model_copy(update={"model": foreign_cases.Sprung()})
+    load = scenario.loads["m"].model_copy(update={"model": external_cases.Sprung()})
     ropewalk.simulate(scenario.model_copy(update={"loads": {"m": load}}), file=tmp_path / "out.nc")
     with pytest.raises(ResultError, match=r"loads\.m\.model is a function or an object of Python"):
         ropewalk.resume(tmp_path / "out.nc", 1.0)
@@ -327,22 +330,22 @@ def test_a_line_with_an_fmu_goes_on(kind, version, isolated, tmp_path, at_once):
 
 
 def test_an_fmu_that_gives_no_bytes_is_told(tmp_path, at_once):
-    for able, told in (("", "has no get_state"), ("canGetAndSetFMU{}", r"\(canSerializeFMUstate\)$")):
+    for able, message in (("", "has no get_state"), ("canGetAndSetFMU{}", r"\(canSerializeFMUstate\)$")):
         killed(with_fmu("stepper", tmp_path, 2, able), tmp_path / "out.nc", (4,))
-        with pytest.raises(ResultError, match=told):
+        with pytest.raises(ResultError, match=message):
             ropewalk.resume(tmp_path / "out.4.nc")
 
 
 def with_fmu(kind: str, folder: Path, version: int, able: str, **keys: bool) -> Scenario:
     """A line under an FMU that says what it is able to."""
     pytest.importorskip("fmpy", reason="FMUs need FMPy")
-    from foreign.fmus import c_fmu
+    from external.fmus import c_fmu
 
     words = able.replace("{}", "state" if version == 2 else "State").split()
     file = c_fmu(folder, version, " ".join(f'{word}="true"' for word in words))
-    told = {"force": "force", "height": "height", "velocity": "velocity", "place": "place"}
+    message = {"force": "force", "height": "height", "velocity": "velocity", "place": "place"}
     travel = {"speed": 20.0, "from": 5.0}
-    fmu = ropewalk.Fmu(on="s", file=str(file), contacts={"front": told}, travel=travel, every=0.01, **keys)
+    fmu = ropewalk.Fmu(on="s", file=str(file), contacts={"front": message}, travel=travel, every=0.01, **keys)
     return case(kind).model_copy(update={"loads": {"m": fmu}})
 
 

@@ -135,6 +135,6 @@ def test_strange_names_are_refused(name: str | bytes, why: str, tmp_path: Path) 
     if name == "loop.nc":
         file.symlink_to(tmp_path / "round.nc")
         (tmp_path / "round.nc").symlink_to(file)
-    with pytest.raises(RopewalkError, match=why) as told:
+    with pytest.raises(RopewalkError, match=why) as message:
         check_target(file)
-    str(told.value).encode()
+    str(message.value).encode()

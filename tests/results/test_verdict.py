@@ -246,10 +246,10 @@ def test_doubts_stand_in_the_first_lines_of_the_summary() -> None:
             recorder.append(missing(0.2)(i, frame))
     result = recorder.close()
     assert result.attrs["outcome"] == "doubtful"
-    told = text(summary(result)).splitlines()
-    assert "doubtful" in told[0]
-    assert told[1].startswith("doubt: ")
-    assert "half the sum of all changes" in "\n".join(told)
+    message = text(summary(result)).splitlines()
+    assert "doubtful" in message[0]
+    assert message[1].startswith("doubt: ")
+    assert "half the sum of all changes" in "\n".join(message)
 
 
 STRING = {"start": [0, 0], "end": [10, 0], "tension": 1000.0, "mass": 0.1, "axial_stiffness": 1e5, "elements": 20}
@@ -338,9 +338,9 @@ def test_a_load_that_is_set_down_on_a_stiff_line_is_not_told_to_begin_at_rest_wi
         "lines": {"string": STRING | {"bending_stiffness": 1.0}}, "loads": {"load": load},
         "run": {"kind": "dynamic", "until": 0.05, "every": 0.005},
     }  # fmt: skip
-    told = simulate(Scenario.model_validate(tree)).attrs["warnings"]
-    assert "set down suddenly" in told
-    assert "with_loads" not in told
+    message = simulate(Scenario.model_validate(tree)).attrs["warnings"]
+    assert "set down suddenly" in message
+    assert "with_loads" not in message
 
 
 WIND = {"speed": 5.0, "direction": [1.0, 0.0]}

@@ -463,5 +463,5 @@ def test_gyroscopic_damping_is_for_small_motion_but_in_a_window() -> None:
 
 def test_a_margin_leaves_room_on_a_line_of_given_tension_too() -> None:
     free = "kind: mass, on: rope, mass: 1, travel: {kind: free, speed: 1, from: 5, margin: MARGIN}"
-    assert any("leaves no room" in told for told in said(free.replace("MARGIN", "30 m")))
+    assert any("leaves no room" in message for message in said(free.replace("MARGIN", "30 m")))
     assert not said(free.replace("MARGIN", "2 m"))

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from ropewalk.mechanics.chain import ChainBuffers, ChainState, Loads
-from ropewalk.mechanics.link import pull, pull_one, pull_vectors, stretch_rate
+from ropewalk.mechanics.link import link_force, link_force_vectors, pull, stretch_rate
 from ropewalk.solve import eigenvalues
 from ropewalk.solve.composition import VERLET
 from ropewalk.solve.linearised import linearise
@@ -61,8 +61,8 @@ def test_jacobian_is_the_derivative_of_the_forces(law, dim):
         pull(strands.law[0], strands.damping[0], strands.h[0], 0, links, r, w, q)
         for i in (moving_load - 1, moving_load):
             rest = X[i + 1] - X[i]
-            q[i] = pull_one(strands.law[0], strands.damping[0], rest, stretch_rate(r, w, i) / rest, r, i)
-        pull_vectors(0, links, r, q, f)
+            q[i] = link_force(strands.law[0], strands.damping[0], rest, stretch_rate(r, w, i) / rest, r, i)
+        link_force_vectors(0, links, r, q, f)
         return ((f[:, 1:links] - f[:, : links - 1]) / mass - strands.drag[0] * w[:, 1:-1]).T.ravel()
 
     n = dim * (links - 1)

@@ -397,8 +397,8 @@ def test_a_corner_is_a_blow_of_the_support() -> None:
 def test_the_bound_of_the_spectrum_holds_and_is_not_far_off(k: float, mass: float, links: int, xi: float) -> None:
     setting, state = ready(rope(links, end_support=Elastic(stiffness=k, mass=mass)))
     X = state.X.copy()
-    riding = links > 1 and xi > 0.0
-    if riding:  # a load in the last seat but one, as close to the end as it may come
+    moving_with = links > 1 and xi > 0.0
+    if moving_with:  # a load in the last seat but one, as close to the end as it may come
         X[-2] += (xi - 0.5) * 19.1 / links
     ell, EA = np.diff(X), 2e4
     K, m = np.zeros((links + 1, links + 1)), np.full(links + 1, 19.1 / links)
@@ -407,7 +407,7 @@ def test_the_bound_of_the_spectrum_holds_and_is_not_far_off(k: float, mass: floa
     K[-1, -1] += k
     m[-1] = 0.5 * m[-1] + mass
     true = np.sqrt(np.linalg.eigvalsh((K / np.sqrt(np.outer(m, m)))[1:, 1:])[-1])
-    bound = bounds(setting.strands, state.r, state.X, riding, setting.supports).frequency
+    bound = bounds(setting.strands, state.r, state.X, moving_with, setting.supports).frequency
     assert true <= bound * (1.0 + 1e-9)
     assert bound < 2.0 * true or links < 4
 

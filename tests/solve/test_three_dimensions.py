@@ -29,7 +29,7 @@ from ropewalk.solve.start import setting_of, start_state
 from ropewalk.theory import cable, string, whirl
 
 GAIN = 100.0 * (0.05 * np.pi) ** 2 / 4.0  # EA/P (pi A/L)^2 / 4 of the catalogue's case: EA/P = 100, A/L = 0.05
-TURNS = 2.0
+COSIMULATION = 2.0
 
 
 def swinging(slope: float, elements: int, *, circular: bool) -> tuple[xr.Dataset, float, dict[str, float]]:
@@ -41,7 +41,7 @@ def swinging(slope: float, elements: int, *, circular: bool) -> tuple[xr.Dataset
     amplitude, stiffness = slope / np.pi, 4.0 * GAIN / slope**2
     about = {"length": 1.0, "tension": 1.0, "mass": 1.0, "axial_stiffness": stiffness}
     rest = 1.0 / (1.0 + 1.0 / stiffness)
-    until = TURNS * 2.0 * np.pi / float(whirl.whirl_frequency(amplitude, **about))
+    until = COSIMULATION * 2.0 * np.pi / float(whirl.whirl_frequency(amplitude, **about))
     line = Line(
         start=(0, 0), end=(1, 0), length=rest, mass=1.0 / rest, axial_stiffness=stiffness, elements=elements
     )  # fmt: skip

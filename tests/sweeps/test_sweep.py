@@ -56,10 +56,10 @@ def test_each_case_is_the_run_with_its_values(counted):
     one = cases.scenario(lines={"rope": cases.TREE["lines"]["rope"] | {"length": 10.6}})
     one = one.model_copy(update={"loads": {"man": one.loads["man"].model_copy(update={"force": (0.0, -200.0)})}})
     with ropewalk.simulate(one) as run:
-        told = ropewalk.summary(run)
+        message = ropewalk.summary(run)
     here = found.sel({"length": 10.6, "force.1": -200.0})
-    assert float(here["max tension"]) == told["largest_tension"]["value"]
-    assert float(here["largest_sag"]) == told["largest_sag"]["value"]
+    assert float(here["max tension"]) == message["largest_tension"]["value"]
+    assert float(here["largest_sag"]) == message["largest_sag"]["value"]
     assert len(counted) == 6
 
 
@@ -99,9 +99,9 @@ def test_an_unknown_quantity_is_refused(result, name, wrong):
 
 
 def test_unknown_quantities_are_told_before_a_case_is_computed(counted):
-    with pytest.raises(ScenarioError, match="did you mean max tension") as told:
+    with pytest.raises(ScenarioError, match="did you mean max tension") as message:
         swept({LENGTH: [10.5]}, record="max tensoin, largst_sag")
-    assert len(told.value.problems) == 2
+    assert len(message.value.problems) == 2
     assert counted == []
 
 

@@ -44,11 +44,11 @@ def test_it_writes_what_it_is_asked_for_and_prints_the_table(folder):
     table = pd.read_csv("out.csv")
     assert table["length [m]"].tolist() == [10.5, 10.6, 10.7]
     assert (folder / "rope.sweep.jsonl").exists()
-    shown = RUNNER.invoke(app, ["show", "out.nc", "-o", "again.csv"])
-    assert "again.csv written" in shown.stderr
+    displayed = RUNNER.invoke(app, ["show", "out.nc", "-o", "again.csv"])
+    assert "again.csv written" in displayed.stderr
     assert (folder / "again.csv").read_bytes() == (folder / "out.csv").read_bytes()
-    told = json.loads(run(*OVER, "--record", "largest_sag", "--json").stdout)
-    assert [row["largest_sag [m]"] for row in told["cases"]] == table["largest_sag [m]"].tolist()
+    message = json.loads(run(*OVER, "--record", "largest_sag", "--json").stdout)
+    assert [row["largest_sag [m]"] for row in message["cases"]] == table["largest_sag [m]"].tolist()
 
 
 def test_failed_cases_are_said_with_the_exit_code_of_runs(folder):
@@ -73,8 +73,8 @@ def test_failed_cases_are_said_with_the_exit_code_of_runs(folder):
         ([*OVER, "--store", "rope.yaml"], "exists and is no store of a sweep"),
     ],
 )
-def test_mistakes_are_told(words, told):
-    assert told in run(*words, code=2).stderr
+def test_mistakes_are_told(words, message):
+    assert message in run(*words, code=2).stderr
 
 
 def start(*words):
@@ -115,9 +115,9 @@ def test_a_signal_ends_it_with_the_part_that_is_done_and_leaves_no_process(folde
     while len(lines(folder)) < 3 and process.poll() is None:
         time.sleep(0.01)
     os.killpg(process.pid, how) if how == signal.SIGINT else process.send_signal(how)
-    _, told = process.communicate(timeout=60)
-    assert process.returncode == 130, told
-    assert "of 41 cases are done and kept in rope.sweep.jsonl: the same command goes on there" in told
+    _, message = process.communicate(timeout=60)
+    assert process.returncode == 130, message
+    assert "of 41 cases are done and kept in rope.sweep.jsonl: the same command goes on there" in message
     table = pd.read_csv("out.csv")
     assert (table["outcome"] == "completed").sum() == len(lines(folder)) < 41
     assert is_gone(process.pid)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from foreign_cases import Mass, Sprung
+from external_cases import Mass, Sprung
 from motion_cases import order
 from ropewalk.capabilities import SYSTEM, engine_of
 from ropewalk.model import Scenario
@@ -136,7 +136,7 @@ def test_beyond_the_end_a_contact_leaves_stays_or_is_refused(at_end: str, outcom
 
 def test_an_fmu_on_a_line_in_calm_air_is_that_on_a_rope(tmp_path: Path) -> None:
     pytest.importorskip("fmpy", reason="FMUs need FMPy")
-    from foreign.fmus import c_fmu
+    from external.fmus import c_fmu
 
     cart = {
         "kind": "fmu", "file": str(c_fmu(tmp_path)), "contacts": {"w": {"force": "force", "height": "height"}},

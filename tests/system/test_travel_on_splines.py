@@ -46,9 +46,9 @@ def test_horizontally_it_goes_as_told_on_a_rope_that_swings(kind: str) -> None:
     load |= {"force": [0, -300.0]} if kind == "force" else {"mass": 30.0}
     frames = frames_of(scenario({"r": line(**ROPE)}, {"p": load}, 1.5, 0.05, gravity=9.81))
     places = np.array([frame.contact_position[0, 0] for frame in frames])
-    told = 4.0 + 5.0 * np.array([frame.path for frame in frames])
+    message = 4.0 + 5.0 * np.array([frame.path for frame in frames])
     # A mass stands on the tip of its kink, which leans as the line does.
-    assert np.abs(places - told).max() < (1e-9 if kind == "force" else 0.05)
+    assert np.abs(places - message).max() < (1e-9 if kind == "force" else 0.05)
     assert np.ptp(np.diff(xi(frames))) > 1e-3  # along the line it is not even
     assert imbalance(frames) < 2e-3
 

@@ -176,8 +176,10 @@ def test_block_stops_where_the_closed_integral_says() -> None:
     a, b, mu = 11.0, 0.5 * math.sqrt(84.0), 0.1
 
     def height(psi: float) -> tuple[float, float]:  # gravity's work per psi, and the friction under the weight alone
-        pace = a * b / (a**2 * math.sin(psi) ** 2 + b**2 * math.cos(psi) ** 2) ** 1.5 * a * b  # radius of curvature
-        return math.sin(psi) * pace, math.cos(psi) * pace
+        sliding_speed = (
+            a * b / (a**2 * math.sin(psi) ** 2 + b**2 * math.cos(psi) ** 2) ** 1.5 * a * b
+        )  # radius of curvature
+        return math.sin(psi) * sliding_speed, math.cos(psi) * sliding_speed
 
     def direction(x: float) -> float:
         phi = math.asin((x - 10.0) / a)

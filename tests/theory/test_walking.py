@@ -160,9 +160,9 @@ def test_a_plain_walker_of_small_steps_does_the_same(steady: gait.Gait) -> None:
 def test_multipliers_are_those_of_a_disturbed_walk(steady: gait.Gait) -> None:
     """Heights and climbs of ten steps after a push of 1 mm/s obey a linear map with these eigenvalues."""
     height, energy = steady.height, 816.0
-    climb = 1e-3
-    first = gait.walk([4.0], LEGS, height=height, speed=LEGS.speed(energy, height, climb), climb=climb)
-    again = gait.walk(first.upright, LEGS, height=height, speed=LEGS.speed(energy, height, climb), climb=climb)
+    rise = 1e-3
+    first = gait.walk([4.0], LEGS, height=height, speed=LEGS.speed(energy, height, rise), rise=rise)
+    again = gait.walk(first.upright, LEGS, height=height, speed=LEGS.speed(energy, height, rise), rise=rise)
     states = np.stack([again.y - height, again.y_velocity])[:, : len(first.upright) - 1]
     matrix = np.linalg.lstsq(states[:, :-1].T, states[:, 1:].T, rcond=None)[0].T
     found = np.sort_complex(np.linalg.eigvals(matrix))
@@ -178,7 +178,7 @@ def test_walkers_that_cannot_walk_say_why(steady: gait.Gait) -> None:
     with pytest.raises(ValueError, match="turns back"):
         gait.walk([3.0], LEGS, height=0.95, speed=0.2)
     with pytest.raises(ValueError, match="takes off"):
-        gait.walk([1.0], LEGS, height=0.9999, speed=2.0, climb=0.5)
+        gait.walk([1.0], LEGS, height=0.9999, speed=2.0, rise=0.5)
     with pytest.raises(ValueError, match=r"must move forwards"):
         gait.walk([1.0], LEGS, height=0.9, speed=1.0)
     assert gait.gaits(LEGS, energy=100.0) == ()

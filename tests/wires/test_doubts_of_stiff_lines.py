@@ -32,12 +32,12 @@ def doubts(line: dict[str, Any], load: dict[str, Any], start: float, until: floa
     (SLACK, MASS, 2.0, True), (SLACK, FORCE, 2.0, False), (SLACK, MASS, 9.5, False), (TAUT, MASS, 2.0, False),
 ], ids=["a mass on a slope", "a force", "a mass in the middle", "a taut line"])  # fmt: skip
 def test_a_mass_on_a_steep_stiff_line_is_doubtful(
-    line: dict[str, Any], load: dict[str, Any], start: float, told: bool
+    line: dict[str, Any], load: dict[str, Any], start: float, message: bool
 ) -> None:
     """It moves up and down only: its inertia along the line is left out; a force has none."""
     found = doubts(line, load, start)
-    assert ("load rides where line slopes by" in found) == told
-    assert ("lines.line.bending_stiffness" in found) == told
+    assert ("load rides where line slopes by" in found) == message
+    assert ("lines.line.bending_stiffness" in found) == message
 
 
 def test_compression_that_buckles_between_nodes_is_doubtful() -> None:

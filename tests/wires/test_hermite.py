@@ -103,8 +103,8 @@ def all_springs(model: hermite.HermiteModel) -> tuple[Array, Array]:
     return K, C
 
 
-def nothing(steps: int) -> hermite.Drive:
-    return hermite.Drive(np.zeros((steps, 0)), np.zeros((steps, 0)), np.zeros((steps, 0)), np.zeros((steps, 0, 0)))
+def nothing(steps: int) -> hermite.StepInputs:
+    return hermite.StepInputs(np.zeros((steps, 0)), np.zeros((steps, 0)), np.zeros((steps, 0)), np.zeros((steps, 0, 0)))
 
 
 def plucked(model: hermite.HermiteModel) -> hermite.State:
@@ -167,7 +167,7 @@ def test_steps_are_those_of_a_plain_newmark_with_one_matrix() -> None:
     given[:, 2] = 40.0 * t
     push = np.zeros((steps, 2, 2))
     push[:, 0, 1] = -50.0 * np.minimum(1.0, t / 0.05)
-    record = hermite.run(model, [SPRUNG, FORCE], hermite.Drive(station, rough, given, push), dt)
+    record = hermite.run(model, [SPRUNG, FORCE], hermite.StepInputs(station, rough, given, push), dt)
 
     M, D, S = (scipy.linalg.block_diag(a, b) for a, b in (
         (model.mass.toarray(), SPRUNG.mass), (C, SPRUNG.damping), (K, SPRUNG.stiffness)))  # fmt: skip
@@ -212,10 +212,10 @@ def roll(dt: float, lifts_off: bool = False, lift: float = 0.0) -> hermite.Recor
     t = np.arange(round(1.5 / dt)) * dt
     push = np.zeros((t.size, 1, 1))
     push[:, 0, 0] = np.where(t < 0.9, -30.0 * np.minimum(1.0, t / 0.3), lift or -30.0)
-    drive = hermite.Drive((1.0 + 8.0 * t)[:, None], np.zeros((t.size, 1)), np.zeros((t.size, 1)), push)
+    inputs = hermite.StepInputs((1.0 + 8.0 * t)[:, None], np.zeros((t.size, 1)), np.zeros((t.size, 1)), push)
     mass, none = np.array([[3.0]]), np.zeros((1, 1))
     return hermite.run(
-        model, [TravellingLoad("mass", mass, none, none, (Contact(0, (1.0,), lifts_off=lifts_off),))], drive, dt
+        model, [TravellingLoad("mass", mass, none, none, (Contact(0, (1.0,), lifts_off=lifts_off),))], inputs, dt
     )
 
 
@@ -305,10 +305,10 @@ def passage(pushes: float, element: float) -> tuple[hermite.Record, Array, Array
     t = np.arange(round(580.0 / speed / dt) + 1) * dt
     push = np.zeros((t.size, 1, 2))
     push[:, 0, 1] = 120.0 * np.minimum(1.0, t / 0.3)
-    drive = hermite.Drive((10.0 + speed * t)[:, None], np.zeros((t.size, 1)), np.zeros((t.size, 1)), push)
-    record = hermite.run(hermite.rest_of(overhead_line(pushes), element), [PANTOGRAPH], drive, dt)
+    inputs = hermite.StepInputs((10.0 + speed * t)[:, None], np.zeros((t.size, 1)), np.zeros((t.size, 1)), push)
+    record = hermite.run(hermite.rest_of(overhead_line(pushes), element), [PANTOGRAPH], inputs, dt)
     smooth = sosfiltfilt(butter(4, 20.0, fs=1.0 / dt, output="sos"), record.contact_force[:, 0])
-    inside = (drive.station[:, 0] >= 240.0) & (drive.station[:, 0] <= 360.0)
+    inside = (inputs.station[:, 0] >= 240.0) & (inputs.station[:, 0] <= 360.0)
     return record, smooth[inside], record.contact_force[:, 0]
 
 

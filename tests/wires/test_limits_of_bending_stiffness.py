@@ -50,7 +50,7 @@ TENSION = 1e4
 PARTS = [0.01, 0.02, 0.04]  # sqrt(EI / T) / L
 
 
-def strings(clamped: bool) -> Array:
+def link_springs(clamped: bool) -> Array:
     """Frequencies of stiff strings over those of the string without stiffness, less one: (part, mode)."""
     own = {"tension": TENSION, "elements": 400}
     rope, ends = frequencies(**own), BOTH if clamped else {}
@@ -60,7 +60,7 @@ def strings(clamped: bool) -> Array:
 
 def test_a_pinned_string_is_out_of_tune_in_proportion_to_its_bending_stiffness() -> None:
     """w^2 = w0^2 (1 + EI n^2 pi^2 / (T L^2)), exactly."""
-    sharp = (1.0 + strings(clamped=False)) ** 2 - 1.0
+    sharp = (1.0 + link_springs(clamped=False)) ** 2 - 1.0
     # 1e-5 is the strain, by which the line is longer than what its mass and bending stiffness are of, and the mesh.
     np.testing.assert_allclose(sharp, np.outer(np.square(PARTS), (N * np.pi) ** 2), rtol=1e-4)
     assert orders([part**2 for part in PARTS], sharp) == pytest.approx(np.full((3, 2), 1.0), abs=1e-4)
@@ -68,7 +68,7 @@ def test_a_pinned_string_is_out_of_tune_in_proportion_to_its_bending_stiffness()
 
 def test_a_clamped_string_is_out_of_tune_in_proportion_to_the_root_of_its_bending_stiffness() -> None:
     """w = w0 (1 + 2 e + (4 + n^2 pi^2 / 2) e^2) with e = sqrt(EI/T) / L: Fletcher (1964)."""
-    sharp, e = strings(clamped=True), np.array(PARTS)[:, None]
+    sharp, e = link_springs(clamped=True), np.array(PARTS)[:, None]
     assert sharp[0] / (2.0 * e[0]) == pytest.approx(1.0 + e[0] * (2.0 + N**2 * np.pi**2 / 4.0), abs=0.01)
     first, last = orders([part**2 for part in PARTS], sharp[:, :1]).ravel()
     assert 0.5 < first < last < 0.58  # 1/2 and what the next power adds, which is less for smaller parts

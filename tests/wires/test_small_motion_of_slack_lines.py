@@ -33,13 +33,13 @@ def outcome(length: str, more: str = STIFF, geometry: str = "linearised"):
         (", foundation: 10", "a line without bending_stiffness needs a tension"),
     ],
 )
-def test_a_cable_longer_than_its_chord_is_no_strut(more: str, told: str) -> None:
+def test_a_cable_longer_than_its_chord_is_no_strut(more: str, message: str) -> None:
     with pytest.raises(ScenarioError) as caught:
         outcome("length: 20.5 m", more, WINDOW)
     (problem,) = caught.value.problems
     text = str(caught.value)
     assert (problem.line, problem.key) == (2, "lines.cable.length")
-    assert told in text
+    assert message in text
     assert "given 20.5 m over 20 m; write run.geometry: nonlinear, or give tension" in text
 
 

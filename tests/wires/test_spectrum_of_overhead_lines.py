@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from overhead_assembly import Hermite, Riding
+from overhead_assembly import Hermite, MovingWith
 from overhead_cases import EN_2002, formed
 from ropewalk.model import Scenario
 from ropewalk.simulate import spectrum_of
@@ -24,9 +24,9 @@ LINE: dict[str, Any] = {
 }
 
 
-def known(plan: WirePlan, riding: Riding | None = None) -> Array:
+def known(plan: WirePlan, moving_with: MovingWith | None = None) -> Array:
     """Ten frequencies of Hermite elements of 0.5 and 0.25 m, extrapolated: chords of the sag converge with h^2."""
-    coarse, fine = (Hermite(plan, h).frequencies(riding)[:10] for h in (0.5, 0.25))
+    coarse, fine = (Hermite(plan, h).frequencies(moving_with)[:10] for h in (0.5, 0.25))
     assert np.abs(fine / coarse - 1.0).max() < 1e-3
     return fine + (fine - coarse) / 3.0
 
@@ -46,7 +46,7 @@ def test_the_first_ten_frequencies_of_an_overhead_line_are_those_of_hermite_elem
 
 
 def test_a_pantograph_under_the_contact_wire_changes_them_as_it_does_those_of_hermite_elements() -> None:
-    own = Riding(Spot(0, 80.0), (20.0, 10.0), (1.0, 7000.0), 5e4)  # held by next to nothing: it does not lift
+    own = MovingWith(Spot(0, 80.0), (20.0, 10.0), (1.0, 7000.0), 5e4)  # held by next to nothing: it does not lift
     line = {**LINE, "ends": "anchored"}  # between weights it may slide, and rounding moves it by centimetres
     exact, bare = known(formed(line).plan, own), known(formed(line).plan)
     pantograph = {

@@ -80,7 +80,7 @@ def test_modes_are_drawn_a_panel_each_with_frequencies_in_hertz() -> None:
         "run": {"kind": "equilibrium"},
     }
     spectrum = spectrum_of(Scenario.model_validate(scenario))
-    figure = mode_figure(spectrum, shown=4)
+    figure = mode_figure(spectrum, displayed=4)
     titles = [ax.get_title(loc="left") for ax in figure.axes if ax.get_visible()]
     assert len(titles) == 4
     assert spectrum.modes is not None

@@ -9,11 +9,11 @@ import numpy as np
 from ropewalk.chains.load_states import (
     StrandPoints,
     contact_state,
+    displayed_bodies,
     light_wheels,
     load_energies,
     located_nodes,
     points_of,
-    shown_bodies,
 )
 from ropewalk.checkpoint import Tree, copied
 from ropewalk.mechanics.bodies import (
@@ -59,7 +59,7 @@ def layout_of(setting: PreparedRun, path: str = "time") -> Layout:
         axes=setting.axes,
         **uniform(setting.lines, strands.links, strands.h),
         contact_load=tuple(wheel.name for wheel in setting.wheels),
-        body=tuple(body.name for body in setting.multibody_system.shown)
+        body=tuple(body.name for body in setting.multibody_system.displayed)
         if setting.multibody_system is not None
         else (),
         support=tuple(f"{name}.{end}" for name in setting.lines for end in ("start", "end")),
@@ -261,20 +261,20 @@ class ChainFrameBuilder:
             xi[k], speed[k] = state.xi[k], speed_at(loads, k, t)
         _let_yield(setting, state, reaction)
         of_loads = dict[str, float]()
-        shown = np.zeros((0, dim)), np.zeros((0, dim))
+        displayed = np.zeros((0, dim)), np.zeros((0, dim))
         if bodies is not None:
             light_wheels(setting, state, bodies, place)
             seen.in_air, seen.power = bodies.wheels["in_air"].copy(), bodies.wheels["power"].copy()
-            of_loads, shown = load_energies(setting, bodies), shown_bodies(setting, state.r, bodies)
+            of_loads, displayed = load_energies(setting, bodies), displayed_bodies(setting, state.r, bodies)
         return Frame(
             path=t,
             position=r.T,
             velocity=w.T,
             tension=_links_only(setting, segments.T),
             strain=_links_only(setting, segments.eps),
-            **seen.told(),
-            body_position=shown[0],
-            body_velocity=shown[1],
+            **seen.fields(),
+            body_position=displayed[0],
+            body_velocity=displayed[1],
             reaction=reaction,
             energy=self._audit.of(**_of_lines(setting, state, segments.elastic, w), **of_loads, **self._works(state)),
         )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropewalk.mechanics.bodies import AWAY, FLYING, INSIDE, LOCATED, PULLS, PUSHES, RIDING, WAITING, Bodies
+from ropewalk.mechanics.bodies import AWAY, FLYING, INSIDE, LOCATED, MOVING_WITH, PULLS, PUSHES, WAITING, Bodies
 from ropewalk.mechanics.chain import Array, ChainState
 from ropewalk.mechanics.moving_contact import link_of
 from ropewalk.mechanics.multibody_system import FIRM
@@ -57,11 +57,11 @@ def points_of(setting: PreparedRun, state: ChainState, bodies: Bodies, s: int, v
 def contact_state(state: ChainState, bodies: Bodies, k: int) -> float:
     """In which state the contact of wheel k is."""
     phase = bodies.wheels[k]["phase"]
-    if phase in (AWAY, WAITING) or (phase == RIDING and state.moving_load[k] <= -2):
+    if phase in (AWAY, WAITING) or (phase == MOVING_WITH and state.moving_load[k] <= -2):
         return OFF_LINE
     if phase == FLYING:
         return IN_AIR
-    if phase == RIDING and not np.any(bodies.wheels[k]["on_line"]) and _is_buffered(bodies, k):
+    if phase == MOVING_WITH and not np.any(bodies.wheels[k]["on_line"]) and _is_buffered(bodies, k):
         return IN_AIR
     return MOVES if state.speed[k] != 0.0 else STICKS
 
@@ -85,15 +85,15 @@ def located_nodes(setting: PreparedRun, state: ChainState, bodies: Bodies, r: Ar
         w[:, b] = record["store"][:dim] / (setting.strands.rho[s] * h)
 
 
-def shown_bodies(setting: PreparedRun, r: Array, bodies: Bodies) -> tuple[Array, Array]:
+def displayed_bodies(setting: PreparedRun, r: Array, bodies: Bodies) -> tuple[Array, Array]:
     """Positions and velocities of all bodies beside the contacts, (body, axis) each; nodes are at r (axis, node)."""
     assert setting.multibody_system is not None
     dim = r.shape[0]
     place, speed = (
-        np.empty((len(setting.multibody_system.shown), dim)),
-        np.empty((len(setting.multibody_system.shown), dim)),
+        np.empty((len(setting.multibody_system.displayed), dim)),
+        np.empty((len(setting.multibody_system.displayed), dim)),
     )
-    for i, body in enumerate(setting.multibody_system.shown):
+    for i, body in enumerate(setting.multibody_system.displayed):
         ahead = body.ahead * onward(setting, r, int(setting.loads.strand[body.wheel]))
         for a, d in enumerate(body.coordinates):
             record = bodies.wheels[body.wheel]
@@ -139,7 +139,7 @@ def light_wheels(setting: PreparedRun, state: ChainState, bodies: Bodies, places
     dim = state.r.shape[0]
     for k, record in enumerate(bodies.wheels):
         b, U = int(state.moving_load[k]), float(state.speed[k])
-        if record["phase"] != RIDING or not np.isfinite(places[k]).all():
+        if record["phase"] != MOVING_WITH or not np.isfinite(places[k]).all():
             continue
         record["r"][:dim] = places[k]
         near = slice(b - 1, b + 2) if b >= 0 else slice(0, 0)

@@ -10,12 +10,12 @@ from ropewalk.chains.frames import ChainFrameBuilder, layout_of
 from ropewalk.checkpoint import Tree
 from ropewalk.controllers.assembly import controllers_of
 from ropewalk.controllers.partner import Partner
-from ropewalk.foreign.cosimulation_master import begun
+from ropewalk.external.cosimulation_master import begun
 from ropewalk.mechanics.bodies import are_weightless
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.exchanges import foreign_in
+from ropewalk.results.exchanges import external_in
 from ropewalk.results.frame import ENERGY_FORMS, Frame, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.running import Ending
@@ -69,8 +69,8 @@ class Chain:
         self._builder, self.progress = ChainFrameBuilder(setting, self.bodies), Progress()
         carrier = None if bodies is None else RopeCarrier(setting, state, bodies, setting.loads)
         controllers = [] if carrier is None else controllers_of(carrier, setting.loading, scenario)
-        self.turns = [controller.turns for controller in controllers if isinstance(controller, Partner)]
-        with begun(self.turns):
+        self.cosimulation = [controller.cosimulation for controller in controllers if isinstance(controller, Partner)]
+        with begun(self.cosimulation):
             for controller in controllers:
                 controller.begin()
             self.motion = ChainMotion(
@@ -80,7 +80,7 @@ class Chain:
         if carrier is not None:
             carrier.look = self.motion.look
         self._warned, self._parted, self._slipped = False, set[int](), set[int]()
-        self.layout = replace(layout_of(setting), foreign=foreign_in(scenario))
+        self.layout = replace(layout_of(setting), external=external_in(scenario))
 
     def get_state(self) -> Tree:
         """All that changes."""
@@ -105,7 +105,7 @@ class Chain:
             return None
         if progress.status == MET:
             progress.message = who_met(self.setting, state)
-        outcome, advice = progress.told()
+        outcome, advice = progress.ending()
         return Ending(outcome, f"stopped at t = {state.t[0]:.6g} s: {advice}")
 
     def note(self) -> Frame | None:
@@ -133,8 +133,8 @@ class Chain:
                 float(frame.energy[ENERGY_FORMS.index(form)]) for form in ("kinetic", "elastic", "load_kinetic")
             )
             run_info.warnings += on_parting(setting, bodies, moving, self._parted)
-            for told in on_springing_up(setting, bodies, moving, self._parted):
-                run_info.doubt(*told)
+            for exchanged in on_springing_up(setting, bodies, moving, self._parted):
+                run_info.doubt(*exchanged)
 
 
 def _warn_of_compression(setting: PreparedRun, frame: Frame, run_info: RunInfo) -> bool:

@@ -7,7 +7,7 @@ import numpy as np
 from ropewalk.chains.beginning import initial_state
 from ropewalk.chains.moving import Chain
 from ropewalk.errors import EquilibriumError, RopewalkError
-from ropewalk.foreign.cosimulation_master import closing
+from ropewalk.external.cosimulation_master import closing
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import OFF, ChainState
 from ropewalk.model.run import Dynamic
@@ -34,10 +34,10 @@ def state_at(scenario: Scenario, t: float) -> tuple[PreparedRun, ChainState, Bod
         setting = setting_of(scenario, scenario.run.until)
         return setting, *initial_state(setting, scenario)
     chain = Chain(scenario, RunInfo(), np.array([t]))
-    with closing(chain.turns):
+    with closing(chain.cosimulation):
         chain.motion.to(t)
     if chain.progress.status != RUNNING:
-        outcome, advice = chain.progress.told()
+        outcome, advice = chain.progress.ending()
         raise RopewalkError(f"the run did not come to t = {t:g} s ({outcome}): {advice}")
     return chain.setting, chain.state, chain.bodies
 

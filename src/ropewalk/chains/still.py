@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ropewalk.chains.frames import layout_of
-from ropewalk.chains.load_states import load_energies, shown_bodies
+from ropewalk.chains.load_states import displayed_bodies, load_energies
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.audit import energies
 from ropewalk.results.frame import STICKS, Contacts, Frame, Layout, RunInfo
@@ -96,7 +96,7 @@ def loaded_frame(setting: PreparedRun, at: LoadPosition) -> Frame:
     potential = 0.0
     if setting.multibody_system is not None:
         loaded = loaded_bodies(setting, seen.position.T)
-        bodies = shown_bodies(setting, nodes.T, loaded)[0]
+        bodies = displayed_bodies(setting, nodes.T, loaded)[0]
         potential = load_energies(setting, loaded)["load_potential"]
     seen.hold, seen.xi, seen.speed = seen.force - at.given, at.xi.copy(), np.zeros(count)
     seen.state[:] = STICKS
@@ -106,7 +106,7 @@ def loaded_frame(setting: PreparedRun, at: LoadPosition) -> Frame:
         velocity=np.zeros_like(nodes),
         tension=np.concatenate(tension),
         strain=np.concatenate(strain),
-        **seen.told(),
+        **seen.fields(),
         body_position=bodies,
         body_velocity=np.zeros_like(bodies),
         reaction=np.array(reaction),

@@ -1,8 +1,8 @@
-"""Is the simpler model good enough here? A scenario climbs the ladder from the linear theory to full feedback."""
+"""Is a simpler model good enough here? The hierarchy of models from the linear theory to full feedback, compared."""
 
-from ropewalk.compare.climbing import distances, ladder
+from ropewalk.compare.hierarchy import distances, model_hierarchy
 from ropewalk.compare.quantities import QUANTITIES
-from ropewalk.compare.result import Ladder
-from ropewalk.compare.rungs import RUNGS
+from ropewalk.compare.result import ModelHierarchy
+from ropewalk.compare.simpler_models import MODELS
 
-__all__ = ["QUANTITIES", "RUNGS", "Ladder", "distances", "ladder"]
+__all__ = ["MODELS", "QUANTITIES", "ModelHierarchy", "distances", "model_hierarchy"]

@@ -21,6 +21,7 @@ from ropewalk.compare.points import Distances, MapPoints, Place, PointOutcome
 from ropewalk.errors import Problem, RopewalkError, ScenarioError, did_you_mean
 from ropewalk.mechanics.chain import Array
 from ropewalk.model import Scenario
+from ropewalk.renamed import with_old_arguments
 from ropewalk.scenario import dump, loads
 from ropewalk.sweeps.keys import overlap
 from ropewalk.sweeps.pool import DIED, cores, each
@@ -41,37 +42,37 @@ class AdequacyMap:
     title: str
     x: Axis
     y: Axis
-    rungs: tuple[str, ...]
+    models: tuple[str, ...]
     quantities: tuple[str, ...]
-    distances: Array  # (rung, quantity, y, x): relative distance from the top rung; NaN: none is known
+    distances: Array  # (model, quantity, y, x): relative distance from the full model; NaN: none is known
     reasons: tuple[tuple[str, ...], ...]  # (y, x): why a point has failed; empty: it has not
-    rung: str  # what was asked
+    model: str  # what was asked
     quantity: str
     tolerance: float
 
-    def of(self, rung: str | None = None, quantity: str | None = None) -> Array:
-        """Distances (y, x) of one rung in one quantity.
+    def of(self, model: str | None = None, quantity: str | None = None) -> Array:
+        """Distances (y, x) of one model in one quantity.
 
         Raises:
-            ScenarioError: there is no such rung or quantity.
+            ScenarioError: there is no such model or quantity.
         """
-        r = _index("rung", rung or self.rung, self.rungs)
+        r = _index("model", model or self.model, self.models)
         return np.asarray(self.distances[r, _index("quantity", quantity or self.quantity, self.quantities)])
 
     def coverage(
-        self, rung: str | None = None, quantity: str | None = None, tolerance: float | None = None
+        self, model: str | None = None, quantity: str | None = None, tolerance: float | None = None
     ) -> Coverage:
-        """On how much of the plane a rung is good enough, and where."""
-        rung, quantity = rung or self.rung, quantity or self.quantity
-        return coverage_of(self.of(rung, quantity), self.x, self.y, rung, quantity, tolerance or self.tolerance)
+        """On how much of the plane a model is good enough, and where."""
+        model, quantity = model or self.model, quantity or self.quantity
+        return coverage_of(self.of(model, quantity), self.x, self.y, model, quantity, tolerance or self.tolerance)
 
     def figure(
-        self, rungs: str | Sequence[str] | None = None, quantity: str | None = None, tolerance: float | None = None
+        self, models: str | Sequence[str] | None = None, quantity: str | None = None, tolerance: float | None = None
     ) -> Figure:
-        """Draw the map of one rung, or of several side by side."""
+        """Draw the map of one model, or of several side by side."""
         from ropewalk.compare.map_figure import map_figure
 
-        chosen = (self.rung,) if rungs is None else (rungs,) if isinstance(rungs, str) else tuple(rungs)
+        chosen = (self.model,) if models is None else (models,) if isinstance(models, str) else tuple(models)
         return map_figure(self, chosen, quantity or self.quantity, tolerance or self.tolerance)
 
     def as_dict(self) -> dict[str, Any]:
@@ -81,18 +82,18 @@ class AdequacyMap:
             "title": self.title,
             "x": self.x.as_dict(),
             "y": self.y.as_dict(),
-            "rung": self.rung,
+            "model": self.model,
             "quantity": self.quantity,
             "tolerance": self.tolerance,
             "adequate": found.adequate,
             "points": found.points,
             "verdict": str(found),
             "distances": {
-                rung: {
+                model: {
                     quantity: [[_plain(d) for d in row] for row in self.distances[r, q].tolist()]
                     for q, quantity in enumerate(self.quantities)
                 }
-                for r, rung in enumerate(self.rungs)
+                for r, model in enumerate(self.models)
             },
             "failed": [
                 {"point": [i, j], "x": self.x.values[i], "y": self.y.values[j], "reason": reason}
@@ -103,12 +104,13 @@ class AdequacyMap:
         }
 
 
+@with_old_arguments({"rung": "model"})
 def adequacy(
     scenario: Scenario,
     x: Axis,
     y: Axis,
     *,
-    rung: str = "linear",
+    model: str = "linear",
     quantity: str = "deflection",
     tolerance: float = TOLERANCE,
     store: str | os.PathLike[str] | None = None,
@@ -119,7 +121,7 @@ def adequacy(
 ) -> AdequacyMap:
     """Compute how far simpler models are from the full one over a plane of two parameters.
 
-    All rungs and quantities are computed in one go and kept, so another one is a matter of drawing. A point that
+    All models and quantities are computed in one go and kept, so another one is a matter of drawing. A point that
     fails is kept with its reason and does not end the map. With several workers a script must call this under
     `if __name__ == "__main__":`, as for all processes in Python.
 
@@ -127,7 +129,7 @@ def adequacy(
         scenario: what the points are changes of.
         x: first parameter.
         y: second parameter.
-        rung: the simpler model that is asked about.
+        model: the simpler model that is asked about.
         quantity: in which it is compared with the full one.
         tolerance: relative distance up to which it is good enough.
         store: file of JSON lines for the finished points; a call with the same store goes on where the last one was
@@ -135,10 +137,10 @@ def adequacy(
         workers: processes, of one thread each (default: one for each core that may be used; 1: none but this).
         progress: called with the number of finished points and that of all.
         retry: compute points that have failed once more.
-        measure: a scenario in, distances by rung and quantity out (default: `ropewalk.compare.distances`).
+        measure: a scenario in, distances by model and quantity out (default: `ropewalk.compare.distances`).
 
     Raises:
-        ScenarioError: an axis does not go with the scenario, both change the same thing, or there is no such rung or
+        ScenarioError: an axis does not go with the scenario, both change the same thing, or there is no such model or
             quantity.
         ResultError: the store is something else, or belongs to another scenario or other axes.
         RopewalkError: no point could be computed.
@@ -150,9 +152,9 @@ def adequacy(
     if workers < 1:
         _refuse("workers", "must be at least 1", str(workers), "leave it out to use all cores")
     if measure is None:
-        from ropewalk.compare import QUANTITIES, RUNGS
+        from ropewalk.compare import MODELS, QUANTITIES
 
-        _index("rung", rung, RUNGS)
+        _index("model", model, MODELS)
         _index("quantity", quantity, (*QUANTITIES, "share beyond"))
     text = dump(scenario)
     x, y = x.resolved(scenario), y.resolved(scenario)
@@ -176,7 +178,7 @@ def adequacy(
             raise KeyboardInterrupt(_how_to_go_on(len(points.done), total, store)) from None
         finally:
             finished.close()
-        return _map(scenario.title, x, y, points.done, rung, quantity, tolerance)
+        return _map(scenario.title, x, y, points.done, model, quantity, tolerance)
 
 
 def scenario_at(scenario: Scenario, x: Axis, y: Axis, at: tuple[float, float]) -> Scenario:
@@ -211,11 +213,11 @@ def _point(text: str, x: Axis, y: Axis, measure: Measure | None, place: Place) -
     try:
         settings = _settings(text, x, y, (x.values[place[0]], y.values[place[1]]))
         if measure is None:
-            from ropewalk.compare import distances as climbed
+            from ropewalk.compare import distances as compared
 
-            measure = climbed
+            measure = compared
         found = measure(loads(text, "scenario", settings))
-        plain = {rung: {name: _plain(value) for name, value in row.items()} for rung, row in found.items()}
+        plain = {model: {name: _plain(value) for name, value in row.items()} for model, row in found.items()}
         return PointOutcome(plain, settings=tuple(settings), seconds=time.perf_counter() - began)
     except RopewalkError as error:
         reason = "; ".join(str(error).splitlines())
@@ -261,23 +263,23 @@ def _how_to_go_on(done: int, total: int, store: str | os.PathLike[str] | None) -
 
 
 def _map(
-    title: str, x: Axis, y: Axis, done: dict[Place, PointOutcome], rung: str, quantity: str, tolerance: float
+    title: str, x: Axis, y: Axis, done: dict[Place, PointOutcome], model: str, quantity: str, tolerance: float
 ) -> AdequacyMap:
     answers = [outcome.distances for _, outcome in sorted(done.items()) if outcome.distances is not None]
     if not answers:
         first = done[0, 0].reason
         raise RopewalkError(f"no point of the plane could be computed; the first one because: {first}")
-    rungs = tuple(dict.fromkeys(r for found in answers for r in found))
+    models = tuple(dict.fromkeys(r for found in answers for r in found))
     quantities = tuple(dict.fromkeys(q for found in answers for row in found.values() for q in row))
-    _index("rung", rung, rungs)
+    _index("model", model, models)
     _index("quantity", quantity, quantities)
-    distances = np.full((len(rungs), len(quantities), len(y.values), len(x.values)), np.nan)
+    distances = np.full((len(models), len(quantities), len(y.values), len(x.values)), np.nan)
     for (i, j), outcome in done.items():
         for r, q in np.ndindex(distances.shape[:2]):
-            value = (outcome.distances or {}).get(rungs[r], {}).get(quantities[q])
+            value = (outcome.distances or {}).get(models[r], {}).get(quantities[q])
             distances[r, q, j, i] = np.nan if value is None else abs(value)
     reasons = tuple(tuple(done[i, j].reason for i in range(len(x.values))) for j in range(len(y.values)))
-    return AdequacyMap(title, x, y, rungs, quantities, distances, reasons, rung, quantity, tolerance)
+    return AdequacyMap(title, x, y, models, quantities, distances, reasons, model, quantity, tolerance)
 
 
 def _index(what: str, name: str, known: Sequence[str]) -> int:

@@ -49,9 +49,9 @@ class Assumptions:
         rows = []
         if self.slope is not None:
             slope = self.slope
-            told = "vertical" if slope["value"] is None else number(slope["value"], 3)
+            text = "vertical" if slope["value"] is None else number(slope["value"], 3)
             rest = f", without loads {number(self.slope_at_rest, 3)}"
-            rows.append(("largest slope against the chord", f"{told} ({number(slope['angle'], 3)} deg){rest}"))
+            rows.append(("largest slope against the chord", f"{text} ({number(slope['angle'], 3)} deg){rest}"))
         if self.strain is not None:
             rows.append(("largest strain", f"{percent(self.strain['value'])} ({self.strain['line']})"))
         for what, part in (
@@ -65,8 +65,8 @@ class Assumptions:
             ("V over longitudinal waves", self.mach_longitudinal),
         ):
             rows.append((what, number(value, 3)))
-        told = f"rms {percent(self.feedback_rms)}, at most {percent(self.feedback_largest)}"
-        rows.append(("feedback force over the weight", told))
+        text = f"rms {percent(self.feedback_rms)}, at most {percent(self.feedback_largest)}"
+        rows.append(("feedback force over the weight", text))
         return rows
 
 

@@ -142,7 +142,7 @@ class Axis:
             return f"{self.key} {SYMBOLS[self.key]}{of}{on}"
         return f"{self.name} ({self.unit})" if self.unit else self.name
 
-    def told(self, value: float) -> str:
+    def caption(self, value: float) -> str:
         """A value in a sentence."""
         return f"{value:.3g} {self.unit}".strip()
 

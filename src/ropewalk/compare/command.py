@@ -15,7 +15,7 @@ from ropewalk.units import to_si
 def adequacy_from_text(
     scenario: Scenario,
     axes: tuple[str, str],
-    rungs: Sequence[str],
+    models: Sequence[str],
     quantity: str,
     tolerance: str,
     store: Path,
@@ -28,7 +28,7 @@ def adequacy_from_text(
     Args:
         scenario: what the points are changes of.
         axes: as `Axis.parse` reads them.
-        rungs: the simpler models; the first is the one in question.
+        models: the simpler models; the first is the one in question.
         quantity: in which they are compared.
         tolerance: a part, "0.05" or "5 %".
         store: file of the finished points.
@@ -53,11 +53,11 @@ def adequacy_from_text(
     if problems:
         raise ScenarioError(problems)
 
-    def told(done: int, total: int) -> None:
+    def report(done: int, total: int) -> None:
         if progress is not None:
             progress(f"{total} points", done / total)
 
     return adequacy(
-        scenario, *read, rung=rungs[0], quantity=quantity, tolerance=allowed, store=store, workers=workers,
-        progress=told, retry=retry,
+        scenario, *read, model=models[0], quantity=quantity, tolerance=allowed, store=store, workers=workers,
+        progress=report, retry=retry,
     )  # fmt: skip

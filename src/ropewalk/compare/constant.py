@@ -35,7 +35,7 @@ def is_force(load: AnyLoad) -> bool:
 
 
 def without_refusal(load: AnyLoad) -> AnyLoad:
-    """The same load, leaving its line where it was to be refused there: another rung may take it there earlier."""
+    """The same load, leaving its line where it was to be refused there: another model may take it there earlier."""
     travel = getattr(load, "travel", None)
     if isinstance(travel, Travel) and travel.at_end == "refuse":
         return load.model_copy(update={"travel": travel.model_copy(update={"at_end": "leave"})})
@@ -163,7 +163,7 @@ class ConstantForces:
         if scenario.nets:
             masses = {name: load for name, load in scenario.loads.items() if isinstance(load, MovingMass)}
             return {name: (0.0, -load.mass * scenario.gravity) for name, load in masses.items()}
-        is_chain = not (scenario.is_stiff or scenario.is_network)
+        is_chain = not (scenario.has_bending_stiffness or scenario.is_network)
         loading = setting_of(scenario, 0.0).loading if is_chain else loading_of(scenario, 0.0)
         forces = resting_forces(loading)
         return {wheel.name: tuple(forces[:, k].tolist()) for k, wheel in enumerate(loading.wheels)}

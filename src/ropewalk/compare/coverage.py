@@ -38,20 +38,20 @@ class Coverage:
         return self.text
 
 
-def coverage_of(distance: Array, x: Axis, y: Axis, rung: str, quantity: str, tolerance: float) -> Coverage:
+def coverage_of(distance: Array, x: Axis, y: Axis, model: str, quantity: str, tolerance: float) -> Coverage:
     """Say where a model is good enough.
 
     Args:
         distance: (y, x) relative distance from the full model; NaN: none is known.
         x: first parameter.
         y: second parameter.
-        rung: the model.
+        model: the model.
         quantity: in which it is compared.
         tolerance: up to which it is good enough.
     """
     known, good = np.isfinite(distance), distance <= tolerance  # NaN is not good
     adequate, points, without = int(good.sum()), int(good.size), int((~known).sum())
-    subject, limit = words(rung), percent(tolerance)
+    subject, limit = words(model), percent(tolerance)
     if without == points:
         return Coverage(0, points, without, f"{quantity}: {subject} has no answer anywhere in the plane")
     worst, best = _place(distance, x, y, np.nanargmax(distance)), _place(distance, x, y, np.nanargmin(distance))
@@ -96,15 +96,15 @@ def _longest_run(good: Flags) -> tuple[int, int]:
 
 
 def _region(block: Block, x: Axis, y: Axis) -> str:
-    (told_y, all_y), (told_x, all_x) = _range(y, *block[:2]), _range(x, *block[2:])
+    (label_y, all_y), (label_x, all_x) = _range(y, *block[:2]), _range(x, *block[2:])
     if all_y and not all_x:
-        return f"for {told_x} at {told_y}"
-    return f"for {told_y} at {told_x}" if all_x else f"for {told_y} with {told_x}"
+        return f"for {label_x} at {label_y}"
+    return f"for {label_y} at {label_x}" if all_x else f"for {label_y} with {label_x}"
 
 
 def _range(axis: Axis, first: int, last: int) -> tuple[str, bool]:
     """A range of values in words, and whether it is all of the axis."""
-    low, high = axis.told(axis.values[first]), axis.told(axis.values[last])
+    low, high = axis.caption(axis.values[first]), axis.caption(axis.values[last])
     ends = (first == 0, last == len(axis.values) - 1)
     several = f"{axis.name}s" if axis.is_ratio else axis.name
     if all(ends):
@@ -118,13 +118,13 @@ def _range(axis: Axis, first: int, last: int) -> tuple[str, bool]:
 
 def _place(distance: Array, x: Axis, y: Axis, at: np.intp) -> str:
     j, i = (int(k) for k in np.unravel_index(int(at), distance.shape))
-    told = f"{x.name} {x.told(x.values[i])} and {y.name} {y.told(y.values[j])}"
-    return f"{told} ({percent(float(distance[j, i]))})"
+    label = f"{x.name} {x.caption(x.values[i])} and {y.name} {y.caption(y.values[j])}"
+    return f"{label} ({percent(float(distance[j, i]))})"
 
 
-def words(rung: str) -> str:
-    """A rung in a sentence."""
-    return WORDS.get(rung, rung)
+def words(model: str) -> str:
+    """A model in a sentence."""
+    return WORDS.get(model, model)
 
 
 def percent(part: float) -> str:

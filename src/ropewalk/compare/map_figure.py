@@ -34,30 +34,30 @@ HATCH: dict[str, Any] = {"facecolor": "#F4F4F4", "edgecolor": "#BDBDBD", "hatch"
 LEAST = 1e-5  # smaller distances are drawn as this: contours are those of the logarithm
 DECADES = 2.0  # that are coloured on each side of the tolerance
 STEPS = (1.0, 2.0, 5.0)
-ROOM = 0.1  # of the plane's width, around a label
+SPACE = 0.1  # of the plane's width, around a label
 FINE = 161  # points along each side where room for labels is looked for
 
 
-def map_figure(found: AdequacyMap, rungs: Sequence[str], quantity: str, tolerance: float) -> Figure:
-    """Draw the maps of one rung or of several, side by side.
+def map_figure(found: AdequacyMap, models: Sequence[str], quantity: str, tolerance: float) -> Figure:
+    """Draw the maps of one model or of several, side by side.
 
     Args:
         found: the map.
-        rungs: the simpler models.
+        models: the simpler models.
         quantity: in which they are compared with the full one.
         tolerance: relative distance that is drawn bold.
 
     Raises:
-        ScenarioError: there is no such rung or quantity.
+        ScenarioError: there is no such model or quantity.
     """
-    maps = [found.of(rung, quantity) for rung in rungs]
+    maps = [found.of(model, quantity) for model in models]
     columns = 2 if len(maps) == 4 else min(len(maps), COLUMNS)
     rows = -(-len(maps) // columns)
     width, height = (7.6, 5.0) if len(maps) == 1 else (3.6 * columns + 1.2, 3.3 * rows)
-    verdicts = [str(found.coverage(rung, quantity, tolerance)) for rung in rungs]
+    verdicts = [str(found.coverage(model, quantity, tolerance)) for model in models]
     marks = _marks(found, maps)
     notes = _wrapped([found.title, *(verdicts if len(maps) == 1 else ()), *marks], width)
-    model = words(rungs[0]) if len(maps) == 1 else "a simpler model"
+    model = words(models[0]) if len(maps) == 1 else "a simpler model"
     head = _wrapped([f"Where {model} is within {percent(tolerance)} of the full model: {quantity}"], width, HEAD)
     above, below = (len(lines) * size * SPACING / 72.0 + 0.15 for lines, size in ((head, HEAD), (notes, style.NOTE)))
     whole = height + above + below
@@ -75,7 +75,7 @@ def map_figure(found: AdequacyMap, rungs: Sequence[str], quantity: str, toleranc
             continue
         _draw(ax, found, maps[k], tolerance, levels, colours)
         last = k + columns >= len(maps)
-        title = _panel(rungs[k], found.coverage(rungs[k], quantity, tolerance)) if len(maps) > 1 else ""
+        title = _panel(models[k], found.coverage(models[k], quantity, tolerance)) if len(maps) > 1 else ""
         style.dress(ax, title, found.x.label if last else "", "" if k % columns else found.y.label)
         ax.tick_params(labelbottom=last)
         ax.grid(visible=False)
@@ -89,9 +89,9 @@ def _wrapped(paragraphs: Sequence[str], width: float, size: float = style.NOTE) 
     return [line for paragraph in paragraphs for line in textwrap.wrap(paragraph, signs)]
 
 
-def _panel(rung: str, coverage: Coverage) -> str:
+def _panel(model: str, coverage: Coverage) -> str:
     """The title of one of several maps."""
-    name = words(rung)
+    name = words(model)
     return f"{name[:1].upper()}{name[1:]}: on {100.0 * coverage.adequate / coverage.points:.0f} %"
 
 
@@ -170,8 +170,8 @@ def _marks(found: AdequacyMap, maps: Sequence[Array]) -> list[str]:
     """What the marks in the maps mean, if there are any."""
     failed = sum(bool(reason) for row in found.reasons for reason in row)
     silent = max(int((~np.isfinite(values)).sum()) for values in maps) - failed
-    told = [f"× failed ({failed})"] if failed else []
-    return ["   ".join(told + (["○ nothing to compare"] if silent else []))] if failed or silent else []
+    caption = [f"× failed ({failed})"] if failed else []
+    return ["   ".join(caption + (["○ nothing to compare"] if silent else []))] if failed or silent else []
 
 
 def _ticks(axis: Any, scale: Axis) -> None:
@@ -193,8 +193,8 @@ def _name(ax: Axes, x: Axis, y: Axis, logs: Array, limit: float) -> None:
     rows = np.array([np.interp(places[0], np.arange(len(x.values)), row) for row in logs])
     fine = np.array([np.interp(places[1], np.arange(len(y.values)), column) for column in rows.T]).T
     for inside, text, colour in ((fine <= limit, "adequate", "#06304A"), (fine > limit, "not adequate", "#5A2300")):
-        room, at = _roomiest(inside)
-        if room > ROOM * (0.5 if text == "adequate" else 0.75):
+        space, at = _roomiest(inside)
+        if space > SPACE * (0.5 if text == "adequate" else 0.75):
             ax.text(side[at[1]], side[at[0]], text, transform=ax.transAxes, ha="center", va="center", color=colour,
                     fontsize=style.TITLE, fontweight="bold", zorder=6, bbox={"boxstyle": "round,pad=0.25",
                     "fc": "white", "ec": "none", "alpha": 0.75})  # fmt: skip

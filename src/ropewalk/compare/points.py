@@ -30,7 +30,7 @@ _OTHER = {  # what may differ between a store and a map, and how it is said
 Place = tuple[int, int]
 """Where a point is in the grid: its numbers along x and y."""
 Distances = dict[str, dict[str, float | None]]
-"""Relative distance from the top rung, by rung and quantity."""
+"""Relative distance from the full model, by model and quantity."""
 
 
 @dataclass(frozen=True)
@@ -135,13 +135,13 @@ class MapPoints:
             self.done[i, j] = outcome
 
     def _compare(self, found: dict[str, Any], head: dict[str, Any]) -> None:
-        for key, told in _OTHER.items():
+        for key, message in _OTHER.items():
             if found.get(key) != head[key]:
                 advice = "choose another store, or delete it to compute all points anew"
                 was = (
                     f" ({found[key]} instead of {head[key]})" if key in ("version", "ropewalk") and key in found else ""
                 )
-                raise ResultError(f"{self.file}: {told}{was}; {advice}")
+                raise ResultError(f"{self.file}: {message}{was}; {advice}")
 
     def _line(self, number: int, line: bytes) -> dict[str, Any]:
         try:

@@ -35,7 +35,7 @@ def pressing_task(scenario: Scenario, found: Mapping[str, Trace]) -> WireTask:
             raise RopewalkError(f"load {name} beside pantographs: compare knows them alone; leave it out")
         mean = float(np.nanmean(found[name].force[:, -1]))
         prescribed_motions.append(_pressed(prescribed_motion, mean, load.ramp))
-    return replace(task, prescribed_motions=tuple(prescribed_motions), shown=())
+    return replace(task, prescribed_motions=tuple(prescribed_motions), displayed=())
 
 
 def _pressed(prescribed_motion: PrescribedMotion, force: float, ramp: float) -> PrescribedMotion:

@@ -1,4 +1,4 @@
-"""Quantities: what an engineer asks of each rung, and how far that is from the full scenario."""
+"""Quantities: what an engineer asks of each model, and how far that is from the full scenario."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ EVERYWHERE = (-np.inf, np.inf)
 
 @dataclass(frozen=True)
 class Quantities:
-    """What one rung says: lines, supports and wheels by name, values in SI units with place (xi) and instant."""
+    """What one model says: lines, supports and wheels by name, values in SI units with place (xi) and instant."""
 
     lines: dict[str, Summary]  # deflection (m), tension (N)
     supports: dict[str, Summary]  # force (N)
@@ -79,11 +79,11 @@ def quantities_of(
     """Look them up in a result.
 
     Args:
-        result: of one rung.
+        result: of one model.
         level: where its lines rest.
         found: its wheels.
         limits: places in m between which deflections of a line count, by line; elsewhere its ends would speak.
-        speeds: whether its loads find their speeds by themselves; else these say nothing of the rung.
+        speeds: whether its loads find their speeds by themselves; else these say nothing of the model.
     """
     path = result[path_name(result)].values
     of_lines: dict[str, Summary] = {}
@@ -148,7 +148,7 @@ def _deviation(size: Array) -> float:
 def errors_of(
     full: Quantities, other: Quantities, ways: Mapping[str, Difference], weight: float
 ) -> dict[str, float | None]:
-    """Relative distance of a rung from the full scenario for each of QUANTITIES: that of the line, support or wheel
+    """Relative distance of a model from the full scenario for each of QUANTITIES: that of the line, support or wheel
     with the largest; None where there is nothing to compare.
 
     Args:

@@ -219,7 +219,7 @@ def _at_rest(scenario: Scenario, name: str, line: Line) -> tuple[float, float]:
     lone = scenario.model_copy(update={"lines": {name: line}, "loads": {}, "joints": {}, "nets": {}, "wind": None})
     setting = setting_of(lone, 0.0)
     length, rest = float(setting.strands.h[0] * setting.strands.links[0]), setting.bare[0]
-    if line.is_stiff and line.tension is None:
+    if line.has_bending_stiffness and line.tension is None:
         return length, 0.0  # what a beam pulls by its sag is no pre-tension
     if line.tension is not None:
         return length, line.tension

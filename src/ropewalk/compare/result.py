@@ -1,4 +1,4 @@
-"""The ladder with all its rungs: numbers, assumptions, verdict."""
+"""The model hierarchy with all its simpler models: numbers, assumptions, verdict."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ropewalk.compare.assumptions import Assumptions
 from ropewalk.compare.quantities import QUANTITIES, Quantities
-from ropewalk.compare.rungs import FULL, RUNGS
+from ropewalk.compare.simpler_models import FULL, MODELS
 from ropewalk.compare.stretches import Reach
 from ropewalk.compare.trace import Difference, Trace
 from ropewalk.compare.verdict import is_adequate, places, recommendation, sentence
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LevelResult:
-    """What came of one rung."""
+    """What came of one model."""
 
     name: str
-    quantities: Quantities | None = None  # None: it could not be run, or coincides with another rung
-    errors: dict[str, float | None] = field(default_factory=dict)  # relative distance from the full rung
+    quantities: Quantities | None = None  # None: it could not be run, or coincides with another model
+    errors: dict[str, float | None] = field(default_factory=dict)  # relative distance from the full model
     rms: float | None = None  # of the deflection under the load, over its largest value; of the worst wheel
     reach: dict[str, Reach] = field(default_factory=dict)  # where the local error is allowed, by wheel
     result: xr.Dataset | None = None
@@ -50,67 +50,67 @@ class LevelResult:
 
 
 @dataclass(frozen=True)
-class Ladder:
-    """A scenario on all rungs."""
+class ModelHierarchy:
+    """A scenario on all simpler models."""
 
     title: str
     allowed: dict[str, float]  # tolerated distance of each quantity that is judged
-    rungs: dict[str, LevelResult]
+    models: dict[str, LevelResult]
     assumptions: Assumptions
 
     @property
     def errors(self) -> dict[str, dict[str, float | None]]:
-        """Relative distance from the full rung, of each rung that was run and each of QUANTITIES."""
-        return {name: self.of(name).errors for name in self.rungs if self.of(name).errors}
+        """Relative distance from the full model, of each model that was run and each of QUANTITIES."""
+        return {name: self.of(name).errors for name in self.models if self.of(name).errors}
 
-    def of(self, rung: str) -> LevelResult:
-        """What came of a rung; of one that coincides with another, of that.
+    def of(self, model: str) -> LevelResult:
+        """What came of a model; of one that coincides with another, of that.
 
         Raises:
-            KeyError: there is no such rung.
+            KeyError: there is no such model.
         """
-        step = self.rungs[rung]
+        step = self.models[model]
         return self.of(step.same_as) if step.same_as else step
 
-    def adequate(self, rung: str) -> bool:
-        """Whether all that is judged of a rung is within what is allowed, it came to its end, and is not doubtful."""
-        step = self.of(rung)
+    def adequate(self, model: str) -> bool:
+        """Whether all that is judged of a model is within what is allowed, it came to its end, and is not doubtful."""
+        step = self.of(model)
         if step.name == FULL:
             return True
         return not step.reason and not step.doubts and is_adequate(step.errors, self.allowed)
 
     @property
     def verdict(self) -> str:
-        """What the rungs are good for, in words: one line for each, and which to take."""
-        told = []
-        for name, step in self.rungs.items():
+        """What the simpler models are good for, in words: one line for each, and which to take."""
+        text = []
+        for name, step in self.models.items():
             if step.doubts and not step.same_as:
                 other = "its numbers and every distance from them mean nothing" if name == FULL else "not adequate"
-                told.append(f"{name}: doubtful: {'; '.join(step.doubts)}: {other}")
+                text.append(f"{name}: doubtful: {'; '.join(step.doubts)}: {other}")
             elif name == FULL and step.reason:
-                told.append(f"{name}: {step.reason}")
+                text.append(f"{name}: {step.reason}")
             elif name == FULL:
-                told += [f"{name}: {step.remark}"] if step.remark else []
+                text += [f"{name}: {step.remark}"] if step.remark else []
             elif step.same_as:
-                told.append(f"{name}: the same as {step.same_as}" + (f" ({step.remark})" if step.remark else ""))
+                text.append(f"{name}: the same as {step.same_as}" + (f" ({step.remark})" if step.remark else ""))
             elif step.reason:
                 kept = f"; until then {sentence('', step.errors, self.allowed)[2:]}" if step.errors else ""
-                told.append(f"{name}: not to be had: {step.reason}{kept}")
+                text.append(f"{name}: not to be had: {step.reason}{kept}")
             else:
-                told.append(sentence(name, step.errors, self.allowed))
-        if self.rungs[FULL].doubts:
-            return "\n".join([*told, "No model can be recommended as long as the full scenario is doubtful."])
-        told += places(self.assumptions.linear)
-        adequate = {name: self.adequate(name) for name in self.rungs}
-        same = {name: self.of(name).name for name in self.rungs}
+                text.append(sentence(name, step.errors, self.allowed))
+        if self.models[FULL].doubts:
+            return "\n".join([*text, "No model can be recommended as long as the full scenario is doubtful."])
+        text += places(self.assumptions.linear)
+        adequate = {name: self.adequate(name) for name in self.models}
+        same = {name: self.of(name).name for name in self.models}
         feedback = same.get("feedback cut") != FULL
-        return "\n".join([*told, recommendation(adequate, same, feedback=feedback)])
+        return "\n".join([*text, recommendation(adequate, same, feedback=feedback)])
 
     def table(self) -> list[tuple[str, ...]]:
-        """Rows of a table, a column for each rung that was run: quantities, then distances, `!` where too large."""
-        shown = [name for name in RUNGS if name in self.rungs and self.rungs[name].quantities is not None]
-        rows: list[tuple[str, ...]] = [("", *shown)]
-        steps = [self.rungs[name].quantities for name in shown]
+        """Rows of a table, a column for each model that was run: quantities, then distances, `!` where too large."""
+        displayed = [name for name in MODELS if name in self.models and self.models[name].quantities is not None]
+        rows: list[tuple[str, ...]] = [("", *displayed)]
+        steps = [self.models[name].quantities for name in displayed]
         for quantity, (label, unit) in _LABELS.items():
             for name in self._names(quantity):
                 found = [step.values(quantity).get(name) if step is not None else None for step in steps]
@@ -120,16 +120,16 @@ class Ladder:
             for name in self._names("contact force"):
                 found = [(s.wheels.get(name, {}).get("contact_force") or {}).get(key) if s else None for s in steps]
                 rows.append((f"{label} {name}, N", *(number(value) for value in found)))
-        rows.append(("", *("" for _ in shown)))
+        rows.append(("", *("" for _ in displayed)))
         for quantity in QUANTITIES:
-            errors = [self.rungs[name].errors.get(quantity) for name in shown]
+            errors = [self.models[name].errors.get(quantity) for name in displayed]
             if any(error is not None for error in errors):
                 mark = self.allowed.get(quantity)
                 rows.append((f"distance: {_DISTANCES[quantity]}", *(_cell(error, mark) for error in errors)))
-        rms = [self.rungs[name].rms for name in shown]
+        rms = [self.models[name].rms for name in displayed]
         if any(value is not None for value in rms):
             rows.append(("distance: path, rms", *(_cell(value, None) for value in rms)))
-        rows.append(("adequate", *(("yes" if self.adequate(name) else "no") for name in shown)))
+        rows.append(("adequate", *(("yes" if self.adequate(name) else "no") for name in displayed)))
         return rows
 
     def as_dict(self) -> Summary:
@@ -137,21 +137,21 @@ class Ladder:
         return {
             "title": self.title,
             "allowed": self.allowed,
-            "rungs": {
-                name: {**step.as_dict(), "adequate": self.adequate(name)} for name, step in self.rungs.items()
+            "models": {
+                name: {**step.as_dict(), "adequate": self.adequate(name)} for name, step in self.models.items()
             },
             "assumptions": self.assumptions.as_dict(),
             "verdict": self.verdict,
         }  # fmt: skip
 
     def figure(self) -> Figure:
-        """Draw the ladder: deflections under the load, local errors, distances."""
+        """Draw the model hierarchy: deflections under the load, local errors, distances."""
         from ropewalk.compare.figure import figure  # lazy: numbers need no Matplotlib
 
         return figure(self)
 
     def _names(self, quantity: str) -> list[str]:
-        full: Any = self.rungs[FULL].quantities
+        full: Any = self.models[FULL].quantities
         found = full.values(quantity)
         if len(found) <= MANY:
             return list(found)

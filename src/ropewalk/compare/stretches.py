@@ -1,4 +1,4 @@
-"""Stretches: where along the way of a load a rung is within its tolerance."""
+"""Stretches: where along the way of a load a model is within its tolerance."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SHORTEST = 0.02
 
 @dataclass(frozen=True)
 class Reach:
-    """Where the local error of a rung stays within a tolerance, along the way of one wheel; lengths in m."""
+    """Where the local error of a model stays within a tolerance, along the way of one wheel; lengths in m."""
 
     tolerance: float
     begin: float  # the part of the line that was compared: from here
@@ -30,7 +30,7 @@ class Reach:
 
     @property
     def from_start(self) -> float:
-        """Up to where, from the place nearest to the start of the line, the rung holds, m."""
+        """Up to where, from the place nearest to the start of the line, the model holds, m."""
         return self.beyond[0][0] if self.beyond else self.end
 
     @property
@@ -48,7 +48,7 @@ class Reach:
         """Plain values that fit into JSON."""
         return {**asdict(self), "from_start": self.from_start, "to_end": self.to_end, "share": self.share}
 
-    def told(self, model: str) -> str:
+    def text(self, model: str) -> str:
         """A sentence about it, without a full stop."""
         within, near = f"{100.0 * self.tolerance:.3g} %", SHORTEST * (self.end - self.begin)
         if not self.beyond:

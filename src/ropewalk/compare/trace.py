@@ -129,7 +129,7 @@ def traces(
     """What the wheels of a result do.
 
     Args:
-        result: of one rung.
+        result: of one model.
         scenario: the full one, which knows the line of each load and which of them are pantographs.
         wheels: names of the contacts of the result that stand for each wheel of the full scenario.
         level: where the lines rest.
@@ -243,7 +243,7 @@ def difference(full: Trace, other: Trace, *, timed: bool) -> Difference | None:
 
     Args:
         full: of the full scenario.
-        other: of another rung.
+        other: of another model.
         timed: whether both count time.
     """
     at, by = full.path, other.path

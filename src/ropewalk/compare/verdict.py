@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from ropewalk.compare.quantities import JUDGED, QUANTITIES
-from ropewalk.compare.rungs import FULL, LINEAR, SIMPLEST_FIRST
+from ropewalk.compare.simpler_models import FULL, LINEAR, SIMPLEST_FIRST
 from ropewalk.compare.stretches import Reach
 from ropewalk.coupling import percent
 from ropewalk.errors import Problem, ScenarioError, did_you_mean
@@ -44,13 +44,13 @@ def thresholds(tolerance: float = TOLERANCE, tolerances: Mapping[str, float] | N
 
 
 def is_adequate(errors: Errors, allowed: Mapping[str, float]) -> bool:
-    """Whether all that is known of a rung is within what is allowed, and something is known."""
+    """Whether all that is known of a model is within what is allowed, and something is known."""
     known = {name: errors[name] for name in allowed if errors.get(name) is not None}
     return bool(known) and all(value is not None and value <= allowed[name] for name, value in known.items())
 
 
 def sentence(name: str, errors: Errors, allowed: Mapping[str, float]) -> str:
-    """What is to be said of a rung that was run."""
+    """What is to be said of a model that was run."""
     known = {quantity: errors[quantity] for quantity in allowed if errors.get(quantity) is not None}
     off = {quantity: value for quantity, value in known.items() if value is not None and value > allowed[quantity]}
     fine = {quantity: value for quantity, value in known.items() if quantity not in off}
@@ -59,17 +59,17 @@ def sentence(name: str, errors: Errors, allowed: Mapping[str, float]) -> str:
     if not off:
         worst = max(fine, key=lambda quantity: fine[quantity] or 0.0)
         return f"{name}: adequate; {_called(worst)} is off most, by {percent(fine[worst])}"
-    told = ", ".join(f"{_called(quantity)} {percent(value)} off" for quantity, value in off.items())
+    text = ", ".join(f"{_called(quantity)} {percent(value)} off" for quantity, value in off.items())
     rest = f"; adequate for {_listed([_called(quantity) for quantity in fine])}" if fine else ""
-    return f"{name}: not adequate: {told}{rest}"
+    return f"{name}: not adequate: {text}{rest}"
 
 
 def recommendation(adequate: Mapping[str, bool], same_as: Mapping[str, str], *, feedback: bool) -> str:
     """Which model to take: the simplest one that is adequate.
 
     Args:
-        adequate: of each rung that was run.
-        same_as: of a rung that coincides with another one, which.
+        adequate: of each model that was run.
+        same_as: of a model that coincides with another one, which.
         feedback: whether there is any in the full scenario.
     """
     simplest = next((n for n in SIMPLEST_FIRST if adequate.get(n) and same_as.get(n) != FULL and n != FULL), None)
@@ -94,8 +94,8 @@ def places(reach: Mapping[str, Reach]) -> list[str]:
         return []
     wheel = max(reach, key=lambda name: (reach[name].share, reach[name].worst))
     of = f" of {wheel}" if len(reach) > 1 else ""
-    told = reach[wheel].told("the linear theory")
-    return [f"Of the deflection under the load{of} in each place: {told}."]
+    text = reach[wheel].text("the linear theory")
+    return [f"Of the deflection under the load{of} in each place: {text}."]
 
 
 def _called(quantity: str) -> str:

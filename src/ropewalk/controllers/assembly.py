@@ -9,7 +9,7 @@ from ropewalk.controllers.carrier import Carrier
 from ropewalk.controllers.partner import Partner
 from ropewalk.controllers.spring_leg_walker import SpringLegWalker
 from ropewalk.controllers.steps import Steps
-from ropewalk.foreign.models import turns_of
+from ropewalk.external.models import cosimulation_of
 from ropewalk.mechanics.footfall import outwards
 from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.multibody_system import MultibodySystem
@@ -39,8 +39,8 @@ def controllers_of(carrier: Carrier, loading: Loading, scenario: Scenario) -> li
             controllers.append(_spring_leg_walker(carrier, multibody_system, scenario, name, load, (on[0], on[1])))
         elif isinstance(load, Stepper | Fmu):
             assert isinstance(scenario.run, Dynamic)
-            turns = turns_of(name, load, scenario.run.until, len(loading.axes), carrier.reach(on[0]))
-            controllers.append(Partner(carrier, turns, on, multibody_system.interface_coordinates.get(name, ())))
+            cosimulation = cosimulation_of(name, load, scenario.run.until, len(loading.axes), carrier.reach(on[0]))
+            controllers.append(Partner(carrier, cosimulation, on, multibody_system.interface_coordinates.get(name, ())))
     return controllers
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from typing import Protocol, Self
 
 from ropewalk.checkpoint import Arrays, Tree
-from ropewalk.foreign.cosimulation_master import ContactPush
+from ropewalk.external.cosimulation_master import ContactPush
 from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array
 
@@ -102,17 +102,17 @@ class Carrier(Protocol):
     def lose(self, energy: float) -> None:
         """Book what loads lose, J."""
 
-    def press(self, k: int, push: ContactPush, every: float) -> None:
+    def apply_push(self, k: int, push: ContactPush, every: float) -> None:
         """Let contact k do what a push says for some seconds: it slides on to there, or is put down anew."""
 
-    def lead(self, interface_coordinate: int, height: float, rise: float) -> None:
+    def set_interface(self, interface_coordinate: int, height: float, rise: float) -> None:
         """Put the far end of an interface's spring somewhere, and let it go on from there."""
 
     def reach(self, k: int) -> float:
         """How far from where it has slid to contact k may be said to be without being put down anew, m."""
 
     def given(self, contacts: Iterable[int]) -> Arrays:
-        """What `press` has written for some contacts."""
+        """What `apply_push` has written for some contacts."""
 
     def stored(self, line: CarrierLine) -> Tree:
         """A line of `frozen` as data."""

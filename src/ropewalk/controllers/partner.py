@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from ropewalk.checkpoint import Tree, copied, put
 from ropewalk.controllers.carrier import Carrier, CarrierLine
-from ropewalk.foreign.cosimulation_master import Bearer, ContactPush, CosimulationMaster, Pushes
+from ropewalk.external.cosimulation_master import Bearer, ContactPush, CosimulationMaster, Pushes
 
 
 @dataclass
@@ -14,7 +14,7 @@ class Partner(Bearer):
     """A load that is a model of somebody else's, asked at equal intervals."""
 
     carrier: Carrier
-    turns: CosimulationMaster
+    cosimulation: CosimulationMaster
     contacts: tuple[int, ...]
     interface_coordinates: tuple[
         int, ...
@@ -24,28 +24,28 @@ class Partner(Bearer):
 
     def begin(self) -> None:
         """Reset the model, and ask it for the first time."""
-        self.turns.begin(self.line)
+        self.cosimulation.begin(self.line)
         self.act()
 
     def next(self, t: float) -> float:
         """Its next step."""
-        return t if self._has_not_looked else self.turns.next
+        return t if self._has_not_looked else self.cosimulation.next
 
     @property
     def _has_not_looked(self) -> bool:
         """Whether the first interval is to be agreed on, into which nobody could look before the motion began."""
-        return self.carrier.looks_ahead and self.turns.exchange.scheme == "iterated" and not self._looked
+        return self.carrier.looks_ahead and self.cosimulation.exchange.scheme == "iterated" and not self._looked
 
     def act(self) -> None:
         """Ask the model, if it is time: where its contacts are, and with what they press."""
         t = self.carrier.t
         if self._has_not_looked:
             self._looked = True
-            self._press(self.turns.agree(t, self), self.carrier)
-        if t < self.turns.next * (1.0 - 1e-12):
+            self._press(self.cosimulation.agree(t, self), self.carrier)
+        if t < self.cosimulation.next * (1.0 - 1e-12):
             return
         before = [self.carrier.height(k) for k in self.contacts] if self.interface_coordinates else []
-        pushes = self.turns.ask(t, self)
+        pushes = self.cosimulation.ask(t, self)
         for number, place in enumerate(before):
             self.carrier.give(self._led(number, place, pushes[number]))
         self._press(pushes, self.carrier)
@@ -54,13 +54,13 @@ class Partner(Bearer):
     def get_state(self) -> Tree:
         """What is remembered of the exchange, and what the contacts are doing."""
         return {
-            "turns": self.turns.get_state(self.carrier.stored), "looked": self._looked,
+            "turns": self.cosimulation.get_state(self.carrier.stored), "looked": self._looked,
             "heights": list(self._heights), "given": copied(self.carrier.given(self.contacts)),
         }  # fmt: skip
 
     def set_state(self, tree: Tree) -> None:
         """Go on from there."""
-        self.turns.set_state(tree["turns"], lambda line: self.carrier.frozen(self.contacts[0], line))
+        self.cosimulation.set_state(tree["turns"], lambda line: self.carrier.frozen(self.contacts[0], line))
         self._looked, self._heights = tree["looked"], list(tree["heights"])
         put(self.carrier.given(self.contacts), tree["given"])
 
@@ -70,15 +70,15 @@ class Partner(Bearer):
         It moved evenly; and now it is put where the model's contact has got to.
         """
         k, c, interface_coordinate = (
-            self.turns.exchange.stiffness,
-            self.turns.exchange.damping,
+            self.cosimulation.exchange.stiffness,
+            self.cosimulation.exchange.damping,
             self.interface_coordinates[number],
         )
         end, done = float(self.carrier.q[interface_coordinate]), 0.0
         if self._heights:
-            way = float(self.carrier.v[interface_coordinate]) * self.turns.every
+            way = float(self.carrier.v[interface_coordinate]) * self.cosimulation.every
             apart = end - way - self._heights[number], end - place
-            done = (0.5 * k * (apart[0] + apart[1]) + c * (apart[1] - apart[0]) / self.turns.every) * way
+            done = (0.5 * k * (apart[0] + apart[1]) + c * (apart[1] - apart[0]) / self.cosimulation.every) * way
         to = place if push is None else push.height
         return done + 0.5 * k * ((to - place) ** 2 - (end - place) ** 2)
 
@@ -103,10 +103,10 @@ class Partner(Bearer):
     def _press(self, pushes: Pushes, carrier: Carrier) -> None:
         for number, (k, push) in enumerate(zip(self.contacts, pushes, strict=True)):
             if push is not None:
-                carrier.press(k, push, self.turns.every)
+                carrier.apply_push(k, push, self.cosimulation.every)
             elif carrier.is_on(k):
                 carrier.take_up(k)
             if self.interface_coordinates and push is not None:
-                carrier.lead(self.interface_coordinates[number], push.height, push.rise)
+                carrier.set_interface(self.interface_coordinates[number], push.height, push.rise)
             elif self.interface_coordinates:
-                carrier.lead(self.interface_coordinates[number], carrier.height(k), 0.0)
+                carrier.set_interface(self.interface_coordinates[number], carrier.height(k), 0.0)

@@ -11,7 +11,7 @@ from ropewalk.checkpoint import Tree
 from ropewalk.controllers.balance import Upright
 from ropewalk.controllers.carrier import Carrier, CarrierLine
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.cosimulation_master import TravelEndedError
+from ropewalk.external.cosimulation_master import TravelEndedError
 from ropewalk.mechanics.bodies import STANDS, SWINGS, Records
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.walker import Walker

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ropewalk.checkpoint import Tree
 from ropewalk.controllers.carrier import Carrier
-from ropewalk.foreign.cosimulation_master import TravelEndedError
+from ropewalk.external.cosimulation_master import TravelEndedError
 from ropewalk.model.footsteps import Footsteps
 
 

@@ -1,21 +1,33 @@
 """Co-simulation from outside: lines and vehicles of ropewalk moved step by step, and packed as FMUs for other tools."""
 
+from typing import Any
+
 from ropewalk.cosim.export import export
-from ropewalk.cosim.master import FmuPart, Link, Master, RidePart
-from ropewalk.cosim.outside import Outside, Sight, Stepwise
+from ropewalk.cosim.master import FmuPart, Link, Master, VehiclePart
+from ropewalk.cosim.outside import ContactOutput, Outside, Stepwise
 from ropewalk.cosim.stepwise import stepwise
-from ropewalk.cosim.vehicle import Ride, alone
+from ropewalk.cosim.vehicle import LoneVehicle, alone
+from ropewalk.renamed import warn_renamed
 
 __all__ = [
+    "ContactOutput",
     "FmuPart",
     "Link",
+    "LoneVehicle",
     "Master",
     "Outside",
-    "Ride",
-    "RidePart",
-    "Sight",
     "Stepwise",
+    "VehiclePart",
     "alone",
     "export",
     "stepwise",
 ]
+
+_RENAMED = {"Ride": "LoneVehicle", "RidePart": "VehiclePart", "Sight": "ContactOutput"}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _RENAMED:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    warn_renamed(name, _RENAMED[name])
+    return globals()[_RENAMED[name]]

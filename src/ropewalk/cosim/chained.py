@@ -12,9 +12,9 @@ from ropewalk.chains.beginning import initial_state
 from ropewalk.chains.frames import ChainFrameBuilder
 from ropewalk.checkpoint import Tree, copied, put
 from ropewalk.controllers.assembly import controllers_of
-from ropewalk.cosim.outside import Hand, Outside, Sight, Stepwise
+from ropewalk.cosim.outside import ContactInput, ContactOutput, Outside, Stepwise
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.cosimulation_master import ContactPush
+from ropewalk.external.cosimulation_master import ContactPush
 from ropewalk.mechanics.bodies import are_weightless
 from ropewalk.mechanics.chain import OFF, Array
 from ropewalk.mechanics.moving_contact import link_of
@@ -95,31 +95,33 @@ class Chained(Stepwise):
         Raises:
             RopewalkError: the motion does not get there.
         """
-        for name, hand in self.hands.items():
-            self._hold(name, hand, h)
+        for name, contact_input in self.contact_inputs.items():
+            self._hold(name, contact_input, h)
         self._motion.to(self.t + h)
         if self._progress.status != RUNNING:
-            outcome, advice = self._progress.told()
+            outcome, advice = self._progress.ending()
             raise RopewalkError(f"the motion stopped at t = {self.t:.6g} s ({outcome}): {advice}")
-        for hand in self.hands.values():
-            hand.xi += hand.speed * h
-            hand.first = hand.last
-            hand.height += hand.rise * h
+        for contact_input in self.contact_inputs.values():
+            contact_input.xi += contact_input.speed * h
+            contact_input.first = contact_input.last
+            contact_input.height += contact_input.rise * h
 
-    def _hold(self, name: str, hand: Hand, h: float) -> None:
+    def _hold(self, name: str, contact_input: ContactInput, h: float) -> None:
         """Let a contact do what it is told, from now on."""
         k = self._contact[name]
         length = self.length(self.outside[name].on)
-        if not 0.0 <= hand.xi <= length:  # NaN is not, either
+        if not 0.0 <= contact_input.xi <= length:  # NaN is not, either
             if self._carrier.is_on(k):
                 self._carrier.take_up(k)
             return
         # The contact stops at an end of the line: what goes on beyond it is lifted with the next step.
-        end = min(max(hand.xi + hand.speed * h, 0.0), length)
-        push = ContactPush(hand.xi, (end - hand.xi) / h, np.array(hand.first), np.array(hand.last))
-        self._carrier.press(k, push, h)
+        end = min(max(contact_input.xi + contact_input.speed * h, 0.0), length)
+        push = ContactPush(
+            contact_input.xi, (end - contact_input.xi) / h, np.array(contact_input.first), np.array(contact_input.last)
+        )
+        self._carrier.apply_push(k, push, h)
         for interface_coordinate in self._interface_coordinate.get(name, ()):
-            self._carrier.lead(interface_coordinate, hand.height, hand.rise)
+            self._carrier.set_interface(interface_coordinate, contact_input.height, contact_input.rise)
 
     def length(self, line: str) -> float:
         """Unstrained length of a line, m."""
@@ -133,24 +135,29 @@ class Chained(Stepwise):
         """The xi in m of a line above or below a horizontal place x in m."""
         return self._line(line).below(x)
 
-    def sight(self, name: str) -> Sight:
+    def output(self, name: str) -> ContactOutput:
         """What is seen of a contact now."""
-        hand, outside, state, k = self._hand(name), self.outside[name], self._state, self._contact[name]
+        contact_input, outside, state, k = (
+            self._contact_input(name),
+            self.outside[name],
+            self._state,
+            self._contact[name],
+        )
         line = self._line(outside.on)
-        xi = min(max(hand.xi, 0.0), line.length) if np.isfinite(hand.xi) else 0.0
+        xi = min(max(contact_input.xi, 0.0), line.length) if np.isfinite(contact_input.xi) else 0.0
         place, velocity = line.at(xi)
         b = int(state.moving_load[k])
         i, j = (b - 1, b + 1) if b >= 0 else self._link(k, outside.on, xi)
         tangent = (state.r[:, j] - state.r[:, i]) / (state.X[j] - state.X[i])
-        velocity = velocity + hand.speed * tangent
+        velocity = velocity + contact_input.speed * tangent
         force = np.zeros(self.dim)
-        if 0.0 <= hand.xi <= line.length:  # at the beginning it is not on the line yet
-            force = np.array(hand.first, dtype=np.float64) if len(hand.first) == self.dim else force
+        if 0.0 <= contact_input.xi <= line.length:  # at the beginning it is not on the line yet
+            force = np.array(contact_input.first, dtype=np.float64) if len(contact_input.first) == self.dim else force
             if outside.is_sprung:
-                apart, faster = hand.height - place[-1], hand.rise - velocity[-1]
+                apart, faster = contact_input.height - place[-1], contact_input.rise - velocity[-1]
                 force[-1] = _within(outside, outside.stiffness * apart + outside.damping * faster)
         slope = float(tangent[-1] / tangent[0]) if tangent[0] else np.inf
-        return Sight(place, velocity, slope, force)
+        return ContactOutput(place, velocity, slope, force)
 
     def support_forces(self) -> dict[str, Array]:
         """Forces of all supports on their lines, by name, (axis,) N."""
@@ -165,15 +172,22 @@ class Chained(Stepwise):
             RopewalkError: a load is a model of somebody else's that gives no state.
         """
         pressed = copied(self._carrier.given(self._contact.values()))
-        hands = {name: asdict(hand) for name, hand in self.hands.items()}
-        return {"motion": self._motion.get_state(), "given": pressed, "hands": hands, "status": self._progress.status}
+        contact_inputs = {name: asdict(contact_input) for name, contact_input in self.contact_inputs.items()}
+        return {
+            "motion": self._motion.get_state(),
+            "given": pressed,
+            "hands": contact_inputs,
+            "status": self._progress.status,
+        }
 
     def set_state(self, state: Tree) -> None:
         """Go back to what `get_state` gave."""
         self._motion.set_state(state["motion"])
         put(self._carrier.given(self._contact.values()), state["given"])
         self._progress.status = state["status"]
-        self.hands.update({name: Hand(**hand) for name, hand in state["hands"].items()})
+        self.contact_inputs.update(
+            {name: ContactInput(**contact_input) for name, contact_input in state["hands"].items()}
+        )
 
     def _line(self, name: str) -> ChainLine:
         return ChainLine(self.setting, self._state, self.setting.lines.index(name))

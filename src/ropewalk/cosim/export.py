@@ -158,7 +158,7 @@ def _line(scenario: Scenario, line: str, file: Path, gives: Gives, wish: LineExp
         "model": _model(file), "description": f"{scenario.title}: line {line} with its supports, {way}. {_NEEDS}",
         "line": line, "gives": gives, "places": [0.5 * length if wish.measured == "material" else float(middle[0])]
         * wish.contacts, "heights": [float(middle[-1])] * wish.contacts, "measured": wish.measured,
-        "span": sorted(float(end[0]) for end in ends), "along": not scenario.is_stiff, "side": wish.side,
+        "span": sorted(float(end[0]) for end in ends), "along": not scenario.has_bending_stiffness, "side": wish.side,
         "stiffness": wish.contact_stiffness, "damping": wish.contact_damping, "until": run.until, "every": wish.every,
         "step": run.step or 0.0, "step_means": f"largest inner step; 0: as the scenario says, or as stable; {wires}",
         "axes": _axes(motion), "supports": list(motion.support_forces()),

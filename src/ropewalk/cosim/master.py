@@ -15,7 +15,7 @@ from typing import Any, Literal, NamedTuple, Protocol, Self
 
 import numpy as np
 
-from ropewalk.cosim.vehicle import Ride
+from ropewalk.cosim.vehicle import LoneVehicle
 from ropewalk.errors import RopewalkError, did_you_mean
 from ropewalk.mechanics.chain import Array
 
@@ -147,47 +147,49 @@ class FmuPart:
         self.close()
 
 
-class RidePart:
+class VehiclePart:
     """A vehicle as a Python object, with the variables that its FMU would have."""
 
-    def __init__(self, ride: Ride) -> None:
-        self.ride = ride
-        self._names = [touch.name for touch in ride.vehicle.touches]
-        self._told: dict[str, float] = {}
+    def __init__(self, lone_vehicle: LoneVehicle) -> None:
+        self.lone_vehicle = lone_vehicle
+        self._names = [touch.name for touch in lone_vehicle.vehicle.touches]
+        self._stated: dict[str, float] = {}
 
     def _of(self, inputs: Mapping[str, float], what: str) -> Array:
         return np.array([inputs.get(f"{name}.{what}", 0.0) for name in self._names])
 
     def begin(self, inputs: Mapping[str, float]) -> None:
         """Begin with inputs; a vehicle that gives motion finds `start_height` and `start_velocity` among them."""
-        self._told = dict(inputs)
-        first = "" if self.ride.gives == "force" else "start_"
-        self.ride.place(self._of(inputs, f"{first}height"), self._of(inputs, f"{first}velocity"))
+        self._stated = dict(inputs)
+        first = "" if self.lone_vehicle.gives == "force" else "start_"
+        self.lone_vehicle.place(self._of(inputs, f"{first}height"), self._of(inputs, f"{first}velocity"))
 
     def look(self, name: str) -> float:
         """An output now."""
         contact, what = name.split(".")
         i = self._names.index(contact)
         if what == "force":
-            return float(self.ride.forces(self._of(self._told, "height"), self._of(self._told, "velocity"))[i])
-        return float(self.ride.heights()[what == "velocity"][i])
+            return float(
+                self.lone_vehicle.forces(self._of(self._stated, "height"), self._of(self._stated, "velocity"))[i]
+            )
+        return float(self.lone_vehicle.heights()[what == "velocity"][i])
 
     def step(self, t: float, h: float, inputs: Mapping[str, float]) -> None:
         """Go on from t by h seconds, with the values of inputs at the end."""
-        names = ("height", "velocity") if self.ride.gives == "force" else ("force", "force")
-        told = {**self._told, **inputs}
-        first, last = ((self._of(given, names[0]), self._of(given, names[1])) for given in (self._told, told))
-        self.ride.step(h, first, last)
-        self._told = told
+        names = ("height", "velocity") if self.lone_vehicle.gives == "force" else ("force", "force")
+        stated = {**self._stated, **inputs}
+        first, last = ((self._of(given, names[0]), self._of(given, names[1])) for given in (self._stated, stated))
+        self.lone_vehicle.step(h, first, last)
+        self._stated = stated
 
     def get_state(self) -> Any:
         """All that changes."""
-        return self.ride.get_state(), dict(self._told)
+        return self.lone_vehicle.get_state(), dict(self._stated)
 
     def set_state(self, state: Any) -> None:
         """Go back to it."""
-        self.ride.set_state(state[0])
-        self._told = dict(state[1])
+        self.lone_vehicle.set_state(state[0])
+        self._stated = dict(state[1])
 
 
 @dataclass

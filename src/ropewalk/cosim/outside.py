@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from typing_extensions import deprecated
 
 from ropewalk.errors import RopewalkError, did_you_mean
 from ropewalk.mechanics.chain import Array
@@ -35,7 +36,7 @@ class Outside:
 
 
 @dataclass
-class Hand:
+class ContactInput:
     """What a contact from outside does during the next step; everything linear in time over it."""
 
     xi: float = np.nan  # m, unstrained from the start of the line, at its beginning; NaN: it is not on the line
@@ -46,7 +47,7 @@ class Hand:
     rise: float = 0.0  # m/s
 
 
-class Sight(NamedTuple):
+class ContactOutput(NamedTuple):
     """What is seen of a contact."""
 
     place: Array  # (axis,) m
@@ -70,9 +71,9 @@ class Stepwise:
 
     def __init__(self, scenario: Scenario, outside: Mapping[str, Outside]) -> None:
         self.scenario, self.outside = scenario, dict(outside)
-        self.hands = {name: Hand() for name in outside}
+        self.contact_inputs = {name: ContactInput() for name in outside}
 
-    def press(
+    def set_force(
         self,
         name: str,
         xi: float,
@@ -93,12 +94,12 @@ class Stepwise:
         Raises:
             RopewalkError: there is no such contact, it has a spring, or a force along a wire is given.
         """
-        hand = self._hand(name, sprung=False)
-        hand.xi, hand.speed = xi, speed
-        hand.first = self._vector(name, force)
-        hand.last = hand.first if last is None else self._vector(name, last)
+        contact_input = self._contact_input(name, sprung=False)
+        contact_input.xi, contact_input.speed = xi, speed
+        contact_input.first = self._vector(name, force)
+        contact_input.last = contact_input.first if last is None else self._vector(name, last)
 
-    def lead(self, name: str, xi: float, height: float, rise: float = 0.0, speed: float = 0.0) -> None:
+    def set_motion(self, name: str, xi: float, height: float, rise: float = 0.0, speed: float = 0.0) -> None:
         """Give the height of a body on the spring of a contact during the next step.
 
         Args:
@@ -111,12 +112,32 @@ class Stepwise:
         Raises:
             RopewalkError: there is no such contact, or it has no spring.
         """
-        hand = self._hand(name, sprung=True)
-        hand.xi, hand.speed, hand.height, hand.rise = xi, speed, height, rise
+        contact_input = self._contact_input(name, sprung=True)
+        contact_input.xi, contact_input.speed, contact_input.height, contact_input.rise = xi, speed, height, rise
 
-    def lift(self, name: str) -> None:
+    def release(self, name: str) -> None:
         """Take a contact off its line."""
-        self._hand(name).xi = np.nan
+        self._contact_input(name).xi = np.nan
+
+    @deprecated("press is called set_force now; the old name goes with the next release")
+    def press(self, *given: Any, **named: Any) -> None:
+        """`set_force`, as it was called before."""
+        self.set_force(*given, **named)
+
+    @deprecated("lead is called set_motion now; the old name goes with the next release")
+    def lead(self, *given: Any, **named: Any) -> None:
+        """`set_motion`, as it was called before."""
+        self.set_motion(*given, **named)
+
+    @deprecated("lift is called release now; the old name goes with the next release")
+    def lift(self, name: str) -> None:
+        """`release`, as it was called before."""
+        self.release(name)
+
+    @deprecated("sight is called output now; the old name goes with the next release")
+    def sight(self, name: str) -> ContactOutput:
+        """`output`, as it was called before."""
+        return self.output(name)
 
     @property
     def dim(self) -> int:
@@ -143,7 +164,7 @@ class Stepwise:
         """The xi in m of a line above or below a horizontal place x in m."""
         raise NotImplementedError
 
-    def sight(self, name: str) -> Sight:
+    def output(self, name: str) -> ContactOutput:
         """What is seen of a contact now."""
         raise NotImplementedError
 
@@ -163,13 +184,13 @@ class Stepwise:
         """Go back to what `get_state` gave."""
         raise NotImplementedError
 
-    def _hand(self, name: str, sprung: bool | None = None) -> Hand:
-        if name not in self.hands:
-            raise RopewalkError(f"there is no contact {name} from outside; {did_you_mean(name, self.hands)}")
+    def _contact_input(self, name: str, sprung: bool | None = None) -> ContactInput:
+        if name not in self.contact_inputs:
+            raise RopewalkError(f"there is no contact {name} from outside; {did_you_mean(name, self.contact_inputs)}")
         if sprung is not None and self.outside[name].is_sprung != sprung:
-            has, remedy = ("no", "press") if sprung else ("a", "lead")
+            has, remedy = ("no", "set_force") if sprung else ("a", "set_motion")
             raise RopewalkError(f"contact {name} has {has} spring: use {remedy}")
-        return self.hands[name]
+        return self.contact_inputs[name]
 
     def _vector(self, name: str, force: float | tuple[float, ...]) -> tuple[float, ...]:
         """A force on the line at a contact, (axis,) N."""

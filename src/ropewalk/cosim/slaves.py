@@ -16,7 +16,7 @@ from pythonfmu.enums import Fmi2Status
 
 from ropewalk.cosim.outside import Outside, Stepwise
 from ropewalk.cosim.stepwise import stepwise
-from ropewalk.cosim.vehicle import Alone, Ride
+from ropewalk.cosim.vehicle import Alone, LoneVehicle
 from ropewalk.errors import RopewalkError
 from ropewalk.scenario import load
 
@@ -55,7 +55,7 @@ class ExportedSlave(Fmi2Slave):  # type: ignore[misc]
         # FMU is written, pythonfmu does so, and takes it back itself.)
         if (Path(self.resources) / "slavemodule.txt").is_file():
             sys.path[:] = [place for place in sys.path if place != self.resources]
-        self.told: dict[str, float] = {}  # inputs and parameters
+        self.inputs: dict[str, float] = {}  # inputs and parameters
         self.before: dict[str, float] = {}  # inputs at the beginning of the step
         self.time, self._ready = 0.0, False
         self.inputs_at_end = True
@@ -86,17 +86,17 @@ class ExportedSlave(Fmi2Slave):  # type: ignore[misc]
         self.register_variable(variable, nested=False)
 
     def _keep(self, name: str, unit: str, start: float, description: str, causality: Any, variability: Any) -> None:
-        self.told[name] = start
+        self.inputs[name] = start
 
         def set_value(value: float) -> None:
-            if causality == Fmi2Causality.parameter and value != self.told[name]:
+            if causality == Fmi2Causality.parameter and value != self.inputs[name]:
                 self._ready = False
-            self.told[name] = value
+            self.inputs[name] = value
 
         variable = Measured(
             name, unit, description=description, causality=causality, variability=variability,
             initial=Fmi2Initial.exact if causality == Fmi2Causality.parameter else None,
-            getter=lambda: self.told[name], setter=set_value,
+            getter=lambda: self.inputs[name], setter=set_value,
         )  # fmt: skip
         self.register_variable(variable, nested=False)
 
@@ -140,7 +140,7 @@ class ExportedSlave(Fmi2Slave):  # type: ignore[misc]
     def _begin(self) -> None:
         if not self._ready:
             self._ready = True  # what is asked below may ask again
-            self.before = {name: self.told[name] for name in self.before}
+            self.before = {name: self.inputs[name] for name in self.before}
             self.begin()
 
     def do_step(self, current_time: float, step_size: float) -> bool:
@@ -148,22 +148,22 @@ class ExportedSlave(Fmi2Slave):  # type: ignore[misc]
         self._begin()
         try:
             for name in self.before:
-                if not np.isfinite(self.told[name]):
-                    raise RopewalkError(f"input {name} is {self.told[name]}")
+                if not np.isfinite(self.inputs[name]):
+                    raise RopewalkError(f"input {name} is {self.inputs[name]}")
             if step_size > 0.0:
                 self.move(step_size)
         except RopewalkError as error:
             self.log(f"t = {current_time:g} s: {error}", Fmi2Status.error)
             return False
         self.time += step_size
-        self.before = {name: self.told[name] for name in self.before}
+        self.before = {name: self.inputs[name] for name in self.before}
         return True
 
     def over(self, name: str, h: float, rate: str | None = None) -> tuple[float, float]:
         """An input at the beginning and at the end of a step."""
         if self.inputs_at_end:
-            return self.before[name], self.told[name]
-        return self.told[name], self.told[name] + (h * self.told[rate] if rate is not None else 0.0)
+            return self.before[name], self.inputs[name]
+        return self.inputs[name], self.inputs[name] + (h * self.inputs[rate] if rate is not None else 0.0)
 
     def begin(self) -> None:
         """Make the motion ready."""
@@ -183,12 +183,12 @@ class ExportedSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _get_fmu_state(self) -> dict[str, Any]:
         self._begin()
-        return {"all": (self.get_state(), self.time, dict(self.told), dict(self.before), self.inputs_at_end)}
+        return {"all": (self.get_state(), self.time, dict(self.inputs), dict(self.before), self.inputs_at_end)}
 
     def _set_fmu_state(self, state: dict[str, Any]) -> None:
         self._begin()
-        inner, self.time, told, before, self.inputs_at_end = state["all"]
-        self.told.update(told)
+        inner, self.time, inputs, before, self.inputs_at_end = state["all"]
+        self.inputs.update(inputs)
         self.before.update(before)
         self._ready = True
         self.set_state(inner)
@@ -227,21 +227,21 @@ class LineSlave(ExportedSlave):
         if self._sprung:
             self.take(f"{name}.height", "m", height, "of the body's contact, upwards")
             self.take(f"{name}.velocity", "m/s", 0.0, "of the same, upwards; used where inputs_at_end is false")
-            self.give(f"{name}.force", "N", "on the line, upwards", lambda: float(self._sight(name).force[-1]))
-            self.give(f"{name}.line_height", "m", "of the line", lambda: float(self._sight(name).place[-1]))
+            self.give(f"{name}.force", "N", "on the line, upwards", lambda: float(self._output(name).force[-1]))
+            self.give(f"{name}.line_height", "m", "of the line", lambda: float(self._output(name).place[-1]))
             return
         self.take(f"{name}.force", "N", 0.0, "on the line, upwards")
         if given["along"]:
             self.take(f"{name}.force_along", "N", 0.0, "on the line, along x")
-        self.give(f"{name}.height", "m", "of the line", lambda: float(self._sight(name).place[-1]))
+        self.give(f"{name}.height", "m", "of the line", lambda: float(self._output(name).place[-1]))
         what = "of the contact, upwards; it moves along the line"
-        self.give(f"{name}.velocity", "m/s", what, lambda: float(self._sight(name).velocity[-1]))
-        self.give(f"{name}.slope", "", "dz/dx of the line", lambda: float(self._sight(name).slope))
+        self.give(f"{name}.velocity", "m/s", what, lambda: float(self._output(name).velocity[-1]))
+        self.give(f"{name}.slope", "", "dz/dx of the line", lambda: float(self._output(name).slope))
 
-    def _sight(self, name: str) -> Any:
+    def _output(self, name: str) -> Any:
         assert self.motion is not None
         if name not in self._seen:
-            self._seen[name] = self.motion.sight(name)
+            self._seen[name] = self.motion.output(name)
         return self._seen[name]
 
     def _support(self, support: str, axis: int) -> Callable[[], float]:
@@ -259,10 +259,10 @@ class LineSlave(ExportedSlave):
     def begin(self) -> None:
         """Make the motion ready."""
         given, settings = self._given, []
-        if self.told["step"] > 0.0:
-            settings.append(f"run.step={self.told['step']!r} s")
+        if self.inputs["step"] > 0.0:
+            settings.append(f"run.step={self.inputs['step']!r} s")
         scenario = load(self._folder / SCENARIO_FILE, settings)
-        stiffness, damping = (self.told.get(f"contact_{part}", 0.0) for part in ("stiffness", "damping"))
+        stiffness, damping = (self.inputs.get(f"contact_{part}", 0.0) for part in ("stiffness", "damping"))
         outside = Outside(given["line"], stiffness, damping, given["side"])
         self.motion = stepwise(scenario, dict.fromkeys(self._names, outside), step=given["every"])
         for name in self._names:
@@ -271,7 +271,7 @@ class LineSlave(ExportedSlave):
 
     def _xi(self, name: str, h: float) -> tuple[float, float]:
         assert self.motion is not None
-        places = self.over(f"{name}.place", h) if h else (self.told[f"{name}.place"],) * 2
+        places = self.over(f"{name}.place", h) if h else (self.inputs[f"{name}.place"],) * 2
         if self._given["measured"] == "material":
             return places
         line = self._given["line"]
@@ -288,13 +288,13 @@ class LineSlave(ExportedSlave):
         if self._sprung:
             heights = self.over(f"{name}.height", h, f"{name}.velocity")
             rise = (heights[1] - heights[0]) / h if h else 0.0
-            self.motion.lead(name, first, heights[0] if h else self.told[f"{name}.height"], rise, speed)
+            self.motion.set_motion(name, first, heights[0] if h else self.inputs[f"{name}.height"], rise, speed)
             return
         up = self.over(f"{name}.force", h)
         along = self.over(f"{name}.force_along", h) if self._given["along"] else (0.0, 0.0)
         rest = (0.0,) * (self.motion.dim - 2)
         begins, ends = ((along[i], *rest, up[i]) for i in (0, 1))
-        self.motion.press(name, first, begins if h else ends, speed, last=ends)
+        self.motion.set_force(name, first, begins if h else ends, speed, last=ends)
 
     def move(self, h: float) -> None:
         """Go on by h seconds."""
@@ -326,7 +326,7 @@ class VehicleSlave(ExportedSlave):
         self._alone = Alone.read((Path(self.resources) / VEHICLE_FILE).read_text(encoding="utf-8"))
         self.default_experiment = DefaultExperiment(0.0, self._alone.until, given["every"])
         self._gives = given["gives"]
-        self.ride = Ride(self._alone, self._gives)
+        self.lone_vehicle = LoneVehicle(self._alone, self._gives)
         self._names = [touch.name for touch in self._alone.touches]
         for i, (touch, height) in enumerate(zip(self._alone.touches, given["heights"], strict=True)):
             self._declare(i, touch.name, height, touch.rest)
@@ -340,39 +340,41 @@ class VehicleSlave(ExportedSlave):
             self.parameter(f"{name}.start_height", "m", height, "height of the contact at the beginning")
             self.parameter(f"{name}.start_velocity", "m/s", 0.0, "and its velocity")
             self.take(f"{name}.force", "N", rest, "on the line, upwards")
-            self.give(f"{name}.height", "m", "of the contact, upwards", lambda: float(self.ride.heights()[0][i]))
-            self.give(f"{name}.velocity", "m/s", "of the same", lambda: float(self.ride.heights()[1][i]))
+            self.give(
+                f"{name}.height", "m", "of the contact, upwards", lambda: float(self.lone_vehicle.heights()[0][i])
+            )
+            self.give(f"{name}.velocity", "m/s", "of the same", lambda: float(self.lone_vehicle.heights()[1][i]))
         self.give(
             f"{name}.place", "m", "of the contact along the line, as the scenario says",
-            lambda: float(self.ride.forward(self.ride.t)[i]),
+            lambda: float(self.lone_vehicle.forward(self.lone_vehicle.t)[i]),
         )  # fmt: skip
 
     def _inputs(self, what: str) -> np.ndarray[Any, Any]:
-        return np.array([self.told[f"{name}.{what}"] for name in self._names])
+        return np.array([self.inputs[f"{name}.{what}"] for name in self._names])
 
     def _forces(self) -> np.ndarray[Any, Any]:
-        return self.ride.forces(self._inputs("height"), self._inputs("velocity"))
+        return self.lone_vehicle.forces(self._inputs("height"), self._inputs("velocity"))
 
     def begin(self) -> None:
         """Make the motion ready."""
-        self.ride = Ride(self._alone, self._gives)
+        self.lone_vehicle = LoneVehicle(self._alone, self._gives)
         first = "" if self._gives == "force" else "start_"
-        self.ride.place(self._inputs(f"{first}height"), self._inputs(f"{first}velocity"))
+        self.lone_vehicle.place(self._inputs(f"{first}height"), self._inputs(f"{first}velocity"))
 
     def move(self, h: float) -> None:
         """Go on by h seconds."""
         if self._gives == "force":
             heights = np.array([self.over(f"{name}.height", h, f"{name}.velocity") for name in self._names]).T
             rises = np.array([self.over(f"{name}.velocity", h) for name in self._names]).T
-            self.ride.step(h, (heights[0], rises[0]), (heights[1], rises[1]))
+            self.lone_vehicle.step(h, (heights[0], rises[0]), (heights[1], rises[1]))
             return
         forces = np.array([self.over(f"{name}.force", h) for name in self._names]).T
-        self.ride.step(h, (forces[0], forces[0]), (forces[1], forces[1]))
+        self.lone_vehicle.step(h, (forces[0], forces[0]), (forces[1], forces[1]))
 
     def get_state(self) -> Any:
         """What of the motion changes."""
-        return self.ride.get_state()
+        return self.lone_vehicle.get_state()
 
     def set_state(self, state: Any) -> None:
         """Go back to it."""
-        self.ride.set_state(state)
+        self.lone_vehicle.set_state(state)

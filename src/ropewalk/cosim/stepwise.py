@@ -36,7 +36,7 @@ def stepwise(scenario: Scenario, outside: Mapping[str, Outside], *, step: float 
             raise ScenarioError([Problem(f"contact {name}", "there is no such line", contact.on, remedy)])
         if name in scenario.loads:
             raise ScenarioError([Problem(f"contact {name}", "a load has that name", name, "give it another")])
-    if scenario.is_stiff:
+    if scenario.has_bending_stiffness:
         for found in WIRES.motion.unsupported(scenario.parts):
             raise refusal(found)
         from ropewalk.cosim.wired import Wired  # lazy: it needs kernels of its own

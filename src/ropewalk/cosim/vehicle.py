@@ -186,7 +186,7 @@ def _spread(prescribed_motion: PrescribedMotion, touches: tuple[VehicleContact, 
 
 
 @dataclass
-class Ride:
+class LoneVehicle:
     """A vehicle alone in motion.
 
     Args:
@@ -367,4 +367,4 @@ class Ride:
         self.q, self.v, self._closed = q.copy(), v.copy(), closed.copy()
 
 
-__all__ = ["Alone", "Ride", "VehicleContact", "alone"]
+__all__ = ["Alone", "LoneVehicle", "VehicleContact", "alone"]

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from ropewalk.checkpoint import Tree, copied
-from ropewalk.cosim.outside import Hand, Outside, Sight, Stepwise
+from ropewalk.cosim.outside import ContactInput, ContactOutput, Outside, Stepwise
 from ropewalk.errors import RopewalkError
-from ropewalk.model.load import Foreign
+from ropewalk.model.load import ExternalModel
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import RunInfo
@@ -19,8 +19,8 @@ from ropewalk.wires.frames import SAMPLE, Wires
 from ropewalk.wires.layout import supports_of
 from ropewalk.wires.mesh import places_of
 from ropewalk.wires.plan import Array, Contact, Spot, TravellingLoad
-from ropewalk.wires.prescribed_motion import PrescribedMotion, drive_of
-from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Drive, Record
+from ropewalk.wires.prescribed_motion import PrescribedMotion, inputs_of
+from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Record, StepInputs
 from ropewalk.wiring import task_of
 
 _WHOLE = 1e-6  # of an inner step, up to which a step is a whole number of them
@@ -42,10 +42,10 @@ class Wired(Stepwise):
         super().__init__(scenario, outside)
         run = scenario.run
         assert isinstance(run, Dynamic)
-        foreign = [name for name, load in scenario.loads.items() if isinstance(load, Foreign)]
-        if foreign:
+        external = [name for name, load in scenario.loads.items() if isinstance(load, ExternalModel)]
+        if external:
             raise RopewalkError(
-                f"load {foreign[0]} is a model of somebody else's, and wires that are moved from outside know none "
+                f"load {external[0]} is a model of somebody else's, and wires that are moved from outside know none "
                 "beside those; leave it out"
             )
         task = task_of(scenario)
@@ -95,32 +95,32 @@ class Wired(Stepwise):
                 f"a step of {h:g} s was asked for, and wires go on by whole inner steps of {self.inner:.6g} s; "
                 "say beforehand by which step it will be moved"
             )
-        record = self.motion.go(self._drive(count * self.inner), count)
+        record = self.motion.go(self._inputs(count * self.inner), count)
         self._steps += count
         if not self._run.is_sane():
             raise RopewalkError(f"the motion grew beyond all bounds at t = {self.t:.6g} s; write a smaller step")
         self._record = record
-        for hand in self.hands.values():
-            hand.xi += hand.speed * h
-            hand.first = hand.last
-            hand.height += hand.rise * h
+        for contact_input in self.contact_inputs.values():
+            contact_input.xi += contact_input.speed * h
+            contact_input.first = contact_input.last
+            contact_input.height += contact_input.rise * h
 
-    def _drive(self, h: float) -> Drive:
+    def _inputs(self, h: float) -> StepInputs:
         """What the loads do during a step, and all contacts from outside."""
         task = self._run.task
-        drive = drive_of(task.plan, task.prescribed_motions, self.t + np.array([0.0, h]))
-        for j, (name, hand) in enumerate(self.hands.items()):
+        inputs = inputs_of(task.plan, task.prescribed_motions, self.t + np.array([0.0, h]))
+        for j, (name, contact_input) in enumerate(self.contact_inputs.items()):
             k, length = self._own + j, self.length(self.outside[name].on)
-            on = 0.0 <= hand.xi <= length
-            drive.where[:, k] = ON_WIRE if on else ABSENT
+            on = 0.0 <= contact_input.xi <= length
+            inputs.where[:, k] = ON_WIRE if on else ABSENT
             if not on:
                 continue
-            drive.station[:, k] = hand.xi, min(max(hand.xi + hand.speed * h, 0.0), length)
+            inputs.station[:, k] = contact_input.xi, min(max(contact_input.xi + contact_input.speed * h, 0.0), length)
             if self.outside[name].is_sprung:  # the spring feels by how much the wire is above the body
-                drive.rough[:, k] = -hand.height, -hand.height - hand.rise * h
+                inputs.rough[:, k] = -contact_input.height, -contact_input.height - contact_input.rise * h
             else:
-                drive.given[:, k] = hand.first[-1], hand.last[-1]
-        return drive
+                inputs.given[:, k] = contact_input.first[-1], contact_input.last[-1]
+        return inputs
 
     def _vector(self, name: str, force: float | tuple[float, ...]) -> tuple[float, ...]:
         vector = super()._vector(name, force)
@@ -157,25 +157,29 @@ class Wired(Stepwise):
         stations = float(mesh.strands.h[a]) * np.arange(row.size)
         return float(np.interp(x, row, stations) if row[-1] > row[0] else np.interp(-x, -row, stations))
 
-    def sight(self, name: str) -> Sight:
+    def output(self, name: str) -> ContactOutput:
         """What is seen of a contact now."""
-        hand, outside = self._hand(name), self.outside[name]
-        on = bool(0.0 <= hand.xi <= self.length(outside.on))
-        place, velocity, tangent = self._look(outside.on, hand.xi if np.isfinite(hand.xi) else 0.0)
-        velocity, force = velocity + hand.speed * tangent, np.zeros(self.dim)
+        contact_input, outside = self._contact_input(name), self.outside[name]
+        on = bool(0.0 <= contact_input.xi <= self.length(outside.on))
+        place, velocity, tangent = self._look(outside.on, contact_input.xi if np.isfinite(contact_input.xi) else 0.0)
+        velocity, force = velocity + contact_input.speed * tangent, np.zeros(self.dim)
         k = self._own + list(self.outside).index(name)
         if on:
-            force[-1] = self._spring(outside, k, hand, place, velocity) if outside.is_sprung else hand.first[-1]
+            force[-1] = (
+                self._spring(outside, k, contact_input, place, velocity)
+                if outside.is_sprung
+                else contact_input.first[-1]
+            )
             place = place.copy()
-            place[-1] += self._local(outside.on, hand.xi) * force[-1]  # beside the spline the wire gives way
-        return Sight(place, velocity, float(tangent[-1] / tangent[0]) if tangent[0] else np.inf, force)
+            place[-1] += self._local(outside.on, contact_input.xi) * force[-1]  # beside the spline the wire gives way
+        return ContactOutput(place, velocity, float(tangent[-1] / tangent[0]) if tangent[0] else np.inf, force)
 
-    def _spring(self, outside: Outside, k: int, hand: Hand, place: Array, velocity: Array) -> float:
+    def _spring(self, outside: Outside, k: int, contact_input: ContactInput, place: Array, velocity: Array) -> float:
         """Force on the wire of a contact's spring and damper, N; the wire gives way beside its spline."""
-        gap = hand.height - place[-1]
-        last = self.motion.pace.gap[k]
-        faster = (gap - last) / self.inner if np.isfinite(last) else hand.rise - velocity[-1]
-        force = gap / (self._local(outside.on, hand.xi) + 1.0 / outside.stiffness) + outside.damping * faster
+        gap = contact_input.height - place[-1]
+        last = self.motion.stepping.gap[k]
+        faster = (gap - last) / self.inner if np.isfinite(last) else contact_input.rise - velocity[-1]
+        force = gap / (self._local(outside.on, contact_input.xi) + 1.0 / outside.stiffness) + outside.damping * faster
         if outside.side is None:
             return float(force)
         return float(min(force, 0.0) if outside.side == "above" else max(force, 0.0))
@@ -192,16 +196,18 @@ class Wired(Stepwise):
 
     def get_state(self) -> Tree:
         """All that changes, copied."""
-        hands = {name: asdict(hand) for name, hand in self.hands.items()}
+        contact_inputs = {name: asdict(contact_input) for name, contact_input in self.contact_inputs.items()}
         record = None if self._record is None else copied(self._record._asdict())
-        return {"motion": self.motion.get_state(), "steps": self._steps, "record": record, "hands": hands}
+        return {"motion": self.motion.get_state(), "steps": self._steps, "record": record, "hands": contact_inputs}
 
     def set_state(self, state: Tree) -> None:
         """Go back to what `get_state` gave."""
         self.motion.set_state(state["motion"])
         self._steps = state["steps"]
         self._record = None if state["record"] is None else Record(**copied(state["record"]))
-        self.hands.update({name: Hand(**hand) for name, hand in state["hands"].items()})
+        self.contact_inputs.update(
+            {name: ContactInput(**contact_input) for name, contact_input in state["hands"].items()}
+        )
 
 
 def _lines(scenario: Scenario) -> list[str]:

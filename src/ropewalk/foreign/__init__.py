@@ -1,1 +1,7 @@
-"""Models of somebody else's: the step protocol, how a line and a model take turns, and adapters."""
+"""The name of `ropewalk.external` up to version 0.1: scenario files that name adapters there keep working."""
+
+from warnings import warn
+
+from ropewalk.external import __path__ as __path__
+
+warn("ropewalk.foreign is called ropewalk.external now", DeprecationWarning, stacklevel=2)

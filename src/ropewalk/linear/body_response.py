@@ -75,7 +75,7 @@ class _Way:
         return x if self.forward else self.chord.length - x
 
 
-def ride_of(
+def response_of(
     setting: PreparedRun, scenario: Scenario, name: str, s: int, chord: Chord, times: Array, run_info: RunInfo
 ) -> BodyResponse:
     """The ride of load `name`, which is alone on line s.

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ropewalk.linear.body_response import BodyResponse, ride_of
+from ropewalk.linear.body_response import BodyResponse, response_of
 from ropewalk.linear.chord import Chord, chords
 from ropewalk.linear.field import Field
 from ropewalk.mechanics.chain import FRICTIONLESS, REFUSE, Array
@@ -32,16 +32,16 @@ def frames(setting: PreparedRun, scenario: Scenario, times: Array, run_info: Run
     fields = [Field(setting, scenario, s, chord) for s, chord in enumerate(lines)]
     _refuse_to_pass(setting, scenario, fields, times)
     bodies = {load.on: name for name, load in scenario.loads.items() if not isinstance(load, MovingForce)}
-    rides = [
-        ride_of(setting, scenario, bodies[name], s, chord, times, run_info) if name in bodies else None
+    responses = [
+        response_of(setting, scenario, bodies[name], s, chord, times, run_info) if name in bodies else None
         for s, (name, chord) in enumerate(zip(scenario.lines, lines, strict=True))
     ]
     nodes = [
-        ride.nodes if ride is not None else field.motion(field.places, times)
-        for field, ride in zip(fields, rides, strict=True)
+        response.nodes if response is not None else field.motion(field.places, times)
+        for field, response in zip(fields, responses, strict=True)
     ]
     for i, t in enumerate(times):
-        yield _frame(setting, fields, rides, nodes, i, float(t))
+        yield _frame(setting, fields, responses, nodes, i, float(t))
 
 
 def _refuse_to_pass(setting: PreparedRun, scenario: Scenario, fields: list[Field], times: Array) -> None:
@@ -63,7 +63,7 @@ def _refuse_to_pass(setting: PreparedRun, scenario: Scenario, fields: list[Field
 def _frame(
     setting: PreparedRun,
     fields: list[Field],
-    rides: list[BodyResponse | None],
+    responses: list[BodyResponse | None],
     nodes: list[tuple[Array, Array]],
     i: int,
     t: float,
@@ -74,12 +74,12 @@ def _frame(
     position, velocity, tension, strain, reaction = [], [], [], [], []
     energy = np.full(len(ENERGY_FORMS), np.nan)
     energy[:3] = 0.0
-    if any(ride is not None for ride in rides):
+    if any(response is not None for response in responses):
         energy[_OF_LOADS] = 0.0
         energy[_IN_IMPACTS] = 0.0
-    shown = setting.multibody_system.shown if setting.multibody_system is not None else ()
-    body_place, body_speed = np.full((len(shown), dim), np.nan), np.full((len(shown), dim), np.nan)
-    for field, ride, (w, rate) in zip(fields, rides, nodes, strict=True):
+    displayed = setting.multibody_system.displayed if setting.multibody_system is not None else ()
+    body_place, body_speed = np.full((len(displayed), dim), np.nan), np.full((len(displayed), dim), np.nan)
+    for field, response, (w, rate) in zip(fields, responses, nodes, strict=True):
         chord, s = field.chord, field.s
         r = field.point(field.places) + w[i]
         position.append(r)
@@ -99,24 +99,24 @@ def _frame(
         energy[1] += 0.5 * chord.bending_stiffness * step * float((bent**2).sum())
         energy[1] += 0.5 * chord.foundation * step * float((w[i] ** 2).sum())
         energy[2] -= float(lumped @ (r @ setting.strands.gravity))
-        if ride is not None:
-            energy[_OF_LOADS] += _energies(ride, chord, i)
-            energy[_IN_IMPACTS] += ride.loss[i]
-            for j, k in enumerate(ride.system.wheels):
-                if not ride.on[i, j]:
+        if response is not None:
+            energy[_OF_LOADS] += _energies(response, chord, i)
+            energy[_IN_IMPACTS] += response.loss[i]
+            for j, k in enumerate(response.system.wheels):
+                if not response.on[i, j]:
                     continue
-                x = ride.place[i, j]
-                place[k] = field.point(np.array([x]))[0] + ride.wheel[i, j] * chord.across[0]
+                x = response.place[i, j]
+                place[k] = field.point(np.array([x]))[0] + response.wheel[i, j] * chord.across[0]
                 hold[k] = 0.0
                 if loads.contact[k] == FRICTIONLESS:
-                    hold[k] = -ride.force[i, j] * ride.slope[i, j] * chord.along
-                force[k] = ride.force[i, j] * chord.across[0] + hold[k]
+                    hold[k] = -response.force[i, j] * response.slope[i, j] * chord.along
+                force[k] = response.force[i, j] * chord.across[0] + hold[k]
                 xi[k], speed[k], both[k] = x * chord.material / chord.length, speed_at(loads, int(k), t), chord.tension
-                seen.state[k] = IN_AIR if ride.in_air[i, j] else MOVES
-            seen.in_air[ride.system.wheels] = ride.time_in_air[i]
-            for b, body in enumerate(shown):
-                if body.wheel in ride.system.wheels:
-                    body_place[b], body_speed[b] = _body(ride, chord, body, i)
+                seen.state[k] = IN_AIR if response.in_air[i, j] else MOVES
+            seen.in_air[response.system.wheels] = response.time_in_air[i]
+            for b, body in enumerate(displayed):
+                if body.wheel in response.system.wheels:
+                    body_place[b], body_speed[b] = _body(response, chord, body, i)
             continue
         for k in setting.on[s]:
             found = field.contact(int(k), t)
@@ -135,7 +135,7 @@ def _frame(
         velocity=np.concatenate(velocity),
         tension=np.concatenate(tension),
         strain=np.concatenate(strain),
-        **seen.told(),
+        **seen.fields(),
         body_position=body_place,
         body_velocity=body_speed,
         reaction=np.array(reaction),
@@ -143,20 +143,20 @@ def _frame(
     )
 
 
-def _energies(ride: BodyResponse, chord: Chord, i: int) -> Array:
+def _energies(response: BodyResponse, chord: Chord, i: int) -> Array:
     """Kinetic and potential energy of the load, J."""
-    moved = np.concatenate([ride.body[i], ride.wheel[i]])
-    rates = np.concatenate([ride.body_velocity[i], ride.wheel_velocity[i]])
-    return np.array(ride.system.energies(moved, rates, ride.velocity, float(chord.start[-1])))
+    moved = np.concatenate([response.body[i], response.wheel[i]])
+    rates = np.concatenate([response.body_velocity[i], response.wheel_velocity[i]])
+    return np.array(response.system.energies(moved, rates, response.velocity, float(chord.start[-1])))
 
 
-def _body(ride: BodyResponse, chord: Chord, body: Body, i: int) -> tuple[Array, Array]:
+def _body(response: BodyResponse, chord: Chord, body: Body, i: int) -> tuple[Array, Array]:
     """Place and velocity of a body. Heights count from the chord: in this theory loads do not feel the sag."""
-    j = ride.system.wheels.tolist().index(body.wheel)
-    place = chord.start + (ride.place[i, j] + body.ahead) * chord.along
-    speed = ride.velocity * chord.along
+    j = response.system.wheels.tolist().index(body.wheel)
+    place = chord.start + (response.place[i, j] + body.ahead) * chord.along
+    speed = response.velocity * chord.along
     if body.coordinates[-1] >= 0:
-        c = ride.system.coordinates.index(body.coordinates[-1])
-        place[-1] += ride.system.rest[c] - ride.body[i, c]
-        speed[-1] -= ride.body_velocity[i, c]
+        c = response.system.coordinates.index(body.coordinates[-1])
+        place[-1] += response.system.rest[c] - response.body[i, c]
+        speed[-1] -= response.body_velocity[i, c]
     return place, speed

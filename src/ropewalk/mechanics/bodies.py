@@ -26,7 +26,7 @@ GIVEN, EVEN, ALONG_X, FREE = 0, 1, 2, 3
 # `phase`: off the line for good; not yet on it, on firm ground before its start; on it close to a support, which bears
 # it; in a link, which it divides in two; in the place of a node, whose particle it carries along; in the air; riding as
 # a force does.
-AWAY, WAITING, PARKED, INSIDE, LOCATED, FLYING, RIDING = 0, 1, 2, 3, 4, 5, 6
+AWAY, WAITING, PARKED, INSIDE, LOCATED, FLYING, MOVING_WITH = 0, 1, 2, 3, 4, 5, 6
 
 PULLS, PUSHES, BOTH = 1, -1, 0  # `way` of a tether
 SWINGS, STANDS = 1, 2  # `watch` of a leg: until its foot comes down to the line, until it no longer pushes
@@ -162,7 +162,7 @@ def are_weightless(bodies: Bodies) -> bool:
 def without_vehicles(wheels: int) -> Bodies:
     """Wheels that ride as forces do, to be filled in; nothing stands above them."""
     empty = records(wheels, WHEEL)
-    empty["phase"], empty["brake_start"], empty["brake_end"] = RIDING, -np.inf, np.inf
+    empty["phase"], empty["brake_start"], empty["brake_end"] = MOVING_WITH, -np.inf, np.inf
     empty["drive_first"], empty["drive_count"] = np.arange(wheels), 1
     places, block = np.zeros((0, 1), dtype=np.int64), np.zeros((0, 1, 1))
     return Bodies(

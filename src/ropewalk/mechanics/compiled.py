@@ -54,7 +54,9 @@ class Compiling(events.Listener):
     def __init__(self) -> None:
         self.seconds = 0.0  # so far in this process
         self.kernels = 0  # begun so far, Numba's own included
-        self.told: Callable[[float, str], None] | None = None  # called with the part that is done, and what is begun
+        self.progress: Callable[[float, str], None] | None = (
+            None  # called with the part that is done, and what is begun
+        )
         self._depth, self._since, self._garbage = 0, 0.0, gc.get_threshold()
         self._ahead, self._begun = set[str](), set[str]()  # kernels that the outermost may call, and those begun
 
@@ -84,8 +86,8 @@ class Compiling(events.Listener):
             self._tell("")
 
     def _tell(self, what: str) -> None:
-        if self.told is not None and self._ahead:
-            self.told(len(self._begun) / len(self._ahead), what)
+        if self.progress is not None and self._ahead:
+            self.progress(len(self._begun) / len(self._ahead), what)
 
 
 compiling = Compiling()

@@ -15,7 +15,7 @@ from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import ForceTable
 from ropewalk.model.line import Line
-from ropewalk.model.load import AnyLoad, Foreign, MovingForce
+from ropewalk.model.load import AnyLoad, ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
@@ -128,7 +128,7 @@ def _wheels(name: str, load: AnyLoad, gravity: float, line: Line | None) -> Iter
             )  # fmt: skip
 
 
-def contacts_of(name: str, load: Foreign) -> int:
+def contacts_of(name: str, load: ExternalModel) -> int:
     """How many contacts a foreign load may have: of a stepper its attribute `contacts`, an option of that name, or 1.
 
     Raises:

@@ -45,7 +45,7 @@ def upward(dx, dy, dz, x, y, z):
 
 
 @lean
-def pull_one(p, c, rest, rate, r, i):
+def link_force(p, c, rest, rate, r, i):
     """Tension over length of the single link i of unstrained length `rest`, whose strain changes at `rate`."""
     length = stretch(r, i)
     return (law.tension(p, length / rest - 1.0) + c * rate) / length
@@ -65,13 +65,13 @@ def pull(p, c, h, i0, i1, r, w, q):
         Sum of eps_t^2 over the links (0 without damping).
     """
     if p[0] != CUBIC:
-        return _pull_each(p, c, h, i0, i1, r, w, q)
+        return _each_link_force(p, c, h, i0, i1, r, w, q)
     _invert(i0, i1, r, q)
-    return _pull_known(p, c, h, i0, i1, r, w, q, q)
+    return _known_link_forces(p, c, h, i0, i1, r, w, q, q)
 
 
 @lean
-def pull_vectors(i0, i1, r, q, f):
+def link_force_vectors(i0, i1, r, q, f):
     """Force vectors f (axis, link) of the links i0 ... i1 - 1 from their tension over length q."""
     for a in range(r.shape[0]):
         x, fx, qa = r[a, i0 : i1 + 1], f[a, i0:i1], q[i0:i1]
@@ -134,7 +134,7 @@ def _is_hooke(p):
 
 
 @lean
-def _pull_hooke(stiffness, h, i0, i1, r, per_length, f):
+def _hooke_link_forces(stiffness, h, i0, i1, r, per_length, f):
     """Force vectors of undamped links that obey Hooke's law: EA (1/h - 1/length) times the link."""
     slack = stiffness / h
     for a in range(r.shape[0]):
@@ -144,7 +144,7 @@ def _pull_hooke(stiffness, h, i0, i1, r, per_length, f):
 
 
 @lean
-def _pull_undamped(p, h, i0, i1, r, per_length, q, space):
+def _undamped_link_forces(p, h, i0, i1, r, per_length, q, space):
     """Tension over length of undamped links whose 1 / length is known."""
     known, out = per_length[i0:i1], q[i0:i1]
     inverse = 1.0 / h
@@ -167,7 +167,7 @@ def _pull_undamped(p, h, i0, i1, r, per_length, q, space):
 
 
 @summing
-def _pull_damped(p, c, h, i0, i1, r, w, per_length, q, space):
+def _damped_link_forces(p, c, h, i0, i1, r, w, per_length, q, space):
     """The same with the Kelvin-Voigt force c eps_t; returns the sum of eps_t^2 over the links."""
     x, z, u, v = r[0, i0 : i1 + 1], r[-1, i0 : i1 + 1], w[0, i0 : i1 + 1], w[-1, i0 : i1 + 1]
     known, out = per_length[i0:i1], q[i0:i1]
@@ -191,33 +191,33 @@ def _pull_damped(p, c, h, i0, i1, r, w, per_length, q, space):
 
 
 @lean
-def _pull_known(p, c, h, i0, i1, r, w, per_length, q):
+def _known_link_forces(p, c, h, i0, i1, r, w, per_length, q):
     """Tension over length of links whose 1 / length is known (it may stand in q); returns the sum of eps_t^2."""
     if r.shape[0] == 2:
         if c > 0.0:
-            return _pull_damped(p, c, h, i0, i1, r, w, per_length, q, None)
-        _pull_undamped(p, h, i0, i1, r, per_length, q, None)
+            return _damped_link_forces(p, c, h, i0, i1, r, w, per_length, q, None)
+        _undamped_link_forces(p, h, i0, i1, r, per_length, q, None)
     else:
         if c > 0.0:
-            return _pull_damped(p, c, h, i0, i1, r, w, per_length, q, True)
-        _pull_undamped(p, h, i0, i1, r, per_length, q, True)
+            return _damped_link_forces(p, c, h, i0, i1, r, w, per_length, q, True)
+        _undamped_link_forces(p, h, i0, i1, r, per_length, q, True)
     return 0.0
 
 
 @lean
-def _pull_each(p, c, h, i0, i1, r, w, q):
+def _each_link_force(p, c, h, i0, i1, r, w, q):
     """Tension over length link by link, for laws that are no cubic; returns the sum of eps_t^2."""
     total = 0.0
     for i in range(i0, i1):
         rate = stretch_rate(r, w, i) / h if c > 0.0 else 0.0
         total += rate * rate
-        q[i] = pull_one(p, c, h, rate, r, i)
+        q[i] = link_force(p, c, h, rate, r, i)
     return total
 
 
 @lean
-def pull_again(p, c, h, i0, i1, r, w, per_length, q, f):
-    """Force vectors f (axis, link), the same as `pull` and `pull_vectors`, in a loop over time: lengths change little.
+def add_link_forces_again(p, c, h, i0, i1, r, w, per_length, q, f):
+    """Force vectors f (axis, link), as of `pull` and `link_force_vectors`, in a loop over time: lengths change little.
 
     A square root and a division cost more than all the rest of a link. The inverse length of the last call, improved
     by a series, saves both; where a link has changed by more than 1 %, the series is applied again.
@@ -231,22 +231,22 @@ def pull_again(p, c, h, i0, i1, r, w, per_length, q, f):
     """
     total = 0.0
     if p[0] != CUBIC:
-        total = _pull_each(p, c, h, i0, i1, r, w, q)
+        total = _each_link_force(p, c, h, i0, i1, r, w, q)
     else:
         _find_inverse(i0, i1, r, per_length)
         if c == 0.0 and _is_hooke(p):
-            _pull_hooke(p[2], h, i0, i1, r, per_length, f)
+            _hooke_link_forces(p[2], h, i0, i1, r, per_length, f)
             return 0.0
-        total = _pull_known(p, c, h, i0, i1, r, w, per_length, q)
-    pull_vectors(i0, i1, r, q, f)
+        total = _known_link_forces(p, c, h, i0, i1, r, w, per_length, q)
+    link_force_vectors(i0, i1, r, q, f)
     return total
 
 
 @lean
-def pull_one_again(p, rest, r, per_length, i):
-    """The same as `pull_one` for an undamped link after `pull_again`, which has left its inverse length."""
+def link_force_again(p, rest, r, per_length, i):
+    """`link_force` of an undamped link after `add_link_forces_again`, which has left its inverse length."""
     if p[0] != CUBIC:
-        return pull_one(p, 0.0, rest, 0.0, r, i)
+        return link_force(p, 0.0, rest, 0.0, r, i)
     square = 0.0
     for a in range(r.shape[0]):
         d = r[a, i + 1] - r[a, i]

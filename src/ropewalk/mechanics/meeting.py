@@ -13,7 +13,7 @@ from ropewalk.mechanics.compiled import lean
 MET, LEAST_MET, LEAST_MET_SLIDING = 0.25, 0.03, 0.1
 # A contact without a place of its own meets a heavy wheel within these parts of a link: if it rides with a node, which
 # must not come closer; if it is shared by two nodes, which the wheel must not take.
-MET_RIDING, MET_SHARED = 0.25, 1.0
+MET_MOVING_WITH, MET_SHARED = 0.25, 1.0
 
 
 @lean
@@ -31,7 +31,7 @@ def have_met(strands, loads, state, bodies):
             if xi - state.xi[j] < h * min(max(MET * node / mass, least), MET):
                 return True
         for j in range(state.xi.size):
-            least = MET_SHARED if state.moving_load[j] == SHARED else MET_RIDING
+            least = MET_SHARED if state.moving_load[j] == SHARED else MET_MOVING_WITH
             if state.moving_load[j] > OFF and loads.strand[j] == s and abs(state.xi[j] - xi) < h * least:
                 return True
     return False

@@ -32,7 +32,7 @@ from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.link import stretch
 
 # A node is claimed only where this part of a link is left on both sides.
-ROOM = 0.45
+CAPACITY = 0.45
 # A load rides where the tension is above this multiple of what its speed needs (a Mach number of 0.88).
 SUBSONIC = 1.29
 # The last node rides on until its load is this part of a link away from the support. Beside one that is held, that
@@ -276,7 +276,7 @@ def _is_free(strands, state, s, j, xi):
     for k in range(state.moving_load.size):
         if state.moving_load[k] == j:
             return False
-    return state.X[j + 1] - xi >= ROOM * h and xi - state.X[j - 1] >= ROOM * h
+    return state.X[j + 1] - xi >= CAPACITY * h and xi - state.X[j - 1] >= CAPACITY * h
 
 
 @lean_inner

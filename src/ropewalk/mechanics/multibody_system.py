@@ -29,7 +29,7 @@ from ropewalk.mechanics.compiled import records
 from ropewalk.mechanics.contact_points import ContactPoint
 from ropewalk.mechanics.footfall import outwards
 from ropewalk.mechanics.proximity import shares_links
-from ropewalk.model.load import AnyLoad, Foreign, MovingForce
+from ropewalk.model.load import AnyLoad, ExternalModel, MovingForce
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.scenario import Scenario
@@ -40,7 +40,7 @@ from ropewalk.model.walker import Walker
 # A wheel has its own place on the chain from this part of the mass of a link on.
 HEAVY = 1.0
 # Part of a link, within which a support bears a wheel: below, the piece between them would need smaller steps.
-LEAST_ROOM, MOST_ROOM, ROOM_PER_MASS = 0.005, 0.25, 0.5
+LEAST_CAPACITY, MOST_CAPACITY, CAPACITY_PER_MASS = 0.005, 0.25, 0.5
 # Distance from a support at which the line ends for a mass, as a part of a link.
 MARGIN = 0.25
 # Light wheels that come closer than this many links would share a node, which carries the mass of one only: they get
@@ -68,7 +68,7 @@ class MultibodySystem:
     """All that has a mass, at the beginning."""
 
     bodies: Bodies
-    shown: tuple[Body, ...]
+    displayed: tuple[Body, ...]
     interface_coordinates: Mapping[
         str, tuple[int, ...]
     ]  # of foreign loads: coordinates that stand for their contacts, in order
@@ -119,7 +119,7 @@ def multibody_system_of(
     dim = len(axes)
     bodies = without_vehicles(len(wheels))
     vehicles: list[_Vehicle] = []
-    shown: list[Body] = []
+    displayed: list[Body] = []
     interface_coordinates: dict[str, tuple[int, ...]] = {}
     for name, load in scenario.loads.items():
         if isinstance(load, MovingForce):
@@ -129,17 +129,17 @@ def multibody_system_of(
         vehicle, own = _vehicle(name, load, on, dim, first, scenario.gravity, axes)
         if isinstance(load, Walker) and load.balance is not None and vehicle is not None:
             vehicle = _balancing(vehicle, on, outwards(scenario.lines[load.on], load.towards, "left"))
-        shown += own
+        displayed += own
         if vehicle is not None:
             vehicles.append(vehicle)
-            if isinstance(load, Foreign):
+            if isinstance(load, ExternalModel):
                 interface_coordinates[name] = tuple(range(first, first + vehicle.coordinates))
     _fill_wheels(bodies, wheels, dim)
     close = _crowd(scenario, wheels, strands, until) if strands is not None else set[int]()
     if strands is not None:
         _fit_to_mesh(bodies, wheels, strands, list(scenario.lines), vehicles, close)
     bodies = _with_drives(bodies, wheels, until)
-    return MultibodySystem(_with_vehicles(bodies, vehicles), tuple(shown), interface_coordinates)
+    return MultibodySystem(_with_vehicles(bodies, vehicles), tuple(displayed), interface_coordinates)
 
 
 def hung(payload: Payload, stiffness: float, gravity: float, axes: tuple[str, ...]) -> Array:
@@ -206,7 +206,7 @@ def _fit_to_mesh(
             or k in close
         )
         if record["heavy"]:
-            record["clearance"] = h * np.clip(ROOM_PER_MASS * m / mass, LEAST_ROOM, MOST_ROOM)
+            record["clearance"] = h * np.clip(CAPACITY_PER_MASS * m / mass, LEAST_CAPACITY, MOST_CAPACITY)
         else:
             record["travel"] = GIVEN
         record["margin"] = wheel.margin if wheel.margin is not None else (MARGIN * h if record["heavy"] else 0.0)
@@ -284,8 +284,8 @@ def _vehicle(
     numbers = tuple(range(first, first + dim))
     if isinstance(load, Oscillator):
         soft = load.contact_stiffness is not None
-        shown = Body(name, on[0], 0.0, (-1,) * (dim - 1) + (first,) if soft else numbers, load.mass)
-        return _oscillator(load, on[0], dim, first, gravity, axes), [shown]
+        displayed = Body(name, on[0], 0.0, (-1,) * (dim - 1) + (first,) if soft else numbers, load.mass)
+        return _oscillator(load, on[0], dim, first, gravity, axes), [displayed]
     if isinstance(load, Trolley):
         payload = load.payload
         stiffness = payload.stiffness or payload.mass * gravity / STRETCH
@@ -310,12 +310,12 @@ def _vehicle(
         return _sprung(name, load, on, dim, first, gravity)
     if isinstance(load, Matrices):
         return _given(name, load, on, dim, first, gravity)
-    if isinstance(load, Foreign):
+    if isinstance(load, ExternalModel):
         return _interface(load, on, dim), []
     return None, []
 
 
-def _interface(load: Foreign, on: list[int], dim: int) -> _Vehicle | None:
+def _interface(load: ExternalModel, on: list[int], dim: int) -> _Vehicle | None:
     """Springs and dampers between the contacts of a foreign load and heights that its owner alone moves."""
     if not (load.exchange.stiffness or load.exchange.damping):
         return None
@@ -402,7 +402,7 @@ def _sprung(
     if not coordinates:
         return None, []
     vehicle = _Vehicle.of(coordinates, locations)
-    shown = []
+    displayed = []
     for part, body in load.bodies.items():
         i = index[part, "height"]
         vehicle.M[i, i] = body.mass
@@ -412,7 +412,7 @@ def _sprung(
             vehicle.M[j, j] = body.inertia
         nearest = min(range(len(on)), key=lambda n: abs(list(load.wheels.values())[n].at - body.at))
         ahead = body.at - list(load.wheels.values())[nearest].at
-        shown.append(Body(f"{name}.{part}", on[nearest], ahead, (-1,) * (dim - 1) + (first + i,), body.mass))
+        displayed.append(Body(f"{name}.{part}", on[nearest], ahead, (-1,) * (dim - 1) + (first + i,), body.mass))
     for k, (part, wheel) in zip(on, load.wheels.items(), strict=True):
         if wheel.contact_stiffness is not None:
             i = index[part, "height"]
@@ -428,7 +428,7 @@ def _sprung(
             if (part, "pitch") in index:
                 row[index[part, "pitch"]] += sign * (at - load.bodies[part].at)
         vehicle.join(row, spring.stiffness, spring.damping)
-    return vehicle, shown
+    return vehicle, displayed
 
 
 def _given(
@@ -454,9 +454,9 @@ def _given(
     for i in range(len(own), order.size):
         vehicle.load[i] += vehicle.M[i, i] * gravity
         vehicle.M[i, i] = 0.0
-    shown = [
+    displayed = [
         Body(f"{name}.{load.coordinates[i]}", on[0], 0.0, (-1,) * (dim - 1) + (first + j,), float(M[i, i]))
         for j, i in enumerate(own)
     ]
     is_more = any(part.any() for part in (vehicle.M, vehicle.C, vehicle.K, vehicle.load))  # than masses on wheels
-    return (vehicle if own or is_more else None), shown
+    return (vehicle if own or is_more else None), displayed

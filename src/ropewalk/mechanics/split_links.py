@@ -53,7 +53,7 @@ def _slot(bodies, node, p):
 
 
 @lean_inner
-def _pull_link(strands, state, buffers, bodies, s, i, p):
+def _add_link_force(strands, state, buffers, bodies, s, i, p):
     """Force vectors of the pieces of link i; the first wheel inside it, if there is one, is number p along the lines.
 
     Returns:
@@ -93,7 +93,7 @@ def _pull_link(strands, state, buffers, bodies, s, i, p):
 
 
 @lean_inner
-def pull_divided(strands, loads, state, buffers, bodies, kick):
+def add_split_link_forces(strands, loads, state, buffers, bodies, kick):
     """Force vectors of all pieces of line beside heavy wheels: into `buffers.f` and `bodies.behind`, `bodies.forth`.
 
     For a divided link `buffers.f` holds the pull of its first piece on the node before it.
@@ -108,12 +108,12 @@ def pull_divided(strands, loads, state, buffers, bodies, kick):
         more = 0.0
         if bodies.wheels[k].phase == INSIDE:
             if i > done:
-                more = _pull_link(strands, state, buffers, bodies, s, i, p)
+                more = _add_link_force(strands, state, buffers, bodies, s, i, p)
                 done = i
         else:
             if i - 1 > done:
-                more = _pull_link(strands, state, buffers, bodies, s, i - 1, p)
-            more += _pull_link(strands, state, buffers, bodies, s, i, p + 1)
+                more = _add_link_force(strands, state, buffers, bodies, s, i - 1, p)
+            more += _add_link_force(strands, state, buffers, bodies, s, i, p + 1)
             done = i
         lost += kick * strands.damping[s] * strands.h[s] * more
     for p in range(bodies.ordered[0]):

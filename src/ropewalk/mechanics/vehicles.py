@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.bodies import AWAY, BOTH, INSIDE, LOCATED, PARKED, PULLS, PUSHES, RIDING, WAITING
+from ropewalk.mechanics.bodies import AWAY, BOTH, INSIDE, LOCATED, MOVING_WITH, PARKED, PULLS, PUSHES, WAITING
 from ropewalk.mechanics.chain import HOLD_WORK, LOAD_DAMPING, OFF, SHARED
 from ropewalk.mechanics.compiled import lean_inner
 from ropewalk.mechanics.moving_contact import force_at, location_of
@@ -151,7 +151,7 @@ def _tethers(state, bodies, kick):
             force = bodies.buffers[e].stiffness * deep * side
             bodies.coordinates[d].pushed += force
             bodies.wheels[k].push[z] -= kick * force
-        elif bodies.wheels[k].phase == RIDING and state.moving_load[k] != OFF:
+        elif bodies.wheels[k].phase == MOVING_WITH and state.moving_load[k] != OFF:
             bodies.wheels[k].in_air += kick
 
 
@@ -245,7 +245,7 @@ def _kick_vehicle(state, bodies, v, kick, lead):
 
 
 @lean_inner
-def _resist_air(bodies, state, kick):
+def _add_drag_air(bodies, state, kick):
     """Air drag on the particles of vehicles: exact for a kick in which nothing else acts."""
     dim = state.r.shape[0]
     for d in range(bodies.coordinates.size):
@@ -282,4 +282,4 @@ def kick_vehicles(strands, loads, state, buffers, bodies, kick, lead):
         if is_fast(bodies, k):  # it keeps its velocity, whatever pushes it
             for a in range(state.r.shape[0]):
                 state.work[HOLD_WORK] -= bodies.wheels[k].push[a] * bodies.wheels[k].before[a]
-    _resist_air(bodies, state, kick)
+    _add_drag_air(bodies, state, kick)

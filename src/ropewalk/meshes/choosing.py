@@ -117,8 +117,8 @@ def _tell(meshes: Sequence[MeshRun], scenario: Scenario, run_info: RunInfo, want
     everywhere, contacts = estimates(meshes)
     run_info.mesh |= {"mesh_error": everywhere.error, "mesh_order": everywhere.order}
     if contacts is not None:
-        told = {"error": contacts.error, "order": contacts.order, "alike": contacts.alike}
-        run_info.mesh |= {f"mesh_{name}_of_contacts": value for name, value in told.items()}
+        estimate = {"error": contacts.error, "order": contacts.order, "alike": contacts.alike}
+        run_info.mesh |= {f"mesh_{name}_of_contacts": value for name, value in estimate.items()}
     key = next((f"lines.{name}.elements" for name in scenario.lines), "nets")
     if everywhere.doubt:
         cause = "chaos (slack lines, compression without damping), or meshes that are too coarse for what happens"
@@ -132,7 +132,7 @@ def _tell(meshes: Sequence[MeshRun], scenario: Scenario, run_info: RunInfo, want
 def _words(scenario: Scenario, wanted: float | None) -> str:
     """On which meshes it was computed, and why."""
     links = {name: line.elements for name, line in scenario.lines.items()}
-    shown = ", ".join(f"{n} for {name}" for name, n in links.items())
+    displayed = ", ".join(f"{n} for {name}" for name, n in links.items())
     if wanted is not None:
-        return f"elements: {shown}, chosen for an accuracy of {wanted:g} m from coarser and coarser meshes"
+        return f"elements: {displayed}, chosen for an accuracy of {wanted:g} m from coarser and coarser meshes"
     return f"compared with {1 / PARTS:g} and {RATIO / PARTS:g} of the elements"

@@ -101,8 +101,8 @@ def _other_kind(value: Mapping[Any, Any], kinds: Mapping[str, type[Declaration]]
         fields = model.model_fields.items()
         return set(value) - {key for name, field in fields for key in (name, field.alias)}
 
-    foreign = unknown(kinds[default])
-    return next((kind for kind, model in kinds.items() if foreign and not foreign & unknown(model)), "")
+    external = unknown(kinds[default])
+    return next((kind for kind, model in kinds.items() if external and not external & unknown(model)), "")
 
 
 def declarations_in(annotation: Any) -> list[type[Declaration]]:

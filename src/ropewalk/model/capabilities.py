@@ -68,7 +68,7 @@ class Capabilities:
                 refused.append(key.removesuffix(inner[-1]) + _DECIDES[inner[-1]])
             known = type(owner).model_fields[inner[-1]]
             remedy = self.instead.get(key) or (f"write {_or(values)}" if isinstance(value, str) else "leave it out")
-            yield missing((*path, *inner), self.what, _shown(value, unit_of(known)), remedy)
+            yield missing((*path, *inner), self.what, _displayed(value, unit_of(known)), remedy)
 
 
 def missing(path: Path, what: str, given: str = "", remedy: str = "", *, feature: str = "") -> Finding:
@@ -79,7 +79,12 @@ def missing(path: Path, what: str, given: str = "", remedy: str = "", *, feature
 def supported_by_tension(parts: Parts) -> Iterator[Finding]:
     """Find stiff lines on inner supports whose length is still to be found: where their nodes are is not known."""
     for name, line in parts.lines.items():
-        if line is not None and line.supports and line.length is None and (line.is_stiff or parts.is_stiff):
+        if (
+            line is not None
+            and line.supports
+            and line.length is None
+            and (line.has_bending_stiffness or parts.has_bending_stiffness)
+        ):
             feature, remedy = "a tension instead of the length", "give length (unstrained, in m)"
             what = "lines with bending stiffness or foundation on inner supports"
             yield missing(("lines", name, "tension"), what, f"{line.tension:g} N", remedy, feature=feature)
@@ -96,7 +101,7 @@ def _or(values: tuple[Any, ...]) -> str:
     return f"{', '.join(first)} or {last}" if first else last
 
 
-def _shown(value: Any, unit: str) -> str:
+def _displayed(value: Any, unit: str) -> str:
     if isinstance(value, str | bool):
         return str(value) if isinstance(value, str) else str(value).lower()
     return f"{value:g}" if unit in ("", "dimensionless") else f"{value:g} {unit}"

@@ -117,10 +117,10 @@ def _on_net(name: str, load: AnyLoad, parts: Parts) -> Iterator[Finding]:
         yield Finding(("loads", name, *where), wrong, f"{begin:g} m", remedy)
         return
     travel = getattr(load, "travel", None)
-    room = getattr(travel, "margin", None) or 0.0
-    if room and room >= 0.5 * length:
+    clearance = getattr(travel, "margin", None) or 0.0
+    if clearance and clearance >= 0.5 * length:
         wrong, remedy = "leaves no room on the path", f"stay below {0.5 * length:g} m, half the length of the path"
-        yield Finding(("loads", name, "travel", "margin"), wrong, f"{room:g} m", remedy)
+        yield Finding(("loads", name, "travel", "margin"), wrong, f"{clearance:g} m", remedy)
     elif length == 0.0 and not (isinstance(travel, Travel) and travel.speed == 0.0 and len(load.starts()) == 1):
         yield Finding(key, "the path has no length", remedy="give two or more different places")
     elif isinstance(travel, Travel) and isinstance(load, Travelling) and isinstance(parts.run, Dynamic):

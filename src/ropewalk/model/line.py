@@ -150,7 +150,7 @@ class Line(Declaration):
         return bool(self.sheaves) or any(isinstance(support, Joined) for _, support in self.ends())
 
     @property
-    def is_stiff(self) -> bool:
+    def has_bending_stiffness(self) -> bool:
         """Whether it has bending stiffness or lies on a bed."""
         return bool(self.bending_stiffness or self.foundation)
 

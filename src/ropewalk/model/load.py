@@ -82,9 +82,9 @@ class MovingForce(Declaration):
 
 Travelling = MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices
 """The loads that have a travel; the others have a gait or a will of their own."""
-Foreign = Stepper | Fmu
+ExternalModel = Stepper | Fmu
 """The loads that are models of somebody else's."""
-AnyLoad = Travelling | Footsteps | Walker | Foreign | Pantograph
+AnyLoad = Travelling | Footsteps | Walker | ExternalModel | Pantograph
 Load = Annotated[
     MovingForce
     | MovingMass

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ropewalk.model._base import Finding
-from ropewalk.model.load import Foreign
+from ropewalk.model.load import ExternalModel
 from ropewalk.model.net import Net
 from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import AUTO, Auto
@@ -71,7 +71,7 @@ def _alone(parts: Parts) -> Iterator[Finding]:
     """What cannot be computed on several meshes."""
     run, what = parts.run, "is not computed on several meshes"
     for name, load in parts.loads.items():
-        if isinstance(load, Foreign):
+        if isinstance(load, ExternalModel):
             remedy = "write elements as a number, and leave mesh_error out"
             yield Finding(("loads", name, "kind"), f"a model of somebody else's {what}", load.kind, remedy)
     if isinstance(run, Dynamic) and run.start.kind == "result":
@@ -86,7 +86,9 @@ def _divided(parts: Parts) -> Iterator[Finding]:
     """Numbers of elements that have no half and no quarter."""
     for name, line in parts.lines.items():
         if line is not None:
-            yield from _one(("lines", name, "elements"), line.elements, OF_BEAMS if line.is_stiff else FEWEST)
+            yield from _one(
+                ("lines", name, "elements"), line.elements, OF_BEAMS if line.has_bending_stiffness else FEWEST
+            )
     for name, net in parts.nets.items():
         if net is None:
             continue

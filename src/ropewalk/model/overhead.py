@@ -402,21 +402,21 @@ class OverheadLine(Declaration):
             given = f"{len(at)} lists for {len(lengths)} spans"
             yield Finding(("droppers", "at"), "does not go with the spans", given, remedy)
             return
-        told = set()  # one list for all spans is wrong once
+        listed = set()  # one list for all spans is wrong once
         for span, (places, length) in enumerate(zip(self._each(at), lengths, strict=True)):
             for i, x in enumerate(places):
                 path = ("droppers", "at", span, i) if isinstance(at[0], tuple) else ("droppers", "at", i)
-                if path in told:
+                if path in listed:
                     continue
                 given = f"{x:g} m in span {span + 1} of {length:g} m"
                 if not 0.0 < x < length:
-                    told.add(path)
+                    listed.add(path)
                     remedy = f"write places between 0 m and {length:g} m, from the start of the span"
                     if not isinstance(at[0], tuple) and len(set(lengths)) > 1:
                         remedy += "; spans of different lengths take a list of lists, one for each, or per_span"
                     yield Finding(path, "the dropper stands outside its span", given, remedy)
                 elif i and x - places[i - 1] < self.element:
-                    told.add(path)
+                    listed.add(path)
                     before = f"{places[i - 1]:g} m"
                     wrong = f"must be at least an element ({self.element:g} m) beyond the dropper before it"
                     remedy = f"the dropper before it is at {before}: sort the places, leave one out, or lower element"

@@ -40,7 +40,7 @@ class Parts:
         """Whether lines are joined, run over sheaves or, if none bends, have inner supports; nets; air that pushes."""
         lines = [line for line in self.lines.values() if line is not None]
         joined = any(line.is_joined for line in lines)
-        return bool(self.nets) or self.is_airy or joined or (self.is_supported and not self.is_stiff)
+        return bool(self.nets) or self.is_airy or joined or (self.is_supported and not self.has_bending_stiffness)
 
     @property
     def is_supported(self) -> bool:
@@ -53,9 +53,11 @@ class Parts:
         return self.wind is not None and any(line is not None and line.wind_drag for line in self.lines.values())
 
     @property
-    def is_stiff(self) -> bool:
+    def has_bending_stiffness(self) -> bool:
         """Whether lines have bending stiffness or a bed, or there are overhead lines."""
-        return bool(self.overhead) or any(line is not None and line.is_stiff for line in self.lines.values())
+        return bool(self.overhead) or any(
+            line is not None and line.has_bending_stiffness for line in self.lines.values()
+        )
 
     @property
     def runs_over_sheaves(self) -> bool:

@@ -27,7 +27,7 @@ def reach(line: Line | OverheadLine, measured: Measure) -> float | None:
     if isinstance(line, OverheadLine):
         return line.length
     if measured == "material":
-        return line.distance if line.length is None and line.is_stiff else line.length
+        return line.distance if line.length is None and line.has_bending_stiffness else line.length
     if measured == "horizontal":  # under gravity alone x never turns back between the ends
         return abs(line.end[0] - line.start[0])
     return None
@@ -63,11 +63,11 @@ def travels(parts: Parts) -> Iterator[Finding]:
             wrong = f"{on} has no horizontal extent"
             yield Finding(("loads", name, "travel", "measured"), wrong, "horizontal", remedy)
             continue
-        room = margin(load, line)
+        clearance = margin(load, line)
         half = 0.5 * (line.length or line.distance)
-        if room >= half:
+        if clearance >= half:
             remedy = f"stay below {half:g} m, half the length of the line"
-            yield Finding(("loads", name, "travel", "margin"), f"leaves no room on {on}", f"{room:g} m", remedy)
+            yield Finding(("loads", name, "travel", "margin"), f"leaves no room on {on}", f"{clearance:g} m", remedy)
             continue
         wrong_start = _off_the_line(load, on, line, parts.gravity)
         if wrong_start is not None:
@@ -172,14 +172,14 @@ def _passing(name: str, load: AnyLoad, on: str, line: Line | OverheadLine, until
     if travel is None or callable(travel.speed) or travel.at_end != "refuse":
         return
     limit = reach(line, travel.measured)
-    room = margin(load, line) if travel.measured == "material" else 0.0  # elsewhere its size is not known
+    clearance = margin(load, line) if travel.measured == "material" else 0.0  # elsewhere its size is not known
     slack = 1e-9 * (limit or 1.0)
     ends: list[tuple[str, float | None]] = []
     for place in load.starts():
         way = course(travel.speed, place.start, until)
-        ends.append(("start", first_at_most(way, min(room, place.start) - slack)))
+        ends.append(("start", first_at_most(way, min(clearance, place.start) - slack)))
         if limit is not None:
-            last = max(limit - room, place.start) if room else limit
+            last = max(limit - clearance, place.start) if clearance else limit
             ends.append(("end", first_at_most([p.mirrored() for p in way], -last - slack)))
     times = [(time, end) for end, time in ends if time is not None]
     if not times:
@@ -195,10 +195,10 @@ def _passing(name: str, load: AnyLoad, on: str, line: Line | OverheadLine, until
 
 
 def _stepping_off(name: str, load: Footsteps, on: str, line: Line, until: float) -> Iterator[Finding]:
-    room = load.start if load.towards == "start" else None if line.length is None else line.length - load.start
-    if room is None or load.at_end != "refuse":
+    clearance = load.start if load.towards == "start" else None if line.length is None else line.length - load.start
+    if clearance is None or load.at_end != "refuse":
         return
-    time = (math.floor(room / load.step_length * (1.0 + 1e-9)) + 1) / load.frequency  # of the first foot beyond it
+    time = (math.floor(clearance / load.step_length * (1.0 + 1e-9)) + 1) / load.frequency  # of the first foot beyond it
     if time < until:
         wrong = f"a foot lands beyond the {load.towards} of {on} at {time:.4g} s and the run goes on until {until:g} s"
         remedy = f"write run.until: {_floor(time):g} s, change from or towards, or write at_end: leave"

@@ -60,9 +60,9 @@ class Scenario(Declaration):
         return self.parts.is_network
 
     @property
-    def is_stiff(self) -> bool:
+    def has_bending_stiffness(self) -> bool:
         """Whether lines have bending stiffness or a bed, or there are overhead lines: they move as wires do."""
-        return bool(self.overhead_lines) or any(line.is_stiff for line in self.lines.values())
+        return bool(self.overhead_lines) or any(line.has_bending_stiffness for line in self.lines.values())
 
     @property
     def is_plane(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ropewalk.model._base import Finding
-from ropewalk.model.load import Foreign
+from ropewalk.model.load import ExternalModel
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic
 
@@ -18,11 +18,11 @@ def check_settings(parts: Parts) -> Iterator[Finding]:
     run = parts.run
     if not isinstance(run, Dynamic) or not parts.is_complete or None in parts.lines.values():
         return
-    if not (parts.is_stiff or parts.is_network):
+    if not (parts.has_bending_stiffness or parts.is_network):
         yield from _accuracy(parts, run)
-    if parts.is_stiff and not parts.is_network:
+    if parts.has_bending_stiffness and not parts.is_network:
         return
-    if run.start.with_loads and all(isinstance(load, Foreign) for load in parts.loads.values()):
+    if run.start.with_loads and all(isinstance(load, ExternalModel) for load in parts.loads.values()):
         wrong = "no load has a rest of its own" if parts.loads else "there are no loads"
         yield Finding(("run", "start", "with_loads"), wrong, "true", "leave it out")
 

@@ -32,7 +32,7 @@ def check_overhead(parts: Parts) -> Iterator[Finding]:
 
 def check_small(parts: Parts) -> Iterator[Finding]:
     """Find lines that are not straight enough, or whose tensions change, in small motion."""
-    if not isinstance(parts.run, Dynamic) or parts.run.geometry != "linearised" or not parts.is_stiff:
+    if not isinstance(parts.run, Dynamic) or parts.run.geometry != "linearised" or not parts.has_bending_stiffness:
         return
     for name, line in parts.lines.items():
         for key, wrong, given, remedy in _slack(line) if line is not None else ():

@@ -36,7 +36,7 @@ class NetworkFrameBuilder:
         self._refuse_beyond()
         self.axes = [0, 2] if self.laid.plane else [0, 1, 2]
         strands = self.laid.strands
-        self.shown = np.concatenate([s.node for s in strands])
+        self.displayed = np.concatenate([s.node for s in strands])
         self.links = np.concatenate([s.first + np.arange(s.node.size - 1) for s in strands])
         self.layout = Layout(
             axes=("x", "z") if self.laid.plane else ("x", "y", "z"),
@@ -97,10 +97,10 @@ class NetworkFrameBuilder:
         place = r[network.nodes :][on][:, axes]
         seen.position[on], seen.force[on], seen.hold[on] = place, force[on][:, axes], 0.0
         seen.xi[on], seen.speed[on], seen.state[on] = locations.xi[on], locations.speed[on], MOVES
-        position = r[self.shown][:, axes]
+        position = r[self.displayed][:, axes]
         return Frame(
             path=path, position=position, velocity=np.zeros_like(position), tension=tension, strain=strain,
-            **seen.told(), body_position=np.zeros((0, len(axes))), body_velocity=np.zeros((0, len(axes))),
+            **seen.fields(), body_position=np.zeros((0, len(axes))), body_velocity=np.zeros((0, len(axes))),
             reaction=self._reactions(r, t)[:, axes], energy=self._energy(r),
         )  # fmt: skip
 

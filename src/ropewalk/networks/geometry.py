@@ -15,7 +15,7 @@ def distance(r, i, j):
 
 
 @inlined
-def attract(r, i, j, q, f):
+def add_bead_forces(r, i, j, q, f):
     """Let nodes i and j attract each other by q times their distance."""
     for a in range(3):
         pull = q * (r[j, a] - r[i, a])

@@ -7,24 +7,24 @@ import numpy as np
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import lean, lean_inner
 from ropewalk.mechanics.moving_contact import look_up
-from ropewalk.networks.geometry import attract, distance
-from ropewalk.networks.membrane_elements import pull_cells
+from ropewalk.networks.geometry import add_bead_forces, distance
+from ropewalk.networks.membrane_elements import add_membrane_forces
 from ropewalk.networks.network import Array, Network
-from ropewalk.networks.sheaves import pull_sheaves
+from ropewalk.networks.sheaves import add_sheave_forces
 
 
 @lean_inner
-def pull_links(links, begin, end, r, f):
+def add_link_forces(links, begin, end, r, f):
     """Add the elastic forces of the links `begin` ... `end` - 1 that are on to f (node, 3)."""
     for p in range(begin, end):
         if links.on[p] == 1:
             i, j = links.one[p], links.other[p]
             length = distance(r, i, j)
-            attract(r, i, j, law.tension(links.laws[links.law[p]], length / links.rest[p] - 1.0) / length, f)
+            add_bead_forces(r, i, j, law.tension(links.laws[links.law[p]], length / links.rest[p] - 1.0) / length, f)
 
 
 @lean
-def _blow(links, end, wind, t, r, f):
+def _add_wind_forces(links, end, wind, t, r, f):
     """Add the forces of the wind on the first `end` links, which stand still, half to each of their nodes."""
     speed = look_up(wind.time, wind.speed, 0, wind.time.size, t)
     for p in range(end):
@@ -47,12 +47,12 @@ def _blow(links, end, wind, t, r, f):
 def blown(network: Network, t: float, r: Array) -> Array:
     """Forces (node, 3) of the wind at time t in s on what stands still at places r (node, 3) in m, N."""
     out = np.zeros_like(r)
-    _blow(network.links, network.own_links, network.wind, t, r, out)
+    _add_wind_forces(network.links, network.own_links, network.wind, t, r, out)
     return out
 
 
 @lean_inner
-def pull_springs(restrained, r, f):
+def add_spring_forces(restrained, r, f):
     """Add the forces of the springs that hold nodes."""
     for k in range(restrained.spring.size):
         n = restrained.spring[k]
@@ -62,16 +62,16 @@ def pull_springs(restrained, r, f):
 
 
 @lean_inner
-def pull_softly(network, r, f, F, P):
+def add_soft_edge_forces(network, r, f, F, P):
     """Forces (node, 3) of everything but slots: conservative ones, weight and constant forces included."""
     body = network.body
     for n in range(f.shape[0]):
         for a in range(3):
             f[n, a] = body.force[n, a]
-    pull_links(network.links, 0, network.own_links, r, f)
-    pull_cells(network.cells, r, f, F, P)
-    pull_springs(network.restrained, r, f)
-    pull_sheaves(network.links, network.sheaves, r, f)
+    add_link_forces(network.links, 0, network.own_links, r, f)
+    add_membrane_forces(network.cells, r, f, F, P)
+    add_spring_forces(network.restrained, r, f)
+    add_sheave_forces(network.links, network.sheaves, r, f)
 
 
 @lean_inner

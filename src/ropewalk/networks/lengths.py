@@ -140,10 +140,10 @@ def doubt_slack(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tensio
     if scenario.gravity != 0.0:
         return
     for name, line in scenario.lines.items():
-        if line.is_stiff:
+        if line.has_bending_stiffness:
             continue
         mine = np.array([own == name for own in on])
-        if not line.is_stiff and np.abs(tension[mine]).max() < _SLACK * (line.axial_stiffness or 1.0):
+        if not line.has_bending_stiffness and np.abs(tension[mine]).max() < _SLACK * (line.axial_stiffness or 1.0):
             run_info.doubt(
                 f"line {name} is slack and has no weight: its shape at rest is one of many",
                 "it is longer than the way between what holds it, and gravity is 0", f"lines.{name}.length",

@@ -125,7 +125,7 @@ def _spread(cells, e, P, f):
 
 
 @lean_inner
-def pull_cells(cells, r, f, F, P):
+def add_membrane_forces(cells, r, f, F, P):
     """Add the elastic forces of all cells to f (node, 3)."""
     for e in range(cells.area.size):
         _gradient(cells, e, r, F)

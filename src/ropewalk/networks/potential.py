@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from ropewalk.mechanics.compiled import lean, lean_inner
 from ropewalk.networks.contact_location import energy_of_segments
 from ropewalk.networks.geometry import distance
-from ropewalk.networks.internal_forces import link_stiffness, pull_links, pull_softly
+from ropewalk.networks.internal_forces import add_link_forces, add_soft_edge_forces, link_stiffness
 from ropewalk.networks.membrane_elements import cell_stiffness
 from ropewalk.networks.membrane_elements import stored as stored_in_cell
 from ropewalk.networks.network import OFF, Array, Network
-from ropewalk.networks.sheaves import pull_sheaves, sheave_energy
+from ropewalk.networks.sheaves import add_sheave_forces, sheave_energy
 
 # Step for the stiffness of sheaves by central differences, as a part of the link: 1e-5 leaves an error of 1e-10.
 _NUDGE = 1e-5
@@ -47,10 +47,10 @@ def _stored(network, r, F):
 
 
 @lean
-def pull_all(network, r, f, F, P):
+def add_internal_forces(network, r, f, F, P):
     """Conservative forces f (node, 3) of everything, slots included, N."""
-    pull_softly(network, r, f, F, P)
-    pull_links(network.links, network.own_links, network.links.on.size, r, f)
+    add_soft_edge_forces(network, r, f, F, P)
+    add_link_forces(network.links, network.own_links, network.links.on.size, r, f)
 
 
 @lean_inner
@@ -98,7 +98,7 @@ def _assemble(network, r, ahead, rows, columns, values, f, K, F, D):
                         f[_of_sheave(links, sheaves, k, n), b] = 0.0
                 r[i, m % 3] = start + (nudge if side == 0 else -nudge)
                 sheaves.ahead[k] = ahead[k]
-                pull_sheaves(links, sheaves, r, f)
+                add_sheave_forces(links, sheaves, r, f)
                 for n in range(9):
                     change = f[_of_sheave(links, sheaves, k, n // 3), n % 3]
                     K[n, m] = change if side == 0 else (change - K[n, m]) / (2.0 * nudge)
@@ -196,7 +196,7 @@ class NetworkPotential:
         """Forces on all nodes (node, 3), N, without those of what holds them; lines slip at sheaves."""
         self._rub()
         out = np.zeros_like(r)
-        pull_all(self.network, r, out, self._F, self._P)
+        add_internal_forces(self.network, r, out, self._F, self._P)
         self._done()
         return out - self.network.body.force + self.given
 

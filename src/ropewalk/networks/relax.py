@@ -10,7 +10,7 @@ import numpy as np
 
 from ropewalk.mechanics.compiled import lean
 from ropewalk.networks.network import Array
-from ropewalk.networks.potential import NetworkPotential, pull_all
+from ropewalk.networks.potential import NetworkPotential, add_internal_forces
 from ropewalk.networks.sheaves import hop
 from ropewalk.networks.stability import stiffness_around
 
@@ -23,7 +23,7 @@ def _relax(network, r, v, mass, given, along, movable, steps, enough, f, F, P):
     """Go on for at most `steps` steps; returns the largest force out of balance, negative: a line has run out."""
     before, largest = 0.0, np.inf
     for _ in range(steps):
-        pull_all(network, r, f, F, P)
+        add_internal_forces(network, r, f, F, P)
         energy, largest = 0.0, 0.0
         for n in range(mass.size):
             if movable[n] == 0:

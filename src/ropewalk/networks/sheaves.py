@@ -11,7 +11,7 @@ import numpy as np
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
-from ropewalk.networks.geometry import attract, distance
+from ropewalk.networks.geometry import add_bead_forces, distance
 
 # A sheave is taken to be no closer to a node than this part of the link over which it stands.
 CLOSEST = 1e-9
@@ -64,7 +64,7 @@ def sheave_energy(p, l1, l2, whole, s):
 
 
 @lean_inner
-def pull_sheaves(links, sheaves, r, f):
+def add_sheave_forces(links, sheaves, r, f):
     """Let lines slip over their sheaves, and add their forces."""
     for k in range(sheaves.node.size):
         e, b = sheaves.link[k], sheaves.node[k]
@@ -74,8 +74,8 @@ def pull_sheaves(links, sheaves, r, f):
         sheaves.ahead[k] = s = slip(p, l1, l2, whole, sheaves.ahead[k], ratio)
         one, two = law.tension(p, l1 / s - 1.0), law.tension(p, l2 / (whole - s) - 1.0)
         sheaves.tension[k, 0], sheaves.tension[k, 1] = one, two
-        attract(r, a, b, one / l1, f)
-        attract(r, b, c, two / l2, f)
+        add_bead_forces(r, a, b, one / l1, f)
+        add_bead_forces(r, b, c, two / l2, f)
 
 
 @lean

@@ -13,7 +13,7 @@ from ropewalk.networks.internal_forces import blown
 from ropewalk.networks.network import OFF, Array
 from ropewalk.networks.rest import Slip, put_slip, settle, size_of, slip_of, stand
 from ropewalk.results.frame import Frame, Layout, RunInfo
-from ropewalk.solve.following import schedule, slow_motion
+from ropewalk.solve.following import quasistatic_motion, schedule
 
 # Rounds in which a network finds its rest in the wind, and the move over its size that is none any more.
 _ROUNDS, _NEAR = 100, 1e-10
@@ -72,7 +72,7 @@ class NetworkStatics:
         def places(shape: tuple[Array, Slip]) -> Array:
             return np.where((network.locations.kind != OFF)[:, None], shape[0][network.nodes :], np.nan)
 
-        for at in slow_motion(rest, places, *self._schedule(), positions, turn):
+        for at in quasistatic_motion(rest, places, *self._schedule(), positions, turn):
             r, slip = at.shape
             put_slip(network, slip)
             stand(network, r, at.t)

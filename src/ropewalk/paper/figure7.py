@@ -54,7 +54,7 @@ CONTACT = ContactWire(mass=1.35, tension=20e3, bending_stiffness=0.0)
 MESSENGER = MessengerWire(mass=1.07, tension=16e3, bending_stiffness=0.0)
 DROPPERS = Droppers(at=(5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0), stiffness=100e3)
 STRIDE = 2.5  # m, from frame to frame
-SHOWN = 295.0  # m, place of the pantograph in the first panel: droppers slacken before and behind a support
+DISPLAYED = 295.0  # m, place of the pantograph in the first panel: droppers slacken before and behind a support
 PLACES = (250.0, 280.0, 310.0, 340.0)  # m, of the second panel
 RANGE = (210.0, 390.0)  # m
 HEAD, APART = 0.9, 0.17  # m, half length of the head, and by how much the frame is drawn below it
@@ -128,7 +128,7 @@ def draw() -> Figure:
     figure = Figure(figsize=(8.5, 8.6), layout="constrained")
     line, rise, force = figure.subplots(3, 1, height_ratios=(1.25, 1.0, 1.15), sharex=True)
     at_rest = shape_at(results["nonlinear"], START)
-    _line(line, shape_at(results["nonlinear"], SHOWN), at_rest)
+    _line(line, shape_at(results["nonlinear"], DISPLAYED), at_rest)
     _rises(rise, [shape_at(results["nonlinear"], place) for place in PLACES], at_rest)
     _forces(force, results, analysed_stations(large.overhead_lines["line"]))
     for panel in (line, rise, force):
@@ -189,8 +189,8 @@ def _forces(ax: Axes, results: dict[Geometry, xr.Dataset], analysed: tuple[float
     dress(ax, title, "distance along the line (m)", "force (N)")
     for (kind, result), colour, style in zip(results.items(), (BLUE, RED), ("-", (0, (4, 1.5))), strict=True):
         found = contact_statistics(result)["pantograph"]
-        told = "fully nonlinear" if kind == "nonlinear" else kind
-        label = f"{told}: {found.mean:.1f} N, σ {found.deviation:.1f} N"
+        text = "fully nonlinear" if kind == "nonlinear" else kind
+        label = f"{text}: {found.mean:.1f} N, σ {found.deviation:.1f} N"
         ax.plot(*force_along(result), color=colour, linewidth=LINE, linestyle=style, label=label)
     (x, large), (station, small) = force_along(results["nonlinear"]), force_along(results["linearised"])
     apart = large - np.interp(x, station, small)

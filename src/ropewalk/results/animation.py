@@ -91,20 +91,20 @@ def film(
         raise ResultError("a film needs at least two frames; draw a figure instead")
     write = _write_gif if path.suffix.lower() == ".gif" else _mp4_writer()
     if follows := is_filmed_here(dataset):
-        pace = tempo(dataset, frames or FRAMES_FOLLOWING)
+        timing = tempo(dataset, frames or FRAMES_FOLLOWING)
     else:
-        pace = tempo(dataset, frames or FRAMES)
+        timing = tempo(dataset, frames or FRAMES)
     stage: Stage | ContactStage | SpaceStage
     pixels, units = _pixels(size), units or DisplayUnits.read(None)
     with style.scaled(1.0 if pixels is None else min(pixels[0] / WIDTH, pixels[1] / HEIGHTS[0])):
         if follows:
-            stage = ContactStage(dataset, pace.frames, pace.label, pixels, units)
+            stage = ContactStage(dataset, timing.frames, timing.label, pixels, units)
         elif is_spatial(dataset):
-            stage = SpaceStage(dataset, pace.frames, pace.label, pixels, units)
+            stage = SpaceStage(dataset, timing.frames, timing.label, pixels, units)
         else:
-            stage = Stage(dataset, pace, pixels, units)
+            stage = Stage(dataset, timing, pixels, units)
     try:
-        write(path, stage, pace.delay, progress or (lambda done: None))
+        write(path, stage, timing.delay, progress or (lambda done: None))
     except BaseException as problem:
         with contextlib.suppress(OSError):
             path.unlink(missing_ok=True)  # half a film cannot be played
@@ -145,7 +145,7 @@ def tempo(dataset: xr.Dataset, most: int = FRAMES) -> Tempo:
     real = (delay for delay, ratio in ratios.items() if abs(ratio - 1.0) < 1e-6)
     simple = (delay for delay, ratio in ratios.items() if _simple(ratio))
     delay = next(real, next(simple, DELAYS[0]))
-    return Tempo(chosen, delay, _pace_text(ratios[delay]))
+    return Tempo(chosen, delay, _timing_text(ratios[delay]))
 
 
 def _simple(ratio: float) -> str:
@@ -158,7 +158,7 @@ def _simple(ratio: float) -> str:
     return str(fraction) if exact and larger in (1, 2, 4, 5, 25) else ""
 
 
-def _pace_text(ratio: float) -> str:
+def _timing_text(ratio: float) -> str:
     if abs(ratio - 1.0) < 1e-6:
         return "real speed"
     text = _simple(ratio) or f"{ratio:.3g}"
@@ -170,7 +170,7 @@ class Stage:
 
     Args:
         dataset: a result.
-        pace: the frames to show.
+        timing: the frames to show.
         pixels: width and height, if they are given.
         units: that forces and tensions are shown in.
     """
@@ -178,19 +178,19 @@ class Stage:
     def __init__(
         self,
         dataset: xr.Dataset,
-        pace: Tempo,
+        timing: Tempo,
         pixels: tuple[int, int] | None = None,
         units: DisplayUnits | None = None,
     ) -> None:
         name = path_name(dataset)
-        shown = dataset.isel({name: pace.frames})
-        self._path = shown[name].values
-        self._lines = [_Curve.of(shown, dataset, line) for line in lines(dataset)]
-        self._spots: Array = shown["contact_position"].values[..., [0, -1]]
-        self._bodies: Array = shown["body_position"].values[..., [0, -1]]
+        displayed = dataset.isel({name: timing.frames})
+        self._path = displayed[name].values
+        self._lines = [_Curve.of(displayed, dataset, line) for line in lines(dataset)]
+        self._spots: Array = displayed["contact_position"].values[..., [0, -1]]
+        self._bodies: Array = displayed["body_position"].values[..., [0, -1]]
         self._pairs = ties(dataset)
-        self._forces: Array = shown["contact_force"].values[..., [0, -1]]
-        seen = [shown["position"].values[..., [0, -1]], self._bodies]
+        self._forces: Array = displayed["contact_force"].values[..., [0, -1]]
+        seen = [displayed["position"].values[..., [0, -1]], self._bodies]
         width, height = pixels or (WIDTH, _height(np.concatenate([points.reshape(-1, 2) for points in seen])))
         self._figure = Figure(figsize=(width / FILM_DPI, height / FILM_DPI), dpi=FILM_DPI, layout="constrained")
         self._canvas = _canvas(self._figure)
@@ -199,7 +199,7 @@ class Stage:
         self._unit = float(np.nanmax(size, initial=0.0)) or 1.0
         self._meter = Meter(dataset["load"].values.tolist(), size, units)
         self._clock_text = f"{name.replace('_', ' ')} {{:.{style.digits(self._path)}f}} {dataset[name].attrs['units']}"
-        self._set_up(shown, pace)
+        self._set_up(displayed, timing)
         show_units(self._figure, units or DisplayUnits.read(None))
         self._canvas.draw()  # the layout is settled here, and the ground that all pictures share
         self._figure.set_layout_engine("none")
@@ -214,7 +214,7 @@ class Stage:
         width, height = self._canvas.get_width_height()
         return width, height
 
-    def _set_up(self, shown: xr.Dataset, pace: Tempo) -> None:
+    def _set_up(self, displayed: xr.Dataset, timing: Tempo) -> None:
         ax = self._axes
         low, high, beyond = style.colour_range(np.concatenate([c.tension.ravel() for c in self._lines]))
         options: dict[str, Any] = {
@@ -237,7 +237,7 @@ class Stage:
             if ends <= 1e-9 * np.ptp(curve.points):  # supports that stand still
                 foot: dict[str, Any] = {"linestyle": "none", "marker": CARETUP, "markersize": style.sized(9)}
                 ax.plot(*curve.points[0, [0, -1]].T, color=style.INK, clip_on=False, **foot)
-        loads = shown.sizes["contact"]
+        loads = displayed.sizes["contact"]
         self._traces = [
             ax.plot([], [], color=style.INK, lw=style.THIN, linestyle=(0, (1, 1.2)), animated=True)[0]
             for _ in range(loads)
@@ -268,10 +268,12 @@ class Stage:
             "bbox": {"boxstyle": "square,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
         }
         self._clock = ax.text(0.985, 0.965, "", ha="right", family="monospace", animated=True, **note)
-        factor = set_scale(ax, shown["position"], [self._spots.reshape(-1, 2), self._bodies.reshape(-1, 2)], room=ARROW)
+        factor = set_scale(
+            ax, displayed["position"], [self._spots.reshape(-1, 2), self._bodies.reshape(-1, 2)], space=ARROW
+        )
         height = "z (m)" if factor == 1.0 else f"z (m), drawn {factor:g} times as high"
-        style.dress(ax, str(shown.attrs.get("title", "")), "x (m)", height)
-        ax.set_title(pace.label, loc="right", fontsize=style.NOTE, color=style.FAINT)
+        style.dress(ax, str(displayed.attrs.get("title", "")), "x (m)", height)
+        ax.set_title(timing.label, loc="right", fontsize=style.NOTE, color=style.FAINT)
 
     def picture(self, k: int) -> Image:
         """Draw the k-th frame shown, an array (height, width, 3)."""
@@ -290,7 +292,7 @@ class Stage:
         return np.asarray(self._canvas.buffer_rgba())[:, :, :3].copy()
 
     def _move(self, k: int) -> None:
-        self._clock.set_text("\n".join((self._clock_text.format(self._path[k]), self._meter.told(k))).strip())
+        self._clock.set_text("\n".join((self._clock_text.format(self._path[k]), self._meter.label(k))).strip())
         for links, curve in zip(self._links, self._lines, strict=True):
             points = curve.points[k]
             links.set_segments(np.stack([points[:-1], points[1:]], axis=1))
@@ -314,12 +316,12 @@ class _Curve:
     tension: Array
 
     @classmethod
-    def of(cls, shown: xr.Dataset, dataset: xr.Dataset, line: str) -> _Curve:
+    def of(cls, displayed: xr.Dataset, dataset: xr.Dataset, line: str) -> _Curve:
         nodes = np.flatnonzero(dataset["line"].values == line)
         links = np.flatnonzero(dataset["link_line"].values == line)
         kept = style.thinned(len(nodes), LINKS + 1)
-        points = shown["position"].isel(node=nodes[kept]).values[..., [0, -1]]
-        return cls(points, shown["tension"].isel(link=links[kept[:-1]]).values)
+        points = displayed["position"].isel(node=nodes[kept]).values[..., [0, -1]]
+        return cls(points, displayed["tension"].isel(link=links[kept[:-1]]).values)
 
 
 def _canvas(figure: Figure) -> Any:

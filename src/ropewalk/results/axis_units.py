@@ -46,19 +46,19 @@ class _Numbers(Formatter):
         self._decimals = next((d for d in places if abs(round(step, d) - step) < 1e-6 * step), places[0])
 
     def __call__(self, x: float, pos: Any = None) -> str:
-        told = f"{x / self.size:.{self._decimals}f}"
-        return told.replace("-", "\N{MINUS SIGN}") if float(told) else "0"
+        text = f"{x / self.size:.{self._decimals}f}"
+        return text.replace("-", "\N{MINUS SIGN}") if float(text) else "0"
 
 
 def show_units(figure: Figure, units: DisplayUnits) -> None:
     """Label all vertical axes and colour bars of a figure, drawn in SI units, in the units to show."""
     for ax in figure.axes:
         low, high = ax.get_ylim()
-        if ax.name != "3d" and ax.get_yscale() == "linear" and (shown := unit_of(ax, units)) is not None:
-            _label(ax, ax.yaxis, shown, max(abs(low), abs(high)))
+        if ax.name != "3d" and ax.get_yscale() == "linear" and (displayed := unit_of(ax, units)) is not None:
+            _label(ax, ax.yaxis, displayed, max(abs(low), abs(high)))
 
 
-def shown_size(ax: Axes) -> float:
+def displayed_size(ax: Axes) -> float:
     """Size in SI units of the unit that a vertical axis is labelled in."""
     numbers = ax.yaxis.get_major_formatter()
     return numbers.size if isinstance(numbers, _Numbers) else 1.0
@@ -74,10 +74,10 @@ def unit_of(ax: Axes, units: DisplayUnits) -> DisplayUnit | None:
     return units.of(found["unit"], [ax.get_ylim()])
 
 
-def _label(ax: Axes, axis: Axis, shown: DisplayUnit, largest: float) -> None:
+def _label(ax: Axes, axis: Axis, displayed: DisplayUnit, largest: float) -> None:
     found = _LABEL.fullmatch(ax.get_ylabel())
     assert found is not None
-    size, symbol = shown.size, shown.symbol
+    size, symbol = displayed.size, displayed.symbol
     if not _PLACE.match(found["what"]) and not SMALL * size <= largest < LARGE * size and largest > 0.0:
         power = int(np.floor(np.log10(largest / size)))
         size, symbol = size * 10.0**power, f"10{str(power).translate(_RAISED)} {symbol}"

@@ -116,14 +116,14 @@ def _head(reader: _HeaderReader) -> Head:
             if dimensions[-1] >= len(lengths):
                 raise DamagedError(f"has a spoilt header: variable {name!r} has a dimension that there is not")
         reader.attributes()
-        kind, told, first = reader.number(), reader.number(), reader.number(8)
+        kind, metadata, first = reader.number(), reader.number(), reader.number(8)
         if kind not in _BYTES:
             raise DamagedError(f"has a spoilt header: variable {name!r} is of no known type")
         if dimensions and lengths[dimensions[0]] == 0:
             begins.append(first)
-            size += told
+            size += metadata
         else:
-            before = max(before, first + told)
+            before = max(before, first + metadata)
     before = max(before, reader.at)
     if before > reader.end:
         raise DamagedError("ends before its first frame")
@@ -196,8 +196,8 @@ def check_whole(path: Path, *, read: bool = True) -> None:
     whole = head.whole_frames(size)
     if whole < head.frames:
         raise CutShortError(whole, head.frames)
-    told = head.attributes.get(HEAD, b"").decode("ascii", "replace")
-    if len(told) == len(NONE) and told != NONE and f"{_head_crc(path, head):08x}" != told:
+    metadata = head.attributes.get(HEAD, b"").decode("ascii", "replace")
+    if len(metadata) == len(NONE) and metadata != NONE and f"{_head_crc(path, head):08x}" != metadata:
         raise DamagedError("is damaged: the checksum of what stands before its frames is wrong")
     if not read or CHECKED not in head.attributes or FRAMES not in head.attributes:
         return

@@ -47,7 +47,7 @@ _SHADE: dict[str, Any] = {"color": style.SKY, "alpha": 0.12, "linewidth": 0.0, "
 
 
 @dataclass(frozen=True)
-class _Ride:
+class _LoadHistory:
     """What is drawn of a pantograph: arrays (instant,), NaN off the line."""
 
     name: str
@@ -69,23 +69,23 @@ def is_of_overhead_line(dataset: xr.Dataset) -> bool:
 class Collection:
     """What the panels of a run below an overhead line are drawn from."""
 
-    rides: tuple[_Ride, ...]
+    histories: tuple[_LoadHistory, ...]
     lines: dict[str, LineStatistics]  # those with pantographs
     line: OverheadLine | None  # the first of them, as declared
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> Collection:
         """Take a result with pantographs and samples apart."""
-        rides = _rides(dataset)
-        names = {ride.found.line for ride in rides}
+        histories = _histories(dataset)
+        names = {history.found.line for history in histories}
         lines = {name: found for name, found in line_statistics(dataset).items() if not names - {""} or name in names}
-        return cls(tuple(rides), lines, _declared(scenario_of(dataset), next(iter(lines), "")))
+        return cls(tuple(histories), lines, _declared(scenario_of(dataset), next(iter(lines), "")))
 
     @property
     def panels(self) -> list[str]:
         """Names of all panels that there is something to show in: with the force of each pantograph."""
         hung = any(found.droppers for found in self.lines.values())
-        forces = [f"{FORCE}.{ride.name}" for ride in self.rides]
+        forces = [f"{FORCE}.{history.name}" for history in self.histories]
         return [*forces, "pantograph_height", *(["droppers"] if hung else []), "force_spectrum", "force_histogram"]
 
     def draw(self, panel: str, ax: Axes) -> None:
@@ -95,17 +95,17 @@ class Collection:
             panel: one of `panels`.
         """
         if panel.startswith(f"{FORCE}."):
-            mine = [ride for ride in self.rides if ride.name == panel.removeprefix(f"{FORCE}.")]
-            _force(ax, mine[0], alone=len(self.rides) == 1)
+            mine = [history for history in self.histories if history.name == panel.removeprefix(f"{FORCE}.")]
+            _force(ax, mine[0], alone=len(self.histories) == 1)
         elif panel == "pantograph_height":
-            _height(ax, self.rides, self.lines, 0.0 if self.line is None else self.line.start[-1])
+            _height(ax, self.histories, self.lines, 0.0 if self.line is None else self.line.start[-1])
         elif panel == "droppers":
             _droppers(ax, self.lines)
         elif panel == "force_spectrum":
-            _spectrum(ax, self.rides, self.line)
+            _spectrum(ax, self.histories, self.line)
             return
         else:
-            _share(ax, self.rides)
+            _share(ax, self.histories)
             return
         for found in self.lines.values():
             for support in found.supports.values():
@@ -113,14 +113,14 @@ class Collection:
         limits = analysed_stations(self.line)
         if all(map(math.isfinite, limits)):
             ax.axvspan(*limits, **_SHADE)
-        ax.set_xlim(*_reach(self.rides, self.line))
+        ax.set_xlim(*_reach(self.histories, self.line))
 
 
 def _declared(scenario: Scenario | None, name: str) -> OverheadLine | None:
     return None if scenario is None else scenario.overhead_lines.get(name)
 
 
-def _rides(dataset: xr.Dataset) -> list[_Ride]:
+def _histories(dataset: xr.Dataset) -> list[_LoadHistory]:
     flat = samples(dataset.drop_vars("sampled_tie_force", errors="ignore"))
     interval = interval_of(flat)
     names, out = flat["load"].values.tolist(), []
@@ -129,49 +129,53 @@ def _rides(dataset: xr.Dataset) -> list[_Ride]:
         station, raw, height = (flat[key].values[:, k] for key in ("station", "force", "height"))
         raw, height = (np.where(np.isfinite(station), values, np.nan) for values in (raw, height))
         colour = style.CYCLE[i % len(style.CYCLE)]
-        out.append(_Ride(name, colour, found, interval, station, raw, filtered(raw, interval), height))
+        out.append(_LoadHistory(name, colour, found, interval, station, raw, filtered(raw, interval), height))
     return out
 
 
-def _reach(rides: Sequence[_Ride], line: OverheadLine | None) -> tuple[float, float]:
-    stations = np.concatenate([ride.station[np.isfinite(ride.station)] for ride in rides])
+def _reach(histories: Sequence[_LoadHistory], line: OverheadLine | None) -> tuple[float, float]:
+    stations = np.concatenate([history.station[np.isfinite(history.station)] for history in histories])
     ends = (0.0, line.length) if line is not None else (stations.min(), stations.max())
     return float(ends[0]), float(ends[1])
 
 
-def _force(ax: Axes, ride: _Ride, *, alone: bool) -> None:
-    some = style.thinned(ride.station.size, POINTS)
+def _force(ax: Axes, history: _LoadHistory, *, alone: bool) -> None:
+    some = style.thinned(history.station.size, POINTS)
     faint: dict[str, Any] = {"color": style.FAINT, "alpha": 0.75, "linewidth": 0.5}
-    ax.plot(ride.station[some], ride.raw[some], **faint, label="as computed")
-    bold: dict[str, Any] = {"color": ride.colour, "linewidth": style.LINE}
-    ax.plot(ride.station[some], ride.force[some], **bold, label=f"up to {CUTOFF:g} Hz")
-    found = ride.found
+    ax.plot(history.station[some], history.raw[some], **faint, label="as computed")
+    bold: dict[str, Any] = {"color": history.colour, "linewidth": style.LINE}
+    ax.plot(history.station[some], history.force[some], **bold, label=f"up to {CUTOFF:g} Hz")
+    found = history.found
     if math.isfinite(found.mean):
         ends = [found.first, found.last]
         level: dict[str, Any] = {"color": style.BLACK, "linewidth": style.LINE}
         ax.plot(ends, [found.mean] * 2, **level, label=f"mean {found.mean:.1f} N")
         bounds = found.statistical_minimum, found.statistical_maximum
         for i, bound in enumerate(bounds):
-            told = "" if i else f"mean ± 3σ: {bounds[0]:.1f} and {bounds[1]:.1f} N"
-            ax.plot(ends, [bound] * 2, **level, linestyle=(0, (5, 2)), label=told or "_mean + 3σ")
+            caption = "" if i else f"mean ± 3σ: {bounds[0]:.1f} and {bounds[1]:.1f} N"
+            ax.plot(ends, [bound] * 2, **level, linestyle=(0, (5, 2)), label=caption or "_mean + 3σ")
         if math.isfinite(found.target):
             target: dict[str, Any] = {"color": style.GREEN, "linewidth": style.LINE, "linestyle": ":"}
             ax.plot(ends, [found.target] * 2, **target, label=f"asked for: {found.target:.1f} N")
     # A spike as a pantograph leaves the line would hide everything else.
-    seen = ride.force[np.isfinite(ride.force)]
+    seen = history.force[np.isfinite(history.force)]
     high = float(np.percentile(seen, 99.9)) if seen.size else 1.0
     low = min(0.0, found.statistical_minimum) if math.isfinite(found.deviation) else 0.0
     ax.set_ylim(low - 0.04 * high, 1.35 * high)
-    style.dress(ax, "Contact force" if alone else f"Contact force of {ride.name}", STATION, "force (N)")
+    style.dress(ax, "Contact force" if alone else f"Contact force of {history.name}", STATION, "force (N)")
     style.legend(ax)
 
 
-def _height(ax: Axes, rides: Sequence[_Ride], lines: dict[str, LineStatistics], level: float) -> None:
-    for i, ride in enumerate(rides):
-        some = style.thinned(ride.station.size, POINTS)
-        label = "contact" if len(rides) == 1 else f"contact of {ride.name}"
-        drawn: dict[str, Any] = {"color": ride.colour, "linewidth": style.LINE, **style.marks(i, len(rides), some.size)}
-        ax.plot(ride.station[some], ride.height[some] - level, **drawn, label=label)
+def _height(ax: Axes, histories: Sequence[_LoadHistory], lines: dict[str, LineStatistics], level: float) -> None:
+    for i, history in enumerate(histories):
+        some = style.thinned(history.station.size, POINTS)
+        label = "contact" if len(histories) == 1 else f"contact of {history.name}"
+        drawn: dict[str, Any] = {
+            "color": history.colour,
+            "linewidth": style.LINE,
+            **style.marks(i, len(histories), some.size),
+        }
+        ax.plot(history.station[some], history.height[some] - level, **drawn, label=label)
     supports = [support for found in lines.values() for support in found.supports.values()]
     if supports:
         dots: dict[str, Any] = {
@@ -187,8 +191,8 @@ def _height(ax: Axes, rides: Sequence[_Ride], lines: dict[str, LineStatistics], 
             note: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": style.NOTE, "color": style.BLACK}
             ground = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"}
             for station, value in zip(stations, uplift, strict=True):
-                told = f"{1e3 * value:.1f}" if abs(value) > ROUND_OFF else "0"
-                ax.text(station, 0.99, told, transform=ax.get_xaxis_transform(), bbox=ground, **note)
+                caption = f"{1e3 * value:.1f}" if abs(value) > ROUND_OFF else "0"
+                ax.text(station, 0.99, caption, transform=ax.get_xaxis_transform(), bbox=ground, **note)
             style.remark(ax, "numbers: uplift in mm")
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + 0.12 * (high - low))
@@ -225,25 +229,27 @@ def _droppers(ax: Axes, lines: dict[str, LineStatistics]) -> None:
     style.legend(ax)
 
 
-def _spectrum(ax: Axes, rides: Sequence[_Ride], line: OverheadLine | None) -> None:
+def _spectrum(ax: Axes, histories: Sequence[_LoadHistory], line: OverheadLine | None) -> None:
     """Amplitudes of the unfiltered force in the analysed spans, with a Hann window."""
-    for i, ride in enumerate(rides):
-        force = ride.raw[_analysed(ride)]
+    for i, history in enumerate(histories):
+        force = history.raw[_analysed(history)]
         if force.size < 16:
             continue
         window = np.hanning(force.size)
         amplitude = 2.0 * np.abs(np.fft.rfft((force - force.mean()) * window)) / window.sum()
-        frequency = np.fft.rfftfreq(force.size, ride.interval)
-        shown = (frequency > 0.0) & (frequency <= FASTEST)
+        frequency = np.fft.rfftfreq(force.size, history.interval)
+        displayed = (frequency > 0.0) & (frequency <= FASTEST)
         drawn: dict[str, Any] = {
-            "color": ride.colour,
+            "color": history.colour,
             "linewidth": style.THIN,
-            **style.marks(i, len(rides), int(shown.sum())),
+            **style.marks(i, len(histories), int(displayed.sum())),
         }
-        ax.plot(frequency[shown], amplitude[shown], **drawn, label=ride.name if len(rides) > 1 else "_force")
-        ax.fill_between(frequency[shown], amplitude[shown], color=ride.colour, alpha=0.15, linewidth=0.0)
+        ax.plot(
+            frequency[displayed], amplitude[displayed], **drawn, label=history.name if len(histories) > 1 else "_force"
+        )
+        ax.fill_between(frequency[displayed], amplitude[displayed], color=history.colour, alpha=0.15, linewidth=0.0)
     marks: list[tuple[float, str, str]] = [(f, f"{f:g} Hz", style.FAINT) for f in (BETWEEN, CUTOFF)]
-    speed = rides[0].found.speed if rides else math.nan
+    speed = histories[0].found.speed if histories else math.nan
     if line is not None and math.isfinite(speed):
         marks.append((speed * len(line.span_lengths) / line.length, "spans", style.RED))
         if gaps := [b - a for row in line.dropper_places for a, b in pairwise(row)]:
@@ -261,27 +267,27 @@ def _spectrum(ax: Axes, rides: Sequence[_Ride], line: OverheadLine | None) -> No
     style.legend(ax)
 
 
-def _share(ax: Axes, rides: Sequence[_Ride]) -> None:
+def _share(ax: Axes, histories: Sequence[_LoadHistory]) -> None:
     """How often which force acts, in the analysed spans."""
-    parts = [(ride, ride.force[_analysed(ride)], ride.raw[_analysed(ride)]) for ride in rides]
+    parts = [(history, history.force[_analysed(history)], history.raw[_analysed(history)]) for history in histories]
     parts = [part for part in parts if part[1].size]
     if parts:
         every = np.concatenate([raw for _, _, raw in parts])
         edges = np.linspace(min(0.0, every.min()), every.max(), BINS + 1)
-        for ride, force, raw in parts:
-            middle, alone = 0.5 * (edges[1:] + edges[:-1]), len(rides) == 1
+        for history, force, raw in parts:
+            middle, alone = 0.5 * (edges[1:] + edges[:-1]), len(histories) == 1
             shares = [100.0 * np.histogram(values, edges)[0] / force.size for values in (raw, force)]
             step: dict[str, Any] = {"drawstyle": "steps-mid", "linewidth": style.THIN}
-            name = "" if alone else f"{ride.name}, "
-            ax.plot(middle, shares[0], color=style.FAINT if alone else ride.colour, linestyle=(0, (1, 1)), **step,
+            name = "" if alone else f"{history.name}, "
+            ax.plot(middle, shares[0], color=style.FAINT if alone else history.colour, linestyle=(0, (1, 1)), **step,
                     label=f"{name}as computed")  # fmt: skip
-            ax.plot(middle, shares[1], color=ride.colour, **step, label=f"{name}up to {CUTOFF:g} Hz")
-            ax.fill_between(middle, shares[1], step="mid", color=ride.colour, alpha=0.35, linewidth=0.0)
+            ax.plot(middle, shares[1], color=history.colour, **step, label=f"{name}up to {CUTOFF:g} Hz")
+            ax.fill_between(middle, shares[1], step="mid", color=history.colour, alpha=0.35, linewidth=0.0)
         ax.set_ylim(bottom=0.0)
     style.dress(ax, "Share of the time", "force (N)", "time (%)")
     style.legend(ax)
 
 
-def _analysed(ride: _Ride) -> Any:
-    here = (ride.station >= ride.found.first) & (ride.station <= ride.found.last)
-    return here & np.isfinite(ride.force)
+def _analysed(history: _LoadHistory) -> Any:
+    here = (history.station >= history.found.first) & (history.station <= history.found.last)
+    return here & np.isfinite(history.force)

@@ -47,7 +47,7 @@ class ContactStage:
     Args:
         dataset: a result with pantographs and samples.
         frames: those to show, by number.
-        pace: the scale of time, in words.
+        timing: the scale of time, in words.
         pixels: width and height, if they are given.
         units: that forces are shown in.
     """
@@ -56,7 +56,7 @@ class ContactStage:
         self,
         dataset: xr.Dataset,
         frames: NDArray[np.intp],
-        pace: str,
+        timing: str,
         pixels: tuple[int, int] | None = None,
         units: DisplayUnits | None = None,
     ) -> None:
@@ -82,7 +82,7 @@ class ContactStage:
         last = np.clip(np.searchsorted(self._instant, self._time + 1e-9, side="right") - 1, 0, None)
         self._meter = Meter(self._names, self._force[last], units)
         self._set_up(
-            pixels or (WIDTH, HEIGHT), units or DisplayUnits.read(None), str(dataset.attrs.get("title", "")), pace
+            pixels or (WIDTH, HEIGHT), units or DisplayUnits.read(None), str(dataset.attrs.get("title", "")), timing
         )
 
     def __len__(self) -> int:
@@ -143,7 +143,7 @@ class ContactStage:
         seen = self._raw[np.isfinite(self._raw)]
         self._largest = float(np.percentile(seen, 99.5)) if seen.size else 1.0
 
-    def _set_up(self, pixels: tuple[int, int], units: DisplayUnits, title: str, pace: str) -> None:
+    def _set_up(self, pixels: tuple[int, int], units: DisplayUnits, title: str, timing: str) -> None:
         self._figure = Figure(figsize=(pixels[0] / 100, pixels[1] / 100), dpi=100, layout="constrained")
         self._canvas = _canvas(self._figure)
         line, rise, force = self._figure.subplots(3, 1, height_ratios=(1.7, 0.8, 1.0), sharex=True)
@@ -154,7 +154,7 @@ class ContactStage:
         low, high = self._risen()
         rise.set_ylim(low - 5e-3, high + 5e-3)
         style.dress(line, title, "", "z (m)")
-        line.set_title(pace, loc="right", fontsize=style.NOTE, color=style.FAINT)
+        line.set_title(timing, loc="right", fontsize=style.NOTE, color=style.FAINT)
         style.dress(rise, "", "", "rise (m)")
         style.dress(force, "", "distance from the pantograph (m)", "force (N)")
         self._artists: list[tuple[Any, Any]] = []
@@ -257,7 +257,7 @@ class ContactStage:
             raw.set_data(self._along[seen, i] - here, self._raw[seen, i])
             force.set_data(self._along[seen, i] - here, self._force[seen, i])
         self._clock.set_text(f"time {self._time[k]:.2f} s   at {here:6.1f} m")
-        self._reading.set_text(self._meter.told(k))
+        self._reading.set_text(self._meter.label(k))
 
     def _hang(self, frame: int, here: float, x: Array, z: Array) -> None:
         """Droppers in view, slack ones in another colour."""

@@ -234,10 +234,10 @@ def pantographs(dataset: xr.Dataset, scenario: Scenario | None) -> dict[int, Pan
         given = ((k, scenario.loads.get(name)) for k, name in enumerate(loads))
         return {k: load for k, load in given if isinstance(load, Pantograph)}
     try:
-        told = json.loads(dataset.attrs.get("scenario", ""))["loads"]
+        statistics = json.loads(dataset.attrs.get("scenario", ""))["loads"]
     except (ValueError, KeyError, TypeError):  # nothing is told at all: a result with ties is of an overhead line
         return dict.fromkeys(range(len(loads)) if dataset.sizes.get("tie", 0) else ())
-    return {k: None for k, name in enumerate(loads) if told.get(name, {}).get("kind") == "pantograph"}
+    return {k: None for k, name in enumerate(loads) if statistics.get(name, {}).get("kind") == "pantograph"}
 
 
 def analysed_stations(line: OverheadLine | None) -> tuple[float, float]:

@@ -69,8 +69,8 @@ def _acceptance(found: Acceptance | None) -> Summary | None:
     if found is None:
         return None
     checks = [asdict(check) | {"inside": check.is_inside} for check in found.checks]
-    told = {"title": found.title, "remark": found.remark, "provisional": found.provisional, "met": found.is_met}
-    return told | {"checks": checks}
+    text = {"title": found.title, "remark": found.remark, "provisional": found.provisional, "met": found.is_met}
+    return text | {"checks": checks}
 
 
 def _line(found: LineStatistics) -> Summary:

@@ -20,10 +20,10 @@ class DisplayUnit(NamedTuple):
     since: float = 0.0
 
 
-_Ladder = tuple[DisplayUnit, ...]
+_UnitSteps = tuple[DisplayUnit, ...]
 
 
-def _decimal(si: str, prefixes: str = " kM") -> _Ladder:
+def _decimal(si: str, prefixes: str = " kM") -> _UnitSteps:
     """An SI unit and its multiples by 1000."""
     steps = (1000.0**k for k in range(len(prefixes)))
     return tuple(
@@ -31,7 +31,7 @@ def _decimal(si: str, prefixes: str = " kM") -> _Ladder:
     )
 
 
-ENGINEERING: Mapping[str, _Ladder] = {
+ENGINEERING: Mapping[str, _UnitSteps] = {
     "N": _decimal("N"),
     "N/m": _decimal("N/m"),
     "J": (DisplayUnit("J", 1.0), DisplayUnit("kJ", 1e3, 1e4), DisplayUnit("MJ", 1e6, 1e7)),  # forms differ in size
@@ -53,7 +53,7 @@ PLACES = ("line", "xi", "x", "y", "z", "time", "load_path", "station")
 class DisplayUnits:
     """What numbers are shown in, per SI unit; what is not listed is shown in SI."""
 
-    ladders: Mapping[str, _Ladder]
+    steps: Mapping[str, _UnitSteps]
 
     @classmethod
     def read(cls, text: str | None) -> DisplayUnits:
@@ -66,13 +66,13 @@ class DisplayUnits:
         Raises:
             Refused: (a ValueError) no unit, or one of nothing that is shown.
         """
-        ladders: dict[str, _Ladder] = dict(ENGINEERING)
+        steps: dict[str, _UnitSteps] = dict(ENGINEERING)
         for part in (part.strip() for part in (text or "").split(",")):
             if part.lower() in ("", "engineering", "si"):
-                ladders = {} if part.lower() == "si" else ladders
+                steps = {} if part.lower() == "si" else steps
                 continue
-            ladders[_quantity_of(part)] = (DisplayUnit("°" if part == "deg" else part, measure(part)[0]),)
-        return cls(ladders)
+            steps[_quantity_of(part)] = (DisplayUnit("°" if part == "deg" else part, measure(part)[0]),)
+        return cls(steps)
 
     def of(self, unit: str, values: Iterable[Any]) -> DisplayUnit:
         """The unit for numbers that stand beside each other, of which the largest one decides.
@@ -81,13 +81,13 @@ class DisplayUnits:
             unit: SI unit of the numbers; `strain` for strains.
             values: numbers or arrays; what is not finite does not count.
         """
-        if unit not in self.ladders:
+        if unit not in self.steps:
             return DisplayUnit("" if unit in ("1", "strain") else unit, 1.0)
-        ladder = self.ladders[unit]
+        unit_steps = self.steps[unit]
         largest = max((_largest(value) for value in values), default=0.0)
-        if largest == 0.0 and len(ladder) > 1:
-            return next(step for step in ladder if step.symbol == unit)
-        return [step for step in ladder if largest >= step.since * (1.0 - 1e-12)][-1]
+        if largest == 0.0 and len(unit_steps) > 1:
+            return next(step for step in unit_steps if step.symbol == unit)
+        return [step for step in unit_steps if largest >= step.since * (1.0 - 1e-12)][-1]
 
 
 class Column:
@@ -109,34 +109,34 @@ class Column:
     def unit(self, unit: str, *values: float | None) -> DisplayUnit:
         """What numbers in an SI unit are written in; numbers of quite another size than theirs get their own."""
         own = self._units.of(unit, [value for value in values if value is not None])
-        shown = self._chosen.get(unit, own)
-        largest = max((abs(value) for value in values if value is not None), default=0.0) / shown.size
-        return shown if largest == 0.0 or 0.1 <= largest < 1e5 else own
+        displayed = self._chosen.get(unit, own)
+        largest = max((abs(value) for value in values if value is not None), default=0.0) / displayed.size
+        return displayed if largest == 0.0 or 0.1 <= largest < 1e5 else own
 
     def __call__(self, value: float | None, unit: str, digits: int = 4) -> str:
         """A number with its unit, or a dash for none."""
         if value is None:
             return "–"
         value = self._round(value, unit)
-        shown = self.unit(unit, value)
-        return f"{number(value / shown.size, digits)} {shown.symbol}".rstrip().replace(" °", "°")
+        displayed = self.unit(unit, value)
+        return f"{number(value / displayed.size, digits)} {displayed.symbol}".rstrip().replace(" °", "°")
 
     def span(self, low: float | None, high: float | None, unit: str, digits: int = 4) -> str:
         """A range of numbers with as many decimals at both ends; one number if it has no width."""
         if low is None or high is None:
             return "–"
         low, high = self._round(low, unit), self._round(high, unit)
-        shown = self.unit(unit, low, high)
-        ends = low / shown.size, high / shown.size
+        displayed = self.unit(unit, low, high)
+        ends = low / displayed.size, high / displayed.size
         if high - low <= 1e-6 * max(abs(low), abs(high)):
             return self(high, unit, digits)
         largest = max(map(abs, ends))
         if not 1e-4 <= largest < 1e6:
-            told = [number(end, digits) for end in ends]
+            label = [number(end, digits) for end in ends]
         else:
-            told = [f"{end:.{decimals(largest, digits)}f}" for end in ends]
-            told = ["0" if float(text) == 0.0 else text for text in told]
-        return f"{told[0]} to {told[1]} {shown.symbol}".rstrip()
+            label = [f"{end:.{decimals(largest, digits)}f}" for end in ends]
+            label = ["0" if float(text) == 0.0 else text for text in label]
+        return f"{label[0]} to {label[1]} {displayed.symbol}".rstrip()
 
     def _round(self, value: float, unit: str) -> float:
         return 0.0 if abs(value) <= self._floor.get(unit, 0.0) else value
@@ -177,7 +177,7 @@ def _quantity_of(text: str) -> str:
     for si in ENGINEERING:
         if si not in _WITHOUT_DIMENSION.values() and measure(si)[1] == dimension:
             return si
-    known = sorted({step.symbol for ladder in ENGINEERING.values() for step in ladder})
+    known = sorted({step.symbol for unit_steps in ENGINEERING.values() for step in unit_steps})
     raise Refused(f"nothing is shown in {text}", did_you_mean(text, known, otherwise=f"write {', '.join(known)} or SI"))
 
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.foreign.cosimulation_master import CosimulationMaster, closing
-from ropewalk.model.load import Foreign
+from ropewalk.external.cosimulation_master import CosimulationMaster, closing
+from ropewalk.model.load import ExternalModel
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Array, RunInfo
 
@@ -17,29 +17,29 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def foreign_in(scenario: Scenario) -> tuple[str, ...]:
+def external_in(scenario: Scenario) -> tuple[str, ...]:
     """Names of the loads that are models of somebody else's."""
-    return tuple(name for name, load in scenario.loads.items() if isinstance(load, Foreign))
+    return tuple(name for name, load in scenario.loads.items() if isinstance(load, ExternalModel))
 
 
 @contextmanager
-def exchanging(turns: Sequence[CosimulationMaster], run_info: RunInfo) -> Iterator[None]:
+def exchanging(cosimulation: Sequence[CosimulationMaster], run_info: RunInfo) -> Iterator[None]:
     """Let all models go at the end, however it comes, and say how much energy they have made."""
-    with closing(turns):
+    with closing(cosimulation):
         try:
             yield
         finally:
-            run_info.warnings += [remark for partner in turns for remark in partner.verdict()]
+            run_info.warnings += [remark for partner in cosimulation for remark in partner.verdict()]
 
 
-def told(turns: Sequence[CosimulationMaster], run_info: RunInfo) -> dict[str, Array]:
+def exchanged(cosimulation: Sequence[CosimulationMaster], run_info: RunInfo) -> dict[str, Array]:
     """What has gone through all interfaces, by the names of `Frame`; what is to be remarked goes to the account."""
-    if not turns:
+    if not cosimulation:
         return {}
-    for partner in turns:
+    for partner in cosimulation:
         run_info.warnings += partner.remarks
         partner.remarks.clear()
-    work, residual, peak = np.array([partner.told() for partner in turns]).T
+    work, residual, peak = np.array([partner.exchanged() for partner in cosimulation]).T
     return {"exchange_work": work, "exchange_residual": residual, "exchange_peak": peak}
 
 

@@ -26,12 +26,12 @@ def extrapolated(dataset: xr.Dataset) -> xr.DataArray:
     Raises:
         ResultError: it has no such error, or its changes from mesh to mesh do not lead anywhere.
     """
-    told = dataset.attrs
-    if "contact_change" not in dataset or "mesh_order_of_contacts" not in told:
+    metadata = dataset.attrs
+    if "contact_change" not in dataset or "mesh_order_of_contacts" not in metadata:
         raise ResultError(
             "the result has no contacts on two meshes; write mesh_error: true in the run, and run it again"
         )
-    alike, order = float(told["mesh_alike_of_contacts"]), float(told["mesh_order_of_contacts"])
+    alike, order = float(metadata["mesh_alike_of_contacts"]), float(metadata["mesh_order_of_contacts"])
     if not alike >= ALIKE:
         raise ResultError(
             f"the changes of the contacts from mesh to mesh are not alike (cosine {alike:.2g}, {ALIKE} is needed): "

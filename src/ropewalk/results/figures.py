@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from ropewalk.errors import did_you_mean
 from ropewalk.results import style
 from ropewalk.results.audit import AUDIT
-from ropewalk.results.axis_units import show_units, shown_size
+from ropewalk.results.axis_units import displayed_size, show_units
 from ropewalk.results.contact_figure import FORCE, Collection, is_of_overhead_line
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import DisplayUnits
@@ -97,7 +97,7 @@ def figure_data(
             label, points = str(line.get_label()), np.asarray(line.get_xydata())
             if not re.match(r"_child\d", label) and len(points):
                 named = {"curve": label.removeprefix("_")}
-                values = zip(parts[0].columns[1:], (points[:, 0], points[:, 1] / shown_size(ax)), strict=True)
+                values = zip(parts[0].columns[1:], (points[:, 0], points[:, 1] / displayed_size(ax)), strict=True)
                 parts.append(pd.DataFrame(named | dict(values)))
         if name != "space":
             found[name] = pd.concat(parts[1:] or parts, ignore_index=True)

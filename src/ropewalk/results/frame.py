@@ -52,7 +52,7 @@ class Layout:
     watched: tuple[str, ...] = ()  # points of lines whose height is sampled
     watched_station: tuple[float, ...] = ()  # m
     sample: tuple[float, ...] = ()  # s, offsets of samples from the output instant: before it, or zero
-    foreign: tuple[str, ...] = ()  # loads that are models of somebody else's
+    external: tuple[str, ...] = ()  # loads that are models of somebody else's
     compared: tuple[str, ...] = ()  # load of each contact, where they are compared with those on a coarser mesh
     cell: tuple[tuple[int, int, int], ...] = ()  # nodes of each triangle of nets and membranes
     cell_net: tuple[str, ...] = ()  # net of each triangle
@@ -111,7 +111,7 @@ class Contacts:
         self.tension, self.state = np.full((*one, 2), np.nan), np.full(one, OFF_LINE)
         self.in_air, self.power = np.zeros(one), np.zeros(one)
 
-    def told(self) -> dict[str, Array]:
+    def fields(self) -> dict[str, Array]:
         """The same by the names of `Frame`."""
         return {
             "contact_position": self.position, "contact_force": self.force, "hold_force": self.hold,

@@ -17,7 +17,7 @@ from ropewalk.results.frame import Array, Frame
 
 NAMES = tuple(field.name for field in fields(Frame) if field.name != "path")
 WAIT = 0.1  # s, the longest that frames wait for others: a run that is killed loses no more for it
-ROOM = 16_000_000  # bytes, about as much as they take while they wait
+SPACE = 16_000_000  # bytes, about as much as they take while they wait
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Waiting:
     """What has been noted of instants whose frames are still to be made."""
 
     def __init__(self, each: int) -> None:
-        self._most = max(1, ROOM // max(each, 1))
+        self._most = max(1, SPACE // max(each, 1))
         self._since = -np.inf  # the first frame does not wait
         self._notes = list[Any]()
 

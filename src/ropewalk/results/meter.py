@@ -30,7 +30,7 @@ class Meter:
         self._width = len(f"{-largest:.{self._decimals}f}")
         self._longest = max(map(len, self._names), default=0)
 
-    def told(self, k: int) -> str:
+    def label(self, k: int) -> str:
         """The forces in the k-th frame shown."""
         lines = []
         for name, force in zip(self._names, self._forces[k] / self._unit.size, strict=True):

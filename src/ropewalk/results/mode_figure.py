@@ -15,21 +15,21 @@ if TYPE_CHECKING:
 
     from ropewalk.results.spectrum import Modes, Spectrum
 
-SHOWN = 12  # modes
+DISPLAYED = 12  # modes
 COLUMNS = 3
 UNDAMPED = 1e-9  # damping ratios below are rounding errors
 SMALL = 1e-6  # of the largest displacement: a component that is nowhere larger is not drawn
 COMPONENTS = (("x", style.GREEN, ":"), ("y", style.RED, "--"), ("z", style.BLUE, "-"))
 
 
-def mode_figure(spectrum: Spectrum, shown: int = SHOWN) -> Figure:
+def mode_figure(spectrum: Spectrum, displayed: int = DISPLAYED) -> Figure:
     """Draw the shapes of the lowest modes over x: displacements up (z), sideways (y) and along (x).
 
     The largest displacement of a mode is 1; frequency and damping ratio stand above it.
 
     Args:
         spectrum: with its modes.
-        shown: at most so many.
+        displayed: at most so many.
 
     Raises:
         ValueError: there are no modes with shapes.
@@ -37,7 +37,7 @@ def mode_figure(spectrum: Spectrum, shown: int = SHOWN) -> Figure:
     modes = spectrum.modes
     if modes is None or not len(modes.shape):
         raise ValueError("this spectrum has no mode shapes")
-    count = min(shown, len(modes.shape))
+    count = min(displayed, len(modes.shape))
     rows = math.ceil(count / COLUMNS)
     fig = Figure(figsize=(11.0, 1.0 + 1.9 * rows), dpi=style.DPI, layout="constrained")
     axes = fig.subplots(rows, COLUMNS, sharex=True, sharey=True, squeeze=False).ravel()

@@ -55,8 +55,8 @@ def is_spatial(dataset: xr.Dataset) -> bool:
     if "y" not in dataset["axis"].values or not dataset.sizes[path_name(dataset)]:
         return False
     frames = style.thinned(dataset.sizes[path_name(dataset)], LOOKED_AT)
-    shown = dataset[["position", "contact_position", "body_position"]].isel({path_name(dataset): frames})
-    points = np.concatenate([shown[name].values.reshape(-1, 3) for name in shown.data_vars])
+    displayed = dataset[["position", "contact_position", "body_position"]].isel({path_name(dataset): frames})
+    points = np.concatenate([displayed[name].values.reshape(-1, 3) for name in displayed.data_vars])
     points = points[np.isfinite(points).all(axis=1)]
     extent = np.ptp(points, axis=0) if len(points) else np.zeros(3)
     return bool(extent[1] > SIDEWAYS * extent.max())

@@ -34,7 +34,13 @@ SLOW_FRAME = 0.1  # frames that come more slowly, in s, are written at once: it 
 BLOCK_BYTES = 1_000_000  # frames wait in memory up to this size: fewer and larger writes
 BLOCK_ROWS = 512
 _CUT_SHORT = ("interrupted", "failed")  # outcomes of runs that did not come to where they were before
-_TOLD = ("method", "reason", "step", "doubts", "warnings")  # attributes that are kept up to date while a run goes on
+_METADATA = (
+    "method",
+    "reason",
+    "step",
+    "doubts",
+    "warnings",
+)  # attributes that are kept up to date while a run goes on
 RESERVE = 16 * 1024  # bytes kept free in the header for attributes that grow, or else the data would have to move
 
 
@@ -250,7 +256,7 @@ class _File:
         self._file: Any = None
         self._begun = False
         self._base = self._written = self.count  # first frame in the block, and first that is not in the file
-        self._told: dict[str, contract.Attribute] = {}
+        self._metadata: dict[str, contract.Attribute] = {}
         self._last_append = self._last_sync = time.monotonic()
 
     def _begin(self, run_info: RunInfo) -> None:
@@ -281,8 +287,8 @@ class _File:
             self._crc = checksums.frames_crc(self.path, self.count)
             self._file = netCDF4.Dataset(self.path, "r+")
             self._file.set_fill_off()
-            told = {**self._fixed, **contract.run_info_attributes(run_info), **self._checks(self.count, self._crc)}
-            self._file.setncatts(_storable({**told, checksums.HEAD: checksums.NONE}))
+            metadata = {**self._fixed, **contract.run_info_attributes(run_info), **self._checks(self.count, self._crc)}
+            self._file.setncatts(_storable({**metadata, checksums.HEAD: checksums.NONE}))
             self._file.sync()
         except (OSError, RuntimeError) as problem:
             raise WriteError(f"{self.path}: cannot be written ({problem})") from problem
@@ -292,19 +298,19 @@ class _File:
     def extend(self, frames: Frames, run_info: RunInfo) -> None:
         if not self._begun:
             self._begin(run_info)
-        now, room = time.monotonic(), len(self._arrays[contract.PATH])
+        now, space = time.monotonic(), len(self._arrays[contract.PATH])
         slow = now - self._last_append >= SLOW_FRAME * len(frames) or self.count == 0
         self._last_append, done = now, 0
         while done < len(frames):
             row = self.count - self._base
-            part = slice(done, min(len(frames), done + room - row))
+            part = slice(done, min(len(frames), done + space - row))
             _put(frames, self._arrays, row, part)
             self.count, done = self.count + part.stop - done, part.stop
             if done < len(frames):
-                self._flush(run_info, _TOLD)
-        last, full = self.count == self._total, self.count - self._base == room
+                self._flush(run_info, _METADATA)
+        last, full = self.count == self._total, self.count - self._base == space
         if full or slow or last or now - self._last_sync >= SYNC_SECONDS:
-            self._flush(run_info, _TOLD)
+            self._flush(run_info, _METADATA)
             if self._slots is not None and self._slots.is_due(at_once=last):
                 self._keep()
 
@@ -355,10 +361,10 @@ class _File:
 
     def _tell(self, run_info: RunInfo, keys: Iterable[str]) -> None:
         values = contract.run_info_attributes(run_info)
-        news = {key: values[key] for key in keys if values[key] != self._told.get(key)}
+        news = {key: values[key] for key in keys if values[key] != self._metadata.get(key)}
         if news:
             self._file.setncatts(_storable(news))
-            self._told.update(news)
+            self._metadata.update(news)
 
     def finish(self, run_info: RunInfo) -> None:
         if not self._begun:

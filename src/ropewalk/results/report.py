@@ -171,10 +171,10 @@ def _of_line(line: OverheadLine) -> Iterator[Cells]:
 
 
 def _of_wire(wire: OverheadWire) -> str:
-    told = f"{wire.mass:g} kg/m, {wire.tension:g} N, EI {wire.bending_stiffness:g} N m²"
+    fields = f"{wire.mass:g} kg/m, {wire.tension:g} N, EI {wire.bending_stiffness:g} N m²"
     if wire.drag or wire.retardation:
-        told += f", Rayleigh damping {wire.drag:g} 1/s and {wire.retardation:g} s"
-    return told
+        fields += f", Rayleigh damping {wire.drag:g} 1/s and {wire.retardation:g} s"
+    return fields
 
 
 def _of_pantograph(load: Pantograph) -> Iterator[Cells]:
@@ -193,8 +193,8 @@ def _of_pantograph(load: Pantograph) -> Iterator[Cells]:
             yield "aerodynamic uplift", f"{load.aerodynamic:g} kg/m times the square of the speed"
     if load.irregularity is not None:
         yield "irregularity", load.irregularity
-    told = f"{3.6 * speed:g} km/h" if isinstance(speed, float) else "changes, see the scenario"
-    yield "speed", told
+    fields = f"{3.6 * speed:g} km/h" if isinstance(speed, float) else "changes, see the scenario"
+    yield "speed", fields
     yield "start", f"{load.travel.start:g} m along the line, force ramped over {load.ramp:g} s"
 
 
@@ -224,7 +224,7 @@ def _blocks(found: Summary, units: DisplayUnits | None) -> Iterator[tuple[str, l
 def _collection(found: Summary, units: DisplayUnits | None) -> Iterator[str]:
     """Statistics of pantographs and lines, and reference models beside their ranges."""
     yield _section("Current collection")
-    titles = {told["acceptance"]["title"] for told in found["pantographs"].values() if told["acceptance"]}
+    titles = {fields["acceptance"]["title"] for fields in found["pantographs"].values() if fields["acceptance"]}
     wanted = [f"Pantograph {name}" for name in found["pantographs"]]
     wanted += [f"Overhead line {name}" for name in found["overhead_lines"]]
     for title, body in _blocks(found, units):
@@ -233,9 +233,9 @@ def _collection(found: Summary, units: DisplayUnits | None) -> Iterator[str]:
             yield _table(body)
         elif title in titles:
             yield from _acceptance(title, body)
-    told = next(iter(found["pantographs"].values()))["filter"]
+    fields = next(iter(found["pantographs"].values()))["filter"]
     yield (
-        f'<p class="faint">Forces up to {told["limit"]:g} Hz: {_text(told["kind"])}, order {told["order"]}, '
+        f'<p class="faint">Forces up to {fields["limit"]:g} Hz: {_text(fields["kind"])}, order {fields["order"]}, '
         "run forwards and backwards, -6 dB at its limit. The order of the filter moves sigma by up to 3 N; the "
         "standards leave it open.</p>"
     )
@@ -291,9 +291,9 @@ def _of_dropper(label: str, one: dict[str, Any]) -> Cells:
 def _method(dataset: xr.Dataset, found: Summary, units: DisplayUnits | None) -> Iterator[str]:
     yield _section("How it was computed")
     body = [row for title, block in _blocks(found, units) if title == "Method" for row in block]
-    told = dataset.attrs
-    body.append(("version", f"ropewalk {told.get('ropewalk_version', '')}", ""))
-    body.append(("SHA-256 of the scenario", str(told.get("scenario_sha256", ""))))
+    fields = dataset.attrs
+    body.append(("version", f"ropewalk {fields.get('ropewalk_version', '')}", ""))
+    body.append(("SHA-256 of the scenario", str(fields.get("scenario_sha256", ""))))
     yield _table(body, values=())
 
 

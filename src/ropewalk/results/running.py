@@ -12,9 +12,9 @@ import numpy as np
 
 from ropewalk.checkpoint import Tree
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.cosimulation_master import CosimulationMaster, begun
+from ropewalk.external.cosimulation_master import CosimulationMaster, begun
 from ropewalk.results.contract import numbers
-from ropewalk.results.exchanges import exchanging, told
+from ropewalk.results.exchanges import exchanged, exchanging
 from ropewalk.results.frame import Array, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames, Waiting
 
@@ -38,7 +38,7 @@ class MotionEngine(Protocol):
         """Output instants in s, from 0."""
 
     @property
-    def turns(self) -> Sequence[CosimulationMaster]:
+    def cosimulation(self) -> Sequence[CosimulationMaster]:
         """Exchanges with foreign models."""
 
     @property
@@ -78,7 +78,7 @@ class TimeHistory:
         self.engine, self.run_info = engine, run_info
         self._taken, self._last = 0, None
         if past is not None:
-            with begun(engine.turns):
+            with begun(engine.cosimulation):
                 self._taken = past["frames"]
                 engine.set_state(past["engine"])
                 run_info.set_state(past["account"])
@@ -112,7 +112,7 @@ class TimeHistory:
             RopewalkError: it cannot begin.
         """
         engine, run_info, waiting = self.engine, self.run_info, Waiting(numbers(self.layout))
-        with exchanging(engine.turns, run_info):
+        with exchanging(engine.cosimulation, run_info):
             for i in range(self._taken, self.total):
                 if engine.looks_ahead and i == self.total - 1:
                     if waiting:
@@ -128,7 +128,7 @@ class TimeHistory:
                 if ending is not None:
                     run_info.outcome, run_info.advice = ending
                 self._taken, note = i + 1, engine.note()
-                is_due = note is not None and waiting.append((note, told(engine.turns, run_info)))
+                is_due = note is not None and waiting.append((note, exchanged(engine.cosimulation, run_info)))
                 if waiting and (is_due or not engine.together or ending is not None or self._taken == self.total):
                     yield self._made(waiting.taken())
                 if ending is not None:

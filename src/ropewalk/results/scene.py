@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 FLATTEST = 0.14  # what is flatter than this (to the largest extent) is drawn exaggerated
 THINNEST = 0.05  # least thickness of the box, to its largest extent as drawn
 ALIKE = 5.0  # factors across the span that differ by no more than this are made equal
-ROOM = 0.04  # free space around everything, in extents as drawn
+SPACE = 0.04  # free space around everything, in extents as drawn
 LONG = 3.0  # a span this many times as long as it is wide is looked at from aside
 EYES = {"square": (36.0, -58.0), "long": (20.0, -66.0)}  # degrees: elevation, azimuth
 EDGE = 3.0  # points around everything
@@ -95,8 +95,8 @@ class Scene:
         place = self.panel.get_window_extent().padded(-EDGE * figure.dpi / 72)
         self.axes.set_position(_square(place.x0, place.y0, min(place.width, place.height), figure))
         heavy = [*(ax for ax in figure.axes if ax is not self.axes), *self.axes.collections]
-        shown = [artist for artist in heavy if artist.get_visible()]
-        for artist in shown:  # the labels are all that is measured
+        displayed = [artist for artist in heavy if artist.get_visible()]
+        for artist in displayed:  # the labels are all that is measured
             artist.set_visible(False)
         for _ in range(4):  # labels keep their size: the rest grows around them
             figure.draw_without_rendering()
@@ -109,7 +109,7 @@ class Scene:
             aside = (np.sum(seen.get_points() - whole.get_points(), axis=0) / 2) * side / whole.width
             x, y = np.sum(place.get_points(), axis=0) / 2 - aside - side / 2
             self.axes.set_position(_square(x, y, side, figure))
-        for artist in shown:
+        for artist in displayed:
             artist.set_visible(True)
 
     def _drawn(self) -> Bbox:
@@ -170,8 +170,8 @@ def _box(points: Array) -> tuple[Array, Array, Array]:
     if (factor[1:] > 1.0).all() and factor[1:].max() <= ALIKE * factor[1:].min():
         factor[1:] = factor[1:].min()  # a circle across the span stays a circle
     thin = np.maximum(THINNEST * largest / factor - extent, 0.0) / 2
-    room = ROOM * np.maximum(extent, THINNEST * largest / factor)
-    return low - thin - room, high + thin + room, factor
+    space = SPACE * np.maximum(extent, THINNEST * largest / factor)
+    return low - thin - space, high + thin + space, factor
 
 
 def _square(x: float, y: float, side: float, figure: Any) -> tuple[float, float, float, float]:

@@ -251,7 +251,7 @@ def shading(values: Array, name: str) -> ScalarMappable:
 
 def bar(panel: Axes, shade: ScalarMappable, label: str) -> None:
     """A bar beside a panel that tells the colours."""
-    told = panel.figure.colorbar(shade, ax=panel, **_SIDE)
-    told.set_label(label, fontsize=style.LABEL, color=style.INK)
-    told.ax.tick_params(labelsize=style.TICK, colors=style.INK, width=0.6, length=3)
-    told.outline.set_visible(False)
+    text = panel.figure.colorbar(shade, ax=panel, **_SIDE)
+    text.set_label(label, fontsize=style.LABEL, color=style.INK)
+    text.ax.tick_params(labelsize=style.TICK, colors=style.INK, width=0.6, length=3)
+    text.outline.set_visible(False)

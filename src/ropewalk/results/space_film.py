@@ -43,7 +43,7 @@ class SpaceStage:
     Args:
         dataset: a result.
         frames: those to show, by number.
-        pace: the scale of time, in words.
+        timing: the scale of time, in words.
         pixels: width and height, if they are given.
         units: that forces and tensions are shown in.
     """
@@ -52,7 +52,7 @@ class SpaceStage:
         self,
         dataset: xr.Dataset,
         frames: NDArray[np.intp],
-        pace: str,
+        timing: str,
         pixels: tuple[int, int] | None = None,
         units: DisplayUnits | None = None,
     ) -> None:
@@ -76,7 +76,7 @@ class SpaceStage:
         self._canvas = _canvas(self._figure)
         self._scene = Scene(self._figure.add_subplot(), points)
         self._artists: list[Any] = []
-        self._set_up(pace)
+        self._set_up(timing)
         show_units(self._figure, units or DisplayUnits.read(None))
         self._scene.settle()
         self._canvas.draw()  # the ground that all pictures share
@@ -133,7 +133,7 @@ class SpaceStage:
             extremes.append(np.stack((np.nanmin(place, axis=0), np.nanmax(place, axis=0))))
         return np.concatenate(extremes)
 
-    def _set_up(self, pace: str) -> None:
+    def _set_up(self, timing: str) -> None:
         scene = self._scene
         moving: dict[str, Any] = {"animated": True}
         sample = style.thinned(len(self), SAMPLED)
@@ -168,7 +168,7 @@ class SpaceStage:
         )  # fmt: skip
         self._artists.append(self._clock)
         style.dress(scene.panel, str(self._dataset.attrs.get("title", "")))
-        style.remark(scene.panel, f"{pace}; {scene.note}")
+        style.remark(scene.panel, f"{timing}; {scene.note}")
 
     def _feet(self) -> None:
         """Supports that stand still."""
@@ -217,7 +217,7 @@ class SpaceStage:
         self._ties.set_segments(tied(bodies, spots, self._pairs))
         self._dots.set_data_3d(*spots.T)
         self._masses.set_data_3d(*bodies.T)
-        self._clock.set_text("\n".join((self._clock_text.format(self._path[k]), self._meter.told(k))).strip())
+        self._clock.set_text("\n".join((self._clock_text.format(self._path[k]), self._meter.label(k))).strip())
 
 
 def _canvas(figure: Figure) -> Any:

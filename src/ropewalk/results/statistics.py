@@ -228,7 +228,7 @@ def _contact(dataset: xr.Dataset, k: int) -> Summary:
     force = dataset["contact_force"][:, k].values.copy()
     present = np.isfinite(force).all(axis=1)
     entering, leaving = impulses(np.linalg.norm(force, axis=1))
-    blows = {"entering": _blow(dataset, force, entering), "leaving": _blow(dataset, force, leaving)}
+    blows = {"entering": _impulse(dataset, force, entering), "leaving": _impulse(dataset, force, leaving)}
     force[np.concatenate([entering, leaving])] = np.nan
     columns = {"magnitude": np.linalg.norm(force, axis=1)}
     columns |= {axis: force[:, i] for i, axis in enumerate(dataset["axis"].values.tolist())}
@@ -262,7 +262,7 @@ def _contact(dataset: xr.Dataset, k: int) -> Summary:
     }
 
 
-def _blow(dataset: xr.Dataset, force: Array, at: NDArray[np.intp]) -> Summary | None:
+def _impulse(dataset: xr.Dataset, force: Array, at: NDArray[np.intp]) -> Summary | None:
     """The largest force of an impulse that is left out of the statistics; it is the impulse over one step."""
     if not at.size:
         return None
@@ -332,29 +332,29 @@ def _energy(dataset: xr.Dataset) -> Summary:
 
 def _mesh(dataset: xr.Dataset) -> Summary | None:
     """How far positions are estimated to be from those of the continuum; None where nobody asked."""
-    told = dataset.attrs
-    if "mesh" not in told:
+    metadata = dataset.attrs
+    if "mesh" not in metadata:
         return None
     errors = {
-        key: told.get(name, math.nan)
+        key: metadata.get(name, math.nan)
         for key, name in (("error", "mesh_error"), ("of_contacts", "mesh_error_of_contacts"))
     }
     return {
-        "told": told["mesh"], "order": told.get("mesh_order", math.nan),
+        "told": metadata["mesh"], "order": metadata.get("mesh_order", math.nan),
         **{key: {"value": value, "unit": "m"} for key, value in errors.items()},
     }  # fmt: skip
 
 
 def _method(dataset: xr.Dataset) -> Summary:
-    told = dataset.attrs
-    wall, compiled = float(told.get("wall_seconds", math.nan)), float(told.get("compile_seconds", 0.0))
+    metadata = dataset.attrs
+    wall, compiled = float(metadata.get("wall_seconds", math.nan)), float(metadata.get("compile_seconds", 0.0))
     simulated = _simulated(dataset)["value"] if path_name(dataset) == "time" else math.nan
     return {
-        "name": told.get("method", ""),
-        "reason": told.get("reason", ""),
-        "step": {"value": told.get("step"), "unit": "s"},
-        "steps": told.get("steps"),
-        "cpu": {"value": told.get("cpu_seconds"), "unit": "s"},
+        "name": metadata.get("method", ""),
+        "reason": metadata.get("reason", ""),
+        "step": {"value": metadata.get("step"), "unit": "s"},
+        "steps": metadata.get("steps"),
+        "cpu": {"value": metadata.get("cpu_seconds"), "unit": "s"},
         "wall": {"value": wall, "unit": "s"},
         "compiling": {"value": compiled, "unit": "s"},
         "real_time_factor": simulated / (wall - compiled) if wall > compiled and simulated > 0.0 else None,

@@ -167,8 +167,8 @@ def _columns(ax: Axes, found: Legend) -> int:
     """How many columns of a legend fit above its axes."""
     letter = points("NOTE") * ax.figure.dpi / 72.0
     widths = [text.get_window_extent().width + 4.2 * letter for text in found.get_texts()]  # handle and gaps included
-    room = ax.get_window_extent().width + 1.4 * letter
-    fitting = (n for n in range(len(widths), 1, -1) if sum(map(max, np.array_split(widths, n))) <= room)
+    space = ax.get_window_extent().width + 1.4 * letter
+    fitting = (n for n in range(len(widths), 1, -1) if sum(map(max, np.array_split(widths, n))) <= space)
     return next(fitting, 1)
 
 

@@ -144,8 +144,12 @@ def _net_rows(name: str, net: Summary, say: Column) -> Iterator[Row]:
         if net[key] is not None:
             yield f"{what} tension per width", say(net[key]["value"], "N/m"), _place(net[key])
     if net["slack"] is not None and net["slack"]["value"]:
-        told = "of the triangles pull in one direction at most"
-        yield "slack, at most", f"{number(100 * net['slack']['value'], 2)} %", "  ".join((told, *_when(net["slack"])))
+        sentence = "of the triangles pull in one direction at most"
+        yield (
+            "slack, at most",
+            f"{number(100 * net['slack']['value'], 2)} %",
+            "  ".join((sentence, *_when(net["slack"]))),
+        )
     if net["largest_sag"] is not None:
         yield "largest sag", say(net["largest_sag"]["value"], "m"), _place(net["largest_sag"])
     yield "nodes", f"{net['nodes']}", f"{net['cells']} triangles"
@@ -202,8 +206,8 @@ def _pantograph_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
         where.append("not from end to end")
     yield "analysed", f"{number(value['first'])} to {number(value['last'])} m", "  ".join(where)
     if value["fastest"] < limit:
-        told = f"too far apart for {limit:g} Hz, the force is not filtered: write a smaller run.sample"
-        yield "samples", f"every {say(0.5 / value['fastest'], 's', 3)}", told
+        sentence = f"too far apart for {limit:g} Hz, the force is not filtered: write a smaller run.sample"
+        yield "samples", f"every {say(0.5 / value['fastest'], 's', 3)}", sentence
     target = ""
     if value["target"] is not None:
         target = f"{number(value['target_ratio'], 3)} of the {say(value['target'], 'N')} asked for"
@@ -242,13 +246,13 @@ def _acceptance_rows(found: Summary) -> Iterator[Row]:
 def _overhead_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
     yield f"Overhead line {name}", "", ""
     supports = {key: entry for key, entry in found["supports"].items() if entry["uplift"] is not None}
-    shown = [key for key, entry in supports.items() if entry["analysed"]]
-    if len(shown) > SUPPORTS:
-        shown = sorted(shown, key=lambda key: -float(supports[key]["uplift"]))[:LARGEST]
+    displayed = [key for key, entry in supports.items() if entry["analysed"]]
+    if len(displayed) > SUPPORTS:
+        displayed = sorted(displayed, key=lambda key: -float(supports[key]["uplift"]))[:LARGEST]
     largest = max(supports, key=lambda key: float(supports[key]["uplift"]), default=None)
-    if largest is not None and largest not in shown:
-        shown.append(largest)
-    for key in shown:
+    if largest is not None and largest not in displayed:
+        displayed.append(largest)
+    for key in displayed:
         entry = supports[key]
         note = "" if entry["analysed"] else "  largest of all, beside the analysed spans"
         yield f"uplift at {key}", say(entry["uplift"], "m", 3), f"{number(entry['station'])} m{note}"
@@ -276,10 +280,10 @@ def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> I
         yield "contact force, mean", say(size["mean"], "N"), spread
     else:
         yield "contact force", say(size["mean"], "N"), "constant"
-    for how, blow in contact["impulses"].items():
-        if blow is not None:
-            told = "  ".join((*_when(blow), "an impulse over one step, left out of the statistics"))
-            yield f"impact when {how}", say(blow["value"], "N"), told
+    for how, impulse in contact["impulses"].items():
+        if impulse is not None:
+            sentence = "  ".join((*_when(impulse), "an impulse over one step, left out of the statistics"))
+            yield f"impact when {how}", say(impulse["value"], "N"), sentence
     jump = contact["tension_jump"]
     if jump["value"] is not None and abs(jump["value"]) > NOTHING * largest:  # loads on nets have no two sides
         yield "largest tension jump", say(jump["value"], "N"), "  ".join(_when(jump))
@@ -313,8 +317,8 @@ def _payload_rows(name: str, payload: Summary, say: Column) -> Iterator[Row]:
         yield "largest speed", say(speed["value"], "m/s"), "  ".join(_when(speed))
     pull, slack = payload["pull"], payload["slack"]["value"]
     if pull is not None:
-        told = f"slack at {number(100 * slack, 2)} % of the output instants" if slack else ""
-        yield "largest pull of its rope", say(pull["value"], "N"), "  ".join((*_when(pull), *filter(None, [told])))
+        sentence = f"slack at {number(100 * slack, 2)} % of the output instants" if slack else ""
+        yield "largest pull of its rope", say(pull["value"], "N"), "  ".join((*_when(pull), *filter(None, [sentence])))
 
 
 def _exchange_rows(name: str, exchange: Summary, say: Column) -> Iterator[Row]:
@@ -369,8 +373,8 @@ def _method_rows(method: Summary, say: Column) -> Iterator[Row]:
         yield "largest step", say(method["step"]["value"], "s"), f"{method['steps']} steps"
     if method["wall"]["value"] is not None:
         factor = method["real_time_factor"]
-        pace = "" if factor is None else f"{number(factor, 3)} times real time"
+        timing = "" if factor is None else f"{number(factor, 3)} times real time"
         wall, compiled = method["wall"]["value"], method["compiling"]["value"] or 0.0
-        yield "time taken", say(wall - compiled, "s", 3), pace
+        yield "time taken", say(wall - compiled, "s", 3), timing
         if compiled > 0.0:
             yield "besides, compiling", say(compiled, "s", 3), "once; from then on kernels are kept"

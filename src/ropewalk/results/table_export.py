@@ -78,19 +78,19 @@ def _in_units(table: pd.DataFrame, units: DisplayUnits) -> pd.DataFrame:
         keys = [_measured(*pair) for pair in zip(table["quantity"], table["unit"].fillna(""), strict=True)]
         for key in dict.fromkeys(key for key in keys if key):
             here = np.array([k == key for k in keys])
-            shown = units.of(key, [table.loc[here, "value"].to_numpy(dtype=float)])
-            table.loc[here, "value"] /= shown.size
-            table.loc[here, "unit"] = shown.symbol or "1"
+            displayed = units.of(key, [table.loc[here, "value"].to_numpy(dtype=float)])
+            table.loc[here, "value"] /= displayed.size
+            table.loc[here, "unit"] = displayed.symbol or "1"
         return table
     heads = [_HEAD.fullmatch(str(column)) for column in table.columns]
     measured = [_measured(*head.groups()) if head is not None else "" for head in heads]
     names, columns = list(table.columns), list(table.columns)
     for key in dict.fromkeys(key for key in measured if key):
         mine = [k for k, each in enumerate(measured) if each == key]
-        shown = units.of(key, [table[columns[k]].to_numpy() for k in mine])
+        displayed = units.of(key, [table[columns[k]].to_numpy() for k in mine])
         for k in mine:
-            table[columns[k]] /= shown.size
-            names[k] = re.sub(r"\[.*\]$", f"[{shown.symbol or '1'}]", str(names[k]))
+            table[columns[k]] /= displayed.size
+            names[k] = re.sub(r"\[.*\]$", f"[{displayed.symbol or '1'}]", str(names[k]))
     table.columns = names
     return table
 

@@ -174,7 +174,7 @@ class Watch:
         """Root of the mass of the line below a load, which tells the speed of its waves; zero where there is none."""
         load = self.scenario.loads.get(name)
         line = self.scenario.lines.get(load.on) if load is not None else None
-        return 0.0 if line is None or line.is_stiff else float(np.sqrt(line.mass))
+        return 0.0 if line is None or line.has_bending_stiffness else float(np.sqrt(line.mass))
 
     def _cause(self, earlier: float, state: Array, frame: Frame, fastest: Array) -> tuple[str, str, str]:
         """What went on from frame to frame while energy was lost: the likely cause, the key to blame, the remedy."""
@@ -189,8 +189,8 @@ class Watch:
             k = int(fastest.argmax())
             times = fastest[k]
             fast = f"{times:.3g} times" if times < SLACK else "far above"  # beside slack line waves hardly travel
-            told = f"load {self.layout.contact_load[k]} goes at {fast} the speed of transverse waves"
-            return told, f"loads.{self.loads[k]}.travel.speed", "write a lower speed, or more tension or elements"
+            text = f"load {self.layout.contact_load[k]} goes at {fast} the speed of transverse waves"
+            return text, f"loads.{self.loads[k]}.travel.speed", "write a lower speed, or more tension or elements"
         pull = np.nan_to_num(frame.tension)
         if pull.size and pull.min() < -ROUNDING * np.abs(pull).max():
             line = self.layout.link_line[int(pull.argmin())]
@@ -259,7 +259,9 @@ class Watch:
             here = [x for x, line in zip(self.layout.node_xi, self.layout.node_line, strict=True) if line == on]
             if state != OFF_LINE and here and min(here) < xi < max(here):
                 rest = "to begin at rest with it write run.start: {with_loads: true}, or let it start at an end"
-                if any(line.is_stiff for line in self.scenario.lines.values()):  # which begin without loads
+                if any(
+                    line.has_bending_stiffness for line in self.scenario.lines.values()
+                ):  # which begin without loads
                     rest = "let it start at an end to avoid that"
                 yield (
                     f"load {name} is set down suddenly at t = 0, {xi:.4g} m along {load.on}: what swings from that is "

@@ -347,7 +347,7 @@ VIEWS = {
 
 
 def set_scale(
-    ax: Axes, position: xr.DataArray | Array, paths: list[Array], room: float = 0.08, flattest: float = FLATTEST
+    ax: Axes, position: xr.DataArray | Array, paths: list[Array], space: float = 0.08, flattest: float = FLATTEST
 ) -> float:
     """Give x and z one scale, or exaggerate z by a round number if all is too flat.
 
@@ -355,7 +355,7 @@ def set_scale(
         ax: axes to set.
         position: positions (frame, node, axis) in m that must be in view.
         paths: further curves (frame, axis) in m.
-        room: free height above and below, in heights of the picture.
+        space: free height above and below, in heights of the picture.
         flattest: least height to width that is left as it is.
 
     Returns:
@@ -368,7 +368,7 @@ def set_scale(
     flat = height < flattest * width
     factor = style.nice(2 * flattest * width / height) if flat and height > 1e-9 * width else 1.0
     ax.update_datalim(points)
-    ax.margins(0.03, room)
+    ax.margins(0.03, space)
     ax.autoscale_view()
     ax.set_aspect(max(factor, 1.0), adjustable="datalim")
     return max(factor, 1.0)

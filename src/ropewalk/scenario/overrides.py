@@ -6,7 +6,7 @@ from typing import Any
 
 from ropewalk.errors import Problem, ScenarioError, did_you_mean
 from ropewalk.scenario.fields import block_at, is_block_of_names, known_keys
-from ropewalk.scenario.source import Key, Source, dotted, shown
+from ropewalk.scenario.source import Key, Source, displayed, dotted
 from ropewalk.scenario.yaml_text import read_yaml
 
 
@@ -80,7 +80,7 @@ def _check_known(source: Source, block: Any, key: Key, *, inner: bool) -> None:
             raise _Unset("no such entry", part, f"{dotted(outer)} has the entries 0 to {len(block) - 1}")
         return
     if not isinstance(block, dict):
-        raise _Unset(f"{dotted(outer)} is a value, not a block", shown(block), f"set {dotted(outer)} itself")
+        raise _Unset(f"{dotted(outer)} is a value, not a block", displayed(block), f"set {dotted(outer)} itself")
     if part in block:
         return
     if is_block_of_names(outer, source.tree):

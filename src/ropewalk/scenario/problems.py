@@ -21,7 +21,7 @@ from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import Acceleration, unit_of
 from ropewalk.model.wind import Wind
 from ropewalk.scenario.fields import block_at, choices_of, known_keys
-from ropewalk.scenario.source import Key, Source, is_within, shown
+from ropewalk.scenario.source import Key, Source, displayed, is_within
 
 _LINE: TypeAdapter[Any] = TypeAdapter(Line)
 _OVERHEAD: TypeAdapter[Any] = TypeAdapter(OverheadLine)
@@ -113,7 +113,7 @@ def _meant(details: list[ErrorDetails], tree: Any) -> dict[Key, Key]:
 def _words(detail: ErrorDetails, key: Key, tree: Any) -> tuple[str, str, str]:
     """Say what is wrong, what was given and what to do."""
     kind, context = detail["type"], detail.get("ctx", {})
-    given = shown(detail["input"])
+    given = displayed(detail["input"])
     cause = context.get("error")
     if isinstance(cause, Refused):
         return cause.wrong, given if cause.given is None else cause.given, cause.remedy

@@ -53,7 +53,7 @@ def dotted(key: Key) -> str:
     return printable(".".join(key))
 
 
-def shown(value: object) -> str:
+def displayed(value: object) -> str:
     """Write a value as it is quoted in messages: short and printable."""
     if value is None:
         return "nothing"

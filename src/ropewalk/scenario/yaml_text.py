@@ -200,9 +200,9 @@ class _Builder:
 
     def tagged(self, node: Node, key: Key) -> None:
         tag = str(node.tag)
-        shown = "!!" + tag.removeprefix(_TAG) if tag.startswith(_TAG) else tag
+        displayed = "!!" + tag.removeprefix(_TAG) if tag.startswith(_TAG) else tag
         self.source.broken.add(key)
-        self.problem(key, node, "tags are not used in scenarios", "take the tag out", shown)
+        self.problem(key, node, "tags are not used in scenarios", "take the tag out", displayed)
 
 
 def _integer(text: str) -> int | float:

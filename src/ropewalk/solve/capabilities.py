@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import Capabilities, missing
 from ropewalk.model.footsteps import Footsteps
-from ropewalk.model.load import Foreign, MovingForce
+from ropewalk.model.load import ExternalModel, MovingForce
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic
 from ropewalk.model.support import Elastic, Guided, Support, stands_still
@@ -32,7 +32,7 @@ def _supports(parts: Parts) -> list[Support]:
 
 def _not_implicit(parts: Parts) -> Iterator[tuple[str, str]]:
     for load in parts.loads.values():
-        if isinstance(load, Footsteps | Foreign):
+        if isinstance(load, Footsteps | ExternalModel):
             yield "a load that decides on the way", "kind: force"
         elif load is not None and not isinstance(load, MovingForce):
             yield "a load with a mass", "kind: force"
@@ -50,7 +50,7 @@ def _not_of_sixth_order(parts: Parts) -> Iterator[tuple[str, str]]:
         yield "dampers at supports", "leave their damping out"
     for load in parts.loads.values():
         weightless = isinstance(load, MovingForce | Footsteps) or (
-            isinstance(load, Foreign) and not (load.exchange.stiffness or load.exchange.damping)
+            isinstance(load, ExternalModel) and not (load.exchange.stiffness or load.exchange.damping)
         )
         if load is not None and not weightless:
             yield "moving masses", "kind: force"

@@ -11,8 +11,8 @@ import numpy as np
 from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
 from ropewalk.controllers import carrier
 from ropewalk.controllers.carrier import SLIDES
-from ropewalk.foreign.cosimulation_master import ContactPush
-from ropewalk.mechanics.bodies import AWAY, RIDING, Bodies, Records
+from ropewalk.external.cosimulation_master import ContactPush
+from ropewalk.mechanics.bodies import AWAY, MOVING_WITH, Bodies, Records
 from ropewalk.mechanics.chain import DRIVE, LOAD_DAMPING, OFF, SHARED, Array, ChainState, Loads
 from ropewalk.mechanics.moving_contact import contact_point, location_of, put_back
 from ropewalk.mechanics.multibody_system import FIRM
@@ -145,7 +145,7 @@ class RopeCarrier:
         state, record = self.state, self.bodies.wheels[k]
         state.xi[k], state.moving_load[k], state.speed[k] = xi, SHARED, 0.0
         dim, before = state.r.shape[0], self._foot_energy(k)
-        record["phase"] = RIDING
+        record["phase"] = MOVING_WITH
         record["r"][:dim], record["v"][:dim] = self.motion(k)  # a foot is set down as fast as the line moves
         self.give(self._foot_energy(k) - before)
 
@@ -199,7 +199,7 @@ class RopeCarrier:
         """Book what loads lose, J."""
         self.state.work[LOAD_DAMPING] += energy
 
-    def press(self, k: int, push: ContactPush, every: float) -> None:
+    def apply_push(self, k: int, push: ContactPush, every: float) -> None:
         """Let contact k do what a push says for some seconds: it slides on to there, or is put down anew."""
         loads, away = self.loads, push.xi - float(self.state.xi[k])
         if self.state.moving_load[k] == OFF or abs(away) > self.reach(k):
@@ -210,7 +210,7 @@ class RopeCarrier:
         loads.force_value[:, first], loads.force_value[:, first + 1] = push.first, push.last
         loads.speed_value[loads.speed_first[k]] = push.speed + away / every  # catches up until then
 
-    def lead(self, interface_coordinate: int, height: float, rise: float) -> None:
+    def set_interface(self, interface_coordinate: int, height: float, rise: float) -> None:
         """Put the far end of an interface's spring somewhere, and let it go on from there."""
         record = self.bodies.coordinates[interface_coordinate]
         record["q"], record["v"], record["ahead"] = height, rise, rise
@@ -220,7 +220,7 @@ class RopeCarrier:
         return SLIDES * float(self.setting.strands.h[self.setting.loads.strand[k]])
 
     def given(self, contacts: Iterable[int]) -> Arrays:
-        """What `press` writes for some contacts."""
+        """What `apply_push` writes for some contacts."""
         found: Arrays = {}
         for k in contacts:
             first, at = int(self.loads.force_first[k]), int(self.loads.speed_first[k])

@@ -13,7 +13,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from ropewalk.errors import RopewalkError
-from ropewalk.mechanics.bodies import FLYING, INSIDE, LOCATED, PULLS, RIDING, Bodies
+from ropewalk.mechanics.bodies import FLYING, INSIDE, LOCATED, MOVING_WITH, PULLS, Bodies
 from ropewalk.mechanics.chain import OFF, Array, ChainState, Integers
 from ropewalk.mechanics.contact_points import wheels_of
 from ropewalk.mechanics.moving_contact import link_of, part_of
@@ -89,17 +89,17 @@ def equations_of(scenario: Scenario, setting: PreparedRun, state: ChainState, bo
     K, C = sparse.csc_matrix(K) + sum(blocks_K), sparse.csc_matrix(C) + sum(blocks_C)
     free = sparse.csc_matrix(basis)[:, np.flatnonzero(moves.ravel())]
     M = sparse.diags(points.mass.ravel())
-    shown = free.tocsr()[: 3 * len(points.line)]
+    displayed = free.tocsr()[: 3 * len(points.line)]
     name = setting.lines[0] if len(setting.lines) == 1 else "all lines"
     lines = Equations(
-        name, (free.T @ K @ free).tocsc(), (free.T @ M @ free).tocsc(), (free.T @ C @ free).tocsc(), shown,
+        name, (free.T @ K @ free).tocsc(), (free.T @ M @ free).tocsc(), (free.T @ C @ free).tocsc(), displayed,
         r[:, : len(points.line)].T, points.line,
     )  # fmt: skip
     if bodies is None or space is None:
         return lines
     on = _Contacts(setting, state, bodies, points, free)
-    riding = [LinearBody(np.diag(m), np.zeros((3, 3)), np.zeros((3, 3)), at) for m, at in on.riding(space)]
-    return lines.with_bodies([*riding, *_vehicles(bodies, space, on)])
+    moving_with = [LinearBody(np.diag(m), np.zeros((3, 3)), np.zeros((3, 3)), at) for m, at in on.moving_with(space)]
+    return lines.with_bodies([*moving_with, *_vehicles(bodies, space, on)])
 
 
 def _chained(block: Array, begin: int, count: int) -> sparse.csc_matrix:
@@ -146,7 +146,7 @@ def _points(
             body = space.wheels["mass"][k] if k >= 0 and space is not None else np.zeros(3)
             mass.append(body + (m if i >= 0 else 0.0))
             places.append((wheels[k] if k >= 0 else r[:, i])[:, None])
-    shown = tuple(line)
+    displayed = tuple(line)
     for k in range(wheels.shape[0]):
         if bodies is not None and space is not None and bodies.wheels["phase"][k] == FLYING:
             own[k] = len(X)
@@ -154,7 +154,7 @@ def _points(
             mass.append(space.wheels["mass"][k])
             places.append(wheels[k][:, None])
     whole = np.concatenate(places, axis=1)
-    return np.array(X), whole, _ChainPoints(whole, np.array(mass), at, own, shown)
+    return np.array(X), whole, _ChainPoints(whole, np.array(mass), at, own, displayed)
 
 
 def _hold(
@@ -219,12 +219,12 @@ class _Contacts:
     ) -> None:
         self._free, self._size = free.tocsr(), free.shape[0]
         self._places: dict[int, tuple[tuple[int, float], ...]] = {k: ((i, 1.0),) for k, i in points.own.items()}
-        self._riding = []
+        self._moving_with = []
         for k in range(state.xi.size):
             b = int(state.moving_load[k])
-            if bodies.wheels["phase"][k] != RIDING or b <= OFF:
+            if bodies.wheels["phase"][k] != MOVING_WITH or b <= OFF:
                 continue
-            self._riding.append(k)
+            self._moving_with.append(k)
             if b >= 0:
                 self._places[k] = ((points.at[b], 1.0),)
                 continue
@@ -244,11 +244,11 @@ class _Contacts:
                 out[j, 3 * i + int(a)] = part
         return sparse.csr_matrix(out.tocsr() @ self._free)
 
-    def riding(self, space: Bodies) -> list[tuple[Array, sparse.csr_matrix]]:
+    def moving_with(self, space: Bodies) -> list[tuple[Array, sparse.csr_matrix]]:
         """Masses (axis,) of wheels that follow nodes, and where these are."""
         return [
             (space.wheels["mass"][k], self.rows(np.full(3, k), np.arange(3)))
-            for k in self._riding
+            for k in self._moving_with
             if space.wheels["mass"][k].any()
         ]
 

@@ -45,7 +45,7 @@ from ropewalk.mechanics.moving_contact import (
 )
 from ropewalk.solve.banded import substitute
 from ropewalk.solve.jacobian import shifted
-from ropewalk.solve.splitting import _pull_beside
+from ropewalk.solve.splitting import _add_forces_beside
 from ropewalk.solve.stages import RADAU
 
 A, D = RADAU.A, RADAU.D
@@ -86,7 +86,7 @@ class Workspace(NamedTuple):
     xi: Array  # (stage, load) m
     speed: Array  # (stage, load) m/s
     way: Array  # (stage, load) m, xi of the stages beyond that at the start
-    pace: Array  # (load,) mean speed over a step, per speed at its start: what the last attempt saw
+    step_ratio: Array  # (load,) mean speed over a step, per speed at its start: what the last attempt saw
     square: Array  # (stage,) 1/s^2, sum of eps_t^2 over the links of a strand
     q: Array  # (link,) N/m
     v: Array  # (axis, node) m/s, node velocities at the start
@@ -113,7 +113,8 @@ class Workspace(NamedTuple):
             locations=ChainBuffers.for_state(state),
             Z=stages.copy(), last=stages.copy(), r=stages.copy(), w=stages.copy(), g=stages.copy(),
             X=np.zeros((3, nodes)), t=np.zeros((3, 1)),
-            xi=per_load.copy(), speed=per_load.copy(), way=per_load.copy(), pace=np.ones(loads), square=np.zeros(3),
+            xi=per_load.copy(), speed=per_load.copy(), way=per_load.copy(), step_ratio=np.ones(loads),
+            square=np.zeros(3),
             q=np.zeros(nodes), v=plane.copy(), f=plane.copy(), error=np.zeros((nodes, dim)),
             stiff=blocks.copy(), damp=blocks.copy(), real=factors.copy(), pair=factors.astype(np.complex128),
             x=np.zeros((nodes, dim)), y=np.zeros((nodes, dim), dtype=np.complex128),
@@ -163,7 +164,7 @@ def balance(strands, loads, state, q, s, out):
     square = pull(p, c, h, i0, i1, r, w, q)
     for k in range(moving_load.size):
         if i0 < moving_load[k] < i1:
-            square += _pull_beside(p, c, h, r, w, X, moving_load, speed, q, moving_load[k])
+            square += _add_forces_beside(p, c, h, r, w, X, moving_load, speed, q, moving_load[k])
     n = i1 - i0
     for a in range(r.shape[0]):
         x, u, qa, total, weight = r[a, i0 : i1 + 1], w[a, i0 : i1 + 1], q[i0:i1], out[a, i0 : i1 + 1], m * g[a]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import kernel
-from ropewalk.mechanics.link import pull_one, stretch
+from ropewalk.mechanics.link import link_force, stretch
 from ropewalk.mechanics.stiffness import strand_blocks
 from ropewalk.solve.banded import factorise, substitute
 from ropewalk.solve.catenary_shooting import hang, p_scale, pulls
@@ -35,7 +35,7 @@ def residual(p, ell, f, r, force, out):
     """Unbalanced force on the inner nodes (node - 2, axis), minus the gradient of the potential energy; its maximum."""
     dim, n = r.shape[0], ell.size
     for i in range(n):
-        q = pull_one(p, 0.0, ell[i], 0.0, r, i)
+        q = link_force(p, 0.0, ell[i], 0.0, r, i)
         if not np.isfinite(q) and law.tension(p, -1.0) == 0.0:
             q = 0.0  # a slack link whose ends have met
         for a in range(dim):

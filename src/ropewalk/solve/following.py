@@ -85,7 +85,7 @@ def follow(
                 yield new
 
 
-def slow_motion(
+def quasistatic_motion(
     rest: Callable[[float, S | None], S],
     contacts: Callable[[S], Array],
     times: Array,

@@ -48,10 +48,10 @@ def log_ratio(model, mu, angle):
     if model != BLOCK:
         return mu * angle, mu
     half = np.tan(0.5 * angle)
-    grip = mu * half
-    if grip >= 1.0:
+    constraint = mu * half
+    if constraint >= 1.0:
         return np.inf, 0.0
-    return 2.0 * np.arctanh(grip), mu * (1.0 + half * half) / (1.0 - grip * grip)
+    return 2.0 * np.arctanh(constraint), mu * (1.0 + half * half) / (1.0 - constraint * constraint)
 
 
 @kernel

@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.mechanics.bodies import AWAY, CARRIED, FREE, PARKED, RIDING, WAITING, Bodies
+from ropewalk.mechanics.bodies import AWAY, CARRIED, FREE, MOVING_WITH, PARKED, WAITING, Bodies
 from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, OFF, Array, ChainState
 from ropewalk.mechanics.law import tangents
 from ropewalk.mechanics.moving_contact import contact_point, force_at, location_of, speed_at
 from ropewalk.mechanics.moving_mass import land, on_straight, sort
-from ropewalk.mechanics.multibody_system import MOST_ROOM, hung
+from ropewalk.mechanics.multibody_system import MOST_CAPACITY, hung
 from ropewalk.solve.coupled_equilibrium import settle_together
 from ropewalk.solve.start import PreparedRun, onward
 from ropewalk.solve.vehicle_statics import coordinates_at_rest, resting_forces
 
 # A wheel leaves a support when it is as far away as it goes in this part of the time that waves take for a link. With
 # half of it, a heavy mass near the speed of transverse waves gains energy (docs/notes/moving-mass.md).
-STEPS_OF_ROOM = 1.0
+STEPS_OF_CAPACITY = 1.0
 
 
 def place_loads(setting: PreparedRun, state: ChainState, with_loads: bool = False) -> Bodies | None:
@@ -86,7 +86,7 @@ def place_loads(setting: PreparedRun, state: ChainState, with_loads: bool = Fals
             stiffness = float(tangents(strands.law[s], np.array([0.0, abs(stretch - 1.0) + 1e-9])).max())
             waves = float(np.sqrt(stiffness / strands.rho[s]))
             clearance = float(
-                np.clip(STEPS_OF_ROOM * abs(state.speed[k]) / waves * h, record["clearance"], MOST_ROOM * h)
+                np.clip(STEPS_OF_CAPACITY * abs(state.speed[k]) / waves * h, record["clearance"], MOST_CAPACITY * h)
             )
             record["clearance"] = clearance
             moved = min(max(state.xi[k], clearance), length - clearance) if record["travel"] == FREE else state.xi[k]
@@ -99,7 +99,7 @@ def place_loads(setting: PreparedRun, state: ChainState, with_loads: bool = Fals
             else:
                 on_straight(strands, state, bodies, k)
         else:
-            record["phase"] = RIDING
+            record["phase"] = MOVING_WITH
         record["ahead"] = record["v"]
     bodies.wheels["on_line"][:, :dim] = _pressing(setting)
     # After all velocities have been looked up: a wheel that takes a node gives it its own. The nearest wheel takes it.

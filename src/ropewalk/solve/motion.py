@@ -11,7 +11,7 @@ import numpy as np
 from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
 from ropewalk.controllers.carrier import Controller
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.cosimulation_master import TravelEndedError
+from ropewalk.external.cosimulation_master import TravelEndedError
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array, ChainBuffers, ChainState, Integers, Loads, Strands, Supports
 from ropewalk.mechanics.compiled import entry_of
@@ -58,7 +58,7 @@ class Progress:
     steps: int = 0
     message: str = ""  # what has happened: to a load that could not go on, to two that have met
 
-    def told(self) -> tuple[str, str]:
+    def ending(self) -> tuple[str, str]:
         """The outcome of a motion that has ended early, and advice."""
         outcome, advice = ADVICE[self.status]
         return outcome, "; ".join(part for part in (self.message, advice) if part)
@@ -123,7 +123,7 @@ class ChainMotion:
         self.accuracy, self.progress, self.supports, self.bodies = accuracy, progress, supports, bodies
         self.controllers, self._contacts = controllers, bodies if bodies is not None else contacts
         self._ends = ends_of(strands, supports) if supports is not None else None
-        self._buffers = _room_for(choice, loads, state)
+        self._buffers = _capacity_for(choice, loads, state)
         knots = [_knots(loads.speed_time, loads.speed_count), _knots(loads.force_time, loads.force_count)]
         if supports is not None:
             knots.append(_knots(supports.motion_time, supports.motion_count))
@@ -286,7 +286,7 @@ def _is_torn(strands: Strands, state: ChainState) -> bool:
     return False
 
 
-def _room_for(choice: Choice, loads: Loads, state: ChainState) -> ChainBuffers | Workspace:
+def _capacity_for(choice: Choice, loads: Loads, state: ChainState) -> ChainBuffers | Workspace:
     """Room for the steps of the chosen method."""
     if choice.method == "implicit":
         from ropewalk.solve.radau import workspace_for

@@ -13,8 +13,8 @@ from ropewalk.mechanics.bodies import (
     FREE,
     INSIDE,
     LOCATED,
+    MOVING_WITH,
     PARKED,
-    RIDING,
     STANDS,
     SWINGS,
     WAITING,
@@ -42,12 +42,12 @@ from ropewalk.mechanics.meeting import have_met
 from ropewalk.mechanics.moving_contact import ARRIVED, force_at, look_up_integral, speed_at
 from ropewalk.mechanics.moving_mass import beside, land, let_go, on_straight, sort, take_places
 from ropewalk.mechanics.split_links import (
+    add_split_link_forces,
     correction,
     even_sides,
     hold,
     lifting,
     mean_stretch_at,
-    pull_divided,
     slide,
     sliding_speed,
 )
@@ -72,9 +72,9 @@ def _swap_last(strands, loads, buffers, bodies):
 
 
 @lean_inner
-def pull_bodies(strands, loads, state, buffers, bodies, kick, lead):
+def add_body_forces(strands, loads, state, buffers, bodies, kick, lead):
     """Forces and impulses of all that has a mass, before the nodes are kicked; heavy wheels and vehicles are kicked."""
-    state.work[LINE_DAMPING] += pull_divided(strands, loads, state, buffers, bodies, kick)
+    state.work[LINE_DAMPING] += add_split_link_forces(strands, loads, state, buffers, bodies, kick)
     _swap_last(strands, loads, buffers, bodies)
     kick_vehicles(strands, loads, state, buffers, bodies, kick, lead)
     for k in range(state.xi.size):
@@ -210,8 +210,8 @@ def _hold(state, bodies, k, speed):
     """Give a wheel another velocity along x, and note what that takes: the force acts from drift to drift."""
     impulse = bodies.wheels[k].mass[0] * (speed - bodies.wheels[k].v[0])
     state.hold[k] += impulse
-    state.work[HOLD_WORK] += impulse * 0.5 * (bodies.wheels[k].pace + speed)
-    bodies.wheels[k].v[0] = bodies.wheels[k].pace = speed
+    state.work[HOLD_WORK] += impulse * 0.5 * (bodies.wheels[k].step_ratio + speed)
+    bodies.wheels[k].v[0] = bodies.wheels[k].step_ratio = speed
 
 
 @lean_inner
@@ -407,7 +407,7 @@ def _enter(strands, loads, state, bodies, k):
         bodies.wheels[k].phase, bodies.wheels[k].at = PARKED, first
         on_straight(strands, state, bodies, k)
     else:
-        bodies.wheels[k].phase, state.moving_load[k] = RIDING, SHARED
+        bodies.wheels[k].phase, state.moving_load[k] = MOVING_WITH, SHARED
 
 
 @lean_inner
@@ -442,7 +442,7 @@ def settle_bodies(strands, loads, state, buffers, bodies):
             let_go(strands, state, bodies, k, s)
             bodies.wheels[k].phase = FLYING
             state.speed[k] = 0.0
-        elif phase == RIDING and state.moving_load[k] == OFF:
+        elif phase == MOVING_WITH and state.moving_load[k] == OFF:
             bodies.wheels[k].phase = AWAY
             _stop_falling(strands, loads, state, bodies, k)
     sort(loads, state, bodies)
@@ -472,7 +472,7 @@ def begin_bodies(strands, loads, state, buffers, bodies):
     for p in range(bodies.ordered[0]):
         k = bodies.order[p]
         bodies.wheels[k].hold = hold(strands, loads, state, buffers, bodies, p)
-        bodies.wheels[k].pace = bodies.wheels[k].v[0]
+        bodies.wheels[k].step_ratio = bodies.wheels[k].v[0]
 
 
 @lean_inner

@@ -98,7 +98,7 @@ def _time_to(loads, k, t, U, distance, within):
 
 
 @inner
-def _reach(strands, loads, state, target, pace, until):
+def _reach(strands, loads, state, target, step_ratio, until):
     """Time to the next event: a change of location, or `until`."""
     t = state.t[0]
     rest = until - t
@@ -110,7 +110,7 @@ def _reach(strands, loads, state, target, pace, until):
         if gap > 0.0:
             if loads.measure[k] != MATERIAL:
                 gap += AIM * strands.h[loads.strand[k]]
-            rest = min(rest, _time_to(loads, k, t, U * pace[k], gap, rest))
+            rest = min(rest, _time_to(loads, k, t, U * step_ratio[k], gap, rest))
     return rest
 
 
@@ -122,12 +122,12 @@ def _misses(strands, loads, state, space, dt):
         U, way = state.speed[k], space.way[2, k]
         if state.moving_load[k] == OFF or loads.measure[k] == MATERIAL or not U * way > 0.0:
             continue
-        h, before = strands.h[loads.strand[k]], space.pace[k]
+        h, before = strands.h[loads.strand[k]], space.step_ratio[k]
         gap = _gap(space.locations.target[k], state.xi[k], U)
         beyond = abs(way) - gap
         if gap > 0.0 and -FURTHER * h < beyond:
             planned = _time_to(loads, k, state.t[0], U * before, abs(way), 2.0 * dt)
-            space.pace[k] = min(max(before * planned / dt, 0.5), 2.0)
+            space.step_ratio[k] = min(max(before * planned / dt, 0.5), 2.0)
             missed = missed or beyond < 0.0 or beyond > 2.0 * AIM * h
     return missed
 
@@ -260,7 +260,7 @@ def advance_implicit(strands, loads, state, space, until, tolerance, longest, mo
                 return NOT_FINITE, steps
             new = new or _has_moved(state.moving_load, space.location)
             begun, stale = True, not new
-        rest = _reach(strands, loads, state, target, space.pace, until)
+        rest = _reach(strands, loads, state, target, space.step_ratio, until)
         dt = rest / max(np.ceil(rest / min(memory[WISH], longest) - 0.05), 1.0)
         _predict(strands, loads, state, space, dt, smooth)
         if new:

@@ -12,7 +12,7 @@ import numpy as np
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import CONTACT, FRICTIONLESS, LINE_DAMPING, LOAD_WORK, OFF, SHARED
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
-from ropewalk.mechanics.link import pull_again, pull_one, pull_one_again, stretch, stretch_rate
+from ropewalk.mechanics.link import add_link_forces_again, link_force, link_force_again, stretch, stretch_rate
 from ropewalk.mechanics.moving_contact import (
     ARRIVED,
     even_out,
@@ -30,6 +30,7 @@ from ropewalk.mechanics.moving_contact import (
 from ropewalk.solve.ends import drive_ends, move_ends
 from ropewalk.solve.flows import hold, kick_loads, move_loads, move_nodes
 from ropewalk.solve.multibody_step import (
+    add_body_forces,
     begin_bodies,
     drift_vehicles,
     hold_bodies,
@@ -37,7 +38,6 @@ from ropewalk.solve.multibody_step import (
     kick_beside,
     location_bodies,
     move_bodies,
-    pull_bodies,
     settle_bodies,
 )
 
@@ -61,7 +61,7 @@ def _strain_rate(r, w, X, moving_load, speed, i):
 
 
 @lean_inner
-def _pull_beside(p, c, h, r, w, X, moving_load, speed, q, b):
+def _add_forces_beside(p, c, h, r, w, X, moving_load, speed, q, b):
     """Tension over length of the two links beside the riding node b, whose unstrained lengths are not h.
 
     Returns:
@@ -78,7 +78,7 @@ def _pull_beside(p, c, h, r, w, X, moving_load, speed, q, b):
             rate = _strain_rate(r, w, X, moving_load, speed, i)
             uniform = stretch_rate(r, w, i) / h
             more += rate * rate * rest / h - uniform * uniform
-        q[i] = pull_one(p, c, rest, rate, r, i)
+        q[i] = link_force(p, c, rest, rate, r, i)
     return more
 
 
@@ -205,7 +205,7 @@ def _loss(strands, loads, state, w, bodies=None):
 
 
 @inlined
-def _pull_all(strands, loads, state, buffers, kick):
+def _add_internal_forces(strands, loads, state, buffers, kick):
     """Force vectors of all links, into `buffers.f`.
 
     Returns:
@@ -222,15 +222,15 @@ def _pull_all(strands, loads, state, buffers, kick):
                 per_length[b - 1], per_length[b] = 1.0 / stretch(r, b - 1), 1.0 / stretch(r, b)
                 if c > 0.0 and loads.contact[k] == FRICTIONLESS:  # equal tensions need equal rates of the stretch, too
                     buffers.ahead[0, b] = even_velocity(state, buffers.ahead, b)
-        square = pull_again(p, c, h, first, last, r, buffers.ahead, per_length, q, f)
+        square = add_link_forces_again(p, c, h, first, last, r, buffers.ahead, per_length, q, f)
         for k in range(moving_load.size):
             b = moving_load[k]
             if first < b < last:
                 if c == 0.0:
                     for i in range(b - 1, b + 1):
-                        q[i] = pull_one_again(p, X[i + 1] - X[i], r, per_length, i)
+                        q[i] = link_force_again(p, X[i + 1] - X[i], r, per_length, i)
                 else:
-                    square += _pull_beside(p, c, h, r, buffers.ahead, X, moving_load, state.speed, q, b)
+                    square += _add_forces_beside(p, c, h, r, buffers.ahead, X, moving_load, state.speed, q, b)
                 for a in range(r.shape[0]):
                     for i in range(b - 1, b + 1):
                         f[a, i] = q[i] * (r[a, i + 1] - r[a, i])
@@ -299,9 +299,9 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                     drift = 0.0
                 # The velocities belong to t_w; damping wants them at the next instant at which it is evaluated.
                 lead = (time[0] + drift - t_w - kick) / kick
-                work[LINE_DAMPING] += _pull_all(strands, loads, state, buffers, kick)
+                work[LINE_DAMPING] += _add_internal_forces(strands, loads, state, buffers, kick)
                 if bodies is not None:
-                    pull_bodies(strands, loads, state, buffers, bodies, kick, lead)
+                    add_body_forces(strands, loads, state, buffers, bodies, kick, lead)
                 for k in range(xi.size):
                     b = moving_load[k]
                     if b >= 0:

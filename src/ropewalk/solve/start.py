@@ -26,7 +26,7 @@ from ropewalk.mechanics.chain import (
 from ropewalk.mechanics.contact_points import ContactPoint
 from ropewalk.mechanics.law import RIGID, strain
 from ropewalk.mechanics.loading import Loading, loading_of
-from ropewalk.mechanics.moving_contact import ROOM, force_at, link_of, part_of, speed_at
+from ropewalk.mechanics.moving_contact import CAPACITY, force_at, link_of, part_of, speed_at
 from ropewalk.mechanics.multibody_system import MultibodySystem
 from ropewalk.model.capabilities import refusal
 from ropewalk.model.line import Line
@@ -273,6 +273,6 @@ def _take_first_locations(strands: Strands, loads: Loads, state: ChainState) -> 
         j = first + nearest
         if not 0 < nearest < n or j in state.moving_load or loads.contact[k] == SHARING:
             continue
-        if state.X[j + 1] - xi >= ROOM * h and xi - state.X[j - 1] >= ROOM * h:
+        if state.X[j + 1] - xi >= CAPACITY * h and xi - state.X[j - 1] >= CAPACITY * h:
             state.moving_load[k] = j
             state.X[j] = xi

@@ -71,7 +71,7 @@ class Stretch:
     end: float
     on: NDArray[np.bool_]  # (contact,)
     gone: frozenset[int]  # loads that have left for good
-    shown: bool  # whether its end is an instant of output
+    displayed: bool  # whether its end is an instant of output
 
 
 @dataclass
@@ -174,7 +174,7 @@ class Superposition:
             step = self._step_of(span / count)
             for i in range(count):
                 z, u, w, press = self._go(step, stretch, stretch.begin + i * step.h, z, u, w)
-            if stretch.shown:
+            if stretch.displayed:
                 found.append(self._look(stretch.end, stretch.on, z, u, w, press))
         return found
 

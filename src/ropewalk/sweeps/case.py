@@ -37,8 +37,8 @@ class Case:
         """The case of a scenario, whose title and sweep do not matter."""
         scenario = scenario.model_copy(update={"title": "", "sweep": None})
         text = dump(scenario)
-        told = [ropewalk.__version__, text, *sorted(record), *_files_in(scenario)]
-        return cls(hashlib.sha256("\0".join(told).encode()).hexdigest()[:32], scenario, record)
+        identity = [ropewalk.__version__, text, *sorted(record), *_files_in(scenario)]
+        return cls(hashlib.sha256("\0".join(identity).encode()).hexdigest()[:32], scenario, record)
 
 
 @dataclass(frozen=True)

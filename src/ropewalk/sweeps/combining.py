@@ -43,9 +43,12 @@ def combined(parameters: Sequence[Parameter], how: str, count: int | None, seed:
     if how == "zip":
         sizes = {len(values) for values in levels}
         if len(sizes) > 1:
-            told = ", ".join(f"{p.key}: {len(p.levels)}" for p in parameters)
+            report = ", ".join(f"{p.key}: {len(p.levels)}" for p in parameters)
             refuse(
-                "sweep.combine", "lists that go together have the same length", told, "change the lists, or write grid"
+                "sweep.combine",
+                "lists that go together have the same length",
+                report,
+                "change the lists, or write grid",
             )
         return list(zip(*levels, strict=True))
     total = math.prod(len(values) for values in levels)

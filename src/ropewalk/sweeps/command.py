@@ -48,7 +48,7 @@ def sweep_from_text(
     if problems:
         raise ScenarioError(problems)
 
-    def told(done: int, total: int) -> None:
+    def report(done: int, total: int) -> None:
         if progress is not None:
             progress(f"{total} cases", done / total)
 
@@ -56,7 +56,7 @@ def sweep_from_text(
     if more.get("record") is not None:
         origins["sweep.record"] = "--record"
     try:
-        return sweep(scenario, keys or None, derived=expressions or None, progress=told, **more)
+        return sweep(scenario, keys or None, derived=expressions or None, progress=report, **more)
     except ScenarioError as error:
         raise ScenarioError([replace(p, file=p.file or origins.get(p.key, "")) for p in error.problems]) from None
 
@@ -83,16 +83,16 @@ def finish(dataset: xr.Dataset, store: Path, outputs: list[Path], quiet: bool) -
     counts = counted(dataset)
     total, fine = sum(counts.values()), sum(counts.get(name, 0) for name in FINE)
     if dataset.attrs["outcome"] == "interrupted":
-        told = f"interrupted; {fine} of {total} cases are done and kept in {store}: the same command goes on there"
+        report = f"interrupted; {fine} of {total} cases are done and kept in {store}: the same command goes on there"
         partial = "".join(f"; {file} holds these" for file in outputs)
-        fail(told + partial, INTERRUPTED)
-    told = f"{total} cases: {', '.join(f'{number} {name}' for name, number in counts.items())}"
+        fail(report + partial, INTERRUPTED)
+    report = f"{total} cases: {', '.join(f'{number} {name}' for name, number in counts.items())}"
     if fine < total:
-        fail(told, STOPPED_EARLY)
+        fail(report, STOPPED_EARLY)
     if counts.get("doubtful"):
-        fail(told, DOUBTFUL)
+        fail(report, DOUBTFUL)
     if not quiet:
-        say(told)
+        say(report)
 
 
 def _pairs(texts: Sequence[str], origin: str, problems: list[Problem]) -> dict[str, str]:
@@ -117,8 +117,8 @@ def table_text(dataset: xr.Dataset) -> str:
     frame["doubts"] = frame["doubts"].str.replace("\n", "; ")
     frame = frame[[name for name in frame.columns if name not in ("doubts", "reason") or frame[name].any()]]
     with pd.option_context("display.max_colwidth", 60):
-        shown = frame.to_string(index=False, max_rows=LONGEST, float_format=lambda value: f"{value:.6g}", na_rep="")
-    return str(shown)
+        displayed = frame.to_string(index=False, max_rows=LONGEST, float_format=lambda value: f"{value:.6g}", na_rep="")
+    return str(displayed)
 
 
 def plain(dataset: xr.Dataset) -> dict[str, Any]:

@@ -177,8 +177,8 @@ def _function(name: str, arguments: list[Amount]) -> Amount:
 
 def _same(amounts: list[Amount]) -> None:
     if len({amount.dimension for amount in amounts}) > 1:
-        told = " and ".join(_unit(amount) or "a plain number" for amount in amounts)
-        raise Refused(f"{told} do not add up", "give all terms the same kind of unit")
+        dimensions = " and ".join(_unit(amount) or "a plain number" for amount in amounts)
+        raise Refused(f"{dimensions} do not add up", "give all terms the same kind of unit")
 
 
 def _unit(amount: Amount) -> str:

@@ -69,9 +69,9 @@ def sweep_figure(dataset: xr.Dataset, quantities: Sequence[str] | None = None) -
 def _panels(dataset: xr.Dataset, rows: int, columns: int, height: float = 2.9) -> tuple[Figure, NDArray[Any]]:
     width = 7.6 if columns == 1 else 4.6 * columns
     figure = Figure(figsize=(width, height * rows + 0.7), dpi=style.DPI, layout="constrained")
-    told = ", ".join(f"{number} {name}" for name, number in counted(dataset).items())
+    text = ", ".join(f"{number} {name}" for name, number in counted(dataset).items())
     cut = "" if dataset.attrs["outcome"] == "completed" else f" ({dataset.attrs['outcome']})"
-    figure.suptitle(f"{dataset.attrs['title']}: {told}{cut}", fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
+    figure.suptitle(f"{dataset.attrs['title']}: {text}{cut}", fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
     return figure, figure.subplots(rows, columns, squeeze=False)
 
 
@@ -141,7 +141,7 @@ def _family(ax: Axes, dataset: xr.Dataset, quantity: str, varied: list[str]) -> 
     for k, chosen in enumerate(product(*map(range, sizes))):
         part = dataset.isel(dict(zip(others, chosen, strict=True))).squeeze()
         values = np.atleast_1d(np.asarray(part[quantity].values, dtype=np.float64))[order]
-        label = ", ".join(_told(dataset, name, i) for name, i in zip(others, chosen, strict=True))
+        label = ", ".join(_text(dataset, name, i) for name, i in zip(others, chosen, strict=True))
         colour = style.CYCLE[k] if few else shades[k]
         joined = "-" if _is_numeric(dataset[x]) else "none"
         dots: dict[str, Any] = {"marker": "o", "markersize": 3.0, "linestyle": joined, "linewidth": style.LINE}
@@ -151,7 +151,7 @@ def _family(ax: Axes, dataset: xr.Dataset, quantity: str, varied: list[str]) -> 
     style.legend(ax)
 
 
-def _told(dataset: xr.Dataset, name: str, i: int) -> str:
+def _text(dataset: xr.Dataset, name: str, i: int) -> str:
     value = dataset[name].values[i]
     unit = dataset[name].attrs.get("units", "")
     return f"{name} {value:g} {unit}".strip() if _is_numeric(dataset[name]) else f"{name} {value}"

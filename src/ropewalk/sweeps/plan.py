@@ -17,7 +17,7 @@ from ropewalk.sweeps.expressions import resolved
 from ropewalk.sweeps.keys import leaves, overlap, short_names, unit_at
 from ropewalk.sweeps.parameters import Parameter, numbers, parameters_of, refuse, setting
 
-TOLD = ("outcome", "doubts", "reason", "seconds", "case")
+TEXT = ("outcome", "doubts", "reason", "seconds", "case")
 """What a table tells beside parameters and quantities."""
 
 
@@ -81,7 +81,7 @@ class Plan:
                 raise first
             wrong = first.wrong if isinstance(first, Refused) else str(first)
             refuse("sweep.derived", wrong, "", first.remedy if isinstance(first, Refused) else "")
-        names = tuple(short_names([p.key for p in parameters], (*TOLD, *sweep.record)))
+        names = tuple(short_names([p.key for p in parameters], (*TEXT, *sweep.record)))
         return cls(scenario, sweep, parameters, names, tuple(rows))
 
     @property

@@ -74,13 +74,13 @@ def sweep(
     with Store(None if store is None else Path(store), retry) as kept:
         lost: dict[str, Outcome] = {}
 
-        def told() -> None:
+        def report() -> None:
             if progress is not None:
                 done = sum(row.case is None or row.case.key in kept.done or row.case.key in lost for row in plan.rows)
                 progress(done, len(plan.rows))
 
         missing = [case for key, (case, _) in cases.items() if key not in kept.done]
-        told()
+        report()
         try:
             if missing:
                 check_record(missing[0])
@@ -91,7 +91,7 @@ def sweep(
                         lost[case.key] = found
                     else:
                         kept.add(case.key, found, cases[case.key][1])
-                    told()
+                    report()
             finally:
                 finished.close()
         except KeyboardInterrupt:

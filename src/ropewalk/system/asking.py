@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ropewalk.checkpoint import Tree
 from ropewalk.controllers.carrier import Controller
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.cosimulation_master import TravelEndedError
+from ropewalk.external.cosimulation_master import TravelEndedError
 from ropewalk.system import motion
 from ropewalk.system.carrier import SystemCarrier
 

@@ -21,7 +21,7 @@ from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import Hooke
 from ropewalk.model.line import Line
-from ropewalk.model.load import AnyLoad, Foreign, MovingForce
+from ropewalk.model.load import AnyLoad, ExternalModel, MovingForce
 from ropewalk.model.net import CableEdge
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
@@ -100,7 +100,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
         return overhead_lines_of(scenario, axes)
     laid, rest = laid_at_rest(nearly(scenario), until)
     axes = axes or axes_of(scenario)
-    shown, dim = [0, 2] if len(axes) == 2 else [0, 1, 2], len(axes)
+    displayed, dim = [0, 2] if len(axes) == 2 else [0, 1, 2], len(axes)
     nets = Nets(scenario, laid) if scenario.nets else None
     sections = list(sections_of(scenario, laid, set(nets.corners()) if nets is not None else set()))
     original = np.concatenate(
@@ -131,7 +131,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
         own.append(_Cable(np.array([law.CUBIC, law.NO_FLOOR, 0.0, 0.0, 0.0]), 0.0, 0.0))
         lengths[on[way.load]] += 0.0 if way.stands else way.h * links[-1]
     r = np.zeros((dim, n))
-    r[:, : original.size] = rest[original][:, shown].T
+    r[:, : original.size] = rest[original][:, displayed].T
     gravity = np.zeros(dim)
     gravity[-1] = -scenario.gravity
     mass, lag, level = np.zeros(n), np.zeros(n), np.zeros(n)
@@ -319,15 +319,15 @@ def contacts_of(
     heavy = np.flatnonzero(~given | (lends > 0.0)).tolist()
     contacts["lent"] = np.where(given, lends, 0.0)
     tables = _with_steps(scenario, loading, structure, contacts, tables)
-    contacts["led"] = led = [isinstance(scenario.loads[wheel.load], Walker | Foreign) for wheel in wheels]
+    contacts["led"] = led = [isinstance(scenario.loads[wheel.load], Walker | ExternalModel) for wheel in wheels]
     contacts["kind"] = FORCE
     contacts["kind"][heavy] = BODY
     contacts["first"][heavy] = dim * np.arange(len(heavy))
     runs, first = structure.runs, structure.lines.first[contacts["line"]]
     h = np.where(runs.firm[first] > 0.0, 0.0, runs.h[first])  # no support is at the ends of a way on a net
     contacts["margin"][heavy] = MARGIN * h[heavy]
-    told = [k for k, wheel in enumerate(wheels) if wheel.margin is not None]
-    contacts["margin"][told] = [wheels[k].margin for k in told]
+    text = [k for k, wheel in enumerate(wheels) if wheel.margin is not None]
+    contacts["margin"][text] = [wheels[k].margin for k in text]
     lengths = structure.lines.length[contacts["line"]]
     for contact, wheel, length in zip(contacts, wheels, lengths, strict=True):
         contact["brake_low"], contact["brake_high"] = -np.inf, np.inf
@@ -395,7 +395,7 @@ def contacts_of(
 def _only_presses(load: AnyLoad) -> bool:
     """Whether nothing stands on the contacts of a load."""
     return isinstance(load, MovingForce | Footsteps) or (
-        isinstance(load, Foreign) and not (load.exchange.stiffness or load.exchange.damping)
+        isinstance(load, ExternalModel) and not (load.exchange.stiffness or load.exchange.damping)
     )
 
 

@@ -23,7 +23,7 @@ _AWAY = 1e-9  # of the size of a structure: what is held this close is where it 
 
 
 def begin_elsewhere(
-    structure: Structure, state: SystemState, start: Start, shown: Integers, of_line: Sequence[str], *, within: bool
+    structure: Structure, state: SystemState, start: Start, displayed: Integers, of_line: Sequence[str], *, within: bool
 ) -> None:
     """Put a structure at rest, without its loads, into a mode or to where it was at a stored instant.
 
@@ -31,7 +31,7 @@ def begin_elsewhere(
         structure: what moves.
         state: of rest; its places and velocities of nodes are changed.
         start: what the motion begins with.
-        shown: nodes in the order of results.
+        displayed: nodes in the order of results.
         of_line: the line of each of these.
         within: whether it stays in the plane.
 
@@ -39,7 +39,7 @@ def begin_elsewhere(
         RopewalkError: there is no such mode, or the file does not fit.
     """
     if start.kind == "result":
-        _restore(structure, state, start, shown)
+        _restore(structure, state, start, displayed)
         return
     assert start.amplitude is not None
     potential = SystemPotential(
@@ -48,11 +48,11 @@ def begin_elsewhere(
     on = None
     if start.line is not None:
         on = np.zeros(state.r.shape[1], dtype=np.bool_)
-        on[shown] = np.array(of_line) == start.line
+        on[displayed] = np.array(of_line) == start.line
     way, number = np.array(spatial(start.direction or UP)), start.number or 1
     shape, _ = _mode(potential, state, number, way, on)
     if start.whirl:  # a quarter of a period later it is where the mode at right angles to it is now
-        chord = _chord(state.r[:, shown], of_line, start.line)
+        chord = _chord(state.r[:, displayed], of_line, start.line)
         beside, omega = _mode(potential, state, number, np.cross(chord, way), on)
         state.v[:] += start.amplitude * omega * beside
     state.r[:] += start.amplitude * shape
@@ -92,11 +92,11 @@ def _chord(r: Array, of_line: Sequence[str], line: str | None) -> Array:
     return np.asarray(way / np.linalg.norm(way))
 
 
-def _restore(structure: Structure, state: SystemState, start: Start, shown: Integers) -> None:
+def _restore(structure: Structure, state: SystemState, start: Start, displayed: Integers) -> None:
     """Put all nodes to where they were at a stored instant."""
     rest, restrained = state.r.copy(), structure.restraints
-    state.r[:, shown], state.v[:, shown] = stored_instant(start, shown.size, rest.shape[0])
-    seen, away = set(shown.tolist()), 0.0
+    state.r[:, displayed], state.v[:, displayed] = stored_instant(start, displayed.size, rest.shape[0])
+    seen, away = set(displayed.tolist()), 0.0
     for e in range(restrained.mass.size):
         nodes = restrained.members(e)
         known = next(int(node) for node in nodes if int(node) in seen)

@@ -24,7 +24,7 @@ from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.compliance import ARC, SHORT_ARC, SMOOTH
 from ropewalk.system.inertia import hold_back
-from ropewalk.system.sheaves import blow_over, exist
+from ropewalk.system.sheaves import add_wind_over, exist
 
 
 @lean_inner
@@ -137,7 +137,7 @@ def _tensions(p, strain, tension, begin, n):
 
 
 @lean_inner
-def _resist(c, h, strain, before, rate, tension, begin, n, dt):
+def _add_drag(c, h, strain, before, rate, tension, begin, n, dt):
     """Add Kelvin-Voigt tension c de/dt; returns the power it takes, W."""
     e, o, u, T = (
         strain[begin : begin + n], before[begin : begin + n], rate[begin : begin + n], tension[begin : begin + n],
@@ -215,7 +215,7 @@ def _changes(links, buffers, begin, n, h):
 
 
 @inlined
-def pull_all(structure, buffers, r, dt):
+def add_internal_forces(structure, buffers, r, dt):
     """Add the forces of all runs, whose strains are known, to `room.force`.
 
     Args:
@@ -237,7 +237,7 @@ def pull_all(structure, buffers, r, dt):
             _tensions(runs.law[s], buffers.strain, buffers.tension, begin, n)
         for j in range(s, end + 1):
             if runs.damping[j] > 0.0:
-                lost += _resist(runs.damping[j], h, buffers.strain, buffers.before, buffers.rate, buffers.tension,
+                lost += _add_drag(runs.damping[j], h, buffers.strain, buffers.before, buffers.rate, buffers.tension,
                                 runs.first[j],
                                 runs.links[j], dt)  # fmt: skip
             if small:
@@ -313,7 +313,7 @@ def energy_of(structure, buffers, r):
 
 
 @lean_inner
-def blow(structure, buffers, r, v, t, h):
+def add_wind_forces(structure, buffers, r, v, t, h):
     """Add the forces of the wind at the velocities in the middle of a kick of the length h; returns their power, W."""
     axes, light, power = r.shape[0], structure.nodes.light, 0.0
     for a in range(axes):
@@ -406,4 +406,4 @@ def _push(structure, r, v, t, air):
                     power += _share(v[a], air[a], i, 1, 2.0 * F, runs.shift[s, 0])
                 if i == last and runs.links[s] > 1:
                     power += _share(v[a], air[a], i + 1, -1, 2.0 * F, runs.shift[s, 1])
-    return power + blow_over(structure.sheaves, runs, wind, r, v, speed, air)
+    return power + add_wind_over(structure.sheaves, runs, wind, r, v, speed, air)

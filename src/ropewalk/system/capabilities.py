@@ -13,7 +13,7 @@ from ropewalk.model.history import rows
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import Inextensible
 from ropewalk.model.line import Line
-from ropewalk.model.load import RUBBING, Foreign, MovingForce
+from ropewalk.model.load import RUBBING, ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
@@ -175,7 +175,7 @@ def _of_loads(parts: Parts) -> Iterator[Finding]:
             kind = "frictionless contact" if contact == "frictionless" else f"contact of kind {contact}"
             feature, remedy = f"rest with a {kind}", "leave with_loads out, or write clamped"
             yield missing(("run", "start", "with_loads"), _SYSTEM, "true", remedy, feature=feature)
-        if isinstance(load, Walker | Foreign) and start is not None and start.with_loads:
+        if isinstance(load, Walker | ExternalModel) and start is not None and start.with_loads:
             feature, remedy = f"rest with a load of kind {load.kind}", "leave with_loads out"
             yield missing(("run", "start", "with_loads"), _SYSTEM, "true", remedy, feature=feature)
         if isinstance(load, Oscillator) and isinstance(load.travel, FreeTravel) and not load.wheel_mass:
@@ -199,7 +199,7 @@ def _in_a_window(parts: Parts) -> Iterator[Finding]:
                 where = key if key in ("start_support", "end_support") else f"supports.{key}"
                 yield Finding(path, f"lines.{name}.{where} moves its line far from a load, too", given, remedy)
     for load in parts.loads.values():
-        if isinstance(load, Footsteps | Walker | Foreign):
+        if isinstance(load, Footsteps | Walker | ExternalModel):
             yield missing(path, _SYSTEM, given, remedy, feature=f"a window with a load of kind {load.kind}")
         elif getattr(getattr(load, "travel", None), "measured", "") == "arc":
             yield missing(path, _SYSTEM, given, remedy, feature="a window with measured: arc")

@@ -12,7 +12,7 @@ import numpy as np
 from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
 from ropewalk.controllers import carrier
 from ropewalk.controllers import carrier as seen
-from ropewalk.foreign.cosimulation_master import ContactPush
+from ropewalk.external.cosimulation_master import ContactPush
 from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import entry_of
@@ -348,7 +348,7 @@ class SystemCarrier:
         """Book what loads lose, J."""
         self.system.state.work[IN_BODIES] += energy
 
-    def press(self, k: int, push: ContactPush, every: float) -> None:
+    def apply_push(self, k: int, push: ContactPush, every: float) -> None:
         """Let contact k do what a push says for some seconds: it slides on to there, or is put down anew."""
         contact, tables, state = self.system.contacts[k], self.system.tables, self.system.state
         away = push.xi - float(state.s[k])
@@ -361,7 +361,7 @@ class SystemCarrier:
         tables.speed_value[contact["speed_first"]] = speed
         contact["begin"] = float(state.s[k]) - speed * self.t
 
-    def lead(self, interface_coordinate: int, height: float, rise: float) -> None:
+    def set_interface(self, interface_coordinate: int, height: float, rise: float) -> None:
         """Put the far end of an interface's spring somewhere, and let it go on from there."""
         self.q[interface_coordinate], self.v[interface_coordinate] = height, rise
 
@@ -371,7 +371,7 @@ class SystemCarrier:
         return seen.SLIDES * float(structure.runs.h[structure.lines.first[self.system.contacts[k]["line"]]])
 
     def given(self, contacts: Iterable[int]) -> Arrays:
-        """What `press` writes for some contacts."""
+        """What `apply_push` writes for some contacts."""
         tables, found = self.system.tables, Arrays()
         for k in contacts:
             contact = self.system.contacts[k]

@@ -18,7 +18,7 @@ from ropewalk.results.frames import Frames, summed
 from ropewalk.system.assembled import Assembled
 from ropewalk.system.bodies import BodyArrays
 from ropewalk.system.contacts import FORCE, ON, PRESCRIBED
-from ropewalk.system.hold_forces import Grip, beside
+from ropewalk.system.hold_forces import FrictionDemand, beside
 from ropewalk.system.sheaves_at_rest import gravitational
 from ropewalk.system.structure import (
     CARRIED,
@@ -115,7 +115,7 @@ class FrameBuilder:
         restrained, supports = assembled.structure.restraints, [e for _, e in assembled.supports]
         joints = np.setdiff1d(np.arange(restrained.mass.size), supports)
         weight = -float(assembled.structure.nodes.force[-1].sum() + restrained.force[joints, -1].sum())
-        shown = () if loading.multibody_system is None else loading.multibody_system.shown
+        displayed = () if loading.multibody_system is None else loading.multibody_system.displayed
         attached = assembled.attached
         more: dict[str, Any] = {}
         if attached is not None:
@@ -141,7 +141,7 @@ class FrameBuilder:
                 for i, j, k in sheet.surface.triangle + at
             ),
             cell_net=tuple(sheet.name for sheet in membranes for _ in sheet.surface.triangle),
-            body=tuple(body.name for body in shown),
+            body=tuple(body.name for body in displayed),
             path=path,
             weight=float("nan") if windy or runs.bed.any() else weight,
             **more,
@@ -165,10 +165,10 @@ class FrameBuilder:
         """
         tension = self._axial_force(at)
         seen = self._contacts(at, tension)
-        places, velocities = self._shown_bodies(at)
+        places, velocities = self._displayed_bodies(at)
         of = {
             "position": at.r[:, :, self.node].swapaxes(1, 2), "velocity": at.v[:, :, self.node].swapaxes(1, 2),
-            "tension": tension[:, self.link], "strain": self._strains(at), **seen.told(),
+            "tension": tension[:, self.link], "strain": self._strains(at), **seen.fields(),
             "body_position": places, "body_velocity": velocities, "reaction": self._reactions(at),
             **self._of_ties(at, seen, still=still is not None), **self._cell_tensions(at),
             "energy": self._energy(at, still=still is not None),
@@ -256,21 +256,21 @@ class FrameBuilder:
         hold[gripped] = (force[gripped] * way).sum(axis=1)[:, None] * way  # what the line is gripped with
         both = beside(own, runs, tension.ravel(), instant * tension.shape[1])
         seen.position[on], seen.force[on], seen.hold[on] = own["place"][:, :dim], force, hold
-        seen.friction[on] = Grip.of(own, self.assembled.structure, s, both, dim).needed(own)
+        seen.friction[on] = FrictionDemand.of(own, self.assembled.structure, s, both, dim).needed(own)
         seen.xi[on], seen.speed[on], seen.in_air[on] = s, own["measured"], own["flown"]
         seen.state[on] = np.where(own["apart"] != 0, IN_AIR, np.where(own["speed"] != 0.0, MOVES, STICKS))
         seen.tension[on] = np.where(runs.firm[run][:, None] > 0.0, np.nan, both)
         return seen
 
-    def _shown_bodies(self, at: SystemNote) -> tuple[Array, Array]:
+    def _displayed_bodies(self, at: SystemNote) -> tuple[Array, Array]:
         """Places and velocities of bodies (instant, body, axis), m, m/s; along what has no coordinate above wheels."""
         multibody_system, (count, dim, _) = self.loading.multibody_system, at.r.shape
-        shown = () if multibody_system is None else multibody_system.shown
-        out = np.zeros((2, count, len(shown), dim))
+        displayed = () if multibody_system is None else multibody_system.displayed
+        out = np.zeros((2, count, len(displayed), dim))
         places = at.u.shape[1] - (0 if multibody_system is None else multibody_system.bodies.coordinates.size)
         first = np.cumsum([0, *(dim for c in self.bodies.contact[:places:dim])])
         own = dict(zip(self.bodies.contact[:places:dim].tolist(), first[:-1].tolist(), strict=True))
-        for i, body in enumerate(shown):
+        for i, body in enumerate(displayed):
             for a, coordinate in enumerate(body.coordinates):
                 at_ = places + coordinate if coordinate >= 0 else own[body.wheel] + a
                 out[0, :, i, a], out[1, :, i, a] = at.u[:, at_], at.w[:, at_]

@@ -28,7 +28,7 @@ STRAIGHT, SHARP = 1e-6, 1e-3
 
 
 @lean_inner
-def grip(mu, block, half):
+def friction_demand(mu, block, half):
     """Largest force of friction over the force across the line, R, where the line turns by twice an angle in rad."""
     if mu <= 0.0:
         return 0.0
@@ -80,7 +80,7 @@ def _pressed(structure, buffers, contacts, state, table, out, k, hold):
         half, stretch = 0.0, np.sqrt(square)
     elif across < whole:
         half = np.arcsin(across / whole)
-    R = grip(contacts[k].friction, contacts[k].block, half)
+    R = friction_demand(contacts[k].friction, contacts[k].block, half)
     return (along - turned) / stretch, R * across, first / stretch, R * aside / max(across, 1e-300)
 
 

@@ -43,7 +43,7 @@ def beside(contacts: Any, runs: Runs, tension: Array, begin: Integers) -> Array:
     return np.asarray(tension[link + (begin + runs.first[run])[:, None]])
 
 
-class Grip(NamedTuple):
+class FrictionDemand(NamedTuple):
     """The forces of contacts on their lines, as friction sees them, (contact,)."""
 
     along: Array  # N, towards the end of the line
@@ -51,7 +51,7 @@ class Grip(NamedTuple):
     half: Array  # rad, half the angle by which the line turns
 
     @staticmethod
-    def of(contacts: Any, structure: Structure, s: Array, both: Array, axes: int) -> Grip:
+    def of(contacts: Any, structure: Structure, s: Array, both: Array, axes: int) -> FrictionDemand:
         """What is known of contacts at s in m of their lines; at the ends of these, the support bears all.
 
         What it takes to move one along its line is the change of all energy, its kink turns with it.
@@ -75,7 +75,7 @@ class Grip(NamedTuple):
         turns = across < whole
         half = np.where(turns, np.arcsin(np.where(turns, across, 0.0) / np.where(turns, whole, 1.0)), 0.5 * np.pi)
         half[on_net] = 0.0  # a net does not bend around a contact
-        return Grip(*(np.where(inside, each, 0.0) for each in (along, across, half)))
+        return FrictionDemand(*(np.where(inside, each, 0.0) for each in (along, across, half)))
 
     def most(self, contacts: Any) -> Array:
         """Forces along their lines that the friction of contacts bears, N."""
@@ -133,20 +133,22 @@ class HoldForces:
         slides = [k for k in inner if self._kind[k] != COULOMB]
         for _ in range(len(stands) + 1):
             shape = self._balance(contacts, s, slides, sign, settle, shape)
-            grip = self._grip(contacts, s, stands)
-            too_much = np.abs(grip.along) > grip.most(contacts[stands]) + _EQUAL * grip.across
+            friction_demand = self._friction_demand(contacts, s, stands)
+            too_much = (
+                np.abs(friction_demand.along) > friction_demand.most(contacts[stands]) + _EQUAL * friction_demand.across
+            )
             slips = [i for i, k in enumerate(stands) if k not in slides and too_much[i]]
             if not slips:
                 return shape
             for i in slips:
-                sign[stands[i]] = np.sign(grip.along[i])
+                sign[stands[i]] = np.sign(friction_demand.along[i])
             slides = slides + [stands[i] for i in slips]
         return self._balance(contacts, s, slides, sign, settle, shape)
 
-    def _grip(self, contacts: Any, s: Array, which: list[int]) -> Grip:
+    def _friction_demand(self, contacts: Any, s: Array, which: list[int]) -> FrictionDemand:
         own = contacts[which]
         both = beside(own, self._structure.runs, self._tension, np.zeros(len(which), dtype=np.int64))
-        return Grip.of(own, self._structure, s[which], both, self._axes)
+        return FrictionDemand.of(own, self._structure, s[which], both, self._axes)
 
     def _balance(
         self, contacts: Any, s: Array, slides: list[int], sign: Array, settle: Callable[[Array], Array], shape: Array
@@ -163,14 +165,14 @@ class HoldForces:
             nonlocal found
             contacts["hold"][slides] = hold * size
             found = settle(found)
-            grip = self._grip(contacts, s, slides)
-            return np.asarray((grip.along - sign[slides] * grip.most(contacts[slides])) / size)
+            friction_demand = self._friction_demand(contacts, s, slides)
+            return np.asarray((friction_demand.along - sign[slides] * friction_demand.most(contacts[slides])) / size)
 
-        first, grip = contacts["hold"][slides] / size, self._grip(contacts, s, slides)
+        first, friction_demand = contacts["hold"][slides] / size, self._friction_demand(contacts, s, slides)
         for i, k in enumerate(slides):
             if first[i] == 0.0:  # as on a line that stays as it is
                 way, level = contacts[k]["along"][: self._axes], self._structure.runs.ahead[contacts[k]["run"]]
-                first[i] = -grip.along[i] * float(np.linalg.norm(way)) / float(way @ level) / size
+                first[i] = -friction_demand.along[i] * float(np.linalg.norm(way)) / float(way @ level) / size
         solved = optimize.root(miss, first, method="hybr", options={"xtol": 1e-12, "eps": 1e-7})
         if np.abs(miss(solved.x)).max() > _EQUAL:
             raise EquilibriumError("nothing holds a load there: the force that it takes grows beyond all bounds")

@@ -14,7 +14,7 @@ from typing import Any
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import missing
 from ropewalk.model.footsteps import Footsteps
-from ropewalk.model.load import RUBBING, AnyLoad, Foreign, MovingForce
+from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic
@@ -70,7 +70,7 @@ def _not_smooth(parts: Parts) -> Iterator[tuple[str, str]]:
     for load in parts.loads.values():
         if load is None:
             continue
-        if isinstance(load, Footsteps | Walker | Foreign):
+        if isinstance(load, Footsteps | Walker | ExternalModel):
             yield "a load that decides on the way", "kind: force"
         if isinstance(load, MovingForce) and parts.is_airy and load.travel.speed != 0.0:  # steps become ever shorter
             yield "a force that moves along in wind", "leave wind_drag out"

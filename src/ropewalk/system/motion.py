@@ -11,16 +11,25 @@ import numpy as np
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.bodies import LEAVES, STAYS, arrive, balance, drift, ground, kick
-from ropewalk.system.cables import blow, energy_of, guess, pull_all, stretch_all
+from ropewalk.system.cables import add_internal_forces, add_wind_forces, energy_of, guess, stretch_all
 from ropewalk.system.constraints import draw, is_too_long, note_kick
 from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, bend, press
 from ropewalk.system.friction import NOT, rub
 from ropewalk.system.inertia import kick_along
-from ropewalk.system.sheaves import RUBS, exist, is_at_sheave, pass_nodes, pull_sheaves, slip, stored_at, stretch_over
+from ropewalk.system.sheaves import (
+    RUBS,
+    add_sheave_forces,
+    exist,
+    is_at_sheave,
+    pass_nodes,
+    slip,
+    stored_at,
+    stretch_over,
+)
 from ropewalk.system.structure import CARRIED, DAMPED, DRIVEN, LOADED, MOVED, RESTRAINED, RUBBED, STRUCK
-from ropewalk.system.surfaces import damp_surfaces, follow, hand_over, is_damped, pull_surfaces, stored_in
+from ropewalk.system.surfaces import add_surface_forces, damp_surfaces, follow, hand_over, is_damped, stored_in
 from ropewalk.system.tethers import gap, grow
-from ropewalk.system.ties import are_damped, damp_ties, pull_ties, stored_in_ties, tie_up
+from ropewalk.system.ties import add_tie_forces, are_damped, damp_ties, stored_in_ties, tie_up
 from ropewalk.system.travel import fade, locate
 
 RUNNING, NOT_FINITE, AT_END, ASKED, AT_SHEAVE, LINE_OUT, TOO_LONG = 0, 1, 2, 3, 4, 5, 6
@@ -83,20 +92,20 @@ def _look(structure, buffers, contacts, tables, bodies, state, table, out, dt, s
             if contacts[k].state == ON:
                 for a in range(state.r.shape[0]):
                     stored += 0.5 * contacts[k].d[a] ** 2 * contacts[k].firm
-    lost, blown = pull_all(structure, buffers, state.r, since), 0.0
+    lost, blown = add_internal_forces(structure, buffers, state.r, since), 0.0
     press(structure, buffers, contacts, state, table, out)
     hand_over(structure.surfaces, buffers.force)
-    pull_surfaces(structure.surfaces, state.r, buffers.force)
+    add_surface_forces(structure.surfaces, state.r, buffers.force)
     if tie_up(structure.ties):
-        pull_ties(structure.ties, state.r, buffers.force)
+        add_tie_forces(structure.ties, state.r, buffers.force)
     if exist(structure.sheaves):
-        lost += pull_sheaves(structure.sheaves, structure.runs, buffers, state.r, since)
+        lost += add_sheave_forces(structure.sheaves, structure.runs, buffers, state.r, since)
     if since > 0.0 and (is_damped(structure.surfaces) or are_damped(structure.ties)):
         guess(structure, buffers, state.v, dt)
         lost += damp_surfaces(structure.surfaces, state.r, buffers.guess, buffers.force)
         lost += damp_ties(structure.ties, buffers.guess, buffers.force)
     if windy:
-        blown = blow(structure, buffers, state.r, state.v, state.t[0], dt)
+        blown = add_wind_forces(structure, buffers, state.r, state.v, state.t[0], dt)
     return lost, blown, stored
 
 

@@ -13,7 +13,7 @@ from ropewalk.checkpoint import Tree, copied, put
 from ropewalk.controllers.assembly import controllers_of
 from ropewalk.controllers.partner import Partner
 from ropewalk.errors import EquilibriumError
-from ropewalk.foreign.cosimulation_master import begun
+from ropewalk.external.cosimulation_master import begun
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import CLAMPED, COULOMB, Array, Integers
 from ropewalk.mechanics.loading import loading_of
@@ -24,7 +24,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.trolley import Trolley
 from ropewalk.networks.lengths import doubt_slack
-from ropewalk.results.exchanges import foreign_in
+from ropewalk.results.exchanges import external_in
 from ropewalk.results.frame import Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.running import Ending
@@ -167,7 +167,7 @@ class SystemMotion:
     @property
     def layout(self) -> Layout:
         """Names and coordinates of the frames."""
-        return replace(self._builder.layout, foreign=foreign_in(self._scenario))
+        return replace(self._builder.layout, external=external_in(self._scenario))
 
     @property
     def tension(self) -> Array:
@@ -175,7 +175,7 @@ class SystemMotion:
         return self._buffers.tension
 
     @property
-    def shown(self) -> Integers:
+    def displayed(self) -> Integers:
         """Nodes in the order of the result."""
         return self._builder.node
 
@@ -272,8 +272,8 @@ class SystemMotion:
         led = {name: load for name, load in self._scenario.loads.items() if not isinstance(load, Footsteps)}  # tables
         controllers = controllers_of(self._carrier, self.loading, self._scenario.model_copy(update={"loads": led}))
         self._asking = Asking(self._carrier, controllers)
-        self.turns = [controller.turns for controller in controllers if isinstance(controller, Partner)]
-        with begun(self.turns):
+        self.cosimulation = [controller.cosimulation for controller in controllers if isinstance(controller, Partner)]
+        with begun(self.cosimulation):
             self._asking.begin()
 
     def _system(self) -> System:

@@ -65,13 +65,13 @@ def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assem
     sections = {name: section_of(name, line, scenario.gravity) for name, line in scenario.overhead_lines.items()}
     aside = any(section.stagger.any() for section in sections.values())
     axes = axes or (("x", "y", "z") if aside else axes_of(scenario))
-    shown = [0, 1, 2] if len(axes) == 3 else [0, 2]
+    displayed = [0, 1, 2] if len(axes) == 3 else [0, 2]
     parts, runs, on = list[_Part](), list[_WireRun](), dict[str, int]()
     for name, section in sections.items():
         laid = in_space(section, scenario.overhead_lines[name]) if len(axes) == 3 else section
         on |= {load: len(runs) + CONTACT for load, it in scenario.loads.items() if it.on == name}
-        own = list(_runs(laid, shown, sum(run.links + 1 for run in runs)))
-        parts.append(_Part(laid, own, shown))
+        own = list(_runs(laid, displayed, sum(run.links + 1 for run in runs)))
+        parts.append(_Part(laid, own, displayed))
         runs += own
     gravity = np.zeros(len(axes))
     gravity[-1] = -scenario.gravity
@@ -96,8 +96,8 @@ def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assem
     )  # fmt: skip
 
 
-def _runs(section: Section, shown: list[int], first: int) -> Iterator[_WireRun]:
-    mesh, near = section.mesh(), section.near[shown]
+def _runs(section: Section, displayed: list[int], first: int) -> Iterator[_WireRun]:
+    mesh, near = section.mesh(), section.near[displayed]
     unstrained = hung(mesh, section.rest.position)
     for i, wire in enumerate(section.plan.wires):
         part, links = mesh.of(i), int(mesh.strands.links[i])
@@ -133,7 +133,7 @@ class _Part:
 
     section: Section
     runs: list[_WireRun]
-    shown: list[int]  # axes, as numbers of x, y and z
+    displayed: list[int]  # axes, as numbers of x, y and z
 
     def point(self, spot: Spot) -> Point:
         return self.runs[spot.wire].point(spot.station)
@@ -176,8 +176,8 @@ def _restraints(parts: Sequence[_Part], axes: int) -> tuple[Restraints, list[str
                 place.append(run.rest[:, column])
                 hold = guided.get((i, side))
                 stiffness = np.full(3, np.inf) if hold is None else np.array(hold.stiffness)
-                free.append(np.diag((~np.isinf(stiffness[part.shown])).astype(np.float64)))
-                force.append(np.zeros(axes) if hold is None else np.array(hold.force)[part.shown])
+                free.append(np.diag((~np.isinf(stiffness[part.displayed])).astype(np.float64)))
+                force.append(np.zeros(axes) if hold is None else np.array(hold.force)[part.displayed])
     count, none = len(node), np.zeros((len(node), axes, axes))
     return Restraints(
         np.arange(count), np.ones(count, dtype=np.int64), np.array(node, dtype=np.int64), np.zeros(count),
@@ -188,41 +188,41 @@ def _restraints(parts: Sequence[_Part], axes: int) -> tuple[Restraints, list[str
 
 def _ties(parts: Sequence[_Part], nodes: int) -> tuple[list[Tie], Attached]:
     """Droppers and arms, and then what holds wires on their way, axis by axis."""
-    shown: list[tuple[Tie, Planned]] = []
+    displayed: list[tuple[Tie, Planned]] = []
     restrained: list[tuple[Tie, str]] = []
     watched: dict[str, tuple[float, Point]] = {}
     for part in parts:
         plan = part.section.plan
         for tie in plan.ties:
-            other = part.point(tie.other) if isinstance(tie.other, Spot) else np.array(tie.other)[part.shown]
+            other = part.point(tie.other) if isinstance(tie.other, Spot) else np.array(tie.other)[part.displayed]
             stiffness = (tie.stiffness, tie.pushes)
-            shown.append((Tie(part.point(tie.spot), other, tie.length, stiffness, (tie.damping, 0.0)), tie))
+            displayed.append((Tie(part.point(tie.spot), other, tie.length, stiffness, (tie.damping, 0.0)), tie))
         for hold in plan.holds:
             if part.end_of(hold) is None:
                 restrained += [(tie, hold.name) for tie in _axes_of(part, hold)]
         watched |= {name: (spot.station, part.point(spot)) for name, spot in plan.watched.items()}
-    arms = [tie.name for _, tie in shown if not isinstance(tie.other, Spot)]
+    arms = [tie.name for _, tie in displayed if not isinstance(tie.other, Spot)]
     supports = tuple(dict.fromkeys([*(name for _, name in restrained), *arms]))
-    names = [tie.name for _, tie in shown] + [name for _, name in restrained]
+    names = [tie.name for _, tie in displayed] + [name for _, name in restrained]
     watch = sparse.lil_matrix((len(watched), nodes))
     for row, (_, point) in enumerate(watched.values()):
         own, weight = point.parts
         watch[row, own] = weight
     attached = Attached(
-        tuple(tie.name for _, tie in shown), tuple(tie.spot.station for _, tie in shown), supports,
+        tuple(tie.name for _, tie in displayed), tuple(tie.spot.station for _, tie in displayed), supports,
         np.array([supports.index(name) if name in supports else -1 for name in names], dtype=np.int64),
         tuple(watched), tuple(station for station, _ in watched.values()), watch.tocsr(),
     )  # fmt: skip
-    return [tie for tie, _ in shown] + [tie for tie, _ in restrained], attached
+    return [tie for tie, _ in displayed] + [tie for tie, _ in restrained], attached
 
 
 def _axes_of(part: _Part, hold: Hold) -> Iterator[Tie]:
     """Springs, dampers and constant forces of a hold along x, y and z."""
-    point, place = part.point(hold.spot), np.array(hold.place)[part.shown]
-    for a, axis in enumerate(part.shown):
+    point, place = part.point(hold.spot), np.array(hold.place)[part.displayed]
+    for a, axis in enumerate(part.displayed):
         k, c, F = (float(values[axis]) for values in (hold.stiffness, hold.damping, hold.force))
         if not (k or c or F):
             continue
         more: dict[str, Any] = {"along": part.runs[hold.spot.wire].wire.axial_stiffness} if axis == 0 else {}
-        way = np.eye(len(part.shown))[a]
+        way = np.eye(len(part.displayed))[a]
         yield Tie(point, place, 0.0, (k, k), (c, c), F, way, **more)

@@ -149,7 +149,7 @@ def stretch_over(sheaves, runs, buffers, r):
 
 
 @lean_inner
-def pull_sheaves(sheaves, runs, buffers, r, since):
+def add_sheave_forces(sheaves, runs, buffers, r, since):
     """Add the forces of all pieces, whose strains and slip are known, to `room.force`; returns what they damp, W.
 
     Args:
@@ -180,7 +180,7 @@ def pull_sheaves(sheaves, runs, buffers, r, since):
 
 
 @lean_inner
-def blow_over(sheaves, runs, wind, r, v, speed, air):
+def add_wind_over(sheaves, runs, wind, r, v, speed, air):
     """Add the forces of the wind on all pieces, half of each to its ends; returns their power, W."""
     power = 0.0
     if sheaves is None:

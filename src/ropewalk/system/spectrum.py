@@ -61,12 +61,12 @@ def spectrum_at(scenario: Scenario, t: float, how_many: int | None = None) -> Sp
             at, contact = slice(int(loaded.contacts[k]["first"]), None), loaded.contacts[k]
             place = contact["p"] + moving.contacts[k]["N"] / contact["moving"]
             loaded.state.u[at][: moving.rest.shape[0]] = place[: moving.rest.shape[0]]
-    return free_vibration(_equations(potential, potential.taken(), moving.shown, moving.layout), how_many)
+    return free_vibration(_equations(potential, potential.taken(), moving.displayed, moving.layout), how_many)
 
 
 def equations_of(still: SystemStatics) -> Equations:
     """Equations of motion about rest with the loads at their start; contacts of forces have no mass."""
-    return _equations(still.potential, still.at_rest_with_loads(), still.shown, still.layout)
+    return _equations(still.potential, still.at_rest_with_loads(), still.displayed, still.layout)
 
 
 def _equations(potential: SystemPotential, shape: Array, nodes: Integers, layout: Layout) -> Equations:

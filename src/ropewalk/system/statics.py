@@ -20,11 +20,11 @@ from ropewalk.solve import minimum
 from ropewalk.solve.symmetric import Way
 from ropewalk.system import constrained
 from ropewalk.system.air import damping_by_wind
-from ropewalk.system.cables import energy_of, pull_all, stretch_all
+from ropewalk.system.cables import add_internal_forces, energy_of, stretch_all
 from ropewalk.system.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
 from ropewalk.system.contacts import ON, bend, press
 from ropewalk.system.loaded_structure import LoadedStructure
-from ropewalk.system.sheaves import SLIPS, STICKS, pass_nodes, pull_sheaves, slip, stored_at, stretch_over
+from ropewalk.system.sheaves import SLIPS, STICKS, add_sheave_forces, pass_nodes, slip, stored_at, stretch_over
 from ropewalk.system.sheaves_at_rest import (
     damping_of,
     gravitational,
@@ -35,8 +35,8 @@ from ropewalk.system.sheaves_at_rest import (
 )
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import REST, WORKS, About, Buffers, Structure
-from ropewalk.system.surfaces import hand_over, pull_surfaces, stored_in
-from ropewalk.system.ties import pull_ties, stored_in_ties
+from ropewalk.system.surfaces import add_surface_forces, hand_over, stored_in
+from ropewalk.system.ties import add_tie_forces, stored_in_ties
 
 
 @lean_inner
@@ -83,11 +83,11 @@ def _forces(structure, buffers, contacts, state, table, out, how, given, firm):
     _stretch(structure, buffers, contacts, state, table, out, how)
     for k in range(contacts.size):
         firm[k] = contacts[k].moving
-    pull_all(structure, buffers, state.r, 0.0)
+    add_internal_forces(structure, buffers, state.r, 0.0)
     press(structure, buffers, contacts, state, table, out)
-    pull_surfaces(structure.surfaces, state.r, buffers.force)
-    pull_ties(structure.ties, state.r, buffers.force)
-    pull_sheaves(structure.sheaves, structure.runs, buffers, state.r, 0.0)
+    add_surface_forces(structure.surfaces, state.r, buffers.force)
+    add_tie_forces(structure.ties, state.r, buffers.force)
+    add_sheave_forces(structure.sheaves, structure.runs, buffers, state.r, 0.0)
     for k in range(contacts.size):
         if contacts[k].state == ON and contacts[k].first >= given:
             for a in range(state.r.shape[0]):

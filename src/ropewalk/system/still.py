@@ -16,9 +16,9 @@ from ropewalk.mechanics.moving_contact import look_up_integral
 from ropewalk.model.scenario import Scenario
 from ropewalk.networks.lengths import doubt_slack
 from ropewalk.results.frame import Frame, Layout, RunInfo
-from ropewalk.solve.following import schedule, slow_motion
+from ropewalk.solve.following import quasistatic_motion, schedule
 from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
-from ropewalk.system.cables import blow
+from ropewalk.system.cables import add_wind_forces
 from ropewalk.system.compliance import AT_REST
 from ropewalk.system.contacts import ON
 from ropewalk.system.frames import FrameBuilder, SystemNote
@@ -32,9 +32,9 @@ _ROUNDS, _NEAR = 100, 1e-10
 
 
 @lean
-def _blow(structure, buffers, r, v, t):
+def _add_wind_forces(structure, buffers, r, v, t):
     """Forces of the wind on what stands still, to `room.air`."""
-    blow(structure, buffers, r, v, t, 0.0)
+    add_wind_forces(structure, buffers, r, v, t, 0.0)
 
 
 class _RestShape(NamedTuple):
@@ -84,7 +84,7 @@ class SystemStatics:
         return self._builder.layout
 
     @property
-    def shown(self) -> Integers:
+    def displayed(self) -> Integers:
         """Nodes in the order of the result."""
         return self._builder.node
 
@@ -112,7 +112,7 @@ class SystemStatics:
         Raises:
             EquilibriumError: the first load has no way, or there is no rest with the loads somewhere on it.
         """
-        for at in slow_motion(self._rest, self._places, *self._schedule(), positions, turn):
+        for at in quasistatic_motion(self._rest, self._places, *self._schedule(), positions, turn):
             yield self._frame(at.shape, at.path, at.t)
 
     def _rest(self, t: float, near: _RestShape | None) -> _RestShape:
@@ -151,7 +151,7 @@ class SystemStatics:
             return least(potential, shape)
         for _ in range(_ROUNDS):
             r = potential.put(shape)[0]
-            _blow(structure, potential.buffers, r, np.zeros_like(r), t)
+            _add_wind_forces(structure, potential.buffers, r, np.zeros_like(r), t)
             potential.blown[:] = potential.buffers.air
             last, shape = shape, least(potential, shape)
             if float(np.abs(shape - last).max()) <= _NEAR * potential.size:

@@ -111,9 +111,9 @@ class Superposed:
                 f"half the steps still change {missed:.2g} of the displacement or contact force", "what stands on the "
                 "structure swings faster than it goes along", "", "compare with kind: dynamic, geometry: linearised",
             )  # fmt: skip
-        shown = [s for s in stretches if s.shown]
+        displayed = [s for s in stretches if s.displayed]
         lost: set[int] = set()
-        for t, moment, on in zip(self._times, moments, [stretches[0].on, *(s.on for s in shown)], strict=True):
+        for t, moment, on in zip(self._times, moments, [stretches[0].on, *(s.on for s in displayed)], strict=True):
             self._ask_contact(float(t), moment, lost)
             yield self._frame(float(t), moment, on)
 
@@ -156,7 +156,7 @@ class Superposed:
         instants = np.unique(np.array(events))
         kept = np.concatenate([[True], np.diff(instants) > CLOSE * until])
         instants = instants[kept]
-        shown = {int(np.abs(instants - t).argmin()) for t in self._times}
+        displayed = {int(np.abs(instants - t).argmin()) for t in self._times}
         contacts = self._loaded.contacts
         been, found = self._passing.whether_on(0.0, np.zeros(contacts.size, dtype=np.bool_)), []
         seen = been.copy()
@@ -167,7 +167,7 @@ class Superposed:
             seen |= on
             loads = np.unique(contacts["load"][seen & ~on])
             gone = frozenset(int(n) for n in loads if not on[contacts["load"] == n].any())
-            found.append(Stretch(begin, end, on, gone, i + 1 in shown))
+            found.append(Stretch(begin, end, on, gone, i + 1 in displayed))
         return found
 
     def _refuse_to_leave(self, off: NDArray[np.bool_], t: float) -> None:

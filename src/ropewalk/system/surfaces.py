@@ -19,7 +19,7 @@ import scipy.sparse as sparse
 
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean, lean_inner
-from ropewalk.networks.membrane_elements import cell_stiffness, damp_cells, pull_cells, stored
+from ropewalk.networks.membrane_elements import add_membrane_forces, cell_stiffness, damp_cells, stored
 from ropewalk.networks.network import Cells
 
 
@@ -125,11 +125,11 @@ def hand_over(surfaces, force):
 
 
 @lean_inner
-def pull_surfaces(surfaces, r, force):
+def add_surface_forces(surfaces, r, force):
     """Add the elastic forces of all cells."""
     if surfaces is None:
         return
-    pull_cells(surfaces.cells, r.T, force.T, surfaces.F, surfaces.P)
+    add_membrane_forces(surfaces.cells, r.T, force.T, surfaces.F, surfaces.P)
 
 
 @lean_inner

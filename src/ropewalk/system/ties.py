@@ -230,7 +230,7 @@ def _look_at(ties, r, e):
 
 
 @lean_inner
-def pull_ties(ties, r, force):
+def add_tie_forces(ties, r, force):
     """Add the forces of the springs of all ties."""
     if ties is None:
         return

@@ -20,7 +20,7 @@ from ropewalk.mechanics.chain import ARC, HORIZONTAL, MATERIAL, SLIP, Array
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.moving_contact import look_up, look_up_integral
 from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, goes_on, sit, slope_at_rest, stiffen, yields
-from ropewalk.system.friction import grip
+from ropewalk.system.friction import friction_demand
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import RESTRAINED, STRUCK
 
@@ -391,7 +391,7 @@ def _resistance(structure, buffers, contacts, state, table, out, k, s, since):
     whole = 2.0 * (T + structure.runs.bending[run] / (h * h))
     if normal < whole:
         half = np.arcsin(normal / whole)
-    R = (grip(contacts[k].friction, contacts[k].block, half) + contacts[k].rolling) * normal
+    R = (friction_demand(contacts[k].friction, contacts[k].block, half) + contacts[k].rolling) * normal
     if s < contacts[k].brake_low or s > contacts[k].brake_high:
         R += contacts[k].brake
     return push, R, stretch, damper

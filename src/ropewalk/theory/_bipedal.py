@@ -40,14 +40,14 @@ class SpringLegs:
         """Height of the mass at which the leg in the air touches the ground, in m."""
         return self.leg_length * float(np.sin(self.attack_angle))
 
-    def energy(self, height: float, speed: float, climb: float = 0.0) -> float:
+    def energy(self, height: float, speed: float, rise: float = 0.0) -> float:
         """Return the energy in J with one leg, upright, on the ground: ``height`` in m, the velocities in m/s."""
-        kinetic = 0.5 * self.mass * (speed**2 + climb**2)
+        kinetic = 0.5 * self.mass * (speed**2 + rise**2)
         return kinetic + self.mass * self.gravity * height + 0.5 * self.stiffness * (self.leg_length - height) ** 2
 
-    def speed(self, energy: float, height: float, climb: float = 0.0) -> float:
+    def speed(self, energy: float, height: float, rise: float = 0.0) -> float:
         """Return the forward speed in m/s that goes with an ``energy`` in J. `ValueError` if it is too little."""
-        square = 2.0 * (energy - self.energy(height, 0.0, climb)) / self.mass
+        square = 2.0 * (energy - self.energy(height, 0.0, rise)) / self.mass
         if not square >= 0.0:
             raise ValueError(f"an energy of {energy} J is too little for a height of {height} m")
         return float(np.sqrt(square))
@@ -118,7 +118,7 @@ class Gait:
         return self.step_length / self.step_time
 
 
-def walk(t: ArrayLike, legs: SpringLegs, *, height: float, speed: float, climb: float = 0.0) -> Walk:
+def walk(t: ArrayLike, legs: SpringLegs, *, height: float, speed: float, rise: float = 0.0) -> Walk:
     """Return the walk on rigid level ground that begins with the leg upright over the foot at x = 0, at t = 0.
 
     Args:
@@ -126,7 +126,7 @@ def walk(t: ArrayLike, legs: SpringLegs, *, height: float, speed: float, climb: 
         legs: the walker.
         height: of the mass above the ground, m.
         speed: forwards, m/s.
-        climb: upwards, m/s.
+        rise: upwards, m/s.
 
     Returns:
         The walk, integrated with a relative error of 1e-12 from event to event.
@@ -141,9 +141,9 @@ def walk(t: ArrayLike, legs: SpringLegs, *, height: float, speed: float, climb: 
     (t,) = _arguments.within(0.0, np.inf, t=t)
     if t.ndim != 1 or not np.all(np.isfinite(t)):
         raise ValueError("t must be one row of finite times")
-    _arguments.finite(speed=speed, climb=climb)
+    _arguments.finite(speed=speed, rise=rise)
     last = float(np.max(t, initial=0.0))
-    state, now = np.array([0.0, height, speed, climb]), 0.0
+    state, now = np.array([0.0, height, speed, rise]), 0.0
     steps: list[_BipedalStep] = []
     while not steps or now <= last:
         steps.append(_step(legs, state, now, steps[-1].new if steps else 0.0))
@@ -185,14 +185,14 @@ def gaits(legs: SpringLegs, *, energy: float) -> tuple[Gait, ...]:
 
     _arguments.positive(energy=energy)
 
-    def climb(height: float) -> float:
+    def rise(height: float) -> float:
         return float(_next(legs, energy, height, 0.0)[1])
 
     heights = np.linspace(legs.landing_height, legs.leg_length, TRIALS + 2)[1:-1]
     climbs = []
     for height in heights:
         try:
-            climbs.append(climb(height))
+            climbs.append(rise(height))
         except ValueError:
             climbs.append(np.nan)
     found = []
@@ -200,7 +200,7 @@ def gaits(legs: SpringLegs, *, energy: float) -> tuple[Gait, ...]:
         if not below * above <= 0.0:
             continue
         try:
-            height = float(brentq(climb, low, high, xtol=1e-15, rtol=1e-14))
+            height = float(brentq(rise, low, high, xtol=1e-15, rtol=1e-14))
             back = _next(legs, energy, height, 0.0)
         except ValueError:  # a fall between the two
             continue
@@ -227,9 +227,9 @@ def _gait(legs: SpringLegs, energy: float, height: float) -> Gait:
     )
 
 
-def _next(legs: SpringLegs, energy: float, height: float, climb: float) -> FloatArray:
+def _next(legs: SpringLegs, energy: float, height: float, rise: float) -> FloatArray:
     """Height and climb one step later."""
-    start = np.array([0.0, height, legs.speed(energy, height, climb), climb])
+    start = np.array([0.0, height, legs.speed(energy, height, rise), rise])
     return _step(legs, start, 0.0, 0.0).end[[1, 3]]
 
 

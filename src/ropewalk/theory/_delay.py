@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from ropewalk.theory import _panels
 
-__all__ = ["DelayBody", "DelaySolution", "ride"]
+__all__ = ["DelayBody", "DelaySolution", "response"]
 
 FloatArray = NDArray[np.float64]
 
@@ -182,7 +182,7 @@ class DelaySolution:
         return self.moving_load.line * (fields[:, -2] + fields[:, -1] - fields[:, 0])
 
 
-def ride(alpha: float, moving_load: DelayBody) -> DelaySolution:
+def response(alpha: float, moving_load: DelayBody) -> DelaySolution:
     """Return the passage of a moving load with speed ``alpha`` (0 < alpha < 1) times that of the waves."""
     clock = DelayClock(alpha)
     panels = _Panels.none(moving_load.size + 2)

@@ -42,7 +42,7 @@ class Ellipse:
         """Return dx/dphi and dz/dphi in m."""
         return self._turned(self.a * np.cos(phi), self.b * np.sin(phi))
 
-    def pace(self, phi: FloatArray) -> FloatArray:
+    def sliding_speed(self, phi: FloatArray) -> FloatArray:
         """Return h, the arc length per angle, in m."""
         return np.asarray(np.hypot(self.b, self.c * np.cos(phi)))
 

@@ -18,7 +18,7 @@ __all__ = ["contact_lost", "end_value", "shape"]
 
 FloatArray = NDArray[np.float64]
 
-HIGHEST_CLIMB = 1e4  # degree; above, the leading terms err by less than 1e-10 in y
+HIGHEST_RISE = 1e4  # degree; above, the leading terms err by less than 1e-10 in y
 FREE_FALL = 1e-5  # lam below which two terms in lam do
 EARLY = 0.02  # xi, or lam xi, below which the power series in xi is taken
 NEAR_WHOLE = 0.01  # distance of the degree from a whole one
@@ -29,7 +29,7 @@ def shape(lam: float, xi: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return y in m g L/P and dy/dxi at places 0..1; the slope at 1, unless a is an integer, is one just before."""
     a, inside = degree(lam), np.minimum(xi, 1.0 - 1e-14)  # P_a is infinite at 1
     whole = np.rint(a)
-    if whole >= 1.0 and abs(a - whole) < NEAR_WHOLE and a < HIGHEST_CLIMB:
+    if whole >= 1.0 and abs(a - whole) < NEAR_WHOLE and a < HIGHEST_RISE:
         # SciPy loses digits near whole degrees, and the factor 1/(lam - 2) does. The solution is smooth there.
         y, slope = _interpolated(a, float(whole), inside)
     elif lam < FREE_FALL:
@@ -94,12 +94,12 @@ def _interpolated(a: float, whole: float, xi: FloatArray) -> tuple[FloatArray, F
 
 
 def _direct(a: float, lam: float, xi: FloatArray) -> tuple[FloatArray, FloatArray]:
-    h, legendre = _climb(a, xi) if a < HIGHEST_CLIMB else _leading_terms(a, lam, xi)
+    h, legendre = _rise(a, xi) if a < HIGHEST_RISE else _leading_terms(a, lam, xi)
     factor = lam / (lam - 2.0) if lam < 1e300 else 1.0
     return factor * (xi * (1.0 - xi) - h), factor * (1.0 - 2.0 * xi - legendre)
 
 
-def _climb(a: float, xi: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _rise(a: float, xi: FloatArray) -> tuple[FloatArray, FloatArray]:
     """h and P_a(1 - 2 xi) by the recurrence in the degree."""
     from scipy.special import hyp2f1, lpmv
 

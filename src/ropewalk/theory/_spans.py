@@ -26,7 +26,7 @@ __all__ = ["SpanLayout"]
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
-_ROOM = 1e250  # the largest number, 1e308, with room for higher bands
+_SPACE = 1e250  # the largest number, 1e308, with room for higher bands
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class SpanLayout:
             b = np.pi / d
             scales = np.array([d**3, (bend * b**2 + pull) * b**2 / self.mass, pull**2, (bend * b**2) ** 2, bend * b**4])
         used = np.array([1.0, 1.0, pull, bend, bend]) > 0.0
-        if not np.all((scales > 1.0 / _ROOM) & (scales < _ROOM), where=used):
+        if not np.all((scales > 1.0 / _SPACE) & (scales < _SPACE), where=used):
             raise ValueError(
                 f"spacing {self.spacing:g}, mass {self.mass:g}, tension {self.tension:g} and bending_stiffness "
                 f"{self.bending_stiffness:g} give numbers beyond the range of computers: choose other units"

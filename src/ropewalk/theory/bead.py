@@ -68,7 +68,7 @@ def small_period(*, span: float, height: float = 0.0, length: float, gravity: fl
     """
     _arguments.positive(gravity=gravity)
     path = _ellipse.of_rope(span, height, length)
-    return float(2.0 * np.pi * path.pace(np.asarray(path.lowest)) / np.sqrt(gravity * path.depth))
+    return float(2.0 * np.pi * path.sliding_speed(np.asarray(path.lowest)) / np.sqrt(gravity * path.depth))
 
 
 def period(start: ArrayLike, *, span: float, height: float = 0.0, length: float, gravity: float = 9.81) -> FloatArray:
@@ -113,8 +113,8 @@ def swing(
     turn = rate * t  # the quarter turn before the mean phase is symmetric: u = -pi/2 in both
     u = _invert(series, turn - 0.5 * np.pi)
     phi = path.lowest + 2.0 * np.arcsin(k * np.sin(u))
-    pace = path.pace(phi)
-    phi_rate = 2.0 * k * np.cos(u) * scale / pace  # dphi/du = 2 k cos u/sqrt(1 - k^2 sin^2 u)
+    sliding_speed = path.sliding_speed(phi)
+    phi_rate = 2.0 * k * np.cos(u) * scale / sliding_speed  # dphi/du = 2 k cos u/sqrt(1 - k^2 sin^2 u)
     stops = np.arange(1.0, np.floor(np.max(turn, initial=0.0) / np.pi) + 1.0) * np.pi
     far = path.lowest + np.where(np.arange(len(stops)) % 2 == 0, half, -half)
     still = half == 0.0
@@ -162,20 +162,20 @@ def slide(
     (t,) = _arguments.within(0.0, np.inf, t=t)
     _arguments.finite(t=t)
     path = _ellipse.of_rope(span, height, length)
-    grip = _grip(path, friction, coefficient)
+    friction_limit = _friction_limit(path, friction, coefficient)
     phi = path.hanging(start)
-    state, begin, end = np.array([phi, speed / path.pace(np.asarray(phi))]), 0.0, float(np.max(t, initial=0.0))
+    state, begin, end = np.array([phi, speed / path.sliding_speed(np.asarray(phi))]), 0.0, float(np.max(t, initial=0.0))
     flat = t.ravel()
     states, sense = np.full((2, flat.size), np.nan), np.zeros(flat.size)
     stops: list[tuple[float, float]] = []
     rests, slack_at = False, None
     while len(stops) <= MOST_STOPS:
-        way = _way(path, grip, state)
+        way = _way(path, friction_limit, state)
         if way == 0.0:
             rests = True
             states[:, flat >= begin] = state[:, np.newaxis]
             break
-        piece, outcome = _until_stop(path, grip, way, state, begin, end, gravity)
+        piece, outcome = _until_stop(path, friction_limit, way, state, begin, end, gravity)
         covered = (flat >= begin) & (flat <= piece.t[-1])
         if np.any(covered):
             states[:, covered], sense[covered] = piece.sol(flat[covered]), way
@@ -188,7 +188,7 @@ def slide(
     else:
         raise ValueError(f"the bead stops more than {MOST_STOPS} times: give more friction or fewer seconds")
     phi, phi_rate = states.reshape(2, *t.shape)
-    ratio = np.where(sense.reshape(t.shape) == 0.0, _hold(path, phi), -sense.reshape(t.shape) * grip(phi))
+    ratio = np.where(sense.reshape(t.shape) == 0.0, _hold(path, phi), -sense.reshape(t.shape) * friction_limit(phi))
     times, places = np.array(stops).reshape(-1, 2).T
     return _motion(path, phi, phi_rate, ratio, mass, gravity, stops=(times, places), rests=rests, slack_at=slack_at)
 
@@ -208,7 +208,7 @@ def _clock(path: Ellipse, half: float) -> NDArray[np.complex128]:
     while True:
         sin = np.sin(2.0 * np.pi * np.arange(samples) / samples)
         phi = path.lowest + 2.0 * np.arcsin(k * sin)
-        series = np.fft.rfft(path.pace(phi) / np.sqrt(1.0 - (k * sin) ** 2)) / samples
+        series = np.fft.rfft(path.sliding_speed(phi) / np.sqrt(1.0 - (k * sin) ** 2)) / samples
         kept = np.flatnonzero(np.abs(series) > 1e-15 * abs(series[0]))[-1] + 1
         if kept <= samples // 4:
             return np.asarray(series[:kept])
@@ -235,15 +235,15 @@ def _invert(series: NDArray[np.complex128], turn: FloatArray) -> FloatArray:
     return np.asarray(u + rounds)
 
 
-def _grip(path: Ellipse, friction: Friction, coefficient: float) -> Callable[[FloatArray], FloatArray]:
+def _friction_limit(path: Ellipse, friction: Friction, coefficient: float) -> Callable[[FloatArray], FloatArray]:
     """``|T_ahead - T_behind|/(T_ahead + T_behind)`` in motion, signed with the sense of the eccentric angle."""
 
-    def grip(phi: FloatArray) -> FloatArray:
+    def friction_limit(phi: FloatArray) -> FloatArray:
         half = path.half_turn(phi)
         amount = np.tanh(coefficient * half) if friction == "capstan" else coefficient * np.tan(half)
         return np.asarray(np.copysign(amount, np.cos(phi)))
 
-    return grip
+    return friction_limit
 
 
 def _hold(path: Ellipse, phi: FloatArray) -> FloatArray:
@@ -252,20 +252,20 @@ def _hold(path: Ellipse, phi: FloatArray) -> FloatArray:
     return np.asarray(rise / run * path.b / (path.c * np.cos(phi)))
 
 
-def _way(path: Ellipse, grip: Callable[[FloatArray], FloatArray], state: FloatArray) -> float:
+def _way(path: Ellipse, friction_limit: Callable[[FloatArray], FloatArray], state: FloatArray) -> float:
     """The sense in which the bead moves from here, 1 or -1, or 0 if friction holds it."""
     phi = np.asarray(state[0])
     if state[1] != 0.0:
         return float(np.sign(state[1]))
     _, rise = path.slope(phi)
-    if rise == 0.0 or abs(float(_hold(path, phi))) <= min(abs(float(grip(phi))), 1.0):  # a rope does not push
+    if rise == 0.0 or abs(float(_hold(path, phi))) <= min(abs(float(friction_limit(phi))), 1.0):  # a rope does not push
         return 0.0
     return float(-np.sign(rise))
 
 
 def _until_stop(
     path: Ellipse,
-    grip: Callable[[FloatArray], FloatArray],
+    friction_limit: Callable[[FloatArray], FloatArray],
     way: float,
     state: FloatArray,
     begin: float,
@@ -276,21 +276,21 @@ def _until_stop(
     from scipy.integrate import solve_ivp
 
     def press(phi: FloatArray, rate: FloatArray) -> FloatArray:  # N/m
-        pace = path.pace(phi)
-        return np.asarray(gravity * path.slope(phi)[0] / pace + path.a * path.b / pace * rate**2)
+        sliding_speed = path.sliding_speed(phi)
+        return np.asarray(gravity * path.slope(phi)[0] / sliding_speed + path.a * path.b / sliding_speed * rate**2)
 
     def rates(_: float, y: FloatArray) -> list[float]:
         phi, rate = y
-        pace, (_run, rise) = path.pace(phi), path.slope(phi)
-        bend = -(path.c**2) * np.sin(phi) * np.cos(phi) / pace  # dh/dphi
-        drag = way * abs(grip(phi)) / np.tan(path.half_turn(phi)) * press(phi, rate)
-        return [rate, (-gravity * rise / pace - drag - bend * rate**2) / pace]
+        sliding_speed, (_run, rise) = path.sliding_speed(phi), path.slope(phi)
+        bend = -(path.c**2) * np.sin(phi) * np.cos(phi) / sliding_speed  # dh/dphi
+        drag = way * abs(friction_limit(phi)) / np.tan(path.half_turn(phi)) * press(phi, rate)
+        return [rate, (-gravity * rise / sliding_speed - drag - bend * rate**2) / sliding_speed]
 
     def stop(_: float, y: FloatArray) -> float:
         return float(way * y[1])
 
     def taut(_: float, y: FloatArray) -> float:
-        return float(press(*y)) * (1.0 - abs(float(grip(y[0]))))
+        return float(press(*y)) * (1.0 - abs(float(friction_limit(y[0]))))
 
     if not taut(begin, state) > 0.0:
         raise ValueError(
@@ -324,9 +324,9 @@ def _motion(
     slack_at: float | None = None,
 ) -> Slide:
     """The places, velocities and tensions; ``ratio`` is that of the tensions' difference to their sum."""
-    (x, z), (run, rise), pace = path.place(phi), path.slope(phi), path.pace(phi)
-    press = mass * (gravity * run / pace + path.a * path.b / pace * phi_rate**2)
-    mean = 0.5 * press * pace / path.b
+    (x, z), (run, rise), sliding_speed = path.place(phi), path.slope(phi), path.sliding_speed(phi)
+    press = mass * (gravity * run / sliding_speed + path.a * path.b / sliding_speed * phi_rate**2)
+    mean = 0.5 * press * sliding_speed / path.b
     return Slide(
         x=x, z=z, x_velocity=np.asarray(run * phi_rate), z_velocity=np.asarray(rise * phi_rate),
         tension_behind=np.asarray(mean * (1.0 - ratio)), tension_ahead=np.asarray(mean * (1.0 + ratio)),

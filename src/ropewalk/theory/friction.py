@@ -84,9 +84,9 @@ def point_block_stick_range(*, coefficient: ArrayLike, angle: ArrayLike) -> tupl
     as in `capstan_stick_range`, ``angle`` at most pi.
     """
     coefficient, angle = _coefficient_and_angle(coefficient, angle, np.pi)
-    grip = np.minimum(coefficient * np.tan(0.5 * angle), 1.0)
+    friction_limit = np.minimum(coefficient * np.tan(0.5 * angle), 1.0)
     with np.errstate(divide="ignore"):
-        return (1.0 - grip) / (1.0 + grip), (1.0 + grip) / (1.0 - grip)
+        return (1.0 - friction_limit) / (1.0 + friction_limit), (1.0 + friction_limit) / (1.0 - friction_limit)
 
 
 def capstan_suffices(

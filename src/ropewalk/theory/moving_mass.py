@@ -75,14 +75,14 @@ def moving_mass(
         return _on_massless(t, load_mass, speed, length, tension, weight)
     c = wave_speed(tension=tension, mass=mass)
     line = min(2.0 * mass * length / load_mass, LIGHTEST)
-    ride = _delay.ride(speed / c, _delay.DelayBody(np.ones(1), np.zeros((1, 1)), np.ones(1), line))
+    response = _delay.response(speed / c, _delay.DelayBody(np.ones(1), np.zeros((1, 1)), np.ones(1), line))
     own = t * c / length
-    force, velocity = weight * ride.force(own), gravity * length / c * ride.state(0, own)
+    force, velocity = weight * response.force(own), gravity * length / c * response.state(0, own)
     arrived = own * speed / c >= 1.0 - _delay.REMAINDER
-    endless = np.copysign(np.inf, ride.end)
-    lost = ride.contact_lost()
+    endless = np.copysign(np.inf, response.end)
+    lost = response.contact_lost()
     return MassPassage(
-        deflection=gravity * (length / c) ** 2 * ride.path(own),
+        deflection=gravity * (length / c) ** 2 * response.path(own),
         velocity=np.where(arrived, -endless, velocity),
         contact_force=np.where(arrived, endless, force),
         contact_lost_at=None if lost is None else lost * length / c,

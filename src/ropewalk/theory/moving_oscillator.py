@@ -68,17 +68,17 @@ def moving_oscillator(
     moving_load = _moving_load(
         contact_mass / total, stiffness * time**2 / total, damping * time / total, 2.0 * mass * length / total
     )
-    ride = _delay.ride(speed / c, moving_load)
+    response = _delay.response(speed / c, moving_load)
     own = t / time
-    w, force, v = ride.path(own), ride.force(own), ride.state(0, own)
+    w, force, v = response.path(own), response.force(own), response.state(0, own)
     arrived = (own * speed / c >= 1.0 - _delay.REMAINDER) & (contact_mass > 0.0)
-    endless = np.copysign(np.inf, ride.end)
-    lost = ride.contact_lost()
+    endless = np.copysign(np.inf, response.end)
+    lost = response.contact_lost()
     return OscillatorPassage(
         deflection=gravity * time**2 * w,
         velocity=np.where(arrived, -endless, gravity * time * v),
-        body_deflection=gravity * time**2 * (w + ride.state(2, own)),
-        body_velocity=gravity * time * ride.state(1, own),
+        body_deflection=gravity * time**2 * (w + response.state(2, own)),
+        body_velocity=gravity * time * response.state(1, own),
         contact_force=np.where(arrived, endless, total * gravity * force),
         contact_lost_at=None if lost is None else lost * time,
     )

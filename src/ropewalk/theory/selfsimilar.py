@@ -230,8 +230,8 @@ class _Sides:
     v_ahead: NDArray[np.inexact]
     r_xi_behind: NDArray[np.inexact]
     r_xi_ahead: NDArray[np.inexact]
-    pull_behind: NDArray[np.inexact]  # T t / EA
-    pull_ahead: NDArray[np.inexact]
+    force_behind: NDArray[np.inexact]  # T t / EA
+    force_ahead: NDArray[np.inexact]
 
 
 def _sides(unknowns: NDArray[np.inexact], prestrain: float) -> _Sides:
@@ -247,8 +247,8 @@ def _sides(unknowns: NDArray[np.inexact], prestrain: float) -> _Sides:
         v_ahead=np.array([-drawn_ahead, w_ahead * np.sin(g_ahead)]),
         r_xi_behind=lam_behind * tangent_behind,
         r_xi_ahead=lam_ahead * tangent_ahead,
-        pull_behind=e_behind * tangent_behind,
-        pull_ahead=e_ahead * tangent_ahead,
+        force_behind=e_behind * tangent_behind,
+        force_ahead=e_ahead * tangent_ahead,
     )
 
 
@@ -256,7 +256,7 @@ def _jumps(sides: _Sides, speed: float, force: NDArray[np.inexact]) -> NDArray[n
     """Residual of the kinematic and the dynamic jump condition at the contact, shape (4,)."""
     jump_v = sides.v_ahead - sides.v_behind
     kinematic = jump_v + speed * (sides.r_xi_ahead - sides.r_xi_behind)
-    dynamic = sides.pull_ahead - sides.pull_behind + speed * jump_v + force
+    dynamic = sides.force_ahead - sides.force_behind + speed * jump_v + force
     return np.concatenate([kinematic, dynamic])
 
 

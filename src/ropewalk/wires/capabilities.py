@@ -8,7 +8,7 @@ from dataclasses import replace
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import Capabilities, missing, supported_by_tension
 from ropewalk.model.history import rows
-from ropewalk.model.load import Foreign, MovingForce
+from ropewalk.model.load import ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
@@ -67,7 +67,7 @@ def _of_loads(parts: Parts) -> Iterator[Finding]:
 
 
 def _of_the_run(parts: Parts) -> Iterator[Finding]:
-    run, own = parts.run, {name: load for name, load in parts.loads.items() if isinstance(load, Foreign)}
+    run, own = parts.run, {name: load for name, load in parts.loads.items() if isinstance(load, ExternalModel)}
     if not isinstance(run, Dynamic):
         return
     if run.window is not None and run.start.kind != "rest":  # which moves what is far from the contacts, too

@@ -52,8 +52,8 @@ class Then(NamedTuple):
     @staticmethod
     def of(motion: LargeMotion | SmallMotion) -> Then:
         """Copies of what is known now."""
-        pace = motion.pace
-        own = (pace.q, pace.last, pace.here, pace.before, pace.work, motion.holders.moved)
+        stepping = motion.stepping
+        own = (stepping.q, stepping.last, stepping.here, stepping.before, stepping.work, motion.holders.moved)
         return Then(np.array(motion.both), *(array.copy() for array in own))
 
     @staticmethod
@@ -168,7 +168,7 @@ class Energies:
         moving_loads, (kinetic, potential) = self._moving_loads, np.zeros((2, len(then.q)))
         for i, n in enumerate(moving_loads.size):
             q, last = then.q[:, i, :n], then.last[:, i, :n]
-            rate = (q - last) / self._motion.pace.step
+            rate = (q - last) / self._motion.stepping.step
             kinetic += 0.5 * summed(rate[:, :, None] * moving_loads.mass[i, :n, :n] * rate[:, None])
             own = moving_loads.owner == i
             weight = moving_loads.rest[own] @ moving_loads.row[own][:, :n]

@@ -20,7 +20,7 @@ from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.rest import beds, vertical_stiffness
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.spline import WIDTH, points
-from ropewalk.wires.step_inputs import ON_WIRE, Drive, Record
+from ropewalk.wires.step_inputs import ON_WIRE, Record, StepInputs
 from ropewalk.wires.task import WireTask
 
 _NOTHING = 1e-100  # m: small motion begins with a little more than nothing
@@ -31,7 +31,7 @@ class WireNote(NamedTuple):
 
     t: Array  # () s
     then: Then
-    where: Integers  # (contact,) as in `Drive`
+    where: Integers  # (contact,) as in `StepInputs`
     station: Array  # (2, contact) m, now and a sample later
     force: Array  # (contact,) N, of the step that follows, as are heights, ties and holds
     height: Array  # (contact,) m
@@ -41,11 +41,11 @@ class WireNote(NamedTuple):
     recorded: tuple[Array, Array, Array, Array]  # forces, heights, ties, watched points
 
     @staticmethod
-    def of(t: float, then: Then, drive: Drive, now: Record, stations: Array, before: Record) -> WireNote:
+    def of(t: float, then: Then, inputs: StepInputs, now: Record, stations: Array, before: Record) -> WireNote:
         """What is known at t in s, with what comes next and what came before."""
-        later = min(1, drive.station.shape[0] - 1)
+        later = min(1, inputs.station.shape[0] - 1)
         return WireNote(
-            np.array(t), then, drive.where[0], drive.station[[0, later]], now.force[0], now.height[0], now.tie[0],
+            np.array(t), then, inputs.where[0], inputs.station[[0, later]], now.force[0], now.height[0], now.tie[0],
             now.hold[0], stations, (before.force, before.height, before.tie, before.watched),
         )  # fmt: skip
 
@@ -114,7 +114,7 @@ class Pictures:
         of = {
             "position": r[:, self.axes].swapaxes(1, 2), "velocity": v[:, self.axes].swapaxes(1, 2),
             "tension": tension, "strain": strain, "body_position": places, "body_velocity": rates,
-            **self._contacts(r, tension, where == ON_WIRE, station, force, height, in_air).told(),
+            **self._contacts(r, tension, where == ON_WIRE, station, force, height, in_air).fields(),
             "reaction": self.reactions(motion.hold_at_rest + hold, tie, r), "energy": self._energies.of(then),
             "tie_force": tie, "sampled_station": stations, "sampled_force": before[0], "sampled_height": before[1],
             "sampled_tie_force": before[2] + motion.tie_at_rest, "sampled_uplift": watched,
@@ -167,8 +167,8 @@ class Pictures:
 
     def _bodies(self, then: Then, station: Array, r: Array) -> tuple[Array, Array]:
         """Places and velocities of bodies, (instant, body, axis) m and m/s."""
-        out = np.zeros((2, len(r), len(self.task.shown), len(self.axes)))
-        for i, body in enumerate(self.task.shown):
+        out = np.zeros((2, len(r), len(self.task.displayed), len(self.axes)))
+        for i, body in enumerate(self.task.displayed):
             k = int(np.flatnonzero(self.moving_loads.owner == body.prescribed_motion)[body.wheel])
             a, n = int(self.moving_loads.wire[k]), body.row.size
             q, last = then.q[:, body.prescribed_motion, :n], then.last[:, body.prescribed_motion, :n]
@@ -181,7 +181,7 @@ class Pictures:
             out[0, :, i, 0], out[0, :, i, -1] = x[0] + np.sign(along) * body.ahead, body.base + summed(q * body.row)
             out[1, :, i, 0], out[1, :, i, -1] = (
                 (x[1] - x[0]) / self.sample,
-                (q - last) @ body.row / self.motion.pace.step,
+                (q - last) @ body.row / self.motion.stepping.step,
             )
         return out[0], out[1]
 

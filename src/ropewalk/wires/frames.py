@@ -11,7 +11,7 @@ import numpy as np
 
 from ropewalk.checkpoint import Tree, arrays_of, copied, put
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.cosimulation_master import CosimulationMaster, TravelEndedError
+from ropewalk.external.cosimulation_master import CosimulationMaster, TravelEndedError
 from ropewalk.mechanics.portions import portion
 from ropewalk.model.run import common_interval
 from ropewalk.results.frame import OFF_LINE, Frame, Layout, RunInfo
@@ -26,13 +26,13 @@ from ropewalk.wires.frame_arrays import Pictures, WireNote
 from ropewalk.wires.large import LargeMotion
 from ropewalk.wires.layout import axes_of, layout_of
 from ropewalk.wires.mesh import moving_loads_of
-from ropewalk.wires.partners import SLIDES, Foreigner, WirePartner
+from ropewalk.wires.partners import SLIDES, WireExternalModel, WirePartner
 from ropewalk.wires.plan import Array, Integers
-from ropewalk.wires.prescribed_motion import drive_of
+from ropewalk.wires.prescribed_motion import inputs_of
 from ropewalk.wires.rest import WiresAtRest, rows
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.stability import largest_step, largest_step_along
-from ropewalk.wires.step_inputs import ON_WIRE, Drive, Record
+from ropewalk.wires.step_inputs import ON_WIRE, Record, StepInputs
 from ropewalk.wires.task import WireTask, ready
 
 SAMPLE = 1e-3  # s, interval of samples where none is asked for
@@ -48,7 +48,7 @@ class _Ahead(NamedTuple):
 
     first: int  # number of that instant
     begin: Integers  # where the rows of each instant begin
-    given: Drive
+    given: StepInputs
 
 
 class Wires:
@@ -86,10 +86,15 @@ class Wires:
         )
         interval = float(times[1] - times[0]) if times.size > 1 else sample  # none is longer
         self.axes, potential = axes_of(task), None
-        self.turns = [
-            foreigner.turns(len(self.axes), SLIDES * start.mesh.strands.h.max()) for foreigner in task.foreigners
+        self.cosimulation = [
+            external_model.cosimulation(len(self.axes), SLIDES * start.mesh.strands.h.max())
+            for external_model in task.external_models
         ]
-        shared = common_interval([interval, *(partner.every for partner in self.turns)]) if self.turns else interval
+        shared = (
+            common_interval([interval, *(partner.every for partner in self.cosimulation)])
+            if self.cosimulation
+            else interval
+        )
         assert shared is not None
         self.sample = shared / max(1, int(np.ceil(shared / sample * (1.0 - 1e-9))))
         self.rows = round(interval / self.sample)
@@ -128,24 +133,24 @@ class Wires:
             if task.with_loads:
                 u, prescribed_motions = small_under_loads(self.motion, self.task.prescribed_motions)
                 self.task = replace(self.task, prescribed_motions=along_moved(start, prescribed_motions, u))
-                self.motion.pace.q[:] = self.motion.pace.last[:] = self._first("first")
+                self.motion.stepping.q[:] = self.motion.stepping.last[:] = self._first("first")
                 self.motion.begin(u, np.zeros_like(u))
         if begun is not None and isinstance(self.motion, LargeMotion):
             self.motion.begin(*begun)
         elif begun is not None:
             assert isinstance(self.motion, SmallMotion)
             self.motion.begin(begun[0][2] - self.motion.level, begun[1][2])
-        self.motion.pace.last[:] -= run_info.step * self._first("rate")
+        self.motion.stepping.last[:] -= run_info.step * self._first("rate")
         # Contacts and wires that have been doubted.
         self._steep, self._pushed, self._left = set[str](), set[str](), set[str]()
-        self._partners = [self._partner(*pair) for pair in zip(task.foreigners, self.turns, strict=True)]
+        self._partners = [self._partner(*pair) for pair in zip(task.external_models, self.cosimulation, strict=True)]
         watched = rows(self.motion.watched, self.mesh.nodes) @ self._at_rest[2]
         self._pictures = Pictures(
             self.task, self.mesh, self.moving_loads, self.motion, self.sample, potential,
             watched if start.rest is None else np.zeros_like(watched),
             Energies(self.mesh, self.moving_loads, self.motion, start.position, start.unstrained),
         )  # fmt: skip
-        self._potential, self._ahead = potential, _Ahead(0, np.zeros(1, dtype=np.int64), self._drive(0.0, 1))
+        self._potential, self._ahead = potential, _Ahead(0, np.zeros(1, dtype=np.int64), self._inputs(0.0, 1))
         contacts = len(self.task.contacts)
         self._nothing = Record.of(
             self.rows, self.moving_loads, len(task.plan.ties), len(task.plan.holds), self.motion.watched
@@ -245,11 +250,12 @@ class Wires:
                     f"loads.{name.partition('.')[0]}", "give it a contact_stiffness, or end the run before",
                 )  # fmt: skip
 
-    def _partner(self, foreigner: Foreigner, turns: CosimulationMaster) -> WirePartner:
-        columns = np.flatnonzero(self.moving_loads.owner == foreigner.prescribed_motion)
+    def _partner(self, external_model: WireExternalModel, cosimulation: CosimulationMaster) -> WirePartner:
+        columns = np.flatnonzero(self.moving_loads.owner == external_model.prescribed_motion)
         return WirePartner(
-            turns, range(int(columns[0]), int(columns[-1]) + 1), int(self.moving_loads.wire[columns[0]]), self.mesh,
-            self.motion, self.axes, lambda drive: self.motion.go(drive, self.steps), self.sample,
+            cosimulation, range(int(columns[0]), int(columns[-1]) + 1), int(self.moving_loads.wire[columns[0]]),
+            self.mesh,
+            self.motion, self.axes, lambda inputs: self.motion.go(inputs, self.steps), self.sample,
         )  # fmt: skip
 
     def _first(self, what: Literal["first", "rate"]) -> Array:
@@ -264,23 +270,23 @@ class Wires:
     def layout(self) -> Layout:
         """Names and coordinates of the result."""
         sample = tuple(self.sample * (np.arange(self.rows) - self.rows))
-        foreign = tuple(partner.name for partner in self.turns)
-        return layout_of(self.task, self.mesh, foreign=foreign, sample=sample)
+        external = tuple(partner.name for partner in self.cosimulation)
+        return layout_of(self.task, self.mesh, external=external, sample=sample)
 
     def advance(self, i: int) -> Ending | None:
         """Look at output instant i, and go on to the next one: forces at an instant are those of the step after it."""
         t, final = float(self.times[i]), i == self.times.size - 1
-        drive, then = self._drive_from(i), Then.of(self.motion)
+        inputs, then = self._inputs_from(i), Then.of(self.motion)
         try:
-            record = self._go(t, drive)
+            record = self._go(t, inputs)
         except RopewalkError as error:
             if not i:
                 raise
-            self._now, self._failed = WireNote.of(t, then, drive, self._nothing, self._stations, self._before), True
+            self._now, self._failed = WireNote.of(t, then, inputs, self._nothing, self._stations, self._before), True
             outcome = "travel ended" if isinstance(error, TravelEndedError) else "load failed"
             return Ending(outcome, f"stopped after t = {t:.6g} s: {error}")
-        self._now = WireNote.of(t, then, drive, record, self._stations, self._before)
-        on = np.where(drive.where[:-1] == ON_WIRE, drive.station[:-1], np.nan)
+        self._now = WireNote.of(t, then, inputs, record, self._stations, self._before)
+        on = np.where(inputs.where[:-1] == ON_WIRE, inputs.station[:-1], np.nan)
         self._stations = _padded(on, self.rows)
         self._before = Record(*(_padded(each, self.rows) for each in record))
         self.run_info.steps += 0 if final else on.shape[0] * self.steps
@@ -298,38 +304,38 @@ class Wires:
             self._remark(frames[i])
         return frames
 
-    def _drive_from(self, i: int) -> Drive:
+    def _inputs_from(self, i: int) -> StepInputs:
         """What is given from output instant i on up to the next one, rows of its own."""
         if not self._ahead.first <= i < self._ahead.first + self._ahead.begin.size - 1:
             last = min(i + 1 + _AHEAD // self.rows, self.times.size)
             times = [self.times[j] + self.sample * np.arange(self._counts[j] + 1.0) for j in range(i, last)]
             begin = np.cumsum([0, *(own.size for own in times)])
             self._ahead = _Ahead(
-                i, begin, drive_of(self.task.plan, self.task.prescribed_motions, np.concatenate(times))
+                i, begin, inputs_of(self.task.plan, self.task.prescribed_motions, np.concatenate(times))
             )
         begin, end = self._ahead.begin[i - self._ahead.first : i - self._ahead.first + 2].tolist()
         return self._ahead.given.rows(begin, end - 1)
 
-    def _go(self, t: float, drive: Drive) -> Record:
+    def _go(self, t: float, inputs: StepInputs) -> Record:
         """Go on by the rows of a drive from t in s; foreign models are asked when it is time, and fill in theirs."""
-        parts, row, rows = [], 0, drive.station.shape[0] - 1
+        parts, row, rows = [], 0, inputs.station.shape[0] - 1
         most = portion(self.mesh.nodes, self.steps)
         first = round(t / self.sample)
         while row < rows:
             now = t + row * self.sample
             for partner in self._partners:
                 if partner.rows_left(first + row) == partner.rows:
-                    partner.exchange(now, partial(self._drive, now, partner.rows))
+                    partner.exchange(now, partial(self._inputs, now, partner.rows))
             end = min([rows, row + most, *(row + partner.rows_left(first + row) for partner in self._partners)])
-            piece = drive if end - row == rows else drive.rows(row, end)
+            piece = inputs if end - row == rows else inputs.rows(row, end)
             for partner in self._partners:
                 partner.fill(piece, (first + row) % partner.rows)
             parts.append(self.motion.go(piece, self.steps))
             row = end
         return parts[0] if len(parts) == 1 else Record(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
-    def _drive(self, t: float, count: int) -> Drive:
-        return drive_of(self.task.plan, self.task.prescribed_motions, t + self.sample * np.arange(count + 1.0))
+    def _inputs(self, t: float, count: int) -> StepInputs:
+        return inputs_of(self.task.plan, self.task.prescribed_motions, t + self.sample * np.arange(count + 1.0))
 
     def is_sane(self) -> bool:
         """Whether no node has got further away than a wire that is held can."""

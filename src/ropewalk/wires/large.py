@@ -19,25 +19,25 @@ from ropewalk.wires.mesh import Mesh, MovingLoads, places_of
 from ropewalk.wires.moving_loads import (
     CHANGES,
     DAMPED,
+    advance_moving_loads,
     begin,
     between,
     between_rows,
-    join,
+    contact_force,
+    enforce_contact,
     local_at,
     local_under,
     note,
-    pace_of,
-    press,
-    ride,
     settle_accounts,
+    stepping_of,
     sweeps_of,
 )
 from ropewalk.wires.plan import Array
 from ropewalk.wires.rest import rows, slowed_ends, without_supports
-from ropewalk.wires.restraints import MOVES, coordinates, grip, holders_of, move_places, restrain
+from ropewalk.wires.restraints import MOVES, constraint, coordinates, holders_of, move_places, restrain
 from ropewalk.wires.spline import WIDTH, weights
-from ropewalk.wires.springs import pull_ties, steady_of, strings_of
-from ropewalk.wires.step_inputs import ABSENT, Drive, Record
+from ropewalk.wires.springs import add_tie_forces, link_springs_of, steady_of
+from ropewalk.wires.step_inputs import ABSENT, Record, StepInputs
 
 # Strain up to which tension over length follows from a series: its error is 1e-11 of the tension there.
 SMALL_STRAIN = 5e-3
@@ -256,22 +256,22 @@ def _seek(x, s, n, place, w):
 
 
 @inlined
-def _location(strands, moving_loads, pace, x, z, drive, row, part, k, w):
+def _location(strands, moving_loads, stepping, x, z, inputs, row, part, k, w):
     """Where contact k is on its wire, whose nodes are at x and z: whether there, links, first node, height, and slope.
 
     Before the start and beyond the end there is level ground, as high as these. The slope is one per link.
     """
-    a, place, height, slope = moving_loads.wire[k], between(drive.station, row, part, k), 0.0, 0.0
+    a, place, height, slope = moving_loads.wire[k], between(inputs.station, row, part, k), 0.0, 0.0
     first, n, h = strands.first[a], strands.links[a], strands.h[a]
     s, base = min(max(place / h, 0.0), float(n)), 0
     on = abs(s - place / h) < _CLOSE
     if moving_loads.material[k] or not on:
         base = first + weights(s, n, w)
     else:
-        guess = pace.place[k] if np.isfinite(pace.place[k]) else s
+        guess = stepping.place[k] if np.isfinite(stepping.place[k]) else s
         begin, end = strands.across[a, 0], strands.across[a, 1]
         s, base = _seek(x[first : first + n + 1], min(max(guess, 0.0), float(n)), n, begin + end * place, w)
-        pace.place[k] = s
+        stepping.place[k] = s
         base += first
     for j in range(WIDTH):
         height += w[0, j] * z[base + j]
@@ -280,34 +280,34 @@ def _location(strands, moving_loads, pace, x, z, drive, row, part, k, w):
 
 
 @inlined
-def _touch(strands, threads, moving_loads, pace, now, other, drive, record, row, step, steps, k, w):
+def _touch(strands, threads, moving_loads, stepping, now, other, inputs, record, row, step, steps, k, w):
     """What contact k does during a step."""
     part, up, local = step / steps, now.shape[0] - 1, 0.0
-    if drive.where[row, k] == ABSENT:
+    if inputs.where[row, k] == ABSENT:
         return
-    on, s, base, height, slope = _location(strands, moving_loads, pace, now[0], now[up], drive, row, part, k, w)
+    on, s, base, height, slope = _location(strands, moving_loads, stepping, now[0], now[up], inputs, row, part, k, w)
     if on:
         local = local_under(strands, moving_loads, k, s)
-    given, rough = between(drive.given, row, part, k), between(drive.rough, row, part, k)
-    force = given + press(moving_loads, pace, k, height + rough, local)
-    note(moving_loads, pace, record, row, step, k, height, s, slope, given, force, local, rough)
+    given, rough = between(inputs.given, row, part, k), between(inputs.rough, row, part, k)
+    force = given + contact_force(moving_loads, stepping, k, height + rough, local)
+    note(moving_loads, stepping, record, row, step, k, height, s, slope, given, force, local, rough)
     if on:
         for j in range(WIDTH):
             other[up, base + j] += threads.kick[up, base + j] * w[0, j] * force
 
 
 @inlined
-def _join(strands, threads, moving_loads, pace, other, drive, record, row, step, steps, k, w):
+def _join(strands, threads, moving_loads, stepping, other, inputs, record, row, step, steps, k, w):
     """What keeps the rigid contact k together at the end of a step."""
     part, up, soft, local = (step + 1.0) / steps, other.shape[0] - 1, 0.0, 0.0
-    if drive.where[row, k] == ABSENT:
+    if inputs.where[row, k] == ABSENT:
         return
-    on, s, base, height, _ = _location(strands, moving_loads, pace, other[0], other[up], drive, row, part, k, w)
+    on, s, base, height, _ = _location(strands, moving_loads, stepping, other[0], other[up], inputs, row, part, k, w)
     if on:
         local = max(local_at(strands, moving_loads.wire[k], s), 0.0)
         for j in range(WIDTH):
             soft += w[0, j] * w[0, j] * threads.gain[up, base + j]
-    force = join(moving_loads, pace, k, height + between(drive.rough, row, part, k), soft, local)
+    force = enforce_contact(moving_loads, stepping, k, height + between(inputs.rough, row, part, k), soft, local)
     if step == 0:
         record.force[row, k] += force
     if on:
@@ -316,9 +316,10 @@ def _join(strands, threads, moving_loads, pace, other, drive, record, row, step,
 
 
 @lean
-def advance(strands, threads, strings, holders, watched, moving_loads, pace, level, slope, now, other, buffers, q,
+def advance(strands, threads, link_springs, holders, watched, moving_loads, stepping, level, slope, now, other, buffers,
+            q,
             small, inner,
-            drive, record, steps, sweeps, w):  # fmt: skip
+            inputs, record, steps, sweeps, w):  # fmt: skip
     """Go on by all rows of the record.
 
     Args:
@@ -332,7 +333,7 @@ def advance(strands, threads, strings, holders, watched, moving_loads, pace, lev
         sweeps: over all that is rigid, in each step.
         w: (3, WIDTH) room for weights of a spline.
     """
-    axes, whole, dt = now.shape[0], record.force.shape[0] * steps, pace.step / inner
+    axes, whole, dt = now.shape[0], record.force.shape[0] * steps, stepping.step / inner
     every = min(max(1, EVERY // inner), max(1, whole // 4))
     for row in range(record.force.shape[0]):
         for p in range(watched.base.size):
@@ -340,36 +341,36 @@ def advance(strands, threads, strings, holders, watched, moving_loads, pace, lev
                 record.watched[p, row] += watched.weight[p, k] * now[axes - 1, watched.base[p] + k]
         for i in range(moving_loads.size.size):
             for c in range(moving_loads.size[i]):
-                record.body[row, i, c] = pace.q[i, c]
+                record.body[row, i, c] = stepping.q[i, c]
         for step in range(steps):
-            move_places(holders, between_rows(drive.time, row, (step + 1.0 / inner) / steps))
+            move_places(holders, between_rows(inputs.time, row, (step + 1.0 / inner) / steps))
             _move(strands, threads, now, other, buffers, q, level, slope, small, dt)
-            pull_ties(strings, now, other, threads.kick, pace, record.tie, row, step)
-            begin(moving_loads, pace, drive.push, row, step / steps)
+            add_tie_forces(link_springs, now, other, threads.kick, stepping, record.tie, row, step)
+            begin(moving_loads, stepping, inputs.push, row, step / steps)
             for k in range(moving_loads.owner.size):
-                _touch(strands, threads, moving_loads, pace, now, other, drive, record, row, step, steps, k, w)
-            ride(moving_loads, pace)
-            restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, pace.work, record.hold,
+                _touch(strands, threads, moving_loads, stepping, now, other, inputs, record, row, step, steps, k, w)
+            advance_moving_loads(moving_loads, stepping)
+            restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, stepping.work, record.hold,
                      row, step == 0)  # fmt: skip
             for sweep in range(sweeps):
-                grip(holders, other, threads.gain, pace.work, record.hold, row, step == 0, sweep == 0)
+                constraint(holders, other, threads.gain, stepping.work, record.hold, row, step == 0, sweep == 0)
                 for k in range(moving_loads.owner.size):
                     if np.isinf(moving_loads.spring[k]):
-                        _join(strands, threads, moving_loads, pace, other, drive, record, row, step, steps, k, w)
-            settle_accounts(moving_loads, pace)
+                        _join(strands, threads, moving_loads, stepping, other, inputs, record, row, step, steps, k, w)
+            settle_accounts(moving_loads, stepping)
             gone = row * steps + step
             now, other = other, now
             for part in range(inner):
                 if part > 0:
-                    move_places(holders, between_rows(drive.time, row, (step + (part + 1.0) / inner) / steps))
+                    move_places(holders, between_rows(inputs.time, row, (step + (part + 1.0) / inner) / steps))
                     _move(strands, threads, now, other, buffers, q, level, slope, small, dt)
-                    restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, pace.work,
+                    restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, stepping.work,
                              record.hold, row, False)  # fmt: skip
-                    grip(holders, other, threads.gain, pace.work, record.hold, row, False, True)
+                    constraint(holders, other, threads.gain, stepping.work, record.hold, row, False, True)
                     now, other = other, now
                 if part == inner // 2 and threads.damped and gone % every == 0:  # in the middle between two pushes
                     lost = _lost(strands, threads, now, other, dt)
-                    pace.work[DAMPED] += min(every, whole - gone) * pace.step * lost
+                    stepping.work[DAMPED] += min(every, whole - gone) * stepping.step * lost
 
 
 class LargeMotion(Changing):
@@ -395,11 +396,11 @@ class LargeMotion(Changing):
         self.mesh, self.moving_loads, self.rest, axes = mesh, moving_loads, rest, [0, 1, 2] if space else [0, 2]
         self.inertia, self.inner = inertia, inner
         self.threads = threads_of(mesh, position[axes], rest, step / inner, inner, inertia)
-        self.strings = strings_of(mesh, position)
-        steady = steady_of(self.strings, mesh.nodes)
+        self.link_springs = link_springs_of(mesh, position)
+        steady = steady_of(self.link_springs, mesh.nodes)
         self.threads.fall[1:] += (steady if space else steady[1:]) * self.threads.gain[1:]
         self.holders = holders_of(mesh, self.threads.gain, axes, position[axes], mesh.holds.place)
-        self.pace = pace_of(moving_loads, step, q, np.full(moving_loads.owner.size, np.nan))
+        self.stepping = stepping_of(moving_loads, step, q, np.full(moving_loads.owner.size, np.nan))
         self.watched = places_of(mesh.strands, list(mesh.plan.watched.values()))
         straight = mesh.straight()[axes]
         self._level, ends = np.ascontiguousarray(straight[-1]), mesh.strands.first + mesh.strands.links
@@ -415,10 +416,10 @@ class LargeMotion(Changing):
 
     def begin(self, position: Array, velocity: Array) -> None:
         """Go on from positions in m and velocities of half an inner step before in m/s, (3, node)."""
-        axes, step = _axes(self._r[0]), self.pace.step
+        axes, step = _axes(self._r[0]), self.stepping.step
         self._r[0][:] = position[axes]
         self._r[1][:] = self._r[0] - velocity[axes] * (step / self.inner)
-        self.strings.last[:] = strings_of(self.mesh, position - step * velocity).last
+        self.link_springs.last[:] = link_springs_of(self.mesh, position - step * velocity).last
         self.holders.here[:], self.holders.last[:] = (coordinates(self.holders, r) for r in self._r)
 
     @property
@@ -429,12 +430,12 @@ class LargeMotion(Changing):
     @property
     def velocity(self) -> Array:
         """Velocities of all nodes half an inner step ago, (3, node) m/s."""
-        return self._spread((self._r[0] - self._r[1]) * (self.inner / self.pace.step), np.zeros_like(self._side))
+        return self._spread((self._r[0] - self._r[1]) * (self.inner / self.stepping.step), np.zeros_like(self._side))
 
     def piece(self, part: slice) -> tuple[Array, Array]:
         """Positions in m and velocities in m/s of some nodes, (3, node)."""
         now, last = self._r[0][:, part], self._r[1][:, part]
-        rate = (now - last) * (self.inner / self.pace.step)
+        rate = (now - last) * (self.inner / self.stepping.step)
         side = self._side[part]
         return self._spread(now, side), self._spread(rate, np.zeros_like(side))
 
@@ -449,14 +450,14 @@ class LargeMotion(Changing):
         Args:
             both: (instant, 2, 3, node) m.
         """
-        return both[:, 0], (both[:, 0] - both[:, 1]) * (self.inner / self.pace.step)
+        return both[:, 0], (both[:, 0] - both[:, 1]) * (self.inner / self.stepping.step)
 
     def _changing(self) -> dict[str, Arrays]:
         """Arrays that change; the present and the last instant in this order, whichever array holds them."""
         now, last = self._r
-        springs = arrays_of(self.strings, "last", "rate")
+        springs = arrays_of(self.link_springs, "last", "rate")
         return {
-            "pace": arrays_of(self.pace, *CHANGES), "springs": springs, "holders": arrays_of(self.holders, *MOVES),
+            "pace": arrays_of(self.stepping, *CHANGES), "springs": springs, "holders": arrays_of(self.holders, *MOVES),
             "nodes": {"now": now, "last": last},
         }  # fmt: skip
 
@@ -468,16 +469,19 @@ class LargeMotion(Changing):
         step = np.diff(position, axis=-1, append=position[..., -1:])
         return np.asarray(np.sqrt((step**2).sum(axis=-2)) / self.rest - 1.0)
 
-    def go(self, drive: Drive, steps: int = 1) -> Record:
+    def go(self, inputs: StepInputs, steps: int = 1) -> Record:
         """Go on by the rows of the drive but the last, `steps` steps each."""
         plan = self.mesh.plan
-        record = Record.of(drive.station.shape[0] - 1, self.moving_loads, len(plan.ties), len(plan.holds), self.watched)
+        record = Record.of(
+            inputs.station.shape[0] - 1, self.moving_loads, len(plan.ties), len(plan.holds), self.watched
+        )
         strain = self.strain(self._r[0])
         strain[self.mesh.strands.first + self.mesh.strands.links] = 0.0
         small = bool(np.abs(strain).max() < 0.5 * SMALL_STRAIN)
         arguments = (
-            self.mesh.strands, self.threads, self.strings, self.holders, self.watched, self.moving_loads, self.pace,
-            self._level, self._slope, *self._r, *self._buffers, small, self.inner, drive, record, steps,
+            self.mesh.strands, self.threads, self.link_springs, self.holders, self.watched, self.moving_loads,
+            self.stepping,
+            self._level, self._slope, *self._r, *self._buffers, small, self.inner, inputs, record, steps,
             sweeps_of(self.moving_loads, self.holders.fast), self._w,
         )  # fmt: skip
         if self._advance is None:

@@ -71,13 +71,13 @@ class Reactions:
 
 
 def layout_of(
-    task: WireTask, mesh: Mesh, *, path: str = "time", foreign: tuple[str, ...] = (), sample: tuple[float, ...] = ()
+    task: WireTask, mesh: Mesh, *, path: str = "time", external: tuple[str, ...] = (), sample: tuple[float, ...] = ()
 ) -> Layout:
     """The layout of a result.
 
     Args:
         path: its leading dimension.
-        foreign: loads that are models of somebody else's.
+        external: loads that are models of somebody else's.
         sample: s, of samples, from an output instant back.
     """
     plan, strands = task.plan, mesh.strands
@@ -86,9 +86,9 @@ def layout_of(
     return Layout(
         axes=tuple("xyz"[a] for a in axes_of(task)), contact_load=task.contacts,
         **uniform([wire.name for wire in plan.wires], strands.links, strands.h),
-        support=supports_of(plan)[0], body=tuple(body.name for body in task.shown),
+        support=supports_of(plan)[0], body=tuple(body.name for body in task.displayed),
         tie=tuple(tie.name for tie in plan.ties), tie_station=tuple(tie.spot.station for tie in plan.ties),
-        foreign=foreign, watched=tuple(plan.watched),
+        external=external, watched=tuple(plan.watched),
         watched_station=tuple(spot.station for spot in plan.watched.values()), sample=sample, path=path,
         weight=float("nan") if bedded else float(plan.gravity * without_supports(mesh).sum()),
     )  # fmt: skip

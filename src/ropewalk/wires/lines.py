@@ -19,7 +19,7 @@ from ropewalk.solve.multibody import Multibody, multibody_of
 from ropewalk.wires.ends import compliance, kinds_of, lengthened
 from ropewalk.wires.plan import Array, Contact, TravellingLoad, Wire
 from ropewalk.wires.prescribed_motion import ON_GROUND, PrescribedMotion
-from ropewalk.wires.task import Shown
+from ropewalk.wires.task import Displayed
 
 
 def wire_of(name: str, line: Line) -> Wire:
@@ -121,15 +121,15 @@ def _moving_load(
     return TravellingLoad(name, M[np.ix_(keep, keep)], reduced[1], reduced[0], tuple(contacts))
 
 
-def shown_of(loading: Loading, system: Multibody, prescribed_motion: int, wire: Wire) -> list[Shown]:
+def displayed_of(loading: Loading, system: Multibody, prescribed_motion: int, wire: Wire) -> list[Displayed]:
     """The bodies of a load that results show: what moves up and down."""
     assert loading.multibody_system is not None
     heavy = int((np.diag(system.mass) > 0.0).sum())
     found = []
-    for body in loading.multibody_system.shown:
+    for body in loading.multibody_system.displayed:
         if body.wheel in system.wheels and body.coordinates[-1] in system.coordinates:
             c = system.coordinates.index(body.coordinates[-1])
             base = wire.start[2] + float(system.rest[c])
             wheel = system.wheels.tolist().index(body.wheel)
-            found.append(Shown(body.name, prescribed_motion, np.eye(heavy)[c], base, body.ahead, wheel))
+            found.append(Displayed(body.name, prescribed_motion, np.eye(heavy)[c], base, body.ahead, wheel))
     return found

@@ -48,7 +48,7 @@ class TimeStepping(NamedTuple):
 CHANGES = ("q", "last", "gap", "place", "joined", "here", "before", "work")
 
 
-def pace_of(moving_loads: MovingLoads, step: float, q: Array, place: Array) -> TimeStepping:
+def stepping_of(moving_loads: MovingLoads, step: float, q: Array, place: Array) -> TimeStepping:
     """Prepare steps of a length in s, from rest at coordinates q."""
     M, C = moving_loads.mass / step**2, moving_loads.damping / (2.0 * step)
     inverse = np.zeros_like(M)
@@ -64,10 +64,10 @@ def pace_of(moving_loads: MovingLoads, step: float, q: Array, place: Array) -> T
     )  # fmt: skip
 
 
-def sweeps_of(moving_loads: MovingLoads, grips: int) -> int:
+def sweeps_of(moving_loads: MovingLoads, constraints: int) -> int:
     """How often all that is rigid is seen to in a step: contacts and holds that share nodes, or a rider, disturb."""
     rigid = int(np.isinf(moving_loads.spring).sum())
-    return 0 if rigid + grips == 0 else 1 if rigid == 0 else _SWEEPS
+    return 0 if rigid + constraints == 0 else 1 if rigid == 0 else _SWEEPS
 
 
 @inlined
@@ -83,20 +83,20 @@ def between_rows(table, row, part):
 
 
 @inlined
-def begin(moving_loads, pace, push, row, part):
+def begin(moving_loads, stepping, push, row, part):
     """Put what is given on the coordinates of all riders."""
     for k in range(moving_loads.owner.size):
-        pace.joined[k] = 0.0
+        stepping.joined[k] = 0.0
         for c in range(_KNOWN):
-            pace.before[k, c], pace.here[k, c] = pace.here[k, c], np.nan
+            stepping.before[k, c], stepping.here[k, c] = stepping.here[k, c], np.nan
     for i in range(moving_loads.size.size):
         for c in range(moving_loads.size[i]):
-            pace.outer[i, c] = push[row, i, c] + part * (push[row + 1, i, c] - push[row, i, c])
-            pace.pushed[i, c] = pace.outer[i, c]
+            stepping.outer[i, c] = push[row, i, c] + part * (push[row + 1, i, c] - push[row, i, c])
+            stepping.pushed[i, c] = stepping.outer[i, c]
 
 
 @inlined
-def press(moving_loads, pace, k, height, local):
+def contact_force(moving_loads, stepping, k, height, local):
     """Force upwards on the wire at contact k, where the spline stands at a height; its moving load feels the reaction.
 
     Args:
@@ -109,24 +109,24 @@ def press(moving_loads, pace, k, height, local):
         return rest
     gap = moving_loads.base[k] - height
     for c in range(moving_loads.size[i]):
-        gap += moving_loads.row[k, c] * pace.q[i, c]
-    last, pace.gap[k] = pace.gap[k], gap
+        gap += moving_loads.row[k, c] * stepping.q[i, c]
+    last, stepping.gap[k] = stepping.gap[k], gap
     if np.isinf(spring):  # rigid contacts are joined at the end of the step
         return rest
     force = rest + (gap - local * rest) / (local + 1.0 / spring)
     if moving_loads.damper[k] > 0.0 and np.isfinite(last):
-        force += moving_loads.damper[k] * (gap - last) / pace.step
+        force += moving_loads.damper[k] * (gap - last) / stepping.step
     if moving_loads.lifts[k] and moving_loads.sign[k] * force < 0.0:
         force = 0.0
     for c in range(moving_loads.size[i]):
-        pace.pushed[i, c] -= moving_loads.row[k, c] * (force - rest)
+        stepping.pushed[i, c] -= moving_loads.row[k, c] * (force - rest)
     return force
 
 
 @inlined
-def note(moving_loads, pace, record, row, step, k, height, s, slope, given, force, local, rough):
+def note(moving_loads, stepping, record, row, step, k, height, s, slope, given, force, local, rough):
     """Keep what is known of contact k in this step: for the accounts, and in the first step of a row for the record."""
-    here, gap = pace.here[k], pace.gap[k] if moving_loads.spring[k] > 0.0 else 0.0
+    here, gap = stepping.here[k], stepping.gap[k] if moving_loads.spring[k] > 0.0 else 0.0
     here[HEIGHT], here[PLACE], here[SLOPE], here[GIVEN_FORCE], here[FORCE] = height, s, slope, given, force
     here[GAP], here[LOCAL], here[ROUGH] = gap, local, rough
     if step == 0:
@@ -135,7 +135,7 @@ def note(moving_loads, pace, record, row, step, k, height, s, slope, given, forc
 
 
 @inlined
-def join(moving_loads, pace, k, height, soft, local):
+def enforce_contact(moving_loads, stepping, k, height, soft, local):
     """Force upwards on the wire that brings a rigid contact together at the end of a step; its moving load gives way.
 
     Args:
@@ -144,43 +144,45 @@ def join(moving_loads, pace, k, height, soft, local):
         local: what the wire gives way to beside its spline, m/N.
     """
     i, sign, rest = moving_loads.owner[k], moving_loads.sign[k], moving_loads.rest[k]
-    gap = moving_loads.base[k] - height - local * (rest + pace.joined[k])
+    gap = moving_loads.base[k] - height - local * (rest + stepping.joined[k])
     for c in range(moving_loads.size[i]):
-        gap += moving_loads.row[k, c] * pace.q[i, c]
-    force = gap / (soft + local + pace.yields[k])
-    if moving_loads.lifts[k] and sign * (rest + pace.joined[k] + force) < 0.0:
-        force = -rest - pace.joined[k]
-    pace.joined[k] += force
+        gap += moving_loads.row[k, c] * stepping.q[i, c]
+    force = gap / (soft + local + stepping.yields[k])
+    if moving_loads.lifts[k] and sign * (rest + stepping.joined[k] + force) < 0.0:
+        force = -rest - stepping.joined[k]
+    stepping.joined[k] += force
     for c in range(moving_loads.size[i]):
         for d in range(moving_loads.size[i]):
-            pace.q[i, c] -= pace.inverse[i, c, d] * moving_loads.row[k, d] * force
+            stepping.q[i, c] -= stepping.inverse[i, c, d] * moving_loads.row[k, d] * force
     return force
 
 
 @inlined
-def ride(moving_loads, pace):
+def advance_moving_loads(moving_loads, stepping):
     """Let the coordinates of all moving loads go on for a step."""
-    q, last, past, pushed = pace.q, pace.last, pace.past, pace.pushed
+    q, last, past, pushed = stepping.q, stepping.last, stepping.past, stepping.pushed
     for i in range(moving_loads.size.size):
         n = moving_loads.size[i]
         for c in range(n):
             for d in range(n):
-                pushed[i, c] += pace.middle[i, c, d] * q[i, d] - pace.back[i, c, d] * last[i, d]
+                pushed[i, c] += stepping.middle[i, c, d] * q[i, d] - stepping.back[i, c, d] * last[i, d]
         for c in range(n):
             past[i, c], last[i, c] = last[i, c], q[i, c]
         for c in range(n):
             q[i, c] = 0.0
             for d in range(n):
-                q[i, c] += pace.inverse[i, c, d] * pushed[i, d]
+                q[i, c] += stepping.inverse[i, c, d] * pushed[i, d]
         for c in range(n):
             two = q[i, c] - past[i, c]  # moved in two steps
-            pace.work[GIVEN] += 0.5 * pace.outer[i, c] * two
+            stepping.work[GIVEN] += 0.5 * stepping.outer[i, c] * two
             for d in range(n):
-                pace.work[LOST] += 0.25 * moving_loads.damping[i, c, d] * two * (q[i, d] - past[i, d]) / pace.step
+                stepping.work[LOST] += (
+                    0.25 * moving_loads.damping[i, c, d] * two * (q[i, d] - past[i, d]) / stepping.step
+                )
 
 
 @inlined
-def settle_accounts(moving_loads, pace):
+def settle_accounts(moving_loads, stepping):
     """Work at all contacts in the step that ends now, by what was there a step ago and is there now.
 
     A force on the wire gives it the force times the rise of the particles below: the rise of the contact less what its
@@ -188,20 +190,20 @@ def settle_accounts(moving_loads, pace):
     drives it over roughness. What moving load and wire lose together is taken up by their contact.
     """
     for k in range(moving_loads.owner.size):
-        here, before = pace.here[k], pace.before[k]
-        here[FORCE] += pace.joined[k]
+        here, before = stepping.here[k], stepping.before[k]
+        here[FORCE] += stepping.joined[k]
         if np.isnan(here[HEIGHT]) or np.isnan(before[HEIGHT]):
             continue
         force, rough = 0.5 * (here[FORCE] + before[FORCE]), here[ROUGH] - before[ROUGH]
-        pace.work[GIVEN] += 0.5 * (here[GIVEN_FORCE] + before[GIVEN_FORCE]) * (here[HEIGHT] - before[HEIGHT])
-        pace.work[RESTRAINED] -= 0.5 * force * (here[SLOPE] + before[SLOPE]) * (here[PLACE] - before[PLACE])
+        stepping.work[GIVEN] += 0.5 * (here[GIVEN_FORCE] + before[GIVEN_FORCE]) * (here[HEIGHT] - before[HEIGHT])
+        stepping.work[RESTRAINED] -= 0.5 * force * (here[SLOPE] + before[SLOPE]) * (here[PLACE] - before[PLACE])
         if moving_loads.spring[k] == 0.0:
             continue
         if moving_loads.size[moving_loads.owner[k]] == 0:  # the far end of an interface is moved from outside
-            pace.work[GIVEN] -= force * rough
+            stepping.work[GIVEN] -= force * rough
         else:
-            pace.work[RESTRAINED] -= force * rough
-        pace.work[TAKEN] += force * (here[GAP] - before[GAP])
+            stepping.work[RESTRAINED] -= force * rough
+        stepping.work[TAKEN] += force * (here[GAP] - before[GAP])
 
 
 @inlined

@@ -10,14 +10,14 @@ import numpy as np
 
 from ropewalk.checkpoint import Tree, copied
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.cosimulation_master import Bearer, ContactPush, CosimulationMaster, Pushes
+from ropewalk.external.cosimulation_master import Bearer, ContactPush, CosimulationMaster, Pushes
 from ropewalk.wires.contact_location import location_at, location_below
 from ropewalk.wires.large import LargeMotion
 from ropewalk.wires.mesh import Mesh
 from ropewalk.wires.plan import Array, Contact, TravellingLoad
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.spline import WIDTH
-from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Drive
+from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, StepInputs
 
 # A damper needs a spring beside it: one that nobody feels, N/m.
 _NEXT_TO_NOTHING = 1e-6
@@ -26,11 +26,11 @@ Motion = LargeMotion | SmallMotion
 
 
 @dataclass(frozen=True)
-class Foreigner:
+class WireExternalModel:
     """A foreign load of a task."""
 
     prescribed_motion: int
-    turns: Callable[[int, float], CosimulationMaster]  # from the number of axes and the reach of a contact in m
+    cosimulation: Callable[[int, float], CosimulationMaster]  # from the number of axes and the reach of a contact in m
 
 
 def moving_load_of(name: str, wire: int, contacts: int, stiffness: float, damping: float) -> TravellingLoad:
@@ -92,7 +92,7 @@ class WirePartner(Bearer):
     """A foreign model on a wire while it moves.
 
     Args:
-        turns: with the model.
+        cosimulation: with the model.
         columns: of the drive, of its contacts.
         wire: on which it is.
         mesh, motion: of the run.
@@ -101,26 +101,26 @@ class WirePartner(Bearer):
         sample: s, between two rows.
     """
 
-    turns: CosimulationMaster
+    cosimulation: CosimulationMaster
     columns: range
     wire: int
     mesh: Mesh
     motion: Motion
     axes: list[int]
-    send: Callable[[Drive], Any]
+    send: Callable[[StepInputs], Any]
     sample: float
     pushes: Pushes = field(default_factory=list)
-    drive: Callable[[], Drive] | None = None
+    inputs: Callable[[], StepInputs] | None = None
     _jumped: list[float] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self._length = self.mesh.plan.wires[self.wire].length
-        self.turns.begin(self.line)
+        self.cosimulation.begin(self.line)
 
     @property
     def rows(self) -> int:
         """Rows of the run in an interval of the exchange."""
-        return round(self.turns.every / self.sample)
+        return round(self.cosimulation.every / self.sample)
 
     def rows_left(self, row: int) -> int:
         """How many rows are left of the interval, at a row counted from the beginning of the run."""
@@ -143,7 +143,7 @@ class WirePartner(Bearer):
             assert isinstance(line.piece, NodeSnapshot)
             return {"soft": list(line.soft), "r": line.piece.r.copy(), "v": line.piece.v.copy()}
 
-        return {"turns": self.turns.get_state(stored), "pushes": pushes, "jumped": list(self._jumped)}
+        return {"turns": self.cosimulation.get_state(stored), "pushes": pushes, "jumped": list(self._jumped)}
 
     def set_state(self, tree: Tree) -> None:
         """Go on from there."""
@@ -152,59 +152,59 @@ class WirePartner(Bearer):
             seen = self._seen(NodeSnapshot(stored["r"].copy(), stored["v"].copy()))
             return replace(seen, soft=list(stored["soft"]))
 
-        self.turns.set_state(tree["turns"], line)
+        self.cosimulation.set_state(tree["turns"], line)
         self.pushes = [None if push is None else ContactPush(**copied(push)) for push in tree["pushes"]]
         self._jumped = list(tree["jumped"])
 
     def ahead(self, pushes: Pushes, h: float) -> WireLine:
         """The wire as it would be after an interval with these forces; it stays where it is."""
-        assert self.drive is not None
-        saved, drive = self.motion.get_state(), self.drive()
+        assert self.inputs is not None
+        saved, inputs = self.motion.get_state(), self.inputs()
         before, self.pushes = self.pushes, pushes
-        self.fill(drive, 0, self._jumps(before, pushes))
-        self.send(drive)
+        self.fill(inputs, 0, self._jumps(before, pushes))
+        self.send(inputs)
         seen = self.frozen()
         self.pushes = before
         self.motion.set_state(saved)
         return seen
 
-    def exchange(self, t: float, drive: Callable[[], Drive]) -> None:
+    def exchange(self, t: float, inputs: Callable[[], StepInputs]) -> None:
         """Ask the model at time t; the drive has the rows of the interval that begins, for looking ahead."""
-        self.drive = drive
-        pushes = self.turns.ask(t, self)
+        self.inputs = inputs
+        pushes = self.cosimulation.ask(t, self)
         for push in pushes:
             if push is not None and (push.first[:-1].any() or push.last[:-1].any()):
                 raise RopewalkError(
-                    f"load {self.turns.name}: at t = {t:g} s its model gave a force of {push.first.tolist()} N; on "
-                    "stiff lines and overhead lines contacts press vertically, no more: give [0, Fz]"
+                    f"load {self.cosimulation.name}: at t = {t:g} s its model gave a force of {push.first.tolist()} N; "
+                    "contacts of lines with bending stiffness and of overhead lines press vertically only: give [0, Fz]"
                 )
         before, self.pushes = self.pushes, pushes
         self._jumped = self._jumps(before, pushes)
 
-    def fill(self, drive: Drive, row: int, jumps: list[float] | None = None) -> None:
+    def fill(self, inputs: StepInputs, row: int, jumps: list[float] | None = None) -> None:
         """Write into the rows of a drive what the contacts do; `row` rows of the interval are over."""
-        every, count = self.turns.every, drive.station.shape[0]
+        every, count = self.cosimulation.every, inputs.station.shape[0]
         late, length = self.sample * (row + np.arange(count)), self._length
         part = late / every
-        gap = self.motion.pace.gap
+        gap = self.motion.stepping.gap
         for number, (k, push) in enumerate(zip(self.columns, self.pushes, strict=True)):
-            drive.where[:, k] = ABSENT if push is None else ON_WIRE
-            drive.rough[:, k], drive.given[:, k] = 0.0, 0.0
+            inputs.where[:, k] = ABSENT if push is None else ON_WIRE
+            inputs.rough[:, k], inputs.given[:, k] = 0.0, 0.0
             if push is None:
                 gap[k] = np.nan
                 continue
             station = push.xi + push.speed * late
-            drive.where[:, k] = np.where((station >= 0.0) & (station <= length), ON_WIRE, ABSENT)
-            drive.station[:, k] = np.clip(station, 0.0, length)
-            drive.given[:, k] = push.first[-1] + part * (push.last[-1] - push.first[-1])
-            if self.turns.exchange.stiffness or self.turns.exchange.damping:
-                drive.rough[:, k] = -(push.height + push.rise * late)
+            inputs.where[:, k] = np.where((station >= 0.0) & (station <= length), ON_WIRE, ABSENT)
+            inputs.station[:, k] = np.clip(station, 0.0, length)
+            inputs.given[:, k] = push.first[-1] + part * (push.last[-1] - push.first[-1])
+            if self.cosimulation.exchange.stiffness or self.cosimulation.exchange.damping:
+                inputs.rough[:, k] = -(push.height + push.rise * late)
                 if row == 0:
                     gap[k] += (self._jumped if jumps is None else jumps)[number]
 
     def _jumps(self, before: Pushes, now: Pushes) -> list[float]:
         """By how much the far ends of the interface are put elsewhere, m; dampers are not to notice that."""
-        every, jumps = self.turns.every, []
+        every, jumps = self.cosimulation.every, []
         for number, push in enumerate(now):
             old = before[number] if number < len(before) else None
             jumps.append(np.nan if push is None or old is None else push.height - old.height - old.rise * every)
@@ -213,7 +213,7 @@ class WirePartner(Bearer):
     def _seen(self, piece: Callable[[slice], tuple[Array, Array]]) -> WireLine:
         first = self.columns.start
         soft = [
-            (push.xi + push.speed * self.turns.every, self._pressing(first + number, push))
+            (push.xi + push.speed * self.cosimulation.every, self._pressing(first + number, push))
             for number, push in enumerate(self.pushes)
             if push is not None
         ]
@@ -221,7 +221,7 @@ class WirePartner(Bearer):
 
     def _pressing(self, k: int, push: ContactPush) -> float:
         """Force upwards on the wire at the end of an interval, N."""
-        if not (self.turns.exchange.stiffness or self.turns.exchange.damping):
+        if not (self.cosimulation.exchange.stiffness or self.cosimulation.exchange.damping):
             return float(push.last[-1])
-        force = float(self.motion.pace.here[k, 4])
+        force = float(self.motion.stepping.here[k, 4])
         return force if np.isfinite(force) else 0.0

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ropewalk.wires.plan import Array, TravellingLoad, WirePlan
-from ropewalk.wires.step_inputs import ABSENT, ON_GROUND, ON_WIRE, Drive
+from ropewalk.wires.step_inputs import ABSENT, ON_GROUND, ON_WIRE, StepInputs
 
 
 def _nothing(times: Array) -> Array:
@@ -34,7 +34,7 @@ class PrescribedMotion:
     beside: int = ABSENT  # before the start of the wire and beyond its end: ABSENT, or ON_GROUND
 
 
-def drive_of(plan: WirePlan, prescribed_motions: Sequence[PrescribedMotion], times: Array) -> Drive:
+def inputs_of(plan: WirePlan, prescribed_motions: Sequence[PrescribedMotion], times: Array) -> StepInputs:
     """What is given at times, s."""
     most = max((prescribed_motion.moving_load.size for prescribed_motion in prescribed_motions), default=0)
     station, where, rough, given = [], [], [], []
@@ -51,11 +51,11 @@ def drive_of(plan: WirePlan, prescribed_motions: Sequence[PrescribedMotion], tim
             rough.append(np.where(on, prescribed_motion.rough(here), 0.0))
             given.append(np.where(on, own[:, k], 0.0))
     none = np.zeros((times.size, 0))
-    return Drive(
+    return StepInputs(
         np.column_stack([none, *station]), np.column_stack([none, *where]).astype(np.int64),
         np.column_stack([none, *rough]), np.column_stack([none, *given]), push,
         np.array(times, dtype=np.float64),
     )  # fmt: skip
 
 
-__all__ = ["ABSENT", "ON_GROUND", "PrescribedMotion", "drive_of"]
+__all__ = ["ABSENT", "ON_GROUND", "PrescribedMotion", "inputs_of"]

@@ -142,8 +142,8 @@ def rest_of(mesh: Mesh) -> WiresAtRest:
     load = -mesh.plan.gravity * mesh.mass + beds(mesh) * chord + H.T @ (holds.force[:, 2] + stiff * holds.place[:, 2])
     K = K + H.T @ sparse.diags(stiff) @ H
     size = float(mesh.strands.h @ mesh.strands.links)
-    grip, local, level = H[fast], holds.at.local[fast], holds.place[fast, 2]
-    z += _solve(K, grip, local, free, load - K @ z, level - grip @ z)[0]
+    constraint, local, level = H[fast], holds.at.local[fast], holds.place[fast, 2]
+    z += _solve(K, constraint, local, free, load - K @ z, level - constraint @ z)[0]
     pull, slack = ties_springs(mesh)
     for _ in range(_MOST_STEPS):
         rise = A @ z + ground
@@ -154,7 +154,9 @@ def rest_of(mesh: Mesh) -> WiresAtRest:
         force = k * longer
         tangent = k * way[:, 2] ** 2 + force / reach * (1.0 - way[:, 2] ** 2)
         out = load - K @ z - A.T @ (force * way[:, 2])
-        step, restrained = _solve(K + A.T @ sparse.diags(tangent) @ A, grip, local, free, out, level - grip @ z)
+        step, restrained = _solve(
+            K + A.T @ sparse.diags(tangent) @ A, constraint, local, free, out, level - constraint @ z
+        )
         z = z + step
         if np.abs(step).max() <= _CLOSE * size or not ties.length.size:  # without ties one step leads there
             break

@@ -163,7 +163,7 @@ def restrain(holders, begin, end, now, other, gain, dt, work, found, row, noted)
 
 
 @inlined
-def grip(holders, other, gain, work, found, row, noted, begins):
+def constraint(holders, other, gain, work, found, row, noted, begins):
     """What holds fast, or goes as prescribed, at the end of a step; `begins`: in the first sweep over all of them."""
     for e in range(holders.fast):
         if begins:

@@ -18,17 +18,17 @@ from ropewalk.wires.moving_loads import (
     CHANGES,
     DAMPED,
     MOVED,
+    advance_moving_loads,
     begin,
     between,
     between_rows,
-    join,
+    contact_force,
+    enforce_contact,
     local_at,
     local_under,
     note,
-    pace_of,
-    press,
-    ride,
     settle_accounts,
+    stepping_of,
     sweeps_of,
 )
 from ropewalk.wires.plan import Array, Integers
@@ -48,7 +48,7 @@ from ropewalk.wires.restraints import (
 )
 from ropewalk.wires.small_arrays import Springs, Watched, WireWindow, springs_of, stencil_of, x_of
 from ropewalk.wires.spline import WIDTH, weights
-from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Drive, Record
+from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Record, StepInputs
 
 _NOTHING = 1e-150  # m
 _CLOSE = 1e-9  # links, beyond an end: nothing
@@ -93,8 +93,8 @@ def _end(now, felt, other, gain, e, d, keep, keep_end, t, b, bed, clamped):
 
 
 @lean
-def advance(strands, stencil, springs, holders, window, watched, moving_loads, pace, level, now, other, buffers,
-            drive, record,
+def advance(strands, stencil, springs, holders, window, watched, moving_loads, stepping, level, now, other, buffers,
+            inputs, record,
             steps, sweeps, w):  # fmt: skip
     """Go on by all rows of the record.
 
@@ -114,31 +114,44 @@ def advance(strands, stencil, springs, holders, window, watched, moving_loads, p
         _look(watched, window, now, record.watched, row)
         for i in range(moving_loads.size.size):
             for c in range(moving_loads.size[i]):
-                record.body[row, i, c] = pace.q[i, c]
+                record.body[row, i, c] = stepping.q[i, c]
         for step in range(steps):
-            move_places(holders, between_rows(drive.time, row, (step + 1.0) / steps))
-            _move(strands, stencil, window, now, other, buffers, pace.step)
-            _pull(springs, window, now, other, stencil.gain, pace, record, row, step)
-            begin(moving_loads, pace, drive.push, row, step / steps)
+            move_places(holders, between_rows(inputs.time, row, (step + 1.0) / steps))
+            _move(strands, stencil, window, now, other, buffers, stepping.step)
+            _pull(springs, window, now, other, stencil.gain, stepping, record, row, step)
+            begin(moving_loads, stepping, inputs.push, row, step / steps)
             for k in range(moving_loads.owner.size):
                 _touch(
-                    strands, moving_loads, pace, level, now, other, stencil.gain, drive, record, row, step, steps, k, w
+                    strands,
+                    moving_loads,
+                    stepping,
+                    level,
+                    now,
+                    other,
+                    stencil.gain,
+                    inputs,
+                    record,
+                    row,
+                    step,
+                    steps,
+                    k,
+                    w,
                 )
-            ride(moving_loads, pace)
-            restrain(holders, window.elastic[0], window.elastic[1], here, ahead, gain, pace.step, pace.work,
+            advance_moving_loads(moving_loads, stepping)
+            restrain(holders, window.elastic[0], window.elastic[1], here, ahead, gain, stepping.step, stepping.work,
                      record.hold, row, step == 0)  # fmt: skip
             for sweep in range(sweeps):
-                _grip(holders, window, here, ahead, gain, pace.work, record, row, step, sweep == 0)
+                _constraint(holders, window, here, ahead, gain, stepping.work, record, row, step, sweep == 0)
                 for k in range(moving_loads.owner.size):
                     if np.isinf(moving_loads.spring[k]):
                         _join(
                             strands,
                             moving_loads,
-                            pace,
+                            stepping,
                             level,
                             other,
                             stencil.gain,
-                            drive,
+                            inputs,
                             record,
                             row,
                             step,
@@ -146,11 +159,11 @@ def advance(strands, stencil, springs, holders, window, watched, moving_loads, p
                             k,
                             w,
                         )
-            settle_accounts(moving_loads, pace)
+            settle_accounts(moving_loads, stepping)
             gone = row * steps + step
             if stencil.damped and gone % every == 0:
-                lost = _lost(strands, stencil, window, now, other, buffers, pace.step)
-                pace.work[DAMPED] += min(every, whole - gone) * lost
+                lost = _lost(strands, stencil, window, now, other, buffers, stepping.step)
+                stepping.work[DAMPED] += min(every, whole - gone) * lost
             now, other = other, now
             here, ahead = ahead, here
 
@@ -213,13 +226,13 @@ def _lost(strands, stencil, window, now, other, buffers, dt):
 
 
 @inlined
-def _location(strands, moving_loads, level, moved, drive, row, part, k, w):
+def _location(strands, moving_loads, level, moved, inputs, row, part, k, w):
     """Where contact k is: whether on its wire, links along it, first node, height, and slope per link.
 
     Before the start and beyond the end there is level ground, as high as these.
     """
     a, height, slope = moving_loads.wire[k], 0.0, 0.0
-    place, n = between(drive.station, row, part, k) / strands.h[a], strands.links[a]
+    place, n = between(inputs.station, row, part, k) / strands.h[a], strands.links[a]
     s = min(max(place, 0.0), float(n))
     base = strands.first[a] + weights(s, n, w)
     for j in range(WIDTH):
@@ -230,24 +243,24 @@ def _location(strands, moving_loads, level, moved, drive, row, part, k, w):
 
 
 @inlined
-def _touch(strands, moving_loads, pace, level, now, other, gain, drive, record, row, step, steps, k, w):
+def _touch(strands, moving_loads, stepping, level, now, other, gain, inputs, record, row, step, steps, k, w):
     """What contact k does during a step."""
     part, local = step / steps, 0.0
-    if drive.where[row, k] == ABSENT:
+    if inputs.where[row, k] == ABSENT:
         return
-    on, s, base, height, slope = _location(strands, moving_loads, level, now, drive, row, part, k, w)
+    on, s, base, height, slope = _location(strands, moving_loads, level, now, inputs, row, part, k, w)
     if on:
         local = local_under(strands, moving_loads, k, s)
-    given, rough = between(drive.given, row, part, k), between(drive.rough, row, part, k)
-    force = given + press(moving_loads, pace, k, height + rough, local)
-    note(moving_loads, pace, record, row, step, k, height, s, slope, given, force, local, rough)
+    given, rough = between(inputs.given, row, part, k), between(inputs.rough, row, part, k)
+    force = given + contact_force(moving_loads, stepping, k, height + rough, local)
+    note(moving_loads, stepping, record, row, step, k, height, s, slope, given, force, local, rough)
     if on:
         for j in range(WIDTH):
             other[base + j] += gain[base + j] * w[0, j] * force
 
 
 @inlined
-def _grip(holders, window, now, other, gain, work, record, row, step, begins):
+def _constraint(holders, window, now, other, gain, work, record, row, step, begins):
     """What rigid holds do at the end of a step: they keep the mean over three instants, which costs no energy."""
     for e in range(window.fast[0], window.fast[1]):
         if begins:
@@ -265,17 +278,17 @@ def _grip(holders, window, now, other, gain, work, record, row, step, begins):
 
 
 @inlined
-def _join(strands, moving_loads, pace, level, other, gain, drive, record, row, step, steps, k, w):
+def _join(strands, moving_loads, stepping, level, other, gain, inputs, record, row, step, steps, k, w):
     """What keeps the rigid contact k together at the end of a step."""
     part, soft, local = (step + 1.0) / steps, 0.0, 0.0
-    if drive.where[row, k] == ABSENT:
+    if inputs.where[row, k] == ABSENT:
         return
-    on, s, base, height, _ = _location(strands, moving_loads, level, other, drive, row, part, k, w)
+    on, s, base, height, _ = _location(strands, moving_loads, level, other, inputs, row, part, k, w)
     if on:
         local = max(local_at(strands, moving_loads.wire[k], s), 0.0)
         for j in range(WIDTH):
             soft += w[0, j] * w[0, j] * gain[base + j]
-    force = join(moving_loads, pace, k, height + between(drive.rough, row, part, k), soft, local)
+    force = enforce_contact(moving_loads, stepping, k, height + between(inputs.rough, row, part, k), soft, local)
     if step == 0:
         record.force[row, k] += force
     if on:
@@ -284,9 +297,9 @@ def _join(strands, moving_loads, pace, level, other, gain, drive, record, row, s
 
 
 @inlined
-def _pull(springs, window, now, other, gain, pace, record, row, step):
+def _pull(springs, window, now, other, gain, stepping, record, row, step):
     """What ties do during a step."""
-    dt = pace.step
+    dt = stepping.step
     one, two, weight, rest, pull = springs.one, springs.other, springs.weight, springs.rest, springs.pull
     push, across, damping, way, last = springs.push, springs.across, springs.damping, springs.way, springs.last
     nodes = springs.nodes
@@ -303,7 +316,7 @@ def _pull(springs, window, now, other, gain, pace, record, row, step):
         if c > 0.0:
             rate = (apart - last[e]) / dt
             loss, last[e] = c * rate, apart
-            pace.work[DAMPED] += 0.5 * c * way[e] * way[e] * springs.rate[e] * (springs.rate[e] + rate) * dt
+            stepping.work[DAMPED] += 0.5 * c * way[e] * way[e] * springs.rate[e] * (springs.rate[e] + rate) * dt
             springs.rate[e] = rate
         F = across[e] * apart
         if pull[e] > 0.0:
@@ -344,7 +357,7 @@ class SmallMotion(Changing):
     ) -> None:
         self.mesh, self.rest, self.moving_loads, self.window = mesh, rest, moving_loads, window
         self.stencil = stencil_of(mesh, step)
-        self.pace = pace_of(moving_loads, step, q, np.zeros(moving_loads.owner.size))
+        self.stepping = stepping_of(moving_loads, step, q, np.zeros(moving_loads.owner.size))
         springs = springs_of(mesh, rest)
         order = np.argsort(springs.x, kind="stable")
         self.springs = Springs(*(np.ascontiguousarray(array[order]) for array in springs))  # type: ignore[arg-type]
@@ -371,7 +384,7 @@ class SmallMotion(Changing):
         """Go on from displacements in m and velocities of half a step before in m/s, (node,) upwards."""
         moves = self.stencil.gain > 0.0
         self._u[0][moves] = u[moves]
-        self._u[1][moves] = self._u[0][moves] - velocity[moves] * self.pace.step
+        self._u[1][moves] = self._u[0][moves] - velocity[moves] * self.stepping.step
         springs, before, k = self.springs, self._u[1], np.arange(WIDTH)
         shares = before[springs.one[:, None] + k], before[springs.other[:, None] + k]
         springs.last[:] = (springs.weight * np.concatenate(shares, axis=1)).sum(axis=1)
@@ -386,14 +399,14 @@ class SmallMotion(Changing):
     def velocity(self) -> Array:
         """Velocities of all nodes half a step ago, (3, node) m/s."""
         still = np.zeros((2, self.mesh.nodes))
-        return np.vstack([still, (self._u[0] - self._u[1]) / self.pace.step])
+        return np.vstack([still, (self._u[0] - self._u[1]) / self.stepping.step])
 
     def piece(self, part: slice) -> tuple[Array, Array]:
         """Positions in m and velocities in m/s of some nodes, (3, node)."""
         now, last = self._u[0][part], self._u[1][part]
         x, y = self.rest.position[:2, part]
         still = np.zeros_like(x)
-        return np.array([x, y, self.level[part] + now]), np.array([still, still, (now - last) / self.pace.step])
+        return np.array([x, y, self.level[part] + now]), np.array([still, still, (now - last) / self.stepping.step])
 
     @property
     def both(self) -> list[Array]:
@@ -408,24 +421,24 @@ class SmallMotion(Changing):
         """
         r, v = (np.zeros((len(both), 3, self.mesh.nodes)) for _ in range(2))
         r[:, :2], r[:, 2] = self.rest.position[:2], self.level + both[:, 0]
-        v[:, 2] = (both[:, 0] - both[:, 1]) / self.pace.step
+        v[:, 2] = (both[:, 0] - both[:, 1]) / self.stepping.step
         return r, v
 
     def _changing(self) -> dict[str, Arrays]:
         """Arrays that change; the present and the last instant in this order, whichever array holds them."""
         (now, last), springs = self._u, arrays_of(self.springs, "last", "rate")
         return {
-            "pace": arrays_of(self.pace, *CHANGES), "springs": springs, "holders": arrays_of(self.holders, *MOVES),
+            "pace": arrays_of(self.stepping, *CHANGES), "springs": springs, "holders": arrays_of(self.holders, *MOVES),
             "nodes": {"now": now, "last": last},
         }  # fmt: skip
 
-    def go(self, drive: Drive, steps: int = 1) -> Record:
+    def go(self, inputs: StepInputs, steps: int = 1) -> Record:
         """Go on by the rows of the drive but the last, `steps` steps each."""
-        rows, plan = drive.station.shape[0] - 1, self.mesh.plan
+        rows, plan = inputs.station.shape[0] - 1, self.mesh.plan
         record = Record.of(rows, self.moving_loads, len(plan.ties), len(plan.holds), self.watched)
         arguments = (
-            self.mesh.strands, self.stencil, self.springs, self.holders, self._window(drive), self._watched,
-            self.moving_loads, self.pace, self.level, *self._u, self._buffers, drive, record, steps, self._sweeps,
+            self.mesh.strands, self.stencil, self.springs, self.holders, self._window(inputs), self._watched,
+            self.moving_loads, self.stepping, self.level, *self._u, self._buffers, inputs, record, steps, self._sweeps,
             self._w,
         )  # fmt: skip
         if self._advance is None:
@@ -435,11 +448,11 @@ class SmallMotion(Changing):
             self._u.reverse()
         return record.turned()
 
-    def _window(self, drive: Drive) -> WireWindow:
+    def _window(self, inputs: StepInputs) -> WireWindow:
         if not np.isfinite(self.window):
             return self._whole
-        strands, on = self.mesh.strands, drive.where == ON_WIRE
-        station = x_of(self.mesh, np.broadcast_to(self.moving_loads.wire, on.shape)[on], drive.station[on])
+        strands, on = self.mesh.strands, inputs.where == ON_WIRE
+        station = x_of(self.mesh, np.broadcast_to(self.moving_loads.wire, on.shape)[on], inputs.station[on])
         if station.size == 0:
             return self._whole
         begin, end, edge = station.min() - self.window, station.max() + self.window, WIDTH * strands.h.max()

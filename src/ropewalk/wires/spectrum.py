@@ -49,7 +49,9 @@ def spectrum(task: WireTask, how_many: int | None = None) -> Spectrum:
     Raises:
         RopewalkError: there is no rest.
     """
-    _, start = ready(replace(task, prescribed_motions=(), contacts=(), shown=(), foreigners=(), with_loads=False))
+    _, start = ready(
+        replace(task, prescribed_motions=(), contacts=(), displayed=(), external_models=(), with_loads=False)
+    )
     return free_vibration(_equations(_bare(start)), how_many)
 
 

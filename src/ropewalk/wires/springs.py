@@ -16,7 +16,7 @@ from ropewalk.wires.spline import WIDTH
 _SHARES = tuple(np.uint64(k) for k in range(WIDTH))
 
 
-class Strings(NamedTuple):
+class LinkSprings(NamedTuple):
     """Ties in space."""
 
     one: Integers  # (spring,) first node of the one end, and of the other
@@ -33,7 +33,7 @@ class Strings(NamedTuple):
     steady: Array  # (spring, 2) N on the one end at rest, sideways and upwards: put on all the time, and not as pushes
 
 
-def strings_of(mesh: Mesh, position: Array) -> Strings:
+def link_springs_of(mesh: Mesh, position: Array) -> LinkSprings:
     """All ties, at rest at positions (3, node) m."""
     ties = mesh.ties
     pull, push = ties_springs(mesh)
@@ -42,19 +42,19 @@ def strings_of(mesh: Mesh, position: Array) -> Strings:
     last = np.sqrt((away**2).sum(axis=1))
     longer = last - ties.length
     pulls = np.where(longer > 0.0, pull, push) * longer / last
-    return Strings(
+    return LinkSprings(
         ties.one.base, ties.other.base, np.stack([ties.one.weight, ties.other.weight], axis=1), ties.ground,
         away[:, 1].copy(), ties.length, pull, push, ties.damping, last, np.zeros_like(last),
         pulls[:, None] * away[:, 1:],
     )  # fmt: skip
 
 
-def steady_of(strings: Strings, nodes: int) -> Array:
+def steady_of(link_springs: LinkSprings, nodes: int) -> Array:
     """What all ties put on nodes at rest, sideways and upwards, (2, node) N."""
     out = np.zeros((2, nodes))
-    for e, (i, j) in enumerate(zip(strings.one, strings.other, strict=True)):
-        out[:, i : i + WIDTH] += np.outer(strings.steady[e], strings.weight[e, 0])
-        out[:, j : j + WIDTH] -= np.outer(strings.steady[e], strings.weight[e, 1])
+    for e, (i, j) in enumerate(zip(link_springs.one, link_springs.other, strict=True)):
+        out[:, i : i + WIDTH] += np.outer(link_springs.steady[e], link_springs.weight[e, 0])
+        out[:, j : j + WIDTH] -= np.outer(link_springs.steady[e], link_springs.weight[e, 1])
     return out
 
 
@@ -75,26 +75,35 @@ def _give(x, gain, i, weight, e, side, F):
 
 
 @inlined
-def pull_ties(strings, now, other, gain, pace, found, row, step):
+def add_tie_forces(link_springs, now, other, gain, stepping, found, row, step):
     """What ties do during a step."""
-    dt, axes, weight, length, last = pace.step, now.shape[0], strings.weight, strings.length, strings.last
-    steady = strings.steady
+    dt, axes, weight, length, last = (
+        stepping.step,
+        now.shape[0],
+        link_springs.weight,
+        link_springs.length,
+        link_springs.last,
+    )
+    steady = link_springs.steady
     x, z, out_x, out_z = now[0], now[axes - 1], other[0], other[axes - 1]
-    for e in range(strings.one.size):
-        i, j = np.uint64(strings.one[e]), np.uint64(strings.other[e])  # unsigned: no look at what is before an array
-        dx, dy, dz = strings.place[e, 0], strings.place[e, 1], strings.place[e, 2]
+    for e in range(link_springs.one.size):
+        i, j = (
+            np.uint64(link_springs.one[e]),
+            np.uint64(link_springs.other[e]),
+        )  # unsigned: no look at what is before an array
+        dx, dy, dz = link_springs.place[e, 0], link_springs.place[e, 1], link_springs.place[e, 2]
         if np.isnan(dx):
             dx, dz = _height(x, j, weight, e, 1), _height(z, j, weight, e, 1)
             dy = _height(now[1], j, weight, e, 1) if axes == 3 else 0.0
         dx, dz = dx - _height(x, i, weight, e, 0), dz - _height(z, i, weight, e, 0)
-        dy = dy - _height(now[1], i, weight, e, 0) if axes == 3 else strings.aside[e]
+        dy = dy - _height(now[1], i, weight, e, 0) if axes == 3 else link_springs.aside[e]
         size = np.sqrt(dx * dx + dy * dy + dz * dz)
-        c, rate, before = strings.damping[e], (size - last[e]) / dt, strings.rate[e]
-        pace.work[DAMPED] += 0.5 * c * before * (before + rate) * dt
+        c, rate, before = link_springs.damping[e], (size - last[e]) / dt, link_springs.rate[e]
+        stepping.work[DAMPED] += 0.5 * c * before * (before + rate) * dt
         if size > length[e]:
-            N, strings.rate[e] = strings.pull[e] * (size - length[e]) + c * rate, rate
+            N, link_springs.rate[e] = link_springs.pull[e] * (size - length[e]) + c * rate, rate
         else:
-            N, strings.rate[e] = strings.push[e] * (size - length[e]), 0.0
+            N, link_springs.rate[e] = link_springs.push[e] * (size - length[e]), 0.0
         last[e] = size
         if step == 0:
             found[e, row] = N

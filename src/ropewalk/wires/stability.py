@@ -19,7 +19,7 @@ def largest_step(mesh: Mesh, moving_loads: MovingLoads) -> float:
     bending = s.stiffness + T * s.h**2 / 12.0
     across = (4.0 * T / s.h + 16.0 * bending / s.h**3 + s.bed * s.h) / m
     lightest = float(m.min())
-    total = across + _attached(mesh, lightest) + _at_ends(mesh) + _ridden(mesh, moving_loads, lightest)
+    total = across + _attached(mesh, lightest) + _at_ends(mesh) + _loaded(mesh, moving_loads, lightest)
     # omega^2 (dt^2 + 2 beta dt) + 2 c / m dt < 4 for each wire
     late = s.retardation + _damped(mesh, moving_loads, lightest) / total
     steps = np.sqrt(4.0 / total + late**2) - late
@@ -61,7 +61,7 @@ def _damped(mesh: Mesh, moving_loads: MovingLoads, lightest: float) -> float:
     return tied + float(sum(sorted(found)[-2:]))
 
 
-def _ridden(mesh: Mesh, moving_loads: MovingLoads, lightest: float) -> float:
+def _loaded(mesh: Mesh, moving_loads: MovingLoads, lightest: float) -> float:
     g = np.linspace(0.0, 0.25, 26)  # f (1 - f) at all parts of a link
     c = mesh.strands.local[:, :, None]
     local = (c[:, 0] + g * g * (c[:, 1] + g * c[:, 2])).min(axis=1)

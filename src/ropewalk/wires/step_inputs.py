@@ -12,7 +12,7 @@ from ropewalk.wires.plan import Array, Integers
 ABSENT, ON_WIRE, ON_GROUND = 0, 1, 2
 
 
-class Drive(NamedTuple):
+class StepInputs(NamedTuple):
     """What is given at each row, and after the last one; linear in between."""
 
     station: Array  # (row, contact) m along the wire
@@ -22,9 +22,9 @@ class Drive(NamedTuple):
     push: Array  # (row, moving load, C) N on the coordinates
     time: Array  # (row,) s
 
-    def rows(self, begin: int, end: int) -> Drive:
+    def rows(self, begin: int, end: int) -> StepInputs:
         """Some of the rows, and that after them."""
-        return Drive(*(array[begin : end + 1] for array in self))  # type: ignore[arg-type]
+        return StepInputs(*(array[begin : end + 1] for array in self))  # type: ignore[arg-type]
 
 
 class Record(NamedTuple):

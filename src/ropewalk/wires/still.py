@@ -9,7 +9,7 @@ import numpy as np
 from ropewalk.errors import EquilibriumError
 from ropewalk.results.audit import energies
 from ropewalk.results.frame import IN_AIR, MOVES, Contacts, Frame, Layout, RunInfo
-from ropewalk.solve.following import schedule, slow_motion
+from ropewalk.solve.following import quasistatic_motion, schedule
 from ropewalk.wires.bearing import Bearing, Borne
 from ropewalk.wires.layout import Reactions, axes_of, axial_force, layout_of
 from ropewalk.wires.plan import Array
@@ -58,7 +58,7 @@ class WireStatics:
         def rest(t: float, near: Borne | None) -> Borne:
             return self._bearing.stand(t, near.position if near is not None else self._start.position)
 
-        for at in slow_motion(rest, self._places, *self._schedule(), positions, turn):
+        for at in quasistatic_motion(rest, self._places, *self._schedule(), positions, turn):
             yield self._frame(at.shape, at.path)
 
     def _schedule(self) -> tuple[Array, Array]:
@@ -102,7 +102,7 @@ class WireStatics:
         bodies = self._bodies(found)
         return Frame(
             path=path, position=r[axes].T, velocity=np.zeros_like(r[axes].T), tension=tension, strain=stretched / EA,
-            **seen.told(), body_position=bodies, body_velocity=np.zeros_like(bodies),
+            **seen.fields(), body_position=bodies, body_velocity=np.zeros_like(bodies),
             reaction=self._reactions(r)[:, axes], energy=self._energy(found),
             tie_force=potential.tie_forces(r),
         )  # fmt: skip
@@ -110,8 +110,8 @@ class WireStatics:
     def _bodies(self, found: Borne) -> Array:
         moving_loads = self._bearing.moving_loads
         begin = np.concatenate([[0], np.cumsum(moving_loads.size)])
-        out = np.zeros((len(self.task.shown), len(self._axes)))
-        for i, body in enumerate(self.task.shown):
+        out = np.zeros((len(self.task.displayed), len(self._axes)))
+        for i, body in enumerate(self.task.displayed):
             k = int(np.flatnonzero(moving_loads.owner == body.prescribed_motion)[body.wheel])
             a = int(moving_loads.wire[k])
             start, along = self.mesh.strands.across[a].tolist()

@@ -15,7 +15,7 @@ from ropewalk.solve.minimum import is_definite
 from ropewalk.wires.contact_location import location_at, location_below
 from ropewalk.wires.equilibrium import WirePotential, settle_on_rails
 from ropewalk.wires.mesh import Mesh, mesh_of
-from ropewalk.wires.partners import Foreigner
+from ropewalk.wires.partners import WireExternalModel
 from ropewalk.wires.plan import Array, Spot, TravellingLoad, Wire, WirePlan
 from ropewalk.wires.prescribed_motion import PrescribedMotion
 from ropewalk.wires.rest import WiresAtRest, hung, moving, rest_of, rows, spring, vertical_stiffness
@@ -29,7 +29,7 @@ _NARROW, _STEEP = 1e-3, 1.0 - 1e-9
 
 
 @dataclass(frozen=True)
-class Shown:
+class Displayed:
     """A coordinate of a moving load that results show as a body: how high it is, and where."""
 
     name: str
@@ -47,13 +47,13 @@ class WireTask:
     plan: WirePlan
     prescribed_motions: tuple[PrescribedMotion, ...]
     contacts: tuple[str, ...]  # name of each contact in results
-    shown: tuple[Shown, ...] = ()
+    displayed: tuple[Displayed, ...] = ()
     element: float | list[int] = 0.25  # m, or the number of links of each wire
     geometry: Geometry = "nonlinear"
     window: float = np.inf  # m on both sides of the contacts, beyond which nothing moves; linearised only
     inertia: float = 1.0  # factor on the mass along x; nonlinear only
     space: bool = False  # whether anything moves sideways
-    foreigners: tuple[Foreigner, ...] = ()  # who of the prescribed motions are models of somebody else's
+    external_models: tuple[WireExternalModel, ...] = ()  # who of the prescribed motions are models of somebody else's
     near: tuple[Array, ...] | None = None  # near rest, of each wire: (3, node) m; needed where wires run aside
     remarks: tuple[str, ...] = ()  # what one should know of it
     with_loads: bool = False  # whether the wires begin at rest with what travels on them

@@ -9,7 +9,7 @@ import pytest
 
 from ropewalk import Scenario
 from ropewalk.cli import app
-from ropewalk.compare import QUANTITIES, RUNGS, distances, ladder
+from ropewalk.compare import MODELS, QUANTITIES, distances, model_hierarchy
 from ropewalk.compare.stretches import reach_of
 from ropewalk.compare.trace import FLOOR, Difference, Trace, difference
 from ropewalk.compare.verdict import is_adequate, sentence, thresholds
@@ -42,8 +42,8 @@ def test_thresholds_are_one_for_all_and_others_for_some():
     assert is_adequate(errors, own)
     assert not is_adequate(errors, thresholds(0.02))
     assert not is_adequate({"tension": None}, own)  # nothing is known
-    told = sentence("linear", errors, thresholds(0.02))
-    assert told == "linear: not adequate: the largest tension 8.0 % off; adequate for the largest deflection"
+    message = sentence("linear", errors, thresholds(0.02))
+    assert message == "linear: not adequate: the largest tension 8.0 % off; adequate for the largest deflection"
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -0.1, float("nan"), float("inf"), True, "5 %"])
@@ -52,22 +52,22 @@ def test_a_tolerance_is_a_positive_part(tolerance):
         thresholds(tolerance)
 
 
-def test_an_unknown_quantity_or_rung_is_named_with_the_next_one():
+def test_an_unknown_quantity_or_simpler_model_is_named_with_the_next_one():
     with pytest.raises(ScenarioError, match="no such quantity, given 'tensoin'; did you mean tension"):
-        ladder(scenario(), tolerances={"tensoin": 0.1})
+        model_hierarchy(scenario(), tolerances={"tensoin": 0.1})
     with pytest.raises(ScenarioError, match="no such rung, given 'moving forse'; did you mean moving force"):
         distances(scenario(), ["moving forse"])
 
 
-def test_what_has_no_ladder_is_refused():
+def test_what_has_no_model_hierarchy_is_refused():
     with pytest.raises(ScenarioError, match="a rest has no ladder"):
-        ladder(scenario(run={"kind": "equilibrium"}))
+        model_hierarchy(scenario(run={"kind": "equilibrium"}))
     empty = scenario().model_copy(update={"loads": {}})
     with pytest.raises(ScenarioError, match="nothing travels"):
-        ladder(empty)
+        model_hierarchy(empty)
     # a full scenario that cannot begin has nothing that others could be compared with
     with pytest.raises(RopewalkError, match="load cart"):
-        ladder(
+        model_hierarchy(
             scenario({"kind": "force", "force": [0.0, -1.0], "travel": {"speed": 0.1, "from": 12.0, "measured": "arc"}})
         )
 
@@ -75,9 +75,9 @@ def test_what_has_no_ladder_is_refused():
 def test_json_has_no_nan_and_the_table_says_what_is_too_large(climbed):
     for name in ("slack_rope", "pantograph", "slow_trolley"):
         found = climbed(name)
-        told = found.as_dict()
-        assert list(told["rungs"]) == list(RUNGS)
-        assert np.isfinite(numbers(json.loads(json.dumps(told, allow_nan=False)))).all()
+        message = found.as_dict()
+        assert list(message["models"]) == list(MODELS)
+        assert np.isfinite(numbers(json.loads(json.dumps(message, allow_nan=False)))).all()
     rows = climbed("slack_rope").table()
     assert {len(row) for row in rows} == {len(rows[0])}
     assert rows[0] == ("", "linear", "quasi-static", "full")
@@ -85,26 +85,26 @@ def test_json_has_no_nan_and_the_table_says_what_is_too_large(climbed):
     assert next(row for row in rows if row[0] == "distance: largest deflection")[1].endswith("!")
 
 
-def test_a_rung_that_cannot_be_had_says_why():
+def test_a_simpler_model_that_cannot_be_had_says_why():
     displacement = {"time": [0.0, 1.0], "value": [[0.0, 0.0], [0.0, 0.01]]}
     soft = {"end_support": {"kind": "moving", "displacement": displacement}}
-    found = ladder(scenario(**soft))
-    assert "the linear" not in found.rungs["linear"].same_as
-    assert "a support that yields or moves is not implemented for kind: linear" in found.rungs["linear"].reason
-    assert found.rungs["linear"].quantities is None
+    found = model_hierarchy(scenario(**soft))
+    assert "the linear" not in found.models["linear"].same_as
+    assert "a support that yields or moves is not implemented for kind: linear" in found.models["linear"].reason
+    assert found.models["linear"].quantities is None
     assert not found.adequate("linear")
     assert "linear: not to be had: " in found.verdict
     assert found.adequate("quasi-static") or found.errors["quasi-static"]
     assert distances(scenario(**soft), ["linear"])["linear"] == dict.fromkeys((*QUANTITIES, "share beyond"))
 
 
-def test_distances_are_those_of_the_ladder_and_run_no_more(monkeypatch):
-    whole = ladder(scenario()).errors
+def test_distances_are_those_of_the_model_hierarchy_and_run_no_more(monkeypatch):
+    whole = model_hierarchy(scenario()).errors
     run = []
     from ropewalk.compare import climbing
 
     true = climbing._run
-    monkeypatch.setattr(climbing, "_run", lambda rung, *rest: run.append(rung.name) or true(rung, *rest))
+    monkeypatch.setattr(climbing, "_run", lambda model, *rest: run.append(model.name) or true(model, *rest))
     few = distances(scenario(), ["quasi-static", "moving force"])
     assert run == ["full", "quasi-static"]
     assert {q: few["quasi-static"][q] for q in QUANTITIES} == whole["quasi-static"]
@@ -112,26 +112,26 @@ def test_distances_are_those_of_the_ladder_and_run_no_more(monkeypatch):
     assert 0.0 <= few["quasi-static"]["share beyond"] <= 1.0
 
 
-def test_a_slow_run_and_a_linear_one_have_a_full_rung_in_time():
-    slow = ladder(scenario(run={"kind": "quasistatic"}))
-    assert "time" in slow.rungs["full"].result.dims
-    assert "asks for kind: quasistatic" in slow.rungs["full"].remark
-    assert slow.rungs["quasi-static"].quantities is not None
-    linear = ladder(scenario(run={"kind": "linear", "until": 1.0}))
-    assert linear.rungs["full"].result.attrs["method"] != "linear theory"
+def test_a_slow_run_and_a_linear_one_have_a_full_simpler_model_in_time():
+    quasistatic = model_hierarchy(scenario(run={"kind": "quasistatic"}))
+    assert "time" in quasistatic.models["full"].result.dims
+    assert "asks for kind: quasistatic" in quasistatic.models["full"].remark
+    assert quasistatic.models["quasi-static"].quantities is not None
+    linear = model_hierarchy(scenario(run={"kind": "linear", "until": 1.0}))
+    assert linear.models["full"].result.attrs["method"] != "linear theory"
     # what does not stretch moves, too
     limp = {"law": {"kind": "inextensible"}, "axial_stiffness": None, "tension": None, "length": 10.1}
-    most = ladder(scenario(run={"kind": "quasistatic", "positions": 21}, **limp))
-    assert not most.rungs["quasi-static"].same_as
-    assert "time" in most.rungs["full"].result.dims
-    assert "asks for kind: quasistatic" in most.rungs["full"].remark
+    most = model_hierarchy(scenario(run={"kind": "quasistatic", "positions": 21}, **limp))
+    assert not most.models["quasi-static"].same_as
+    assert "time" in most.models["full"].result.dims
+    assert "asks for kind: quasistatic" in most.models["full"].remark
 
 
 def test_footsteps_become_their_weight_and_feedback_cut_keeps_them():
     steps = {"kind": "footsteps", "mass": 60.0, "from": 3.0, "frequency": 2.0, "step_length": 0.5}
-    found = ladder(scenario(steps))
-    assert found.rungs["feedback cut"].same_as == "full"
-    force = found.rungs["moving force"].quantities.wheels["cart"]["contact_force"]
+    found = model_hierarchy(scenario(steps))
+    assert found.models["feedback cut"].same_as == "full"
+    force = found.models["moving force"].quantities.wheels["cart"]["contact_force"]
     # a person's weight, evenly; rounding
     assert force["value"] == pytest.approx(60.0 * 9.81, rel=1e-9)
     assert force["deviation"] < 1e-6
@@ -172,18 +172,18 @@ def test_a_reach_says_from_where_to_where_a_model_holds():
     # the crossing is somewhere in the step of 25 mm
     assert reach.from_start == pytest.approx(7.0, abs=0.026)
     assert (reach.to_end, reach.share) == pytest.approx((0.0, 0.3), abs=0.003)
-    assert reach.told("the linear theory").startswith(
+    assert reach.message("the linear theory").startswith(
         "the linear theory is within 2 % up to 7.00 m from the start; on the last 3.00 m of the way it is not (20 % off"
     )
     bump = reach_of(Difference(xi, full, 1.0 + 0.2 * np.exp(-((xi - 5.0) ** 2))), 0.05)
     # exp(-d^2) = 1/4 at d = 1.177
     assert (bump.from_start, bump.to_end) == pytest.approx((5.0 - 1.1774, 5.0 - 1.1774), abs=1e-3)
-    assert "between them it is not" in bump.told("it")
-    assert reach_of(Difference(xi, full, full), 0.05).told("it") == "it is within 5 % all the way, 0 to 10.0 m"
-    assert reach_of(Difference(xi, full, 2.0 * full), 0.05).told("it").startswith("it is nowhere within 5 %")
+    assert "between them it is not" in bump.message("it")
+    assert reach_of(Difference(xi, full, full), 0.05).message("it") == "it is within 5 % all the way, 0 to 10.0 m"
+    assert reach_of(Difference(xi, full, 2.0 * full), 0.05).message("it").startswith("it is nowhere within 5 %")
 
 
-def test_the_figure_shows_every_rung_that_was_run(climbed):
+def test_the_figure_shows_every_simpler_model_that_was_run(climbed):
     for name in ("mass_to_the_end", "pantograph"):
         found = climbed(name)
         fig = found.figure()
@@ -217,9 +217,9 @@ def test_the_command_prints_table_assumptions_and_verdict(call, tmp_path):
     assert "largest slope against the chord" in out.stdout
     assert "model that is adequate is" in out.stdout or "Nothing simpler" in out.stdout
     assert (tmp_path / "rope.png").stat().st_size > 10_000
-    told = json.loads(call("rope.yaml", "--json", "--tolerance", "0.5").stdout)
-    assert told["allowed"]["tension"] == 0.5
-    assert set(told["rungs"]) == set(RUNGS)
+    message = json.loads(call("rope.yaml", "--json", "--tolerance", "0.5").stdout)
+    assert message["allowed"]["tension"] == 0.5
+    assert set(message["models"]) == set(MODELS)
     assert call("rope.yaml", "--quiet").stdout == ""
 
 
@@ -234,20 +234,20 @@ def test_the_command_refuses_what_it_cannot_do(call):
         assert said in out.output
 
 
-def test_a_rung_that_breaks_off_does_not_keep_the_others_from_being_shown(monkeypatch):
+def test_a_simpler_model_that_breaks_off_does_not_keep_the_others_from_being_shown(monkeypatch):
     from ropewalk.compare import climbing
 
     true = climbing._run
 
-    def broken(rung, *rest):
-        result = true(rung, *rest)
-        if rung.name == "quasi-static":
+    def broken(model, *rest):
+        result = true(model, *rest)
+        if model.name == "quasi-static":
             result.attrs.update(outcome="no rest shape", advice="give more length")
         return result
 
     monkeypatch.setattr(climbing, "_run", broken)
-    found = ladder(scenario())
+    found = model_hierarchy(scenario())
     assert not found.adequate("quasi-static")
-    assert found.rungs["linear"].errors
+    assert found.models["linear"].errors
     assert "quasi-static: not to be had: no rest shape: give more length" in found.verdict
     assert distances(scenario(), ["quasi-static"])["quasi-static"]["deflection"] is None

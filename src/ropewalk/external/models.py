@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from ropewalk.errors import Problem, RopewalkError, ScenarioError
-from ropewalk.foreign.cosimulation_master import CosimulationMaster
+from ropewalk.external.cosimulation_master import CosimulationMaster
 from ropewalk.mechanics.contact_points import contacts_of, named
 from ropewalk.model.fmu import Fmu
-from ropewalk.model.load import AnyLoad, Foreign
+from ropewalk.model.load import AnyLoad, ExternalModel
 from ropewalk.model.stepper import Stepper
 
 
-def turns_of(name: str, load: Foreign, until: float, dim: int, reach: float) -> CosimulationMaster:
+def cosimulation_of(name: str, load: ExternalModel, until: float, dim: int, reach: float) -> CosimulationMaster:
     """A foreign load and its line, ready to take turns.
 
     Args:
@@ -31,14 +31,14 @@ def turns_of(name: str, load: Foreign, until: float, dim: int, reach: float) -> 
     return CosimulationMaster(name, model, load.every, load.exchange, at_end, contacts_of(name, load), dim, reach)
 
 
-def model_of(name: str, load: Foreign, until: float, dim: int) -> Any:
+def model_of(name: str, load: ExternalModel, until: float, dim: int) -> Any:
     """The model of a foreign load: the object itself, or made from what its text names, or from its FMU.
 
     Raises:
         RopewalkError: there is no such thing, or it cannot be made.
     """
     if not isinstance(load, Stepper):
-        from ropewalk.foreign.fmu import FmuModel  # lazy: few runs need FMPy
+        from ropewalk.external.fmu import FmuModel  # lazy: few runs need FMPy
 
         return FmuModel(name, load, until, dim)
     if not isinstance(load.model, str):
@@ -64,7 +64,7 @@ def refuse_code(loads: Mapping[str, AnyLoad]) -> None:
     """
     problems = []
     for name, load in loads.items():
-        if isinstance(load, Foreign):
+        if isinstance(load, ExternalModel):
             key, given = ("file", load.file) if isinstance(load, Fmu) else ("model", str(load.model))
             remedy = "leave --no-code out if you trust whoever wrote it"
             problems.append(Problem(f"loads.{name}.{key}", "is code, which is not to be run", given, remedy))
@@ -72,7 +72,7 @@ def refuse_code(loads: Mapping[str, AnyLoad]) -> None:
         raise ScenarioError(problems)
 
 
-def check_foreign(loads: Mapping[str, AnyLoad]) -> None:
+def check_external(loads: Mapping[str, AnyLoad]) -> None:
     """Find what is wrong with the files of foreign loads, without running them.
 
     Raises:
@@ -82,7 +82,7 @@ def check_foreign(loads: Mapping[str, AnyLoad]) -> None:
     fmus = {name: load for name, load in loads.items() if isinstance(load, Fmu)}
     if not fmus:
         return
-    from ropewalk.foreign.description import check_fmu  # lazy: few runs need FMPy
+    from ropewalk.external.description import check_fmu  # lazy: few runs need FMPy
 
     if problems := [problem for name, load in fmus.items() for problem in check_fmu(name, load)]:
         raise ScenarioError(problems)

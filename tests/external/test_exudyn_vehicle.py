@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.exudyn_vehicle import ExudynVehicle
+from ropewalk.external.exudyn_vehicle import ExudynVehicle
 from ropewalk.model import Vehicle
 from ropewalk.scenario import load
 from ropewalk.simulate import simulate
@@ -24,7 +24,7 @@ PLAIN = {
 
 @pytest.fixture(scope="module")
 def exudyn() -> Any:
-    return pytest.importorskip("exudyn", reason='Exudyn is not installed: pip install "ropewalk[foreign]"')
+    return pytest.importorskip("exudyn", reason='Exudyn is not installed: pip install "ropewalk[external]"')
 
 
 class Rigid:

@@ -15,13 +15,13 @@ import pytest
 
 pytest.importorskip("fmpy", reason="FMUs need FMPy")
 
-from foreign.fmus import StillLine, c_fmu, python_fmu
+from external.fmus import StillLine, c_fmu, python_fmu
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.fmu import FmuModel
+from ropewalk.external.fmu import FmuModel
 from ropewalk.model.fmu import Fmu
 
 H = 0.01  # s
-TOLD = {"force": "force", "height": "height", "velocity": "velocity"}
+MESSAGE = {"force": "force", "height": "height", "velocity": "velocity"}
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def models() -> Iterator[list[FmuModel]]:
 
 def model_of(file: Path, **keys: Any) -> FmuModel:
     keys = {"isolated": True, **keys}
-    load = Fmu(on="rope", file=str(file), contacts={"front": TOLD}, travel={"speed": 1.0}, every=H, **keys)
+    load = Fmu(on="rope", file=str(file), contacts={"front": MESSAGE}, travel={"speed": 1.0}, every=H, **keys)
     return FmuModel("car", load, 1.0, 2)
 
 

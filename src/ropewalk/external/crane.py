@@ -23,10 +23,10 @@ from pathlib import Path
 import numpy as np
 
 from ropewalk.errors import RopewalkError, did_you_mean
-from ropewalk.foreign.fmu_wiring import StartValue, Wiring
-from ropewalk.foreign.packages import imported
-from ropewalk.foreign.protocol import SeenLine, Touch
-from ropewalk.foreign.slave import Slave
+from ropewalk.external.fmu_wiring import StartValue, Wiring
+from ropewalk.external.packages import imported
+from ropewalk.external.protocol import SeenLine, Touch
+from ropewalk.external.slave import Slave
 from ropewalk.mechanics.chain import Array
 
 GRAVITY = 9.81  # m/s^2, that of py-crane
@@ -155,7 +155,7 @@ def _found(file: str) -> Path:
     except PackageNotFoundError as error:
         raise RopewalkError(
             f"there is no file {file}, and the package py-crane, whose FMUs may be named alone, is not installed; "
-            'pip install py-crane, or pip install "ropewalk[foreign]"'
+            'pip install py-crane, or pip install "ropewalk[external]"'
         ) from error
     fmus = {each.name: Path(str(each.locate())) for each in files if each.suffix == ".fmu"}
     if file not in fmus:

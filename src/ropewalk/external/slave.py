@@ -19,9 +19,9 @@ from types import ModuleType
 from typing import Any, Protocol
 
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.archive import check_size
-from ropewalk.foreign.binaries import Binary, Listener, Refusal, binary_of
-from ropewalk.foreign.fmu_wiring import Wiring
+from ropewalk.external.archive import check_size
+from ropewalk.external.binaries import Binary, Listener, Refusal, binary_of
+from ropewalk.external.fmu_wiring import Wiring
 
 REMEMBERED = 20  # messages of an FMU
 QUOTED = 3  # of these, in an error
@@ -236,9 +236,9 @@ def _own_modules(resources: Path) -> Iterator[None]:
     pythonfmu imports the module of an FMU by its name alone: a second FMU whose module is named alike would otherwise
     run the code of the first.
     """
-    told = resources / "slavemodule.txt"
+    values = resources / "slavemodule.txt"
     names = set()
-    if told.is_file():
+    if values.is_file():
         names = {path.stem for path in resources.glob("*.py")} | {path.parent.name for path in resources.glob("*/*.py")}
 
     def taken() -> dict[str, ModuleType]:

@@ -27,15 +27,15 @@ from typing import IO, Any, BinaryIO
 
 from ropewalk.checkpoint import CheckpointError, from_bytes, to_bytes
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.confinement import leave_network, write_only_in
-from ropewalk.foreign.fmu_wiring import Wiring
-from ropewalk.foreign.slave import REMEMBERED, UNPACKED, Slave, quoted
+from ropewalk.external.confinement import leave_network, write_only_in
+from ropewalk.external.fmu_wiring import Wiring
+from ropewalk.external.slave import REMEMBERED, UNPACKED, Slave, quoted
 
 LOOK = 0.2  # s, at which the watchers look
 STARTING = 30.0  # s, that loading may take longer: Python itself must start
 FAREWELL = 2.0  # s, for an FMU to end by itself
 LARGEST = 1 << 30  # bytes of an answer, which a state may be
-_CHILD = "import sys; sys.path.append(sys.argv[1]); from ropewalk.foreign.isolation import serve; serve(sys.argv[2])"
+_CHILD = "import sys; sys.path.append(sys.argv[1]); from ropewalk.external.isolation import serve; serve(sys.argv[2])"
 
 
 @dataclass

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 pytest.importorskip("fmpy", reason="FMUs need FMPy")
 
-from foreign.fmus import MOODS, c_fmu
+from external.fmus import MOODS, c_fmu
 from ropewalk import Scenario, simulate
 from ropewalk.cli import app
 
@@ -80,12 +80,12 @@ def test_an_fmu_that_ends_the_process_is_no_success(tmp_path: Path, file: Path) 
     """C's exit(0) in the process of the run; where that has gone well, its own end is no failure."""
     text = FILE.replace("CART", str(file)).replace("force: forse", "force: force")
     ended = "load cart: its FMU .* has ended the whole process; write isolated"
-    for mood, codes, told in (("quit", (1,), ended), ("good", (0, 4), "$")):  # its force comes suddenly: doubtful
+    for mood, codes, message in (("quit", (1,), ended), ("good", (0, 4), "$")):  # its force comes suddenly: doubtful
         (tmp_path / "case.yaml").write_text(text.replace("mass: heavy", f"mood: {mood}, at: 0.2"), encoding="utf-8")
         command = [sys.executable, "-m", "ropewalk", "run", "case.yaml", "--quiet", "-o", f"{mood}.nc"]
         found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
         assert found.returncode in codes, found.stderr
-        assert re.match(told, found.stderr), found.stderr
+        assert re.match(message, found.stderr), found.stderr
 
 
 def test_mistakes_about_an_fmu_stand_at_their_lines(tmp_path: Path, file: Path) -> None:

@@ -22,8 +22,8 @@ import numpy as np
 
 from ropewalk.checkpoint import Tree, copied
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.protocol import LineView, Touch, touches
-from ropewalk.foreign.seen import Foreseen, ForeseenContact, Seen
+from ropewalk.external.protocol import LineView, Touch, touches
+from ropewalk.external.seen import Foreseen, ForeseenContact, Seen
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.travel import AtEnd
@@ -90,22 +90,22 @@ class _KeptContact:
 
 
 @contextmanager
-def closing(turns: Sequence[CosimulationMaster]) -> Iterator[None]:
+def closing(cosimulation: Sequence[CosimulationMaster]) -> Iterator[None]:
     """Let all models go at the end, however it comes."""
     try:
         yield
     finally:
-        for partner in turns:
+        for partner in cosimulation:
             partner.close()
 
 
 @contextmanager
-def begun(turns: Sequence[CosimulationMaster]) -> Iterator[None]:
+def begun(cosimulation: Sequence[CosimulationMaster]) -> Iterator[None]:
     """Let all models go if they do not even begin."""
     try:
         yield
     except BaseException:
-        for partner in turns:
+        for partner in cosimulation:
             partner.close()
         raise
 
@@ -136,7 +136,7 @@ class CosimulationMaster:
     asked: int = 0
     work: float = 0.0  # J, that has gone through the interface, in whatever direction
     residual: float = 0.0  # J, that the exchange has made so far (negative: lost)
-    peak: float = 0.0  # J, the largest part of it in one interval since `told`
+    peak: float = 0.0  # J, the largest part of it in one interval since `exchanged`
     remarks: list[str] = field(default_factory=list)
     _contacts: list[_KeptContact | None] = field(default_factory=list)
     _frozen: LineView | None = None
@@ -169,7 +169,7 @@ class CosimulationMaster:
         """When it is to be asked next, s."""
         return self.asked * self.every
 
-    def told(self) -> tuple[float, float, float]:
+    def exchanged(self) -> tuple[float, float, float]:
         """Work and residual so far, and the largest residual of an interval since this was asked last, J."""
         peak, self.peak = self.peak, 0.0
         return self.work, self.residual, peak
@@ -294,8 +294,8 @@ class CosimulationMaster:
                 continue
             touch = answer[number]
             place, force = line.at(xi)[0], touch.force
-            sight = place if seen is line else seen.at(xi)[0]
-            now = _KeptContact(place, sight, [force], [], ContactPush(xi, touch.speed, force, force), touch.motion)
+            seen_place = place if seen is line else seen.at(xi)[0]
+            now = _KeptContact(place, seen_place, [force], [], ContactPush(xi, touch.speed, force, force), touch.motion)
             if before is not None:
                 slid = before.push.xi + before.push.speed * self.every
                 if abs(xi - slid) <= self.reach:

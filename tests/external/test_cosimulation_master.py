@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from foreign_cases import Dashpot, Mass, Sprung
+from external_cases import Dashpot, Mass, Sprung
 from motion_cases import order
 from ropewalk import Scenario, simulate, summary
 from ropewalk.results.table import rows
@@ -142,8 +142,8 @@ def test_energy_that_the_exchange_makes_is_warned_of() -> None:
     assert "the exchange with its model has made" in found.warnings
     assert "exchange.damping" in found.warnings
     assert found.exchange_residual.values[-1, 0] > 0.01 * found.exchange_work.values[-1, 0]
-    told = next(row for row in rows(summary(found)) if row[0] == "energy error of the exchange")
-    assert "% of it  at most" in told[2]
+    message = next(row for row in rows(summary(found)) if row[0] == "energy error of the exchange")
+    assert "% of it  at most" in message[2]
     assert "the exchange" not in settled(1.25 * Z, every=0.005, scheme="iterated")[1].warnings
 
 

@@ -12,11 +12,11 @@ import numpy as np
 
 from ropewalk.checkpoint import Tree
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.description import answered, told, wiring_of
-from ropewalk.foreign.isolation import Isolated
-from ropewalk.foreign.leaving import watched
-from ropewalk.foreign.protocol import SeenLine, Touch
-from ropewalk.foreign.slave import Slave, Worker
+from ropewalk.external.description import answered, mentioned, wiring_of
+from ropewalk.external.isolation import Isolated
+from ropewalk.external.leaving import watched
+from ropewalk.external.protocol import SeenLine, Touch
+from ropewalk.external.slave import Slave, Worker
 from ropewalk.mechanics.assembly import speed_table
 from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.fmu import Fmu, FmuContact
@@ -47,7 +47,7 @@ class _FmuContact:
 
     declared: FmuContact
     start: float  # m, as the travel is measured
-    told: dict[str, int]
+    stated: dict[str, int]
     answered: dict[str, int]
 
 
@@ -80,7 +80,7 @@ class FmuModel:
         self._contacts: list[_FmuContact] = []
         inputs = outputs = 0
         for place, contact in zip(load.starts(), load.contacts.values(), strict=True):
-            keys, others = told(contact), answered(contact)
+            keys, others = mentioned(contact), answered(contact)
             numbers = {key: inputs + i for i, key in enumerate(keys)}
             self._contacts.append(
                 _FmuContact(contact, place.start, numbers, {key: outputs + i for i, key in enumerate(others)})
@@ -215,7 +215,7 @@ class FmuModel:
         for k, contact in enumerate(self._contacts):
             xi, _, height, velocity = seen[k]
             factor, inputs = contact.declared.motion_factor, self._inputs
-            for key, number in contact.told.items():
+            for key, number in contact.stated.items():
                 if key == "height":
                     inputs[number] = (height - self._grounds[k]) / factor
                 elif key == "velocity":

@@ -9,7 +9,7 @@ from functools import cache
 from itertools import count
 from typing import Any
 
-from ropewalk.foreign.fmu_wiring import StartValue, Wiring
+from ropewalk.external.fmu_wiring import StartValue, Wiring
 
 DISCARD, ERROR, FATAL, PENDING = 2, 3, 4, 5
 STATUS = {DISCARD: "discard", ERROR: "error", FATAL: "fatal", PENDING: "pending, it would answer later"}
@@ -41,7 +41,7 @@ class Binary:
         n, m = len(wiring.inputs), len(wiring.outputs)
         self._fmu, self._dll, self._instance = fmu, fmu.dll, fmu.component
         self._goes_back = wiring.goes_back
-        self._told, self._asked = (c_uint * n)(*wiring.inputs), (c_uint * m)(*wiring.outputs)
+        self._references, self._asked = (c_uint * n)(*wiring.inputs), (c_uint * m)(*wiring.outputs)
         self.inputs: Any = (c_double * n)()
         self.slopes: Any = (c_double * n)()
         self.outputs: Any = (c_double * m)()
@@ -163,12 +163,12 @@ class Binary2(Binary):
 
     def put(self) -> None:
         """Set the inputs."""
-        if (status := self._put(self._instance, self._told, len(self._told), self.inputs)) > 1:
+        if (status := self._put(self._instance, self._references, len(self._references), self.inputs)) > 1:
             self._refused("fmi2SetReal", status)
 
     def slope(self) -> None:
         """Set the slopes of the inputs."""
-        self._call("SetRealInputDerivatives", self._told, len(self._told), self._orders, self.slopes)
+        self._call("SetRealInputDerivatives", self._references, len(self._references), self._orders, self.slopes)
 
     def fetch(self) -> None:
         """Get the outputs."""
@@ -230,8 +230,8 @@ class Binary3(Binary):
 
     def put(self) -> None:
         """Set the inputs."""
-        n = len(self._told)
-        if (status := self._put(self._instance, self._told, n, self.inputs, n)) > 1:
+        n = len(self._references)
+        if (status := self._put(self._instance, self._references, n, self.inputs, n)) > 1:
             self._refused("fmi3SetFloat64", status)
 
     def fetch(self) -> None:

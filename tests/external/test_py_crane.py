@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.crane import ALONG_WIRE, GRAVITY, HangingCrane
+from ropewalk.external.crane import ALONG_WIRE, GRAVITY, HangingCrane
 from ropewalk.model import Dynamic, Fmu, Line, MovingForce, Oscillator, Scenario, Stepper
 from ropewalk.simulate import simulate
 
@@ -20,8 +20,8 @@ LUFFING = {"der(boom.boom[1])": [[0.0, 0.1, 1.0], [0.0, -12.0, -12.0]]}  # s, de
 
 @pytest.fixture(scope="module")
 def crane() -> Any:
-    pytest.importorskip("fmpy", reason='FMPy is not installed: pip install "ropewalk[foreign]"')
-    pytest.importorskip("py_crane", reason='py-crane is not installed: pip install "ropewalk[foreign]"')
+    pytest.importorskip("fmpy", reason='FMPy is not installed: pip install "ropewalk[external]"')
+    pytest.importorskip("py_crane", reason='py-crane is not installed: pip install "ropewalk[external]"')
     return HangingCrane(0.0)  # so that all FMUs of this file take the modules that are installed
 
 
@@ -148,7 +148,7 @@ def test_a_mass_of_its_other_fmu_on_a_rope_is_our_own_oscillator(crane: Any) -> 
     hook = {"gives": "motion", "force": "f[2]", "height": "x[2]", "velocity": "v[2]", "force_factor": -mass}
     free = {f"{name}[{i}]": 0.0 for name in "kc" for i in range(6)}
     travel = {"speed": 0.0, "from": 12.0}
-    foreign = Fmu.model_validate({
+    external = Fmu.model_validate({
         "on": "rope", "file": file, "contacts": {"hook": hook}, "travel": travel, "parameters": free, "every": 2e-3,
         "exchange": {"stiffness": stiffness, "damping": damping},
     })  # fmt: skip
@@ -163,7 +163,7 @@ def test_a_mass_of_its_other_fmu_on_a_rope_is_our_own_oscillator(crane: Any) -> 
     run = Dynamic(until=1.0, every=0.01)
     results = [
         simulate(Scenario(lines={"rope": rope}, loads={"walker": walker, "mass": load}, run=run, gravity=0.0))
-        for load in (foreign, own)
+        for load in (external, own)
     ]
     found, known = (r.position.sel(axis="z").to_numpy() for r in results)
     shape = np.abs(found - known).max() / np.abs(known).max()
@@ -200,6 +200,6 @@ def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyP
     def absent(name: str) -> Any:
         raise __import__("importlib.metadata").metadata.PackageNotFoundError(name)
 
-    monkeypatch.setattr("ropewalk.foreign.crane.distribution", absent)
+    monkeypatch.setattr("ropewalk.external.crane.distribution", absent)
     with pytest.raises(RopewalkError, match=r'not installed; pip install py-crane, or pip.*"ropewalk\[foreign\]"'):
         HangingCrane(20.0)

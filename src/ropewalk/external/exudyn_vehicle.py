@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.packages import imported
-from ropewalk.foreign.protocol import SeenLine, Touch
+from ropewalk.external.packages import imported
+from ropewalk.external.protocol import SeenLine, Touch
 from ropewalk.mechanics.chain import Array
 
 _MOMENT = 1e-4  # s, in which the slope of the line at the beginning is looked at

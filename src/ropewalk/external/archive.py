@@ -23,5 +23,5 @@ def check_size(file: str | os.PathLike[str]) -> None:
         raise RopewalkError(f"it cannot be unpacked ({error})") from error
     size = sum(entry.file_size for entry in entries)
     if size > LARGEST or len(entries) > MOST:
-        told = f"{len(entries)} files of {size / 1e9:.3g} GB"
-        raise RopewalkError(f"it holds {told}; at most {MOST} of {LARGEST / 1e9:.3g} GB are unpacked")
+        text = f"{len(entries)} files of {size / 1e9:.3g} GB"
+        raise RopewalkError(f"it holds {text}; at most {MOST} of {LARGEST / 1e9:.3g} GB are unpacked")

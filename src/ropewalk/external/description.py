@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from ropewalk.errors import Problem, RopewalkError, ScenarioError, did_you_mean
-from ropewalk.foreign.archive import check_size
-from ropewalk.foreign.fmu_wiring import StartValue, Wiring
+from ropewalk.external.archive import check_size
+from ropewalk.external.fmu_wiring import StartValue, Wiring
 from ropewalk.model.fmu import Fmu, FmuContact, Value
 
 REALS = {2: "Real", 3: "Float64"}
@@ -20,7 +20,7 @@ WHOLE = {
     "UInt64": 64,
 }  # fmt: skip
 """Types of whole numbers, with the bits of their size."""
-SHOWN = 8  # names that a remedy lists
+DISPLAYED = 8  # names that a remedy lists
 
 INPUTS = {"force": ("height", "velocity", "place"), "motion": ("force", "place")}
 OUTPUTS = {"force": ("force", "force_along"), "motion": ("height", "velocity")}
@@ -49,7 +49,7 @@ def wiring_of(name: str, load: Fmu) -> Wiring:
     return reading.wiring
 
 
-def told(contact: FmuContact) -> list[str]:
+def mentioned(contact: FmuContact) -> list[str]:
     """The keys of a contact that name what its FMU is told."""
     return [key for key in INPUTS[contact.gives] if getattr(contact, key) is not None]
 
@@ -75,9 +75,9 @@ class _Reading:
         version, slave = int(description.fmiVersion[0]), description.coSimulation
         self._variables = {variable.name: variable for variable in description.modelVariables}
         self._version = version
-        inputs = [self._variable(*each, ("input",)) for each in self._keys(told)]
+        inputs = [self._variable(*each, ("input",)) for each in self._keys(mentioned)]
         outputs = [self._variable(*each, ("output", "local")) for each in self._keys(answered)]
-        self._told_twice()
+        self._mentioned_twice()
         settings = [*self._settings("parameters"), *self._settings("start_values")]
         goes_back = self.load.exchange.scheme == "iterated"
         if goes_back and not slave.canGetAndSetFMUstate:
@@ -174,9 +174,9 @@ class _Reading:
     def _is_real(self, variable: Any) -> bool:
         return variable.type == REALS[self._version] and not variable.shape
 
-    def _told_twice(self) -> None:
+    def _mentioned_twice(self) -> None:
         first: dict[str, str] = {}
-        for key, wanted in self._keys(told):
+        for key, wanted in self._keys(mentioned):
             if wanted in first:
                 remedy = "give every contact inputs of its own"
                 self._report(key, f"is told by {first[wanted]} already", wanted, remedy)
@@ -193,7 +193,7 @@ class _Reading:
     # -- Values --------------------------------------------------------------------------------------------------
 
     def _settings(self, block: str) -> Iterator[StartValue]:
-        lines = {wanted: key for key, wanted in self._keys(told)}
+        lines = {wanted: key for key, wanted in self._keys(mentioned)}
         for wanted, value in getattr(self.load, block).items():
             key, variable = f"{block}.{wanted}", self._variables.get(wanted)
             if variable is None:
@@ -220,8 +220,8 @@ class _Reading:
 
 def _listed(head: str, names: list[str]) -> str:
     """Name what there is, as far as it is short."""
-    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
-    return f"{head} {', '.join(names[:SHOWN])}{more}" if names else f"{head} none"
+    more = f" and {len(names) - DISPLAYED} more" if len(names) > DISPLAYED else ""
+    return f"{head} {', '.join(names[:DISPLAYED])}{more}" if names else f"{head} none"
 
 
 def _block_of(variable: Any) -> str | None:

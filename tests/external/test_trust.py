@@ -17,14 +17,14 @@ from typer.testing import CliRunner
 from ropewalk.checkpoint import CheckpointError, to_bytes
 from ropewalk.cli import app
 from ropewalk.errors import RopewalkError, ScenarioError
-from ropewalk.foreign import archive, isolation
-from ropewalk.foreign.models import refuse_code
+from ropewalk.external import archive, isolation
+from ropewalk.external.models import refuse_code
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
 
 TRIES = """
 import json, os, pathlib, signal, socket, sys
-from ropewalk.foreign.confinement import leave_network, write_only_in
+from ropewalk.external.confinement import leave_network, write_only_in
 folder, outside, port = sys.argv[1], pathlib.Path(sys.argv[2]), int(sys.argv[3])
 held = {"network": leave_network(), "files": write_only_in(folder)}
 
@@ -184,9 +184,9 @@ def test_fmus_are_code() -> None:
     ],
 )
 def test_a_model_that_ends_the_program_is_an_error(
-    body: str, step: str, told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    body: str, step: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     written(tmp_path, body, step)
-    with pytest.raises(RopewalkError, match=told):
+    with pytest.raises(RopewalkError, match=message):
         simulate(Scenario.model_validate(scenario("hip.py:Hip")))

@@ -23,5 +23,5 @@ def imported(module: str, package: str) -> Any:
     except ImportError as error:
         raise RopewalkError(
             f"this model needs the package {package}, which cannot be imported ({error}); "
-            f'pip install {package}, or pip install "ropewalk[foreign]"'
+            f'pip install {package}, or pip install "ropewalk[external]"'
         ) from error

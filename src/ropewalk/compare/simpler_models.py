@@ -1,4 +1,4 @@
-"""Rungs: the same scenario with less and less in it."""
+"""Simpler models: the same scenario with less and less in it."""
 
 from __future__ import annotations
 
@@ -32,32 +32,32 @@ if TYPE_CHECKING:
     from ropewalk.compare.trace import Trace
     from ropewalk.wires.task import WireTask
 
-LINEAR, SLOW, FORCE, MASS, FULL, CUT = (
+LINEAR, QUASISTATIC, FORCE, MASS, FULL, CUT = (
     "linear", "quasi-static", "moving force", "moving mass", "full", "feedback cut",
 )  # fmt: skip
-RUNGS = (LINEAR, SLOW, FORCE, MASS, FULL, CUT)
+MODELS = (LINEAR, QUASISTATIC, FORCE, MASS, FULL, CUT)
 """From the bottom to the top, and the top with its feedback cut."""
-SIMPLEST_FIRST = (LINEAR, SLOW, FORCE, CUT, MASS, FULL)
+SIMPLEST_FIRST = (LINEAR, QUASISTATIC, FORCE, CUT, MASS, FULL)
 FRAMES = 200  # of a run, at least: what is between two of them is compared by straight lines
 POSITIONS = 201  # of a slow motion
 FEW_SEGMENTS = 24  # of constant speed, of a free travel in the linear theory: it looks for waves from every one of them
 
 
 @dataclass(frozen=True)
-class Rung:
-    """What is run for a rung, or why nothing is."""
+class SimplerModel:
+    """What is run for a model, or why nothing is."""
 
     name: str
     scenario: Scenario | None = None
     task: WireTask | None = None  # on wires, where no scenario can say it; with the run of the scenario
     wheels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # contacts that stand for each wheel
-    same_as: str = ""  # the rung that it coincides with
+    same_as: str = ""  # the model that it coincides with
     remark: str = ""
     reason: str = ""  # why it cannot be had
 
 
-def top_of(scenario: Scenario) -> Rung:
-    """The full rung: the scenario itself, in time and with all geometry where the package can do that.
+def top_of(scenario: Scenario) -> SimplerModel:
+    """the full model: the scenario itself, in time and with all geometry where the package can do that.
 
     Raises:
         ScenarioError: there is nothing to compare.
@@ -69,7 +69,7 @@ def top_of(scenario: Scenario) -> Rung:
         raise ScenarioError([Problem("loads", "nothing travels: there is nothing to compare", remedy="add a load")])
     run = scenario.run
     if isinstance(run, Equilibrium):
-        wrong, remedy = "a rest has no ladder", "ask for kind: dynamic, linear or quasistatic"
+        wrong, remedy = "a rest has no model hierarchy", "ask for kind: dynamic, linear or quasistatic"
         raise ScenarioError([Problem("run.kind", wrong, run.kind, remedy)])
     if isinstance(run, Dynamic):
         return _complete(scenario.model_copy(update={"run": _finely(run)}))
@@ -84,12 +84,12 @@ def top_of(scenario: Scenario) -> Rung:
                 f"the scenario asks for kind: {run.kind}; in full it moves in time, with all geometry",
             )
     except RopewalkError as error:
-        told = f"kind: {run.kind} is the most that can be had here: {error}"
-        return _complete(scenario, told)
+        text = f"kind: {run.kind} is the most that can be had here: {error}"
+        return _complete(scenario, text)
 
 
-def _complete(scenario: Scenario, remark: str = "") -> Rung:
-    return Rung(FULL, scenario, remark=remark)
+def _complete(scenario: Scenario, remark: str = "") -> SimplerModel:
+    return SimplerModel(FULL, scenario, remark=remark)
 
 
 def _finely(run: Dynamic) -> Dynamic:
@@ -119,30 +119,30 @@ def declared() -> Iterator[None]:
     try:
         yield
     except ValidationError as error:
-        told = []
+        text = []
         for detail in error.errors():
             refused = detail.get("ctx", {}).get("error")
             key = ".".join(str(part) for part in detail["loc"])
             if isinstance(refused, Refused):
-                told.append(str(Problem(key, refused.wrong, refused.given or "", refused.remedy)))
+                text.append(str(Problem(key, refused.wrong, refused.given or "", refused.remedy)))
             else:
-                told.append(f"{key}: {detail['msg']}")
-        raise RopewalkError("; ".join(dict.fromkeys(told))) from error
+                text.append(f"{key}: {detail['msg']}")
+        raise RopewalkError("; ".join(dict.fromkeys(text))) from error
 
 
 @dataclass(frozen=True)
-class Climb:
-    """The full rung with its result, from which the others are made.
+class FullModel:
+    """the full model with its result, from which the others are made.
 
     Args:
         asked: the scenario as given.
-        full: the rung at the top.
+        full: the model at the top.
         result: of it.
         found: what its wheels do.
     """
 
     asked: Scenario
-    full: Rung
+    full: SimplerModel
     result: xr.Dataset
     found: Mapping[str, Trace]
 
@@ -152,10 +152,10 @@ class Climb:
         assert self.full.scenario is not None
         return self.full.scenario
 
-    def rung(self, name: str) -> Rung:
-        """Make a rung, or say why it cannot be had."""
-        makers: dict[str, Callable[[], Rung]] = {
-            LINEAR: self._linear, SLOW: self._slow, FORCE: self._force, MASS: self._mass, CUT: self._cut,
+    def simpler_model(self, name: str) -> SimplerModel:
+        """Make a model, or say why it cannot be had."""
+        makers: dict[str, Callable[[], SimplerModel]] = {
+            LINEAR: self._linear, QUASISTATIC: self._quasistatic, FORCE: self._force, MASS: self._mass, CUT: self._cut,
         }  # fmt: skip
         if name == FULL:
             return self.full
@@ -163,7 +163,7 @@ class Climb:
             with declared():
                 return makers[name]()
         except RopewalkError as error:
-            return Rung(name, reason=" ".join(str(error).split()))
+            return SimplerModel(name, reason=" ".join(str(error).split()))
 
     @property
     def _constant(self) -> ConstantForces:
@@ -176,24 +176,26 @@ class Climb:
     def _all(self, *kinds: type) -> bool:
         return all(isinstance(load, kinds) for load in self.top.loads.values())
 
-    def _linear(self) -> Rung:
+    def _linear(self) -> SimplerModel:
         top = self.top
         if self._is_pantograph:
             run = top.run
             assert isinstance(run, Dynamic)
             if run.geometry == "linearised":
-                return Rung(LINEAR, same_as=FORCE, remark="the scenario asks for linearised geometry throughout")
+                return SimplerModel(
+                    LINEAR, same_as=FORCE, remark="the scenario asks for linearised geometry throughout"
+                )
             small = remade(top, run=Dynamic(until=run.until, every=run.every, geometry="linearised"))
-            return Rung(LINEAR, small, pressing_task(small, self.found), contacts_in(self.found))
+            return SimplerModel(LINEAR, small, pressing_task(small, self.found), contacts_in(self.found))
         loads, wheels = ConstantForces(top, self.found, FEW_SEGMENTS).forces()
         until, every = self._clock()
         modes = self.asked.run.modes if isinstance(self.asked.run, Linear) else None
         run_linear = Linear(until=until, every=every, modes=modes)
-        return Rung(LINEAR, remade(top, title=self._title(LINEAR), loads=loads, run=run_linear), wheels=wheels)
+        return SimplerModel(LINEAR, remade(top, title=self._title(LINEAR), loads=loads, run=run_linear), wheels=wheels)
 
-    def _slow(self) -> Rung:
+    def _quasistatic(self) -> SimplerModel:
         if isinstance(self.top.run, Quasistatic):
-            return Rung(SLOW, same_as=FULL)
+            return SimplerModel(QUASISTATIC, same_as=FULL)
         if self._is_pantograph:
             raise RopewalkError(
                 "slow motion is left out under overhead lines: their rests take longer than the run; ask for kind: "
@@ -203,36 +205,38 @@ class Climb:
         until, _ = self._clock()
         ended = {name: load.model_copy(update={"travel": _ended(load.travel, until)}) for name, load in loads.items()}
         run = Quasistatic(positions=POSITIONS)
-        return Rung(SLOW, remade(self.top, title=self._title(SLOW), loads=ended, run=run), wheels=wheels)
+        return SimplerModel(
+            QUASISTATIC, remade(self.top, title=self._title(QUASISTATIC), loads=ended, run=run), wheels=wheels
+        )
 
-    def _force(self) -> Rung:
+    def _force(self) -> SimplerModel:
         if self._all(MovingForce):
-            return Rung(FORCE, same_as=FULL)
+            return SimplerModel(FORCE, same_as=FULL)
         if self._is_pantograph:
-            return Rung(FORCE, self.top, pressing_task(self.top, self.found), contacts_in(self.found))
+            return SimplerModel(FORCE, self.top, pressing_task(self.top, self.found), contacts_in(self.found))
         loads, wheels = self._constant.forces()
-        return Rung(FORCE, remade(self.top, title=self._title(FORCE), loads=loads), wheels=wheels)
+        return SimplerModel(FORCE, remade(self.top, title=self._title(FORCE), loads=loads), wheels=wheels)
 
-    def _mass(self) -> Rung:
+    def _mass(self) -> SimplerModel:
         if self._all(MovingForce, MovingMass):
-            return Rung(MASS, same_as=FULL)
+            return SimplerModel(MASS, same_as=FULL)
         loads, wheels = self._constant.masses()
-        return Rung(MASS, remade(self.top, title=self._title(MASS), loads=loads), wheels=wheels)
+        return SimplerModel(MASS, remade(self.top, title=self._title(MASS), loads=loads), wheels=wheels)
 
-    def _cut(self) -> Rung:
+    def _cut(self) -> SimplerModel:
         if self._all(MovingForce, Footsteps):
-            return Rung(CUT, same_as=FULL)
+            return SimplerModel(CUT, same_as=FULL)
         if all(isinstance(load, MovingForce) or rests_within_itself(load) for load in self.top.loads.values()):
-            return Rung(CUT, same_as=FORCE)
+            return SimplerModel(CUT, same_as=FORCE)
         if self._all(Pantograph):
-            return Rung(CUT, same_as=FORCE, remark="under a level, rigid wire a pantograph presses evenly")
+            return SimplerModel(CUT, same_as=FORCE, remark="under a level, rigid wire a pantograph presses evenly")
         scenario, names = cut(self.top)
         loads = {name: without_refusal(load) for name, load in scenario.loads.items()}
         wheels: dict[str, tuple[str, ...]] = {}
         for wheel in self.found:
             parts = [part for part in names if part == wheel or part.startswith(f"{wheel}.")]
             wheels[wheel] = tuple(name for part in parts for name in names[part]) or (wheel,)
-        return Rung(CUT, remade(scenario, loads=loads), wheels=wheels)
+        return SimplerModel(CUT, remade(scenario, loads=loads), wheels=wheels)
 
     def _title(self, name: str) -> str:
         return f"{self.top.title}, {name}"
@@ -245,11 +249,11 @@ class Climb:
         until = _duration(self.top)
         return until, until / FRAMES
 
-    def finds_speed(self, rung: Rung) -> bool:
-        """Whether loads of a rung find their speeds by themselves, as some do in full."""
+    def finds_speed(self, simpler_model: SimplerModel) -> bool:
+        """Whether loads of a model find their speeds by themselves, as some do in full."""
         free = [name for name, load in self.top.loads.items() if not isinstance(getattr(load, "travel", None), Travel)]
         speeding = [n for n in free if not (is_force(self.top.loads[n]) or isinstance(self.top.loads[n], Pantograph))]
-        return bool(speeding) and rung.name in (MASS, FULL, CUT)
+        return bool(speeding) and simpler_model.name in (MASS, FULL, CUT)
 
 
 def _ended(travel: Travel, until: float) -> Travel:

@@ -13,13 +13,13 @@ from pydantic import ValidationError
 
 pytest.importorskip("fmpy", reason="FMUs need FMPy")
 
-from foreign.fmus import c_fmu
+from external.fmus import c_fmu
 from ropewalk.errors import RopewalkError, ScenarioError
-from ropewalk.foreign.description import check_fmu
-from ropewalk.foreign.fmu import FmuModel
+from ropewalk.external.description import check_fmu
+from ropewalk.external.fmu import FmuModel
 from ropewalk.model.fmu import Fmu
 
-TOLD = {"force": "force", "height": "height", "velocity": "velocity"}
+MESSAGE = {"force": "force", "height": "height", "velocity": "velocity"}
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def fmu(file: Path | str, contact: dict[str, Any] | None = None, **keys: Any) -> Fmu:
-    contacts = keys.pop("contacts", {"front": contact or TOLD})
+    contacts = keys.pop("contacts", {"front": contact or MESSAGE})
     return Fmu(on="rope", file=str(file), contacts=contacts, travel={"speed": 1.0}, **keys)
 
 
@@ -102,24 +102,24 @@ def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
 
 VARIABLES: list[tuple[dict[str, Any], str]] = [
     (
-        {"contact": {**TOLD, "force": "forse"}},
+        {"contact": {**MESSAGE, "force": "forse"}},
         "contacts.front.force: the FMU has no such variable, given forse; did you mean force?",
     ),
-    ({"contact": {**TOLD, "force": "qqqqqq"}}, "its outputs: force, seen, seen_place, clock, height_out"),
+    ({"contact": {**MESSAGE, "force": "qqqqqq"}}, "its outputs: force, seen, seen_place, clock, height_out"),
     (
-        {"contact": {**TOLD, "force": "push"}},
+        {"contact": {**MESSAGE, "force": "push"}},
         "contacts.front.force: must be an output of the FMU, this is of causality input, given push;",
     ),
     (
-        {"contact": {**TOLD, "height": "force"}},
+        {"contact": {**MESSAGE, "height": "force"}},
         "contacts.front.height: must be an input of the FMU, this is of causality output, given force;",
     ),
     (
-        {"contact": {**TOLD, "force": "count"}},
+        {"contact": {**MESSAGE, "force": "count"}},
         "must be a single number of type Real, this is of type Integer, given count",
     ),
     (
-        {"contacts": {"a": TOLD, "b": {"force": "seen", "height": "height"}}},
+        {"contacts": {"a": MESSAGE, "b": {"force": "seen", "height": "height"}}},
         "contacts.b.height: is told by contacts.a.height already, given height",
     ),
     ({"parameters": {"stifness": 1.0}}, "parameters.stifness: the FMU has no such variable; did you mean stiffness?"),
@@ -151,7 +151,7 @@ def test_a_load_that_does_not_fit_its_fmu_is_told_where_and_what_to_do(
 
 
 def test_an_array_of_fmi_3_is_no_single_number(folder: Path) -> None:
-    found = only(fmu(c_fmu(folder, 3), {**TOLD, "force": "row"}))
+    found = only(fmu(c_fmu(folder, 3), {**MESSAGE, "force": "row"}))
     assert "must be a single number of type Float64, this is of type array, given row" in found
 
 
@@ -164,7 +164,7 @@ def test_the_interval_is_a_multiple_of_the_step_of_an_fmu_of_fmi_3(folder: Path)
 
 
 def test_all_mistakes_are_found_at_once(folder: Path) -> None:
-    load = fmu(c_fmu(folder), {**TOLD, "force": "forse", "height": "hight"}, parameters={"mass": -1.0, "colour": 3})
+    load = fmu(c_fmu(folder), {**MESSAGE, "force": "forse", "height": "hight"}, parameters={"mass": -1.0, "colour": 3})
     keys = [problem.key for problem in check_fmu("car", load)]
     assert keys == [
         "loads.car.contacts.front.height", "loads.car.contacts.front.force",
@@ -193,6 +193,6 @@ def test_without_fmpy_one_is_told_how_to_get_it(folder: Path, monkeypatch: pytes
     ],
 )
 def test_a_declaration_checks_itself(keys: dict[str, Any], said: str) -> None:
-    contacts = keys.pop("contacts", {"front": keys.pop("contact", TOLD)})
+    contacts = keys.pop("contacts", {"front": keys.pop("contact", MESSAGE)})
     with pytest.raises(ValidationError, match=said):
         Fmu(on="rope", file="a.fmu", contacts=contacts, travel={"speed": 1.0}, **keys)

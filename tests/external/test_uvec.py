@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.uvec import UvecCoach
+from ropewalk.external.uvec import UvecCoach
 from ropewalk.model import Dynamic, Line, Matrices, Scenario, Stepper
 from ropewalk.scenario import load
 from ropewalk.simulate import simulate
@@ -32,7 +32,7 @@ UNTIL = 1.0  # the last wheel leaves
 
 @pytest.fixture(scope="module")
 def uvec() -> Any:
-    return pytest.importorskip("UVEC", reason='UVEC is not installed: pip install "ropewalk[foreign]"')
+    return pytest.importorskip("UVEC", reason='UVEC is not installed: pip install "ropewalk[external]"')
 
 
 class Rigid:

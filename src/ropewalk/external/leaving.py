@@ -38,12 +38,12 @@ def _register() -> None:
     except (AttributeError, OSError, TypeError):
         _kept.append(None)
         return
-    told = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(_left)
+    left = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(_left)
     handle = ctypes.create_string_buffer(1)
-    _kept.extend([told, handle])
+    _kept.extend([left, handle])
     run.argtypes, run.restype = [ctypes.c_void_p], None
-    register.argtypes = [type(told), ctypes.c_void_p, ctypes.c_void_p]
-    register(told, None, ctypes.addressof(handle))
+    register.argtypes = [type(left), ctypes.c_void_p, ctypes.c_void_p]
+    register(left, None, ctypes.addressof(handle))
     atexit.register(_give_back, run, handle)
 
 

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.packages import imported
-from ropewalk.foreign.protocol import SeenLine, Touch
+from ropewalk.external.packages import imported
+from ropewalk.external.protocol import SeenLine, Touch
 from ropewalk.mechanics.chain import Array
 
 AGREED = 1e-6  # change of the contact forces, as a part of the static ones; what is left is a tenth of it or less

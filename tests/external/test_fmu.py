@@ -15,14 +15,14 @@ import pytest
 
 pytest.importorskip("fmpy", reason="FMUs need FMPy")
 
-from foreign.fmus import StillLine, c_fmu, python_fmu
+from external.fmus import StillLine, c_fmu, python_fmu
 from ropewalk.errors import RopewalkError
-from ropewalk.foreign.cosimulation_master import CosimulationMaster
-from ropewalk.foreign.fmu import FmuModel
+from ropewalk.external.cosimulation_master import CosimulationMaster
+from ropewalk.external.fmu import FmuModel
 from ropewalk.model.fmu import Fmu
 
 H = 0.01  # s, interval of all tests
-TOLD = {"force": "force", "height": "height", "velocity": "velocity", "place": "place"}
+EXPECTED = {"force": "force", "height": "height", "velocity": "velocity", "place": "place"}
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def models() -> Iterator[list[FmuModel]]:
 
 
 def fmu(file: Path, contact: dict[str, Any] | None = None, travel: dict[str, Any] | None = None, **keys: Any) -> Fmu:
-    contacts = keys.pop("contacts", {"front": contact or TOLD})
+    contacts = keys.pop("contacts", {"front": contact or EXPECTED})
     return Fmu(
         on="rope", file=str(file), contacts=contacts, travel=travel or {"speed": 1.0, "from": 1.0}, every=H, **keys
     )
@@ -91,16 +91,16 @@ def test_the_mass_of_an_fmu_rings_on_a_line_that_is_lifted(folder: Path, version
 def test_an_fmu_is_told_height_and_velocity_of_its_moving_contact(folder: Path, models: list[FmuModel]) -> None:
     line = StillLine(lambda t: 3.0 * t**2)
     line.slope = 0.1
-    contact = {**TOLD, "motion_factor": -2.0}
+    contact = {**EXPECTED, "motion_factor": -2.0}
     models.append(FmuModel("car", fmu(c_fmu(folder), contact), 1.0, 2))
-    told = seen(models[0], line, 5)
+    expected = seen(models[0], line, 5)
     t = H * np.arange(6)
     # Rounding; and the second-order difference is exact for a parabola, but the first step only knows two heights.
-    assert told[:, 0] == pytest.approx((3.0 * t**2 + 0.1 * t) / -2.0, abs=1e-12)
-    assert told[2:, 1] == pytest.approx((6.0 * t[2:] + 0.1) / -2.0, abs=1e-9)
-    assert told[1, 1] == pytest.approx((3.0 * H + 0.1) / -2.0, abs=1e-9)
-    assert told[0, 1] == pytest.approx(0.1 / -2.0, abs=1e-9)
-    assert told[:, 2] == pytest.approx(1.0 + t, abs=1e-12)
+    assert expected[:, 0] == pytest.approx((3.0 * t**2 + 0.1 * t) / -2.0, abs=1e-12)
+    assert expected[2:, 1] == pytest.approx((6.0 * t[2:] + 0.1) / -2.0, abs=1e-9)
+    assert expected[1, 1] == pytest.approx((3.0 * H + 0.1) / -2.0, abs=1e-9)
+    assert expected[0, 1] == pytest.approx(0.1 / -2.0, abs=1e-9)
+    assert expected[:, 2] == pytest.approx(1.0 + t, abs=1e-12)
 
 
 def test_the_velocity_told_is_of_second_order(folder: Path, models: list[FmuModel]) -> None:
@@ -123,8 +123,8 @@ def test_the_velocity_told_is_of_second_order(folder: Path, models: list[FmuMode
 
 def test_heights_count_from_zero_where_that_is_asked(folder: Path, models: list[FmuModel]) -> None:
     line = StillLine(lambda t: 5.0)
-    models.append(FmuModel("car", fmu(c_fmu(folder), {**TOLD, "height_from": "zero"}), 1.0, 2))
-    models.append(FmuModel("car", fmu(c_fmu(folder), TOLD), 1.0, 2))
+    models.append(FmuModel("car", fmu(c_fmu(folder), {**EXPECTED, "height_from": "zero"}), 1.0, 2))
+    models.append(FmuModel("car", fmu(c_fmu(folder), EXPECTED), 1.0, 2))
     assert seen(models[0], line, 1)[:, 0] == pytest.approx([5.0, 5.0], abs=1e-12)
     assert seen(models[1], line, 1)[:, 0] == pytest.approx([0.0, 0.0], abs=1e-12)
 
@@ -143,20 +143,20 @@ def test_inputs_that_can_be_interpolated_rise_linearly_within_a_step(folder: Pat
 def test_a_contact_off_the_line_stays_as_high_as_its_end(folder: Path, models: list[FmuModel]) -> None:
     line = StillLine(length=1.0)
     line.slope = 1.0
-    load = fmu(c_fmu(folder), travel={"speed": 100.0, "from": 0.0}, contacts={"rear": {**TOLD, "at": -0.5}})
+    load = fmu(c_fmu(folder), travel={"speed": 100.0, "from": 0.0}, contacts={"rear": {**EXPECTED, "at": -0.5}})
     models.append(FmuModel("car", load, 1.0, 2))
     answers = ride(models[0], line, 3)
     assert [touch.xi for (touch,) in answers] == pytest.approx([-0.5, 0.5, 1.5, 2.5], abs=1e-12)
-    told = seen(models[0], line, 3)
-    assert told[:, 0] == pytest.approx([0.0, 0.5, 0.5, 0.5], abs=1e-12)  # it was never seen at the far end itself
-    assert told[0, 1] == told[2, 1] == told[3, 1] == 0.0
+    expected = seen(models[0], line, 3)
+    assert expected[:, 0] == pytest.approx([0.0, 0.5, 0.5, 0.5], abs=1e-12)  # it was never seen at the far end itself
+    assert expected[0, 1] == expected[2, 1] == expected[3, 1] == 0.0
 
 
 def test_a_horizontal_advance_is_measured_across_the_line(folder: Path, models: list[FmuModel]) -> None:
     line = StillLine(length=10.0)
     line.stretch = -0.5  # it leads backwards, half as long as its material
     travel = {"speed": 2.0, "measured": "horizontal", "from": 4.9}
-    models.append(FmuModel("car", fmu(c_fmu(folder), TOLD, travel), 1.0, 2))
+    models.append(FmuModel("car", fmu(c_fmu(folder), EXPECTED, travel), 1.0, 2))
     answers = ride(models[0], line, 6)
     assert [touch.xi for (touch,) in answers[:6]] == pytest.approx(9.8 + 0.04 * np.arange(6), abs=1e-9)
     assert [touch.speed for (touch,) in answers[:6]] == pytest.approx([4.0] * 6, abs=1e-9)
@@ -165,7 +165,7 @@ def test_a_horizontal_advance_is_measured_across_the_line(folder: Path, models: 
 
 def test_a_table_of_speeds_is_integrated(folder: Path, models: list[FmuModel]) -> None:
     travel = {"speed": {"time": [0.0, 0.02, 0.02, 0.04], "value": [0.0, 2.0, 1.0, 1.0]}, "from": 1.0}
-    models.append(FmuModel("car", fmu(c_fmu(folder), TOLD, travel), 1.0, 2))
+    models.append(FmuModel("car", fmu(c_fmu(folder), EXPECTED, travel), 1.0, 2))
     answers = ride(models[0], StillLine(), 5)
     expected = [1.0, 1.005, 1.02, 1.03, 1.04, 1.05]  # half a t^2, then 1 m/s
     assert [touch.xi for (touch,) in answers] == pytest.approx(expected, abs=1e-12)
@@ -315,11 +315,11 @@ def test_states_are_freed(folder: Path, version: int, models: list[FmuModel]) ->
 def test_an_fmu_that_cannot_go_back_has_no_state(folder: Path) -> None:
     model = FmuModel("car", fmu(c_fmu(folder)), 1.0, 2)
     assert not callable(getattr(model, "get_state", None))
-    turns = CosimulationMaster(
+    cosimulation = CosimulationMaster(
         "car", model, H, model._load.exchange.model_copy(update={"scheme": "iterated"}), "leave", 1, 2, 0.1
     )
     with pytest.raises(RopewalkError, match="its model has no get_state"):
-        turns.begin(StillLine())
+        cosimulation.begin(StillLine())
 
 
 def test_it_can_be_reset_and_let_go_again_and_again(folder: Path, version: int) -> None:
@@ -339,13 +339,13 @@ def test_it_can_be_reset_and_let_go_again_and_again(folder: Path, version: int) 
 
 # -- FMUs of Python -------------------------------------------------------------------------------------------------
 
-PYTHON_TOLD = {"force": "force", "height": "height", "velocity": "velocity"}
+PYTHON_EXPECTED = {"force": "force", "height": "height", "velocity": "velocity"}
 
 
 def test_fmus_of_python_with_modules_of_one_name_are_each_their_own(tmp_path: Path, models: list[FmuModel]) -> None:
     path, modules = list(sys.path), set(sys.modules)
-    one = FmuModel("one", fmu(python_fmu(tmp_path / "a"), PYTHON_TOLD), 1.0, 2)
-    two = FmuModel("two", fmu(python_fmu(tmp_path / "b", factor=2.0), PYTHON_TOLD), 1.0, 2)
+    one = FmuModel("one", fmu(python_fmu(tmp_path / "a"), PYTHON_EXPECTED), 1.0, 2)
+    two = FmuModel("two", fmu(python_fmu(tmp_path / "b", factor=2.0), PYTHON_EXPECTED), 1.0, 2)
     models += [one, two]
     for model in models:
         model.reset(StillLine())
@@ -372,7 +372,7 @@ def test_fmus_of_python_with_modules_of_one_name_are_each_their_own(tmp_path: Pa
     ],
 )
 def test_an_fmu_of_python_that_fails_says_so(tmp_path: Path, mood: str, said: str, models: list[FmuModel]) -> None:
-    models.append(FmuModel("car", fmu(python_fmu(tmp_path), PYTHON_TOLD, parameters={"mood": mood}), 1.0, 2))
+    models.append(FmuModel("car", fmu(python_fmu(tmp_path), PYTHON_EXPECTED, parameters={"mood": mood}), 1.0, 2))
     with pytest.raises(RopewalkError, match=said) as caught:
         ride(models[0], StillLine(), 2)
     print(caught.value)

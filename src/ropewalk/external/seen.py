@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from ropewalk.foreign.protocol import LineView
+from ropewalk.external.protocol import LineView
 from ropewalk.mechanics.chain import Array
 
 
