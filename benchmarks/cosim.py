@@ -32,7 +32,7 @@ def seconds(act: Callable[[], Any]) -> float:
 
 def built(folder: Path) -> Path:
     """The FMU of C that the tests build: a mass on a spring above its contact."""
-    place = Path(__file__).parents[1] / "tests" / "foreign" / "fmus.py"
+    place = Path(__file__).parents[1] / "tests" / "external" / "fmus.py"
     spec = importlib.util.spec_from_file_location("fmus", place)
     assert spec is not None
     assert spec.loader is not None

@@ -23,7 +23,7 @@ from ropewalk.wires import capabilities as wires
 
 @dataclass(frozen=True)
 class Engine:
-    """What computes scenarios, with what it supports in motion, and at rest or in slow motion."""
+    """What computes scenarios, with what it supports in motion, and at rest or quasi-static."""
 
     motion: Capabilities
     at_rest: Capabilities

@@ -59,13 +59,11 @@ Settings = Annotated[
 ]
 Picture = Annotated[Path | None, typer.Option("-o", "--output", metavar="FIG", help="Figure: .png, .svg or .pdf.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
-NoCode = Annotated[
-    bool, typer.Option("--no-code", help="Refuse files that run code of somebody else: steppers and FMUs.")
-]
+NoCode = Annotated[bool, typer.Option("--no-code", help="Refuse files that run external code: steppers and FMUs.")]
 Units = Annotated[
     str,
     typer.Option(
-        "--units", metavar="UNITS", help="Of what is shown: engineering, SI, or a list as kN,mm,km/h [JSON is in SI]."
+        "--units", metavar="UNITS", help="Units of output: engineering, SI, or a list as kN,mm,km/h [JSON is in SI]."
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table, errors only.")]
@@ -198,23 +196,25 @@ def show(
         ),
     ] = None,
     every: Annotated[
-        str | None, typer.Option("--every", metavar="TIME", help="Of a table: one row for each interval, as 0.1s.")
+        str | None, typer.Option("--every", metavar="TIME", help="Interval between the rows of a table, as 0.1s.")
     ] = None,
     at: Annotated[
         list[str] | None,
-        typer.Option("--at", metavar="TIME", help="Of a table: the row at an instant; may be repeated."),
+        typer.Option("--at", metavar="TIME", help="Instant of a row of a table; may be repeated."),
     ] = None,
     panels: Annotated[
         str | None,
-        typer.Option("--panels", metavar="NAMES", help="Of a figure, also as a table: tension,contact_force,..."),
+        typer.Option("--panels", metavar="NAMES", help="Panels of a figure or of its table: tension,contact_force,..."),
     ] = None,
     size: Annotated[
         str | None,
-        typer.Option("--size", metavar="SIZE", help="Of a figure: 16x9cm, report, journal; of a film: 1280x720."),
+        typer.Option(
+            "--size", metavar="SIZE", help="Size of a figure, 16x9cm, report or journal, or of a film, 1280x720."
+        ),
     ] = None,
     units: Annotated[
         str | None,
-        typer.Option("--units", metavar="UNITS", help="engineering, SI, or a list as kN,mm,km/h [tables: SI]."),
+        typer.Option("--units", metavar="UNITS", help="Units: engineering, SI, or a list as kN,mm,km/h [tables: SI]."),
     ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -350,9 +350,11 @@ def adequacy(
     y: Annotated[str, typer.Option("--y", metavar="KEY=FROM:TO:COUNT[:log]", help='Second, as "load ratio=0.01:1:9".')],
     model: Annotated[list[str], typer.Option("--model", help="Simpler model; may be repeated.")] = ["linear"],  # noqa: B006
     rung: Annotated[list[str] | None, typer.Option(hidden=True, callback=now_called("--model"))] = None,
-    quantity: Annotated[str, typer.Option("--quantity", help="In which it is compared.")] = "deflection",
+    quantity: Annotated[str, typer.Option("--quantity", help="Quantity that is compared.")] = "deflection",
     tolerance: Annotated[str, typer.Option("--tolerance", help="Allowed relative distance, 0.02 or 2 %.")] = "5 %",
-    store: Annotated[Path | None, typer.Option("--store", help="Points [default: FILE.adequacy.jsonl].")] = None,
+    store: Annotated[
+        Path | None, typer.Option("--store", help="File of finished points [default: FILE.adequacy.jsonl].")
+    ] = None,
     workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Compute points that have failed once more.")] = False,
     output: Picture = None,
@@ -398,9 +400,11 @@ def sweep(
     combine: Annotated[
         str | None, typer.Option("--combine", help="grid (default), zip, latin_hypercube, sobol or random.")
     ] = None,
-    count: Annotated[int | None, typer.Option("--count", help="Of cases that are drawn.")] = None,
-    seed: Annotated[int | None, typer.Option("--seed", help="Of drawing.")] = None,
-    store: Annotated[Path | None, typer.Option("--store", help="Finished cases [default: FILE.sweep.jsonl].")] = None,
+    count: Annotated[int | None, typer.Option("--count", help="Number of cases that are drawn.")] = None,
+    seed: Annotated[int | None, typer.Option("--seed", help="Seed of drawing.")] = None,
+    store: Annotated[
+        Path | None, typer.Option("--store", help="File of finished cases [default: FILE.sweep.jsonl].")
+    ] = None,
     workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
     cluster: Annotated[str | None, typer.Option("--cluster", metavar="tcp://...", help="A Dask scheduler.")] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Compute cases that have failed once more.")] = False,
@@ -433,15 +437,17 @@ def export(
     give: Annotated[
         str | None,
         typer.Option(
-            "--give", metavar="force|motion", help="What it answers with [default: of a line motion, of a load force]."
+            "--give",
+            metavar="force|motion",
+            help="What the FMU gives, motion or force [default: motion of a line, force of a load].",
         ),
     ] = None,
-    contacts: Annotated[int, typer.Option("--contacts", metavar="N", help="How many a line has.")] = 1,
+    contacts: Annotated[int, typer.Option("--contacts", metavar="N", help="Number of contacts of the line.")] = 1,
     contact_stiffness: Annotated[
-        float | None, typer.Option("--contact-stiffness", metavar="N/m", help="Of a spring at each contact.")
+        float | None, typer.Option("--contact-stiffness", metavar="N/m", help="Stiffness of a spring at each contact.")
     ] = None,
     contact_damping: Annotated[
-        float, typer.Option("--contact-damping", metavar="N*s/m", help="Of a damper beside it, of a line.")
+        float, typer.Option("--contact-damping", metavar="N*s/m", help="Damping beside that spring, of a line.")
     ] = 0.0,
     step: Annotated[
         float, typer.Option("--step", metavar="TIME", help="Step in s that a master is expected to take.")

@@ -107,7 +107,9 @@ def feedback(scenario: Scenario) -> Comparison:
         RopewalkError: it is no run in time, or one of the runs does not come to its end.
     """
     if scenario.run.kind not in ("dynamic", "linear"):
-        raise RopewalkError(f"run.kind: {scenario.run.kind} knows no masses; feedback wants dynamic or linear")
+        raise RopewalkError(
+            f"run.kind: {scenario.run.kind} has no masses that move; feedback supports dynamic and linear"
+        )
     alone, names = cut(scenario)
     coupled, without = simulate(scenario), simulate(alone)
     for result, which in ((coupled, "with"), (without, "without")):

@@ -357,7 +357,7 @@ def _put_down(load: AnyLoad, time: Array, place: Array, force: Array) -> list[Mo
     """One force for each stretch of time in which a contact stays on the line and is not put elsewhere.
 
     Args:
-        load: a walker or a foreign model.
+        load: a walker or an external model.
         time: (time,) s.
         place: (time,) m, NaN while it is off the line.
         force: (time, axis) N.

@@ -54,8 +54,8 @@ def resume(
         The result, as from `simulate`.
 
     Raises:
-        ResultError: there is nothing to go on with; the file is left as it is.
-        RopewalkError: a model of somebody else's cannot be put to work, or the file cannot be written.
+        ResultError: it cannot be resumed; the file is left as it is.
+        RopewalkError: an external model cannot be put to work, or the file cannot be written.
     """
     with taken_up(Path(path), until) as rest:
         return rest.run(progress)
@@ -134,7 +134,7 @@ def _checked(past: Past) -> Scenario:
     except (ValueError, TypeError, KeyError) as problem:
         raise ResultError(f"{path}: its scenario cannot be read") from problem
     if kind != "dynamic":
-        raise ResultError(f"{path}: a run of kind {kind} has nothing to go on from; run it again")
+        raise ResultError(f"{path}: a run of kind {kind} cannot be resumed; run it again")
     version = metadata.get("ropewalk_version")
     if version != ropewalk.__version__:
         raise ResultError(f"{path}: was written by ropewalk {version}, this is {ropewalk.__version__}; run it again")
@@ -144,7 +144,7 @@ def _checked(past: Past) -> Scenario:
         raise ResultError(f"{path}: {named} is a function or an object of Python, which no file holds; run it again")
     outcome = metadata.get("outcome")
     if outcome not in (*_ENDED, *_CUT_SHORT):
-        raise ResultError(f"{path}: the run stopped by itself ({outcome}), there is nothing to go on with")
+        raise ResultError(f"{path}: the run stopped by itself ({outcome}), it cannot be resumed")
     if past.checkpoint is None:
         why = f": {metadata[LACKING]}" if LACKING in metadata else "; run it again"
         raise ResultError(f"{path}: has no checkpoint to go on from{why}")

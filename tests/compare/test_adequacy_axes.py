@@ -144,7 +144,7 @@ def test_forces_matrices_and_masses_have_a_weight():
         (scenario(), "mass ratio", "a load of kind force has no mass"),
         (scenario(MASS), "load ratio", "cart weighs nothing"),
         (scenario(loads={}), "load ratio", "belongs to one load, given there is none"),
-        (scenario({"kind": "footsteps", "mass": 80.0}, gravity=10.0), "speed ratio", "goes at a pace of its own"),
+        (scenario({"kind": "footsteps", "mass": 80.0}, gravity=10.0), "speed ratio", "sets its own speed"),
         (scenario({**MASS, "travel": {"speed": 0.0}}), "speed ratio", "cart does not move"),
     ],
 )

@@ -93,7 +93,7 @@ def test_a_simpler_model_that_cannot_be_had_says_why():
     assert "a support that yields or moves is not implemented for kind: linear" in found.models["linear"].reason
     assert found.models["linear"].quantities is None
     assert not found.adequate("linear")
-    assert "linear: not to be had: " in found.verdict
+    assert "linear: not available: " in found.verdict
     assert found.adequate("quasi-static") or found.errors["quasi-static"]
     assert distances(scenario(**soft), ["linear"])["linear"] == dict.fromkeys((*QUANTITIES, "share beyond"))
 
@@ -249,5 +249,5 @@ def test_a_simpler_model_that_breaks_off_does_not_keep_the_others_from_being_sho
     found = model_hierarchy(scenario())
     assert not found.adequate("quasi-static")
     assert found.models["linear"].errors
-    assert "quasi-static: not to be had: no rest shape: give more length" in found.verdict
+    assert "quasi-static: not available: no rest shape: give more length" in found.verdict
     assert distances(scenario(), ["quasi-static"])["quasi-static"]["deflection"] is None

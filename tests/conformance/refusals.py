@@ -68,7 +68,7 @@ _PATTERNS = {
         "no linear theory to compare with": r"^no distances$",
         "no export of networks and nets":
             r"joined lines, .* and nets cannot be moved from outside|there is no such line or load",
-        "no comparison on nets": r"compare knows lines, no nets and membranes",
+        "no comparison on nets": r"compare supports lines; nets and membranes are not implemented",
         "linear theory: no vehicle that starts on the line":
             rf"a vehicle that starts before its line {_NOT}|is not reached with \d+ modes|run\.modes",
     },

@@ -333,7 +333,7 @@ def test_it_can_be_reset_and_let_go_again_and_again(folder: Path, version: int) 
     model.close()
     model.close()
     assert not place.exists()
-    with pytest.raises(RopewalkError, match="has been let go"):
+    with pytest.raises(RopewalkError, match="has been released"):
         model.step(H, H, line)
 
 

@@ -128,7 +128,7 @@ VARIABLES: list[tuple[dict[str, Any], str]] = [
     ({"start_values": {"mass": 1.0}}, "start_values.mass: is a parameter of the FMU; write it under parameters"),
     ({"parameters": {"speed_of_light": 1.0}}, "cannot be set: it is constant"),
     ({"start_values": {"force": 1.0}}, r"cannot be set: it is output \(continuous\)"),
-    ({"start_values": {"height": 1.0}}, r"is told by the line \(contacts.front.height\); leave it out"),
+    ({"start_values": {"height": 1.0}}, r"is set by the line \(contacts.front.height\); leave it out"),
     ({"parameters": {"mass": "heavy"}}, "does not fit the type of the variable, Real, given 'heavy'; write a number"),
     ({"parameters": {"mass": True}}, "does not fit the type of the variable, Real, given True"),
     ({"parameters": {"mass": 0.0}}, "is below the minimum of the FMU, 0.001, given 0.0"),

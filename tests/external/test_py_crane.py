@@ -179,7 +179,7 @@ def test_without_a_spring_it_is_refused(crane: Any) -> None:
     load = Stepper.model_validate({"on": "rope", "model": HangingCrane(20.0), "every": STEP})
     result = simulate(Scenario(lines={"rope": rope}, loads={"crane": load}, run=Dynamic(until=0.2, every=0.1)))
     assert result.attrs["outcome"] == "load failed"
-    assert "nothing bears the crane; give exchange.stiffness" in result.attrs["advice"]
+    assert "nothing carries the crane; give exchange.stiffness" in result.attrs["advice"]
 
 
 @pytest.mark.parametrize(

@@ -146,7 +146,7 @@ REFUSED = {
     "models of others": (
         LINE.format("40") + "loads: {a: {kind: stepper, on: rope, model: 'a.py:b'}}\n"
         "run: {kind: dynamic, until: 1, mesh_error: true}",
-        "a model of somebody else's",
+        "an external model",
     ),
     "outlines": (
         "nets: {n: {kind: membrane, boundary: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], spacing: 0.1, mass: 1, stiffness: 10}}"

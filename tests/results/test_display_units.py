@@ -45,7 +45,7 @@ def test_a_unit_that_is_asked_for_replaces_that_of_the_quantity(asked):
     assert DisplayUnits.read(f"SI,{asked}").of("W", [1e6]).symbol == "W"
 
 
-@pytest.mark.parametrize(("asked", "said"), [("kNN", "unknown unit"), ("kg", "nothing is shown in kg")])
+@pytest.mark.parametrize(("asked", "said"), [("kNN", "unknown unit"), ("kg", "no quantity is shown in kg")])
 def test_a_unit_of_nothing_is_refused(asked, said):
     with pytest.raises(Refused, match=said):
         DisplayUnits.read(asked)

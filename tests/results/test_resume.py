@@ -248,7 +248,7 @@ def test_what_is_no_result_is_told(tmp_path):
 def test_runs_without_a_motion_are_refused(kind, tmp_path):
     settings = ["run={kind: linear, until: 0.2 s}"] if kind == "linear" else ["run={kind: equilibrium}"]
     ropewalk.simulate(case("force", *settings), file=tmp_path / "out.nc")
-    with pytest.raises(ResultError, match=f"a run of kind {kind} has nothing to go on from; run it again"):
+    with pytest.raises(ResultError, match=f"a run of kind {kind} cannot be resumed; run it again"):
         ropewalk.resume(tmp_path / "out.nc")
 
 

@@ -145,7 +145,7 @@ def test_loads_leave_between_steps() -> None:
         "free travel": oscillator({"kind": "free", "from": 0.3}, wheel_mass=0.2),
         "contacts that come off": oscillator(GOES, wheel_mass=0.2, lift_off=True),
         "travel that is measured as arc": oscillator({"speed": 1.0, "measured": "arc"}),
-        "a load that decides on the way": {
+        "a load with a controller": {
             "on": "r", "kind": "footsteps", "mass": 0.1, "step_length": 0.1, "frequency": 1.0,
         },
     }.items(),

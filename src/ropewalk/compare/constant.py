@@ -118,7 +118,7 @@ class ConstantForces:
                 own, g = self._name(label), self.scenario.gravity
                 weight = -self._static(name, load, label)[-1]
                 if not weight > 0.0:
-                    raise RopewalkError(f"load {label} bears no weight that a rigid mass could have")
+                    raise RopewalkError(f"load {label} carries no weight that a rigid mass could replace")
                 travel: Any = load.travel if isinstance(load, Travelling) else self._travel(load, label)
                 if wheel is not None and isinstance(travel, Travel):
                     travel = travel.model_copy(update={"start": wheel.start})
@@ -136,7 +136,8 @@ class ConstantForces:
         """Label and place of each wheel of a load."""
         if isinstance(load, Pantograph):
             raise RopewalkError(
-                f"load {name}: a pantograph is pressed against its wire from below, and has no weight to travel as"
+                f"load {name}: a pantograph is pressed against its wire from below and has no weight that a force or "
+                "mass could replace"
             )
         if isinstance(load, Travelling):
             return [(wheel.name, wheel) for wheel in wheels_of(self.scenario) if wheel.load == name]
@@ -171,7 +172,7 @@ class ConstantForces:
     def _refuse_to_wait(self, wheel: ContactPoint) -> None:
         if wheel.start < 0.0 and not isinstance(wheel.speed, int | float):
             raise RopewalkError(
-                f"load {wheel.name} waits before its line, and its speed varies: when it comes is not known here; "
+                f"load {wheel.name} starts before its line with a speed that varies, which compare does not support; "
                 "let it start on the line"
             )
 

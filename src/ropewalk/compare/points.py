@@ -104,7 +104,9 @@ class MapPoints:
             self._stream.write(json.dumps(line, ensure_ascii=False, allow_nan=False).encode() + b"\n")
             self._stream.flush()
         except OSError as error:
-            raise WriteError(f"{self.file}: cannot be written ({error.strerror}); make room, and go on") from None
+            raise WriteError(
+                f"{self.file}: cannot be written ({error.strerror}); free some space, and run the same command again"
+            ) from None
 
     def _read(self, head: dict[str, Any]) -> None:
         assert self._stream is not None

@@ -137,7 +137,7 @@ class Pair:
         load = self.scenario.loads[self.load]
         travel: Any = getattr(load, "travel", None)
         if travel is None:
-            wrong = f"a load of kind {load.kind} goes at a pace of its own"
+            wrong = f"a load of kind {load.kind} sets its own speed"
             remedy = f"take a key of it as an axis, such as loads.{self.load}.speed or .frequency"
             _refuse("speed ratio", wrong, self.load, remedy)
         found = {"speed": travel.speed}
@@ -194,7 +194,7 @@ class Pair:
             total = math.fsum(load.weight or ()) / self.scenario.gravity if by_weight else _sum(load.mass)
             if total > 0.0:
                 return total
-        wrong = f"a load of kind {load.kind} has no mass that is known here"
+        wrong = f"a load of kind {load.kind} has no mass that this ratio could use"
         _refuse(ratio, wrong, self.load, _plain_key(ratio, self.load))
         raise AssertionError
 

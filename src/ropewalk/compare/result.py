@@ -85,7 +85,7 @@ class ModelHierarchy:
         text = []
         for name, step in self.models.items():
             if step.doubts and not step.same_as:
-                other = "its numbers and every distance from them mean nothing" if name == FULL else "not adequate"
+                other = "its numbers and all distances from them cannot be trusted" if name == FULL else "not adequate"
                 text.append(f"{name}: doubtful: {'; '.join(step.doubts)}: {other}")
             elif name == FULL and step.reason:
                 text.append(f"{name}: {step.reason}")
@@ -95,7 +95,7 @@ class ModelHierarchy:
                 text.append(f"{name}: the same as {step.same_as}" + (f" ({step.remark})" if step.remark else ""))
             elif step.reason:
                 kept = f"; until then {sentence('', step.errors, self.allowed)[2:]}" if step.errors else ""
-                text.append(f"{name}: not to be had: {step.reason}{kept}")
+                text.append(f"{name}: not available: {step.reason}{kept}")
             else:
                 text.append(sentence(name, step.errors, self.allowed))
         if self.models[FULL].doubts:

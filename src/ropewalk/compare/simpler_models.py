@@ -63,13 +63,13 @@ def top_of(scenario: Scenario) -> SimplerModel:
         ScenarioError: there is nothing to compare.
     """
     if scenario.nets:
-        wrong, remedy = "compare knows lines, no nets and membranes", "leave nets out"
+        wrong, remedy = "compare supports lines; nets and membranes are not implemented", "leave nets out"
         raise ScenarioError([Problem("nets", wrong, ", ".join(scenario.nets), remedy)])
     if not scenario.loads:
         raise ScenarioError([Problem("loads", "nothing travels: there is nothing to compare", remedy="add a load")])
     run = scenario.run
     if isinstance(run, Equilibrium):
-        wrong, remedy = "a rest has no model hierarchy", "ask for kind: dynamic, linear or quasistatic"
+        wrong, remedy = "compare needs a load that moves", "ask for kind: dynamic, linear or quasistatic"
         raise ScenarioError([Problem("run.kind", wrong, run.kind, remedy)])
     if isinstance(run, Dynamic):
         return _complete(scenario.model_copy(update={"run": _finely(run)}))
@@ -84,7 +84,7 @@ def top_of(scenario: Scenario) -> SimplerModel:
                 f"the scenario asks for kind: {run.kind}; in full it moves in time, with all geometry",
             )
     except RopewalkError as error:
-        text = f"kind: {run.kind} is the most that can be had here: {error}"
+        text = f"kind: {run.kind} is the fullest model that is supported here: {error}"
         return _complete(scenario, text)
 
 
@@ -198,8 +198,8 @@ class FullModel:
             return SimplerModel(QUASISTATIC, same_as=FULL)
         if self._is_pantograph:
             raise RopewalkError(
-                "slow motion is left out under overhead lines: their rests take longer than the run; ask for kind: "
-                "quasistatic"
+                "the quasi-static model is left out under overhead lines: their equilibria take longer than the run; "
+                "ask for kind: quasistatic"
             )
         loads, wheels = self._constant.forces()
         until, _ = self._clock()

@@ -102,9 +102,9 @@ class Upright:
         away, _ = self._lean(self.bears)
         if abs(away - self.offsets[self.bears]) > FALLEN * self.balance.height:
             raise RopewalkError(
-                f"load {name} has fallen to the side: nobody keeps upright like this on a line that gives way more "
-                f"easily than m g/height = {self._stiffness:.4g} N/m, or moves as fast as she does; make it heavier "
-                "and tighter, as a deck is, or leave balance out"
+                f"load {name} has fallen to the side: balance needs a line that is stiffer to the side than m "
+                f"g/height = {self._stiffness:.4g} N/m, and moves slower than the walker; use a heavier and tighter "
+                "line, such as a deck, or leave balance out"
             )
 
     def rest(self) -> None:

@@ -1,4 +1,4 @@
-"""Partners: loads that are models of somebody else's."""
+"""Partners: loads that are external models."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ropewalk.external.cosimulation_master import Bearer, ContactPush, Cosimulat
 
 @dataclass
 class Partner(Bearer):
-    """A load that is a model of somebody else's, asked at equal intervals."""
+    """A load that is an external model, asked at equal intervals."""
 
     carrier: Carrier
     cosimulation: CosimulationMaster

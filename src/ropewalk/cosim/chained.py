@@ -169,7 +169,7 @@ class Chained(Stepwise):
         """All that changes, copied.
 
         Raises:
-            RopewalkError: a load is a model of somebody else's that gives no state.
+            RopewalkError: a load is an external model that gives no state.
         """
         pressed = copied(self._carrier.given(self._contact.values()))
         contact_inputs = {name: asdict(contact_input) for name, contact_input in self.contact_inputs.items()}

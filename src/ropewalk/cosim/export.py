@@ -153,7 +153,7 @@ def _line(scenario: Scenario, line: str, file: Path, gives: Gives, wish: LineExp
     run = scenario.run
     assert isinstance(run, Dynamic)
     way = "heights of bodies in, contact forces out" if sprung else "forces in, motion of the contacts out"
-    wires = "wires go on by whole parts of the step that the FMU was exported for"
+    wires = "lines with bending stiffness and overhead lines take whole parts of the step that the FMU was exported for"
     given = {
         "model": _model(file), "description": f"{scenario.title}: line {line} with its supports, {way}. {_NEEDS}",
         "line": line, "gives": gives, "places": [0.5 * length if wish.measured == "material" else float(middle[0])]

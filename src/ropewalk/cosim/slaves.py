@@ -24,7 +24,7 @@ ABOUT_FILE, SCENARIO_FILE, VEHICLE_FILE = "about.json", "scenario.yaml", "vehicl
 # Exponents of kg, m and s.
 _UNITS = {"m": (0, 1, 0), "m/s": (0, 1, -1), "N": (1, 1, -2), "N/m": (1, 0, -2), "N.s/m": (1, 0, -1), "s": (0, 0, 1)}
 _AT_END = (
-    "true: inputs are values at the end of the step, linear from those told before; false: those at its beginning, "
+    "true: inputs are values at the end of the step, linear from those given before; false: those at its beginning, "
     "forces are held and heights go on with their velocity"
 )
 

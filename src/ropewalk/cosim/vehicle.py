@@ -115,7 +115,7 @@ def alone(scenario: Scenario, name: str, *, contact_stiffness: float | None = No
     if getattr(load, "irregularity", None) is not None:
         raise RopewalkError(f"load {name}: irregularity belongs to the line here; leave it out")
     if not hasattr(load.travel, "speed"):
-        raise RopewalkError(f"load {name}: a free travel is decided with the line; prescribe travel.speed")
+        raise RopewalkError(f"load {name}: free travel depends on the line; prescribe travel.speed")
     until = run.until if isinstance(run, Dynamic) else 1.0
     lone = scenario.model_copy(update={"loads": {name: load}})
     if isinstance(load, Pantograph) or load.on in scenario.overhead_lines:

@@ -45,8 +45,8 @@ class Wired(Stepwise):
         external = [name for name, load in scenario.loads.items() if isinstance(load, ExternalModel)]
         if external:
             raise RopewalkError(
-                f"load {external[0]} is a model of somebody else's, and wires that are moved from outside know none "
-                "beside those; leave it out"
+                f"load {external[0]} is an external model, which is not supported on lines that are moved from "
+                "outside; leave it out"
             )
         task = task_of(scenario)
         names = [wire.name for wire in task.plan.wires]
@@ -125,7 +125,7 @@ class Wired(Stepwise):
     def _vector(self, name: str, force: float | tuple[float, ...]) -> tuple[float, ...]:
         vector = super()._vector(name, force)
         if any(vector[:-1]):
-            raise RopewalkError(f"contact {name}: wires know forces up and down only, given {vector} N")
+            raise RopewalkError(f"contact {name}: only vertical forces are supported on this line, given {vector} N")
         return vector
 
     def length(self, line: str) -> float:

@@ -1,4 +1,4 @@
-"""Turns: how a line and a foreign model go on one after the other, and what of energy gets lost between them.
+"""Turns: how a line and an external model go on one after the other, and what of energy gets lost between them.
 
 The interval between two exchanges (macro step) is h. On the line acts, linear over the interval,
 
@@ -50,7 +50,7 @@ Pushes = list[ContactPush | None]
 
 
 class Bearer:
-    """The line as what bears a foreign model: to be looked at, copied, and sent ahead."""
+    """The line as what bears an external model: to be looked at, copied, and sent ahead."""
 
     @property
     def line(self) -> LineView:
@@ -112,7 +112,7 @@ def begun(cosimulation: Sequence[CosimulationMaster]) -> Iterator[None]:
 
 @dataclass
 class CosimulationMaster:
-    """A foreign model and a line, exchange by exchange.
+    """An external model and a line, exchange by exchange.
 
     Args:
         name: of the load.
@@ -157,7 +157,7 @@ class CosimulationMaster:
             for method in ("get_state", "set_state"):
                 if not callable(getattr(self.model, method, None)):
                     raise RopewalkError(
-                        f"load {self.name}: exchange.scheme: iterated goes back in time, and its model has no "
+                        f"load {self.name}: exchange.scheme: iterated repeats intervals, and its model has no "
                         f"{method}; give it get_state() and set_state(state), or write sequential"
                     )
         self._contacts = [None] * self.most
@@ -222,9 +222,9 @@ class CosimulationMaster:
         lacks = [name for name in ("get_state", "set_state") if not callable(getattr(self.model, name, None))]
         if lacks:
             raise RopewalkError(f"load {self.name}: its model has no {' and no '.join(lacks)}")
-        model = self._guarded("its state cannot be had", 0.0, self.model.get_state)
+        model = self._guarded("its state cannot be read", 0.0, self.model.get_state)
         if callable(pack := getattr(self.model, "pack_state", None)):
-            model = self._guarded("its state cannot be had as data", 0.0, lambda: pack(model))
+            model = self._guarded("its state cannot be read as data", 0.0, lambda: pack(model))
         return {
             "asked": self.asked, "work": self.work, "residual": self.residual, "peak": self.peak,
             "contacts": [None if contact is None else contact.get_state() for contact in self._contacts],

@@ -109,7 +109,7 @@ class HangingCrane:
         borne = -float(line.force(0)[-1])
         below = float(line.at(self._at)[0][-1]) - self._ground - self.height
         if borne == 0.0 and abs(below) > 1e-3:
-            raise RopewalkError("nothing bears the crane; give exchange.stiffness, for example 1e6 N/m")
+            raise RopewalkError("nothing carries the crane; give exchange.stiffness, for example 1e6 N/m")
         crane, load = self.masses
         swing = (self._loads[0] - 2.0 * self._loads[1] + self._loads[2]) / h**2  # m/s^2
         a = (borne - load * swing[2]) / (crane + load) - GRAVITY

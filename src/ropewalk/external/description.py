@@ -81,7 +81,7 @@ class _Reading:
         settings = [*self._settings("parameters"), *self._settings("start_values")]
         goes_back = self.load.exchange.scheme == "iterated"
         if goes_back and not slave.canGetAndSetFMUstate:
-            wrong = "goes back in time, and this FMU cannot (it does not say canGetAndSetFMUstate)"
+            wrong = "repeats intervals, and this FMU cannot (canGetAndSetFMUstate is not set)"
             self._report("exchange.scheme", wrong, "iterated", "write sequential or parallel")
         self._fits_step(slave)
         if self.problems:
@@ -179,7 +179,7 @@ class _Reading:
         for key, wanted in self._keys(mentioned):
             if wanted in first:
                 remedy = "give every contact inputs of its own"
-                self._report(key, f"is told by {first[wanted]} already", wanted, remedy)
+                self._report(key, f"is set by {first[wanted]} already", wanted, remedy)
             first.setdefault(wanted, key)
 
     def _fits_step(self, slave: Any) -> None:
@@ -207,7 +207,7 @@ class _Reading:
                 what = "a parameter" if block == "start_values" else "none of the parameters"
                 self._report(key, f"is {what} of the FMU", remedy=f"write it under {_block_of(variable)}")
             elif wanted in lines:
-                self._report(key, f"is told by the line ({lines[wanted]})", remedy="leave it out")
+                self._report(key, f"is set by the line ({lines[wanted]})", remedy="leave it out")
             elif (wrong := _misfit(variable, value)) is not None:
                 self._report(key, wrong, repr(value), f"write {_expected(variable)}")
             else:

@@ -148,7 +148,7 @@ class FmuModel:
     @property
     def _at_work(self) -> Worker:
         if self._worker is None:
-            raise RopewalkError(f"{self._wiring.who} has not been reset, or has been let go")
+            raise RopewalkError(f"{self._wiring.who} has not been reset, or has been released")
         return self._worker
 
     def _save(self) -> FmuState:

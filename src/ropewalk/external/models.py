@@ -1,4 +1,4 @@
-"""The models of foreign loads, found or made."""
+"""The models of external loads, found or made."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ropewalk.model.stepper import Stepper
 
 
 def cosimulation_of(name: str, load: ExternalModel, until: float, dim: int, reach: float) -> CosimulationMaster:
-    """A foreign load and its line, ready to take turns.
+    """An external load and its line, ready to take turns.
 
     Args:
         name: of the load.
@@ -32,7 +32,7 @@ def cosimulation_of(name: str, load: ExternalModel, until: float, dim: int, reac
 
 
 def model_of(name: str, load: ExternalModel, until: float, dim: int) -> Any:
-    """The model of a foreign load: the object itself, or made from what its text names, or from its FMU.
+    """The model of an external load: the object itself, or made from what its text names, or from its FMU.
 
     Raises:
         RopewalkError: there is no such thing, or it cannot be made.
@@ -66,14 +66,14 @@ def refuse_code(loads: Mapping[str, AnyLoad]) -> None:
     for name, load in loads.items():
         if isinstance(load, ExternalModel):
             key, given = ("file", load.file) if isinstance(load, Fmu) else ("model", str(load.model))
-            remedy = "leave --no-code out if you trust whoever wrote it"
-            problems.append(Problem(f"loads.{name}.{key}", "is code, which is not to be run", given, remedy))
+            remedy = "leave --no-code out if you trust its author"
+            problems.append(Problem(f"loads.{name}.{key}", "is external code, which --no-code refuses", given, remedy))
     if problems:
         raise ScenarioError(problems)
 
 
 def check_external(loads: Mapping[str, AnyLoad]) -> None:
-    """Find what is wrong with the files of foreign loads, without running them.
+    """Find what is wrong with the files of external loads, without running them.
 
     Raises:
         ScenarioError: with all mistakes.

@@ -1,4 +1,4 @@
-"""The step protocol: what a line and a model of somebody else's know of each other."""
+"""The step protocol: what a line and an external model know of each other."""
 
 from __future__ import annotations
 

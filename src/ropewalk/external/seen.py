@@ -1,4 +1,4 @@
-"""What a foreign model sees of its line: as it is, or as it was foreseen to be."""
+"""What an external model sees of its line: as it is, or as it was foreseen to be."""
 
 from __future__ import annotations
 

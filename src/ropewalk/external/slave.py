@@ -99,7 +99,7 @@ class Slave:
     def binary(self) -> Binary:
         """Its library."""
         if self._binary is None:
-            raise RopewalkError(f"{self.wiring.who} has been let go")
+            raise RopewalkError(f"{self.wiring.who} has been released")
         return self._binary
 
     def begin(self, inputs: Sequence[float], until: float) -> list[float]:
@@ -161,7 +161,7 @@ class Slave:
     def restore(self, number: int) -> None:
         """Go back to a state that was kept."""
         if number not in self._states:
-            raise self._error(f"has no state {number}, it was let go")
+            raise self._error(f"has no state {number}, it was released")
         state, self._before = self._states[number]
         with self._explained("cannot go back to a state"):
             self.binary.restore(state)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import records
 
-CARRIED = -3  # value of `State.rider` for a wheel that bodies look after: a heavy one, or one that waits
+CARRIED = -3  # value of `State.moving_load` for a wheel that bodies look after: a heavy one, or one that waits
 
 # `travel`: the place xi is given; it is given and the hold force keeps the tensions equal; x is given and the line
 # slides without friction; the load travels freely.

@@ -28,7 +28,7 @@ SHARING = 2
 # Held by friction, as far as it suffices; sliding with friction in full. Slow motion only.
 COULOMB, DRAGGED = 3, 4
 CAPSTAN, BLOCK = 0, 1
-OFF, SHARED = -2, -1  # values of `rider` for a load off the line, or shared by the two nodes of its link
+OFF, SHARED = -2, -1  # values of `moving_load` for a load off the line, or shared by the two nodes of its link
 
 # Entries of `work`: what has been done or lost since the start, in J.
 LINE_DAMPING, LOAD_WORK, HOLD_WORK, CONTACT, SUPPORT_WORK = 0, 1, 2, 3, 4

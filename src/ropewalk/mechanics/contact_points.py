@@ -129,7 +129,7 @@ def _wheels(name: str, load: AnyLoad, gravity: float, line: Line | None) -> Iter
 
 
 def contacts_of(name: str, load: ExternalModel) -> int:
-    """How many contacts a foreign load may have: of a stepper its attribute `contacts`, an option of that name, or 1.
+    """How many contacts an external load may have: of a stepper its attribute `contacts`, an option of that name, or 1.
 
     Raises:
         RopewalkError: there is no such model.

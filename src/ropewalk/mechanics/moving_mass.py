@@ -380,7 +380,7 @@ def _change(strands, loads, state, bodies, k):
 
 @lean_inner
 def _next(strands, loads, state, bodies, k):
-    """The xi, ahead on its travel, at which wheel k has to change its seat."""
+    """The xi, ahead on its travel, at which wheel k has to change its node."""
     s, xi, U = loads.strand[k], state.xi[k], state.speed[k]
     h, length = strands.h[s], strands.links[s] * strands.h[s]
     if U == 0.0 or bodies.wheels[k].phase == FLYING:

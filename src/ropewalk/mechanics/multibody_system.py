@@ -71,7 +71,7 @@ class MultibodySystem:
     displayed: tuple[Body, ...]
     interface_coordinates: Mapping[
         str, tuple[int, ...]
-    ]  # of foreign loads: coordinates that stand for their contacts, in order
+    ]  # of external loads: coordinates that stand for their contacts, in order
 
 
 @dataclass
@@ -316,7 +316,7 @@ def _vehicle(
 
 
 def _interface(load: ExternalModel, on: list[int], dim: int) -> _Vehicle | None:
-    """Springs and dampers between the contacts of a foreign load and heights that its owner alone moves."""
+    """Springs and dampers between the contacts of an external load and heights that its owner alone moves."""
     if not (load.exchange.stiffness or load.exchange.damping):
         return None
     vehicle = _Vehicle.of(len(on), [(k, dim - 1) for k in on])

@@ -125,7 +125,7 @@ def _weights(parts: Parts) -> Iterator[Finding]:
         return
     for name, load in parts.loads.items():
         if isinstance(load, Footsteps | Walker):
-            yield Finding(("loads", name, "kind"), "nobody walks without gravity", load.kind, "give gravity")
+            yield Finding(("loads", name, "kind"), "a walker needs gravity", load.kind, "give gravity")
         if isinstance(load, Trolley) and load.payload.stiffness is None:
             wrong = "is missing, without a weight there is no default"
             remedy = "add stiffness (of the payload's rope, in N/m), or give gravity"

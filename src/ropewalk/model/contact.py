@@ -18,7 +18,7 @@ def one_sided(side: Side, *, lift_off: bool) -> list[Finding]:
     """Find a side of the line that a load is on which cannot leave it: such a contact pushes and pulls."""
     if side == "above" or lift_off:
         return []
-    wrong, remedy = "a contact that cannot let go has no side", "write lift_off: true, or leave side out"
+    wrong, remedy = "side needs lift_off", "write lift_off: true, or leave side out"
     return [Finding(("side",), wrong, side, remedy)]
 
 
@@ -26,5 +26,5 @@ def soft_contact(path: Path, stiffness: float | None, *, lift_off: bool) -> list
     """Find a contact stiffness (N/m, at `path`) of a load that cannot leave the line."""
     if stiffness is None or lift_off:
         return []
-    wrong, remedy = "a contact that can only push lets go", "write lift_off: true, or leave contact_stiffness out"
+    wrong, remedy = "contact_stiffness needs lift_off", "write lift_off: true, or leave contact_stiffness out"
     return [Finding(path, wrong, f"{stiffness:g} N/m", remedy)]

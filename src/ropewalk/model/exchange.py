@@ -1,4 +1,4 @@
-"""Exchange: how a line and a model of somebody else's take turns."""
+"""Exchange: how a line and an external model take turns."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Scheme = Literal["sequential", "parallel", "iterated"]
 
 
 class Exchange(Declaration):
-    """The way in which forces and motions are handed over, once in every interval of a foreign model.
+    """The way in which forces and motions are handed over, once in every interval of an external model.
 
     - sequential: the line goes ahead with forces extrapolated from what they were, then the model follows its motion.
     - parallel: both go ahead at once, the model with the motion of the line extrapolated.
@@ -24,7 +24,7 @@ class Exchange(Declaration):
     it acts on what the line's speed has come to differ from what was foreseen, and vanishes with the interval.
     """
 
-    scheme: Scheme = Field(default="sequential", description="who goes first, and whether they agree")
+    scheme: Scheme = Field(default="sequential", description="order of line and model, and whether they iterate")
     order: Annotated[int, Count(0, 2)] | None = Field(
         default=None,
         description="of the extrapolation of forces (and of motions, parallel): 0 holds the last value; iterated: 0 "

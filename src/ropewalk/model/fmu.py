@@ -70,14 +70,14 @@ class FmuContact(Declaration):
     at: Station = Field(default=0.0, description="distance ahead of the place of the vehicle, along its travel")
     gives: Literal["force", "motion"] = Field(
         default="force",
-        description="force: the FMU is told the motion of the line and answers with a force; motion: it is told the "
+        description="force: the FMU is given the motion of the line and answers with a force; motion: it is given the "
         "force and answers with the height of its contact (needs exchange.stiffness)",
     )
     force: str = Field(description="variable of the vertical force")
     force_along: str | None = Field(default=None, description="variable of the force along x, on the line")
     height: str | None = Field(default=None, description="variable of the height of the contact")
     velocity: str | None = Field(default=None, description="variable of the velocity of the contact, up and down")
-    place: str | None = Field(default=None, description="variable that is told the place along the line")
+    place: str | None = Field(default=None, description="variable that is set to the place along the line")
     height_from: Literal["start", "zero"] = Field(
         default="start", description="what heights count from: that of the line where the contact begins, or z = 0"
     )
@@ -119,7 +119,7 @@ class Fmu(Declaration):
         default_factory=dict, description="variable: value, of inputs and states at the beginning, and kept of inputs"
     )
     every: PositiveTime = Field(default=1e-3, description="interval at which line and FMU exchange (macro step)")
-    exchange: Exchange = Field(default=Exchange(), description="how they take turns")
+    exchange: Exchange = Field(default=Exchange(), description="how line and FMU exchange forces and motions")
     isolated: StrictBool = Field(
         default=False, description="run it in a process of its own: a crash of the FMU then ends the run in order"
     )

@@ -103,7 +103,7 @@ class Footsteps(Declaration):
     def _consistent(self) -> Self:
         findings = []
         if self.overlap > MOST_OVERLAP:
-            wrong, remedy = "nobody walks with both feet down for so long", "write 0 to 0.5"
+            wrong, remedy = "double support lasts at most half a step", "write 0 to 0.5"
             findings.append(Finding(("overlap",), wrong, f"{self.overlap:g}", remedy))
         if self.model == "young" and not YOUNG[0] <= self.frequency <= YOUNG[1]:
             wrong = f"model young is for {YOUNG[0]:g} to {YOUNG[1]:g} steps per second"

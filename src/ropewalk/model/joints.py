@@ -31,7 +31,7 @@ def check_joints(parts: Parts) -> Iterator[Finding]:
     blows = parts.wind is not None and not parts.wind.is_calm
     if blows and not parts.is_airy and all(line is not None for line in parts.lines.values()):
         remedy = "give a line wind_drag (its drag coefficient times its width), or leave wind out"
-        yield Finding(("wind",), "nothing feels it: no line has wind_drag", remedy=remedy)
+        yield Finding(("wind",), "wind acts on no line: none has wind_drag", remedy=remedy)
 
 
 def _names(parts: Parts) -> Iterator[Finding]:

@@ -56,9 +56,9 @@ class Line(Declaration):
     )
     law: Law = Field(default=Hooke(), description="tension as a function of strain")
     axial_damping: AxialDamping = Field(default=0.0, description="Kelvin-Voigt c: T = T(eps) + c eps_t")
-    bending_stiffness: BendingStiffness = Field(default=0.0, description="EI; known to kind: linear and dynamic")
+    bending_stiffness: BendingStiffness = Field(default=0.0, description="EI; used by kind: linear and dynamic")
     foundation: BedStiffness = Field(
-        default=0.0, description="of an elastic bed, per length; known to kind: linear and dynamic"
+        default=0.0, description="of an elastic bed, per length; used by kind: linear and dynamic"
     )
     drag: Rate = Field(default=0.0, description="mass-proportional damping: force -drag * mass * velocity")
     start_support: Support = Field(default=Fixed(), description="what holds the start")

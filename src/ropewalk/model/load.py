@@ -83,7 +83,7 @@ class MovingForce(Declaration):
 Travelling = MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices
 """The loads that have a travel; the others have a gait or a will of their own."""
 ExternalModel = Stepper | Fmu
-"""The loads that are models of somebody else's."""
+"""The loads that are external models."""
 AnyLoad = Travelling | Footsteps | Walker | ExternalModel | Pantograph
 Load = Annotated[
     MovingForce

@@ -73,7 +73,7 @@ def _alone(parts: Parts) -> Iterator[Finding]:
     for name, load in parts.loads.items():
         if isinstance(load, ExternalModel):
             remedy = "write elements as a number, and leave mesh_error out"
-            yield Finding(("loads", name, "kind"), f"a model of somebody else's {what}", load.kind, remedy)
+            yield Finding(("loads", name, "kind"), f"an external model {what}", load.kind, remedy)
     if isinstance(run, Dynamic) and run.start.kind == "result":
         remedy = "write elements as a number, leave mesh_error out, or begin at rest"
         yield Finding(("run", "start", "kind"), f"a state that is on one mesh {what}", "result", remedy)

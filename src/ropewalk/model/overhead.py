@@ -49,7 +49,7 @@ class OverheadWire(Declaration):
     mass: MassPerLength = Field(description="per length")
     tension: PositiveForce = Field(description="along the line, at rest")
     bending_stiffness: BendingStiffness = Field(default=0.0, description="EI")
-    axial_stiffness: PositiveForce = Field(default=17e6, description="EA; unknown to the linearised motion")
+    axial_stiffness: PositiveForce = Field(default=17e6, description="EA; not used by linearised motion")
     drag: Rate = Field(default=0.0, description="alpha of Rayleigh damping: force -drag * mass * velocity")
     retardation: Retardation = Field(default=0.0, description="beta of Rayleigh damping, in proportion to stiffness")
 
@@ -68,7 +68,7 @@ class MessengerWire(OverheadWire):
     mass: MassPerLength = Field(default=1.07, description="per length")
     tension: PositiveForce = Field(default=16e3, description="along the line, at rest")
     bending_stiffness: BendingStiffness = Field(default=131.7, description="EI")
-    axial_stiffness: PositiveForce = Field(default=14e6, description="EA; unknown to the linearised motion")
+    axial_stiffness: PositiveForce = Field(default=14e6, description="EA; not used by linearised motion")
 
 
 class StitchWire(OverheadWire):

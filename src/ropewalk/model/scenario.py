@@ -33,7 +33,7 @@ class Scenario(Declaration):
     joints: dict[Name, Joint] = Field(default_factory=dict, description="where lines meet, by name")
     nets: dict[Name, AnyNet] = Field(default_factory=dict, description="nets and membranes, by name")
     wind: Wind | None = Field(default=None, description="moving air")
-    loads: dict[Name, Load] = Field(default_factory=dict, description="what travels on them, by name")
+    loads: dict[Name, Load] = Field(default_factory=dict, description="the loads, by name")
     run: Run = Field(default=Dynamic(until=1.0), description="what is asked")
     sweep: Sweep | None = Field(default=None, description="what varies in `ropewalk sweep`")
 

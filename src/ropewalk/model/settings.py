@@ -23,7 +23,7 @@ def check_settings(parts: Parts) -> Iterator[Finding]:
     if parts.has_bending_stiffness and not parts.is_network:
         return
     if run.start.with_loads and all(isinstance(load, ExternalModel) for load in parts.loads.values()):
-        wrong = "no load has a rest of its own" if parts.loads else "there are no loads"
+        wrong = "with_loads needs loads" if parts.loads else "there are no loads"
         yield Finding(("run", "start", "with_loads"), wrong, "true", "leave it out")
 
 

@@ -88,8 +88,8 @@ class FreeTravel(Declaration):
     drive: DriveHistory = Field(
         default=0.0, description="force along the line on the load: a constant, or a table {time, value}"
     )
-    driver: Driver | None = Field(default=None, description="who holds a speed, beside the drive")
-    brake: Brake | None = Field(default=None, description="what slows it near the end of the line")
+    driver: Driver | None = Field(default=None, description="controller that holds a speed, in addition to the drive")
+    brake: Brake | None = Field(default=None, description="brake near the end of the line")
     at_end: AtEnd = Field(
         default="stay",
         description="a load that comes to an end of the line is refused, leaves the line, or is stopped there",

@@ -8,7 +8,7 @@ from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import Capabilities, missing
 from ropewalk.model.parts import Parts
 
-_NETWORKS = "joined lines, sheaves, ropes on inner supports and lines in wind, at rest or in slow motion"
+_NETWORKS = "joined lines, sheaves, ropes on inner supports and lines in wind, at rest or quasi-static"
 
 
 def _beside_others(parts: Parts) -> Iterator[Finding]:

@@ -169,7 +169,9 @@ def settle(network: Network, start: Array, *, rubs: bool = False, way: Way = "au
         EquilibriumError: no rest was found.
     """
     if start.shape != network.body.force.shape:  # kernels would write beyond their arrays
-        raise ValueError(f"a shape of {start.shape[0]} nodes and contacts for a web of {network.body.force.shape[0]}")
+        raise ValueError(
+            f"a shape of {start.shape[0]} nodes and contacts for a network of {network.body.force.shape[0]}"
+        )
     potential = NetworkPotential(network, rubs=rubs)
     found = minimum.settle(_NetworkShape(potential, start), start, way)
     potential.pull(found)

@@ -110,4 +110,4 @@ class NetworkStatics:
                     return r
         finally:
             network.body.force[:] = own
-        raise EquilibriumError("the web finds no rest in the wind: it flutters or lifts; give wind less speed")
+        raise EquilibriumError("no equilibrium was found in the wind: lines flutter or lift; lower wind.speed")

@@ -140,7 +140,7 @@ def tempo(dataset: xr.Dataset, most: int = FRAMES) -> Tempo:
     right = np.clip(np.searchsorted(path, instants), 1, len(path) - 1)
     chosen = np.where(instants - path[right - 1] <= path[right] - instants, right - 1, right)
     if name != "time":
-        return Tempo(chosen, DELAYS[0], "slow motion of the load, no scale of time")
+        return Tempo(chosen, DELAYS[0], "quasi-static path of the load, no scale of time")
     ratios = {delay: step / (delay / 1000) for delay in DELAYS}
     real = (delay for delay, ratio in ratios.items() if abs(ratio - 1.0) < 1e-6)
     simple = (delay for delay, ratio in ratios.items() if _simple(ratio))

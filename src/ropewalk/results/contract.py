@@ -120,7 +120,7 @@ COORDINATES: Mapping[str, ResultVariable] = {
     "watched": ResultVariable(("watched",), "1", "point of a line whose height is sampled"),
     "watched_station": ResultVariable(("watched",), "m", "place of the watched point along its line"),
     "sample": ResultVariable(("sample",), "s", "time of the sample after the output instant (negative: before it)"),
-    "foreign": ResultVariable(("foreign",), "1", "load that is a model of somebody else's"),
+    "foreign": ResultVariable(("foreign",), "1", "load that is an external model"),
     "compared": ResultVariable(("compared",), "1", "load of the contact that is compared with that on a coarser mesh"),
     "corner": ResultVariable(("corner",), "1", "corner of a cell"),
     "direction": ResultVariable(("direction",), "1", "direction of a tension in a cell"),

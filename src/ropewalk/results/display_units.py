@@ -178,7 +178,9 @@ def _quantity_of(text: str) -> str:
         if si not in _WITHOUT_DIMENSION.values() and measure(si)[1] == dimension:
             return si
     known = sorted({step.symbol for unit_steps in ENGINEERING.values() for step in unit_steps})
-    raise Refused(f"nothing is shown in {text}", did_you_mean(text, known, otherwise=f"write {', '.join(known)} or SI"))
+    raise Refused(
+        f"no quantity is shown in {text}", did_you_mean(text, known, otherwise=f"write {', '.join(known)} or SI")
+    )
 
 
 def _largest(value: Any) -> float:

@@ -1,4 +1,4 @@
-"""What is told of the exchange with foreign models: in frames, as warnings, in the summary."""
+"""What is told of the exchange with external models: in frames, as warnings, in the summary."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def external_in(scenario: Scenario) -> tuple[str, ...]:
-    """Names of the loads that are models of somebody else's."""
+    """Names of the loads that are external models."""
     return tuple(name for name, load in scenario.loads.items() if isinstance(load, ExternalModel))
 
 

@@ -52,7 +52,7 @@ class Layout:
     watched: tuple[str, ...] = ()  # points of lines whose height is sampled
     watched_station: tuple[float, ...] = ()  # m
     sample: tuple[float, ...] = ()  # s, offsets of samples from the output instant: before it, or zero
-    external: tuple[str, ...] = ()  # loads that are models of somebody else's
+    external: tuple[str, ...] = ()  # loads that are external models
     compared: tuple[str, ...] = ()  # load of each contact, where they are compared with those on a coarser mesh
     cell: tuple[tuple[int, int, int], ...] = ()  # nodes of each triangle of nets and membranes
     cell_net: tuple[str, ...] = ()  # net of each triangle

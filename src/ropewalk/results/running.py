@@ -39,7 +39,7 @@ class MotionEngine(Protocol):
 
     @property
     def cosimulation(self) -> Sequence[CosimulationMaster]:
-        """Exchanges with foreign models."""
+        """Exchanges with external models."""
 
     @property
     def looks_ahead(self) -> bool:
@@ -97,7 +97,7 @@ class TimeHistory:
         """All that changes; of an engine that looks ahead, at the end, that before the last step.
 
         Raises:
-            RopewalkError: a load is a model of somebody else's that gives no state.
+            RopewalkError: a load is an external model that gives no state.
         """
         if self._last is not None:
             return self._last

@@ -33,7 +33,7 @@ def _supports(parts: Parts) -> list[Support]:
 def _not_implicit(parts: Parts) -> Iterator[tuple[str, str]]:
     for load in parts.loads.values():
         if isinstance(load, Footsteps | ExternalModel):
-            yield "a load that decides on the way", "kind: force"
+            yield "a load with a controller", "kind: force"
         elif load is not None and not isinstance(load, MovingForce):
             yield "a load with a mass", "kind: force"
         elif load is not None and load.contact == "frictionless":
@@ -79,7 +79,7 @@ MOTION = Capabilities(
     more=(_methods,),
 )
 AT_REST = Capabilities(
-    "ropes at rest or in slow motion",
+    "ropes at rest or quasi-static",
     only={
         "loads.kind": ("force", "mass", "oscillator", "trolley", "vehicle", "matrices"),
         "loads.travel.margin": (None,),

@@ -225,7 +225,7 @@ def choose(
         elif float(strands.drag.max(initial=0.0)) * rkn6_step(limits, relative) > DRAGGED:
             wanted, why = (
                 "verlet",
-                "the drag of lines is too large for the sixth order, which goes back in time as well",
+                "the drag of lines is too large for the sixth order, which has negative substeps",
             )
         elif relative >= COARSE:
             wanted, why = "verlet", "undamped, and a coarse accuracy is enough"
@@ -263,7 +263,7 @@ def _explicit_only(loads: Loads, supports: Supports | None, bodies: Bodies | Non
     if bodies is not None:
         return "a load with a mass"
     if guided:
-        return "a load that decides on the way"
+        return "a load with a controller"
     if np.any(loads.contact == FRICTIONLESS):
         return "a frictionless contact"
     if supports is not None and (supports.free.any() or (supports.motion_count > 1).any()):

@@ -39,7 +39,7 @@ def settle_together(setting: PreparedRun, state: ChainState, bodies: Bodies | No
     """Move lines, wheels and vehicles to where they rest together; `state` and `bodies` are changed.
 
     Args:
-        setting, state: the model and its state, all loads in their seats.
+        setting, state: the model and its state, all loads at their nodes.
         bodies: on board already; None: there are none.
 
     Raises:

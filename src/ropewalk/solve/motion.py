@@ -147,7 +147,10 @@ class ChainMotion:
                     self._idle = self._idle + 1 if taken == 0 else 0
                     progress.status = _ask(self.controllers, progress)
                     if self._idle > MOST_QUESTIONS:
-                        progress.status, progress.message = STOPPED, "a load asks again and again without moving on"
+                        progress.status, progress.message = (
+                            STOPPED,
+                            "the controller of a load decides again and again without advancing",
+                        )
                 if progress.status != RUNNING:
                     return
         if _is_torn(self.strands, state):

@@ -54,7 +54,7 @@ def walk(setting: PreparedRun, positions: int, turn: float | None = None) -> Ite
             has been yielded.
     """
     if setting.xi.size == 0:
-        raise EquilibriumError("slow motion needs a load that travels")
+        raise EquilibriumError("quasi-static runs need a load that travels")
     stands, given = shapes(setting, setting.xi, 0.0)
     measures = [Measure(setting, k) for k in range(setting.xi.size)]
     marks = np.array([m.of(x, stands) for m, x in zip(measures, setting.xi, strict=True)])

@@ -52,7 +52,7 @@ GROWTH, SAFETY, MOST_REJECTIONS = 2.0, 0.9, 60
 # Steps of almost equal length share their factors where Newton's method contracts fast; where it is slow, the Jacobian
 # has had its day.
 SAME_LENGTH, FAST, SLOW = 0.02, 0.05, 0.1
-# Loads whose speed depends on the state aim this part of a link beyond their next seat. Those that come out shorter, or
+# Loads whose speed depends on the state aim this part of a link beyond their next node. Those that come out shorter, or
 # longer by as much again, try once more with the speed that they have seen, but not if it is still further away.
 AIM, FURTHER, MOST_TRIES = 1e-4, 0.1, 4
 
@@ -116,7 +116,7 @@ def _reach(strands, loads, state, target, step_ratio, until):
 
 @inner
 def _misses(strands, loads, state, space, dt):
-    """Whether a step brings a load close to its next seat, but not quite there, or beyond; notes the pace of all."""
+    """Whether a step brings a load close to its next node, but not quite there, or beyond; notes the step ratio of all."""
     missed = False
     for k in range(state.xi.size):
         U, way = state.speed[k], space.way[2, k]

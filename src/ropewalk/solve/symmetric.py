@@ -59,7 +59,7 @@ class IndefiniteError(RopewalkError):
         self.unknown = unknown
         super().__init__(
             f"the stiffness is not positive definite: unknown {unknown} meets no resistance, even while all unknowns "
-            "that are eliminated after it are held; hold the web, pre-stress it, or add mass or damping"
+            "that are eliminated after it are held; support the structure, pre-stress it, or add mass or damping"
         )
 
     def __reduce__(self) -> tuple[type[IndefiniteError], tuple[int]]:

@@ -138,7 +138,9 @@ class Store:
             if written < len(line):
                 raise OSError(28, "no room is left")
         except OSError as error:
-            raise WriteError(f"{self.file}: cannot be written ({error.strerror}); make room, and go on") from None
+            raise WriteError(
+                f"{self.file}: cannot be written ({error.strerror}); free some space, and run the same command again"
+            ) from None
 
     @contextmanager
     def _locked(self) -> Iterator[None]:

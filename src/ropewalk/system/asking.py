@@ -73,7 +73,7 @@ class Asking:
 
     def _ask(self) -> int:
         if self._idle > MOST_QUESTIONS:
-            self.message = "a load asks again and again without moving on"
+            self.message = "the controller of a load decides again and again without advancing"
             return FAILED
         try:
             for controller in self.controllers:

@@ -263,7 +263,7 @@ MOTION = Capabilities(
 )
 AT_REST = replace(
     MOTION,
-    what=f"{_SYSTEM}, at rest or in slow motion",
+    what=f"{_SYSTEM}, at rest or quasi-static",
     only={
         **MOTION.only,
         "run.kind": ("quasistatic", "equilibrium"),

@@ -71,7 +71,7 @@ def _not_smooth(parts: Parts) -> Iterator[tuple[str, str]]:
         if load is None:
             continue
         if isinstance(load, Footsteps | Walker | ExternalModel):
-            yield "a load that decides on the way", "kind: force"
+            yield "a load with a controller", "kind: force"
         if isinstance(load, MovingForce) and parts.is_airy and load.travel.speed != 0.0:  # steps become ever shorter
             yield "a force that moves along in wind", "leave wind_drag out"
         line = parts.lines.get(load.on)

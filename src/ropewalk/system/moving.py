@@ -190,7 +190,7 @@ class SystemMotion:
         if asked.method == "rkn6" and (damper := first_damper(self._scenario.parts)) is not None:
             stages, run_info.method = LOBATTO, "rkn6"
             run_info.reason = (
-                f"as asked: sixth order, by Lobatto's method IIIC, for steps that also go back in time do not bear "
+                f"as asked: sixth order, by Lobatto's method IIIC, because methods with negative substeps do not bear "
                 f"{damper}; contacts on a spline of the fourth order"
             )
         elif asked.method == "rkn6":
@@ -472,7 +472,7 @@ class SystemMotion:
         """All that changes.
 
         Raises:
-            RopewalkError: a load is a model of somebody else's that gives no state.
+            RopewalkError: a load is an external model that gives no state.
         """
         changing = {name: copied(arrays) for name, arrays in self._changing().items()}
         own = {"frames": self._builder.get_state(), "longest": self._carrier.longest}

@@ -94,8 +94,8 @@ class Passing:
 
     def whether_on(self, t: float, been: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Which contacts are on their lines at time t in s, of which some have been there before."""
-        nobody = np.zeros(self.contacts.size, dtype=np.bool_)
-        s = self.place(t, nobody).copy()
+        none_on = np.zeros(self.contacts.size, dtype=np.bool_)
+        s = self.place(t, none_on).copy()
         length = self.structure.lines.length[self.contacts["line"]]
         stays = (self.contacts["stays"] == 1) & been
         return np.asarray(stays | ((s >= -_BEYOND * length) & (s <= length * (1.0 + _BEYOND))))

@@ -156,7 +156,7 @@ class SystemStatics:
             last, shape = shape, least(potential, shape)
             if float(np.abs(shape - last).max()) <= _NEAR * potential.size:
                 return shape
-        raise EquilibriumError("lines find no rest in the wind: they flutter or lift; give wind less speed")
+        raise EquilibriumError("no equilibrium was found in the wind: lines flutter or lift; lower wind.speed")
 
     def _places(self, shape: _RestShape) -> Array:
         """Where contacts are, (contact, axis) m; NaN of those off their lines."""
@@ -167,7 +167,7 @@ class SystemStatics:
         """Times and paths of the first load, until all its contacts have come to the end of their line."""
         contacts, tables = self._loaded.contacts, self._carried.tables
         if not contacts.size:
-            raise EquilibriumError("slow motion needs a load that travels")
+            raise EquilibriumError("quasi-static runs need a load that travels")
         first = contacts[0]
         mine = contacts["begin"][contacts["load"] == first["load"]]
         end = float(self._structure.lines.length[first["line"]])

@@ -108,8 +108,8 @@ class Superposed:
             run_info.reason = f"all {count} modes of the structure at rest"
         if missed > 10.0 * TOLERANCE:
             run_info.doubt(
-                f"half the steps still change {missed:.2g} of the displacement or contact force", "what stands on the "
-                "structure swings faster than it goes along", "", "compare with kind: dynamic, geometry: linearised",
+                f"half the steps still change {missed:.2g} of the displacement or contact force",
+                "a body on the structure oscillates fast against its travel", "", "compare with kind: dynamic, geometry: linearised",
             )  # fmt: skip
         displayed = [s for s in stretches if s.displayed]
         lost: set[int] = set()
@@ -177,12 +177,12 @@ class Superposed:
 
     def _comings(self, until: float) -> Iterator[float]:
         """Instants at which loads come to their lines or leave them, s."""
-        nobody = np.zeros(self._loaded.contacts.size, dtype=np.bool_)
-        if not nobody.size:
+        none_on = np.zeros(self._loaded.contacts.size, dtype=np.bool_)
+        if not none_on.size:
             return
         looks = np.unique(np.concatenate([np.linspace(0.0, until, LOOKS), self._times]))
-        seen = np.array([self._passing.whether_on(float(t), nobody) for t in looks])
-        yield from crossings(looks, seen, lambda t: self._passing.whether_on(t, nobody), CLOSE * until)
+        seen = np.array([self._passing.whether_on(float(t), none_on) for t in looks])
+        yield from crossings(looks, seen, lambda t: self._passing.whether_on(t, none_on), CLOSE * until)
 
     def _ask_contact(self, t: float, moment: Moment, lost: set[int]) -> None:
         """Note once where a contact holds a wheel by pulling."""

@@ -135,7 +135,7 @@ MOTION = Capabilities(
 )
 AT_REST = replace(
     MOTION,
-    what="beams, lines on foundations and overhead lines at rest or in slow motion",
+    what="beams, lines on foundations and overhead lines at rest or quasi-static",
     only={**MOTION.only, "loads.kind": _AT_REST},
     instead={**MOTION.instead, "loads.kind": "ask for kind: dynamic, or write kind: force with its weight as force"},
 )

@@ -165,7 +165,7 @@ class Wires:
         """All that changes.
 
         Raises:
-            RopewalkError: a load is a model of somebody else's that gives no state.
+            RopewalkError: a load is an external model that gives no state.
         """
         return {
             "motion": self.motion.get_state(), **self._pictures.get_state(),
@@ -317,7 +317,7 @@ class Wires:
         return self._ahead.given.rows(begin, end - 1)
 
     def _go(self, t: float, inputs: StepInputs) -> Record:
-        """Go on by the rows of a drive from t in s; foreign models are asked when it is time, and fill in theirs."""
+        """Go on by the rows of a drive from t in s; external models are asked when it is time, and fill in theirs."""
         parts, row, rows = [], 0, inputs.station.shape[0] - 1
         most = portion(self.mesh.nodes, self.steps)
         first = round(t / self.sample)

@@ -77,7 +77,7 @@ def layout_of(
 
     Args:
         path: its leading dimension.
-        external: loads that are models of somebody else's.
+        external: loads that are external models.
         sample: s, of samples, from an output instant back.
     """
     plan, strands = task.plan, mesh.strands

@@ -1,4 +1,4 @@
-"""From a scenario with stiff lines to a task: lines become wires, loads become riders."""
+"""From a scenario with stiff lines to a task: lines become wires, loads become moving loads."""
 
 from __future__ import annotations
 

@@ -345,7 +345,7 @@ def _fixed(strands: WireRuns, plan: WirePlan, holds: Holds) -> tuple[NDArray[np.
 
 
 class MovingLoads(NamedTuple):
-    """What travels, as arrays padded to the largest rider."""
+    """What travels, as arrays padded to the largest moving load."""
 
     size: Integers  # (moving load,) number of coordinates
     mass: Array  # (moving load, C, C)
@@ -365,7 +365,7 @@ class MovingLoads(NamedTuple):
 
 
 def moving_loads_of(moving_loads: list[TravellingLoad]) -> MovingLoads:
-    """The arrays of all riders."""
+    """The arrays of all moving loads."""
     most = max([moving_load.size for moving_load in moving_loads], default=0)
     stack = np.zeros((3, len(moving_loads), most, most))
     for i, moving_load in enumerate(moving_loads):

@@ -11,20 +11,20 @@ from ropewalk.wires.mesh import MovingLoads
 from ropewalk.wires.plan import Array
 
 _SWEEPS = 4
-# Entries of `work`: of given forces, pushes and foreign interfaces; of what holds riders at their places along the line
-# and drives them over its roughness; lost in dampers of riders; taken up by contacts, as they come closer; lost in
+# Entries of `work`: of given forces, pushes and external interfaces; of what holds moving loads at their places along the line
+# and drives them over its roughness; lost in dampers of loads; taken up by contacts, as they come closer; lost in
 # dampers and drag of wires, ties and holds; done by holds that move, at their far ends.
 GIVEN, RESTRAINED, LOST, TAKEN, DAMPED, MOVED = 0, 1, 2, 3, 4, 5
 WORKS = 6
 # Entries of what is known of a contact at an instant: height of the spline in m, place in links, slope in m per link,
-# given force and all force on the wire in N, by how much rider and spline overlap in m, compliance beside the spline in
+# given force and all force on the wire in N, by how much load and spline overlap in m, compliance beside the spline in
 # m/N, roughness in m.
 HEIGHT, PLACE, SLOPE, GIVEN_FORCE, FORCE, GAP, LOCAL, ROUGH = 0, 1, 2, 3, 4, 5, 6, 7
 _KNOWN = 8
 
 
 class TimeStepping(NamedTuple):
-    """What a step of a given length needs of the riders: central differences, damping implicit. And their state."""
+    """What a step of a given length needs of the moving loads: central differences, damping implicit. And their state."""
 
     step: float  # s
     inverse: Array  # (moving load, C, C) of M/dt^2 + C/(2 dt)
@@ -65,7 +65,7 @@ def stepping_of(moving_loads: MovingLoads, step: float, q: Array, place: Array) 
 
 
 def sweeps_of(moving_loads: MovingLoads, constraints: int) -> int:
-    """How often all that is rigid is seen to in a step: contacts and holds that share nodes, or a rider, disturb."""
+    """How often all that is rigid is seen to in a step: contacts and holds that share nodes, or a load, disturb."""
     rigid = int(np.isinf(moving_loads.spring).sum())
     return 0 if rigid + constraints == 0 else 1 if rigid == 0 else _SWEEPS
 
@@ -84,7 +84,7 @@ def between_rows(table, row, part):
 
 @inlined
 def begin(moving_loads, stepping, push, row, part):
-    """Put what is given on the coordinates of all riders."""
+    """Put what is given on the coordinates of all moving loads."""
     for k in range(moving_loads.owner.size):
         stepping.joined[k] = 0.0
         for c in range(_KNOWN):
@@ -186,7 +186,7 @@ def settle_accounts(moving_loads, stepping):
     """Work at all contacts in the step that ends now, by what was there a step ago and is there now.
 
     A force on the wire gives it the force times the rise of the particles below: the rise of the contact less what its
-    advance along the slope makes of it. The latter is what holds the rider at its place, against the slope; as is what
+    advance along the slope makes of it. The latter is what holds the load at its place, against the slope; as is what
     drives it over roughness. What moving load and wire lose together is taken up by their contact.
     """
     for k in range(moving_loads.owner.size):

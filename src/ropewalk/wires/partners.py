@@ -1,4 +1,4 @@
-"""Partners: foreign models on wires, which are asked between the rows of a run."""
+"""Partners: external models on wires, which are asked between the rows of a run."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ Motion = LargeMotion | SmallMotion
 
 @dataclass(frozen=True)
 class WireExternalModel:
-    """A foreign load of a task."""
+    """An external load of a task."""
 
     prescribed_motion: int
     cosimulation: Callable[[int, float], CosimulationMaster]  # from the number of axes and the reach of a contact in m
 
 
 def moving_load_of(name: str, wire: int, contacts: int, stiffness: float, damping: float) -> TravellingLoad:
-    """What a foreign load is to the wires: contacts without coordinates, whose springs end where they are told to."""
+    """What an external load is to the wires: contacts without coordinates, whose springs end where they are told to."""
     none = np.zeros((0, 0))
     spring = max(stiffness, _NEXT_TO_NOTHING) if damping else stiffness
     contact = Contact(wire, material=True, stiffness=spring, damping=damping)
@@ -55,7 +55,7 @@ class NodeSnapshot:
 
 @dataclass
 class WireLine:
-    """A wire as a foreign model sees it; unstrained lengths are stations along it."""
+    """A wire as an external model sees it; unstrained lengths are stations along it."""
 
     mesh: Mesh
     wire: int
@@ -89,7 +89,7 @@ class WireLine:
 
 @dataclass
 class WirePartner(Bearer):
-    """A foreign model on a wire while it moves.
+    """An external model on a wire while it moves.
 
     Args:
         cosimulation: with the model.

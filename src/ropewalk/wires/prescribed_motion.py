@@ -30,7 +30,7 @@ class PrescribedMotion:
     rough: Callable[[Array], Array] = smooth  # stations to heights that are added to the wire, m
     first: Array = field(default_factory=lambda: np.zeros(0))  # (coordinate,) m at the beginning
     rate: Array = field(default_factory=lambda: np.zeros(0))  # (coordinate,) m/s at the beginning
-    stands: bool = False  # whether both are those of a rider at rest on its contacts, which follow the wires at rest
+    stands: bool = False  # whether both are those of a load at rest on its contacts, which follow the wires at rest
     beside: int = ABSENT  # before the start of the wire and beyond its end: ABSENT, or ON_GROUND
 
 

@@ -48,7 +48,7 @@ def pressing(
         prescribed motions: all loads.
         moving loads: the same as arrays.
         t: s.
-        local: (contact,) m/N, compliance of the wires beside their splines, as `riders.local_under` has it.
+        local: (contact,) m/N, compliance of the wires beside their splines, as `moving_loads.local_under` has it.
         rough: (contact,) m, heights that are added to the wires.
         on: (contact,) whether it touches a wire, or the ground; what does not presses with nothing.
         ground: (contact,) m, height of the ground under contacts beside their wires; NaN: it is on its wire.

@@ -1,4 +1,4 @@
-"""Small vertical motion of wires about their rest, explicit: constant tensions, droppers that slacken, riders.
+"""Small vertical motion of wires about their rest, explicit: constant tensions, droppers that slacken, moving loads.
 
 Störmer's method, with a stencil whose bending stiffness is corrected so that waves on a string travel with the right
 speed to the fourth order in mesh and step (docs/notes/wires.md).

@@ -64,7 +64,7 @@ class WireStatics:
     def _schedule(self) -> tuple[Array, Array]:
         """Times and paths of the first load, until all its contacts have come to the end of their line."""
         if not self.task.prescribed_motions:
-            raise EquilibriumError("slow motion needs a load that travels")
+            raise EquilibriumError("quasi-static runs need a load that travels")
         prescribed_motion = self.task.prescribed_motions[0]
         length = self.task.plan.wires[prescribed_motion.moving_load.contacts[0].wire].length
         behind = [contact.behind for contact in prescribed_motion.moving_load.contacts]

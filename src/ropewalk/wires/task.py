@@ -53,7 +53,7 @@ class WireTask:
     window: float = np.inf  # m on both sides of the contacts, beyond which nothing moves; linearised only
     inertia: float = 1.0  # factor on the mass along x; nonlinear only
     space: bool = False  # whether anything moves sideways
-    external_models: tuple[WireExternalModel, ...] = ()  # who of the prescribed motions are models of somebody else's
+    external_models: tuple[WireExternalModel, ...] = ()  # who of the prescribed motions are external models
     near: tuple[Array, ...] | None = None  # near rest, of each wire: (3, node) m; needed where wires run aside
     remarks: tuple[str, ...] = ()  # what one should know of it
     with_loads: bool = False  # whether the wires begin at rest with what travels on them
@@ -269,7 +269,7 @@ def place_at(start: WireStart, wire: int, station: float, *, material: bool) -> 
 
 
 def loaded(start: WireStart, prescribed_motion: PrescribedMotion) -> PrescribedMotion:
-    """A journey whose rider begins at rest within itself, on contacts that go along the wires as they rest."""
+    """A prescribed motion whose load begins at rest within itself, on contacts that go along the wires as they rest."""
     moving_load = prescribed_motion.moving_load
     stations = [float(prescribed_motion.place(np.zeros(1))[0]) - c.behind for c in moving_load.contacts]
     found = [
