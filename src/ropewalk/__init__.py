@@ -45,277 +45,51 @@ from typing import TYPE_CHECKING, Any
 from ropewalk import hooks
 
 if TYPE_CHECKING:
-    from ropewalk import theory
-    from ropewalk.compare import ModelHierarchy, model_hierarchy
-    from ropewalk.compare.adequacy import AdequacyMap, adequacy
-    from ropewalk.compare.axes import Axis
-    from ropewalk.cosim.export import export as export_fmu
-    from ropewalk.coupling import Comparison, feedback
-    from ropewalk.decouple import without_feedback
-    from ropewalk.errors import EquilibriumError, RopewalkError, ScenarioError
-    from ropewalk.model import (
-        Balance,
-        Brake,
-        CableEdge,
-        ClampedEdge,
-        ContactWire,
-        DisplacementTable,
-        Driver,
-        DriveTable,
-        Droppers,
-        Dynamic,
-        Elastic,
-        Equilibrium,
-        Exchange,
-        Fixed,
-        Fmu,
-        FmuContact,
-        FmuTravel,
-        Footsteps,
-        ForceTable,
-        FreeTravel,
-        Guided,
-        Harmonic,
-        Hooke,
-        Inextensible,
-        InnerElastic,
-        InnerFixed,
-        InnerGuided,
-        InnerMoving,
-        Joined,
-        Joint,
-        Line,
-        Linear,
-        Matrices,
-        MatrixWheel,
-        Membrane,
-        MessengerSupports,
-        MessengerWire,
-        Moving,
-        MovingForce,
-        MovingMass,
-        Net,
-        Oscillator,
-        OverheadLine,
-        Pantograph,
-        PantographTravel,
-        Payload,
-        Polynomial,
-        Quasistatic,
-        RigidBody,
-        Scenario,
-        SecondPiolaKirchhoff,
-        Sheave,
-        SoftEdge,
-        Spans,
-        SpeedTable,
-        Spring,
-        Start,
-        SteadyArms,
-        Stepper,
-        StitchWire,
-        Sweep,
-        Tabulated,
-        TensionOnly,
-        Travel,
-        Trolley,
-        Vehicle,
-        Walker,
-        Wheel,
-        Wind,
-    )
-    from ropewalk.results import ResultError, extrapolated, figure, film, html_report, open_result, summary, tables
-    from ropewalk.results.contact_statistics import contact_statistics
-    from ropewalk.resuming import resume
-    from ropewalk.scenario import load, save
-    from ropewalk.simulate import simulate
-    from ropewalk.simulate import spectrum_of as spectrum
-    from ropewalk.sweeps.dataset import sweep_table
-    from ropewalk.sweeps.figure import sweep_figure
-    from ropewalk.sweeps.sweeping import sweep
+    from ropewalk import theory as theory
+    from ropewalk.compare import ModelHierarchy as ModelHierarchy
+    from ropewalk.compare import model_hierarchy as model_hierarchy
+    from ropewalk.compare.adequacy import AdequacyMap as AdequacyMap
+    from ropewalk.compare.adequacy import adequacy as adequacy
+    from ropewalk.compare.axes import Axis as Axis
+    from ropewalk.cosim.export import export as export_fmu  # noqa: F401
+    from ropewalk.coupling import Comparison as Comparison
+    from ropewalk.coupling import feedback as feedback
+    from ropewalk.decouple import without_feedback as without_feedback
+    from ropewalk.errors import EquilibriumError as EquilibriumError
+    from ropewalk.errors import RopewalkError as RopewalkError
+    from ropewalk.errors import ScenarioError as ScenarioError
+    from ropewalk.model import *  # noqa: F403
+    from ropewalk.results import ResultError as ResultError
+    from ropewalk.results import extrapolated as extrapolated
+    from ropewalk.results import figure as figure
+    from ropewalk.results import film as film
+    from ropewalk.results import html_report as html_report
+    from ropewalk.results import open_result as open_result
+    from ropewalk.results import summary as summary
+    from ropewalk.results import tables as tables
+    from ropewalk.results.contact_statistics import contact_statistics as contact_statistics
+    from ropewalk.resuming import resume as resume
+    from ropewalk.scenario import load as load
+    from ropewalk.scenario import save as save
+    from ropewalk.simulate import simulate as simulate
+    from ropewalk.simulate import spectrum_of as spectrum  # noqa: F401
+    from ropewalk.sweeps.dataset import sweep_table as sweep_table
+    from ropewalk.sweeps.figure import sweep_figure as sweep_figure
+    from ropewalk.sweeps.sweeping import sweep as sweep
+
 
 __version__ = "0.1.0"
 
-__all__ = [
-    "AdequacyMap",
-    "Axis",
-    "Balance",
-    "Brake",
-    "CableEdge",
-    "ClampedEdge",
-    "Comparison",
-    "ContactWire",
-    "DisplacementTable",
-    "DriveTable",
-    "Driver",
-    "Droppers",
-    "Dynamic",
-    "Elastic",
-    "Equilibrium",
-    "EquilibriumError",
-    "Exchange",
-    "Fixed",
-    "Fmu",
-    "FmuContact",
-    "FmuTravel",
-    "Footsteps",
-    "ForceTable",
-    "FreeTravel",
-    "Guided",
-    "Harmonic",
-    "Hooke",
-    "Inextensible",
-    "InnerElastic",
-    "InnerFixed",
-    "InnerGuided",
-    "InnerMoving",
-    "Joined",
-    "Joint",
-    "Line",
-    "Linear",
-    "Matrices",
-    "MatrixWheel",
-    "Membrane",
-    "MessengerSupports",
-    "MessengerWire",
-    "ModelHierarchy",
-    "Moving",
-    "MovingForce",
-    "MovingMass",
-    "Net",
-    "Oscillator",
-    "OverheadLine",
-    "Pantograph",
-    "PantographTravel",
-    "Payload",
-    "Polynomial",
-    "Quasistatic",
-    "ResultError",
-    "RigidBody",
-    "RopewalkError",
-    "Scenario",
-    "ScenarioError",
-    "SecondPiolaKirchhoff",
-    "Sheave",
-    "SoftEdge",
-    "Spans",
-    "SpeedTable",
-    "Spring",
-    "Start",
-    "SteadyArms",
-    "Stepper",
-    "StitchWire",
-    "Sweep",
-    "Tabulated",
-    "TensionOnly",
-    "Travel",
-    "Trolley",
-    "Vehicle",
-    "Walker",
-    "Wheel",
-    "Wind",
-    "adequacy",
-    "contact_statistics",
-    "export_fmu",
-    "extrapolated",
-    "feedback",
-    "figure",
-    "film",
-    "html_report",
-    "load",
-    "model_hierarchy",
-    "open_result",
-    "resume",
-    "save",
-    "simulate",
-    "spectrum",
-    "summary",
-    "sweep",
-    "sweep_figure",
-    "sweep_table",
-    "tables",
-    "theory",
-    "without_feedback",
-]
-
+# Where functions and results are; declarations are in `model`.
 _HOME = {
     "AdequacyMap": "compare.adequacy",
     "Axis": "compare.axes",
-    "Balance": "model",
-    "Brake": "model",
-    "CableEdge": "model",
-    "ClampedEdge": "model",
     "Comparison": "coupling",
-    "ContactWire": "model",
-    "DisplacementTable": "model",
-    "DriveTable": "model",
-    "Driver": "model",
-    "Droppers": "model",
-    "Dynamic": "model",
-    "Elastic": "model",
-    "Equilibrium": "model",
     "EquilibriumError": "errors",
-    "Exchange": "model",
-    "Fixed": "model",
-    "Fmu": "model",
-    "FmuContact": "model",
-    "FmuTravel": "model",
-    "Footsteps": "model",
-    "ForceTable": "model",
-    "FreeTravel": "model",
-    "Guided": "model",
-    "Harmonic": "model",
-    "Hooke": "model",
-    "Inextensible": "model",
-    "InnerElastic": "model",
-    "InnerFixed": "model",
-    "InnerGuided": "model",
-    "InnerMoving": "model",
-    "Joined": "model",
-    "Joint": "model",
     "ModelHierarchy": "compare",
-    "Line": "model",
-    "Linear": "model",
-    "Matrices": "model",
-    "MatrixWheel": "model",
-    "Membrane": "model",
-    "MessengerSupports": "model",
-    "MessengerWire": "model",
-    "Moving": "model",
-    "MovingForce": "model",
-    "MovingMass": "model",
-    "Net": "model",
-    "Oscillator": "model",
-    "OverheadLine": "model",
-    "Pantograph": "model",
-    "PantographTravel": "model",
-    "Payload": "model",
-    "Polynomial": "model",
-    "Quasistatic": "model",
     "ResultError": "results",
-    "RigidBody": "model",
     "RopewalkError": "errors",
-    "Scenario": "model",
     "ScenarioError": "errors",
-    "SecondPiolaKirchhoff": "model",
-    "Sheave": "model",
-    "SoftEdge": "model",
-    "Spans": "model",
-    "SpeedTable": "model",
-    "Spring": "model",
-    "Start": "model",
-    "SteadyArms": "model",
-    "Stepper": "model",
-    "StitchWire": "model",
-    "Sweep": "model",
-    "Tabulated": "model",
-    "TensionOnly": "model",
-    "Travel": "model",
-    "Trolley": "model",
-    "Vehicle": "model",
-    "Walker": "model",
-    "Wheel": "model",
-    "Wind": "model",
     "adequacy": "compare.adequacy",
     "contact_statistics": "results.contact_statistics",
     "export_fmu": "cosim.export",
@@ -350,13 +124,17 @@ def __getattr__(name: str) -> Any:
     if name in _RENAMED:
         import_module("ropewalk.renamed").warn_renamed(f"ropewalk.{name}", f"ropewalk.{_RENAMED[name]}")
         return getattr(import_module(__name__), _RENAMED[name])
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"ropewalk.{_HOME[name]}"), _NAME_AT_HOME.get(name, name))
+    if name in _HOME:
+        return getattr(import_module(f"ropewalk.{_HOME[name]}"), _NAME_AT_HOME.get(name, name))
+    if name == "__all__":
+        return sorted({*_HOME, "simulate", "theory", *import_module("ropewalk.model").DECLARATIONS})
+    if name[:1].isupper() and name in (model := import_module("ropewalk.model")).DECLARATIONS:
+        return getattr(model, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__getattr__("__all__")})
 
 
 class _Package(ModuleType):

@@ -204,13 +204,11 @@ def show(
     ] = None,
     panels: Annotated[
         str | None,
-        typer.Option("--panels", metavar="NAMES", help="Panels of a figure or of its table: tension,contact_force,..."),
+        typer.Option("--panels", metavar="NAMES", help="Panels of a figure or its table: tension,contact_force,..."),
     ] = None,
     size: Annotated[
         str | None,
-        typer.Option(
-            "--size", metavar="SIZE", help="Size of a figure, 16x9cm, report or journal, or of a film, 1280x720."
-        ),
+        typer.Option("--size", metavar="SIZE", help="Size of a figure (16x9cm, report, journal) or film (1280x720)."),
     ] = None,
     units: Annotated[
         str | None,
@@ -352,9 +350,7 @@ def adequacy(
     rung: Annotated[list[str] | None, typer.Option(hidden=True, callback=now_called("--model"))] = None,
     quantity: Annotated[str, typer.Option("--quantity", help="Quantity that is compared.")] = "deflection",
     tolerance: Annotated[str, typer.Option("--tolerance", help="Allowed relative distance, 0.02 or 2 %.")] = "5 %",
-    store: Annotated[
-        Path | None, typer.Option("--store", help="File of finished points [default: FILE.adequacy.jsonl].")
-    ] = None,
+    store: Annotated[Path | None, typer.Option("--store", help="Points [default: FILE.adequacy.jsonl].")] = None,
     workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Compute points that have failed once more.")] = False,
     output: Picture = None,
@@ -402,9 +398,7 @@ def sweep(
     ] = None,
     count: Annotated[int | None, typer.Option("--count", help="Number of cases that are drawn.")] = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of drawing.")] = None,
-    store: Annotated[
-        Path | None, typer.Option("--store", help="File of finished cases [default: FILE.sweep.jsonl].")
-    ] = None,
+    store: Annotated[Path | None, typer.Option("--store", help="Finished cases [default: FILE.sweep.jsonl].")] = None,
     workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
     cluster: Annotated[str | None, typer.Option("--cluster", metavar="tcp://...", help="A Dask scheduler.")] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Compute cases that have failed once more.")] = False,
@@ -439,15 +433,15 @@ def export(
         typer.Option(
             "--give",
             metavar="force|motion",
-            help="What the FMU gives, motion or force [default: motion of a line, force of a load].",
+            help="Output of the FMU [default: motion of a line, force of a load].",
         ),
     ] = None,
     contacts: Annotated[int, typer.Option("--contacts", metavar="N", help="Number of contacts of the line.")] = 1,
     contact_stiffness: Annotated[
-        float | None, typer.Option("--contact-stiffness", metavar="N/m", help="Stiffness of a spring at each contact.")
+        float | None, typer.Option("--contact-stiffness", metavar="N/m", help="Stiffness of its springs at contacts.")
     ] = None,
     contact_damping: Annotated[
-        float, typer.Option("--contact-damping", metavar="N*s/m", help="Damping beside that spring, of a line.")
+        float, typer.Option("--contact-damping", metavar="N*s/m", help="Damping beside these springs.")
     ] = 0.0,
     step: Annotated[
         float, typer.Option("--step", metavar="TIME", help="Step in s that a master is expected to take.")

@@ -114,3 +114,6 @@ __all__ = [
     "Wheel",
     "Wind",
 ]
+
+DECLARATIONS = tuple(name for name in __all__ if isinstance(globals()[name], type))
+"""Names of all that can be declared, public in `ropewalk`."""

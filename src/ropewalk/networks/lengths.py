@@ -24,7 +24,7 @@ _FAR = 0.02  # of its length, by which a line is cut shorter or longer at once
 
 
 def laid_at_rest(scenario: Scenario, until: float) -> tuple[Laid, Array]:
-    """A network laid out and at rest without its loads: lines of given tension are cut so that they have it in the mean.
+    """A network at rest without its loads: lines of given tension are cut so that they have it in the mean.
 
     Args:
         scenario: what is there.

@@ -1,4 +1,4 @@
-"""A network as plain arrays: nodes in space, links and triangles between them, what holds them, and what travels on them.
+"""A network as plain arrays: nodes in space, links and triangles between them, supports, and loads.
 
 Nodes come first, one node for each contact after them. Links come first, too, followed by slots: a link on which a
 contact stands is switched off, and slots take its place, which meet at the contact (`contact_location.py`).

@@ -1,7 +1,7 @@
 """Relaxation: from any shape to near rest, by motion with masses made up for it that is stopped whenever it slows down.
 
-Explicit motion of masses that suit the stiffness around each node goes downhill by the whole network at once, however slack
-it is, and stops at every maximum of its kinetic energy (Cundall 1976; Barnes, Int. J. Space Struct. 14, 89, 1999).
+Explicit motion of masses that suit the stiffness around each node goes downhill by the whole network at once, however
+slack it is, and stops at every maximum of its kinetic energy (Cundall 1976; Barnes, Int. J. Space Struct. 14, 1999).
 """
 
 from __future__ import annotations

@@ -3,44 +3,58 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from importlib import import_module
+from types import ModuleType
 from typing import Any
 
+from ropewalk.model import DECLARATIONS
 from ropewalk.scenario.schema import json_schema
 from ropewalk.units import written
 
 MARK = "<!-- Generated from the schema by ropewalk.scenario.reference: do not edit below this line. -->"
 """What separates the hand-written part of the page from the generated one."""
 
-_SECTIONS = [
-    ("The file", ["Scenario"]),
-    ("A line", ["Line"]),
-    ("What lines are joined by", ["Joined", "Joint", "Sheave"]),
-    ("Nets and membranes", ["Net", "Membrane", "ClampedEdge", "SoftEdge", "CableEdge"]),
-    ("Wind", ["Wind"]),
-    ("Laws", ["Hooke", "TensionOnly", "SecondPiolaKirchhoff", "Polynomial", "Tabulated", "Inextensible"]),
-    ("Supports", ["Fixed", "Elastic", "Guided", "Moving"]),
-    ("Supports between the ends of a line", ["InnerFixed", "InnerElastic", "InnerGuided", "InnerMoving"]),
-    (
-        "Loads",
-        ["MovingForce", "MovingMass", "Oscillator", "Trolley", "Payload", "Vehicle", "RigidBody", "Wheel", "Spring"],
-    ),
-    ("Loads given by matrices", ["Matrices", "MatrixWheel"]),
-    ("Loads that walk", ["Footsteps", "Harmonic", "Walker", "Balance"]),
-    ("Loads of your own", ["Stepper", "Fmu", "FmuContact", "FmuTravel", "Exchange"]),
-    ("Travel", ["Travel", "FreeTravel", "Driver", "Brake"]),
-    ("Tables", ["SpeedTable", "ForceTable", "DriveTable", "DisplacementTable"]),
-    ("Runs", ["Dynamic", "Quasistatic", "Equilibrium", "Linear"]),
-    ("The start of a motion", ["Start"]),
-    ("Many runs", ["Sweep"]),
-]
+SECTIONS = {
+    "The file": ("scenario",),
+    "A line": ("line",),
+    "What lines are joined by": ("joint",),
+    "Nets and membranes": ("net",),
+    "Wind": ("wind",),
+    "Laws": ("law",),
+    "Supports": ("support",),
+    "Supports between the ends of a line": ("inner_support",),
+    "Loads": ("load", "mass", "oscillator", "trolley", "vehicle"),
+    "Loads given by matrices": ("matrices",),
+    "Loads that walk": ("footsteps", "walker"),
+    "Loads of your own": ("stepper", "fmu", "exchange"),
+    "Travel": ("travel",),
+    "Tables": ("history",),
+    "Overhead lines": ("overhead", "pantograph"),
+    "Runs": ("run",),
+    "Many runs": ("sweep",),
+}
+"""Headings with the modules of `ropewalk.model` whose declarations stand below them."""
+
+
+def declarations(modules: Iterable[str]) -> list[str]:
+    """The declarations of some modules of `ropewalk.model`, in the order in which they are written there."""
+    homes = (import_module(f"ropewalk.model.{module}") for module in modules)
+    return [name for home in homes for name in vars(home) if name in DECLARATIONS and is_from(home, name)]
+
+
+def is_from(home: ModuleType, name: str) -> bool:
+    """Whether a name of a module is of something that was defined in it."""
+    return bool(vars(home)[name].__module__ == home.__name__)
 
 
 def reference() -> str:
     """Write the reference of all keys of the scenario file as Markdown."""
     schema = json_schema()
     blocks = {"Scenario": schema, **schema["$defs"]}
-    named = [name for _, names in _SECTIONS for name in names]
-    sections = [*_SECTIONS, ("Further blocks", [name for name in blocks if name not in named])]
+    sections = [(heading, declarations(modules)) for heading, modules in SECTIONS.items()]
+    named = [name for _, names in sections for name in names]
+    sections.append(("Further blocks", [name for name in blocks if name not in named]))
     rows = [MARK, "", "# Reference", "", "Required keys are marked with *.", ""]
     for heading, names in sections:
         if names:

@@ -116,7 +116,7 @@ def _reach(strands, loads, state, target, step_ratio, until):
 
 @inner
 def _misses(strands, loads, state, space, dt):
-    """Whether a step brings a load close to its next node, but not quite there, or beyond; notes the step ratio of all."""
+    """Whether a step brings a load close to its next node, but not quite there, or beyond; notes all step ratios."""
     missed = False
     for k in range(state.xi.size):
         U, way = state.speed[k], space.way[2, k]

@@ -109,7 +109,8 @@ class Superposed:
         if missed > 10.0 * TOLERANCE:
             run_info.doubt(
                 f"half the steps still change {missed:.2g} of the displacement or contact force",
-                "a body on the structure oscillates fast against its travel", "", "compare with kind: dynamic, geometry: linearised",
+                "a body on the structure oscillates fast against its travel", "",
+                "compare with kind: dynamic, geometry: linearised",
             )  # fmt: skip
         displayed = [s for s in stretches if s.displayed]
         lost: set[int] = set()

@@ -1,7 +1,7 @@
 """Nets and membranes, and the ways of loads on them.
 
-Cells pull at the nodes of the structure (`networks/membrane_elements.py`). A way is a run without mass and stiffness whose nodes are
-laid on the cells,
+Cells pull at the nodes of the structure (`networks/membrane_elements.py`). A way is a run without mass and
+stiffness whose nodes are laid on the cells,
 
     r(way) = A r,   f = A^T f(way),
 

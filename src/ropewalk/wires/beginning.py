@@ -104,7 +104,7 @@ def on_moved(
 def small_under_loads(
     motion: SmallMotion, prescribed_motions: Sequence[PrescribedMotion]
 ) -> tuple[Array, tuple[PrescribedMotion, ...]]:
-    """Small motion at rest with its loads: displacements (node,) in m from rest without them, and the prescribed motions there.
+    """Small motion at rest with its loads: displacements (node,) in m from rest without them, and the motions there.
 
     Droppers slacken as they do in motion, and what can lift off does; then nothing moves unless a load does.
 

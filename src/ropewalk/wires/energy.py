@@ -164,7 +164,7 @@ class Energies:
         return np.asarray(0.5 * summed(u * (self._stiffness @ u.T).T) + springs + restrained)
 
     def _of_moving_loads(self, then: Then) -> tuple[Array, Array]:
-        """Kinetic and potential energy of all moving loads without their contacts, J; weights count from their bases."""
+        """Kinetic and potential energy of all loads without their contacts, J; weights count from their bases."""
         moving_loads, (kinetic, potential) = self._moving_loads, np.zeros((2, len(then.q)))
         for i, n in enumerate(moving_loads.size):
             q, last = then.q[:, i, :n], then.last[:, i, :n]

@@ -11,7 +11,7 @@ from ropewalk.wires.mesh import MovingLoads
 from ropewalk.wires.plan import Array
 
 _SWEEPS = 4
-# Entries of `work`: of given forces, pushes and external interfaces; of what holds moving loads at their places along the line
+# Entries of `work`: of given forces, pushes and external interfaces; of what holds loads at their places along the line
 # and drives them over its roughness; lost in dampers of loads; taken up by contacts, as they come closer; lost in
 # dampers and drag of wires, ties and holds; done by holds that move, at their far ends.
 GIVEN, RESTRAINED, LOST, TAKEN, DAMPED, MOVED = 0, 1, 2, 3, 4, 5
@@ -24,7 +24,7 @@ _KNOWN = 8
 
 
 class TimeStepping(NamedTuple):
-    """What a step of a given length needs of the moving loads: central differences, damping implicit. And their state."""
+    """What a step of a given length needs of the loads: central differences, damping implicit. And their state."""
 
     step: float  # s
     inverse: Array  # (moving load, C, C) of M/dt^2 + C/(2 dt)
