@@ -17,7 +17,7 @@ from ropewalk.results.frame import RunInfo
 from ropewalk.results.running import TimeHistory
 from ropewalk.scenario import load
 from ropewalk.wires.frames import Wires
-from ropewalk.wires.prescribed_motion import drive_of
+from ropewalk.wires.prescribed_motion import inputs_of
 from ropewalk.wiring import task_of
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "en50318-2002-300.yaml"
@@ -42,7 +42,7 @@ def motion_alone(scenario: Scenario, seconds: float = 2.0) -> tuple[float, float
     rows = int(seconds / run.sample / TURNS)
     found, t = [], 0.0
     for turn in range(TURNS + 1):
-        drive = drive_of(run.task.plan, run.task.prescribed_motions, t + run.sample * np.arange(rows + 1.0))
+        drive = inputs_of(run.task.plan, run.task.prescribed_motions, t + run.sample * np.arange(rows + 1.0))
         begin = clock.process_time()
         run.motion.go(drive, run.steps)
         if turn:  # the first one may have to compile
@@ -67,7 +67,7 @@ def by_hermite(element: float = 0.5, step: float = 1e-3, seconds: float = 2.0) -
     model = hermite.rest_of(run.task.plan, element)
     moving_loads = [prescribed_motion.moving_load for prescribed_motion in run.task.prescribed_motions]
     rows = int(seconds / step)
-    drive = drive_of(run.task.plan, run.task.prescribed_motions, step * np.arange(rows + 0.0))
+    drive = inputs_of(run.task.plan, run.task.prescribed_motions, step * np.arange(rows + 0.0))
     own = hermite.StepInputs(station=drive.station, rough=drive.rough, given=drive.given, push=drive.push)
     hermite.run(model, moving_loads, own, step)
     found = []

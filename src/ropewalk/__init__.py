@@ -115,6 +115,7 @@ _RENAMED = {"Ladder": "ModelHierarchy", "ladder": "model_hierarchy"}
 _NAME_AT_HOME = {"export_fmu": "export", "spectrum": "spectrum_of"}
 
 
+hooks.problems = lambda *given: import_module("ropewalk.scenario.problems").in_declaration(*given)
 hooks.unsupported = lambda parts: import_module("ropewalk.capabilities").unsupported(parts)
 
 

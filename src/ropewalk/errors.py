@@ -46,8 +46,8 @@ class Problem:
         return printable(text)
 
 
-class ScenarioError(RopewalkError):
-    """A scenario that cannot be run, with every problem found in it."""
+class ScenarioError(RopewalkError, ValueError):
+    """A scenario, or a part of one, that cannot be: with every problem found in it."""
 
     def __init__(self, problems: Sequence[Problem]) -> None:
         self.problems = tuple(problems)

@@ -55,12 +55,12 @@ def test_interrupted_it_says_how_to_go_on(call, string, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "message"),
     [
         (("--x", "tension"), "--x: this is no axis, given 'tension'; write KEY=FROM:TO:COUNT"),
         (("--y", "lod ratio=1:2:3"), "--y: lod ratio: neither a key of a scenario nor a ratio"),
         (("--tolerance", "few"), "--tolerance: cannot be read as a plain number, given 'few'; write for example 0.05"),
-        (("--model", "lineer"), "no such rung, given 'lineer'; did you mean linear?"),
+        (("--model", "lineer"), "no such model, given 'lineer'; did you mean linear?"),
         (("--quantity", "weight"), "no such quantity, given 'weight'"),
         (("--workers", "0"), "workers: must be at least 1"),
         (("-o", "map.doc"), "the name must end in .png, .svg, .pdf"),

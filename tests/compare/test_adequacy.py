@@ -110,7 +110,7 @@ def test_another_map_is_refused_and_left_alone(store):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "message"),
     [
         ('"version": 1', '"version": 99', "another version of the format (99 instead of 1)"),
         ('"ropewalk": "', '"ropewalk": "0.0.', "computed by another version of ropewalk, whose numbers may differ"),
@@ -163,7 +163,7 @@ def _refusing(point):
 
 
 @pytest.mark.parametrize(
-    ("x", "y", "told"),
+    ("x", "y", "message"),
     [
         ("load ratio=0.1:1:2", "loads.cart.force.1=-2:-1:2", "both change loads.cart.force"),
         ("speed ratio=0.1:1:2", "loads.cart.travel.speed=1:2:2", "both change loads.cart.travel.speed"),
@@ -179,7 +179,7 @@ def test_axes_that_do_not_go_with_the_scenario_are_refused_before_anything_is_co
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "message"),
     [
         ({"tolerance": 0.0}, "tolerance: must be positive, given 0"),
         ({"workers": 0}, "workers: must be at least 1"),
@@ -196,7 +196,7 @@ LOAD, SPEED = Axis("load ratio", (0.01, 0.1, 1.0)), Axis("speed ratio", (0.1, 0.
 
 
 @pytest.mark.parametrize(
-    ("rows", "told"),
+    ("rows", "message"),
     [
         (
             "aaaa aaaa ....",

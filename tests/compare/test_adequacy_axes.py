@@ -43,7 +43,7 @@ def test_an_axis_is_read_with_its_unit_and_its_load():
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("lines.string.tension", "this is no axis, given 'lines.string.tension'; write KEY=FROM:TO:COUNT"),
         ("gravity=1:2", "this is no axis"),
@@ -139,7 +139,7 @@ def test_forces_matrices_and_masses_have_a_weight():
 
 
 @pytest.mark.parametrize(
-    ("given", "ratio", "told"),
+    ("given", "ratio", "message"),
     [
         (scenario(), "mass ratio", "a load of kind force has no mass"),
         (scenario(MASS), "load ratio", "cart weighs nothing"),

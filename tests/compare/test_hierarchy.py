@@ -101,10 +101,10 @@ def test_a_simpler_model_that_cannot_be_had_says_why():
 def test_distances_are_those_of_the_model_hierarchy_and_run_no_more(monkeypatch):
     whole = model_hierarchy(scenario()).errors
     run = []
-    from ropewalk.compare import climbing
+    from ropewalk.compare import hierarchy
 
-    true = climbing._run
-    monkeypatch.setattr(climbing, "_run", lambda model, *rest: run.append(model.name) or true(model, *rest))
+    true = hierarchy._run
+    monkeypatch.setattr(hierarchy, "_run", lambda model, *rest: run.append(model.name) or true(model, *rest))
     few = distances(scenario(), ["quasi-static", "moving force"])
     assert run == ["full", "quasi-static"]
     assert {q: few["quasi-static"][q] for q in QUANTITIES} == whole["quasi-static"]
@@ -235,9 +235,9 @@ def test_the_command_refuses_what_it_cannot_do(call):
 
 
 def test_a_simpler_model_that_breaks_off_does_not_keep_the_others_from_being_shown(monkeypatch):
-    from ropewalk.compare import climbing
+    from ropewalk.compare import hierarchy
 
-    true = climbing._run
+    true = hierarchy._run
 
     def broken(model, *rest):
         result = true(model, *rest)
@@ -245,7 +245,7 @@ def test_a_simpler_model_that_breaks_off_does_not_keep_the_others_from_being_sho
             result.attrs.update(outcome="no rest shape", advice="give more length")
         return result
 
-    monkeypatch.setattr(climbing, "_run", broken)
+    monkeypatch.setattr(hierarchy, "_run", broken)
     found = model_hierarchy(scenario())
     assert not found.adequate("quasi-static")
     assert found.models["linear"].errors

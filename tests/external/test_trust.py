@@ -178,7 +178,7 @@ def test_fmus_are_code() -> None:
 
 
 @pytest.mark.parametrize(
-    ("body", "step", "told"),
+    ("body", "step", "message"),
     [
         ("raise SystemExit(0)", "pass", r"load walker: its model hip.py:Hip cannot be found \(it ends the program"),
         ("", "raise SystemExit(0)", r"load walker: its model failed at t = 0 s \(SystemExit: 0\)"),

@@ -40,7 +40,7 @@ def test_what_is_spoilt_is_sound() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("lines: " + "[" * 3000 + "]" * 3000, "mutant.yaml:1: the blocks are nested too deeply"),
         ("a:\n" + "".join(" " * i + "a:\n" for i in range(1, 3000)), "mutant.yaml:3000: the blocks are nested too"),

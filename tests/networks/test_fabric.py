@@ -53,7 +53,7 @@ def places(
     return np.asarray(Rotation.from_rotvec(turn).apply(flat) + away)
 
 
-def cosimulation():
+def turns():
     return st.tuples(*[st.floats(-3.0, 3.0)] * 3).map(np.array)
 
 
@@ -67,7 +67,7 @@ def noise(network: Network, seed: int, size: float) -> Array:
     return size * np.random.default_rng(seed).standard_normal((network.nodes, 3))
 
 
-@given(states(), cosimulation(), st.integers(0, 1000))
+@given(states(), turns(), st.integers(0, 1000))
 @settings(max_examples=20, deadline=None)
 def test_forces_are_the_slope_of_the_energy_and_the_stiffness_is_theirs(state, turn, seed) -> None:
     kind, stretches, angle = state
@@ -85,7 +85,7 @@ def test_forces_are_the_slope_of_the_energy_and_the_stiffness_is_theirs(state, t
     assert abs(K - K.T).max() <= 1e-9 * ET  # roundings of sums of a dozen terms
 
 
-@given(states(), cosimulation(), st.integers(0, 1000))
+@given(states(), turns(), st.integers(0, 1000))
 @settings(max_examples=10, deadline=None)
 def test_what_turns_as_a_whole_stores_the_same_and_pulls_along(state, turn, seed) -> None:
     kind, stretches, angle = state

@@ -184,7 +184,7 @@ def test_hermite_elements_give_the_same_force(
     assert apart < most
 
 
-@pytest.mark.parametrize("held", [False, True])
+@pytest.mark.parametrize("restrained", [False, True])
 def test_a_line_that_nothing_touches_stays_where_it_is(restrained: bool) -> None:
     """Fifteen inner steps for axial waves in each step of droppers, which push once in each: not to be felt at rest."""
     more = (

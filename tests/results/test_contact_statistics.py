@@ -227,7 +227,7 @@ def test_each_pantograph_has_the_uplift_of_its_own(small):
 
 
 @pytest.mark.parametrize(
-    ("travel", "spans", "told"),
+    ("travel", "spans", "message"),
     [
         ("{speed: 50 m/s, from: 100 m}", "[5, 6]", ""),
         ("{speed: 50 m/s, from: 130 m}", "[5, 6]", "starts 70 m before the analysed spans of line"),

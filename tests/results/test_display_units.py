@@ -16,7 +16,7 @@ from ropewalk.units import to_si
 
 
 @pytest.mark.parametrize(
-    ("unit", "values", "shown"),
+    ("unit", "values", "displayed"),
     [
         ("N", [3.0, 900.0], "N"),
         ("N", [3.0, -1500.0], "kN"),

@@ -30,7 +30,7 @@ if most:
 plan = wave.layout(links=400)
 some = list(wave.frames(plan))[:20]
 try:
-    with Recorder(plan, wave.scenario(), wave.account(), Path(sys.argv[1])) as record:
+    with Recorder(plan, wave.scenario(), wave.run_info(), Path(sys.argv[1])) as record:
         for count in range(20_000):
             record.append(some[count % 20])
             time.sleep(pause)

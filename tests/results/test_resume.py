@@ -215,7 +215,7 @@ def attribute(file: Path, **given: object) -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "until", "told"),
+    ("given", "until", "message"),
     [
         ({}, None, r"is complete, up to 0.2 s; give --until with a later time"),
         ({}, 0.1, r"goes up to 0.2 s; give --until with a later time, not 0.1 s"),

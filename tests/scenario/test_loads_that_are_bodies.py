@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 import ropewalk
 from ropewalk.errors import ScenarioError
@@ -362,7 +362,7 @@ def test_a_model_may_be_an_object_that_no_file_can_hold() -> None:
     ],
 )
 def test_what_is_no_model_is_refused(given: dict[str, Any], says: str) -> None:
-    with pytest.raises(ValidationError, match=says):
+    with pytest.raises(ScenarioError, match=says):
         stepper(**given)
 
 

@@ -76,7 +76,7 @@ def test_the_audit_closes_with_the_mesh(case: str) -> None:
     assert order([1.0 / n for n in links], missed) > 0.4 or missed[-1] < 2e-4
 
 
-@pytest.mark.parametrize("held", [{"contact": "frictionless"}, {"measured": "horizontal"}])
+@pytest.mark.parametrize("restrained", [{"contact": "frictionless"}, {"measured": "horizontal"}])
 @pytest.mark.parametrize("damping", [50.0, 500.0])
 def test_damping_looks_at_the_velocities_that_the_hold_force_leaves(restrained: dict[str, Any], damping: float) -> None:
     """A light mass, pushed along x: without its hold force it would go elsewhere within a step."""

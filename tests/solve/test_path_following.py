@@ -11,7 +11,7 @@ import pytest
 from ropewalk.errors import EquilibriumError
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
-from ropewalk.solve.following import cosimulation_less, follow, quasistatic_motion, schedule
+from ropewalk.solve.following import follow, quasistatic_motion, schedule, turns_less
 
 # Taut enough for the stiff line's contact, whose own compliance goes by the tension without the load.
 ROPE = {"start": [0, 0], "end": [10, 0], "length": 9.9, "mass": 0.1, "axial_stiffness": 5e4, "elements": 40}
@@ -95,9 +95,9 @@ def test_rest_is_looked_for_next_to_the_last_one() -> None:
 def test_who_stands_still_or_is_off_turns_nowhere() -> None:
     here = np.array([[0.0, 0.0], [np.nan, np.nan]])
     ahead, up = np.array([1.0, 0.0]), np.array([0.0, 1.0])
-    assert cosimulation_less(0.1, here, here, here + up)
-    assert cosimulation_less(0.1, here, here + ahead, here + 2.0 * ahead)
-    assert not cosimulation_less(0.1, here, here + ahead, here + ahead + up)
+    assert turns_less(0.1, here, here, here + up)
+    assert turns_less(0.1, here, here + ahead, here + 2.0 * ahead)
+    assert not turns_less(0.1, here, here + ahead, here + ahead + up)
 
 
 def test_a_load_is_on_its_way_until_the_end_of_its_line() -> None:

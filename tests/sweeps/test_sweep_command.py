@@ -57,7 +57,7 @@ def test_failed_cases_are_said_with_the_exit_code_of_runs(folder):
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (["--over", "lines.rope.length"], "--over: this is not KEY=VALUE"),
         (["--over", "lines.rope.length=5:1:1"], "--over: lines.rope.length: the step does not lead"),

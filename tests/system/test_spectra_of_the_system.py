@@ -17,8 +17,8 @@ from ropewalk.simulate import spectrum_of
 from ropewalk.system.air import damping_by_wind
 from ropewalk.system.assembly import structure_of
 from ropewalk.system.statics import at_rest
-from ropewalk.system.still import _blow
-from ropewalk.system.structure import Room
+from ropewalk.system.still import _add_wind_forces
+from ropewalk.system.structure import Buffers
 
 BEAM = {
     "start": [0, 0], "end": [1, 0], "length": 1.0, "mass": 1.0, "axial_stiffness": 1e6, "bending_stiffness": 1.0,
@@ -93,8 +93,8 @@ def test_damping_by_wind_is_what_its_forces_change_by(sheaves: dict[str, Any]) -
     r = rest + 0.05 * np.random.default_rng(1).normal(size=rest.shape)
 
     def air(v: np.ndarray) -> np.ndarray:
-        room = Room.of(structure, 3)
-        _blow(structure, room, r, v.reshape(r.shape), 0.0)
+        room = Buffers.of(structure, 3)
+        _add_wind_forces(structure, room, r, v.reshape(r.shape), 0.0)
         return room.air.ravel()
 
     seen = [(air(-way) - air(way)) / 2e-6 for way in 1e-6 * np.eye(r.size)]

@@ -24,7 +24,7 @@ ROPES: list[dict[str, Any]] = [
 every_rope = pytest.mark.parametrize("case", ROPES, ids=range(len(ROPES)))
 
 
-@pytest.mark.parametrize("held", ["x", "xi"])
+@pytest.mark.parametrize("restrained", ["x", "xi"])
 def test_pulley_on_the_weightless_elastic_rope(restrained: str) -> None:
     z, tension, hold = -3.7070901273379, 837.821869567776, 140.331412274603
     behind, ahead = math.hypot(15.0, z), math.hypot(5.0, z)

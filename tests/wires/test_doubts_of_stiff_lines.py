@@ -28,7 +28,7 @@ def doubts(line: dict[str, Any], load: dict[str, Any], start: float, until: floa
     return str(found.attrs["doubts"])
 
 
-@pytest.mark.parametrize(("line", "load", "start", "told"), [
+@pytest.mark.parametrize(("line", "load", "start", "message"), [
     (SLACK, MASS, 2.0, True), (SLACK, FORCE, 2.0, False), (SLACK, MASS, 9.5, False), (TAUT, MASS, 2.0, False),
 ], ids=["a mass on a slope", "a force", "a mass in the middle", "a taut line"])  # fmt: skip
 def test_a_mass_on_a_steep_stiff_line_is_doubtful(

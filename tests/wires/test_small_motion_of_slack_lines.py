@@ -26,7 +26,7 @@ def outcome(length: str, more: str = STIFF, geometry: str = "linearised"):
 
 
 @pytest.mark.parametrize(
-    ("more", "told"),
+    ("more", "message"),
     [
         (STIFF, "this one buckles at 2.467 N; it bears 2439 N"),  # pi^2 EI / L^2
         (f"{STIFF}, start_support: {{kind: fixed, clamped: true}}", "buckles at 5.048 N"),

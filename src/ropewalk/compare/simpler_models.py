@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from ropewalk.compare.constant import ConstantForces, contacts_in, is_force, without_refusal
 from ropewalk.compare.pressing import pressing_task
 from ropewalk.decouple import cut, rests_within_itself
-from ropewalk.errors import Problem, Refused, RopewalkError, ScenarioError
+from ropewalk.errors import Problem, RopewalkError, ScenarioError
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
 from ropewalk.model.load import MovingForce
@@ -74,15 +72,14 @@ def top_of(scenario: Scenario) -> SimplerModel:
     if isinstance(run, Dynamic):
         return _complete(scenario.model_copy(update={"run": _finely(run)}))
     try:
-        with declared():
-            until = run.until if isinstance(run, Linear) else _duration(scenario)
-            every = (run.every if isinstance(run, Linear) else None) or until / 100.0
-            moving = Dynamic(until=until, every=every)
-            loads = {name: without_refusal(load) for name, load in scenario.loads.items()}
-            return _complete(
-                remade(scenario, loads=loads, run=_finely(moving)),
-                f"the scenario asks for kind: {run.kind}; in full it moves in time, with all geometry",
-            )
+        until = run.until if isinstance(run, Linear) else _duration(scenario)
+        every = (run.every if isinstance(run, Linear) else None) or until / 100.0
+        moving = Dynamic(until=until, every=every)
+        loads = {name: without_refusal(load) for name, load in scenario.loads.items()}
+        return _complete(
+            remade(scenario, loads=loads, run=_finely(moving)),
+            f"the scenario asks for kind: {run.kind}; in full it moves in time, with all geometry",
+        )
     except RopewalkError as error:
         text = f"kind: {run.kind} is the fullest model that is supported here: {error}"
         return _complete(scenario, text)
@@ -107,27 +104,6 @@ def remade(scenario: Scenario, **changes: Any) -> Scenario:
     """A scenario with changes, checked anew."""
     own = {name: getattr(scenario, name) for name in type(scenario).model_fields}
     return Scenario(**(own | changes))
-
-
-@contextmanager
-def declared() -> Iterator[None]:
-    """Turn what a declaration refuses into an error that says so.
-
-    Raises:
-        RopewalkError: what is built within is refused.
-    """
-    try:
-        yield
-    except ValidationError as error:
-        text = []
-        for detail in error.errors():
-            refused = detail.get("ctx", {}).get("error")
-            key = ".".join(str(part) for part in detail["loc"])
-            if isinstance(refused, Refused):
-                text.append(str(Problem(key, refused.wrong, refused.given or "", refused.remedy)))
-            else:
-                text.append(f"{key}: {detail['msg']}")
-        raise RopewalkError("; ".join(dict.fromkeys(text))) from error
 
 
 @dataclass(frozen=True)
@@ -160,8 +136,7 @@ class FullModel:
         if name == FULL:
             return self.full
         try:
-            with declared():
-                return makers[name]()
+            return makers[name]()
         except RopewalkError as error:
             return SimplerModel(name, reason=" ".join(str(error).split()))
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydantic import ValidationError
-
 from ropewalk.errors import RopewalkError
 from ropewalk.model.division import links_of_line
 from ropewalk.model.mesh import OF_BEAMS
@@ -73,10 +71,7 @@ def _remade(scenario: Scenario, **changes: Any) -> Scenario:
     """A scenario with changes, checked anew.
 
     Raises:
-        RopewalkError: it is refused.
+        ScenarioError: it is refused.
     """
     own = {name: getattr(scenario, name) for name in type(scenario).model_fields}
-    try:
-        return Scenario(**(own | changes))
-    except ValidationError as error:
-        raise RopewalkError("; ".join(str(detail["msg"]) for detail in error.errors())) from error
+    return Scenario(**(own | changes))

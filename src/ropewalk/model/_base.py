@@ -4,18 +4,39 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError
 from pydantic_core import InitErrorDetails, core_schema
 
-from ropewalk.errors import Refused, did_you_mean, nearest
+from ropewalk import hooks
+from ropewalk.errors import Refused, ScenarioError, did_you_mean, nearest
 
 Path = tuple[str | int, ...]
 """Where a value stands in a scenario: ("loads", "walker", "force", 1)."""
 
 
-class Declaration(BaseModel):
+if TYPE_CHECKING:
+    _Base = BaseModel
+else:
+
+    class _Refusing(type(BaseModel)):
+        """Makes declarations that are called wrongly in Python say so as files do: with the key, and what to do.
+
+        Blocks within a declaration are not called, and their mistakes come together with all others.
+        """
+
+        def __call__(cls, *given, **keys):
+            try:
+                return super().__call__(*given, **keys)
+            except ValidationError as error:
+                raise ScenarioError(hooks.problems(error, cls, keys)) from None
+
+    class _Base(BaseModel, metaclass=_Refusing):
+        pass
+
+
+class Declaration(_Base):
     """A frozen, self-checking statement of what is there; it holds no numerics."""
 
     model_config = ConfigDict(

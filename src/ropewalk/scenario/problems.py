@@ -11,7 +11,7 @@ from pydantic_core import ErrorDetails
 
 from ropewalk.errors import Problem, Refused, ScenarioError, did_you_mean, nearest
 from ropewalk.model import Dynamic, Line, Load, Run, Scenario
-from ropewalk.model._base import Finding
+from ropewalk.model._base import Declaration, Finding
 from ropewalk.model.consistency import check
 from ropewalk.model.joint import Joint
 from ropewalk.model.line import contradictions
@@ -49,6 +49,22 @@ def validate(source: Source) -> Scenario:
     if scenario is None or problems:
         raise ScenarioError(in_order(problems, source.name))
     return scenario
+
+
+def in_declaration(error: ValidationError, declaration: type[Declaration], keys: dict[str, Any]) -> list[Problem]:
+    """What is wrong with a declaration made in Python, in the words in which a file is told.
+
+    Args:
+        error: pydantic's.
+        declaration: that was called.
+        keys: with which it was called.
+    """
+    where = "" if declaration is Scenario else declaration.__name__
+    found = []
+    for detail in error.errors(include_url=False):
+        key = _key(detail)
+        found.append(Problem(".".join(key), *_words(detail, key, keys, declaration), file=where))
+    return list(dict.fromkeys(found))
 
 
 def in_order(problems: Iterable[Problem], name: str) -> list[Problem]:
@@ -110,14 +126,14 @@ def _meant(details: list[ErrorDetails], tree: Any) -> dict[Key, Key]:
     return meant
 
 
-def _words(detail: ErrorDetails, key: Key, tree: Any) -> tuple[str, str, str]:
-    """Say what is wrong, what was given and what to do."""
+def _words(detail: ErrorDetails, key: Key, tree: Any, start: type[Declaration] = Scenario) -> tuple[str, str, str]:
+    """Say what is wrong, what was given and what to do; keys lead from a declaration."""
     kind, context = detail["type"], detail.get("ctx", {})
     given = displayed(detail["input"])
     cause = context.get("error")
     if isinstance(cause, Refused):
         return cause.wrong, given if cause.given is None else cause.given, cause.remedy
-    block = block_at(key[:-1], tree) if key else None
+    block = block_at(key[:-1], tree, start) if key else None
     keys = known_keys(block) if block else {}
     field = keys.get(key[-1]) if key else None
     if kind == "missing":
@@ -143,7 +159,7 @@ def _words(detail: ErrorDetails, key: Key, tree: Any) -> tuple[str, str, str]:
         "bool_type": ("expected true or false", "write true or false"),
         "tuple_type": ("expected a list", "write [ ..., ... ]"),
         "dict_type": ("expected a block of names", "write  name: {...}  in it"),
-        "model_type": ("expected a block of keys", f"write its keys: {_listed(key, tree)}"),
+        "model_type": ("expected a block of keys", f"write its keys: {_listed(key, tree, start)}"),
     }
     wrong, remedy = simple.get(kind, (re.sub(r"^Input should", "should", detail["msg"]), ""))
     if kind == "string_type" and isinstance(detail["input"], dict | list):
@@ -151,8 +167,8 @@ def _words(detail: ErrorDetails, key: Key, tree: Any) -> tuple[str, str, str]:
     return wrong, given, remedy
 
 
-def _listed(key: Key, tree: Any) -> str:
-    block = block_at(key, tree)
+def _listed(key: Key, tree: Any, start: type[Declaration]) -> str:
+    block = block_at(key, tree, start)
     return ", ".join(name for name in known_keys(block) if name != "kind") if block else "key: value"
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -120,8 +120,6 @@ def asked(
     Raises:
         ScenarioError: nothing varies, or something does not go together.
     """
-    from pydantic import ValidationError
-
     own = scenario.sweep
     tree = {} if own is None else {name: getattr(own, name) for name in type(own).model_fields}
     names = [part.strip() for part in record.split(",")] if isinstance(record, str) else record
@@ -132,15 +130,9 @@ def asked(
             "sweep.over", "nothing varies", "", "name a key and its values, or write a block  sweep:  into the scenario"
         )
     try:
-        return Sweep.model_validate(tree)
-    except ValidationError as error:
-        found = error.errors()[0]
-        problem = found.get("ctx", {}).get("error")
-        key = ".".join(("sweep", *map(str, found["loc"])))
-        if isinstance(problem, Refused):
-            refuse(key, problem.wrong, problem.given or "", problem.remedy)
-        refuse(key, found["msg"], repr(found["input"])[:60], "")
-        raise
+        return Sweep(**tree)
+    except ScenarioError as error:
+        raise ScenarioError([replace(p, key=f"sweep.{p.key}", file="") for p in error.problems]) from None
 
 
 def _tree(scenario: Scenario) -> dict[str, Any]:
