@@ -57,3 +57,31 @@ def test_no_class_has_the_name_of_another() -> None:
             if isinstance(node, ast.ClassDef):
                 where[node.name].append(path.relative_to(HOUSE).as_posix())
     assert not {name: files for name, files in where.items() if len(files) > 1}
+
+
+SAID = (
+    "it is not known", "know forces", "will of their own", "back in time", "has no ladder", "nobody walks",
+    "no weight to travel", "answers with [", "somebody else", "slow motion", "stiff line", "foreign", "the web",
+    "a rest ", " rung", "the ladder",
+)  # fmt: skip
+"""What messages said and should not: phrases without the feature as their subject, and private words."""
+AS_DATA = {"foreign"}
+"""A dimension of results, which hold as written."""
+
+
+def messages(path: Path) -> set[str]:
+    """All texts of a module that are no docstrings; those of f-strings in parts."""
+    tree = ast.parse(path.read_text("utf-8"))
+    described = {
+        id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+    }
+    return {
+        node.value for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in described
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(HOUSE).as_posix())
+def test_messages_are_technical_english(path: Path) -> None:
+    found = {text for text in messages(path) - AS_DATA - OF_THE_FIELD.keys() if any(word in text for word in SAID)}
+    assert not found

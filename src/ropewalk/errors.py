@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+
+SEVERAL = 3
+"""So many problems of one cause are told as one."""
 
 
 class RopewalkError(Exception):
@@ -51,10 +55,32 @@ class ScenarioError(RopewalkError, ValueError):
 
     def __init__(self, problems: Sequence[Problem]) -> None:
         self.problems = tuple(problems)
-        super().__init__("\n".join(str(problem) for problem in self.problems))
+        super().__init__("\n".join(_once_each(self.problems)))
 
     def __reduce__(self) -> tuple[type[ScenarioError], tuple[tuple[Problem, ...]]]:
         return ScenarioError, (self.problems,)
+
+
+def _once_each(problems: Sequence[Problem]) -> Iterator[str]:
+    """Problems as lines; several that differ by one name in their keys only, as of the wheels of a train, are one."""
+
+    def shapes(problem: Problem) -> list[tuple[object, ...]]:
+        parts = problem.key.split(".")
+        said = problem.file, problem.wrong, problem.given, problem.remedy
+        return [(k, *said, *parts[:k], "", *parts[k + 1 :]) for k in range(1, len(parts) - 1)]
+
+    count = Counter(shape for problem in problems for shape in shapes(problem))
+    groups: dict[object, list[Problem]] = {}
+    for problem in problems:
+        most = max(shapes(problem), key=count.__getitem__, default=None)
+        groups.setdefault(problem if most is None or count[most] < SEVERAL else most, []).append(problem)
+    for shape, (first, *others) in groups.items():
+        text = str(first)
+        if others and isinstance(shape, tuple):
+            names = [problem.key.split(".")[shape[0]] for problem in others]
+            lines = [str(problem.line) for problem in others if problem.line is not None]
+            text += f" (also {', '.join(names)}{f': lines {lines[0]} to {lines[-1]}' if lines else ''})"
+        yield text
 
 
 class EquilibriumError(RopewalkError):

@@ -516,7 +516,8 @@ def test_rest_is_the_same_without_the_compiler() -> None:
         "from ropewalk.solve.equilibrium import at_rest\n"
         "from ropewalk.solve.end_conditions import EndConditions\n"
         "f = np.zeros((2, 7)); f[1, 1:-1] = -19.62 * 22 / 6\n"
-        "rest = at_rest(pack(Hooke(), 1e5), np.full(6, 22 / 6), f, EndConditions.fast(np.zeros(2), np.array([20.0, 0.0])))\n"
+        "ends = EndConditions.fast(np.zeros(2), np.array([20.0, 0.0]))\n"
+        "rest = at_rest(pack(Hooke(), 1e5), np.full(6, 22 / 6), f, ends)\n"
         "print(repr(float(rest.position[1].min())))\n"
     )
     run = subprocess.run(

@@ -84,8 +84,9 @@ def meetings(parts: Parts) -> Iterator[Finding]:
         wire = parts.overhead.get(load.on) if load is not None else None
         if load is not None and wire is not None and not isinstance(load, Pantograph):
             everybody.append((name, load, load.on, wire))
+    found = set[str]()  # who meets somebody is told so once
     for (one, first, on, line), (two, second, other, _) in combinations(everybody, 2):
-        if on != other:
+        if on != other or two in found:
             continue
         pairs = list(product(first.starts(), second.starts()))
         same = next((b for a, b in pairs if _coincide(a, b)), None)
@@ -93,6 +94,7 @@ def meetings(parts: Parts) -> Iterator[Finding]:
             what = f"wheel {same.label} starts" if same.label else "starts"
             remedy = "let it start elsewhere (from), or add the forces up in one load"
             wrong = f"{what} at the same place as load {one}"
+            found.add(two)
             yield Finding(("loads", two, *_start_key(second)), wrong, f"{same.start:g} m", remedy)
         elif isinstance(parts.run, Dynamic):  # in the linear theory they do not notice each other
             a, b = _prescribed(first), _prescribed(second)
@@ -104,6 +106,7 @@ def meetings(parts: Parts) -> Iterator[Finding]:
                 time, place = min(known)
                 wrong = f"the load meets load {one} at {time:.4g} s, {place:.4g} m along {on}"
                 remedy = f"loads cannot pass each other: change speed or from, or end the run before {time:.4g} s"
+                found.add(two)
                 yield Finding(("loads", two, "travel", "speed"), wrong, remedy=remedy)
 
 

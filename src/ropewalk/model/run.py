@@ -113,8 +113,8 @@ class Dynamic(Declaration):
     start: Start = Field(default=Start(), description="the state at the beginning")
     geometry: Geometry = Field(
         default="nonlinear",
-        description="full, or small motion about rest; of overhead lines, and of straight stiff lines where nothing "
-        "acts along or across them, that is vertical with constant tensions, droppers still slackening",
+        description="full, or small motion about rest; of overhead lines, and of straight lines with bending stiffness "
+        "where nothing acts along or across them, that is vertical with constant tensions, droppers still slackening",
     )
     sample: PositiveTime | None = Field(
         default=None, description="interval at which contact forces on them are recorded (default: 1 ms)"
@@ -126,8 +126,8 @@ class Dynamic(Declaration):
     )
     axial_inertia: Factor = Field(
         default=1.0,
-        description="with nonlinear geometry, factor on their mass for motion along lines as they rest (of stiff and "
-        "overhead lines: along x), whose waves limit the step: 4 doubles it, at some error",
+        description="with nonlinear geometry, factor on their mass for motion along lines at rest (of overhead lines "
+        "and lines with bending stiffness: along x), whose waves limit the step: 4 doubles it, at some error",
     )
 
     @property
