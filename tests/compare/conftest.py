@@ -34,7 +34,7 @@ def figure_5() -> Scenario:
     return on_string({"force": {"kind": "force", "force": [0.0, -80.0], "travel": travel}}, run)
 
 
-def light_and_quasistatic() -> Scenario:
+def light_and_slow() -> Scenario:
     """A force of a thousandth of the tension that comes at 4 % of the wave speed to the middle of the span and on."""
     travel = {"speed": 4.0}
     return on_string(
@@ -71,7 +71,7 @@ def bridge() -> Scenario:
     return load(EXAMPLES / "bridge-sprung-mass.yaml", ["lines.bridge.elements=32", "run.every=3 ms"])
 
 
-def quasistatic_trolley() -> Scenario:
+def slow_trolley() -> Scenario:
     """A trolley of 60 kg on a rope of 20 kg, at 2 % of its wave speed."""
     rope = {
         "start": [0.0, 0.0], "end": [20.0, 0.0], "length": 20.02, "mass": 1.0, "axial_stiffness": 4e5,
@@ -85,7 +85,7 @@ def quasistatic_trolley() -> Scenario:
 
 
 CASES = {case.__name__: case for case in (
-    figure_5, light_and_quasistatic, mass_to_the_end, pantograph, slack_rope, bridge, quasistatic_trolley,
+    figure_5, light_and_slow, mass_to_the_end, pantograph, slack_rope, bridge, slow_trolley,
 )}  # fmt: skip
 
 

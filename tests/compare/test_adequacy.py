@@ -49,7 +49,7 @@ def test_all_simpler_models_and_quantities_come_from_one_go():
     np.testing.assert_allclose(found.of(), [[100.0, 200.0, 300.0], [200.0, 400.0, 600.0]])
     np.testing.assert_allclose(found.of("quasi-static", "tension"), [[0.2] * 3, [0.4] * 3])
     assert np.isnan(found.of("linear", "tension")).all()
-    with pytest.raises(ScenarioError, match="no such rung, given 'lineer'; did you mean linear"):
+    with pytest.raises(ScenarioError, match="no such model, given 'lineer'; did you mean linear"):
         found.of("lineer")
 
 
@@ -183,7 +183,7 @@ def test_axes_that_do_not_go_with_the_scenario_are_refused_before_anything_is_co
     [
         ({"tolerance": 0.0}, "tolerance: must be positive, given 0"),
         ({"workers": 0}, "workers: must be at least 1"),
-        ({"measure": None, "model": "lineer"}, "no such rung, given 'lineer'; did you mean linear"),
+        ({"measure": None, "model": "lineer"}, "no such model, given 'lineer'; did you mean linear"),
         ({"measure": None, "quantity": "tention"}, "no such quantity, given 'tention'; did you mean tension"),
     ],
 )

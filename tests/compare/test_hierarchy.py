@@ -55,12 +55,12 @@ def test_a_tolerance_is_a_positive_part(tolerance):
 def test_an_unknown_quantity_or_simpler_model_is_named_with_the_next_one():
     with pytest.raises(ScenarioError, match="no such quantity, given 'tensoin'; did you mean tension"):
         model_hierarchy(scenario(), tolerances={"tensoin": 0.1})
-    with pytest.raises(ScenarioError, match="no such rung, given 'moving forse'; did you mean moving force"):
+    with pytest.raises(ScenarioError, match="no such model, given 'moving forse'; did you mean moving force"):
         distances(scenario(), ["moving forse"])
 
 
 def test_what_has_no_model_hierarchy_is_refused():
-    with pytest.raises(ScenarioError, match="a rest has no ladder"):
+    with pytest.raises(ScenarioError, match="compare needs a load that moves"):
         model_hierarchy(scenario(run={"kind": "equilibrium"}))
     empty = scenario().model_copy(update={"loads": {}})
     with pytest.raises(ScenarioError, match="nothing travels"):
@@ -172,15 +172,15 @@ def test_a_reach_says_from_where_to_where_a_model_holds():
     # the crossing is somewhere in the step of 25 mm
     assert reach.from_start == pytest.approx(7.0, abs=0.026)
     assert (reach.to_end, reach.share) == pytest.approx((0.0, 0.3), abs=0.003)
-    assert reach.message("the linear theory").startswith(
+    assert reach.text("the linear theory").startswith(
         "the linear theory is within 2 % up to 7.00 m from the start; on the last 3.00 m of the way it is not (20 % off"
     )
     bump = reach_of(Difference(xi, full, 1.0 + 0.2 * np.exp(-((xi - 5.0) ** 2))), 0.05)
     # exp(-d^2) = 1/4 at d = 1.177
     assert (bump.from_start, bump.to_end) == pytest.approx((5.0 - 1.1774, 5.0 - 1.1774), abs=1e-3)
-    assert "between them it is not" in bump.message("it")
-    assert reach_of(Difference(xi, full, full), 0.05).message("it") == "it is within 5 % all the way, 0 to 10.0 m"
-    assert reach_of(Difference(xi, full, 2.0 * full), 0.05).message("it").startswith("it is nowhere within 5 %")
+    assert "between them it is not" in bump.text("it")
+    assert reach_of(Difference(xi, full, full), 0.05).text("it") == "it is within 5 % all the way, 0 to 10.0 m"
+    assert reach_of(Difference(xi, full, 2.0 * full), 0.05).text("it").startswith("it is nowhere within 5 %")
 
 
 def test_the_figure_shows_every_simpler_model_that_was_run(climbed):
@@ -227,7 +227,7 @@ def test_the_command_refuses_what_it_cannot_do(call):
     for arguments, said in (
         (("rope.yaml", "--tolerance", "-1"), "a tolerance is a positive part"),
         (("rope.yaml", "-o", "rope.gif"), "the name must end in .png, .svg, .pdf"),
-        (("rope.yaml", "--set", "run={kind: equilibrium}"), "a rest has no ladder"),
+        (("rope.yaml", "--set", "run={kind: equilibrium}"), "compare needs a load that moves"),
     ):
         out = call(*arguments)
         assert out.exit_code == 2

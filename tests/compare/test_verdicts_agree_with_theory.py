@@ -96,7 +96,7 @@ def test_a_pantograph_is_no_constant_force(climbed):
     # EN 50318:2002 has 26 to 31 N of 110 to 120 N in the middle of ten spans; here the line has two neighbours less
     assert 15.0 < full["deviation"] < 45.0
     assert model_hierarchy.errors["moving force"]["contact force"] > 0.2
-    assert "slow motion" in model_hierarchy.models["quasi-static"].reason
+    assert "quasi-static" in model_hierarchy.models["quasi-static"].reason
     assert "no weight" in model_hierarchy.models["moving mass"].reason
 
 

@@ -41,7 +41,7 @@ def page(cases: Iterable[Case], verdicts: Verdicts) -> str:
     notes = _Notes()
     body = "\n".join(part for title, table in _TABLES.items() for part in table(title, every, verdicts, notes))
     head = _HEAD.format(count=len(every), missing=MISSING, no_sense=NO_SENSE)
-    return "\n".join([head, _counted(every, verdicts), body, *notes.message(), ""])
+    return "\n".join([head, _counted(every, verdicts), body, *notes.rows(), ""])
 
 
 def _counted(every: list[Case], verdicts: Verdicts) -> str:
@@ -73,7 +73,7 @@ class _Notes:
             self._signs[refusal.reason] = str(number) if refusal.kind == MISSING else _letters(number)
         return self._signs[refusal.reason]
 
-    def message(self) -> Iterator[str]:
+    def rows(self) -> Iterator[str]:
         yield "## Why not\n"
         for kind in (MISSING, NO_SENSE):
             yield f"{kind.capitalize()}:\n"

@@ -160,7 +160,7 @@ def test_what_cannot_be_moved_is_refused():
     with pytest.raises(ScenarioError, match="did you mean s"):
         stepwise(string(), {"c": Outside("S")})
     line = stepwise(string(), {"c": Outside("s")})
-    with pytest.raises(RopewalkError, match="use press"):
+    with pytest.raises(RopewalkError, match="use set_force"):
         line.set_motion("c", 1.0, 0.0)
     with pytest.raises(RopewalkError, match="did you mean c"):
         line.set_force("C", 1.0, 0.0)

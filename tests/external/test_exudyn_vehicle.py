@@ -161,5 +161,5 @@ def test_a_solver_that_gives_up_is_an_error(exudyn: Any) -> None:
 
 def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "exudyn", None)
-    with pytest.raises(RopewalkError, match=r'needs the package exudyn.*pip install "ropewalk\[foreign\]"'):
+    with pytest.raises(RopewalkError, match=r'needs the package exudyn.*pip install "ropewalk\[external\]"'):
         ExudynVehicle(10.0, 0.0, **PLAIN)

@@ -201,5 +201,5 @@ def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyP
         raise __import__("importlib.metadata").metadata.PackageNotFoundError(name)
 
     monkeypatch.setattr("ropewalk.external.crane.distribution", absent)
-    with pytest.raises(RopewalkError, match=r'not installed; pip install py-crane, or pip.*"ropewalk\[foreign\]"'):
+    with pytest.raises(RopewalkError, match=r'not installed; pip install py-crane, or pip.*"ropewalk\[external\]"'):
         HangingCrane(20.0)

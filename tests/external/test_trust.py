@@ -173,7 +173,7 @@ def test_fmus_are_code() -> None:
     contacts = {"front": {"force": "f"}}
     load = {"kind": "fmu", "on": "rope", "file": "car.fmu", "contacts": contacts, "travel": {"speed": 1.0}}
     asked = Scenario.model_validate(scenario("none") | {"loads": {"car": load}})
-    with pytest.raises(ScenarioError, match=r"loads\.car\.file: is code"):
+    with pytest.raises(ScenarioError, match=r"loads\.car\.file: is external code"):
         refuse_code(asked.loads)
 
 

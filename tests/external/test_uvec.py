@@ -272,7 +272,7 @@ def test_contact_forces_that_do_not_settle_are_refused(uvec: Any) -> None:
 
 def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "UVEC.uvec_ten_dof_vehicle_2D.uvec", None)
-    with pytest.raises(RopewalkError, match=r'needs the package uvec.*pip install "ropewalk\[foreign\]"'):
+    with pytest.raises(RopewalkError, match=r'needs the package uvec.*pip install "ropewalk\[external\]"'):
         coach()
 
 

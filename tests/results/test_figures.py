@@ -157,6 +157,6 @@ def test_a_film_has_the_size_asked_for_and_the_force_as_a_number(result, tmp_pat
 
 def test_numbers_of_a_film_keep_their_width():
     forces = np.array([[1.0, 2000.0], [np.nan, -3.0], [900.0, 0.0]])
-    message = [Meter(["a", "long"], forces).message(k) for k in range(3)]
+    message = [Meter(["a", "long"], forces).label(k) for k in range(3)]
     assert message[0].splitlines() == ["a     0.00 kN", "long  2.00 kN"]
     assert all(len(line) == len(first) for first, line in itertools.pairwise("\n".join(message).splitlines()))

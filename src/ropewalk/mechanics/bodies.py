@@ -70,7 +70,7 @@ WHEEL = np.dtype(
         ("on_line", *_VECTOR),  # N, force on the line in the last kick, of wheels that are light or parked
         ("hold", _REAL),  # N, see divided.hold
         ("gone", _REAL),  # m, change of xi in the last drift, of a given travel
-        ("pace", _REAL),  # m/s, along x in the last drift, of wheels that are pushed along x
+        ("drift_speed", _REAL),  # m/s, along x in the last drift, of wheels that are pushed along x
         ("driving", _REAL),  # N, of drive and driver in the last step
         ("in_air", _REAL),  # s, time off the line so far
         ("power", _REAL),  # W, of friction, in the last step

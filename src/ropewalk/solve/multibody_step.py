@@ -210,8 +210,8 @@ def _hold(state, bodies, k, speed):
     """Give a wheel another velocity along x, and note what that takes: the force acts from drift to drift."""
     impulse = bodies.wheels[k].mass[0] * (speed - bodies.wheels[k].v[0])
     state.hold[k] += impulse
-    state.work[HOLD_WORK] += impulse * 0.5 * (bodies.wheels[k].step_ratio + speed)
-    bodies.wheels[k].v[0] = bodies.wheels[k].step_ratio = speed
+    state.work[HOLD_WORK] += impulse * 0.5 * (bodies.wheels[k].drift_speed + speed)
+    bodies.wheels[k].v[0] = bodies.wheels[k].drift_speed = speed
 
 
 @lean_inner
@@ -472,7 +472,7 @@ def begin_bodies(strands, loads, state, buffers, bodies):
     for p in range(bodies.ordered[0]):
         k = bodies.order[p]
         bodies.wheels[k].hold = hold(strands, loads, state, buffers, bodies, p)
-        bodies.wheels[k].step_ratio = bodies.wheels[k].v[0]
+        bodies.wheels[k].drift_speed = bodies.wheels[k].v[0]
 
 
 @lean_inner

@@ -42,7 +42,7 @@ class Then(NamedTuple):
     """What energies are found of, unchanged by what comes; of several instants, with these in front of all."""
 
     both: Array  # of the motion
-    q: Array  # of its pace, as are the others
+    q: Array  # of its stepping, as are the others
     last: Array
     here: Array
     before: Array
