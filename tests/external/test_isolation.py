@@ -176,7 +176,7 @@ def test_an_fmu_that_cannot_be_loaded_ends_its_process(folder: Path) -> None:
 PARENT = """
 import os, sys
 sys.path[:0] = sys.argv[2:]
-from foreign.test_isolation import StillLine, model_of, process_of, ride
+from external.test_isolation import StillLine, model_of, process_of, ride
 model = model_of(sys.argv[1], parameters={"mood": "hang", "at": 0.02}, patience=1000.0)
 ride(model, 1)
 print(process_of(model).pid, model._worker._watched.folder, flush=True)

@@ -15,7 +15,7 @@ from ropewalk.results.frame import ENERGY_FORMS, RunInfo
 from ropewalk.results.frames import Frames, Waiting
 from ropewalk.results.running import Ending, TimeHistory
 
-SPENT = ("cpu_seconds", "wall_seconds")
+SPENT = ("cpu_seconds", "wall_seconds", "compile_seconds")
 
 
 def assert_same(one, other):
