@@ -190,8 +190,8 @@ def _supported(s: Structure, name: str, tree: Tree) -> Iterator[tuple[str, Tree]
 def runs(s: Structure) -> Iterator[tuple[str, Tree]]:
     """Kinds and ways of runs, by name."""
     yield "equilibrium", {"kind": "equilibrium"}
-    yield "slow motion", {"kind": "quasistatic", "positions": 5}
-    yield "slow motion, turns", {"kind": "quasistatic", "positions": 5, "turn": "5 deg"}
+    yield "quasi-static", {"kind": "quasistatic", "positions": 5}
+    yield "quasi-static, turns", {"kind": "quasistatic", "positions": 5, "turn": "5 deg"}
     yield "linear theory", {"kind": "linear", "until": s.until, "every": 0.01}
     yield "linear theory, modes", {"kind": "linear", "until": s.until, "every": 0.01, "modes": 20}
     if not s.run:
@@ -215,7 +215,7 @@ def asked() -> Iterator[Case]:
         for row, run in runs(s):
             for kind in kinds:
                 if kind == "none" and run["kind"] == "quasistatic":
-                    continue  # slow motion is that of loads
+                    continue  # quasi-static runs are those of loads
                 found = _one(load(s, kind)) if kind != "none" else {}
                 yield Case("runs", row, s.name, kind, scenario(s, found, run))
         for kind in kinds:
@@ -249,7 +249,7 @@ def contacts(s: Structure) -> Iterator[tuple[str, str, Tree, Tree]]:
 
 
 def touching() -> Iterator[Case]:
-    """Every kind of contact on every structure, in motion and, of forces, in slow motion."""
+    """Every kind of contact on every structure, in motion and, of forces, quasi-static."""
     slow = {"kind": "quasistatic", "positions": 5}
     for s in CORE:
         if s.family == "overhead":

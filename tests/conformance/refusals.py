@@ -35,7 +35,8 @@ _PATTERNS = {
     },
     MISSING: {
         "loads on networks, nets and in wind: forces, masses, footsteps": rf"loads\.[^.:]*\.kind: {_NOT} joined",
-        "loads on stiff lines: no trolleys and walkers": rf"(loads\.[^.:]*\.kind|lines\.[^:]*): {_NOT} beams",
+        "loads on lines with bending stiffness: no trolleys and walkers":
+            rf"(loads\.[^.:]*\.kind|lines\.[^:]*): {_NOT} beams",
         "loads on stiff and overhead lines do not stay at an end": rf"\.travel\.at_end: {_NOT} beams",
         "no linear theory of inextensible lines, nor over sheaves":
             rf"\.law\.kind: {_NOT} (?!beams)|\.sheaves: {_NOT} kind: linear",
@@ -49,7 +50,8 @@ _PATTERNS = {
         "only clamped contacts in networks": rf"\.contact: {_NOT} (joined|nets)",
         "nothing goes to the side on overhead lines": rf"\.(lateral|balance): {_NOT} overhead",
         "nothing goes to the side on nets": rf"\.(lateral|balance): {_NOT} nets",
-        "stiff lines and networks do not whirl": rf"\.whirl: {_NOT}|a mode outside the x-z plane {_NOT}",
+        "lines with bending stiffness and networks do not whirl":
+            rf"\.whirl: {_NOT}|a mode outside the x-z plane {_NOT}",
         "no implicit method over sheaves": rf"implicit with lines over sheaves {_NOT}",
         "overhead lines under such loads begin at rest": rf"run\.start\.kind: {_NOT} overhead",
         "results do not hold the slip over sheaves": rf"run\.start\.kind: {_NOT} lines over sheaves",

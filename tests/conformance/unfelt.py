@@ -224,7 +224,7 @@ UNFELT: Reasons = {
         ),
     },
     "Scenario.loads": {
-        "slow motion is that of loads, and is refused without them": (
+        "quasi-static runs are those of loads, and are refused without them": (
             "slow",
             "inextensible",
         ),

@@ -154,7 +154,7 @@ class Dynamic(Declaration):
 
 
 class Quasistatic(Declaration):
-    """Slow motion: the rest shape for positions of the loads at equal steps of their path."""
+    """Quasi-static motion: the equilibrium for positions of the loads at equal steps of their path."""
 
     kind: Literal["quasistatic"] = "quasistatic"
     positions: Annotated[int, Count(2, 1_000_000)] = Field(
