@@ -20,7 +20,8 @@ _LIST = """
 boarding board person guide guides rider riders carrying crowds crowded fleet ghost ghosts bodywork held holding
 holdings standing pieces timetable web webs laying building sheets fabric seat seats seated travellers traveller
 journey journeys account rung rungs ladder climbing hands sight ride rides ridden riding rider grip grips told shown
-foreign foreigner foreigners blow resist attract wing wings
+foreign foreigner foreigners blow resist attract wing wings hand hands pace strings room rooms climb flows remarks
+divided
 """
 PRIVATE = set(_LIST.split())
 """Words that say nothing to a stranger, each of which had a word of the field."""

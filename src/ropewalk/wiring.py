@@ -112,13 +112,13 @@ def task_of(scenario: Scenario) -> WireTask:
             more["beginning"] = partial(begins, run.start, groups, space)
     if space:
         more |= {"space": True, "near": near}
-    remarks = tuple(remark for section in sections.values() for remark in _remarks(section))
+    diagnostics = tuple(remark for section in sections.values() for remark in _diagnostics(section))
     if isinstance(run, Dynamic) and not nonlinear:
-        remarks += tuple(remark for name, line in scenario.overhead_lines.items() for remark in _unseen(name, line))
+        diagnostics += tuple(remark for name, line in scenario.overhead_lines.items() for remark in _unseen(name, line))
     return WireTask(
         plan, tuple(prescribed_motions), tuple(contacts), tuple(displayed), elements,
         external_models=tuple(external_models),
-        remarks=remarks,
+        diagnostics=diagnostics,
         **more,
     )  # fmt: skip
 
@@ -154,7 +154,7 @@ def _as_stored(start: Beginning, groups: Mapping[str, range], space: bool, rest:
     return position, velocity
 
 
-def _remarks(section: Section) -> Iterator[str]:
+def _diagnostics(section: Section) -> Iterator[str]:
     """What is odd about an overhead line at rest."""
     if section.slack:
         count = len(section.slack)

@@ -11,7 +11,7 @@ from ropewalk.chains.load_states import displayed_bodies, load_energies
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.audit import energies
 from ropewalk.results.frame import STICKS, Contacts, Frame, Layout, RunInfo
-from ropewalk.solve.diagnostics import Remarks
+from ropewalk.solve.diagnostics import Diagnostics
 from ropewalk.solve.loaded_equilibrium import View
 from ropewalk.solve.path_measure import shapes
 from ropewalk.solve.quasistatic import LoadPosition, walk
@@ -34,7 +34,7 @@ class ChainStatics:
     def __init__(self, scenario: Scenario, run_info: RunInfo, until: float) -> None:
         self.setting, self.run_info = setting_of(scenario, until), run_info
         run_info.method, run_info.reason = "rest", "least potential energy"
-        self._remarks = Remarks(self.setting, tuple(scenario.loads))
+        self._diagnostics = Diagnostics(self.setting, tuple(scenario.loads))
 
     @property
     def layout(self) -> Layout:
@@ -60,7 +60,7 @@ class ChainStatics:
             yield self._frame(place)
 
     def _frame(self, place: LoadPosition) -> Frame:
-        self.run_info.warnings += self._remarks.on(place)
+        self.run_info.warnings += self._diagnostics.on(place)
         return loaded_frame(self.setting, place)
 
 

@@ -41,14 +41,14 @@ class Partner(Bearer):
         t = self.carrier.t
         if self._has_not_looked:
             self._looked = True
-            self._press(self.cosimulation.agree(t, self), self.carrier)
+            self._apply_pushes(self.cosimulation.agree(t, self), self.carrier)
         if t < self.cosimulation.next * (1.0 - 1e-12):
             return
         before = [self.carrier.height(k) for k in self.contacts] if self.interface_coordinates else []
         pushes = self.cosimulation.ask(t, self)
         for number, place in enumerate(before):
             self.carrier.give(self._led(number, place, pushes[number]))
-        self._press(pushes, self.carrier)
+        self._apply_pushes(pushes, self.carrier)
         self._heights = [self.carrier.height(k) for k in self.contacts] if self.interface_coordinates else []
 
     def get_state(self) -> Tree:
@@ -96,11 +96,11 @@ class Partner(Bearer):
         if not self.carrier.looks_ahead:
             return None
         twin = self.carrier.copy()
-        self._press(pushes, twin)
+        self._apply_pushes(pushes, twin)
         twin.go_on(h)
         return twin.line(self.contacts[0])
 
-    def _press(self, pushes: Pushes, carrier: Carrier) -> None:
+    def _apply_pushes(self, pushes: Pushes, carrier: Carrier) -> None:
         for number, (k, push) in enumerate(zip(self.contacts, pushes, strict=True)):
             if push is not None:
                 carrier.apply_push(k, push, self.cosimulation.every)

@@ -137,7 +137,7 @@ class CosimulationMaster:
     work: float = 0.0  # J, that has gone through the interface, in whatever direction
     residual: float = 0.0  # J, that the exchange has made so far (negative: lost)
     peak: float = 0.0  # J, the largest part of it in one interval since `exchanged`
-    remarks: list[str] = field(default_factory=list)
+    diagnostics: list[str] = field(default_factory=list)
     _contacts: list[_KeptContact | None] = field(default_factory=list)
     _frozen: LineView | None = None
     _agreed: list[Touch] | None = None
@@ -411,7 +411,7 @@ class CosimulationMaster:
             pushes, before = _between(pushes, wanted, relax), off
         else:
             if not self._disagreed:
-                self.remarks.append(
+                self.diagnostics.append(
                     f"load {self.name}: at t = {t:.4g} s line and model do not agree after {self.exchange.iterations} "
                     f"iterations (forces still change by {change:.1g} of their size); shorten `every`, raise "
                     "exchange.iterations, or give exchange.damping"

@@ -86,8 +86,8 @@ class ExudynVehicle:
         state = self._mbs.systemData.GetSystemState()
         state[0] = np.array([0.0, body, pitch, 0.0, wheels[0], 0.0, wheels[1]])
         turn = float(rise[0] - rise[1]) / ((self.axles[0] - self.axles[1]) * np.cos(pitch))
-        climb = float(rise[0]) - self.axles[0] * np.cos(pitch) * turn
-        state[1] = np.array([0.0, climb, turn, 0.0, rise[0], 0.0, rise[1]])
+        rise_rate = float(rise[0]) - self.axles[0] * np.cos(pitch) * turn
+        state[1] = np.array([0.0, rise_rate, turn, 0.0, rise[0], 0.0, rise[1]])
         self._mbs.systemData.SetSystemState(state)
         self._ready = True
 

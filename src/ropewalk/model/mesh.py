@@ -40,7 +40,7 @@ def check_mesh(parts: Parts) -> Iterator[Finding]:
     if parts.is_auto or (not isinstance(run, Linear) and run.mesh_error):
         yield from _alone(parts)
     if not isinstance(run, Linear) and run.mesh_error and not parts.is_auto:
-        yield from _divided(parts)
+        yield from _subdivided(parts)
 
 
 def _auto(parts: Parts) -> Iterator[Finding]:
@@ -82,7 +82,7 @@ def _alone(parts: Parts) -> Iterator[Finding]:
         yield Finding(("run", "turn"), f"a path whose positions depend on the mesh {what}", f"{run.turn:g}", remedy)
 
 
-def _divided(parts: Parts) -> Iterator[Finding]:
+def _subdivided(parts: Parts) -> Iterator[Finding]:
     """Numbers of elements that have no half and no quarter."""
     for name, line in parts.lines.items():
         if line is not None:

@@ -32,7 +32,7 @@ class Laid:
     cell: tuple[int, ...]  # first cell of each sheet
     ends: tuple[End, ...]  # supports
     moving_loads: tuple[MovingLoad, ...]
-    remarks: tuple[str, ...]
+    diagnostics: tuple[str, ...]
     plane: bool
 
 
@@ -191,7 +191,7 @@ def lay(scenario: Scenario, lengths: Mapping[str, float], until: float) -> Laid:
     Raises:
         RopewalkError: a net cannot be divided, or a path leads over its edge.
     """
-    nodes, remarks = _Nodes(), list[str]()
+    nodes, diagnostics = _Nodes(), list[str]()
     membranes = tuple(sheet_of(name, net) for name, net in scenario.nets.items())
     joint = {name: int(nodes.add(np.zeros((1, 3)))[0]) for name in scenario.joints}
     along: dict[str, tuple[Integers, Array]] = {}
@@ -208,7 +208,7 @@ def lay(scenario: Scenario, lengths: Mapping[str, float], until: float) -> Laid:
         mine = along[name][0]
         for end, support in ((int(mine[0]), line.start_support), (int(mine[-1]), line.end_support)):
             if isinstance(support, Joined):
-                nodes.join(end, _target(support, joint, along, membranes, vertex, remarks, name))
+                nodes.join(end, _target(support, joint, along, membranes, vertex, diagnostics, name))
         for sheave, s in line.sheaves.items():
             if s.to is not None:
                 nodes.join(wheel[name, sheave], joint[s.to])
@@ -236,7 +236,7 @@ def lay(scenario: Scenario, lengths: Mapping[str, float], until: float) -> Laid:
     network = build.network(locations, course_of(moving_loads, lengths))
     return Laid(
         network, place, tuple(strands), membranes, vertices, tuple(cells), tuple(build.ends),
-        tuple(moving_loads), tuple(remarks), scenario.is_plane,
+        tuple(moving_loads), tuple(diagnostics), scenario.is_plane,
     )  # fmt: skip
 
 
@@ -246,7 +246,7 @@ def _target(
     along: Mapping[str, tuple[Integers, Array]],
     membranes: tuple[MembraneMesh, ...],
     vertex: tuple[Integers, ...],
-    remarks: list[str],
+    diagnostics: list[str],
     name: str,
 ) -> int:
     """The node to which an end is joined."""
@@ -261,5 +261,5 @@ def _target(
     node, away = membranes[at].near(support.at)
     size = float(np.sqrt(2.0 * membranes[at].surface.areas.mean()))
     if away > 1e-6 * size:
-        remarks.append(f"line {name} is joined to the nearest node of net {support.to}, {away:.3g} m away")
+        diagnostics.append(f"line {name} is joined to the nearest node of net {support.to}, {away:.3g} m away")
     return int(vertex[at][node])

@@ -137,9 +137,9 @@ def join(network):
     for k in range(locations.kind.size):
         for slot in range(network.own_links + LINK_SLOTS * k, network.own_links + LINK_SLOTS * (k + 1)):
             links.on[slot] = 0
-        if locations.divided[k] >= 0:
-            links.on[locations.divided[k]] = 1
-        locations.divided[k] = -1
+        if locations.split_link[k] >= 0:
+            links.on[locations.split_link[k]] = 1
+        locations.split_link[k] = -1
 
 
 @lean
@@ -149,7 +149,7 @@ def divide(network):
     for k in range(locations.kind.size):
         if locations.kind[k] == OFF:
             continue
-        locations.divided[k] = locations.cell[k]
+        locations.split_link[k] = locations.cell[k]
         if _is_first(locations, k):
             _divide_link(network, k)
 

@@ -31,7 +31,7 @@ class NetworkFrameBuilder:
     def __init__(self, scenario: Scenario, run_info: RunInfo, until: float) -> None:
         self.scenario, self.run_info = scenario, run_info
         self.laid, self.rest = laid_at_rest(scenario, until)
-        run_info.warnings += self.laid.remarks
+        run_info.warnings += self.laid.diagnostics
         self.network = self.laid.network
         self._refuse_beyond()
         self.axes = [0, 2] if self.laid.plane else [0, 1, 2]
@@ -118,9 +118,9 @@ class NetworkFrameBuilder:
         for e, b in zip(network.sheaves.link.tolist(), network.sheaves.node.tolist(), strict=True):
             both = np.linalg.norm(r[b] - r[links.one[e]]) + np.linalg.norm(r[links.other[e]] - r[b])
             extra[e] = both - np.linalg.norm(r[links.other[e]] - r[links.one[e]])
-        for e in set(network.locations.divided[network.locations.kind != OFF].tolist()):
+        for e in set(network.locations.split_link[network.locations.kind != OFF].tolist()):
             segments = 0.0
-            for k in np.flatnonzero(network.locations.divided == e):
+            for k in np.flatnonzero(network.locations.split_link == e):
                 behind, ahead = neighbours(network, int(k))
                 segments += float(np.linalg.norm(r[links.other[behind]] - r[links.one[behind]]))
                 if links.other[ahead] < network.nodes:

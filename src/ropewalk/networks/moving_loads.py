@@ -132,7 +132,7 @@ def locations_of(moving_loads: list[MovingLoad], strands: Sequence[Strand]) -> L
     return Locations(
         kind=np.full(contacts, OFF, dtype=np.int64), wanted=wanted,
         first=first.copy(), segments=segments.copy(), xi=np.zeros(contacts), load=load, speed=np.zeros(contacts),
-        cell=cell.copy(), divided=off, last=off.copy(), weight=weight,
+        cell=cell.copy(), split_link=off, last=off.copy(), weight=weight,
         station=np.concatenate([np.zeros(0), *(one.station for one in strands)]), first_station=base.copy(),
         mass=np.array([t.mass for t in moving_loads], dtype=float),
     )  # fmt: skip

@@ -89,7 +89,7 @@ class Locations(NamedTuple):
     load: Array  # (contact, 3) N, the given force
     speed: Array  # (contact,) m/s
     cell: Integers  # (contact,) link on which it stands
-    divided: Integers  # (contact,) link that is switched off for it, -1: none
+    split_link: Integers  # (contact,) link that is switched off for it, -1: none
     last: Integers  # (contact,) link on which it stood when the slots were made, -1: none
     weight: Array  # (contact, 2) of the start and the end of its link
     station: Array  # m along each line, of its nodes, one line after the other

@@ -92,7 +92,7 @@ def polygon(points: ArrayLike, spacing: float) -> Surface:
     expected = extent.prod() / spacing**2 + lengths.sum() / spacing
     _check_number(expected, "use a larger spacing")
     segments = np.maximum(np.ceil(lengths / spacing - 1e-9), 1.0).astype(np.int64)
-    straight, rim = _divided(corners, segments, 0.0), _divided(corners, segments, _BULGE)
+    straight, rim = _subdivided(corners, segments, 0.0), _subdivided(corners, segments, _BULGE)
     inner = _grid(corners, rim, spacing)
     if not len(inner):
         raise ValueError(
@@ -230,7 +230,7 @@ def _text(point: Array) -> str:
     return f"({point[0]:g}, {point[1]:g})"
 
 
-def _divided(corners: Array, segments: Integers, bulge: float) -> Array:
+def _subdivided(corners: Array, segments: Integers, bulge: float) -> Array:
     """The vertices of the rim, each side bent outwards by a share of its length."""
     parts = []
     for a, b, n in zip(corners, np.roll(corners, -1, axis=0), segments, strict=True):

@@ -92,7 +92,7 @@ SIMPLE_AC: dict[int, _Ranges] = {
 }  # fmt: skip
 """Benchmark of Bruni et al. (2015), taken up by EN 50318:2018, by speed in km/h (R: provisional)."""
 
-_REMARKS = {
+_NOTES = {
     "F": "ranges [F]: as public secondary sources quote them; the standard itself was not at hand, this is no "
     "certification",
     "R": "ranges [R]: provisional, recalled and not checked against the standard; this is no certification",
@@ -132,7 +132,7 @@ def _against(
     for quantity, (low, high) in ranges[at].items():
         what, unit, scale = _QUANTITIES[quantity]
         checks.append(Check(quantity, what, unit, scale * getattr(statistics, quantity), low, high, mark))
-    return Acceptance(f"{title} at {at} km/h", _REMARKS[mark], mark == "R", tuple(checks))
+    return Acceptance(f"{title} at {at} km/h", _NOTES[mark], mark == "R", tuple(checks))
 
 
 def _tabled(speed: float, ranges: Iterable[int]) -> int | None:

@@ -37,8 +37,8 @@ def exchanged(cosimulation: Sequence[CosimulationMaster], run_info: RunInfo) -> 
     if not cosimulation:
         return {}
     for partner in cosimulation:
-        run_info.warnings += partner.remarks
-        partner.remarks.clear()
+        run_info.warnings += partner.diagnostics
+        partner.diagnostics.clear()
     work, residual, peak = np.array([partner.exchanged() for partner in cosimulation]).T
     return {"exchange_work": work, "exchange_residual": residual, "exchange_peak": peak}
 

@@ -131,7 +131,7 @@ class Watch:
         """Note all doubts and remarks about what was seen."""
         if self._times:
             run_info.doubts += [doubt for doubt in self._doubts(run_info) if doubt not in run_info.doubts]
-            run_info.warnings += [remark for remark in self._remarks() if remark not in run_info.warnings]
+            run_info.warnings += [remark for remark in self._diagnostics() if remark not in run_info.warnings]
 
     def _doubts(self, run_info: RunInfo) -> Iterator[Doubt]:
         force = np.array(self._force).reshape(len(self._instants), len(self.loads))
@@ -245,7 +245,7 @@ class Watch:
             what = f"the largest tension is {_alone(tension, i, self._times[i])}"
             yield Doubt(what, "a blow that the step does not resolve", "run.step", "write a smaller run.step and every")
 
-    def _remarks(self) -> Iterator[str]:
+    def _diagnostics(self) -> Iterator[str]:
         yield from started_too_close(self.scenario)
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:

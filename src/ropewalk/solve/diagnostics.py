@@ -22,7 +22,7 @@ _SLACK = 1e-6
 _PARTING = 0.02
 
 
-class Remarks:
+class Diagnostics:
     """Watches the places of a walk."""
 
     def __init__(self, setting: PreparedRun, names: tuple[str, ...]) -> None:

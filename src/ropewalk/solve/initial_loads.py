@@ -153,9 +153,9 @@ def _rest_on_wheels(setting: PreparedRun, state: ChainState, bodies: Bodies) -> 
 
 def _pressing(setting: PreparedRun) -> Array:
     """Forces with which all loads at rest press on their lines, until a kick has found them, (wheel, axis) N."""
-    loads, press = setting.loads, resting_forces(setting.loading).T
-    given = [[force_at(loads, k, 0.0, a) for a in range(press.shape[1])] for k in range(press.shape[0])]
-    return np.asarray(press + np.array(given).reshape(press.shape))
+    loads, resting = setting.loads, resting_forces(setting.loading).T
+    given = [[force_at(loads, k, 0.0, a) for a in range(resting.shape[1])] for k in range(resting.shape[0])]
+    return np.asarray(resting + np.array(given).reshape(resting.shape))
 
 
 def _hang(setting: PreparedRun, bodies: Bodies, dim: int) -> None:

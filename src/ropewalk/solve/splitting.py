@@ -28,7 +28,6 @@ from ropewalk.mechanics.moving_contact import (
     speed_at,
 )
 from ropewalk.solve.ends import drive_ends, move_ends
-from ropewalk.solve.flows import hold, kick_loads, move_loads, move_nodes
 from ropewalk.solve.multibody_step import (
     add_body_forces,
     begin_bodies,
@@ -40,6 +39,7 @@ from ropewalk.solve.multibody_step import (
     move_bodies,
     settle_bodies,
 )
+from ropewalk.solve.split_operators import hold, kick_loads, move_loads, move_nodes
 
 RUNNING, END_OF_LINE, NOT_FINITE, TOO_MANY_STEPS, NO_CONVERGENCE, MET, ASKED = 0, 1, 2, 3, 4, 5, 6
 

@@ -250,7 +250,7 @@ class Superposition:
         touches = [self.course.at(t + c * step.h, stretch.on) for c in STAGES]
         rows = [self._rows(touch) for touch in touches]
         if self.bodies.mass.size:
-            N, u, w = self._press(step, stretch, touches, rows, z, u, w)
+            N, u, w = self._contact_forces(step, stretch, touches, rows, z, u, w)
         else:
             N = np.array([touch.force.ravel() for touch in touches])
         z = step.decay[2] * z
@@ -258,7 +258,7 @@ class Superposition:
             z = z + step.weight[2, i] * (N[i] @ driven)
         return z, u, w, _Pressed(step.h, touches, N)
 
-    def _press(
+    def _contact_forces(
         self, step: ModalStep, stretch: Stretch, touches: list[ContactsAtInstant], rows: list[tuple[Complex,
         Complex]], z: Complex,
         u: Array, w: Array,

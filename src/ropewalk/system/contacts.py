@@ -433,7 +433,7 @@ def _above(contacts, k, axes):
 
 
 @inlined
-def press(structure, buffers, contacts, state, table, out):
+def add_contact_forces(structure, buffers, contacts, state, table, out):
     """Forces of all contacts on their lines, added to those of the nodes; `room.pull` is known."""
     axes = state.r.shape[0]
     for k in range(contacts.size):

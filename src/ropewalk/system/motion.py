@@ -13,7 +13,7 @@ from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.bodies import LEAVES, STAYS, arrive, balance, drift, ground, kick
 from ropewalk.system.cables import add_internal_forces, add_wind_forces, energy_of, guess, stretch_all
 from ropewalk.system.constraints import draw, is_too_long, note_kick
-from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, bend, press
+from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, add_contact_forces, bend
 from ropewalk.system.friction import NOT, rub
 from ropewalk.system.inertia import kick_along
 from ropewalk.system.sheaves import (
@@ -27,7 +27,7 @@ from ropewalk.system.sheaves import (
     stretch_over,
 )
 from ropewalk.system.structure import CARRIED, DAMPED, DRIVEN, LOADED, MOVED, RESTRAINED, RUBBED, STRUCK
-from ropewalk.system.surfaces import add_surface_forces, damp_surfaces, follow, hand_over, is_damped, stored_in
+from ropewalk.system.surfaces import add_surface_forces, damp_surfaces, distribute_forces, follow, is_damped, stored_in
 from ropewalk.system.tethers import gap, grow
 from ropewalk.system.ties import add_tie_forces, are_damped, damp_ties, stored_in_ties, tie_up
 from ropewalk.system.travel import fade, locate
@@ -93,8 +93,8 @@ def _look(structure, buffers, contacts, tables, bodies, state, table, out, dt, s
                 for a in range(state.r.shape[0]):
                     stored += 0.5 * contacts[k].d[a] ** 2 * contacts[k].firm
     lost, blown = add_internal_forces(structure, buffers, state.r, since), 0.0
-    press(structure, buffers, contacts, state, table, out)
-    hand_over(structure.surfaces, buffers.force)
+    add_contact_forces(structure, buffers, contacts, state, table, out)
+    distribute_forces(structure.surfaces, buffers.force)
     add_surface_forces(structure.surfaces, state.r, buffers.force)
     if tie_up(structure.ties):
         add_tie_forces(structure.ties, state.r, buffers.force)

@@ -22,7 +22,7 @@ from ropewalk.system import constrained
 from ropewalk.system.air import damping_by_wind
 from ropewalk.system.cables import add_internal_forces, energy_of, stretch_all
 from ropewalk.system.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
-from ropewalk.system.contacts import ON, bend, press
+from ropewalk.system.contacts import ON, add_contact_forces, bend
 from ropewalk.system.loaded_structure import LoadedStructure
 from ropewalk.system.sheaves import SLIPS, STICKS, add_sheave_forces, pass_nodes, slip, stored_at, stretch_over
 from ropewalk.system.sheaves_at_rest import (
@@ -35,7 +35,7 @@ from ropewalk.system.sheaves_at_rest import (
 )
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import REST, WORKS, About, Buffers, Structure
-from ropewalk.system.surfaces import add_surface_forces, hand_over, stored_in
+from ropewalk.system.surfaces import add_surface_forces, distribute_forces, stored_in
 from ropewalk.system.ties import add_tie_forces, stored_in_ties
 
 
@@ -84,7 +84,7 @@ def _forces(structure, buffers, contacts, state, table, out, how, given, firm):
     for k in range(contacts.size):
         firm[k] = contacts[k].moving
     add_internal_forces(structure, buffers, state.r, 0.0)
-    press(structure, buffers, contacts, state, table, out)
+    add_contact_forces(structure, buffers, contacts, state, table, out)
     add_surface_forces(structure.surfaces, state.r, buffers.force)
     add_tie_forces(structure.ties, state.r, buffers.force)
     add_sheave_forces(structure.sheaves, structure.runs, buffers, state.r, 0.0)
@@ -94,7 +94,7 @@ def _forces(structure, buffers, contacts, state, table, out, how, given, firm):
                 less, contacts[k].N[a] = contacts[k].N[a], firm[k] * contacts[k].d[a]
                 for j in range(min(WIDTH, structure.runs.links[contacts[k].run] + 1)):
                     buffers.force[a, contacts[k].near + j] += contacts[k].weight[j] * (contacts[k].N[a] - less)
-    hand_over(structure.surfaces, buffers.force)
+    distribute_forces(structure.surfaces, buffers.force)
 
 
 class SystemPotential:

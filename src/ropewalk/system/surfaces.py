@@ -112,7 +112,7 @@ def follow(surfaces, r, v):
 
 
 @lean_inner
-def hand_over(surfaces, force):
+def distribute_forces(surfaces, force):
     """Let cells bear what acts on the nodes of ways."""
     if surfaces is None:
         return

@@ -78,7 +78,7 @@ class Wires:
         begun = None if task.beginning is None else task.beginning(start)
         if begun is not None:
             self.task = replace(self.task, prescribed_motions=on_moved(start, self.task.prescribed_motions, *begun))
-        run_info.warnings += task.remarks
+        run_info.warnings += task.diagnostics
         self.start, self.mesh, self._at_rest = start, start.mesh, start.position
         self.run_info = run_info
         self.moving_loads = moving_loads_of(

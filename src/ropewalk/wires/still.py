@@ -29,7 +29,7 @@ class WireStatics:
 
     def __init__(self, task: WireTask, run_info: RunInfo) -> None:
         self.task, self._start = ready(task)
-        run_info.warnings += task.remarks
+        run_info.warnings += task.diagnostics
         run_info.method, run_info.reason = "rest", "least potential energy"
         self.run_info, self.mesh = run_info, self._start.mesh
         self._axes, self._supports = axes_of(task), Reactions(self.mesh)
