@@ -17,8 +17,8 @@ import xarray as xr
 
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model._base import Declaration, declarations_in
-from ropewalk.model.scenario import Scenario
 from ropewalk.model.outputs import Outputs
+from ropewalk.model.scenario import Scenario
 from ropewalk.model.sweep import Sweep
 from ropewalk.simulate import simulate
 

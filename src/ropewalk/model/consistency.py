@@ -58,7 +58,6 @@ def check(parts: Parts) -> list[Finding]:
             check_beginning,
             _travels,
             meetings,
-            _trains,
             check_crossing,
             check_outputs,
             _steered,
@@ -90,14 +89,6 @@ def _unknown_lines(parts: Parts) -> Iterator[Finding]:
         if line not in known:
             remedy = did_you_mean(line, known, otherwise=f"lines here: {', '.join(known)}")
             yield Finding(("loads", load, "on"), "no such line", repr(line), remedy)
-
-
-def _trains(parts: Parts) -> Iterator[Finding]:
-    """Trains on what has no way for them."""
-    for name, load in parts.loads.items():
-        if isinstance(load, Axles) and load.on in parts.nets:
-            wrong, remedy = "a train runs along a line, and a net has none", "let it run on a line"
-            yield Finding(("loads", name, "on"), wrong, load.on, remedy)
 
 
 def _steered(parts: Parts) -> Iterator[Finding]:

@@ -341,8 +341,8 @@ def _train_rows(name: str, train: Summary, say: Column) -> Iterator[Row]:
     yield "largest load on the line", say(train["load"]["max"], "N"), ""
     first, last = train["first"], train["last"]
     if first["value"] is not None:
-        told = f"{number(first['value'])} to {number(last['value'])} {first['unit']}"
-        yield "on the line", told, "from its first axle to its last one"
+        span = f"{number(first['value'])} to {number(last['value'])} {first['unit']}"
+        yield "on the line", span, "from its first axle to its last one"
 
 
 def _payload_rows(name: str, payload: Summary, say: Column) -> Iterator[Row]:
