@@ -219,7 +219,8 @@ def _draw(
             elif collection is not None and place.name in collection.panels:
                 collection.draw(place.name, ax)
             else:
-                (plan if place.name == "plan" else {**VIEWS, **VIEWS_OF_PLACES}[place.name])(dataset, ax)
+                view = plan if place.name == "plan" else VIEWS.get(place.name) or VIEWS_OF_PLACES[place.name]
+                view(dataset, ax)
         show_units(fig, units or DisplayUnits.read(None))
         _share_labels(rows, drawn)
         placed = [[drawn[place.name] for place in row] for row in rows]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -32,7 +33,9 @@ def _of_places(dataset: xr.Dataset, ax: Axes, *, quantity: str) -> None:
     style.legend(ax)
 
 
-VIEWS_OF_PLACES = {quantity: partial(_of_places, quantity=quantity) for quantity in _TITLES}
+VIEWS_OF_PLACES: Mapping[str, Callable[[xr.Dataset, Axes], None]] = {
+    quantity: partial(_of_places, quantity=quantity) for quantity in _TITLES
+}
 
 
 def seen_at_places(dataset: xr.Dataset) -> list[str]:
