@@ -34,8 +34,9 @@ def _of_places(dataset: xr.Dataset, ax: Axes, *, quantity: str) -> None:
 
 
 VIEWS_OF_PLACES: Mapping[str, Callable[[xr.Dataset, Axes], None]] = {
-    quantity: partial(_of_places, quantity=quantity) for quantity in _TITLES
-}
+    quantity: partial(_of_places, quantity=quantity)
+    for quantity in _TITLES
+}  # fmt: skip
 
 
 def seen_at_places(dataset: xr.Dataset) -> list[str]:
