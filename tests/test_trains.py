@@ -16,6 +16,7 @@ from ropewalk.results.statistics import summary
 from ropewalk.results.table import text
 from ropewalk.scenario import dump, loads
 from ropewalk.simulate import simulate
+from ropewalk.sweeps.sweeping import sweep
 
 DECK = """\
 gravity: 0
@@ -139,3 +140,22 @@ run: {kind: equilibrium}
     assert pressing == pytest.approx([200.0] * 3)
     carried = rest.reaction.values[0, :, -1].sum()
     assert carried == pytest.approx(600.0 + 2.0 * 20.05 * 9.81, rel=1e-6)
+
+
+def test_a_sweep_knows_how_long_its_trains_are(tmp_path: Any) -> None:
+    deck = DECK.replace(
+        "forces: [100 kN, 50 kN, 80 kN], at: [0, 3, 11], coaches: {count: 2, length: 15}", "train: HSLM-A1"
+    )
+    found = sweep(
+        loads(deck),
+        {"loads.train.train": ["HSLM-A1", "HSLM-A10"], "loads.train.travel.speed": ["50 m/s", "100 m/s"]},
+        record="max acceleration of deck, max deflection of midspan, trains.train.last",
+        store=tmp_path / "sweep.jsonl",
+        workers=0,
+    )
+    assert (found["outcome"].values == "completed").all()
+    last = found["trains.train.last"].values
+    for row, name in enumerate(("HSLM-A1", "HSLM-A10")):
+        away = 20.0 + 2.0 + hslm_a(name)[0][-1]  # m, of the last axle from the end of the deck
+        assert last[row] == pytest.approx([away / 50.0, away / 100.0], abs=5e-3)
+    assert (found["max acceleration of deck"].values > 0.0).all()
