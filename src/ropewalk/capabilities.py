@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from ropewalk.linear import capabilities as linear
 from ropewalk.model._base import Finding
+from ropewalk.model.axles import Axles
 from ropewalk.model.capabilities import Capabilities, missing, refusal
 from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
@@ -67,6 +68,8 @@ def _is_linearised(parts: Parts) -> bool:
 def _of_ropes(parts: Parts) -> Engine:
     """The engine of ropes, or that of the system for motions in ways that only lines of that go."""
     run = parts.run
+    if any(isinstance(load, Axles) for load in parts.loads.values()):
+        return SYSTEM  # which lets contacts come to their line and leave it, at rest, too
     if not isinstance(run, Dynamic):
         return ROPES
     rubs = any(_rubs(load) for load in parts.loads.values())

@@ -24,7 +24,7 @@ from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import ForceTable, SpeedTable
 from ropewalk.model.line import Line, spatial
-from ropewalk.model.load import AnyLoad, ExternalModel, MovingForce, Travelling
+from ropewalk.model.load import AnyLoad, ExternalModel, GivenForces, MovingForce, Travelling
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
@@ -109,7 +109,7 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
 
 
 def _is_force(load: AnyLoad) -> bool:
-    return isinstance(load, MovingForce | Footsteps)
+    return isinstance(load, GivenForces | Footsteps)
 
 
 def rests_within_itself(load: AnyLoad) -> bool:
@@ -238,7 +238,7 @@ class _Ground:
                 table = _force_table(time, force - np.nan_to_num(self.result["hold_force"].values[:, k]))
             travel = load.travel.model_copy(update={"start": wheel.start, "margin": None})
             return [MovingForce(on=load.on, force=table, travel=travel, contact=contact)]
-        assert not isinstance(load, MovingForce)
+        assert not isinstance(load, GivenForces)
         gone = np.flatnonzero(~np.isfinite(speed))
         if gone.size:  # it keeps its last speed, and so leaves the line, too
             speed[gone] = speed[gone[0] - 1] if gone[0] else 0.0

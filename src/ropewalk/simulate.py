@@ -22,7 +22,7 @@ from ropewalk.checkpoint import Tree
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import compiling, is_kept
-from ropewalk.model.load import MovingForce
+from ropewalk.model.load import GivenForces
 from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
@@ -77,6 +77,10 @@ def simulate(
 
         return choosing.result_of(scenario, run_of, recorded)
     run_info = RunInfo()
+    if scenario.outputs.impact:
+        from ropewalk.impact import static_part  # lazy: most runs do not ask for it
+
+        run_info.static = static_part(scenario, simulate)
     return recorded(scenario, run_of(scenario, run_info), run_info)
 
 
@@ -154,7 +158,7 @@ def must_compile(scenario: Scenario) -> str:
         return "" if is_kept(kernel) else "about a quarter of a minute"
     from ropewalk.solve.splitting import advance
 
-    bodied = any(not isinstance(load, MovingForce) for load in scenario.loads.values())
+    bodied = any(not isinstance(load, GivenForces) for load in scenario.loads.values())
     if is_kept(advance, lambda kinds: hasattr(kinds[-1], "types") == bodied):
         return ""
     return "about a minute" if bodied else "about half a minute"

@@ -155,6 +155,18 @@ BASES: dict[str, Tree] = {
         load("force", way()), {"kind": "quasistatic", "positions": 3, "turn": "5 deg"},
     ),
     "rest": one(LONG, load("force", way()), {"kind": "equilibrium"}),
+    # Trains: the first axle is on the line, others come.
+    "train": one(
+        {**STIFF, "drag": 0.0, "damping": {"ratio": 0.02, "at": [4.0]}},
+        {"kind": "axles", "on": "rope", "forces": [4e3, 5e3], "at": [0.0, 1.0], "coaches": {"count": 2, "length": 2.5},
+         "travel": way(start=5.0)}, moves(geometry="linearised")
+    ),
+    "train on a rope": one(
+        TAUT, {"kind": "axles", "on": "rope", "forces": 200.0, "at": [0.0, 1.0],
+               "travel": way({"time": [0.0, UNTIL], "value": [20.0, 30.0]}, start=0.5)},
+    ),
+    "known train": one(STILL, {"kind": "axles", "on": "rope", "train": "HSLM-A1", "travel": way(start=12.0)},
+                       {"kind": "linear", "until": UNTIL, "every": 0.01, "modes": 20}),
     # The linear theory.
     "linear": one(STILL, load("force", way(start=0.0)), {"kind": "linear", "until": UNTIL, "every": 0.01, "modes": 20}),
     "linear mass": one(STILL, load("mass", way(start=0.0)), {"kind": "linear", "until": UNTIL, "every": 0.01}),

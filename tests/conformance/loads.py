@@ -34,6 +34,11 @@ def force(s: Structure, **more: Any) -> Tree:
     return {"kind": "force", "force": [0.0, -s.mass * DOWN], **more}
 
 
+def axles(s: Structure, **more: Any) -> Tree:
+    """A train of two axles, of which the second one comes to the line later on short lines."""
+    return {"kind": "axles", "forces": 0.5 * s.mass * DOWN, "at": [0.0, 0.8], **more}
+
+
 def mass(s: Structure, **more: Any) -> Tree:
     return {"kind": "mass", "mass": s.mass, **more}
 
@@ -103,6 +108,8 @@ def pantograph(s: Structure, **more: Any) -> Tree:
 def load(s: Structure, kind: str, moved: Tree | None = None, **more: Any) -> Tree:
     """A load of a kind or variant on a structure, travelling as said (default: along it, at constant speed)."""
     tree, own = KINDS[kind](s), moved if moved is not None else travel(s)
+    if tree["kind"] == "axles":
+        own = {key: own[key] for key in ("speed", "from", "measured") if key in own}
     if tree["kind"] not in ("footsteps", "walker", "stepper"):
         tree["travel"] = own
     return {**tree, "on": s.on, **more}
@@ -114,6 +121,7 @@ KINDS: dict[str, Any] = {
         "time": [0.0, 0.5 * s.until, s.until], "value": [[0.0, 0.0], [0.0, -s.mass * DOWN], [0.0, 0.0]]}),
     "force ahead": lambda s: force(s, force=[0.2 * s.mass * DOWN, -s.mass * DOWN]),
     "force aside": lambda s: force(s, force=[0.0, 0.2 * s.mass * DOWN, -s.mass * DOWN]),
+    "axles": axles,
     "mass": mass,
     "pushed mass": lambda s: mass(s, force=[0.0, -0.5 * s.mass * DOWN]),
     "mass in air": lambda s: mass(s, air_drag=0.01 * s.mass / 5.0),

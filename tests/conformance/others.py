@@ -107,6 +107,15 @@ OTHER: dict[str, Any] = {
     "Line.axial_damping": lambda value, _: 2.0 * value or 100.0,
     "Line.bending_stiffness": lambda value, _: Patch(bending_stiffness=2.0 * value or 2e4, axial_damping=None),
     "Line.foundation": lambda value, _: Patch(foundation=2.0 * value or 1e4, axial_damping=None),
+    "Line.retardation": lambda value, _: 2.0 * value or 1e-3,
+    "Line.damping": lambda value, _: Patch(damping={"ratio": 0.05, "at": [3.0, 20.0] if value else [3.0]}, drag=None),
+    "Damping.at": [3.0],
+    "Axles.train": lambda value, _: (
+        "HSLM-A5" if value else Patch(train="HSLM-A5", forces=None, at=None, coaches=None)
+    ),
+    "Axles.forces": lambda value, block: [3e3] * len(block["at"]) if "at" in block else None,
+    "Axles.at": lambda value, block: [0.0, *(1.5 + i for i in range(len(value) - 1))] if value else None,
+    "Axles.coaches": lambda value, block: {"count": 3, "length": 3.0} if block.get("at") else None,
     "*.drag": lambda value, _: 2.0 * value or 5.0,
     "Line.start_support": _support,
     "Line.end_support": _support,

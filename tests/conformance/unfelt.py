@@ -157,6 +157,12 @@ UNFELT: Reasons = {
             "stiff rest",
         ),
     },
+    "Line.damping": {
+        "what damps is felt in motion, not at rest": ("slow", "inextensible", "rest", "stiff rest"),
+    },
+    "Line.retardation": {
+        "what damps is felt in motion, not at rest": ("slow", "inextensible", "rest", "stiff rest"),
+    },
     "Line.end_support": {
         "the implicit method refuses what yields, by the name of the method": ("tabulated",),
     },

@@ -13,8 +13,9 @@ from ropewalk.decouple import standing_force, steps
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.contact_points import ContactPoint, wheels_of
 from ropewalk.mechanics.loading import loading_of
+from ropewalk.model.axles import Axles
 from ropewalk.model.footsteps import Footsteps
-from ropewalk.model.load import AnyLoad, MovingForce, Travelling
+from ropewalk.model.load import AnyLoad, GivenForces, MovingForce, Travelling
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.scenario import Scenario
@@ -31,7 +32,7 @@ Wheels = dict[str, tuple[str, ...]]
 
 def is_force(load: AnyLoad) -> bool:
     """Whether a load is nothing but given forces."""
-    return isinstance(load, MovingForce | Footsteps)
+    return isinstance(load, GivenForces | Footsteps)
 
 
 def without_refusal(load: AnyLoad) -> AnyLoad:
@@ -76,15 +77,19 @@ class ConstantForces:
     found: Mapping[str, Trace]
     segments: int = SEGMENTS
 
-    def forces(self) -> tuple[dict[str, MovingForce], Wheels]:
+    def forces(self) -> tuple[dict[str, GivenForces], Wheels]:
         """The static force of each wheel, and which contact stands for it.
 
         Raises:
             RopewalkError: a load cannot be replaced.
         """
-        loads: dict[str, MovingForce] = {}
+        loads: dict[str, GivenForces] = {}
         wheels: Wheels = {}
         for name, load in self.scenario.loads.items():
+            if isinstance(load, Axles):
+                loads[name] = load
+                wheels |= {label: (label,) for label, _ in self._wheels(name, load)}
+                continue
             if isinstance(load, MovingForce):
                 kept = without_refusal(load)
                 assert isinstance(kept, MovingForce)
@@ -114,6 +119,8 @@ class ConstantForces:
             if isinstance(load, MovingForce | MovingMass):
                 loads[name], wheels[name] = load, (name,)
                 continue
+            if isinstance(load, Axles):
+                raise RopewalkError(f"load {name}: what hangs between the axles of a train of forces is not known")
             for label, wheel in self._wheels(name, load):
                 own, g = self._name(label), self.scenario.gravity
                 weight = -self._static(name, load, label)[-1]

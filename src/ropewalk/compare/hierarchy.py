@@ -230,7 +230,7 @@ def _static(full_model: FullModel) -> dict[str, float | None]:
             forces, names = ConstantForces(
                 full_model.top, {wheel: full_model.found[wheel], **full_model.found}
             ).forces()
-            force = forces[names[wheel][0]].force
+            force = getattr(forces[names[wheel][0]], "force", None)
             found[wheel] = float(np.linalg.norm(force)) if isinstance(force, tuple) else None
         except RopewalkError:
             found[wheel] = float(np.nanmean(full_model.found[wheel].size))

@@ -16,6 +16,7 @@ from typing import Any
 
 from ropewalk.errors import Problem, ScenarioError, did_you_mean
 from ropewalk.model import (
+    Axles,
     Footsteps,
     FreeTravel,
     Line,
@@ -168,7 +169,7 @@ class Pair:
         load, gravity = self.scenario.loads[self.load], self.scenario.gravity
         if isinstance(load, Footsteps):
             return load.mass * gravity
-        own = 0.0 if isinstance(load, MovingForce) else self._mass(ratio) * gravity
+        own = 0.0 if isinstance(load, MovingForce | Axles) else self._mass(ratio) * gravity
         force = getattr(load, "force", (0.0, 0.0))
         if callable(force):
             _refuse(ratio, "a callable cannot be scaled", f"loads.{self.load}.force", "use a table {time, value}")

@@ -14,12 +14,12 @@ from ropewalk.decouple import cut, rests_within_itself
 from ropewalk.errors import Problem, RopewalkError, ScenarioError
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
-from ropewalk.model.load import MovingForce
+from ropewalk.model.load import GivenForces
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
-from ropewalk.model.travel import Travel
+from ropewalk.model.travel import Course, Travel
 from ropewalk.solve.load_schedule import horizon
 from ropewalk.solve.quasistatic import walk
 from ropewalk.solve.start import setting_of
@@ -148,7 +148,7 @@ class FullModel:
     def _is_pantograph(self) -> bool:
         return any(isinstance(load, Pantograph) for load in self.top.loads.values())
 
-    def _all(self, *kinds: type) -> bool:
+    def _all(self, *kinds: Any) -> bool:
         return all(isinstance(load, kinds) for load in self.top.loads.values())
 
     def _linear(self) -> SimplerModel:
@@ -185,7 +185,7 @@ class FullModel:
         )
 
     def _force(self) -> SimplerModel:
-        if self._all(MovingForce):
+        if self._all(GivenForces):
             return SimplerModel(FORCE, same_as=FULL)
         if self._is_pantograph:
             return SimplerModel(FORCE, self.top, pressing_task(self.top, self.found), contacts_in(self.found))
@@ -193,15 +193,15 @@ class FullModel:
         return SimplerModel(FORCE, remade(self.top, title=self._title(FORCE), loads=loads), wheels=wheels)
 
     def _mass(self) -> SimplerModel:
-        if self._all(MovingForce, MovingMass):
+        if self._all(GivenForces, MovingMass):
             return SimplerModel(MASS, same_as=FULL)
         loads, wheels = self._constant.masses()
         return SimplerModel(MASS, remade(self.top, title=self._title(MASS), loads=loads), wheels=wheels)
 
     def _cut(self) -> SimplerModel:
-        if self._all(MovingForce, Footsteps):
+        if self._all(GivenForces, Footsteps):
             return SimplerModel(CUT, same_as=FULL)
-        if all(isinstance(load, MovingForce) or rests_within_itself(load) for load in self.top.loads.values()):
+        if all(isinstance(load, GivenForces) or rests_within_itself(load) for load in self.top.loads.values()):
             return SimplerModel(CUT, same_as=FORCE)
         if self._all(Pantograph):
             return SimplerModel(CUT, same_as=FORCE, remark="under a level, rigid wire a pantograph presses evenly")
@@ -231,7 +231,7 @@ class FullModel:
         return bool(speeding) and simpler_model.name in (MASS, FULL, CUT)
 
 
-def _ended(travel: Travel, until: float) -> Travel:
+def _ended(travel: Course, until: float) -> Course:
     """A travel that ends where it is at a time in s, however far its line goes on."""
     speed = travel.speed
     if callable(speed):

@@ -22,7 +22,7 @@ from ropewalk.errors import RopewalkError, did_you_mean
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.model.line import Line, spatial
-from ropewalk.model.load import MovingForce
+from ropewalk.model.load import GivenForces
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.net import AnyNet
@@ -107,7 +107,7 @@ def alone(scenario: Scenario, name: str, *, contact_stiffness: float | None = No
         raise RopewalkError(f"there is no load {name}; {did_you_mean(name, scenario.loads)}")
     load, run = scenario.loads[name], scenario.run
     if not isinstance(load, Pantograph | MovingMass | Oscillator | Vehicle | Matrices):
-        why = "is only a force" if isinstance(load, MovingForce) else "is no linear system of masses and springs"
+        why = "is only a force" if isinstance(load, GivenForces) else "is no linear system of masses and springs"
         raise RopewalkError(
             f"load {name} of kind {load.kind} {why}; what can be exported are mass, oscillator, vehicle, matrices and "
             "pantograph"

@@ -47,6 +47,9 @@ def _bodies(parts: Parts) -> Iterator[Finding]:
             remedy = f"give it a line of its own, make one vehicle of all, or {_DYNAMIC}"
             yield missing(("loads", name, "on"), _LINEAR, given, remedy, feature=feature)
         line = parts.lines.get(load.on)
+        if line is not None and line.beta:
+            feature = "a load with a mass on a line whose damping grows with its stiffness"
+            yield missing(("loads", name, "on"), _LINEAR, load.on, f"use drag, or {_DYNAMIC}", feature=feature)
         for key, feature, given, remedy in (*_own(load), *(_on(load, line, parts.run) if line is not None else ())):
             yield missing(("loads", name, *key), _LINEAR, given, remedy, feature=feature)
 

@@ -37,6 +37,7 @@ class Chord:
     bending_stiffness: float  # N m^2
     foundation: float  # N/m^2
     damping: float  # N s/m^2
+    retardation: float = 0.0  # s, beta of Rayleigh damping
 
     @property
     def is_string(self) -> bool:
@@ -53,6 +54,8 @@ class Chord:
     def sag(self, x: Array, gravity: Array) -> Array:
         """Deflection under its own weight across the chord, (place, axis) m."""
         weight = self.mass * float(gravity @ self.across[0])
+        if weight == 0.0:
+            return np.zeros((x.size, self.along.size))
         if self.is_string:
             depth = weight * x * (self.length - x) / (2.0 * self.tension)
         else:
@@ -105,7 +108,8 @@ def chords(setting: PreparedRun, scenario: Scenario, run_info: RunInfo) -> list[
         mass = float(setting.strands.rho[s]) * material / length
         chord = Chord(
             start, along, np.array(across), length, material, tension, mass, line.bending_stiffness, line.foundation,
-            mass * line.drag,
+            mass * line.alpha,
+            line.beta,
         )  # fmt: skip
         if not chord.is_string:
             chord = replace(chord, tension=_tension_of_beam(setting, s, name, line, chord))
@@ -115,9 +119,9 @@ def chords(setting: PreparedRun, scenario: Scenario, run_info: RunInfo) -> list[
             run_info.warnings.append(
                 f"line {name} hangs {depth:.3g} m through over {length:.3g} m: too far for small deflections"
             )
-        if found[-1].is_string and (line.foundation or line.drag):
+        if found[-1].is_string and (line.foundation or line.alpha or line.beta):
             run_info.warnings.append(
-                f"line {name}: foundation and drag of a string are left out; give bending_stiffness"
+                f"line {name}: foundation and damping of a string are left out; give bending_stiffness"
             )
     return found
 

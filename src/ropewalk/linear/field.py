@@ -8,6 +8,7 @@ import numpy as np
 
 from ropewalk.linear.chord import Chord
 from ropewalk.linear.series import Series
+from ropewalk.linear.steady import SteadyForces
 from ropewalk.mechanics.chain import HORIZONTAL, LEAVE, MATERIAL, Array
 from ropewalk.mechanics.moving_contact import look_up_integral, speed_at
 from ropewalk.model.run import Linear
@@ -18,6 +19,7 @@ from ropewalk.theory.image_sum import travelling_force
 
 # Steps for differences of exact deflections, as a part of the length or the time of a wave along it.
 _DIFFERENCE = 1e-6
+FEW = 3  # loads up to which each is answered by a closed form of its own
 _LONGER = 1.01  # than the run: what differences look at
 
 
@@ -32,6 +34,18 @@ class Field:
         self._found: dict[tuple[int, int], Series] = {}
         self.places: Array = np.linspace(0.0, chord.length, int(setting.strands.links[s]) + 1)
         self.scales = {int(k): self._scale(int(k)) for k in setting.on[s]}
+        self._train = self._steady() if len(setting.on[s]) > FEW else None
+
+    def _steady(self) -> SteadyForces | None:
+        """All loads together, where each is a constant force across the line at a constant speed and modes answer."""
+        loads, own = self.setting.loads, [int(k) for k in self.setting.on[self.s]]
+        sizes = [[self._force(k, a) for a in range(len(self.chord.across))] for k in own]
+        steady = all(loads.speed_count[k] == 1 for k in own) and all(isinstance(f, float) for row in sizes for f in row)
+        if not steady or any(any(row[1:]) for row in sizes) or (self.chord.is_string and self.modes is None):
+            return None
+        begin = np.array([self.place(k, np.zeros(1))[0] for k in own])
+        speed = np.array([self.scales[k] * speed_at(loads, k, 0.0) for k in own])
+        return SteadyForces(self.chord, own, begin, speed, np.array([row[0] for row in sizes]), self.modes)
 
     def _scale(self, k: int) -> float:
         """Distance along the chord for each metre of the path as measured."""
@@ -64,7 +78,7 @@ class Field:
             if self.modes is not None:
                 return self._series(k, a, size).deflection(x if V > 0.0 else chord.length - x, t)
             return travelling_force(x if V > 0.0 else chord.length - x, t, path=self._way(k), force=size, **line)
-        if not from_end:
+        if not from_end or chord.retardation:
             return self._series(k, a, size).deflection(x if V > 0.0 else chord.length - x, t)
         return beam.moving_force(x, t, force=float(size), speed=abs(V), modes=self.modes, **chord.beam)
 
@@ -115,6 +129,10 @@ class Field:
 
     def motion(self, x: Array, times: Array) -> tuple[Array, Array]:
         """Deflections and velocities (time, place, axis) of the line at places x under all loads."""
+        if self._train is not None:
+            w, rate = self._train.motion(x, times)
+            across = self.chord.across[0]
+            return w[:, :, None] * across, rate[:, :, None] * across
         moved, speed = (np.zeros((times.size, x.size, self.chord.along.size)) for _ in range(2))
         step = _DIFFERENCE * self.chord.length / self._wave_speed()
         for k in self.setting.on[self.s]:
@@ -138,11 +156,14 @@ class Field:
 
     def contact(self, k: int, t: float) -> tuple[float, Array, float] | None:
         """Place along the chord, position and slope under load k; None while it is off the line."""
-        x = float(self.place(k, np.array([t]))[0])
+        x = self._train.place(k, t) if self._train is not None else float(self.place(k, np.array([t]))[0])
         if not 0.0 <= x <= self.chord.length:
             if self.setting.loads.at_end[k] == LEAVE:
                 return None
             x = min(max(x, 0.0), self.chord.length)
+        if self._train is not None:
+            (w_here,), (tilt,) = self._train.at(np.array([x]), t)
+            return x, self.point(np.array([x]))[0] + w_here * self.chord.across[0], float(tilt)
         step = _DIFFERENCE * self.chord.length
         near = np.clip(np.array([x - step, x, x + step]), 0.0, self.chord.length)
         w, _ = self.motion(near, np.array([t]))

@@ -12,7 +12,7 @@ from ropewalk.linear.field import Field
 from ropewalk.mechanics.chain import FRICTIONLESS, REFUSE, Array
 from ropewalk.mechanics.moving_contact import force_at, speed_at
 from ropewalk.mechanics.multibody_system import Body
-from ropewalk.model.load import MovingForce
+from ropewalk.model.load import GivenForces
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, Contacts, Frame, RunInfo
 from ropewalk.solve.start import PreparedRun
@@ -31,7 +31,7 @@ def frames(setting: PreparedRun, scenario: Scenario, times: Array, run_info: Run
     lines = chords(setting, scenario, run_info)
     fields = [Field(setting, scenario, s, chord) for s, chord in enumerate(lines)]
     _refuse_to_pass(setting, scenario, fields, times)
-    bodies = {load.on: name for name, load in scenario.loads.items() if not isinstance(load, MovingForce)}
+    bodies = {load.on: name for name, load in scenario.loads.items() if not isinstance(load, GivenForces)}
     responses = [
         response_of(setting, scenario, bodies[name], s, chord, times, run_info) if name in bodies else None
         for s, (name, chord) in enumerate(zip(scenario.lines, lines, strict=True))

@@ -40,10 +40,7 @@ class Series:
         modes: int | None,
     ) -> None:  # fmt: skip
         self._chord, self._path, self._force = chord, path, force
-        self._k = _wave_numbers(chord, modes or _enough(chord))
-        w = np.sqrt(_stiffness(chord, self._k) / chord.mass)
-        self._rate, which, self._driven = alone(w, np.full(w.size, chord.damping / chord.mass))
-        self._k = self._k[which]
+        self._k, self._rate, self._driven = wave_numbers_and_rates(chord, modes)
         self._times = self._boundaries(jumps, until)
         self._z: Complex = np.zeros((self._times.size, self._rate.size), dtype=np.complex128)
         lengths = np.diff(self._times)
@@ -92,6 +89,22 @@ class Series:
             rows.append(z.real)
         amplitude = np.array(rows) * 2.0 / (self._chord.mass * self._chord.length)
         return np.asarray(amplitude @ np.sin(np.outer(self._k, np.ravel(x))))
+
+
+def wave_numbers_and_rates(chord: Chord, modes: int | None) -> tuple[Array, Complex, Complex]:
+    """Wave numbers of sine modes in 1/m, their rates in 1/s, and how forces drive them, see `solve/modal.py`.
+
+    Args:
+        chord: the line.
+        modes: how many; None: until those left out are a millionth.
+
+    Raises:
+        RopewalkError: too many would be needed.
+    """
+    k = _wave_numbers(chord, modes or _enough(chord))
+    w = np.sqrt(_stiffness(chord, k) / chord.mass)
+    rate, which, driven = alone(w, chord.damping / chord.mass + chord.retardation * w**2)
+    return k[which], rate, driven
 
 
 def _wave_numbers(chord: Chord, count: int) -> Array:

@@ -92,7 +92,7 @@ def strands_of(scenario: Scenario, lengths: Mapping[str, float]) -> Strands:
         rho=np.array([line.mass for line in lines.values()]),
         law=np.array([np.pad(p, (0, width - p.size)) for p in laws]),
         damping=np.array([line.axial_damping for line in lines.values()]),
-        drag=np.array([line.drag for line in lines.values()]),
+        drag=np.array([line.alpha for line in lines.values()]),
         gravity=gravity,
     )
 

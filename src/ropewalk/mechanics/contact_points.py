@@ -11,6 +11,7 @@ from typing import Any
 
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.footfall import Footfall, outwards
+from ropewalk.model.axles import Axles
 from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import ForceTable
@@ -75,6 +76,12 @@ def _wheels(name: str, load: AnyLoad, gravity: float, line: Line | None) -> Iter
             name, "", load.on, places[0].measured, places[0].start, **_prescribed(load.travel), force=load.force,
             contact=load.contact, friction=load.friction, friction_model=load.friction_model,
         )  # fmt: skip
+    elif isinstance(load, Axles):
+        for place, (_, pressing) in zip(places, load.axles, strict=True):
+            yield ContactPoint(
+                name, place.label, load.on, place.measured, place.start, speed=load.travel.speed,
+                force=(0.0, -pressing),
+            )  # fmt: skip
     elif isinstance(load, MovingMass):
         yield ContactPoint(
             name, "", load.on, places[0].measured, places[0].start, **_travel(load.travel), force=load.force,

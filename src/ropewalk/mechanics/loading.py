@@ -10,7 +10,7 @@ from ropewalk.mechanics.assembly import axes_of, loads_of
 from ropewalk.mechanics.chain import Array, Loads, Strands
 from ropewalk.mechanics.contact_points import ContactPoint, wheels_of
 from ropewalk.mechanics.multibody_system import MultibodySystem, multibody_system_of
-from ropewalk.model.load import MovingForce
+from ropewalk.model.load import GivenForces
 from ropewalk.model.scenario import Scenario
 
 
@@ -42,6 +42,6 @@ def loading_of(
     axes, wheels = axes or axes_of(scenario), tuple(wheels_of(scenario))
     gravity = np.zeros(len(axes))
     gravity[-1] = -scenario.gravity
-    forces_only = all(isinstance(load, MovingForce) for load in scenario.loads.values())
+    forces_only = all(isinstance(load, GivenForces) for load in scenario.loads.values())
     multibody_system = None if forces_only else multibody_system_of(scenario, wheels, strands, axes, until)
     return Loading(axes, gravity, wheels, loads_of(scenario, wheels, until, axes), multibody_system)

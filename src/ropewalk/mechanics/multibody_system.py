@@ -29,7 +29,7 @@ from ropewalk.mechanics.compiled import records
 from ropewalk.mechanics.contact_points import ContactPoint
 from ropewalk.mechanics.footfall import outwards
 from ropewalk.mechanics.proximity import shares_links
-from ropewalk.model.load import AnyLoad, ExternalModel, MovingForce
+from ropewalk.model.load import AnyLoad, ExternalModel, GivenForces
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.scenario import Scenario
@@ -122,7 +122,7 @@ def multibody_system_of(
     displayed: list[Body] = []
     interface_coordinates: dict[str, tuple[int, ...]] = {}
     for name, load in scenario.loads.items():
-        if isinstance(load, MovingForce):
+        if isinstance(load, GivenForces):
             continue
         on = [k for k, wheel in enumerate(wheels) if wheel.load == name]
         first = sum(v.coordinates for v in vehicles)
@@ -176,7 +176,7 @@ def _fill_wheels(bodies: Bodies, wheels: Sequence[ContactPoint], dim: int) -> No
 
 def _crowd(scenario: Scenario, wheels: Sequence[ContactPoint], strands: Strands, until: float) -> set[int]:
     """Wheels that come close to others."""
-    forces = {name for name, load in scenario.loads.items() if isinstance(load, MovingForce)}
+    forces = {name for name, load in scenario.loads.items() if isinstance(load, GivenForces)}
     h = dict(zip(scenario.lines, strands.h, strict=True))
     lengths = {name: float(h[name] * n) for name, n in zip(scenario.lines, strands.links, strict=True)}
     return shares_links(wheels, forces, {name: SHARES_LINKS * float(size) for name, size in h.items()}, lengths, until)

@@ -1,5 +1,7 @@
 """What is there: frozen declarations without numerics, in SI units (text with units is read at the edge)."""
 
+from ropewalk.model.axles import Axles, Coaches, TrainTravel
+from ropewalk.model.damping import Damping
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.fmu import Fmu, FmuContact, FmuTravel
 from ropewalk.model.footsteps import Footsteps, Harmonic
@@ -13,6 +15,7 @@ from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices, MatrixWheel
 from ropewalk.model.net import AnyNet, CableEdge, ClampedEdge, Membrane, Net, SoftEdge
 from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.outputs import LinePlace, Outputs
 from ropewalk.model.overhead import (
     ContactWire,
     Droppers,
@@ -39,11 +42,14 @@ __all__ = [
     "AnyLoad",
     "AnyNet",
     "AnyTravel",
+    "Axles",
     "Balance",
     "Brake",
     "CableEdge",
     "ClampedEdge",
+    "Coaches",
     "ContactWire",
+    "Damping",
     "DisplacementTable",
     "DriveTable",
     "Driver",
@@ -71,6 +77,7 @@ __all__ = [
     "Joint",
     "Law",
     "Line",
+    "LinePlace",
     "Linear",
     "Load",
     "Matrices",
@@ -83,6 +90,7 @@ __all__ = [
     "MovingMass",
     "Net",
     "Oscillator",
+    "Outputs",
     "OverheadLine",
     "Pantograph",
     "PantographTravel",
@@ -106,6 +114,7 @@ __all__ = [
     "Sweep",
     "Tabulated",
     "TensionOnly",
+    "TrainTravel",
     "Travel",
     "Travelling",
     "Trolley",

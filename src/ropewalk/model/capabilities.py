@@ -15,7 +15,7 @@ _DECIDES = {"kind": "", "contact": "friction"}
 """Keys without whose value other keys of the same block, which begin so, are not looked at."""
 
 OF_LINEAR_THEORY: Mapping[str, tuple[Any, ...]] = {
-    "loads.kind": ("force", "mass", "oscillator", "vehicle", "matrices"),
+    "loads.kind": ("force", "axles", "mass", "oscillator", "vehicle", "matrices"),
     "loads.travel.kind": ("prescribed",),
     "loads.travel.margin": (None,),
     "loads.contact": ("clamped", "frictionless"),
@@ -74,6 +74,19 @@ class Capabilities:
 def missing(path: Path, what: str, given: str = "", remedy: str = "", *, feature: str = "") -> Finding:
     """Say that a key, or a feature that it asks for, is not implemented for what an engine computes."""
     return Finding(path, f"{feature} is not implemented for {what}".strip(), given, remedy)
+
+
+def without_retardation(what: str, remedy: str) -> Callable[[Parts], Iterator[Finding]]:
+    """Make the check for lines whose damping grows with their stiffness, where that is not implemented."""
+
+    def look(parts: Parts) -> Iterator[Finding]:
+        for name, line in parts.lines.items():
+            if line is not None and line.beta:
+                key, given = ("damping", "two frequencies") if line.damping is not None else ("retardation", "")
+                feature = "damping in proportion to stiffness"
+                yield missing(("lines", name, key), what, given or f"{line.beta:g} s", remedy, feature=feature)
+
+    return look
 
 
 def supported_by_tension(parts: Parts) -> Iterator[Finding]:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from ropewalk import hooks
 from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Finding
+from ropewalk.model.axles import Axles
 from ropewalk.model.beginning import check_beginning
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
@@ -19,6 +20,7 @@ from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.mesh import check_mesh
 from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.outputs import check_outputs
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.places import meetings, reach, travels
@@ -29,6 +31,7 @@ from ropewalk.model.space import check_space
 from ropewalk.model.support import Guided
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.trolley import Trolley
+from ropewalk.model.until import check_crossing, crossed
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 
@@ -41,6 +44,7 @@ _ACROSS = 0.1  # cosine between line and rail: what moves further across the lin
 
 def check(parts: Parts) -> list[Finding]:
     """Find everything that does not fit together, or that the engine for it does not support."""
+    parts = crossed(parts)
     return [
         finding
         for examine in (
@@ -54,6 +58,8 @@ def check(parts: Parts) -> list[Finding]:
             check_beginning,
             _travels,
             meetings,
+            check_crossing,
+            check_outputs,
             _steered,
             _unfelt,
             _weights,
@@ -175,7 +181,7 @@ def _path(parts: Parts) -> Iterator[Finding]:
             yield Finding(key, "a load that stands still has no path", "0 m/s", remedy)
             continue
         limit, start = reach(line, load.travel.measured), load.travel.start
-        if isinstance(load, Vehicle | Matrices):
+        if isinstance(load, Vehicle | Matrices | Axles):
             continue  # wheels of theirs stand elsewhere
         if (max(values) <= 0.0 and start == 0.0) or (min(values) >= 0.0 and start == limit):
             end = "start" if start == 0.0 else "end"
@@ -217,7 +223,8 @@ def _size(parts: Parts) -> Iterator[Finding]:
         frames, key = float(run.positions), ("run", "positions")
     else:
         return
-    nodes = len(parts.loads) + sum(line.elements + 1 for line in parts.lines.values() if line is not None)
+    contacts = sum(len(load.axles) if isinstance(load, Axles) else 1 for load in parts.loads.values())
+    nodes = contacts + sum(line.elements + 1 for line in parts.lines.values() if line is not None)
     nodes += sum(int(2.0 * line.length / line.element) for line in parts.overhead.values() if line is not None)
     if frames * nodes > LARGEST_RESULT:
         number = f"{frames * nodes:.3g} node positions ({frames:.4g} frames of {nodes} nodes)"

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Finding
+from ropewalk.model.axles import Axles
 from ropewalk.model.history import SpeedTable
 from ropewalk.model.joint import Joined
 from ropewalk.model.load import AnyLoad, Travelling
@@ -101,6 +102,10 @@ def _way(load: AnyLoad | None) -> tuple[tuple[float, ...], ...] | None:
 
 
 def _on_net(name: str, load: AnyLoad, parts: Parts) -> Iterator[Finding]:
+    if isinstance(load, Axles):
+        wrong, remedy = "a train runs along a line, and a net has none", "let it run on a line"
+        yield Finding(("loads", name, "on"), wrong, load.on, remedy)
+        return
     key, way = ("loads", name, *_way_key(load)), _way(load)
     if way is None:
         remedy = "add the places that it goes through, for example path: [[0, 1.5], [4, 1.5]] in m"

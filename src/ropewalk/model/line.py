@@ -10,6 +10,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.damping import Damping
 from ropewalk.model.history import rows
 from ropewalk.model.inner_support import InnerSupport
 from ropewalk.model.joint import Joined, Sheave
@@ -25,6 +26,7 @@ from ropewalk.model.quantity import (
     PositiveForce,
     PositiveLength,
     Rate,
+    Retardation,
     Width,
 )
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
@@ -61,6 +63,10 @@ class Line(Declaration):
         default=0.0, description="of an elastic bed, per length; used by kind: linear and dynamic"
     )
     drag: Rate = Field(default=0.0, description="mass-proportional damping: force -drag * mass * velocity")
+    retardation: Retardation = Field(
+        default=0.0, description="beta of Rayleigh damping, in proportion to stiffness (drag is alpha); of beams"
+    )
+    damping: Damping | None = Field(default=None, description="ratio of its modes, instead of drag and retardation")
     start_support: Support = Field(default=Fixed(), description="what holds the start")
     end_support: Support = Field(default=Fixed(), description="what holds the end")
     supports: dict[Name, InnerSupport] = Field(
@@ -78,7 +84,8 @@ class Line(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         given = {name for name in type(self).model_fields if getattr(self, name) is not None}
-        report("line", [*contradictions(given, self.law.kind), *self._geometry(), *self._clamped(), *self._inner()])
+        own = (*self._geometry(), *self._clamped(), *self._inner(), *self._damped())
+        report("line", [*contradictions(given, self.law.kind), *own])
         return self
 
     def _geometry(self) -> list[Finding]:
@@ -103,6 +110,12 @@ class Line(Declaration):
             given = f"{self.length:.10g} m over {self.distance:.10g} m"
             findings.append(Finding(("length",), wrong, given, remedy))
         return findings
+
+    def _damped(self) -> Iterator[Finding]:
+        for key in ("drag", "retardation") if self.damping is not None else ():
+            if getattr(self, key):
+                wrong, remedy = "damping sets it", f"leave {key} out, or write drag and retardation instead of damping"
+                yield Finding((key,), wrong, f"{getattr(self, key):g}", remedy)
 
     def _clamped(self) -> Iterator[Finding]:
         for key, support in self.ends():
@@ -148,6 +161,16 @@ class Line(Declaration):
     def is_joined(self) -> bool:
         """Whether it is joined to something, or runs over sheaves."""
         return bool(self.sheaves) or any(isinstance(support, Joined) for _, support in self.ends())
+
+    @property
+    def alpha(self) -> float:
+        """Damping in proportion to mass, 1/s."""
+        return self.damping.alpha if self.damping is not None else self.drag
+
+    @property
+    def beta(self) -> float:
+        """Damping in proportion to stiffness, s."""
+        return self.damping.beta if self.damping is not None else self.retardation
 
     @property
     def has_bending_stiffness(self) -> bool:

@@ -8,6 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, Variants, report
+from ropewalk.model.axles import Axles
 from ropewalk.model.contact import FrictionModel
 from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
@@ -80,13 +81,16 @@ class MovingForce(Declaration):
         yield from rows(self.force)
 
 
-Travelling = MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices
+GivenForces = MovingForce | Axles
+"""The loads that are nothing but given forces which travel as prescribed."""
+Travelling = MovingForce | Axles | MovingMass | Oscillator | Trolley | Vehicle | Matrices
 """The loads that have a travel; the others have a gait or a will of their own."""
 ExternalModel = Stepper | Fmu
 """The loads that are external models."""
 AnyLoad = Travelling | Footsteps | Walker | ExternalModel | Pantograph
 Load = Annotated[
     MovingForce
+    | Axles
     | MovingMass
     | Oscillator
     | Trolley

@@ -10,6 +10,7 @@ from ropewalk.model.law import Inextensible
 from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad
 from ropewalk.model.net import AnyNet
+from ropewalk.model.outputs import Outputs
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.quantity import Auto
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
@@ -29,6 +30,7 @@ class Parts:
     nets: Mapping[str, AnyNet | None] = field(default_factory=dict)
     joints: Mapping[str, Joint | None] = field(default_factory=dict)
     wind: Wind | None = None
+    outputs: Outputs = field(default_factory=Outputs)
     is_complete: bool = True  # whether no block of lines hides behind a misspelt key
 
     def loads_on(self, line: str) -> list[str]:

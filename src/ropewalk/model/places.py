@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from itertools import combinations, product
 
 from ropewalk.model._base import Finding
+from ropewalk.model.axles import Axles, TrainTravel
 from ropewalk.model.course import Piece, between, course, first_at_most, place_at
 from ropewalk.model.fmu import Fmu, FmuTravel
 from ropewalk.model.footsteps import Footsteps
@@ -19,7 +20,7 @@ from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Linear
 from ropewalk.model.travel import FreeTravel, Measure, Place, Travel
 
-_Prescribed = Travel | PantographTravel | FmuTravel
+_Prescribed = Travel | TrainTravel | PantographTravel | FmuTravel
 
 
 def reach(line: Line | OverheadLine, measured: Measure) -> float | None:
@@ -37,7 +38,7 @@ def margin(load: AnyLoad, line: Line | OverheadLine) -> float:
     """Find the unstrained length in m at which the line ends for a load before its support, 0 where not known."""
     if isinstance(line, OverheadLine):
         return 0.0
-    if not isinstance(load, Travelling) or isinstance(load, MovingForce):
+    if not isinstance(load, Travelling) or isinstance(load, MovingForce | Axles):
         return (load.travel.margin or 0.0) if isinstance(load, MovingForce) else 0.0
     quarter = 0.25 * line.length / line.elements if line.length is not None else 0.0
     return quarter if load.travel.margin is None else load.travel.margin
@@ -129,6 +130,8 @@ def _off_the_line(
     load: AnyLoad, on: str, line: Line | OverheadLine, gravity: float | None
 ) -> tuple[str, str, str] | None:
     """Say which place is off the line at the start, what was given and what to do."""
+    if isinstance(load, Axles):
+        return _never_comes(load, on, line)
     start = load.travel.start if isinstance(load, Travelling | Pantograph | Fmu) else load.start
     for place in load.starts():
         what = f"wheel {place.label}" if place.label else "the load"
@@ -145,10 +148,22 @@ def _off_the_line(
     return None
 
 
+def _never_comes(load: Axles, on: str, line: Line | OverheadLine) -> tuple[str, str, str] | None:
+    """Say that a train has passed its line before it begins."""
+    last = load.starts()[-1].start
+    limit = reach(line, load.travel.measured)
+    gone = last < 0.0 if load.onward < 0.0 else limit is not None and last > limit
+    if not gone or callable(load.travel.speed):
+        return None
+    ahead = load.travel.start - last
+    remedy = f"start at more than {ahead:g} m" if load.onward < 0.0 else f"start at most {(limit or 0.0) + ahead:g} m"
+    return f"the train has left {on} before it begins", f"{load.travel.start:g} m", f"{remedy} from the start of {on}"
+
+
 def _comes_by_itself(load: AnyLoad) -> bool:
     """Whether wheels of the load may begin before the start of the line: on level ground, from which they roll on."""
     travel = _prescribed(load)
-    return travel is not None and travel.at_end == "leave"
+    return travel is not None and getattr(travel, "at_end", "leave") == "leave"
 
 
 def _beyond(line: Line | OverheadLine, place: Place, gravity: float | None) -> float | None:
@@ -172,7 +187,7 @@ def _passing(name: str, load: AnyLoad, on: str, line: Line | OverheadLine, until
     travel = _prescribed(load)
     if isinstance(load, Footsteps) and isinstance(line, Line):
         yield from _stepping_off(name, load, on, line, until)
-    if travel is None or callable(travel.speed) or travel.at_end != "refuse":
+    if travel is None or callable(travel.speed) or getattr(travel, "at_end", "leave") != "refuse":
         return
     limit = reach(line, travel.measured)
     clearance = margin(load, line) if travel.measured == "material" else 0.0  # elsewhere its size is not known
@@ -233,7 +248,7 @@ def _meeting(
         limit = reach(line, travel.measured)
         if limit is None:  # not known exactly; a load that would be refused there does not matter
             limit = math.inf
-            if travel.at_end != "refuse" and isinstance(line, Line):
+            if getattr(travel, "at_end", "leave") != "refuse" and isinstance(line, Line):
                 limit = 0.5 * line.distance
         if _leaves(way, limit, time):
             return None

@@ -356,6 +356,9 @@ Sags = Annotated[
     float | tuple[float, ...] | tuple[tuple[float, ...], ...], Listed("m", "not negative", one=True, nested=True)
 ]
 Staggers = Annotated[float | tuple[float, ...], Listed("m", one=True)]
+Frequencies = Annotated[tuple[float, ...], Listed("Hz", "positive")]
+Stations = Annotated[tuple[float, ...], Listed("m", "not negative")]
+AxleForces = Annotated[float | tuple[float, ...], Listed("N", "positive", one=True)]
 Masses = Annotated[tuple[float, ...], Listed("kg", "positive")]
 StiffnessList = Annotated[tuple[float, ...], Listed("N/m", "not negative")]
 ViscosityList = Annotated[tuple[float, ...], Listed("N*s/m", "not negative")]

@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, Variants, report
 from ropewalk.model.quantity import Count, Direction, Factor, PositiveLength, PositiveTime, TableTime, TurnAngle
+from ropewalk.model.until import Until
 
 Geometry = Literal["nonlinear", "linearised"]
 Method = Literal["auto", "explicit", "verlet", "rkn6", "implicit"]
@@ -99,7 +100,10 @@ class Dynamic(Declaration):
     """Motion in time."""
 
     kind: Literal["dynamic"] = "dynamic"
-    until: PositiveTime = Field(description="end of the run; it begins at 0 s")
+    until: Until = Field(
+        description="end of the run, which begins at 0 s; crossing: when all loads have crossed their lines; "
+        "crossing + 2 s: so much later"
+    )
     every: PositiveTime | None = Field(default=None, description="interval of output (default: until / 100)")
     method: Method = Field(default="auto", description="auto reads the spectrum and says what it chose")
     step: PositiveTime | None = Field(default=None, description="largest time step (default: from accuracy)")
@@ -186,7 +190,10 @@ class Linear(Declaration):
     """
 
     kind: Literal["linear"] = "linear"
-    until: PositiveTime = Field(description="end of the run; it begins at 0 s")
+    until: Until = Field(
+        description="end of the run, which begins at 0 s; crossing: when all loads have crossed their lines; "
+        "crossing + 2 s: so much later"
+    )
     every: PositiveTime | None = Field(default=None, description="interval of output (default: until / 100)")
     modes: Annotated[int, Count(1, 100_000)] | None = Field(
         default=None,

@@ -12,12 +12,14 @@ from ropewalk.model.joint import Joint
 from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, Load
 from ropewalk.model.net import AnyNet
+from ropewalk.model.outputs import Outputs
 from ropewalk.model.overhead import CONTACT_WIRE, OverheadLine
 from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import Acceleration, Name
 from ropewalk.model.run import Dynamic, Run
 from ropewalk.model.space import leaving
 from ropewalk.model.sweep import Sweep
+from ropewalk.model.until import crossed
 from ropewalk.model.wind import Wind
 
 
@@ -34,11 +36,13 @@ class Scenario(Declaration):
     nets: dict[Name, AnyNet] = Field(default_factory=dict, description="nets and membranes, by name")
     wind: Wind | None = Field(default=None, description="moving air")
     loads: dict[Name, Load] = Field(default_factory=dict, description="the loads, by name")
+    outputs: Outputs = Field(default=Outputs(), description="what results tell of lines beyond shapes and forces")
     run: Run = Field(default=Dynamic(until=1.0), description="what is asked")
     sweep: Sweep | None = Field(default=None, description="what varies in `ropewalk sweep`")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        object.__setattr__(self, "run", crossed(self.parts).run)
         report("scenario", check(self.parts))
         return self
 
@@ -47,7 +51,16 @@ class Scenario(Declaration):
         """The same in parts, as checks see it."""
         on = {name: load.on for name, load in self.loads.items()}
         return Parts(
-            self.lines, self.loads, self.run, self.gravity, on, self.overhead_lines, self.nets, self.joints, self.wind
+            self.lines,
+            self.loads,
+            self.run,
+            self.gravity,
+            on,
+            self.overhead_lines,
+            self.nets,
+            self.joints,
+            self.wind,
+            self.outputs,
         )
 
     def carrier_of(self, load: AnyLoad) -> str:

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 
 from ropewalk.model._base import Finding
 from ropewalk.model.line import Line, spatial
-from ropewalk.model.load import MovingForce
+from ropewalk.model.load import GivenForces
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic
 from ropewalk.model.support import Elastic
-from ropewalk.model.travel import Travel
+from ropewalk.model.travel import Course
 from ropewalk.model.trolley import Trolley
 from ropewalk.model.vehicle import Vehicle
 
@@ -50,7 +50,7 @@ def check_space(parts: Parts) -> Iterator[Finding]:
         if isinstance(load, Oscillator):
             yield from _sideways(("loads", name), load, why)
     for name, load, on, line in parts.complete():
-        if isinstance(load, MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices):
+        if isinstance(load, GivenForces | MovingMass | Oscillator | Trolley | Vehicle | Matrices):
             yield from _along_x(name, load, on, line)
 
 
@@ -66,14 +66,14 @@ def _sideways(path: tuple[str, ...], restrained: Elastic | Oscillator, why: str)
 
 
 def _along_x(
-    name: str, load: MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices, on: str, line: Line
+    name: str, load: GivenForces | MovingMass | Oscillator | Trolley | Vehicle | Matrices, on: str, line: Line
 ) -> Iterator[Finding]:
     """What is measured along x, or held by a force along x, on a line that does not run along x."""
     start, end = spatial(line.start), spatial(line.end)
     if abs(end[1] - start[1]) <= 1e-9 * line.distance:
         return
     otherwise = f"turn the axes so that {on} runs along x"
-    if isinstance(load.travel, Travel) and load.travel.measured == "horizontal":
+    if isinstance(load.travel, Course) and load.travel.measured == "horizontal":
         wrong = f"horizontal means along x, and the ends of {on} differ in y"
         yield Finding(
             ("loads", name, "travel", "measured"), wrong, "horizontal", f"write slip or material, or {otherwise}"

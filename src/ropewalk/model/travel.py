@@ -31,12 +31,17 @@ class Place(NamedTuple):
     start: float  # m from the start of the line
 
 
-class Travel(Declaration):
-    """A prescribed advance: speed, its measure, where it begins, what happens at the end of the line."""
+class Course(Declaration):
+    """A prescribed advance: speed and its measure."""
 
     kind: Literal["prescribed"] = Field(default="prescribed", json_schema_extra={"optional": True})
     speed: SpeedHistory = Field(description="a constant, or a table {time, value}; negative: towards the start")
     measured: Measure = Field(default="material", description="what the speed counts")
+
+
+class Travel(Course):
+    """A prescribed advance: speed, its measure, where it begins, what happens at the end of the line."""
+
     start: Offset = Field(
         default=0.0,
         alias="from",

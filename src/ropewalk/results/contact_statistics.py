@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -217,10 +218,15 @@ def _stretches(there: NDArray[np.bool_]) -> Iterator[slice]:
 
 def scenario_of(dataset: xr.Dataset) -> Scenario | None:
     """The scenario of a result, or None where its text cannot be read back (callables of the Python API)."""
+    return _read(str(dataset.attrs.get("scenario", "")))
+
+
+@lru_cache(maxsize=4)
+def _read(text: str) -> Scenario | None:
     from ropewalk.model import Scenario
 
     try:
-        return Scenario.model_validate_json(dataset.attrs.get("scenario", ""))
+        return Scenario.model_validate_json(text)
     except ValueError:
         return None
 

@@ -34,6 +34,7 @@ def _decimal(si: str, prefixes: str = " kM") -> _UnitSteps:
 ENGINEERING: Mapping[str, _UnitSteps] = {
     "N": _decimal("N"),
     "N/m": _decimal("N/m"),
+    "N*m": _decimal("N*m"),
     "J": (DisplayUnit("J", 1.0), DisplayUnit("kJ", 1e3, 1e4), DisplayUnit("MJ", 1e6, 1e7)),  # forms differ in size
     "W": _decimal("W"),
     "m": (DisplayUnit("mm", 1e-3), DisplayUnit("m", 1.0, 1.0)),

@@ -22,6 +22,7 @@ from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import is_spatial
 from ropewalk.results.page import Page
+from ropewalk.results.response_views import VIEWS_OF_PLACES, seen_at_places, with_first_axles
 from ropewalk.results.space_figure import is_long, plan, space
 from ropewalk.results.table import NOTHING, ROUND_OFF
 from ropewalk.results.views import VIEWS, any_of, headline
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-ALL_VIEWS = (*VIEWS, "space", "plan")
+ALL_VIEWS = (*VIEWS, *VIEWS_OF_PLACES, "space", "plan")
 WHOLE_ROW = ("shapes", "space", "pantograph_height", "droppers")  # panels that need all of the width
 TALL = {"shapes": 1.4, "space": 2.3, FORCE: 1.3, "plan": 1.5}  # heights of panels beside that of others
 SLIM = 0.7  # and of the plan of what is long
@@ -137,7 +138,7 @@ def panels_of(dataset: xr.Dataset) -> list[str]:
         "contact_friction": not in_time and any_of(dataset, "contact_friction"),
         "reactions": any_of(dataset, "reaction"),
     }
-    return [*first, *(view for view, there in wanted.items() if there)]
+    return [*first, *seen_at_places(dataset), *(view for view, there in wanted.items() if there)]
 
 
 def _moves(places: Array) -> bool:
@@ -192,6 +193,7 @@ def _draw(
     dataset: xr.Dataset, panels: Sequence[str] | None, page: Page, units: DisplayUnits | None
 ) -> tuple[Figure, dict[str, Axes]]:
     """The figure, and its panels by name."""
+    dataset = with_first_axles(dataset)
     collection = Collection.of(dataset) if is_of_overhead_line(dataset) else None
     names = panels_of(dataset) if panels is None else _known(panels, collection)
     spatial = {"space", "plan"} & set(names)
@@ -217,7 +219,8 @@ def _draw(
             elif collection is not None and place.name in collection.panels:
                 collection.draw(place.name, ax)
             else:
-                (plan if place.name == "plan" else VIEWS[place.name])(dataset, ax)
+                view = plan if place.name == "plan" else VIEWS.get(place.name) or VIEWS_OF_PLACES[place.name]
+                view(dataset, ax)
         show_units(fig, units or DisplayUnits.read(None))
         _share_labels(rows, drawn)
         placed = [[drawn[place.name] for place in row] for row in rows]

@@ -167,6 +167,7 @@ class RunInfo:
     audit: str = ""  # why no energy audit is kept, if that is so
     doubts: list[Doubt] = field(default_factory=list)  # reasons not to trust the run
     mesh: dict[str, str | float] = field(default_factory=dict)  # attributes that tell of its error, if asked for
+    static: dict[str, dict[str, float]] = field(default_factory=dict)  # largest static values of lines, if asked for
 
     def doubt(self, what: str, cause: str, key: str, remedy: str) -> None:
         """Note a reason not to trust the run, once."""

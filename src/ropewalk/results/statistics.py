@@ -14,6 +14,7 @@ from ropewalk.results.contact_summary import contact_summary
 from ropewalk.results.contract import doubts_of, path_name
 from ropewalk.results.exchanges import exchange_summary
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
+from ropewalk.results.line_response import response_summary, train_summary
 from ropewalk.results.net_statistics import net_summary
 from ropewalk.results.nets import net_names
 from ropewalk.results.payload_statistics import payload_summary
@@ -38,7 +39,8 @@ def summary(dataset: xr.Dataset) -> Summary:
         dataset: a result, in memory or lazy.
     """
     name = path_name(dataset)
-    loads = enumerate(dataset["load"].values.tolist())
+    trains = train_summary(dataset)
+    loads = [pair for pair in enumerate(dataset["load"].values.tolist()) if pair[1].partition(".")[0] not in trains]
     supports = enumerate(dataset["support"].values.tolist())
     found: Summary = {
         "title": dataset.attrs.get("title", ""),
@@ -54,9 +56,11 @@ def summary(dataset: xr.Dataset) -> Summary:
         "smallest_strain": _extreme(dataset, "strain", np.nanmin),
         "largest_sag": _furthest(dataset, sag),
         "largest_sideways": _furthest(dataset, _aside) if "y" in dataset["axis"].values else None,
+        "lines": response_summary(dataset),
         "nets": net_summary(dataset, blocks(dataset)),
         "supports": {label: _vector(dataset, dataset["reaction"][:, k]) for k, label in supports},
         "contacts": {label: _contact(dataset, k) for k, label in loads},
+        "trains": trains,
         "payloads": payload_summary(dataset),
         **contact_summary(dataset),
         "exchanges": exchange_summary(dataset),

@@ -86,6 +86,8 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
         aside = found["largest_sideways"]
         if aside is not None and aside["value"] > ROUND_OFF:
             yield _quantity("largest sideways deflection", aside, lines)
+    for name, line in found["lines"].items():
+        yield from _response_rows(name, line, units, floor)
     for name, net in found["nets"].items():
         yield from _net_rows(name, net, column(net))
     if found["supports"]:
@@ -96,6 +98,8 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
             yield from _pantograph_rows(name, found["pantographs"][name], column(found["pantographs"][name]))
         else:
             yield from _contact_rows(name, contact, column(contact["force"], contact["hold_force"]), largest)
+    for name, train in found["trains"].items():
+        yield from _train_rows(name, train, column(train["load"]))
     for name, payload in found["payloads"].items():
         yield from _payload_rows(name, payload, column(payload))
     for name, line in found["overhead_lines"].items():
@@ -303,6 +307,42 @@ def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> I
         yield "last speed", say(speed["value"], "m/s"), "  ".join((*_when(speed), "before it leaves or stops"))
     if share < 1.0:
         yield "on the line", f"{100 * share:.0f} %", "of the output instants"
+
+
+_RESPONSES = {
+    "deflection": "largest deflection", "acceleration": "largest acceleration", "moment": "largest bending moment",
+    "shear": "largest shear",
+}  # fmt: skip
+
+
+def _response_rows(name: str, line: Summary, units: DisplayUnits, floor: dict[str, float]) -> Iterator[Row]:
+    """What a line or a place along it goes through."""
+    yield (f"Place {name}" if "xi" in line else f"Line {name}"), "", ""
+    for quantity, what in _RESPONSES.items():
+        entry = line.get(quantity)
+        if entry is None:
+            continue
+        if entry["largest"] is None:
+            yield what, "–", "output instants are too few, or too far apart for the filter: write a shorter run.every"
+            continue
+        say = Column(units, entry, floor=floor)
+        where = list(_when(entry["largest"]))
+        if quantity in ("deflection", "moment"):
+            where.append(say.span(entry["min"], entry["max"], entry["unit"]))
+        if entry.get("impact") is not None:
+            static = say(entry["static"], entry["unit"])
+            where.append(f"{number(entry['impact']['value'], 4)} times the static {static}")
+        yield what, say(entry["largest"]["value"], entry["unit"]), "  ".join(where)
+
+
+def _train_rows(name: str, train: Summary, say: Column) -> Iterator[Row]:
+    yield f"Train {name}", "", ""
+    yield "axles", str(train["axles"]), f"at most {train['most_on_line']} of them on the line"
+    yield "largest load on the line", say(train["load"]["max"], "N"), ""
+    first, last = train["first"], train["last"]
+    if first["value"] is not None:
+        span = f"{number(first['value'])} to {number(last['value'])} {first['unit']}"
+        yield "on the line", span, "from its first axle to its last one"
 
 
 def _payload_rows(name: str, payload: Summary, say: Column) -> Iterator[Row]:

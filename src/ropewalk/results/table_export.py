@@ -14,6 +14,7 @@ from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
+from ropewalk.results.line_response import histories
 from ropewalk.results.statistics import blocks, lines, sag, summary
 
 if TYPE_CHECKING:
@@ -216,9 +217,11 @@ def _series(dataset: xr.Dataset, chosen: list[int]) -> pd.DataFrame:
     import pandas as pd
 
     name = path_name(dataset)
+    watched = {f"{what} [{unit}]": values[chosen] for what, values, unit in histories(dataset)}
     dataset = dataset.isel({name: chosen})
     parts = [dict([*_of_lines(block), *_of_points(block)]) for block in blocks(dataset)] or [{}]
     columns = {column: np.concatenate([part[column] for part in parts]) for column in parts[0]}
+    columns |= watched
     head = f"{name} [{dataset[name].attrs['units']}]"
     return pd.DataFrame(columns, index=pd.Index(dataset[name].values, name=head))
 

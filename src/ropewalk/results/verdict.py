@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 AUDITED = ENERGY_FORMS.index(AUDIT)
 IMBALANCE = 0.05  # of the energy turned over: beyond it a run is doubtful
 ROUNDING = 1e-10  # of the largest energy: what the audit cannot resolve
+VANISHING = 1e-100  # N: small motion begins with a little more than nothing
 UNBALANCED = 1e-3  # of all weights: what the support forces at rest may miss
 NOTHING = 1e-10  # of the largest tension, or of the weight of the line: a load that presses less does not press
 SLACK = 100.0  # times the speed of waves: a line is slack there
@@ -141,7 +142,7 @@ class Watch:
                 yield from self._balance.doubts()
             yield from self._single_steps(force)
         missing, carried = self._missing
-        if missing > UNBALANCED * carried:
+        if missing > max(UNBALANCED * carried, VANISHING):
             what = f"at rest the support forces differ by {missing:.4g} N from the {carried:.4g} N that they carry"
             remedy = "write more elements, and check supports and lengths"
             yield Doubt(what, "the shape that was found is not in balance", "lines", remedy)

@@ -16,6 +16,7 @@ from ropewalk.model.consistency import check
 from ropewalk.model.joint import Joint
 from ropewalk.model.line import contradictions
 from ropewalk.model.net import AnyNet
+from ropewalk.model.outputs import Outputs
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import Acceleration, unit_of
@@ -30,6 +31,7 @@ _JOINT: TypeAdapter[Any] = TypeAdapter(Joint)
 _WIND: TypeAdapter[Any] = TypeAdapter(Wind)
 _LOAD: TypeAdapter[Any] = TypeAdapter(Load)
 _RUN: TypeAdapter[Any] = TypeAdapter(Run)
+_OUTPUTS: TypeAdapter[Any] = TypeAdapter(Outputs)
 _GRAVITY: TypeAdapter[Any] = TypeAdapter(Acceleration)
 
 
@@ -231,9 +233,10 @@ def _parts(tree: Any, uncertain: set[str]) -> Parts:
     nets = {name: _valid(_NET, net) for name, net in _members(tree, "nets").items()}
     joints = {name: _valid(_JOINT, joint) for name, joint in _members(tree, "joints").items()}
     wind = _valid(_WIND, tree["wind"]) if "wind" in tree else None
+    outputs = _valid(_OUTPUTS, tree.get("outputs", {})) or Outputs()
     complete = not {"lines", "overhead_lines", "nets"} & uncertain and isinstance(tree.get("lines", {}), dict)
     on = on if lines or overhead or nets else {}
-    return Parts(lines, loads, run, gravity, on, overhead, nets, joints, wind, complete)
+    return Parts(lines, loads, run, gravity, on, overhead, nets, joints, wind, outputs, complete)
 
 
 def _members(tree: Any, name: str) -> dict[str, Any]:

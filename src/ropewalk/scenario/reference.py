@@ -17,7 +17,7 @@ MARK = "<!-- Generated from the schema by ropewalk.scenario.reference: do not ed
 
 SECTIONS = {
     "The file": ("scenario",),
-    "A line": ("line",),
+    "A line": ("line", "damping"),
     "What lines are joined by": ("joint",),
     "Nets and membranes": ("net",),
     "Wind": ("wind",),
@@ -25,6 +25,7 @@ SECTIONS = {
     "Supports": ("support",),
     "Supports between the ends of a line": ("inner_support",),
     "Loads": ("load", "mass", "oscillator", "trolley", "vehicle"),
+    "Trains": ("axles",),
     "Loads given by matrices": ("matrices",),
     "Loads that walk": ("footsteps", "walker"),
     "Loads of your own": ("stepper", "fmu", "exchange"),
@@ -32,6 +33,7 @@ SECTIONS = {
     "Tables": ("history",),
     "Overhead lines": ("overhead", "pantograph"),
     "Runs": ("run",),
+    "What results tell of lines": ("outputs",),
     "Many runs": ("sweep",),
 }
 """Headings with the modules of `ropewalk.model` whose declarations stand below them."""

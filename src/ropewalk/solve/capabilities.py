@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import Capabilities, missing
+from ropewalk.model.capabilities import Capabilities, missing, without_retardation
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import ExternalModel, MovingForce
 from ropewalk.model.parts import Parts
@@ -76,7 +76,7 @@ MOTION = Capabilities(
         "lines.law.kind": "ask for kind: quasistatic or equilibrium, or give an axial_stiffness with law hooke",
         "loads.contact": "ask for kind: quasistatic, or write clamped or frictionless",
     },
-    more=(_methods,),
+    more=(_methods, without_retardation(_ROPES, "use axial_damping, or one frequency")),
 )
 AT_REST = Capabilities(
     "ropes at rest or quasi-static",

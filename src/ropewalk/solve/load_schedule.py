@@ -6,6 +6,7 @@ import numpy as np
 
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.moving_contact import look_up_integral
+from ropewalk.model.axles import Axles
 from ropewalk.model.history import SpeedTable
 from ropewalk.model.load import Travelling
 from ropewalk.model.pantograph import Pantograph
@@ -26,7 +27,9 @@ def horizon(scenario: Scenario) -> float:
         speed, until, gone = load.travel.speed, 1.0, -1.0
         line, overhead = scenario.lines.get(load.on), scenario.overhead_lines.get(load.on)
         length = max(line.length or 0.0, line.distance) if line is not None else overhead.length if overhead else 0.0
-        reach = 3.0 * length  # longer than the stretched line, and there and back
+        reach = 3.0 * length + (
+            load.length if isinstance(load, Axles) else 0.0
+        )  # longer than the stretched line, and there and back
         for _ in range(60):
             grid = np.linspace(0.0, until, 257)
             if callable(speed):

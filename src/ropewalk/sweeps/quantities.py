@@ -12,6 +12,7 @@ import numpy as np
 from ropewalk.errors import Problem, ScenarioError, did_you_mean
 from ropewalk.mechanics.chain import Array
 from ropewalk.results import named_numbers, series_table
+from ropewalk.results.line_response import LEAST as LEAST_FRAMES
 from ropewalk.sweeps.keys import ends_with
 
 if TYPE_CHECKING:
@@ -75,6 +76,7 @@ class _Result:
 
     def one(self, name: str) -> tuple[float | None, str]:
         """The value of one name."""
+        name = _spoken(name)
         measure, _, what = name.strip().partition(" ")
         measure, what = _SAME.get(measure, measure), what.strip()
         if measure in _MEASURES and what:
@@ -88,6 +90,8 @@ class _Result:
 
     def _reduced(self, name: str, measure: str, what: str) -> tuple[float | None, str]:
         what = _OF_ALL.get(what, what)
+        quantity, of, owner = what.partition(" of ")
+        what = f"{owner.strip()}.{quantity.strip()}" if of else what
         before = _BEFORE.get(measure, "") + what
         keys = _among(self.numbers, [before] * (measure in _BEFORE) + [f"{what}.{word}" for word in _AFTER[measure]])
         columns = [] if keys else _among(self.series, [what])
@@ -98,6 +102,7 @@ class _Result:
             found = " or ".join((keys or columns)[:4])
             raise _unknown(name, f"may be {found}", "write more of the name, or * in it for max and min of all")
         if keys:
+            self._refuse_coarse(name, keys)
             if len(keys) == 1:  # it is such a measure by itself
                 return self.numbers[keys[0]]
             values = np.array([value for key in keys if (value := self.numbers[key][0]) is not None])
@@ -108,6 +113,13 @@ class _Result:
         kept = values[np.isfinite(values)]
         return (float(_MEASURES[measure](kept)) if kept.size else None), unit
 
+    def _refuse_coarse(self, name: str, keys: Sequence[str]) -> None:
+        """Refuse accelerations that output instants are too far apart for."""
+        frames = self._dataset.sizes.get("time", 0)
+        if frames >= LEAST_FRAMES and any(".acceleration." in key and self.numbers[key][0] is None for key in keys):
+            remedy = "write a run.every of a quarter of the period of outputs.cut_off, 8 ms for 30 Hz, or less"
+            raise _unknown(name, "output instants are too far apart for it", remedy)
+
     def _names(self, measure: str = "") -> list[str]:
         """What can be asked for: of a measure without the word for it."""
         if not measure:
@@ -117,6 +129,18 @@ class _Result:
         last = [f".{word}" for word in _AFTER[measure]]
         names += [known[: -len(end)] for known in self.numbers for end in last if known.endswith(end)]
         return [*names, *_OF_ALL, *self.series]
+
+
+def _spoken(name: str) -> str:
+    """Names of static parts and impact factors as they are spoken, as the summary has them."""
+    words = name.strip()
+    if words.startswith("impact factor of "):
+        quantity, of, owner = words.removeprefix("impact factor of ").rpartition(" of ")
+        return f"{owner}.{quantity if of else 'deflection'}.impact"
+    if words.startswith("static ") and " of " in words:
+        quantity, _, owner = words.removeprefix("static ").partition(" of ")
+        return f"{owner}.{quantity}.static"
+    return name
 
 
 def _among(known: Any, wanted: Sequence[str]) -> list[str]:

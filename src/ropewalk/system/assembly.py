@@ -21,7 +21,7 @@ from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import Hooke
 from ropewalk.model.line import Line
-from ropewalk.model.load import AnyLoad, ExternalModel, MovingForce
+from ropewalk.model.load import AnyLoad, ExternalModel, GivenForces
 from ropewalk.model.net import CableEdge
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
@@ -70,7 +70,7 @@ class _Cable(NamedTuple):
             isinstance(support, Fixed) and support.clamped for support in (line.start_support, line.end_support)
         )
         return _Cable(
-            pack(line.law, line.axial_stiffness), line.mass, line.drag, line.axial_damping,
+            pack(line.law, line.axial_stiffness), line.mass, line.alpha, line.axial_damping,
             line.bending_stiffness or 0.0, line.foundation or 0.0, line.wind_drag,
             (components(line.start, axes), components(line.end, axes)), (one, other),
         )  # fmt: skip
@@ -394,7 +394,7 @@ def contacts_of(
 
 def _only_presses(load: AnyLoad) -> bool:
     """Whether nothing stands on the contacts of a load."""
-    return isinstance(load, MovingForce | Footsteps) or (
+    return isinstance(load, GivenForces | Footsteps) or (
         isinstance(load, ExternalModel) and not (load.exchange.stiffness or load.exchange.damping)
     )
 

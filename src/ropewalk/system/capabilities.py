@@ -6,7 +6,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import OF_LINEAR_THEORY, Capabilities, missing, supported_by_tension
+from ropewalk.model.capabilities import (
+    OF_LINEAR_THEORY,
+    Capabilities,
+    missing,
+    supported_by_tension,
+    without_retardation,
+)
 from ropewalk.model.division import links_of_line
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import rows
@@ -222,6 +228,10 @@ def _on_nets(parts: Parts) -> Iterator[Finding]:
 
 
 _LAWS = ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table")
+_MORE = (
+    _accuracy, _only_lines, _overhead, _inextensible, _in_a_window, _joined_between_nodes, _of_loads, _on_nets,
+    supported_by_tension, of_methods,
+)  # fmt: skip
 MOTION = Capabilities(
     _SYSTEM,
     only={
@@ -231,6 +241,7 @@ MOTION = Capabilities(
         "lines.law.kind": (*_LAWS, "inextensible"),
         "loads.kind": (
             "force",
+            "axles",
             "mass",
             "oscillator",
             "trolley",
@@ -248,18 +259,7 @@ MOTION = Capabilities(
         "lines.law.kind": "give an axial_stiffness with law hooke",
         "loads.travel.kind": "give a speed",
     },
-    more=(
-        _accuracy,
-        _only_lines,
-        _overhead,
-        _inextensible,
-        _in_a_window,
-        _joined_between_nodes,
-        _of_loads,
-        _on_nets,
-        supported_by_tension,
-        of_methods,
-    ),
+    more=(*_MORE, without_retardation(_SYSTEM, "write geometry: linearised on straight beams, or use drag")),
 )
 AT_REST = replace(
     MOTION,
@@ -268,10 +268,11 @@ AT_REST = replace(
         **MOTION.only,
         "run.kind": ("quasistatic", "equilibrium"),
         "loads.travel.margin": (None,),
-        "loads.kind": ("force", "mass", "oscillator", "trolley", "vehicle", "matrices"),
+        "loads.kind": ("force", "axles", "mass", "oscillator", "trolley", "vehicle", "matrices"),
         "loads.travel.kind": ("prescribed",),
         "loads.travel.measured": ("material",),
     },
+    more=_MORE,
     instead={
         **MOTION.instead,
         "loads.kind": "ask for kind: dynamic, or write kind: force with its weight as force",
@@ -341,6 +342,7 @@ LINEAR = replace(
         supported_by_tension,
         _moves_little,
         _stays_in_contact,
+        without_retardation(_LINEAR, _DYNAMIC),
     ),
 )
 """Small motion about rest, by modes."""

@@ -14,7 +14,7 @@ from typing import Any
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import missing
 from ropewalk.model.footsteps import Footsteps
-from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel, MovingForce
+from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel, GivenForces
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic
@@ -72,12 +72,12 @@ def _not_smooth(parts: Parts) -> Iterator[tuple[str, str]]:
             continue
         if isinstance(load, Footsteps | Walker | ExternalModel):
             yield "a load with a controller", "kind: force"
-        if isinstance(load, MovingForce) and parts.is_airy and load.travel.speed != 0.0:  # steps become ever shorter
+        if isinstance(load, GivenForces) and parts.is_airy and load.travel.speed != 0.0:  # steps become ever shorter
             yield "a force that moves along in wind", "leave wind_drag out"
         line = parts.lines.get(load.on)
         limp = line is not None and line.axial_damping and not line.bending_stiffness
         sixth = isinstance(parts.run, Dynamic) and parts.run.method == "rkn6"
-        if sixth and limp and isinstance(load, MovingForce) and load.travel.speed != 0.0:  # the same
+        if sixth and limp and isinstance(load, GivenForces) and load.travel.speed != 0.0:  # the same
             yield "a force that moves along a line with axial damping", "method: implicit"
         yield from _jumps(load)
 

@@ -13,7 +13,7 @@ from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.moving_contact import force_at
 from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.line import Line, spatial
-from ropewalk.model.load import AnyLoad, MovingForce
+from ropewalk.model.load import AnyLoad, GivenForces
 from ropewalk.model.support import Guided
 from ropewalk.solve.multibody import Multibody, multibody_of
 from ropewalk.wires.ends import compliance, kinds_of, lengthened
@@ -33,8 +33,8 @@ def wire_of(name: str, line: Line) -> Wire:
     if pulled is not None:
         tension = pulled
     return Wire(
-        name, spatial(line.start), spatial(line.end), tension, line.mass, line.bending_stiffness, EA, line.drag, 0.0,
-        line.foundation, kinds_of(line), line.length, stretched=False,
+        name, spatial(line.start), spatial(line.end), tension, line.mass, line.bending_stiffness, EA,
+        line.alpha, line.beta, line.foundation, kinds_of(line), line.length, stretched=False,
     )  # fmt: skip
 
 
@@ -66,13 +66,18 @@ def prescribed_motion_of(
     material = bool(loading.loads.measure[wheels[0]] == MATERIAL)
     scale = 1.0 if material else wire.length / abs(wire.end[0] - wire.start[0])
     place = _place(loading.loads, int(wheels[np.argmax(starts)]), scale * float(starts.max()), scale)
-    if isinstance(load, MovingForce):
-        k, up = int(wheels[0]), len(loading.axes) - 1
-        none = np.zeros((0, 0))
-        moving_load = TravellingLoad(name, none, none, none, (Contact(number, stiffness=0.0, material=material),))
+    if isinstance(load, GivenForces):
+        up, none = len(loading.axes) - 1, np.zeros((0, 0))
+        contacts = [Contact(number, behind=float(scale * d), stiffness=0.0, material=material) for d in behind]
+        moving_load = TravellingLoad(name, none, none, none, tuple(contacts))
 
         def given(times: Array) -> Array:
-            return np.array([[force_at(loading.loads, k, float(t), up)] for t in times])
+            found = np.empty((times.size, wheels.size))
+            for i, k in enumerate(wheels):
+                steady = loading.loads.force_count[k] == 1
+                instants = times[:1] if steady else times
+                found[:, i] = [force_at(loading.loads, int(k), float(t), up) for t in instants]
+            return found
 
         return PrescribedMotion(moving_load, place, given=given), None
     system = multibody_of(loading, name, load, behind)

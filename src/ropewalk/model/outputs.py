@@ -1,0 +1,70 @@
+"""Outputs: what results tell of lines beyond shapes and forces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from pydantic import Field
+
+from ropewalk import hooks
+from ropewalk.errors import did_you_mean
+from ropewalk.model._base import Declaration, Finding
+from ropewalk.model.quantity import Frequency, Name, Offset
+from ropewalk.model.run import Dynamic, Linear, Quasistatic
+
+
+class LinePlace(Declaration):
+    """A place along a line that results tell of by name."""
+
+    on: str = Field(description="name of the line")
+    at: Offset = Field(description="unstrained length from the start of that line")
+
+
+class Outputs(Declaration):
+    """What a bridge engineer reads: deflection, acceleration, bending moment and shear of lines and at places.
+
+    Summaries, tables and sweeps have them of each line with bending stiffness, and of each place. Deflection is
+    downwards from where the line is at first, acceleration vertical and low-pass filtered, a sagging moment positive.
+    """
+
+    cut_off: Frequency = Field(
+        default=30.0, description="of the filter of accelerations (Butterworth, fourth order, forwards and backwards)"
+    )
+    places: dict[Name, LinePlace] = Field(default_factory=dict, description="places along lines, by name")
+    impact: bool = Field(
+        default=False,
+        description="also let the loads cross without inertia (kind: quasistatic), and give the static part of each "
+        "quantity and the impact factor: its largest value over that of the static part",
+    )
+
+
+def check_outputs(parts: Any) -> Iterator[Finding]:
+    """Find places that are on no line, and static parts that cannot be had."""
+    for name, place in parts.outputs.places.items():
+        path: tuple[str, ...] = ("outputs", "places", name)
+        if place.on not in parts.lines:
+            remedy = did_you_mean(place.on, parts.lines, otherwise=f"lines here: {', '.join(parts.lines)}")
+            yield Finding((*path, "on"), "no such line", repr(place.on), remedy)
+        elif (line := parts.lines[place.on]) is not None and place.at > (line.length or line.distance) * (1.0 + 1e-9):
+            longest = line.length or line.distance
+            yield Finding(
+                (*path, "at"), f"is beyond the end of {place.on}", f"{place.at:g} m", f"at most {longest:g} m"
+            )
+        if name in parts.lines:
+            yield Finding(path, "a line has the same name", remedy="give it another name")
+    if not parts.outputs.impact or parts.run is None:
+        return
+    path = ("outputs", "impact")
+    if not isinstance(parts.run, Dynamic | Linear):
+        wrong, remedy = "an impact factor compares a motion with rest", "ask for kind: dynamic or linear"
+        yield Finding(path, wrong, f"kind: {parts.run.kind}", remedy)
+    elif not parts.loads and parts.is_complete:
+        yield Finding(path, "no load crosses", "true", "add a load, or leave impact out")
+    else:
+        for found in hooks.unsupported(replace(parts, run=Quasistatic())):
+            where, remedy = ".".join(map(str, found.path)), "leave impact out"
+            wrong = f"the static part cannot be had: {where} {found.wrong}".strip()
+            yield Finding(path, wrong, found.given, remedy)
+            break

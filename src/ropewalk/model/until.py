@@ -1,0 +1,128 @@
+"""The end of a run: a time, or as long as the loads take to cross their lines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import core_schema
+
+from ropewalk.errors import Refused
+from ropewalk.model._base import Finding
+from ropewalk.model.course import course, first_at_most
+from ropewalk.model.history import SpeedTable
+from ropewalk.model.quantity import Quantity
+from ropewalk.units import written
+
+CROSSING = "crossing"
+_FORM = "write a time, crossing, or crossing + 2 s"
+
+
+class Crossing(float):
+    """A time in s that follows from the loads, and what is to come after it; 1 s as long as it is not found."""
+
+    more: float = 0.0  # s
+
+    @staticmethod
+    def of(time: float, more: float) -> Crossing:
+        """The end of a run whose loads have crossed by a time in s."""
+        found = Crossing(time + more)
+        found.more = more
+        return found
+
+    @property
+    def text(self) -> str:
+        """As it is written in scenarios."""
+        return f"{CROSSING} + {written(self.more, 's')}" if self.more else CROSSING
+
+
+@dataclass(frozen=True)
+class RunEnd(Quantity):
+    """Annotation: a positive time, or until all loads have crossed."""
+
+    unit: str = "s"
+
+    def read(self, value: object) -> float:
+        if isinstance(value, Crossing):
+            return value
+        if not (isinstance(value, str) and value.strip().startswith(CROSSING)):
+            return Quantity("s", "positive").read(value)
+        rest = value.strip().removeprefix(CROSSING).strip()
+        if not rest:
+            return Crossing.of(1.0, 0.0)
+        if not rest.startswith("+"):
+            raise Refused("expected a time", _FORM, given=repr(value))
+        return Crossing.of(1.0, Quantity("s", "not negative").read(rest[1:].strip()))
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(
+            self.read,
+            serialization=core_schema.plain_serializer_function_ser_schema(
+                lambda value: value.text if isinstance(value, Crossing) else written(value, "s"), when_used="json"
+            ),
+        )
+
+    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"anyOf": [Quantity("s", "positive").__get_pydantic_json_schema__(None, handler), {"enum": [CROSSING]}]}
+
+
+Until = Annotated[float, RunEnd()]
+
+
+def crossed(parts: Any) -> Any:
+    """The parts of a scenario with the end of its run found, if it is that of a crossing and can be found."""
+    until = getattr(parts.run, "until", None)
+    if not isinstance(until, Crossing):
+        return parts
+    times = [time for _, time in _arrivals(parts) if time is not None]
+    if not times:
+        return parts
+    return replace(parts, run=parts.run.model_copy(update={"until": Crossing.of(max(times), until.more)}))
+
+
+def check_crossing(parts: Any) -> Iterator[Finding]:
+    """Find why it is not known how long a crossing takes."""
+    if not isinstance(getattr(parts.run, "until", None), Crossing):
+        return
+    if not parts.is_complete or len(list(parts.complete())) < len(parts.loads):
+        return  # what is wrong there says more
+    arrivals = list(_arrivals(parts))
+    late = [name for name, time in arrivals if time is None]
+    if arrivals and not late:
+        return
+    wrong, given = "no load crosses its line as prescribed", CROSSING
+    if late:
+        wrong = f"it is not known when load {late[0]} has crossed its line"
+    remedy = "write a time, or measure its travel as material or horizontal on a line of given length"
+    yield Finding(("run", "until"), wrong, given, remedy)
+
+
+def _arrivals(parts: Any) -> Iterator[tuple[str, float | None]]:
+    """Name of each load that travels as prescribed, and when all of it is at the end of its line or beyond, s."""
+    from ropewalk.model.places import margin, reach  # they know of runs, whose end this is
+
+    for name, load, _, line in parts.complete():
+        travel: Any = getattr(load, "travel", None)
+        if travel is None or travel.kind == "free" or callable(travel.speed):
+            continue
+        speed = travel.speed
+        limit = reach(line, travel.measured)
+        room = margin(load, line) if getattr(travel, "at_end", "leave") == "refuse" else 0.0
+        ways = [None if limit is None else _time(speed, place.start, room, limit - room) for place in load.starts()]
+        yield name, None if None in ways else max(way for way in ways if way is not None)
+
+
+def _time(speed: float | SpeedTable, start: float, low: float, high: float) -> float | None:
+    """When what starts at a place comes to be as low or as high as said, whichever it goes to, s; None: never."""
+    last = speed.value[-1] if isinstance(speed, SpeedTable) else speed
+    if last == 0.0:
+        return None
+    known = max(speed.time[-1], 0.0) if isinstance(speed, SpeedTable) else 0.0
+    fastest = max(map(abs, speed.value)) if isinstance(speed, SpeedTable) else abs(speed)
+    horizon = known + (abs(start) + abs(high) + fastest * known) / abs(last) + 1.0
+    way = course(speed, start, horizon)
+    found = first_at_most(way, low) if last < 0.0 else first_at_most([piece.mirrored() for piece in way], -high)
+    return found if found is not None and math.isfinite(found) else None

@@ -1,0 +1,285 @@
+"""What bridge engineers read of lines: deflection, acceleration, bending moment and shear, of lines and at places."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ropewalk.model.load import GivenForces
+from ropewalk.results.contact_statistics import scenario_of
+from ropewalk.results.contract import STATIC, path_name
+from ropewalk.results.frame import Array
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ropewalk.model import Scenario
+    from ropewalk.model.line import Line
+
+UNITS = {"deflection": "m", "acceleration": "m/s^2", "moment": "N*m", "shear": "N"}
+_ORDER = 4  # of the filter, twice that forwards and backwards
+_FINE = 4.0  # output instants in a period of the cut-off: with fewer, what is faster would pass for slower
+LEAST = 40  # frames that the filter needs
+_EVEN = 1e-6  # of an interval
+
+
+@dataclass(frozen=True)
+class LineResponse:
+    """Quantities of one line over all frames of a result.
+
+    Args:
+        dataset: the result.
+        name: of the line.
+        line: as declared.
+        cut_off: Hz, of accelerations.
+    """
+
+    dataset: xr.Dataset
+    name: str
+    line: Line
+    cut_off: float
+
+    @cached_property
+    def nodes(self) -> Any:
+        """Numbers of its nodes."""
+        return np.flatnonzero(self.dataset["line"].values == self.name)
+
+    @cached_property
+    def xi(self) -> Array:
+        """(node,) m."""
+        return np.asarray(self.dataset["xi"].values[self.nodes])
+
+    @cached_property
+    def path(self) -> Array:
+        """(frame,) of the leading dimension."""
+        return np.asarray(self.dataset[path_name(self.dataset)].values)
+
+    @cached_property
+    def _position(self) -> Array:
+        return np.asarray(self.dataset["position"].values[:, self.nodes])
+
+    @cached_property
+    def deflection(self) -> Array:
+        """(frame, node) m, downwards from the first frame."""
+        z = self._position[..., -1]
+        return np.asarray(z[0] - z)
+
+    @cached_property
+    def acceleration(self) -> Array | None:
+        """(frame, node) m/s^2, vertical and filtered; None where output instants are too few or too far apart.
+
+        The derivative of a spline through the filtered velocities.
+        """
+        from scipy.interpolate import CubicSpline
+        from scipy.signal import butter, sosfiltfilt
+
+        if not self.is_fine:
+            return None
+        velocity = self.dataset["velocity"].values[: self._even, self.nodes, -1]
+        sections = butter(_ORDER, self.cut_off, fs=1.0 / float(self.path[1] - self.path[0]), output="sos")
+        time = self.path[: self._even]
+        return np.asarray(CubicSpline(time, sosfiltfilt(sections, velocity, axis=0)).derivative()(time))
+
+    @property
+    def is_fine(self) -> bool:
+        """Whether output instants are close enough for accelerations."""
+        if path_name(self.dataset) != "time" or self._even < LEAST:
+            return False
+        return float(self.path[1] - self.path[0]) * _FINE * self.cut_off <= 1.0 + _EVEN
+
+    @cached_property
+    def _even(self) -> int:
+        """How many frames follow one another evenly: the last one may come sooner."""
+        steps = np.diff(self.path)
+        return self.path.size - int(steps.size > 1 and abs(steps[-1] / steps[0] - 1.0) > _EVEN)
+
+    @cached_property
+    def moment(self) -> Array | None:
+        """(frame, node) N m, EI times curvature, sagging positive; None without bending stiffness.
+
+        Differences give it as a mean over both links, which cuts its corners under point forces: these are put back.
+        """
+        EI, r = self.line.bending_stiffness, self._position
+        if not EI or self.xi.size < 4:
+            return None
+        run = r[:, -1, :-1] - r[:, 0, :-1]
+        onward = run / np.maximum(np.linalg.norm(run, axis=1, keepdims=True), 1e-300)
+        x, z = np.einsum("fna,fa->fn", r[..., :-1], onward), r[..., -1]
+        dx, dz = 0.5 * (x[:, 2:] - x[:, :-2]), 0.5 * (z[:, 2:] - z[:, :-2])
+        bent = dx * np.diff(z, 2, axis=1) - dz * np.diff(x, 2, axis=1)
+        out = np.zeros(z.shape)
+        out[:, 1:-1] = EI * bent / np.maximum((dx**2 + dz**2) ** 1.5, 1e-300) + self._corners[:, 1:-1]
+        for end, (a, b) in ((0, (1, 2)), (-1, (-2, -3))):
+            if getattr((self.line.start_support, self.line.end_support)[end], "clamped", False):
+                out[:, end] = 2.0 * out[:, a] - out[:, b]
+        return out
+
+    @cached_property
+    def _corners(self) -> Array:
+        """(frame, node) N m, what differences miss of moments whose slopes jump by point forces.
+
+        Beside a force F at a distance of u links a moment goes as -(F h / 2) |u|. The second difference of exact
+        deflections is its mean with a hat, less by (F h / 6) (1 - |u|)^3 for |u| < 1. On a mesh it is what nodes bear,
+        which share F as the sharpened spline of `docs/notes/wires.md` tells: less by as much, but for (F h / 6) B(u)
+        with the cubic B-spline B.
+        """
+        exact = self.dataset.attrs.get("method") == "linear theory"
+        h = float(self.xi[1] - self.xi[0])
+        out = np.zeros((self.path.size, self.xi.size))
+        given, place = self.dataset["contact_force"].values[..., -1], self.dataset["contact_xi"].values
+        on = [k for k, load in enumerate(self.dataset["load"].values.tolist()) if self._carries(load)]
+        forces = [(-given[:, k], place[:, k]) for k in on]
+        names = self.dataset["support"].values.tolist()
+        for name, support in self.line.supports.items():
+            if (label := f"{self.name}.{name}") in names:
+                reaction = self.dataset["reaction"].values[:, names.index(label), -1]
+                forces.append((-reaction, np.full(self.path.size, support.at)))
+        for force, at in forces:
+            there = np.flatnonzero(np.isfinite(force) & np.isfinite(at) & (force != 0.0))
+            near = (at[there] / h).astype(np.int64)
+            for side in (-1, 0, 1, 2):
+                i = near + side
+                inside = (i >= 0) & (i < self.xi.size)
+                u = np.abs(at[there][inside] / h - i[inside])
+                missed = np.maximum(1.0 - u, 0.0) ** 3 - (0.0 if exact else _b_spline(u))
+                out[there[inside], i[inside]] += force[there][inside] * h / 6.0 * missed
+        return out
+
+    def _carries(self, contact: str) -> bool:
+        load = self._loads.get(contact) or self._loads.get(contact.partition(".")[0])
+        return load is not None and load.on == self.name
+
+    @cached_property
+    def _loads(self) -> Mapping[str, Any]:
+        scenario = scenario_of(self.dataset)
+        return scenario.loads if scenario is not None else {}
+
+    @cached_property
+    def shear(self) -> Array | None:
+        """(frame, link) N, the slope of the moment, towards the end of the line."""
+        return None if self.moment is None else np.asarray(np.diff(self.moment, axis=1) / np.diff(self.xi))
+
+    def at(self, xi: float) -> dict[str, Array]:
+        """The quantities at a place in m, (frame,) each; deflections and accelerations by splines through the nodes."""
+        from scipy.interpolate import CubicSpline
+
+        found = {}
+        for quantity in ("deflection", "acceleration"):
+            values = getattr(self, quantity)
+            if values is not None:
+                own = CubicSpline(self.xi, values, axis=1)(xi) if self.xi.size > 2 else values[:, -1]
+                found[quantity] = own
+        if self.moment is not None and self.shear is not None:
+            i = int(np.clip(np.searchsorted(self.xi, xi, side="right") - 1, 0, self.xi.size - 2))
+            part = (xi - self.xi[i]) / (self.xi[i + 1] - self.xi[i])
+            found["moment"] = (1.0 - part) * self.moment[:, i] + part * self.moment[:, i + 1]
+            found["shear"] = self.shear[:, i]
+        return found
+
+
+def _b_spline(u: Array) -> Array:
+    """The cubic B-spline at distances of u >= 0 links from its middle."""
+    return np.asarray(np.where(u < 1.0, 2.0 / 3.0 - u**2 + 0.5 * u**3, np.maximum(2.0 - u, 0.0) ** 3 / 6.0))
+
+
+def responses(dataset: xr.Dataset) -> tuple[dict[str, LineResponse], Scenario | None]:
+    """The responses of the lines that have bending stiffness or a named place, and the scenario."""
+    scenario = scenario_of(dataset)
+    if scenario is None or not dataset.sizes[path_name(dataset)]:
+        return {}, scenario
+    outputs, there = scenario.outputs, set(dataset["line"].values.tolist())
+    looked = {place.on for place in outputs.places.values()}
+    return {
+        name: LineResponse(dataset, name, line, outputs.cut_off)
+        for name, line in scenario.lines.items()
+        if name in there and (line.bending_stiffness or name in looked)
+    }, scenario
+
+
+def histories(dataset: xr.Dataset) -> Iterator[tuple[str, Array, str]]:
+    """Name, values (frame,) and unit of each quantity at each named place; NaN where there is none."""
+    found, scenario = responses(dataset)
+    for name, place in scenario.outputs.places.items() if scenario is not None else ():
+        if place.on in found:
+            frames = found[place.on].path.size
+            for quantity, values in found[place.on].at(place.at).items():
+                padded = np.append(values, np.full(frames - values.size, np.nan))
+                yield f"{name}.{quantity}", padded, UNITS[quantity]
+
+
+def response_summary(dataset: xr.Dataset) -> dict[str, Any]:
+    """Largest values by line and place, as `deck.deflection`, with those of the static part where they are known."""
+    found, scenario = responses(dataset)
+    static = json.loads(str(dataset.attrs.get(STATIC, "{}")))
+    out: dict[str, Any] = {}
+    for name, response in found.items():
+        quantities = {key: values for key in UNITS if (values := getattr(response, key)) is not None}
+        out[name] = _largest(response, quantities, static.get(name, {}))
+    for name, place in scenario.outputs.places.items() if scenario is not None else ():
+        if place.on in found:
+            here = found[place.on].at(place.at)
+            out[name] = _largest(found[place.on], here, static.get(name, {})) | {"xi": place.at, "line": place.on}
+    return out
+
+
+def _largest(response: LineResponse, quantities: Mapping[str, Array], static: Mapping[str, float]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    if "acceleration" not in quantities and path_name(response.dataset) == "time":
+        quantities = {**quantities, "acceleration": np.full((response.path.size, 1), np.nan)}
+    for quantity, values in quantities.items():
+        if np.isnan(values).all():
+            found[quantity] = {"unit": UNITS[quantity], "max": None, "min": None, "largest": None}
+            continue
+        size = np.abs(values)
+        at = np.unravel_index(int(np.nanargmax(size)), size.shape)
+        where: dict[str, Any] = {path_name(response.dataset): float(response.path[at[0]])}
+        if len(at) > 1:
+            middle = 0.5 * (response.xi[1:] + response.xi[:-1]) if quantity == "shear" else response.xi
+            where |= {"line": response.name, "xi": float(middle[at[1]])}
+        entry = {
+            "unit": UNITS[quantity], "max": float(np.nanmax(values)), "min": float(np.nanmin(values)),
+            "largest": {"value": float(size[at]), "unit": UNITS[quantity], **where},
+        }  # fmt: skip
+        if quantity in ("acceleration", "shear"):  # in both directions alike
+            entry["max"] = float(size[at])
+        if quantity in static:
+            entry["static"] = static[quantity]
+            if static[quantity] > 0.0:
+                entry["impact"] = {"value": float(size[at]) / static[quantity], "unit": "1"}
+        found[quantity] = entry
+    return found
+
+
+def trains_in(dataset: xr.Dataset) -> dict[str, list[int]]:
+    """The contacts of each load that has several given forces which travel together, by its name."""
+    scenario, names = scenario_of(dataset), dataset["load"].values.tolist()
+    if scenario is None:
+        return {}
+    return {
+        name: [k for k, contact in enumerate(names) if contact.partition(".")[0] == name]
+        for name, load in scenario.loads.items()
+        if isinstance(load, GivenForces) and load.kind == "axles"
+    }
+
+
+def train_summary(dataset: xr.Dataset) -> dict[str, Any]:
+    """Of each train what it presses with on its line, in all, and when its first axle comes and its last one goes."""
+    out, path = {}, dataset[path_name(dataset)].values
+    unit = str(dataset[path_name(dataset)].attrs["units"])
+    for name, own in trains_in(dataset).items():
+        pressing = -dataset["contact_force"].values[:, own, -1]
+        there = np.isfinite(pressing)
+        total = np.where(there, pressing, 0.0).sum(axis=1)
+        on = np.flatnonzero(there.any(axis=1))
+        out[name] = {
+            "axles": len(own), "most_on_line": int(there.sum(axis=1).max(initial=0)),
+            "load": {"unit": "N", "max": float(total.max(initial=0.0))},
+            "first": {"unit": unit, "value": path[on[0]] if on.size else None},
+            "last": {"unit": unit, "value": path[on[-1]] if on.size else None},
+        }  # fmt: skip
+    return out

@@ -1,0 +1,58 @@
+"""Views of what named places of lines go through, and figures of trains that are not drawn axle by axle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ropewalk.results import style
+from ropewalk.results.contract import path_name
+from ropewalk.results.line_response import UNITS, histories, trains_in
+from ropewalk.results.views import colour_of, path_label
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+_TITLES = {
+    "deflection": "Deflection", "acceleration": "Acceleration, filtered", "moment": "Bending moment", "shear": "Shear",
+}  # fmt: skip
+
+
+def _of_places(dataset: xr.Dataset, ax: Axes, *, quantity: str) -> None:
+    """Draw a quantity at all named places."""
+    path = dataset[path_name(dataset)].values
+    own = [(name.rpartition(".")[0], values) for name, values, _ in histories(dataset) if name.endswith(f".{quantity}")]
+    for k, (name, values) in enumerate(own):
+        if np.isfinite(values).any():
+            ax.plot(path, values, color=colour_of(k), linewidth=style.LINE, label=name)
+    style.dress(ax, _TITLES[quantity], path_label(dataset), f"{quantity} ({UNITS[quantity]})")
+    style.legend(ax)
+
+
+VIEWS_OF_PLACES: Mapping[str, Callable[[xr.Dataset, Axes], None]] = {
+    quantity: partial(_of_places, quantity=quantity)
+    for quantity in _TITLES
+}  # fmt: skip
+
+
+def seen_at_places(dataset: xr.Dataset) -> list[str]:
+    """The views in which there is something to see."""
+    there = {name.rpartition(".")[2] for name, values, _ in histories(dataset) if np.isfinite(values).any()}
+    return [quantity for quantity in VIEWS_OF_PLACES if quantity in there]
+
+
+def with_first_axles(dataset: xr.Dataset) -> xr.Dataset:
+    """The same result with one contact for each train, its first axle under the name of the train."""
+    trains = trains_in(dataset)
+    names = dataset["load"].values.tolist()
+    others = {k for own in trains.values() for k in own[1:]}
+    if not others:
+        return dataset
+    first = {own[0]: name for name, own in trains.items()}
+    kept = [k for k in range(len(names)) if k not in others]
+    labels = np.array([first.get(k, names[k]) for k in kept], dtype=np.str_)
+    return dataset.isel(contact=kept).assign_coords(load=("contact", labels, dataset["load"].attrs))
