@@ -82,6 +82,8 @@ class MovingForce(Declaration):
 
 Travelling = MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices
 """The loads that have a travel; the others have a gait or a will of their own."""
+Rolling = MovingMass | Oscillator | Trolley | Vehicle | Matrices
+"""The loads with wheels, which follow a profile."""
 ExternalModel = Stepper | Fmu
 """The loads that are external models."""
 AnyLoad = Travelling | Footsteps | Walker | ExternalModel | Pantograph

@@ -55,6 +55,8 @@ def _stretch(structure, buffers, contacts, state, table, out, how):
                 here += contacts[k].weight[j] * r[a, contacts[k].near + j]
                 slope += contacts[k].slope[j] * r[a, contacts[k].near + j]
             contacts[k].p[a], contacts[k].along[a] = here, slope / runs.h[run]
+        contacts[k].p[r.shape[0] - 1] += contacts[k].rough
+        contacts[k].along[r.shape[0] - 1] += contacts[k].steep
     bend(structure, buffers, contacts, state, table, out)
     slip(structure.sheaves, runs, r, how)
 
