@@ -3,6 +3,7 @@
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.fmu import Fmu, FmuContact, FmuTravel
 from ropewalk.model.footsteps import Footsteps, Harmonic
+from ropewalk.model.hangers import Hangers
 from ropewalk.model.history import DisplacementTable, DriveTable, ForceTable, SpeedTable
 from ropewalk.model.inner_support import InnerElastic, InnerFixed, InnerGuided, InnerMoving
 from ropewalk.model.joint import Joined, Joint, Sheave
@@ -24,6 +25,7 @@ from ropewalk.model.overhead import (
     StitchWire,
 )
 from ropewalk.model.pantograph import Pantograph, PantographTravel
+from ropewalk.model.profile import Profile
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, Run, Start
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
@@ -60,6 +62,7 @@ __all__ = [
     "ForceTable",
     "FreeTravel",
     "Guided",
+    "Hangers",
     "Harmonic",
     "Hooke",
     "Inextensible",
@@ -88,6 +91,7 @@ __all__ = [
     "PantographTravel",
     "Payload",
     "Polynomial",
+    "Profile",
     "Quasistatic",
     "RigidBody",
     "Run",

@@ -80,7 +80,7 @@ def _over_profiles(parts: Parts) -> Iterator[Finding]:
             yield missing(path, "lines over sheaves", remedy="leave profile out")
         for name_of_load in parts.loads_on(name):
             load = parts.loads[name_of_load]
-            if isinstance(load, Walker | Foreign):
+            if isinstance(load, Walker | ExternalModel):
                 feature, remedy = f"a load of kind {load.kind} on a profile", "leave profile out"
                 yield missing(path, _SYSTEM, name_of_load, remedy, feature=feature)
 
