@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.capabilities import missing
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import TensionOnly
 from ropewalk.model.line import Line, spatial
@@ -90,14 +91,12 @@ def check_hangers(
             yield Finding(path, "without gravity nothing hangs", remedy="give gravity, or leave hangers out")
             continue
         for key, other, line in (("from", row.above, above), ("to", row.below, below)):
+            feature = "a joined line, or one over sheaves," if line.sheaves or line.is_joined else ""
             if key == "from" and line.bending_stiffness:
-                remedy = "leave bending_stiffness out"
-                wrong, said = True, "hangers on a line with bending stiffness are not implemented"
-                yield Finding((*path, key), said, other, remedy)
-            if line.sheaves or line.is_joined:
-                remedy = "name a line between two supports"
-                yield Finding((*path, key), "hangers on a joined line or one over sheaves are not implemented", other,
-                              remedy)  # fmt: skip
+                feature = "a line with bending stiffness above"
+            if feature:
+                remedy = "name a line between two supports, above one without bending stiffness"
+                yield missing((*path, key), "rows of hangers", other, remedy, feature=feature)
                 wrong = True
         length = unstrained(below)
         if not wrong and row.at is not None and row.at[-1] >= length * (1.0 - _SAME):
