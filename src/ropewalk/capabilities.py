@@ -41,6 +41,8 @@ SUPERPOSED = Engine(system.LINEAR, system.LINEAR)
 def engine_of(asked: Parts | Scenario) -> Engine:
     """Choose the engine that computes a scenario."""
     parts = (asked if isinstance(asked, Parts) else asked.parts).on_a_mesh
+    if parts.has_profile:
+        return SUPERPOSED if isinstance(parts.run, Linear) else SYSTEM
     if isinstance(parts.run, Linear):
         return _of_linear_theory(parts)
     if parts.is_network:
@@ -202,6 +204,9 @@ def check_without_feedback(scenario: Scenario) -> None:
         ScenarioError: there is such a load.
     """
     what = "a run without feedback"
+    for name, line in scenario.lines.items():
+        if line.profile is not None:
+            raise refusal(missing(("lines", name, "profile"), what, remedy="leave it out"))
     for name, load in scenario.loads.items():
         if isinstance(load, Pantograph) or (isinstance(load, ExternalModel) and engine_of(scenario) is WIRES):
             where = "" if isinstance(load, Pantograph) else " of beams"

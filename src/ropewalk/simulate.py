@@ -179,6 +179,7 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
         times: of a motion, its output instants in s (default: those that it asks for).
         past: what such a run has given as its state, to go on from there.
     """
+    scenario = _formed(scenario)
     run = scenario.run
     if isinstance(run, Dynamic):
         times = output_times(run) if times is None else times
@@ -190,6 +191,15 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
         return Statics(still.layout, followed(still.slowly(run.positions, run.turn), run_info), run.positions)
     assert isinstance(run, Equilibrium)
     return Statics(still.layout, iter([still.loaded()]), 1)
+
+
+def _formed(scenario: Scenario) -> Scenario:
+    """The same with rows of hangers as lines."""
+    if not scenario.hangers:
+        return scenario
+    from ropewalk.system.form_finding import formed  # lazy: most runs do not need it
+
+    return formed(scenario)
 
 
 def _motion(scenario: Scenario, run: Dynamic, run_info: RunInfo, times: Array, past: Tree | None) -> MotionEngine:
@@ -297,6 +307,7 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
         RopewalkError: the run does not come to the instant.
     """
     check_spectrum(scenario, with_loads=at is not None or _with_loads(scenario), at_rest=at is None)
+    scenario = _formed(scenario)
     run, with_loads = scenario.run, _with_loads(scenario)
     if is_system_linearised(scenario):  # about the rest of all geometry
         scenario = scenario.model_copy(update={"run": run.model_copy(update={"geometry": "nonlinear"})})

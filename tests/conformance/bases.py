@@ -148,6 +148,9 @@ BASES: dict[str, Tree] = {
         "gravity": 0.0, "lines": {name: {**SPATIAL, "elements": 12} for name in ("rope", "other")},
         "run": moves(start={"kind": "mode", "amplitude": 0.05, "whirl": True}),
     },
+    "rough": one(
+        {**TAUT, "profile": {"spectrum": "ISO 8608 C", "wavelengths": [0.5, 20.0]}}, load("mass", way(at_end="leave")),
+    ),
     # At rest, and slowly.
     "slow": one(TAUT, load("force", way(), contact="dragged", friction=0.3), {"kind": "quasistatic", "positions": 5}),
     "inextensible": one(
@@ -211,6 +214,11 @@ BASES: dict[str, Tree] = {
     # Webs.
     "joined": {"lines": {"rope": TAUT, "hanger": _HANGER}, "loads": {"load": load("mass", way(), air_drag=0.0)},
                "run": moves()},
+    "hung": {
+        "lines": {"rope": TAUT, "cable": {**LONG, "start": [0.0, 4.0], "end": [20.0, 4.0], "length": 20.4}},
+        "hangers": {"row": {"from": "cable", "to": "rope", "count": 2, "mass": 0.2, "axial_stiffness": 1e6}},
+        "loads": {"load": load("force", way())}, "run": {"kind": "equilibrium"},
+    },
     "ring": {**_RING, "loads": {"load": load("force", way(start=2.0))}, "run": moves()},
     "block": {
         "joints": {"hook": {"mass": 10.0}},

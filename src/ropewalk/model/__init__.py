@@ -5,6 +5,7 @@ from ropewalk.model.damping import Damping
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.fmu import Fmu, FmuContact, FmuTravel
 from ropewalk.model.footsteps import Footsteps, Harmonic
+from ropewalk.model.hangers import Hangers
 from ropewalk.model.history import DisplacementTable, DriveTable, ForceTable, SpeedTable
 from ropewalk.model.inner_support import InnerElastic, InnerFixed, InnerGuided, InnerMoving
 from ropewalk.model.joint import Joined, Joint, Sheave
@@ -27,6 +28,7 @@ from ropewalk.model.overhead import (
     StitchWire,
 )
 from ropewalk.model.pantograph import Pantograph, PantographTravel
+from ropewalk.model.profile import Profile
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, Run, Start
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
@@ -66,6 +68,7 @@ __all__ = [
     "ForceTable",
     "FreeTravel",
     "Guided",
+    "Hangers",
     "Harmonic",
     "Hooke",
     "Inextensible",
@@ -96,6 +99,7 @@ __all__ = [
     "PantographTravel",
     "Payload",
     "Polynomial",
+    "Profile",
     "Quasistatic",
     "RigidBody",
     "Run",

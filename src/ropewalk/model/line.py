@@ -15,6 +15,7 @@ from ropewalk.model.history import rows
 from ropewalk.model.inner_support import InnerSupport
 from ropewalk.model.joint import Joined, Sheave
 from ropewalk.model.law import LAWS_WITH_OWN_STIFFNESS, Hooke, Inextensible, Law
+from ropewalk.model.profile import Profile
 from ropewalk.model.quantity import (
     AxialDamping,
     BedStiffness,
@@ -78,6 +79,10 @@ class Line(Declaration):
     )
     sheaves: dict[Name, Sheave] = Field(
         default_factory=dict, description="over which it runs on its way from start to end, in order, by name"
+    )
+    profile: Profile | None = Field(
+        default=None,
+        description="of the road or track on the line and before and behind it, which wheels follow",
     )
     wind_drag: Width = Field(default=0.0, description="drag coefficient times width, for wind across the line")
 

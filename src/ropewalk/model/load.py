@@ -85,6 +85,8 @@ GivenForces = MovingForce | Axles
 """The loads that are nothing but given forces which travel as prescribed."""
 Travelling = MovingForce | Axles | MovingMass | Oscillator | Trolley | Vehicle | Matrices
 """The loads that have a travel; the others have a gait or a will of their own."""
+Rolling = MovingMass | Oscillator | Trolley | Vehicle | Matrices
+"""The loads with wheels, which follow a profile."""
 ExternalModel = Stepper | Fmu
 """The loads that are external models."""
 AnyLoad = Travelling | Footsteps | Walker | ExternalModel | Pantograph

@@ -72,6 +72,11 @@ class Parts:
         return any(line is not None and isinstance(line.law, Inextensible) for line in self.lines.values())
 
     @property
+    def has_profile(self) -> bool:
+        """Whether wheels run over a profile of a line."""
+        return any(line is not None and line.profile is not None for line in self.lines.values())
+
+    @property
     def is_auto(self) -> bool:
         """Whether the number of links of a line is to be found."""
         return any(line is not None and isinstance(line.elements, Auto) for line in self.lines.values())

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Self
 
 from pydantic import Field, model_validator
 
-from ropewalk.model._base import Declaration, report
+from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.capabilities import missing
 from ropewalk.model.consistency import check
+from ropewalk.model.hangers import Hangers, check_hangers, guessed
 from ropewalk.model.joint import Joint
 from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, Load
+from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.net import AnyNet
 from ropewalk.model.outputs import Outputs
 from ropewalk.model.overhead import CONTACT_WIRE, OverheadLine
@@ -32,6 +37,9 @@ class Scenario(Declaration):
     overhead_lines: dict[Name, OverheadLine] = Field(
         default_factory=dict, description="sections of overhead line, by name; instead of lines or beside them"
     )
+    hangers: dict[Name, Hangers] = Field(
+        default_factory=dict, description="rows of hangers between two of the lines, by name"
+    )
     joints: dict[Name, Joint] = Field(default_factory=dict, description="where lines meet, by name")
     nets: dict[Name, AnyNet] = Field(default_factory=dict, description="nets and membranes, by name")
     wind: Wind | None = Field(default=None, description="moving air")
@@ -43,15 +51,41 @@ class Scenario(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         object.__setattr__(self, "run", crossed(self.parts).run)
-        report("scenario", check(self.parts))
+        if findings := list(check_hangers(self.hangers, self.lines, self.gravity)):
+            report("scenario", findings)
+        report("scenario", [*self._refined(), *map(self._in_its_row, check(self.parts))])
         return self
+
+    def _refined(self) -> Iterator[Finding]:
+        """What changes meshes, of which hangers keep theirs."""
+        if self.hangers and is_asked_for(self):
+            remedy = "write the hangers as lines, or leave it out"
+            yield missing(
+                ("run",), "rows of hangers", remedy=remedy, feature="the error of the mesh, or elements: auto,"
+            )
+
+    def _in_its_row(self, finding: Finding) -> Finding:
+        """A finding about a hanger, which is the row's."""
+        path = finding.path
+        if path[:1] != ("lines",) or len(path) < 2 or path[1] in self.lines:
+            return finding
+        row = next((name for name in self.hangers if str(path[1]) in self.hung(name)), None)
+        return finding if row is None else replace(finding, path=("hangers", row))
+
+    def hung(self, row: str) -> dict[str, Line]:
+        """Hangers of a row as lines of about the right length, by their names."""
+        found = guessed(row, self.hangers[row], self.lines, self.gravity)
+        return {name: line for name, line in found.items() if line is not None}
 
     @property
     def parts(self) -> Parts:
         """The same in parts, as checks see it."""
         on = {name: load.on for name, load in self.loads.items()}
+        lines: dict[str, Line | None] = {**self.lines}
+        for row in self.hangers:
+            lines |= self.hung(row)
         return Parts(
-            self.lines,
+            lines,
             self.loads,
             self.run,
             self.gravity,

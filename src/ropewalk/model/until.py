@@ -110,8 +110,11 @@ def _arrivals(parts: Any) -> Iterator[tuple[str, float | None]]:
             continue
         speed = travel.speed
         limit = reach(line, travel.measured)
-        room = margin(load, line) if getattr(travel, "at_end", "leave") == "refuse" else 0.0
-        ways = [None if limit is None else _time(speed, place.start, room, limit - room) for place in load.starts()]
+        clearance = margin(load, line) if getattr(travel, "at_end", "leave") == "refuse" else 0.0
+        ways = [
+            None if limit is None else _time(speed, place.start, clearance, limit - clearance)
+            for place in load.starts()
+        ]
         yield name, None if None in ways else max(way for way in ways if way is not None)
 
 

@@ -103,13 +103,17 @@ def newest(file: Any, frames: int) -> Tree | None:
 
 def digests(scenario: Scenario) -> dict[str, str]:
     """SHA-256 of the files, beside stored results, that a scenario takes its data from, by the keys that name them."""
+    named = {
+        f"loads.{name}.{key}": getattr(load, key, None)
+        for name, load in scenario.loads.items()
+        for key in ("file", "irregularity")
+    }
+    named |= {f"lines.{name}.profile.file": line.profile.file for name, line in scenario.lines.items() if line.profile}
     found = {}
-    for name, load in scenario.loads.items():
-        for key in ("file", "irregularity"):
-            file = getattr(load, key, None)
-            if file is not None:
-                with suppress(OSError):
-                    found[f"loads.{name}.{key}"] = hashlib.sha256(Path(file).read_bytes()).hexdigest()
+    for key, file in named.items():
+        if file is not None:
+            with suppress(OSError):
+                found[key] = hashlib.sha256(Path(file).read_bytes()).hexdigest()
     return found
 
 

@@ -17,8 +17,8 @@ MARK = "<!-- Generated from the schema by ropewalk.scenario.reference: do not ed
 
 SECTIONS = {
     "The file": ("scenario",),
-    "A line": ("line", "damping"),
-    "What lines are joined by": ("joint",),
+    "A line": ("line", "damping", "profile"),
+    "What lines are joined by": ("joint", "hangers"),
     "Nets and membranes": ("net",),
     "Wind": ("wind",),
     "Laws": ("law",),

@@ -50,6 +50,9 @@ class ContactHistory(Protocol):
     def at(self, t: float, on: NDArray[np.bool_]) -> ContactsAtInstant:
         """Those that are on their lines, as said, at an instant in s."""
 
+    def beside(self, t: float, on: NDArray[np.bool_]) -> Array:
+        """Velocities (contact, axis) with which the ground moves those that are not, m/s."""
+
 
 @dataclass(frozen=True)
 class ModalBodies:
@@ -131,6 +134,7 @@ class Superposition:
         self._nodes = modes.shape.shape[0] // axes
         self._steps: dict[float, ModalStep] = {}
         self._small: dict[tuple[float, bytes, frozenset[int]], _Small] = {}
+        self._loads = [int(bodies.load[first]) if first >= 0 else -1 for first in bodies.first]  # of each contact
 
     def moments(
         self, stretches: Sequence[Stretch], longest: float, start: tuple[Array, Array]
@@ -223,7 +227,16 @@ class Superposition:
                     u[own] = touch.point[i] + (rows @ z).real
                     w[own] = touch.way[i] + (rows @ (self.modes.rate * z)).real
             self._balance(stretch, z, u, w)
-        w[self._restrained(stretch)] = 0.0
+        restrained = self._restrained(stretch)
+        w[restrained] = self._grounded(stretch, stretch.begin)[restrained]
+
+    def _grounded(self, stretch: Stretch, t: float) -> Array:
+        """Velocities that the ground gives bodies at time t in s, (coordinate,) m/s."""
+        out, rates = np.zeros(self.bodies.mass.shape[0]), self.course.beside(t, stretch.on)
+        for first, rate, on, load in zip(self.bodies.first, rates, stretch.on, self._loads, strict=True):
+            if first >= 0 and not on and load not in stretch.gone:
+                out[first : first + self._axes] = rate
+        return out
 
     def _balance(self, stretch: Stretch, z: Complex, u: Array, w: Array) -> None:
         """Put coordinates without mass where springs and dampers above and the structure below are in balance."""
@@ -250,7 +263,7 @@ class Superposition:
         touches = [self.course.at(t + c * step.h, stretch.on) for c in STAGES]
         rows = [self._rows(touch) for touch in touches]
         if self.bodies.mass.size:
-            N, u, w = self._contact_forces(step, stretch, touches, rows, z, u, w)
+            N, u, w = self._contact_forces(step, stretch, t, touches, rows, z, u, w)
         else:
             N = np.array([touch.force.ravel() for touch in touches])
         z = step.decay[2] * z
@@ -259,7 +272,7 @@ class Superposition:
         return z, u, w, _Pressed(step.h, touches, N)
 
     def _contact_forces(
-        self, step: ModalStep, stretch: Stretch, touches: list[ContactsAtInstant], rows: list[tuple[Complex,
+        self, step: ModalStep, stretch: Stretch, t: float, touches: list[ContactsAtInstant], rows: list[tuple[Complex,
         Complex]], z: Complex,
         u: Array, w: Array,
     ) -> tuple[Array, Array, Array]:  # fmt: skip
@@ -284,7 +297,8 @@ class Superposition:
         J, right = small.left.copy(), np.zeros(small.left.shape[0])
         low, m = 3 * n, own.size
         right[:low] = small.scale * (b.mass @ w + h * RADAU @ (given + b.force - b.stiffness @ u)).ravel()
-        right[small.still] = 0.0
+        grounded = [self._grounded(stretch, t + c * step.h) for c in STAGES] if small.still.size else []
+        right[small.still] = np.concatenate([np.zeros(0), *grounded])[small.still] if grounded else 0.0
         right[low:] = (u[coordinate] - known[:, own]).ravel()
         J[low:, low:] = G[:, own][:, :, :, own].reshape(3 * m, 3 * m)
         soft = np.concatenate([np.repeat(touch.soft, self._axes)[own] for touch in touches])

@@ -21,7 +21,7 @@ from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import Hooke
 from ropewalk.model.line import Line
-from ropewalk.model.load import AnyLoad, ExternalModel, GivenForces
+from ropewalk.model.load import AnyLoad, ExternalModel, GivenForces, Rolling
 from ropewalk.model.net import CableEdge
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
@@ -38,6 +38,7 @@ from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
 from ropewalk.system.friction import NOT, STANDS
 from ropewalk.system.inertia import Inertia
 from ropewalk.system.overhead_lines import overhead_lines_of
+from ropewalk.system.profile import Profiles
 from ropewalk.system.sections import sections_of, sheaves_of
 from ropewalk.system.structure import About, Lines, Nodes, Restraints, Runs, Structure, WindField
 from ropewalk.system.surface_paths import Nets
@@ -187,7 +188,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
         ),
         Lines(
             np.concatenate([[0], np.cumsum(count)[:-1]]).astype(np.int64), count.astype(np.int64), np.array(begin),
-            np.array(lengths),
+            np.array(lengths), Profiles.of(scenario, names, lengths, until),
         ),
         restraints, _wind(scenario, until, axes), About.nothing(dim), Inertia.nothing(dim), surfaces, sheaves,
         np.zeros(n) if (runs.law[:, 0] == law.RIGID).any() else None,
@@ -322,6 +323,7 @@ def contacts_of(
     contacts["led"] = led = [isinstance(scenario.loads[wheel.load], Walker | ExternalModel) for wheel in wheels]
     contacts["kind"] = FORCE
     contacts["kind"][heavy] = BODY
+    contacts["rolls"] = [isinstance(scenario.loads[wheel.load], Rolling) for wheel in wheels]
     contacts["first"][heavy] = dim * np.arange(len(heavy))
     runs, first = structure.runs, structure.lines.first[contacts["line"]]
     h = np.where(runs.firm[first] > 0.0, 0.0, runs.h[first])  # no support is at the ends of a way on a net

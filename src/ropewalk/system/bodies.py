@@ -16,12 +16,15 @@ from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.multibody_system import FIRM
 from ropewalk.system.contacts import AWAY, FORCE, FREE, GONE, ON, find_kinks, stiffen
+from ropewalk.system.profile import height_at
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import IN_BODIES, RESTRAINED, STRUCK
 from ropewalk.system.tethers import bear, hang
 
 # Rounds of Newton's method for contacts without mass, and the part of a link to which their places are found.
 ROUNDS, SETTLED = 40, 1e-11
+# Rounds in which forces on wheels beside their lines are found: dampers couple them by h C/m, which is small.
+_AGAIN = 8
 
 
 # A load: some of its contacts are still to come or on their lines; all have left them since the step before; for good.
@@ -163,7 +166,7 @@ def balance(structure, buffers, contacts, bodies, state, table, out, since):
         if bodies.weightless[p] > 0 and bodies.gone[bodies.load[bodies.at[p, 0]]] == STAYS:
             for i in range(bodies.size[p]):
                 c = bodies.at[p, i]
-                if bodies.per_mass[c] == 0.0 and rate > 0.0:
+                if bodies.per_mass[c] == 0.0 and rate > 0.0 and not is_beside(contacts, bodies.contact[c]):
                     state.w[c] = (state.u[c] - bodies.old[c]) * rate
 
 
@@ -195,12 +198,13 @@ def kick(structure, contacts, bodies, state, h, half):
             for j in range(n):
                 d = bodies.at[p, j]
                 f[c] -= bodies.K[p, i, j] * u[d] + bodies.C[p, i, j] * w[d]
+        state.work[RESTRAINED] += own * _bear_beside(contacts, bodies, f, w, shorter, p)
         for i in range(n):
             gain = 0.0
             for j in range(n):
                 gain += bodies.inverse[shorter, p, i, j] * f[bodies.at[p, j]]
             k = bodies.contact[bodies.at[p, i]]
-            bodies.b[i] = own * gain if k < 0 or contacts[k].state != AWAY else 0.0  # on level ground it stays
+            bodies.b[i] = own * gain if not is_beside(contacts, k) else 0.0  # the ground moves it
         for i in range(n):
             c = bodies.at[p, i]
             for j in range(n):
@@ -230,6 +234,38 @@ def kick(structure, contacts, bodies, state, h, half):
             bodies.gone[i] = GONE_FOR_GOOD
 
 
+@inlined
+def is_beside(contacts, k):
+    """Whether contact k, -1: none, is on the ground before or behind its line."""
+    return k >= 0 and contacts[k].state == AWAY
+
+
+@lean_inner
+def _bear_beside(contacts, bodies, f, w, half, p):
+    """Add to the forces on part p what the ground before and behind lines bears: nothing else moves wheels there.
+
+    Returns:
+        The power of the ground that moves what is at rest in itself, W.
+    """
+    n, power = bodies.size[p], 0.0
+    for i in range(n):
+        if is_beside(contacts, bodies.contact[bodies.at[p, i]]):
+            power -= f[bodies.at[p, i]] * w[bodies.at[p, i]]
+    for _ in range(_AGAIN):
+        most = 0.0
+        for i in range(n):
+            c, own = bodies.at[p, i], bodies.inverse[half, p, i, i]
+            if own > 0.0 and is_beside(contacts, bodies.contact[c]):
+                gain = 0.0
+                for j in range(n):
+                    gain += bodies.inverse[half, p, i, j] * f[bodies.at[p, j]]
+                f[c] -= gain / own
+                most = max(most, abs(gain))
+        if most == 0.0:
+            break
+    return power
+
+
 @lean_inner
 def _slow(bodies, state, h):
     """Let the air slow down what it drags, along the way of each."""
@@ -248,7 +284,7 @@ def _slow(bodies, state, h):
 
 @lean_inner
 def ground(structure, contacts, state, k):
-    """Put contact k, which is off its line, on firm ground where that ends now."""
+    """Put contact k, which is off its line, on firm ground where that ends now, with its profile."""
     lines, runs, line = structure.lines, structure.runs, contacts[k].line
     run = lines.first[line]
     node = runs.first[run]
@@ -256,7 +292,24 @@ def ground(structure, contacts, state, k):
         run += lines.runs[line] - 1
         node = runs.first[run] + runs.links[run]
     for a in range(state.r.shape[0]):
-        state.u[contacts[k].first + a] = state.r[a, node]
+        state.u[contacts[k].first + a], state.w[contacts[k].first + a] = state.r[a, node], 0.0
+    if contacts[k].rolls == 1:
+        top, (rough, steep) = contacts[k].first + state.r.shape[0] - 1, height_at(lines.profiles, line, state.s[k])
+        state.u[top] += rough
+        state.w[top] = steep * contacts[k].speed
+
+
+@lean_inner
+def approach(structure, contacts, bodies, state):
+    """Let contacts before and behind their lines follow the profile there; the ground does the work on their masses."""
+    for k in range(contacts.size):
+        rough = contacts[k].rolls == 1 and structure.lines.profiles.knots[contacts[k].line] > 0
+        if rough and contacts[k].state == AWAY:
+            top = contacts[k].first + state.r.shape[0] - 1
+            before = state.w[top]
+            ground(structure, contacts, state, k)
+            if bodies.per_mass[top] > 0.0:
+                state.work[RESTRAINED] += 0.5 / bodies.per_mass[top] * (state.w[top] ** 2 - before**2)
 
 
 @lean_inner
@@ -276,12 +329,10 @@ def arrive(structure, contacts, bodies, state):
             stopped = max(stopped * _speed_along(structure, contacts, state, k), 0.0) / stopped
         for a in range(axes):
             c = contacts[k].first + a
-            if comes < 0:
-                state.w[c] = 0.0
-            elif comes > 0:
+            if comes > 0:
                 state.u[c] = contacts[k].p[a]
                 state.w[c] = contacts[k].speed * contacts[k].along[a]
-            else:
+            elif comes == 0:
                 state.w[c] -= stopped * contacts[k].along[a]
         if comes < 0:
             ground(structure, contacts, state, k)

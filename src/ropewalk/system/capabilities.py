@@ -74,6 +74,23 @@ def _overhead(parts: Parts) -> Iterator[Finding]:
             yield missing(("loads", name, "balance"), what, "a block", "leave balance out")
 
 
+def _over_profiles(parts: Parts) -> Iterator[Finding]:
+    """What does not follow the profile of its line, although it would feel it."""
+    for name, line in parts.lines.items():
+        if line is None or line.profile is None:
+            continue
+        path = ("lines", name, "profile")
+        if isinstance(line.law, Inextensible):
+            yield missing(path, "inextensible lines", remedy="leave profile out, or give an axial_stiffness")
+        if line.sheaves:
+            yield missing(path, "lines over sheaves", remedy="leave profile out")
+        for name_of_load in parts.loads_on(name):
+            load = parts.loads[name_of_load]
+            if isinstance(load, Walker | ExternalModel):
+                feature, remedy = f"a load of kind {load.kind} on a profile", "leave profile out"
+                yield missing(path, _SYSTEM, name_of_load, remedy, feature=feature)
+
+
 def _over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
     """Lines bend sharply at sheaves, which have no size; results do not hold how far they have run over these."""
     what, run = "lines over sheaves", parts.run
@@ -229,8 +246,8 @@ def _on_nets(parts: Parts) -> Iterator[Finding]:
 
 _LAWS = ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table")
 _MORE = (
-    _accuracy, _only_lines, _overhead, _inextensible, _in_a_window, _joined_between_nodes, _of_loads, _on_nets,
-    supported_by_tension, of_methods,
+    _accuracy, _only_lines, _over_profiles, _overhead, _inextensible, _in_a_window, _joined_between_nodes, _of_loads,
+    _on_nets, supported_by_tension, of_methods,
 )  # fmt: skip
 MOTION = Capabilities(
     _SYSTEM,
@@ -336,6 +353,7 @@ LINEAR = replace(
     },
     more=(
         _only_lines,
+        _over_profiles,
         _overhead,
         _joined_between_nodes,
         _on_nets,

@@ -20,6 +20,7 @@ import numpy as np
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.system.compliance import KINETIC, LEAST, compliance, kinetic, stiffness
+from ropewalk.system.profile import height_at
 from ropewalk.system.sharing import see_others
 from ropewalk.system.spline import WIDTH, links_under, share
 
@@ -47,6 +48,7 @@ CONTACT = np.dtype(
         ("was_apart", _CODE),  # when it was last looked at
         ("flown", _REAL),  # s, for which it has been there
         ("frictionless", _CODE),  # of prescribed travel: 1: a horizontal force holds it across its line
+        ("rolls", _CODE),  # 1: it follows the profile of its line
         ("rubs", _CODE),  # of a given force: how, see friction.py
         ("travel", _CODE),  # PRESCRIBED or FREE
         ("measure", _CODE),  # what its speed counts, see mechanics/chain.py
@@ -86,7 +88,9 @@ CONTACT = np.dtype(
         ("h", "f8", (3,)),  # m, of these
         ("part", "f8", (3,)),
         ("change", "f8", (3,)),  # of the parts, per link
-        ("p", *_VECTOR),  # m, point of the spline
+        ("rough", _REAL),  # m, height of the profile there
+        ("steep", _REAL),  # its slope
+        ("p", *_VECTOR),  # m, point of the spline, and the profile above it
         ("along", *_VECTOR),  # its derivative by s
         ("place", *_VECTOR),  # m, of what touches
         ("before", *_VECTOR),  # m, when it was last looked at
@@ -162,6 +166,10 @@ def sit(structure, contacts, state, k, s):
             here += contacts[k].weight[j] * r[a, base + j]
             slope += contacts[k].slope[j] * r[a, base + j]
         contacts[k].p[a], contacts[k].along[a] = here, slope / h
+    if contacts[k].rolls == 1:
+        contacts[k].rough, contacts[k].steep = height_at(lines.profiles, line, s)
+        contacts[k].p[r.shape[0] - 1] += contacts[k].rough
+        contacts[k].along[r.shape[0] - 1] += contacts[k].steep
 
 
 @inlined

@@ -107,6 +107,7 @@ class LoadedStructure:
         for k in self.on:
             own = int(contacts[k]["first"]) + np.arange(dim)
             u[own] = E[k] @ r.T
+            u[own[-1]] += contacts[k]["rough"]
         for tether in self._tethers:
             above, below = self._ends(tether)
             fall = np.zeros(dim)
@@ -116,7 +117,8 @@ class LoadedStructure:
     def stand_as(self, state: SystemState, contacts: Any) -> None:
         """Let everything stand where it is in a state of motion."""
         dim, own = self.rest.shape[0], self.state
-        for key in ("state", "line", "run", "near", "x", "weight", "slope", "link", "h", "part", "change", "given"):
+        for key in ("state", "line", "run", "near", "x", "weight", "slope", "link", "h", "part", "change", "given",
+                    "rough", "steep"):  # fmt: skip
             self.contacts[key] = contacts[key]
         self.contacts["step"] = 0.0  # nothing gives way that only steps ask for
         own.t[:], own.r[:], own.s[:], own.u[: self.own] = state.t, state.r, state.s, state.u

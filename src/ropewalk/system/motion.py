@@ -10,7 +10,7 @@ import numpy as np
 
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.moving_contact import look_up
-from ropewalk.system.bodies import LEAVES, STAYS, arrive, balance, drift, ground, kick
+from ropewalk.system.bodies import LEAVES, STAYS, approach, arrive, balance, drift, ground, kick
 from ropewalk.system.cables import add_internal_forces, add_wind_forces, energy_of, guess, stretch_all
 from ropewalk.system.constraints import draw, is_too_long, note_kick
 from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, add_contact_forces, bend
@@ -76,6 +76,7 @@ def _look(structure, buffers, contacts, tables, bodies, state, table, out, dt, s
         _let_go(contacts, bodies)
     if steps != GIVEN and bodies.mass.size > 0:  # a call hands all arrays on, which costs as much as fifty nodes
         arrive(structure, contacts, bodies, state)
+        approach(structure, contacts, bodies, state)
     draw(buffers.tight, structure, buffers, contacts, bodies, state, table, out, since)
     if steps != GIVEN and bodies.mass.size > 0:
         balance(structure, buffers, contacts, bodies, state, table, out, since)

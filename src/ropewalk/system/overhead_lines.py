@@ -22,6 +22,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.overhead.section import CONTACT, Section, in_space, section_of
 from ropewalk.system.assembled import Assembled, Attached
 from ropewalk.system.inertia import Inertia
+from ropewalk.system.profile import Profiles
 from ropewalk.system.structure import About, Lines, Nodes, Restraints, Runs, Structure, WindField
 from ropewalk.system.ties import Point, Tie, ties_of
 from ropewalk.wires.plan import Hold, Spot, Wire
@@ -84,7 +85,7 @@ def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assem
     structure = Structure(
         _as_runs(runs, len(axes)), nodes,
         Lines(np.arange(count), np.ones(count, dtype=np.int64), np.zeros(count),
-              np.array([run.wire.length for run in runs])),
+              np.array([run.wire.length for run in runs]), Profiles.none(count)),
         restraints, WindField(np.zeros(len(axes)), np.zeros(1), np.zeros(1), 1.0), About.nothing(len(axes)),
         Inertia.nothing(len(axes)), None, None, ties=ties_of(ties, len(axes)),
     )  # fmt: skip

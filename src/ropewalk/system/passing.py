@@ -14,6 +14,7 @@ from ropewalk.solve.superposition import ContactsAtInstant
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import AWAY, ON, sit, stiffen
 from ropewalk.system.loaded_structure import LoadedStructure
+from ropewalk.system.profile import height_at
 from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import Structure
 from ropewalk.system.travel import Tables, place
@@ -26,23 +27,26 @@ def _pass_over(structure, buffers, contacts, tables, state, on, table, out):
     """Put contacts where they are at the time of the state, those that are on their lines as told within these."""
     place(structure, buffers, contacts, tables, state)
     for k in range(contacts.size):
+        first, count = contacts[k].speed_first, contacts[k].speed_count
+        speed = look_up(tables.speed_time, tables.speed_value, first, count, state.t[0])
         if on[k] == 0:
-            contacts[k].state = AWAY
+            contacts[k].state, contacts[k].speed = AWAY, speed
+            if contacts[k].rolls == 1:
+                contacts[k].rough, contacts[k].steep = height_at(structure.lines.profiles, contacts[k].line, state.s[k])
             continue
         length = structure.lines.length[contacts[k].line]
         s = min(max(state.s[k], 0.0), length)
         stops = abs(s - state.s[k]) > _BEYOND * length
         state.s[k], contacts[k].state = s, ON
         sit(structure, contacts, state, k, s)
-        first, count = contacts[k].speed_first, contacts[k].speed_count
-        speed = look_up(tables.speed_time, tables.speed_value, first, count, state.t[0])
         stretch = 1.0
         if contacts[k].measure == HORIZONTAL:
             stretch = contacts[k].along[0]
         elif contacts[k].measure == ARC:
             square = 0.0
             for a in range(state.r.shape[0]):
-                square += contacts[k].along[a] ** 2
+                way = contacts[k].along[a] - (contacts[k].steep if a == state.r.shape[0] - 1 else 0.0)
+                square += way**2
             stretch = np.sqrt(square)
         contacts[k].measured = 0.0 if stops else speed
         contacts[k].speed = contacts[k].measured / stretch
@@ -91,6 +95,14 @@ class Passing:
             here, contacts["near"].copy(), contacts["weight"].copy(), 1.0 / contacts["moving"],
             contacts["p"][:, :dim].copy(), contacts["speed"][:, None] * along, force,
         )  # fmt: skip
+
+    def beside(self, t: float, on: NDArray[np.bool_]) -> Array:
+        """Velocities (contact, axis) with which the ground moves those that are not on their lines, m/s."""
+        self.place(t, on)
+        out = np.zeros((self.contacts.size, self.state.r.shape[0]))
+        off = ~on & (self.contacts["rolls"] == 1)
+        out[off, -1] = self.contacts["steep"][off] * self.contacts["speed"][off]
+        return out
 
     def whether_on(self, t: float, been: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Which contacts are on their lines at time t in s, of which some have been there before."""

@@ -50,7 +50,7 @@ def _stretch(structure, buffers, contacts, state, table, out, how):
             continue
         run = contacts[k].run
         for a in range(r.shape[0]):
-            here, slope = 0.0, 0.0
+            here, slope = (contacts[k].rough, contacts[k].steep * runs.h[run]) if a + 1 == r.shape[0] else (0.0, 0.0)
             for j in range(min(WIDTH, runs.links[run] + 1)):
                 here += contacts[k].weight[j] * r[a, contacts[k].near + j]
                 slope += contacts[k].slope[j] * r[a, contacts[k].near + j]

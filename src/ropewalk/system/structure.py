@@ -15,6 +15,7 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import records
 from ropewalk.system.inertia import Inertia
+from ropewalk.system.profile import Profiles
 from ropewalk.system.surfaces import Surfaces
 from ropewalk.system.ties import Ties
 
@@ -57,6 +58,7 @@ class Lines(NamedTuple):
     runs: Integers
     begin: Array  # (run,) m, where each run begins on its line
     length: Array  # (line,) m, unstrained
+    profiles: Profiles
 
 
 class Restraints(NamedTuple):

@@ -146,6 +146,9 @@ class Superposed:
         for i, k in enumerate(touch.contact):
             at = first[k] + np.arange(self.rest.shape[0])
             u[at], w[at] = touch.point[i], touch.way[i]
+        beside = self._passing.beside(0.0, on)
+        for k in np.flatnonzero(~on & (first < own)):
+            w[first[k] + np.arange(self.rest.shape[0])] = beside[k]
         load_springs(self._of, u, w)
         return u[:own], w[:own]
 
@@ -206,6 +209,7 @@ class Superposed:
             below = r[:, at] @ touch.weight[i][: r[:, at].shape[1]]
             first = r.size + int(contact["first"])
             shape[first : first + dim] = below + moment.force[k] * touch.soft[i]
+            shape[first + dim - 1] += contact["rough"]
             contact["hold"] = 0.0
             if contact["frictionless"]:
                 level = self._linear.runs.ahead[contact["run"]]

@@ -1,0 +1,228 @@
+"""Wheels follow the profile of their line, and of the ground before it, as a base-excited oscillator does."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from ropewalk.errors import ScenarioError
+from ropewalk.mechanics.profile_spectra import density, profile_of
+from ropewalk.model.scenario import Scenario
+from ropewalk.scenario import loads
+from ropewalk.simulate import simulate
+
+Array = NDArray[np.float64]
+
+MASS, STIFFNESS, DAMPING, SPEED = 1000.0, 4e5, 4e3, 20.0
+HEIGHT, WAVE = 0.01, 5.0  # m, of a profile of one wave
+RATE = 2.0 * np.pi * SPEED / WAVE
+
+
+def read(tree: dict[str, Any]) -> Scenario:
+    """A scenario as from a file."""
+    return loads(json.dumps(tree))
+
+
+def rows(file: Path, step: float = 0.05) -> str:
+    """A file of a sine as a profile."""
+    x = np.arange(-20.0, 60.0 + 0.5 * step, step)
+    np.savetxt(file, np.stack([x, HEIGHT * np.sin(2.0 * np.pi * x / WAVE)], axis=1), delimiter=",", fmt="%.17g")
+    return str(file)
+
+
+def rig(profile: dict[str, Any] | None, run: dict[str, Any], start: float = 0.0, axle: float = 0.0) -> dict[str, Any]:
+    """A sprung mass that goes over a beam so stiff that it is ground; its wheel starts before the beam."""
+    car = {
+        "kind": "matrices", "on": "deck", "coordinates": ["body", "wheel"], "mass": [[MASS, 0.0], [0.0, axle]],
+        "stiffness": [[STIFFNESS, -STIFFNESS], [-STIFFNESS, STIFFNESS]],
+        "damping": [[DAMPING, -DAMPING], [-DAMPING, DAMPING]], "weight": [MASS * 9.81, axle * 9.81],
+        "wheels": {"wheel": {"coordinate": "wheel", "at": start}}, "travel": {"speed": SPEED, "at_end": "leave"},
+    }  # fmt: skip
+    deck = {
+        "start": [0.0, 0.0], "end": [40.0, 0.0], "length": 40.0, "mass": 1000.0, "axial_stiffness": 1e10,
+        "bending_stiffness": 1e13, "elements": 20,
+    }  # fmt: skip
+    if profile is not None:
+        deck["profile"] = profile
+    return {"gravity": 0.0, "lines": {"deck": deck}, "loads": {"car": car}, "run": {"every": 0.02, **run}}
+
+
+def base_excited(t: Array, start: float) -> tuple[Array, Array]:
+    """Place and acceleration of the body of `rig` from its rest: steady motion and what dies away, in closed form."""
+    phase = 2.0 * np.pi * start / WAVE
+    steady = HEIGHT * (STIFFNESS + 1j * RATE * DAMPING) / (STIFFNESS - MASS * RATE**2 + 1j * RATE * DAMPING)
+    steady = steady * np.exp(1j * (RATE * t + phase))
+    root = (-DAMPING + np.sqrt(complex(DAMPING**2 - 4.0 * STIFFNESS * MASS))) / (2.0 * MASS)
+    y = HEIGHT * np.sin(phase) - (steady[0]).imag
+    v = HEIGHT * RATE * np.cos(phase) - (1j * RATE * steady[0]).imag
+    free = (y - 1j * (v - y * root.real) / root.imag) * np.exp(root * t)
+    return steady.imag + free.real, -(RATE**2) * steady.imag + (root**2 * free).real
+
+
+DYNAMIC = {"kind": "dynamic", "geometry": "linearised"}
+
+
+# The beam bends by 4e-6 m under the largest force: 4e-4 of the height of the wave.
+@pytest.mark.parametrize(("start", "axle", "until"), [(0.0, 0.0, 1.9), (-10.0, 0.0, 2.4), (-10.0, 200.0, 2.4)])
+@pytest.mark.parametrize("run", [DYNAMIC, {"kind": "linear"}], ids=["dynamic", "linear"])
+def test_a_sprung_mass_is_a_base_excited_oscillator(
+    start: float, axle: float, until: float, run: dict[str, Any], tmp_path: Path
+) -> None:
+    found = simulate(read(rig({"file": rows(tmp_path / "sine.csv")}, {**run, "until": until}, start, axle)))
+    assert found.attrs["outcome"] == "completed"
+    t = found["time"].to_numpy()
+    y, acceleration = base_excited(t, start)
+    body = found["body_position"].to_numpy()[:, 0, 1] + MASS * 9.81 / STIFFNESS
+    assert np.abs(body - y).max() < 5e-4 * HEIGHT
+    s = start + SPEED * t
+    on = (s > 4.0) & (s < 36.0)
+    force = found["contact_force"].to_numpy()[:, 0, 1]
+    wheel = -(RATE**2) * HEIGHT * np.sin(RATE * t + 2.0 * np.pi * start / WAVE)
+    exact = -(MASS * (9.81 + acceleration) + axle * (9.81 + wheel))
+    if axle and run is DYNAMIC:  # which rings on its contact from where it has come to the line on
+        return
+    assert np.abs(force - exact)[on].max() < 2e-4 * np.abs(exact).max()
+    assert np.isnan(force[s < -0.1]).all()
+
+
+def test_the_ground_does_the_work_on_what_waits_before_the_line(tmp_path: Path) -> None:
+    """Its axle has 44 kJ of the travel and 140 J of the waves; the audit closes to the second order of the step."""
+    run = {**DYNAMIC, "until": 2.4}
+    found = simulate(read(rig({"file": rows(tmp_path / "sine.csv")}, run, -10.0, 200.0)))
+    assert np.abs(found["energy"].sel(form="imbalance")).max() < 0.05
+
+
+def test_the_profile_is_felt_to_the_fourth_order_of_its_rows_and_the_second_of_steps(tmp_path: Path) -> None:
+    """On the ground alone, before the line: nothing else is there to be wrong."""
+
+    def error(step: float, spacing: float) -> float:
+        scenario = rig({"file": rows(tmp_path / "sine.csv", spacing)}, {**DYNAMIC, "until": 0.9, "step": step}, -19.0)
+        scenario["lines"]["deck"] |= {"bending_stiffness": 1e8, "elements": 4}
+        found = simulate(read(scenario))
+        y = base_excited(found["time"].to_numpy(), -19.0)[0]
+        body = found["body_position"].to_numpy()[:, 0, 1]
+        return float(np.abs(body + MASS * 9.81 / STIFFNESS - y).max())
+
+    steps = np.array([error(h, 0.05) for h in (4e-3, 2e-3, 1e-3)])
+    assert np.log2(steps[:-1] / steps[1:]) == pytest.approx(2.0, abs=0.1)
+    spacings = np.array([error(2.5e-5, h) for h in (1.0, 0.5)])
+    assert np.log2(spacings[0] / spacings[1]) == pytest.approx(4.0, abs=0.6)  # two rows a wave longer than natural ends
+
+
+def test_a_vehicle_rests_on_the_ground_before_the_line() -> None:
+    """Dampers above its axles do not hear of what the ground bears."""
+    car = {
+        "kind": "vehicle", "on": "deck", "bodies": {"box": {"mass": 1000.0, "inertia": 500.0, "at": -6.0}},
+        "wheels": {"front": {"at": -5.0, "mass": 100.0}, "rear": {"at": -7.0, "mass": 100.0}},
+        "springs": {"f": {"between": ["box", "front"], "stiffness": 2e5, "damping": 5e3},
+                    "r": {"between": ["box", "rear"], "stiffness": 2e5, "damping": 5e3}},
+        "travel": {"speed": 0.0, "at_end": "leave"},
+    }  # fmt: skip
+    scenario = rig(None, {**DYNAMIC, "until": 0.1, "every": 0.05})
+    scenario |= {"gravity": 9.81, "loads": {"car": car}}
+    scenario["lines"]["deck"] |= {"bending_stiffness": 1e9, "elements": 10, "profile": {"spectrum": "ISO 8608 A"}}
+    found = simulate(read(scenario))
+    assert np.ptp(found["body_position"].to_numpy()[:, 0, 1]) < 1e-12
+
+
+def test_what_slides_freely_trades_speed_for_height(tmp_path: Path) -> None:
+    """Over a hump of 0.3 m on a taut rope: v^2/2 + g z stays. The rope gives way by 2 mm, which the height knows."""
+    x = np.arange(0.0, 20.1, 0.25)
+    np.savetxt(tmp_path / "hump.csv", np.stack([x, 0.3 * np.exp(-(((x - 10.0) / 2.0) ** 2))], axis=1), delimiter=",")
+    rope = {"start": [0.0, 0.0], "end": [20.0, 0.0], "tension": 2e6, "mass": 5.0, "axial_stiffness": 1e8,
+            "elements": 60, "profile": {"file": str(tmp_path / "hump.csv")}}  # fmt: skip
+    bead = {"kind": "mass", "on": "rope", "mass": 20.0, "travel": {"kind": "free", "from": 3.0, "speed": 5.0}}
+    run = {"kind": "dynamic", "until": 2.6, "every": 0.02}
+    found = simulate(read({"lines": {"rope": rope}, "loads": {"bead": bead}, "run": run}))
+    place = found["contact_position"].to_numpy()[:, 0]
+    v = np.linalg.norm(np.gradient(place, 0.02, axis=0), axis=1)[5:-5]
+    exact = np.sqrt(25.0 - 2.0 * 9.81 * (place[5:-5, 1] - place[0, 1]))
+    assert exact.min() < 4.4
+    assert np.abs(v - exact).max() < 3e-3  # what swings as it is set down suddenly
+    assert np.abs(found["energy"].sel(form="imbalance")).max() < 1e-4
+
+
+@pytest.mark.parametrize("spectrum", ["ISO 8608 A", "ISO 8608 H", "FRA 1", "FRA 6", "German low", "German high"])
+def test_a_generated_profile_has_its_spectrum(spectrum: str) -> None:
+    """The variance in each octave, from a periodogram of 60 km, is the integral of the density there.
+
+    Within 3 %: an octave has 177 lines of the sum, of which half a line at each of its ends is another's; those at its
+    lower end are 0.1 /km apart, which this is long enough to tell.
+    """
+    shortest, longest = 1.0, 50.0
+    s, z = profile_of(spectrum, 3, (shortest, longest), 0.0, 60e3)
+    window = np.hanning(z.size)
+    power = np.abs(np.fft.rfft(window * (z - z.mean()))) ** 2 * 2.0 / (window**2).sum() / z.size
+    n = np.fft.rfftfreq(z.size, s[1] - s[0])
+    edges = 1.0 / longest * 2.0 ** np.arange(0.5, np.log2(longest / shortest) - 0.5)
+    for low, high in itertools.pairwise(edges):
+        fine = np.linspace(low, high, 2001)
+        wanted = float(np.trapezoid(density(spectrum, fine), fine))
+        assert power[(n >= low) & (n < high)].sum() == pytest.approx(wanted, rel=0.03)
+    assert power[n > 1.01 / shortest].sum() < 1e-6 * power.sum()
+
+
+def test_densities_are_those_of_their_sources() -> None:
+    """Numbers by hand: G(0.1 1/m) of ISO 8608 classes, and one of FRA and of German track at W = 0.8245 rad/m."""
+    assert density("ISO 8608 A", np.array([0.1]))[0] == pytest.approx(16e-6, rel=1e-12)
+    assert density("ISO 8608 C", np.array([0.2]))[0] == pytest.approx(64e-6, rel=1e-12)
+    n = np.array([0.8245 / (2.0 * np.pi)])
+    assert density("FRA 6", n)[0] == pytest.approx(2.0 * np.pi * 0.25 * 0.0339e-4 / (2.0 * 0.8245**2), rel=1e-12)
+    W, Wc, Wr = 0.8245, 0.8246, 0.0206
+    german = 2.0 * np.pi * 4.032e-7 * Wc**2 / ((W**2 + Wr**2) * (W**2 + Wc**2))
+    assert density("German low", n)[0] == pytest.approx(german, rel=1e-12)
+
+
+def test_a_profile_does_not_depend_on_how_far_it_is_asked_for() -> None:
+    s, z = profile_of("ISO 8608 B", 7, (0.5, 50.0), -10.0, 50.0)
+    t, y = profile_of("ISO 8608 B", 7, (0.5, 50.0), 3.0, 90.0)
+    assert np.abs(np.interp(t[(t > 4.0) & (t < 49.0)], s, z) - y[(t > 4.0) & (t < 49.0)]).max() < 1e-12
+    other = profile_of("ISO 8608 B", 8, (0.5, 50.0), -10.0, 50.0)[1]
+    assert np.abs(other - z).max() > 1e-3
+
+
+REFUSED = {
+    "a walker": ("loads", {"kind": "walker", "on": "deck"}, "a load of kind walker on a profile"),
+    "rkn6": ("run", {"kind": "dynamic", "until": 0.1, "method": "rkn6"}, "rkn6 with a profile"),
+    "implicit": ("run", {"kind": "dynamic", "until": 0.1, "method": "implicit"}, "implicit with a profile"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_does_not_follow_a_profile_is_refused(case: str) -> None:
+    block, value, says = REFUSED[case]
+    scenario = rig({"spectrum": "FRA 6"}, {"kind": "dynamic", "until": 0.1})
+    scenario["gravity"] = 9.81
+    scenario[block] = {"one": value} if block == "loads" else value
+    if block == "run":
+        scenario["loads"] = {"one": {"kind": "mass", "on": "deck", "mass": 1.0, "travel": {"speed": 1.0}}}
+    with pytest.raises(ScenarioError, match=says):
+        read(scenario)
+
+
+def test_a_profile_from_a_file_tells_its_row(tmp_path: Path) -> None:
+    (tmp_path / "wrong.csv").write_text("0, 0\n1, 0.01\n1, 0.02\n")
+    with pytest.raises(ScenarioError, match="x must rise") as error:
+        simulate(read(rig({"file": str(tmp_path / "wrong.csv")}, {**DYNAMIC, "until": 0.1})))
+    assert error.value.problems[0].key == "lines.deck.profile.file"
+
+
+def test_a_force_does_not_feel_a_profile(tmp_path: Path) -> None:
+    (tmp_path / "level.csv").write_text("0, 0\n40, 0\n")
+
+    def places(profile: dict[str, Any]) -> tuple[Array, Array]:
+        scenario = rig(profile, {**DYNAMIC, "until": 0.2})
+        force = {"kind": "force", "on": "deck", "force": [0.0, -1e4], "travel": {"speed": 20.0, "from": 4.0}}
+        scenario["lines"]["deck"] |= {"bending_stiffness": 1e9, "elements": 10}
+        found = simulate(read({**scenario, "loads": {"force": force}}))
+        return found["position"].to_numpy(), found["contact_position"].to_numpy()
+
+    rough, smooth = places({"spectrum": "ISO 8608 D"}), places({"file": str(tmp_path / "level.csv")})
+    assert np.abs(smooth[0][..., 1]).max() > 1e-3
+    assert all((one == other).all() for one, other in zip(rough, smooth, strict=True))
