@@ -50,9 +50,9 @@ class Scenario(Declaration):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        object.__setattr__(self, "run", crossed(self.parts).run)
         if findings := list(check_hangers(self.hangers, self.lines, self.gravity)):
             report("scenario", findings)
+        object.__setattr__(self, "run", crossed(self.parts).run)
         report("scenario", [*self._refined(), *map(self._in_its_row, check(self.parts))])
         return self
 

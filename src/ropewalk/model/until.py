@@ -95,7 +95,7 @@ def check_crossing(parts: Any) -> Iterator[Finding]:
         return
     wrong, given = "no load crosses its line as prescribed", CROSSING
     if late:
-        wrong = f"it is not known when load {late[0]} has crossed its line"
+        wrong = f"the crossing of load {late[0]} has an end that only the run finds"
     remedy = "write a time, or measure its travel as material or horizontal on a line of given length"
     yield Finding(("run", "until"), wrong, given, remedy)
 
