@@ -31,6 +31,7 @@ UNFELT: Reasons = {
     "Dynamic.method": {
         "auto has chosen an explicit method already, that of Verlet": (
             "plain",
+            "rough",
             "held",
             "earlier",
             "force in time",
@@ -244,6 +245,7 @@ UNFELT: Reasons = {
     "Travel.at_end": {
         "nothing comes to an end of the line": (
             "plain",
+            "hung",
             "held",
             "earlier",
             "force in time",
