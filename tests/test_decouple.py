@@ -197,7 +197,7 @@ def test_what_cannot_be_compared_says_so(tmp_path):
     with pytest.raises(ScenarioError, match="start from rest"):
         without_feedback(scenario(mass(3.0), run=run))
     force = {"kind": "force", "force": [0.0, -10.0], "travel": {"speed": 1.0, "from": 1.0}}
-    with pytest.raises(RopewalkError, match="wants dynamic or linear"):
+    with pytest.raises(RopewalkError, match="supports dynamic and linear"):
         feedback(scenario(force, run={"kind": "quasistatic"}))
     same = scenario(force)
     assert without_feedback(same) is same

@@ -210,14 +210,14 @@ def test_chosen_loads_are_free_and_the_others_clamped() -> None:
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({"held": "arc"}, "^held must"),
+        ({"restrained": "arc"}, "^restrained must"),
         ({"loads": []}, "^loads must be given"),
         ({"frictionless": [True, False]}, "^loads must be given"),
-        ({"held": "horizontal", "frictionless": [False]}, "^loads must be given"),
+        ({"restrained": "horizontal", "frictionless": [False]}, "^loads must be given"),
         ({"loads": [(math.nan, DOWN)]}, "must be finite"),
         ({"loads": [(5.0, (0.0, inf))]}, "must be finite"),
-        ({"loads": [(21.0, DOWN)], "held": "material"}, "must stand on the rope"),
-        ({"loads": [(7.0, DOWN), (5.0, DOWN)], "held": "material"}, "ascending"),
+        ({"loads": [(21.0, DOWN)], "restrained": "material"}, "must stand on the rope"),
+        ({"loads": [(7.0, DOWN), (5.0, DOWN)], "restrained": "material"}, "ascending"),
         ({"loads": [(5.0, (0.0, 0.0))], "length": 22.0}, "no definite shape"),
     ],
 )

@@ -51,7 +51,7 @@ def resting(
     """
     compliance = _segments.check_rope(span, height, length, weight, axial_stiffness, law)
     if restrained not in ("horizontal", "material"):
-        raise ValueError(f"held must be 'horizontal' or 'material', not {restrained!r}")
+        raise ValueError(f"restrained must be 'horizontal' or 'material', not {restrained!r}")
     free = np.ones(len(loads), dtype=bool) if frictionless is None else np.asarray(frictionless, dtype=bool)
     if free.shape != (len(loads),) or not loads or (restrained == "horizontal" and not np.all(free)):
         raise ValueError("loads must be given, all frictionless if held is 'horizontal', or frictionless for each")
