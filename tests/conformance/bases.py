@@ -215,7 +215,7 @@ BASES: dict[str, Tree] = {
     "joined": {"lines": {"rope": TAUT, "hanger": _HANGER}, "loads": {"load": load("mass", way(), air_drag=0.0)},
                "run": moves()},
     "hung": {
-        "lines": {"rope": {**TAUT, "elements": 21},
+        "lines": {"rope": {**TAUT, "elements": 22},
                   "cable": {**LONG, "start": [0.0, 4.0], "end": [20.0, 4.0], "length": 20.4}},
         "hangers": {"row": {"from": "cable", "to": "rope", "count": 2, "mass": 0.2, "axial_stiffness": 1e6}},
         "loads": {"load": load("force", way())}, "run": {"kind": "equilibrium"},

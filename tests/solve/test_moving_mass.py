@@ -68,7 +68,7 @@ def rms(values: np.ndarray) -> float:
 def test_deflection_on_a_string_with_mass_is_of_second_order(alpha: float, monkeypatch: pytest.MonkeyPatch) -> None:
     # A support bears its load over a part of the first link, which is of first order: here as good as not at all.
     monkeypatch.setattr(initial_loads, "STEPS_OF_CAPACITY", 0.0)
-    monkeypatch.setattr(multibody_system, "LEAST_ROOM", 1e-3)
+    monkeypatch.setattr(multibody_system, "LEAST_CAPACITY", 1e-3)
     links, found = [50, 100, 200], []
     for n in links:
         deflection, _ = misses(passage(n, LENGTH, alpha, 0.9), LENGTH, alpha)

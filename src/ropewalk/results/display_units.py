@@ -175,9 +175,9 @@ def _quantity_of(text: str) -> str:
     dimension = measure(text)[1]
     if text in _WITHOUT_DIMENSION:
         return _WITHOUT_DIMENSION[text]
-    for si in ENGINEERING:
-        if si not in _WITHOUT_DIMENSION.values() and measure(si)[1] == dimension:
-            return si
+    alike = [si for si in ENGINEERING if si not in _WITHOUT_DIMENSION.values() and measure(si)[1] == dimension]
+    if alike:  # a moment and an energy have one dimension, and are told apart by how they are written
+        return next((si for si in alike if ("*" in si) == ("*" in text)), alike[0])
     known = sorted({step.symbol for unit_steps in ENGINEERING.values() for step in unit_steps})
     raise Refused(
         f"no quantity is shown in {text}", did_you_mean(text, known, otherwise=f"write {', '.join(known)} or SI")
