@@ -82,7 +82,7 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
     if isinstance(run, Dynamic) and run.start.kind == "result":
         wrong, remedy = "a stored result has other loads than a run without feedback", "start from rest"
         raise ScenarioError([Problem("run.start.kind", wrong, "result", remedy)])
-    loads: dict[str, AnyLoad] = {n: load for n, load in scenario.loads.items() if _is_force(load)}
+    loads: dict[str, AnyLoad] = {n: load for n, load in scenario.loads.items() if is_force(load)}
     heavy = {name: load for name, load in scenario.loads.items() if name not in loads}
     if not heavy:
         return scenario, {}
@@ -91,7 +91,7 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
     moving = [name for name in heavy if not rests_within_itself(heavy[name])]
     grounds = {name: _Ground.run(scenario, name) for name in moving}
     for wheel in wheels_of(scenario):
-        if wheel.load in loads and _is_force(loads[wheel.load]):
+        if wheel.load in loads and is_force(loads[wheel.load]):
             continue
         load = heavy[wheel.load]
         if wheel.load not in moving:
@@ -108,7 +108,8 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
     return Scenario(**{**kept, "title": title, "loads": loads}), names
 
 
-def _is_force(load: AnyLoad) -> bool:
+def is_force(load: AnyLoad) -> bool:
+    """Whether a load is nothing but given forces."""
     return isinstance(load, GivenForces | Footsteps)
 
 

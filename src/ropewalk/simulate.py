@@ -175,7 +175,7 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
 
     Args:
         scenario: what is there and what is asked.
-        account: filled in.
+        run_info: filled in.
         times: of a motion, its output instants in s (default: those that it asks for).
         past: what such a run has given as its state, to go on from there.
     """

@@ -41,7 +41,7 @@ class Chain:
 
     Args:
         scenario: what is computed.
-        account: filled in.
+        run_info: filled in.
         times: output instants in s, from 0.
         past: what `get_state` gave, to go on from there: method and step are those.
 

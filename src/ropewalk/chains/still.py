@@ -24,7 +24,7 @@ class ChainStatics:
 
     Args:
         scenario: what is computed.
-        account: filled in.
+        run_info: filled in.
         until: how long the histories of the loads are needed, s.
 
     Raises:

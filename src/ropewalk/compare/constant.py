@@ -30,11 +30,6 @@ STANDARD_GRAVITY = 9.80665  # m/s^2, where a scenario has none and gives weights
 Wheels = dict[str, tuple[str, ...]]
 
 
-def is_force(load: AnyLoad) -> bool:
-    """Whether a load is nothing but given forces."""
-    return isinstance(load, GivenForces | Footsteps)
-
-
 def without_refusal(load: AnyLoad) -> AnyLoad:
     """The same load, leaving its line where it was to be refused there: another model may take it there earlier."""
     travel = getattr(load, "travel", None)
@@ -70,7 +65,7 @@ class ConstantForces:
     Args:
         scenario: the full one.
         found: what its wheels do.
-        pieces: of constant speed, at most, with which a free travel is followed.
+        segments: of constant speed, at most, with which a free travel is followed.
     """
 
     scenario: Scenario

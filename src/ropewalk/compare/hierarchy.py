@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropewalk.compare.assumptions import assumptions_of
-from ropewalk.compare.constant import ConstantForces, is_force, wheels_in
+from ropewalk.compare.constant import ConstantForces, wheels_in
 from ropewalk.compare.quantities import QUANTITIES, errors_of, quantities_of, ways_of, weight_of
 from ropewalk.compare.result import LevelResult, ModelHierarchy
 from ropewalk.compare.simpler_models import FULL, LINEAR, MODELS, FullModel, SimplerModel, top_of
 from ropewalk.compare.stretches import Reach, reach_of
 from ropewalk.compare.trace import Level, level_of, load_of, pressed, traces
 from ropewalk.compare.verdict import TOLERANCE, thresholds
+from ropewalk.decouple import is_force
 from ropewalk.errors import Problem, RopewalkError, ScenarioError, did_you_mean
 from ropewalk.model.overhead import CONTACT_WIRE
 from ropewalk.model.run import Dynamic

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.compare.constant import ConstantForces, contacts_in, is_force, without_refusal
+from ropewalk.compare.constant import ConstantForces, contacts_in, without_refusal
 from ropewalk.compare.pressing import pressing_task
-from ropewalk.decouple import cut, rests_within_itself
+from ropewalk.decouple import cut, is_force, rests_within_itself
 from ropewalk.errors import Problem, RopewalkError, ScenarioError
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
@@ -55,7 +55,7 @@ class SimplerModel:
 
 
 def top_of(scenario: Scenario) -> SimplerModel:
-    """the full model: the scenario itself, in time and with all geometry where the package can do that.
+    """The full model: the scenario itself, in time and with all geometry where the package can do that.
 
     Raises:
         ScenarioError: there is nothing to compare.
@@ -108,7 +108,7 @@ def remade(scenario: Scenario, **changes: Any) -> Scenario:
 
 @dataclass(frozen=True)
 class FullModel:
-    """the full model with its result, from which the others are made.
+    """The full model with its result, from which the others are made.
 
     Args:
         asked: the scenario as given.

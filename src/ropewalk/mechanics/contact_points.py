@@ -1,4 +1,4 @@
-"""Wheels: every place where a load touches its line, from the declarations of the loads."""
+"""Contact points: every place where a load touches its line, from the declarations of the loads."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Riders: how a travelling load sits on the chain while it moves (docs/notes/travelling-node.md).
+"""Moving contacts: how a travelling load sits on the chain while it moves (docs/notes/travelling-node.md).
 
 The node nearest to the load rides with it: it has the load's material coordinate xi, the two links beside it have
 the unstrained lengths xi - X_a and X_c - xi (between h/2 and 3h/2), and all particles that the load passes take the

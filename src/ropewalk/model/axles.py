@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.history import SpeedTable
 from ropewalk.model.quantity import AxleForces, Count, PositiveLength, Station, Stations
-from ropewalk.model.travel import Course, Place
+from ropewalk.model.travel import AtEnd, Course, Place
 
 MOST = 1000
 """Axles of a train."""
@@ -68,6 +68,8 @@ class Coaches(Declaration):
 
 class TrainTravel(Course):
     """A prescribed advance of a train, whose axles come to the line and leave it one after the other."""
+
+    at_end: ClassVar[AtEnd] = "leave"
 
     start: Station = Field(
         default=0.0,

@@ -115,9 +115,7 @@ def _names(name: str, row: Hangers, length: float) -> list[str]:
     return [f"{name}-{i + 1}" for i in range(len(row.places(length)))]
 
 
-def guessed(
-    name: str, row: Hangers, lines: Mapping[str, Line | None], gravity: float
-) -> dict[str, Line | None]:  # fmt: skip
+def guessed(name: str, row: Hangers, lines: Mapping[str, Line | None], gravity: float) -> dict[str, Line | None]:
     """The hangers of a row as lines, about as long as they have to be: the line above as a parabola.
 
     With all weight w on the horizontal, H = w L^2/(8 f) (Irvine 1981).

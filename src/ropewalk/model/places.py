@@ -163,7 +163,7 @@ def _never_comes(load: Axles, on: str, line: Line | OverheadLine) -> tuple[str, 
 def _comes_by_itself(load: AnyLoad) -> bool:
     """Whether wheels of the load may begin before the start of the line: on level ground, from which they roll on."""
     travel = _prescribed(load)
-    return travel is not None and getattr(travel, "at_end", "leave") == "leave"
+    return travel is not None and travel.at_end == "leave"
 
 
 def _beyond(line: Line | OverheadLine, place: Place, gravity: float | None) -> float | None:
@@ -187,7 +187,7 @@ def _passing(name: str, load: AnyLoad, on: str, line: Line | OverheadLine, until
     travel = _prescribed(load)
     if isinstance(load, Footsteps) and isinstance(line, Line):
         yield from _stepping_off(name, load, on, line, until)
-    if travel is None or callable(travel.speed) or getattr(travel, "at_end", "leave") != "refuse":
+    if travel is None or callable(travel.speed) or travel.at_end != "refuse":
         return
     limit = reach(line, travel.measured)
     clearance = margin(load, line) if travel.measured == "material" else 0.0  # elsewhere its size is not known
@@ -248,7 +248,7 @@ def _meeting(
         limit = reach(line, travel.measured)
         if limit is None:  # not known exactly; a load that would be refused there does not matter
             limit = math.inf
-            if getattr(travel, "at_end", "leave") != "refuse" and isinstance(line, Line):
+            if travel.at_end != "refuse" and isinstance(line, Line):
                 limit = 0.5 * line.distance
         if _leaves(way, limit, time):
             return None

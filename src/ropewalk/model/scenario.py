@@ -52,8 +52,9 @@ class Scenario(Declaration):
     def _consistent(self) -> Self:
         if findings := list(check_hangers(self.hangers, self.lines, self.gravity)):
             report("scenario", findings)
-        object.__setattr__(self, "run", crossed(self.parts).run)
-        report("scenario", [*self._refined(), *map(self._in_its_row, check(self.parts))])
+        parts = crossed(self.parts)
+        object.__setattr__(self, "run", parts.run)
+        report("scenario", [*self._refined(), *map(self._in_its_row, check(parts))])
         return self
 
     def _refined(self) -> Iterator[Finding]:

@@ -110,7 +110,7 @@ def _arrivals(parts: Any) -> Iterator[tuple[str, float | None]]:
             continue
         speed = travel.speed
         limit = reach(line, travel.measured)
-        clearance = margin(load, line) if getattr(travel, "at_end", "leave") == "refuse" else 0.0
+        clearance = margin(load, line) if travel.at_end == "refuse" else 0.0
         ways = [
             None if limit is None else _time(speed, place.start, clearance, limit - clearance)
             for place in load.starts()

@@ -1,1 +1,1 @@
-"""Webs: networks of lines, nets and membranes in space."""
+"""Networks of lines, nets and membranes in space."""

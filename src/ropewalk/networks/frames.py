@@ -21,7 +21,7 @@ class NetworkFrameBuilder:
 
     Args:
         scenario: what is computed.
-        account: filled in.
+        run_info: filled in.
         until: how long the histories of the loads are needed, s.
 
     Raises:

@@ -133,7 +133,7 @@ def doubt_slack(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tensio
 
     Args:
         scenario: what is there.
-        account: takes the doubts.
+        run_info: takes the doubts.
         on: (link,) names of the lines of links.
         tension: (link,) N, at rest.
     """

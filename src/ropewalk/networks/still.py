@@ -1,4 +1,4 @@
-"""Webs at rest: equilibrium with the loads at their start, and slow motion of the loads along their ways."""
+"""Networks at rest: equilibrium with the loads at their start, and quasi-static motion along their paths."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class NetworkStatics:
 
     Args:
         scenario: what is computed.
-        account: filled in.
+        run_info: filled in.
         until: how long the histories of the loads are needed, s.
 
     Raises:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.model.load import GivenForces
+from ropewalk.model.axles import Axles
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import STATIC, path_name
 from ropewalk.results.frame import Array
@@ -263,7 +263,7 @@ def trains_in(dataset: xr.Dataset) -> dict[str, list[int]]:
     return {
         name: [k for k, contact in enumerate(names) if contact.partition(".")[0] == name]
         for name, load in scenario.loads.items()
-        if isinstance(load, GivenForces) and load.kind == "axles"
+        if isinstance(load, Axles)
     }
 
 

@@ -28,7 +28,7 @@ def net_summary(dataset: xr.Dataset, segments: Iterable[xr.Dataset]) -> dict[str
 
     Args:
         dataset: a result.
-        pieces: the same along its leading dimension, small enough to be loaded.
+        segments: the same along its leading dimension, small enough to be loaded.
     """
     nets = net_names(dataset)
     if not nets:

@@ -50,7 +50,7 @@ class Recorder:
     Args:
         layout: names and coordinates of the result.
         scenario: what is run; it goes into the attributes as JSON.
-        account: how the run goes; read again whenever the file is brought up to date, and at the end.
+        run_info: how the run goes; read again whenever the file is brought up to date, and at the end.
         file: stream to this NetCDF file, or keep everything in memory. An earlier one is replaced with the first
             frame: a run that never begins leaves it as it was.
         run: whose state the file is to hold, so that it can be taken up again.

@@ -70,7 +70,7 @@ class TimeHistory:
 
     Args:
         engine: what computes it, in its first state.
-        account: filled in.
+        run_info: filled in.
         past: what `get_state` gave, to go on from there.
     """
 

@@ -219,7 +219,7 @@ def hang_up(
         p: axial law, see mechanics/law.py.
         ell: (link,) unstrained lengths, m.
         f: (axis, node) dead forces on the nodes, N, with those of the supports on the first and the last node.
-        held: the supports.
+        restrained: the supports.
         guess: (axis,) force vector of the first link of a similar shape, N; not needed.
 
     Returns:

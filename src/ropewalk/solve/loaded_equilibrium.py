@@ -133,7 +133,7 @@ def stand(
 
     Args:
         strands, s: the strands and which of them.
-        held: its supports.
+        restrained: its supports.
         xi: (load,) m.
         force: (axis, load) N, given forces on the line.
         contacts: how the loads are held.

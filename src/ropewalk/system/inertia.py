@@ -44,7 +44,7 @@ class Inertia(NamedTuple):
         Args:
             mass: (node,) kg.
             v: (instant, axis, node) m/s.
-            held: (instant, axis, restraint) m/s.
+            restrained: (instant, axis, restraint) m/s.
         """
         if not self.along.size:
             return np.zeros(len(v))
@@ -93,7 +93,7 @@ def remark_inertia(run_info: RunInfo, factor: float, structure: Structure, rest:
     """Note what an axial inertia slows down, and doubt it on lines that swing along themselves in part.
 
     Args:
-        account: takes it.
+        run_info: takes it.
         factor: by which they are heavier.
         structure: whose runs they are.
         rest: (axis, node) m.

@@ -90,7 +90,7 @@ class SystemMotion:
 
     Args:
         scenario: what is computed.
-        account: filled in.
+        run_info: filled in.
         times: output instants in s, from 0.
         past: whether it goes on from a state that will be put, wherever it began.
         axes: names of the axes, if not those that the scenario needs.

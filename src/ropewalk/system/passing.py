@@ -58,7 +58,7 @@ class Passing:
 
     Args:
         structure: linearised about rest.
-        standing: what stands on it, at rest.
+        loaded: what stands on it, at rest.
         tables: histories of its contacts.
     """
 

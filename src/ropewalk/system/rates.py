@@ -38,7 +38,7 @@ class Forces:
 
     Args:
         system: what moves.
-        standing: its loads, with coordinates of given forces.
+        loaded: its loads, with coordinates of given forces.
     """
 
     def __init__(self, system: System, loaded: LoadedStructure) -> None:

@@ -102,7 +102,7 @@ class SystemPotential:
 
     Args:
         structure: what is at rest.
-        standing: what stands on it.
+        loaded: what stands on it.
         size: m, of the structure.
         within: whether only what stays in the plane needs to be stable.
         part: of the compliance within a run that contacts at its ends have, see `compliance.py`.

@@ -49,7 +49,7 @@ class SystemStatics:
 
     Args:
         scenario: what is computed.
-        account: filled in.
+        run_info: filled in.
         until: how long the histories of the loads are needed, s.
         space: whether there are three axes also for what stays in the plane.
 

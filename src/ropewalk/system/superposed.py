@@ -54,7 +54,7 @@ class Superposed:
         scenario: what is computed.
         run: its run.
         times: output instants in s, from 0.
-        account: filled in.
+        run_info: filled in.
 
     Raises:
         RopewalkError: there is no rest, or something resists nothing to the first order.

@@ -40,7 +40,7 @@ class Bearing:
 
     Args:
         mesh: the wires.
-        prescribed motions: of the loads.
+        prescribed_motions: of the loads.
         unstrained: (node,) m, of the link behind each node.
         space: whether anything moves sideways.
     """

@@ -74,11 +74,11 @@ def _about_rest(start: WireStart) -> sparse.csc_matrix:
 def on_moved(
     start: WireStart, prescribed_motions: Sequence[PrescribedMotion], position: Array, velocity: Array
 ) -> tuple[PrescribedMotion, ...]:
-    """Journeys whose moving loads begin on wires that are elsewhere than at rest, and move.
+    """Prescribed motions whose moving loads begin on wires that are elsewhere than at rest, and move.
 
     Args:
         start: of the wires.
-        prescribed motions: of the moving loads; those that stand follow the wires.
+        prescribed_motions: of the moving loads; those that stand follow the wires.
         position, velocity: (3, node) m and m/s, of the wires at the beginning.
     """
     moved, out = replace(start, position=position), []
@@ -180,6 +180,6 @@ def _restrained(A: sparse.csc_matrix, hold: sparse.csr_matrix, local: Array, giv
 def along_moved(
     start: WireStart, prescribed_motions: Sequence[PrescribedMotion], u: Array
 ) -> tuple[PrescribedMotion, ...]:
-    """Journeys with rates as of moving loads that go along wires displaced upwards by u (node,) m."""
+    """Prescribed motions with rates as of moving loads that go along wires displaced upwards by u (node,) m."""
     moved = replace(start, position=start.position + np.outer([0.0, 0.0, 1.0], u))
     return tuple(along(moved, prescribed_motion) for prescribed_motion in prescribed_motions)

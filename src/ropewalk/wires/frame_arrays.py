@@ -56,7 +56,7 @@ class Pictures:
     Args:
         task: what is computed.
         mesh: of its wires.
-        moving loads: on them.
+        moving_loads: on them.
         motion: of both.
         sample: s, from one sample to the next.
         potential: of a large motion.

@@ -326,7 +326,7 @@ def advance(strands, threads, link_springs, holders, watched, moving_loads, step
         level: (node,) m, heights at which beds are without force.
         slope: (end, axis) m, differences of the first two nodes that clamped ends ask for.
         now, other: (axis, node) m, at the present instant and a step before it; they change places with every step.
-        room, q: (node,) room.
+        buffers, q: (node,) room.
         small: whether all strains are below SMALL_STRAIN.
         inner: steps of the wires alone in each step.
         steps: in each row.
@@ -380,7 +380,7 @@ class LargeMotion(Changing):
         mesh: the wires and what is attached to them.
         position: (3, node) m at rest.
         rest: (node,) m, unstrained length of the link behind each node.
-        moving loads: what travels.
+        moving_loads: what travels.
         step: s.
         q: (moving load, C) m, first coordinates, at rest.
         inner: steps of the wires alone in each step; 1 where contacts are rigid.

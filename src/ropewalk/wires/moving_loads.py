@@ -1,4 +1,4 @@
-"""Riders on wires: linear multi-body systems that touch the spline, the same for both kinds of motion."""
+"""Moving loads on wires: linear multi-body systems that touch the spline, the same for both kinds of motion."""
 
 from __future__ import annotations
 

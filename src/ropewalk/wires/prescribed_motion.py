@@ -1,4 +1,4 @@
-"""Journeys: where moving loads are and what is put on them, at any time; from them, what drives a run."""
+"""Prescribed motions: where moving loads are and what is put on them, at any time; from them, what drives a run."""
 
 from __future__ import annotations
 

@@ -100,7 +100,7 @@ def advance(strands, stencil, springs, holders, window, watched, moving_loads, s
 
     Args:
         level: (node,) m, heights at rest.
-        now, other, room: (node,) m above rest, at the present instant and a step before it, which change places with
+        now, other, buffers: (node,) m above rest, at the present instant and a step before it, which change places with
             every step; and room.
         steps: in each row.
         sweeps: over all that is rigid, in each step.
@@ -346,7 +346,7 @@ class SmallMotion(Changing):
     Args:
         mesh: the wires and what is attached to them.
         rest: their rest.
-        moving loads: what travels.
+        moving_loads: what travels.
         step: time step, s.
         q: (moving load, C) m, first coordinates, at rest.
         window: half width of what moves around the contacts, m; everything if infinite.

@@ -21,7 +21,7 @@ class WireStatics:
 
     Args:
         task: what is computed.
-        account: filled in.
+        run_info: filled in.
 
     Raises:
         RopewalkError: there is no rest without loads.
