@@ -1,6 +1,6 @@
 """Friction and hold forces of prescribed travel in motion, on everything that the system moves.
 
-Sources: a load that has come to its place slowly is held as at rest by `solve/holding.py`; the capstan equation,
+Sources: a load that has come to its place slowly is held as at rest by `solve/hold_forces.py`; the capstan equation,
 T2/T1 = exp(mu angle); a mass without friction on one rope by the engine of ropes; the energy audit.
 """
 

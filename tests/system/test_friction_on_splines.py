@@ -1,7 +1,7 @@
 """Friction and hold forces of loads that stand on networks, stiff lines and lines in calm air.
 
-Sources: the rest of one elastic rope under a load with a place of its own, `solve/holding.py`, whose tests hold it to
-closed forms; the capstan equation; the derivative of the energy by the place of the load.
+Sources: the rest of one elastic rope under a load with a place of its own, `solve/hold_forces.py`, whose tests hold it
+to closed forms; the capstan equation; the derivative of the energy by the place of the load.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What travels does on joined lines, and on lines in calm air, what it does on a rope by itself.
 
-Sources: the engine of ropes, which meets loads otherwise (`solve/`, `mechanics/carrying.py`); the beam with a spring
+Sources: the engine of ropes, which meets loads otherwise (`solve/`, `mechanics/moving_mass.py`); the beam with a spring
 below its middle; conservation of energy.
 """
 

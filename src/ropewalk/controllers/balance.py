@@ -4,9 +4,10 @@ Seen across the line, the body is an inverted pendulum whose foot stands `offset
 
     m y'' = -F,    F = k (line + offset - y),    k = m g/height
 
-with the force F on the line. These are springs of negative stiffness between body, line and foot (mechanics/fleet.py),
-so that momentum is handed over exactly and the pendulum's energy -k (y - line - offset)^2 / 2 stands in the audit. Only
-a step changes the offset, or which place of the line is meant: what this adds to the energy, muscles give.
+with the force F on the line. These are springs of negative stiffness between body, line and foot
+(mechanics/multibody_system.py), so that momentum is handed over exactly and the pendulum's energy
+-k (y - line - offset)^2 / 2 stands in the audit. Only a step changes the offset, or which place of the line is meant:
+what this adds to the energy, muscles give.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Carriers: what an engine lets controllers see and do while a motion goes on.
 
-Contacts, coordinates of bodies and legs are numbered as in `mechanics/fleet.py`, whatever the engine makes of them.
+Contacts, coordinates of bodies and legs are numbered as in `mechanics/multibody_system.py`, whatever the engine makes
+of them.
 """
 
 from __future__ import annotations

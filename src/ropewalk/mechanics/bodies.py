@@ -1,7 +1,7 @@
 """Bodies as plain arrays: what has a mass of its own, stands on the line at one or more wheels, and moves with it.
 
 Every place where a load touches its line is a wheel, and every wheel an entry of `Loads`, whether or not it has a mass.
-A heavy wheel has its own place on the chain, see carrying.py; a light one rides with a node as a force does, and its
+A heavy wheel has its own place on the chain, see moving_mass.py; a light one rides with a node as a force does, and its
 mass is added to that of the node. Above the wheels stand the coordinates of the vehicles, see vehicles.py.
 
 Records instead of one array for each quantity: a kernel is handed ten numbers for every array.

@@ -338,7 +338,7 @@ def _particle(mass: float, dim: int, gravity: float, drag: float) -> _Vehicle:
 
 
 def _balancing(walker: _Vehicle, on: list[int], left: Array) -> _Vehicle:
-    """A walker in space whose legs do not act to the side, where guides/balance.py keeps her upright.
+    """A walker in space whose legs do not act to the side, where controllers/balance.py keeps her upright.
 
     One more coordinate is the offset of the foot that bears from the line. Nothing moves it but a step.
     """

@@ -39,7 +39,7 @@ class Cells(NamedTuple):
     inverse: Array  # (cell, 4) 1/m, of [X2 - X1, X3 - X1] in material coordinates: a b / c d row by row
     area: Array  # (cell,) m^2, unstrained
     membrane_elements: Integers  # (cell,) row of `fabrics`
-    fabrics: Array  # (fabric, 7): kind, four constants, see fabric.py, and unstrained over laid-out length along u, v
+    fabrics: Array  # (fabric, 7): kind, four constants, and unstrained over laid-out length along u, v
 
 
 class NetworkSupports(NamedTuple):

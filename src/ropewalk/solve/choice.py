@@ -97,7 +97,7 @@ def bounds(
 def _locations_of_masses(strands: Strands, loads: Loads, bodies: Bodies) -> float:
     """Largest frequency of a uniform chain with a heavy wheel in one of its links, over that without.
 
-    A fit to the eigenvalues for all places that carrying.py lets a wheel take; right to 15 %, on the safe side.
+    A fit to the eigenvalues for all places that moving_mass.py lets a wheel take; right to 15 %, on the safe side.
     """
     part = 1.0
     for k, wheel in enumerate(bodies.wheels):

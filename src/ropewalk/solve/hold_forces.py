@@ -6,8 +6,9 @@ Beside a frictionless load they are equal. Friction lets them differ, T_ahead/T_
     L = 2 artanh(mu tan(angle/2))    (block: a point that presses against the line in the middle of the angle)
 
 where `angle` is that by which the line turns at the load. A load that cannot stay by friction is held by a horizontal
-force. With the shape of a hanging chain known from the force vector R of its first link (hanging.py), R and the hold
-forces are the roots of a few equations: the line ends where it is held, and the ratio of tensions comes out right.
+force. With the shape of a hanging chain known from the force vector R of its first link (catenary_shooting.py), R and
+the hold forces are the roots of a few equations: the line ends where it is held, and the ratio of tensions comes
+out right.
 """
 
 from __future__ import annotations

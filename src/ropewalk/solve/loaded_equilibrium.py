@@ -1,7 +1,7 @@
 """Statics of one strand with loads standing on it: the link under a load becomes two that meet at the load.
 
 The tension beside a load is that of its link without the part of the point's own weight that lies between: right to the
-second order, as the shape is. See pieces.py for how masses are divided, holding.py for hold forces.
+second order, as the shape is. See element_split.py for how masses are divided, hold_forces.py for hold forces.
 """
 
 from __future__ import annotations

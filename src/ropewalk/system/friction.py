@@ -1,7 +1,7 @@
 """Friction of prescribed travel: a given force that rubs, and is held by a horizontal force where that is not enough.
 
-As at rest (`holding.py`), the force along the line is what it takes to move the contact along it, and friction bears up
-to R of the force N across, with half the angle by which the line turns there:
+As at rest (`hold_forces.py`), the force along the line is what it takes to move the contact along it, and friction
+bears up to R of the force N across, with half the angle by which the line turns there:
 
     sin(half) = |N| / (2 (T + EI/h^2)),   R = tanh(mu half) / sin(half)  (capstan)  or  mu / cos(half)  (block).
 
