@@ -12,6 +12,7 @@ the two of the end, equal tensions, and the given place. Newton's method follows
 
 from collections.abc import Callable, Sequence
 from typing import Literal
+from warnings import warn
 
 import numpy as np
 from numpy import inf
@@ -38,17 +39,23 @@ def resting(
     loads: Sequence[PointLoad],
     restrained: Restrained = "horizontal",
     frictionless: Sequence[bool] | None = None,
+    **before: Restrained,
 ) -> RestingRope:
     """Return a rope at rest under frictionless loads, hold forces included in `RestingRope.load_forces`.
 
     Arguments as in `ropewalk.theory.rope.resting`, but ``loads`` of ``(place, (Fx, Fz))`` are in the order in which
-    they stand on the rope, and ``place`` is x in m if ``held`` is "horizontal" (beyond the supports, too: the rope
-    then runs backwards there) or the material coordinate if it is "material". Fx is immaterial: the hold force
-    makes up for it. With ``held="material"``, ``frictionless`` may tell which loads are; the others are clamped.
+    they stand on the rope, and ``place`` is x in m if ``restrained`` is "horizontal" (beyond the supports, too: the
+    rope then runs backwards there) or the material coordinate if it is "material". Fx is immaterial: the hold force
+    makes up for it. With ``restrained="material"``, ``frictionless`` may tell which loads are; the others are clamped.
 
     `ValueError` for arguments out of range and where no hold force makes the tensions equal: out of the rope's
     reach, or on an elastic rope too near to a support, where the load slips off for any hold force.
     """
+    if "held" in before:
+        warn("held is called restrained now; the old name goes with the next release", DeprecationWarning, stacklevel=2)
+        restrained = before.pop("held")
+    if before:
+        raise TypeError(f"resting() got an unexpected keyword argument {next(iter(before))!r}")
     compliance = _segments.check_rope(span, height, length, weight, axial_stiffness, law)
     if restrained not in ("horizontal", "material"):
         raise ValueError(f"restrained must be 'horizontal' or 'material', not {restrained!r}")
