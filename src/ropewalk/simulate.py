@@ -26,7 +26,7 @@ from ropewalk.model.load import GivenForces
 from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import Frame, Layout, RunInfo
+from ropewalk.results.frame import SPLINE, Frame, Layout, RunInfo
 from ropewalk.results.running import MotionEngine, Run, StaticEngine, Statics, TimeHistory, followed
 from ropewalk.solve.load_schedule import horizon
 
@@ -181,6 +181,8 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
     """
     scenario = _formed(scenario)
     run = scenario.run
+    if scenario.has_bending_stiffness and engine_of(scenario) in (SYSTEM, SUPERPOSED):
+        run_info.curvature = SPLINE
     if isinstance(run, Dynamic):
         times = output_times(run) if times is None else times
         return TimeHistory(_motion(scenario, run, run_info, times, past), run_info, past)
@@ -314,7 +316,7 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     if at is not None:
         run = _check_instant(scenario, at)
     on_system = bool(scenario.overhead_lines) and engine_of(scenario) is SYSTEM
-    if on_system or scenario.is_network or scenario.parts.has_inextensible:
+    if on_system or scenario.is_network or scenario.parts.has_inextensible or scenario.parts.has_segments:
         from ropewalk.system import spectrum as system  # lazy: a run does not need the eigenvalue solvers
 
         if at is not None:

@@ -12,7 +12,8 @@ from motion_cases import order
 from ropewalk.model import Scenario
 from ropewalk.system.assembly import structure_of
 from ropewalk.system.loaded_structure import LoadedStructure
-from ropewalk.system.statics import SystemPotential, settle
+from ropewalk.system.rest import settle
+from ropewalk.system.statics import SystemPotential
 
 CLAMPED = {"kind": "fixed", "clamped": True}
 

@@ -20,7 +20,8 @@ from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
 from ropewalk.system.assembly import contacts_of, structure_of
 from ropewalk.system.loaded_structure import Carried, LoadedStructure
-from ropewalk.system.statics import SystemPotential, at_rest
+from ropewalk.system.rest import at_rest
+from ropewalk.system.statics import SystemPotential
 
 CALM = {"direction": [1, 0], "speed": 0.0}
 LINE = {"start": [0, 0], "end": [20, 1], "length": 20.2, "mass": 1.0, "axial_stiffness": 1e5, "elements": 20}

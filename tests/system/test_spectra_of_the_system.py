@@ -16,7 +16,7 @@ from ropewalk.model import Scenario
 from ropewalk.simulate import spectrum_of
 from ropewalk.system.air import damping_by_wind
 from ropewalk.system.assembly import structure_of
-from ropewalk.system.statics import at_rest
+from ropewalk.system.rest import at_rest
 from ropewalk.system.still import _add_wind_forces
 from ropewalk.system.structure import Buffers
 

@@ -18,7 +18,8 @@ from scipy.optimize import brentq
 from ropewalk.model import Scenario
 from ropewalk.system.assembly import structure_of
 from ropewalk.system.loaded_structure import LoadedStructure
-from ropewalk.system.statics import SystemPotential, settle
+from ropewalk.system.rest import settle
+from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import Structure
 from ropewalk.system.ties import Point, Tie, ties_of
 

@@ -31,6 +31,7 @@ from ropewalk.model.pantograph import Pantograph, PantographTravel
 from ropewalk.model.profile import Profile
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, Run, Start
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.segment import Segment
 from ropewalk.model.stepper import Stepper
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
 from ropewalk.model.sweep import Sweep
@@ -105,6 +106,7 @@ __all__ = [
     "Run",
     "Scenario",
     "SecondPiolaKirchhoff",
+    "Segment",
     "Sheave",
     "SoftEdge",
     "Spans",

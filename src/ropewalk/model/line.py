@@ -30,6 +30,7 @@ from ropewalk.model.quantity import (
     Retardation,
     Width,
 )
+from ropewalk.model.segment import Segment, check_segments
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
 
 LARGEST_STRAIN = 10.0
@@ -84,12 +85,16 @@ class Line(Declaration):
         default=None,
         description="of the road or track on the line and before and behind it, which wheels follow",
     )
+    segments: dict[Name, Segment] = Field(
+        default_factory=dict, description="parts of it, by name, with another stiffness, mass or bed: steps, damage"
+    )
     wind_drag: Width = Field(default=0.0, description="drag coefficient times width, for wind across the line")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         given = {name for name in type(self).model_fields if getattr(self, name) is not None}
         own = (*self._geometry(), *self._clamped(), *self._inner(), *self._damped())
+        own += tuple(check_segments(self.segments, self.length or self.distance, bends=bool(self.bending_stiffness)))
         report("line", [*contradictions(given, self.law.kind), *own])
         return self
 
@@ -180,7 +185,8 @@ class Line(Declaration):
     @property
     def has_bending_stiffness(self) -> bool:
         """Whether it has bending stiffness or lies on a bed."""
-        return bool(self.bending_stiffness or self.foundation)
+        beds = (segment.foundation for segment in self.segments.values())
+        return bool(self.bending_stiffness or self.foundation or any(beds))
 
     @property
     def is_restrained_fast(self) -> bool:

@@ -77,6 +77,11 @@ class Parts:
         return any(line is not None and line.profile is not None for line in self.lines.values())
 
     @property
+    def has_segments(self) -> bool:
+        """Whether a line has parts with another stiffness, mass or bed."""
+        return any(line is not None and bool(line.segments) for line in self.lines.values())
+
+    @property
     def is_auto(self) -> bool:
         """Whether the number of links of a line is to be found."""
         return any(line is not None and isinstance(line.elements, Auto) for line in self.lines.values())

@@ -30,6 +30,8 @@ CORNERS = ("first", "second", "third")
 DIRECTIONS = ("first", "second")
 CHECKPOINT = "checkpoint"  # variable of a result file that is no part of the result: see slots.py
 LACKING = "not_resumable"  # attribute of a result file that has none: why
+CURVATURE = "curvature"
+"""Attribute: "fourth order" where bending is that of a spline through the nodes, by second differences elsewhere."""
 STATIC = "static_part"  # attribute: largest static values as JSON, by line or place and quantity
 PATH = "path"  # stands for the leading dimension, `time` or `load_path`
 
@@ -241,6 +243,7 @@ def run_info_attributes(run_info: RunInfo) -> dict[str, Attribute]:
         "doubts": "\n".join(" ".join(str(doubt).split()) for doubt in run_info.doubts),
         "warnings": "\n".join(" ".join(warning.split()) for warning in run_info.warnings),
         **run_info.mesh,
+        **({CURVATURE: run_info.curvature} if run_info.curvature else {}),
         **({STATIC: json.dumps(run_info.static)} if run_info.static else {}),
     }
 

@@ -150,6 +150,10 @@ class Doubt:
         return f"{self.what}; likely cause: {self.cause}{key}; {self.remedy}"
 
 
+SPLINE = "fourth order"
+"""What bending is of where that is right of a spline through the nodes, see `system/cables.py`."""
+
+
 @dataclass
 class RunInfo:
     """How a run went: filled in while it runs, written as attributes at the end."""
@@ -167,6 +171,7 @@ class RunInfo:
     audit: str = ""  # why no energy audit is kept, if that is so
     doubts: list[Doubt] = field(default_factory=list)  # reasons not to trust the run
     mesh: dict[str, str | float] = field(default_factory=dict)  # attributes that tell of its error, if asked for
+    curvature: str = ""  # of bending: `SPLINE`, or by second differences
     static: dict[str, dict[str, float]] = field(default_factory=dict)  # largest static values of lines, if asked for
 
     def doubt(self, what: str, cause: str, key: str, remedy: str) -> None:

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.model.axles import Axles
+from ropewalk.model.segment import bending_along
 from ropewalk.results.contact_statistics import scenario_of
-from ropewalk.results.contract import STATIC, path_name
-from ropewalk.results.frame import Array
+from ropewalk.results.contract import CURVATURE, STATIC, path_name
+from ropewalk.results.frame import SPLINE, Array
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -104,8 +105,8 @@ class LineResponse:
 
         Differences give it as a mean over both links, which cuts its corners under point forces: these are put back.
         """
-        EI, r = self.line.bending_stiffness, self._position
-        if not EI or self.xi.size < 4:
+        r = self._position
+        if not self.line.bending_stiffness or self.xi.size < 4:
             return None
         run = r[:, -1, :-1] - r[:, 0, :-1]
         onward = run / np.maximum(np.linalg.norm(run, axis=1, keepdims=True), 1e-300)
@@ -113,11 +114,30 @@ class LineResponse:
         dx, dz = 0.5 * (x[:, 2:] - x[:, :-2]), 0.5 * (z[:, 2:] - z[:, :-2])
         bent = dx * np.diff(z, 2, axis=1) - dz * np.diff(x, 2, axis=1)
         out = np.zeros(z.shape)
-        out[:, 1:-1] = EI * bent / np.maximum((dx**2 + dz**2) ** 1.5, 1e-300) + self._corners[:, 1:-1]
+        EI = bending_along(self.line, self.xi)[1:-1] if self.line.segments else self.line.bending_stiffness
+        out[:, 1:-1] = EI * bent / np.maximum((dx**2 + dz**2) ** 1.5, 1e-300)
+        out += self._smoothed(out) + self._corners
+        out[:, [0, -1]] = 0.0
         for end, (a, b) in ((0, (1, 2)), (-1, (-2, -3))):
             if getattr((self.line.start_support, self.line.end_support)[end], "clamped", False):
                 out[:, end] = 2.0 * out[:, a] - out[:, b]
         return out
+
+    @property
+    def _is_spline(self) -> bool:
+        return self.dataset.attrs.get(CURVATURE) == SPLINE
+
+    def _smoothed(self, moment: Array) -> Array:
+        """What to moments by second differences is missing to be those in equilibrium with what nodes bear, N m.
+
+        The energy of bending EI kappa^2 / 2 has in each link a sixth of EI (kappa' - kappa)^2 / 2 besides, but for
+        links in which EI steps.
+        """
+        if not self._is_spline:
+            return np.zeros_like(moment)
+        EI = bending_along(self.line, self.xi)
+        within = np.where(np.isclose(EI[1:], EI[:-1], rtol=1e-12), np.diff(moment, axis=1), 0.0) / 6.0
+        return np.asarray(-np.diff(within, axis=1, prepend=0.0, append=0.0))
 
     @cached_property
     def _corners(self) -> Array:
@@ -126,7 +146,8 @@ class LineResponse:
         Beside a force F at a distance of u links a moment goes as -(F h / 2) |u|. The second difference of exact
         deflections is its mean with a hat, less by (F h / 6) (1 - |u|)^3 for |u| < 1. On a mesh it is what nodes bear,
         which share F as the sharpened spline of `docs/notes/wires.md` tells: less by as much, but for (F h / 6) B(u)
-        with the cubic B-spline B.
+        with the cubic B-spline B. Where bending is that of a spline, nodes share F in another way, see `_lacking`;
+        forces of supports are those of their nodes.
         """
         exact = self.dataset.attrs.get("method") == "linear theory"
         h = float(self.xi[1] - self.xi[0])
@@ -136,17 +157,20 @@ class LineResponse:
         forces = [(-given[:, k], place[:, k]) for k in on]
         names = self.dataset["support"].values.tolist()
         for name, support in self.line.supports.items():
-            if (label := f"{self.name}.{name}") in names:
+            if (label := f"{self.name}.{name}") in names and not self._is_spline:
                 reaction = self.dataset["reaction"].values[:, names.index(label), -1]
                 forces.append((-reaction, np.full(self.path.size, support.at)))
         for force, at in forces:
             there = np.flatnonzero(np.isfinite(force) & np.isfinite(at) & (force != 0.0))
             near = (at[there] / h).astype(np.int64)
-            for side in (-1, 0, 1, 2):
+            for side in range(-3, 5) if self._is_spline else range(-1, 3):
                 i = near + side
                 inside = (i >= 0) & (i < self.xi.size)
                 u = np.abs(at[there][inside] / h - i[inside])
-                missed = np.maximum(1.0 - u, 0.0) ** 3 - (0.0 if exact else _b_spline(u))
+                if self._is_spline:
+                    missed = _lacking(at[there][inside] / h - i[inside])
+                else:
+                    missed = np.maximum(1.0 - u, 0.0) ** 3 - (0.0 if exact else _b_spline(u))
                 out[there[inside], i[inside]] += force[there][inside] * h / 6.0 * missed
         return out
 
@@ -185,6 +209,23 @@ class LineResponse:
 def _b_spline(u: Array) -> Array:
     """The cubic B-spline at distances of u >= 0 links from its middle."""
     return np.asarray(np.where(u < 1.0, 2.0 / 3.0 - u**2 + 0.5 * u**3, np.maximum(2.0 - u, 0.0) ** 3 / 6.0))
+
+
+def _lacking(u: Array) -> Array:
+    """What the moment of a force lacks, in F h / 6, at a node u links before it, by how nodes share it: w |j| for |u|.
+
+    With quintic B-splines, sharpened by a quarter of their second differences (`system/spline.py`).
+    """
+    at = np.floor(u) + np.arange(-2.0, 4.0)[:, None]
+    shared = (_quintic(at - u) * np.abs(at)).sum(axis=0) - 0.5 * _quintic(u)
+    return np.asarray(3.0 * (shared - np.abs(u)))
+
+
+def _quintic(u: Array) -> Array:
+    """The quintic B-spline at distances of u links from its middle."""
+    far = np.abs(u)
+    parts = ((1.0, 3.0), (-6.0, 2.0), (15.0, 1.0))
+    return np.asarray(sum(part * np.maximum(end - far, 0.0) ** 5 for part, end in parts) / 120.0)
 
 
 def responses(dataset: xr.Dataset) -> tuple[dict[str, LineResponse], Scenario | None]:

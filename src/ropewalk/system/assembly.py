@@ -40,6 +40,7 @@ from ropewalk.system.inertia import Inertia
 from ropewalk.system.overhead_lines import overhead_lines_of
 from ropewalk.system.profile import Profiles
 from ropewalk.system.sections import sections_of, sheaves_of
+from ropewalk.system.segments import Segments
 from ropewalk.system.structure import About, Lines, Nodes, Restraints, Runs, Structure, WindField
 from ropewalk.system.surface_paths import Nets
 from ropewalk.system.tethers import TETHER
@@ -136,6 +137,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     gravity = np.zeros(dim)
     gravity[-1] = -scenario.gravity
     mass, lag, level = np.zeros(n), np.zeros(n), np.zeros(n)
+    segments = Segments.of(scenario.lines, sections, n)
     weights = np.array([cable.mass for cable in own[: len(sections)]])[:, None] * gravity
     sheaves = sheaves_of(laid, sections, weights, sum(n + 1 for n in links[: len(sections)]))
     over = set() if sheaves is None else set(sheaves.run.tolist())
@@ -143,6 +145,8 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     for s, (name, *_) in enumerate(sections):
         cable, part = own[s], slice(first[s], first[s] + links[s] + 1)
         m = np.full(links[s] + 1, cable.mass * h[s])
+        if segments is not None and name in scenario.lines:
+            m = segments.rho[part] * h[s]
         m[0] *= 1.0 if s - 1 in over else 0.5  # nodes that pass keep their mass
         m[-1] *= 1.0 if s in over else 0.5
         mass[part], lag[part] = m, cable.drag * m
@@ -192,6 +196,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
         ),
         restraints, _wind(scenario, until, axes), About.nothing(dim), Inertia.nothing(dim), surfaces, sheaves,
         np.zeros(n) if (runs.law[:, 0] == law.RIGID).any() else None,
+        segments=segments,
     )  # fmt: skip
     where = {int(n): e for e in range(restraints.mass.size) for n in restraints.members(e)}
     at_ends = {end.name: int(np.flatnonzero(original == end.node)[0]) for end in laid.ends}

@@ -24,6 +24,7 @@ from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.compliance import ARC, SHORT_ARC, SMOOTH
 from ropewalk.system.inertia import hold_back
+from ropewalk.system.segments import bed_at, stiffness_at, stiffness_within, vary
 from ropewalk.system.sheaves import add_wind_over, exist
 
 
@@ -34,7 +35,8 @@ def _alike(structure, s):
     A loop for each costs as much as tens of nodes before its vectors begin and after they end; runs may have few.
     """
     runs = structure.runs
-    while s + 1 < runs.first.size and not exist(structure.sheaves):  # these divide the links between runs
+    alone = exist(structure.sheaves) or vary(structure.segments)  # those divide the links between runs
+    while s + 1 < runs.first.size and not alone:
         alike = runs.first[s + 1] == runs.first[s] + runs.links[s] + 1 and runs.h[s + 1] == runs.h[s]
         alike = alike and runs.arcs[s + 1] == runs.arcs[s] and runs.bending[s + 1] == runs.bending[s]
         for i in range(runs.law.shape[1]):
@@ -174,6 +176,23 @@ def _moments(bent, moment, pull, begin, n, stiff, arcs):
 
 
 @lean_inner
+def _moments_along(segments, bent, moment, pull, begin, n, stiff, arcs):
+    """The same of a run that may have segments; `stiff` is that of the value 1 there."""
+    if segments is None:
+        _moments(bent, moment, pull, begin, n, stiff, arcs)
+        return
+    d, q, m = bent[begin : begin + n + 1], pull[begin : begin + n], moment[begin : begin + n + 1]
+    own, within = segments.bending[begin : begin + n + 1], segments.smooth[begin : begin + n]
+    arc, short, smooth = 2.0 * arcs * ARC, 2.0 * arcs * SHORT_ARC, stiff * SMOOTH
+    for i in range(1, n):
+        m[i] = (
+            (stiff * own[i] + arc * (q[i - 1] + q[i])) * d[i]
+            + (smooth * within[i - 1] + short * q[i - 1]) * (d[i] - d[i - 1])
+            + (smooth * within[i] + short * q[i]) * (d[i] - d[i + 1])
+        )
+
+
+@lean_inner
 def _pull(x, force, moment, pull, begin, n):
     """Add the forces of links and of moments, which are nothing at ends, to one component."""
     a, f = x[begin : begin + n + 1], force[begin : begin + n + 1]
@@ -185,16 +204,16 @@ def _pull(x, force, moment, pull, begin, n):
 
 
 @lean_inner
-def _turn_ends(force, bent, pull, begin, n, stiff, arcs, clamp0, clamp1):
-    """Add what holds the direction of a run at its ends to one component of the forces."""
+def _turn_ends(force, bent, pull, begin, n, stiff, other, arcs, clamp0, clamp1):
+    """Add what holds the direction of a run at its ends, stiff as is given, to one component of the forces."""
     f, d, q = force[begin : begin + n + 1], bent[begin : begin + n + 1], pull[begin : begin + n]
-    arc, short, smooth = 2.0 * arcs * ARC, 2.0 * arcs * SHORT_ARC, stiff * SMOOTH
+    arc, short = 2.0 * arcs * ARC, 2.0 * arcs * SHORT_ARC
     if clamp0 == 1:
-        end = 2.0 * ((0.5 * stiff + arc * q[0]) * d[0] + (smooth + short * q[0]) * (d[0] - d[1]))
+        end = 2.0 * ((0.5 * stiff + arc * q[0]) * d[0] + (stiff * SMOOTH + short * q[0]) * (d[0] - d[1]))
         f[0] += end
         f[1] -= end
     if clamp1 == 1:
-        end = 2.0 * ((0.5 * stiff + arc * q[n - 1]) * d[n] + (smooth + short * q[n - 1]) * (d[n] - d[n - 1]))
+        end = 2.0 * ((0.5 * other + arc * q[n - 1]) * d[n] + (other * SMOOTH + short * q[n - 1]) * (d[n] - d[n - 1]))
         f[n] += end
         f[n - 1] -= end
 
@@ -244,27 +263,33 @@ def add_internal_forces(structure, buffers, r, dt):
                 _changes(about.links, buffers, runs.first[j], runs.links[j], h)
         if not small:
             _over_length(buffers.tension, buffers.length, buffers.pull, begin, n)
-        x, bent, pull, stiff = r, buffers.bent, buffers.pull, runs.bending[s] / (h * h * h)
+        x, bent, pull, stiff = r, buffers.bent, buffers.pull, 1.0 / (h * h * h)
+        if not vary(structure.segments):
+            stiff = runs.bending[s] / (h * h * h)
         for again in range(2 if small else 1):
             if again == 1:  # by what changes, links pull at the places of rest
                 x, bent, pull, stiff = about.shape[0], about.shape[1], buffers.change, 0.0
             for j in range(s, end):  # what is between two runs is no link
                 pull[runs.first[j + 1] - 1] = 0.0
             for a in range(last + 1):
-                _moments(bent[a], buffers.moment, pull, begin, n, stiff, runs.arcs[s])
+                _moments_along(structure.segments, bent[a], buffers.moment, pull, begin, n, stiff, runs.arcs[s])
                 for j in range(s, end + 1):
                     buffers.moment[runs.first[j]] = buffers.moment[runs.first[j] + runs.links[j]] = 0.0
                 _pull(x[a], buffers.force[a], buffers.moment, pull, begin, n)
                 for j in range(s, end + 1):
                     if runs.clamped[j, 0] == 1 or runs.clamped[j, 1] == 1:
-                        _turn_ends(buffers.force[a], bent[a], pull, runs.first[j], runs.links[j], stiff, runs.arcs[s],
-                                   runs.clamped[j, 0], runs.clamped[j, 1])  # fmt: skip
+                        one, other = stiff, stiff
+                        if vary(structure.segments):
+                            one *= stiffness_at(structure.segments, runs, j, runs.first[j])
+                            other *= stiffness_at(structure.segments, runs, j, runs.first[j] + runs.links[j])
+                        _turn_ends(buffers.force[a], bent[a], pull, runs.first[j], runs.links[j], one, other,
+                                   runs.arcs[s], runs.clamped[j, 0], runs.clamped[j, 1])  # fmt: skip
         for j in range(s, end + 1):
-            if runs.bed[j] > 0.0:
-                k = runs.bed[j] * h
+            if runs.bed[j] > 0.0 or vary(structure.segments):
                 for i in range(runs.first[j], runs.first[j] + runs.links[j] + 1):
                     part = 0.5 if i in (runs.first[j], runs.first[j] + runs.links[j]) else 1.0
-                    buffers.force[last, i] -= part * k * (r[last, i] - structure.nodes.level[i])
+                    k = part * h * bed_at(structure.segments, runs, j, i)
+                    buffers.force[last, i] -= k * (r[last, i] - structure.nodes.level[i])
         s = end + 1
     return lost
 
@@ -300,15 +325,18 @@ def energy_of(structure, buffers, r):
             else:
                 total += h * law.stored(runs.law[s], buffers.strain[i])
         if runs.bending[s] > 0.0:
-            stiff = 0.5 * runs.bending[s] / h**3
+            stiff, segments = 0.5 / h**3, structure.segments
             for a in range(last + 1):
                 for i in range(begin, begin + n):
+                    one, other = stiffness_at(segments, runs, s, i), stiffness_at(segments, runs, s, i + 1)
+                    within = stiffness_within(segments, runs, s, i)
                     d, e = buffers.bent[a, i], buffers.bent[a, i + 1]
-                    total += stiff * (0.5 * (d * d + e * e) + SMOOTH * (e - d) ** 2)
-        if runs.bed[s] > 0.0:
+                    total += stiff * (0.5 * (one * d * d + other * e * e) + SMOOTH * within * (e - d) ** 2)
+        if runs.bed[s] > 0.0 or vary(structure.segments):
             for i in range(begin, begin + n + 1):
                 part = 0.25 if i in (begin, begin + n) else 0.5
-                total += part * runs.bed[s] * h * (r[last, i] - structure.nodes.level[i]) ** 2
+                k = part * h * bed_at(structure.segments, runs, s, i)
+                total += k * (r[last, i] - structure.nodes.level[i]) ** 2
     return total
 
 

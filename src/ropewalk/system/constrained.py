@@ -19,7 +19,9 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.law import Hooke, Inextensible
+from ropewalk.model.line import Line
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.support import Fixed, Guided
 from ropewalk.system.structure import Structure
 
 _ROUNDS, _CLOSE, _LONGEST = 60, 1e-11, 0.1
@@ -40,15 +42,25 @@ def links_of(structure: Structure) -> tuple[Integers, Array]:
 
 
 def nearly(scenario: Scenario) -> Scenario:
-    """The same without loads, and with lines that hardly stretch for inextensible ones, which rest close by."""
+    """The same without loads, and with lines that rest close by where those cannot be laid out as chains.
+
+    These are lines that hardly stretch for inextensible ones, and ends that are held for the rollers of beams: without
+    bending stiffness a line slides down from there.
+    """
     weight = sum(line.mass * (line.length or line.distance) for line in scenario.lines.values()) * scenario.gravity
     weight += sum(joint.mass * scenario.gravity + abs(joint.force[-1]) for joint in scenario.joints.values())
     stiff = {"law": Hooke(), "axial_stiffness": _STIFF * max(weight, 1.0)}
     lines = {
-        name: line.model_copy(update=stiff) if isinstance(line.law, Inextensible) else line
+        name: line.model_copy(update=(stiff if isinstance(line.law, Inextensible) else {}) | _held(line))
         for name, line in scenario.lines.items()
     }
     return scenario.model_copy(update={"loads": {}, "lines": lines})
+
+
+def _held(line: Line) -> dict[str, Fixed]:
+    """Ends of a beam that nothing pulls along their rails, held."""
+    ends = line.ends() if line.bending_stiffness else ()
+    return {key: Fixed() for key, end in ends if isinstance(end, Guided) and not (end.stiffness or end.force)}
 
 
 def lent(structure: Structure, contacts: Any) -> Array:

@@ -21,6 +21,7 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.system.compliance import KINETIC, LEAST, compliance, kinetic, stiffness
 from ropewalk.system.profile import height_at
+from ropewalk.system.segments import bending_near, mass_near
 from ropewalk.system.sharing import see_others
 from ropewalk.system.spline import WIDTH, links_under, share
 
@@ -224,7 +225,7 @@ def _soften(structure, contacts, table, out, k, T):
     h, n, U = structure.runs.h[run], structure.runs.links[run], contacts[k].speed
     if contacts[k].travel == FREE:  # its speed knows of every link that it passes
         U = 0.0
-    bending = structure.runs.bending[run] / (h * h)
+    bending = bending_near(structure.segments, structure.runs, run, contacts[k].x) / (h * h)
     free = contacts[k].least
     if contacts[k].kind == BODY:
         free += 0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light)
@@ -235,7 +236,7 @@ def _soften(structure, contacts, table, out, k, T):
     contacts[k].moving, contacts[k].carried = S, 0.0
     if U == 0.0 or whole <= 0.0:
         return slope
-    moving = min(structure.runs.rho[run] * U * U, FASTEST * whole)
+    moving = min(mass_near(structure.segments, structure.runs, run, contacts[k].x) * U * U, FASTEST * whole)
     less = max(T - moving, min(T, 0.0)) if bending > 0.0 else T - moving
     factor = kinetic(moving / whole, KINETIC)
     contacts[k].moving, slope, taken, _ = stiffness(

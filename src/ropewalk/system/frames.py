@@ -236,7 +236,9 @@ class FrameBuilder:
                 square = (rest * (2.0 * bent - rest)).sum(axis=1) / runs.h[s] ** 4
             else:
                 square = (bent**2).sum(axis=1) / runs.h[s] ** 4
-            out[:, first : first + n] += 0.5 * runs.bending[s] * (square[:, 1:] + square[:, :-1])
+            EI = runs.bending[s] if structure.segments is None else structure.segments.bending[first : first + n + 1]
+            square = EI * square
+            out[:, first : first + n] += 0.5 * (square[:, 1:] + square[:, :-1])
         return out
 
     def _contacts(self, at: SystemNote, tension: Array) -> Contacts:

@@ -17,6 +17,7 @@ import numpy as np
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import lean_inner
 from ropewalk.system.contacts import find_kink, slope_at_rest
+from ropewalk.system.segments import bending_near
 
 # How a contact rubs: not at all, as far as it needs to, or in full.
 NOT, STANDS, DRAGGED = 0, 1, 2
@@ -75,7 +76,8 @@ def _pressed(structure, buffers, contacts, state, table, out, k, hold):
             contacts[k].d[a] = length * contacts[k].N[a] / F if F > 0.0 else 0.0
     across = max(F * F - along * along / square, 0.0)
     across, aside = np.sqrt(across), aside - along / square * first
-    whole, half = 2.0 * (T + structure.runs.bending[run] / (h * h)), 0.5 * np.pi
+    bending = bending_near(structure.segments, structure.runs, run, contacts[k].x) / (h * h)
+    whole, half = 2.0 * (T + bending), 0.5 * np.pi
     if structure.runs.firm[run] > 0.0:
         half, stretch = 0.0, np.sqrt(square)
     elif across < whole:

@@ -20,6 +20,7 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import CLAMPED, COULOMB, DRAGGED, FRICTIONLESS, Array, Integers
 from ropewalk.system.friction import SHARP, STRAIGHT
+from ropewalk.system.segments import bending_of
 from ropewalk.system.structure import Runs, Structure
 
 # Forces of the line along itself come out to this part of those on it: above the rounding of shapes at rest.
@@ -71,7 +72,7 @@ class FrictionDemand(NamedTuple):
         along = -contacts["push"] / np.where(on_net, np.sqrt(square), on_line)
         part = (N * way).sum(axis=1) / np.where(square > 0.0, square, 1.0)
         across = np.linalg.norm(N - part[:, None] * way, axis=1)
-        whole = pull + 2.0 * runs.bending[run] / runs.h[run] ** 2
+        whole = pull + 2.0 * bending_of(structure, contacts) / runs.h[run] ** 2
         turns = across < whole
         half = np.where(turns, np.arcsin(np.where(turns, across, 0.0) / np.where(turns, whole, 1.0)), 0.5 * np.pi)
         half[on_net] = 0.0  # a net does not bend around a contact

@@ -43,9 +43,11 @@ from ropewalk.system.hold_forces import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
 from ropewalk.system.methods import first_damper
+from ropewalk.system.rest import about_rest, at_rest, least, tensions
+from ropewalk.system.segments import mass_of
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.stability import GROWN, SAFETY, largest_frequency, largest_step, waves_of, while_passing
-from ropewalk.system.statics import SystemPotential, about_rest, at_rest, least, tensions
+from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import WORKS, Buffers, SystemState
 from ropewalk.system.window import Window
 
@@ -410,7 +412,7 @@ class SystemMotion:
         """Doubt kinks that are carried along faster than transverse waves."""
         runs, run = self.structure.runs, np.where(contacts["state"] == ON, contacts["run"], 0)
         kinked = (contacts["state"] == ON) & (contacts["kind"] == BODY) & (runs.bending[run] == 0.0)
-        square = runs.rho[run] * contacts["speed"] ** 2
+        square = mass_of(self.structure, contacts) * contacts["speed"] ** 2
         fast = kinked & (square > FASTEST * np.maximum(contacts["tension"], 0.0)) & (square > 0.0)
         before, count = self._fast.copy(), np.cumsum(fast, axis=0)
         self._fast += count[-1]

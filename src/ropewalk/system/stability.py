@@ -72,13 +72,23 @@ def largest_frequency(structure: Structure, contacts: Any, bodies: BodyArrays, r
     for contact in contacts[contacts["kind"] == BODY]:
         for s in structure.lines.first[contact["line"]] + np.arange(structure.lines.runs[contact["line"]]):
             part, crowd = slice(runs.first[s], runs.first[s] + runs.links[s] + 1), (contacts["line"] == contact["line"])
-            bending = runs.bending[s] / runs.h[s] ** 2
+            bending = _of_run(structure, s)[1] / runs.h[s] ** 2
             whole = max(float(_strained(structure, r, s)[1].max()), 0.0) + bending
             root = math.sqrt(bending / whole) if whole > 0.0 else 0.0
             firm = float(runs.firm[s]) or whole / runs.h[s] * float(table[int(np.ceil(root * (SHARES - 1)))])
             near = float(structure.nodes.mobile[part].max())
             pressed.append(firm * (float(contact["light"]) + near * int(crowd.sum())))
     return math.sqrt(square + max(springs, default=0.0) + max(pressed))
+
+
+def _of_run(structure: Structure, s: int) -> tuple[float, float, float]:
+    """Mass per length, bending stiffness and bed of run s; of one that varies, the least and the largest ones."""
+    runs, segments = structure.runs, structure.segments
+    if segments is None:
+        return float(runs.rho[s]), float(runs.bending[s]), float(runs.bed[s])
+    part = slice(runs.first[s], runs.first[s] + runs.links[s] + 1)
+    rho = segments.rho[part].min() or runs.rho[s]  # those of edge cables are not there
+    return float(rho), float(segments.bending[part].max()), float(segments.bed[part].max())
 
 
 def _strained(structure: Structure, r: Array, s: int) -> tuple[Array, Array]:
@@ -103,13 +113,14 @@ def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list
         if runs.law[s, 0] == law.RIGID:  # see `_of_rigid`
             continue
         stretched, tensions = _strained(structure, r, s)
-        taut, h, rho = float(tensions.max()) * _ARCS, runs.h[s], runs.rho[s]
+        taut, h = float(tensions.max()) * _ARCS, runs.h[s]
+        rho, bending, bed = _of_run(structure, s)
         stiffest, viscosity = float(stretched.max()), runs.damping[s]
         if eased is not None:
             own = np.minimum(eased[part][:-1] + (_TURNED if rest is None else 0.0), 1.0)
             stiffest, viscosity = taut + float((own * stretched[:-1]).max()), viscosity * float(own.max())
-        square = 4.0 * max(stiffest, taut) / (rho * h * h) + _BENDING * runs.bending[s] / (rho * h**4)
-        square += runs.bed[s] / rho + float(tied[part].max())
+        square = 4.0 * max(stiffest, taut) / (rho * h * h) + _BENDING * bending / (rho * h**4)
+        square += bed / rho + float(tied[part].max())
         rate = 4.0 * viscosity / (rho * h * h) + float(taken[part].max())
         if around.size:  # edge cables bear cells, too
             square, rate = square + float(around[part].max()), rate + float(viscous[part].max())

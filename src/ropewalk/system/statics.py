@@ -15,16 +15,14 @@ import scipy.sparse as sparse
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
-from ropewalk.mechanics.compiled import lean, lean_inner, records
-from ropewalk.solve import minimum
+from ropewalk.mechanics.compiled import lean, lean_inner
 from ropewalk.solve.symmetric import Way
-from ropewalk.system import constrained
 from ropewalk.system.air import damping_by_wind
 from ropewalk.system.cables import add_internal_forces, energy_of, stretch_all
 from ropewalk.system.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
 from ropewalk.system.contacts import ON, add_contact_forces, bend
 from ropewalk.system.loaded_structure import LoadedStructure
-from ropewalk.system.sheaves import SLIPS, STICKS, add_sheave_forces, pass_nodes, slip, stored_at, stretch_over
+from ropewalk.system.sheaves import SLIPS, add_sheave_forces, pass_nodes, slip, stored_at, stretch_over
 from ropewalk.system.sheaves_at_rest import (
     damping_of,
     gravitational,
@@ -34,7 +32,7 @@ from ropewalk.system.sheaves_at_rest import (
     stiffness_of,
 )
 from ropewalk.system.spline import WIDTH
-from ropewalk.system.structure import REST, WORKS, About, Buffers, Structure
+from ropewalk.system.structure import WORKS, Buffers, Structure
 from ropewalk.system.surfaces import add_surface_forces, distribute_forces, stored_in
 from ropewalk.system.ties import add_tie_forces, stored_in_ties
 
@@ -240,7 +238,8 @@ class SystemPotential:
         tension, strain, length = self.buffers.tension.copy(), self.buffers.strain.copy(), self.buffers.length.copy()
         if self.structure.is_linearised:
             tension[:], strain[:] = self.structure.about.links["tension"], self.structure.about.links["strain"]
-        h, slope, EI, bed, is_link = np.ones(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.bool_)
+        h, is_link = np.ones(n), np.zeros(n, dtype=np.bool_)
+        slope, EI, smooth, bed = np.zeros((4, n))
         for s, (first, links) in enumerate(zip(runs.first, runs.links, strict=True)):
             part = slice(first, first + links)
             h[part], is_link[part] = runs.h[s], True
@@ -248,8 +247,11 @@ class SystemPotential:
                 slope[part] = runs.h[s] * tension[part] / length[part]
             else:
                 slope[part] = law.tangents(runs.law[s], strain[part])
-            EI[first : first + links + 1] = runs.bending[s] / runs.h[s] ** 3
-            bed[first : first + links + 1] = runs.bed[s] * runs.h[s]
+            part, cube = slice(first, first + links + 1), runs.h[s] ** 3
+            segments = self.structure.segments
+            EI[part] = (runs.bending[s] if segments is None else segments.bending[part]) / cube
+            smooth[part] = (runs.bending[s] if segments is None else segments.smooth[part]) / cube
+            bed[part] = (runs.bed[s] if segments is None else segments.bed[part]) * runs.h[s]
             bed[[first, first + links]] *= 0.5
             tension[first + links] = 0.0
             h[first + links] = runs.h[s]
@@ -260,7 +262,7 @@ class SystemPotential:
         arced = q * self._arcs
         arcs = 2.0 * ARC * (arced + np.concatenate([[0.0], arced[:-1]]))
         bent = self._two.T @ sparse.diags(arcs + EI * self._weight) @ self._two
-        bent = bent + self._three.T @ sparse.diags(SMOOTH * EI + 2.0 * SHORT_ARC * arced) @ self._three
+        bent = bent + self._three.T @ sparse.diags(SMOOTH * smooth + 2.0 * SHORT_ARC * arced) @ self._three
         blocks = [across + bent] * (axes - 1) + [across + bent + sparse.diags(bed)]
         rows = self.rows(r, u.size)
         K = sparse.block_diag([*blocks, self.loaded.stiffness(u)]) + rows.T @ sparse.diags(rise) @ rows
@@ -410,91 +412,3 @@ class SystemPotential:
 
     def approaches(self, start: Array, way: Way) -> Iterator[Array]:
         return iter(())
-
-
-def settle(structure: Structure, start: Array, *, within: bool = False) -> Array:
-    """Places of all nodes at rest without loads next to a shape (axis, node), m; `within` as of `Potential`.
-
-    Raises:
-        EquilibriumError: no rest was found.
-    """
-    potential = SystemPotential(
-        structure, LoadedStructure(structure, start), float(np.ptp(start, axis=1).max()), within=within
-    )
-    try:
-        return least(potential, start.ravel()).reshape(start.shape)
-    except EquilibriumError as error:
-        remedy = "; where a node comes to rest right at a sheave, choose another number of elements"
-        raise EquilibriumError(f"{error}{remedy if structure.sheaves is not None else ''}") from error
-
-
-def least(potential: SystemPotential, start: Array) -> Array:
-    """The rest next to a shape, at which inextensible links have their lengths.
-
-    Raises:
-        EquilibriumError: there is none.
-    """
-    found = minimum.settle if potential.structure.taut is None else constrained.settle
-    return found(potential, start)
-
-
-def at_rest(structure: Structure, gravity: Array, start: Array, *, within: bool = False) -> tuple[Structure, Array]:
-    """A structure with the loads on its links shared among nodes as at rest, and the places of all nodes there.
-
-    Where a run ends free to turn, its point reflection takes the load on it for one that jumps to its opposite there.
-    Arcs and bending, right to the fourth order, see that jump two nodes further: with the load w on a link, the rows of
-    the first nodes are (1 + 2/12) w, (1 - 1/24) w under tension and (1 + 1/18) w, (1 + 1/72) w in bending for the shape
-    of a constant load. They get as much of what the end node would bear.
-
-    Args:
-        structure: with each node bearing half of the links beside it.
-        gravity: (axis,) m/s^2.
-        start: (axis, node) m, about where its nodes rest.
-        within: whether only what stays in the plane needs to be stable.
-
-    Raises:
-        EquilibriumError: no rest was found.
-    """
-    rest, runs = settle(structure, start, within=within), structure.runs
-    restrained = structure.restraints
-    fast = {
-        int(node) for e in range(restrained.mass.size) if not restrained.free[e].any()
-        for node in restrained.members(e)
-    }  # fmt: skip
-    T, shift, force = tensions(structure, rest), np.zeros_like(runs.shift), structure.nodes.force.copy()
-    over = set() if structure.sheaves is None else set(structure.sheaves.run.tolist())  # they end beside sheaves
-    for s, (first, links, h) in enumerate(zip(runs.first, runs.links, runs.h, strict=True)):
-        for side, (end, way, link) in enumerate(((first, 1, first), (first + links, -1, first + links - 1))):
-            bending = runs.bending[s] / h**2
-            whole = max(T[link], 0.0) + bending
-            if runs.clamped[s, side] or whole == 0.0 or links < 2 or not runs.arcs[s]:  # there are no two nodes beside
-                continue
-            if s - 1 + side in over:  # where they end changes
-                continue
-            zeta = bending / whole
-            parts = np.array([(1.0 - zeta) / 6.0 + zeta / 18.0, (zeta - 1.0) / 24.0 + zeta / 72.0])
-            for part, node in zip((-parts.sum(), *parts), (0, 1, 2), strict=True):
-                force[:, end + way * node] += part * runs.rho[s] * h * gravity
-            if end in fast:  # elsewhere the inertia of links acts as the wind does, and is lumped
-                shift[s, side] = parts
-    shared = structure._replace(runs=runs._replace(shift=shift), nodes=structure.nodes._replace(force=force))
-    return shared, settle(shared, rest, within=within)
-
-
-def about_rest(structure: Structure, rest: Array) -> Structure:
-    """The same structure, linearised about places of its nodes at rest (axis, node) in m."""
-    potential, found = SystemPotential(structure, LoadedStructure(structure, rest), 1.0), records(rest.shape[1], REST)
-    potential.forces(rest.ravel())
-    buffers, runs = potential.buffers, structure.runs
-    for key in ("strain", "tension", "length", "pull"):
-        found[key] = getattr(buffers, key)
-    for s, (first, links) in enumerate(zip(runs.first, runs.links, strict=True)):
-        found["slope"][first : first + links] = law.tangents(runs.law[s], buffers.strain[first : first + links])
-    return structure._replace(about=About(np.array([rest, buffers.bent]), found))
-
-
-def tensions(structure: Structure, r: Array) -> Array:
-    """Tensions of all links, each by its first node, at places of the nodes (axis, node) in m; N."""
-    potential = SystemPotential(structure, LoadedStructure(structure, r), 1.0, how=STICKS)
-    potential.forces(r.ravel())
-    return potential.buffers.tension

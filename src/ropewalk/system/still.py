@@ -24,7 +24,8 @@ from ropewalk.system.contacts import ON
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.hold_forces import HoldForces, on_friction
 from ropewalk.system.loaded_structure import Carried, LoadedStructure
-from ropewalk.system.statics import SystemPotential, at_rest, least
+from ropewalk.system.rest import at_rest, least
+from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import SystemState
 
 # Rounds in which lines find their rest in the wind, and the move over their size that is none any more.

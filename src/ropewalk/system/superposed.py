@@ -38,7 +38,8 @@ from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
 from ropewalk.system.passing import Passing
-from ropewalk.system.statics import SystemPotential, about_rest, at_rest
+from ropewalk.system.rest import about_rest, at_rest
+from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import WORKS, Structure, SystemState
 
 _STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
