@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from .loads import KINDS, STEPPER, fmu_file
-from .structures import BED, DOWN, OVERHEAD, Structure, Tree
+from .structures import BEAM, BED, DOWN, OVERHEAD, Structure, Tree
 
 UNTIL = 0.12  # s
 HILLS = "hills.csv"
@@ -187,6 +187,11 @@ BASES: dict[str, Tree] = {
         STIFF, {**_FMU, "travel": way(), "exchange": {"scheme": "parallel", "order": 1}}, moves(geometry="linearised")
     ),
     "bed": one(SOFT_BED, load("vehicle", way(), _HEAVY), moves(geometry="linearised", window=8.0)),
+    "steps": one(
+        {**BEAM, "segments": {"plates": {"from": 4.0, "to": 9.0, "bending_stiffness": "3 GN*m^2", "mass": 2400.0},
+                              "damage": {"from": 11.0, "to": 13.0, "damage": 0.4, "foundation": "2 MN/m^2"}}},
+        load("mass", way(), _HEAVY), moves(geometry="linearised"),
+    ),
     "stiff rest": one(STIFF, None, {"kind": "equilibrium"}),
     # Overhead lines.
     "pantograph": section(

@@ -123,6 +123,12 @@ OTHER: dict[str, Any] = {
     "InnerElastic.damping": lambda value, _: 2.0 * value or 1e3,
     "*.position": lambda value, block: _place(value, block) if value else [block["at"], 0.05],
     "Line.sheaves": lambda _, block: _grown("sheaves", block, friction=0.3) or {"wheel": {"at": [12.0, 0.5]}},
+    "Line.segments": lambda _, block: _grown("segments", block, mass=3e3) or (
+        {"part": {"from": 5.0, "to": 9.0, "mass": 2.0 * float(block["mass"])}}),
+    "Segment.mass": lambda value, _: 2.0 * value or 2e3,
+    "Segment.bending_stiffness": lambda value, block: None if block.get("damage") else 2.0 * value or 1e9,
+    "Segment.damage": lambda value, block: None if block.get("bending_stiffness") else 0.5,
+    "Segment.foundation": lambda value, _: 2.0 * value if value else 1e6,
     "Line.profile": lambda value, _: Patch(profile=None) if value else None,
     "Profile.file": Patch(file=HILLS, spectrum=None, wavelengths=None),
     "Profile.spectrum": Each(("ISO 8608 D", "FRA 6", "German low")),

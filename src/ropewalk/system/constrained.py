@@ -51,13 +51,13 @@ def nearly(scenario: Scenario) -> Scenario:
     weight += sum(joint.mass * scenario.gravity + abs(joint.force[-1]) for joint in scenario.joints.values())
     stiff = {"law": Hooke(), "axial_stiffness": _STIFF * max(weight, 1.0)}
     lines = {
-        name: line.model_copy(update=(stiff if isinstance(line.law, Inextensible) else {}) | _held(line))
+        name: line.model_copy(update=(stiff if isinstance(line.law, Inextensible) else {}) | _restrained(line))
         for name, line in scenario.lines.items()
     }
     return scenario.model_copy(update={"loads": {}, "lines": lines})
 
 
-def _held(line: Line) -> dict[str, Fixed]:
+def _restrained(line: Line) -> dict[str, Fixed]:
     """Ends of a beam that nothing pulls along their rails, held."""
     ends = line.ends() if line.bending_stiffness else ()
     return {key: Fixed() for key, end in ends if isinstance(end, Guided) and not (end.stiffness or end.force)}
