@@ -30,6 +30,7 @@ from ropewalk.model.overhead import (
 from ropewalk.model.pantograph import Pantograph, PantographTravel
 from ropewalk.model.profile import Profile
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, Run, Start
+from ropewalk.model.saddle import Saddle
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.segment import Segment
 from ropewalk.model.stepper import Stepper
@@ -104,6 +105,7 @@ __all__ = [
     "Quasistatic",
     "RigidBody",
     "Run",
+    "Saddle",
     "Scenario",
     "SecondPiolaKirchhoff",
     "Segment",

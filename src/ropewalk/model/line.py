@@ -30,6 +30,7 @@ from ropewalk.model.quantity import (
     Retardation,
     Width,
 )
+from ropewalk.model.saddle import Saddle
 from ropewalk.model.segment import Segment, check_segments
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
 
@@ -80,6 +81,9 @@ class Line(Declaration):
     )
     sheaves: dict[Name, Sheave] = Field(
         default_factory=dict, description="over which it runs on its way from start to end, in order, by name"
+    )
+    saddles: dict[Name, Saddle] = Field(
+        default_factory=dict, description="round bodies on which it lies on its way from start to end, in order"
     )
     profile: Profile | None = Field(
         default=None,
@@ -159,9 +163,14 @@ class Line(Declaration):
             if support.position is None and any(isinstance(end, Joined) for _, end in self.ends()):
                 wrong, remedy = "is missing: where a joined line runs is not declared", "write position: [x, z]"
                 yield Finding((*path, "position"), wrong, remedy=remedy)
-        if self.supports and self.sheaves:
-            wrong, remedy = "a line over sheaves has no inner supports", "end it at one, and begin another line there"
-            yield Finding(("supports",), wrong, ", ".join(self.supports), remedy)
+        for key in ("sheaves", "saddles"):
+            if self.supports and getattr(self, key):
+                wrong = f"a line over {key} has no inner supports"
+                remedy = "end it at one, and begin another line there"
+                yield Finding(("supports",), wrong, ", ".join(self.supports), remedy)
+        if self.sheaves and self.saddles:
+            wrong, remedy = "a line over sheaves has no saddles", "write sheaves as saddles, or saddles as sheaves"
+            yield Finding(("saddles",), wrong, ", ".join(self.saddles), remedy)
 
     def ends(self) -> tuple[tuple[str, Support], ...]:
         """The keys of the supports of its ends, with them."""
@@ -169,8 +178,8 @@ class Line(Declaration):
 
     @property
     def is_joined(self) -> bool:
-        """Whether it is joined to something, or runs over sheaves."""
-        return bool(self.sheaves) or any(isinstance(support, Joined) for _, support in self.ends())
+        """Whether it is joined to something, or runs over sheaves or saddles."""
+        return bool(self.sheaves or self.saddles) or any(isinstance(support, Joined) for _, support in self.ends())
 
     @property
     def alpha(self) -> float:
@@ -198,6 +207,8 @@ class Line(Declaration):
         yield from (self.start, self.end)
         for sheave in self.sheaves.values():
             yield from sheave.vectors()
+        for saddle in self.saddles.values():
+            yield from saddle.vectors()
         for inner in self.supports.values():
             yield from inner.vectors()
         for _, support in self.ends():
@@ -216,8 +227,9 @@ class Line(Declaration):
 
     @property
     def distance(self) -> float:
-        """Distance between the ends in m, by way of the sheaves."""
-        places = [self.start, *(sheave.at for sheave in self.sheaves.values()), self.end]
+        """Distance between the ends in m, by way of the sheaves or saddles."""
+        over = {**self.sheaves, **self.saddles}.values()
+        places = [self.start, *(one.at for one in over), self.end]
         return sum(math.dist(spatial(a), spatial(b)) for a, b in pairwise(places))
 
 

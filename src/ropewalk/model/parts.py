@@ -77,6 +77,11 @@ class Parts:
         return any(line is not None and line.profile is not None for line in self.lines.values())
 
     @property
+    def has_saddles(self) -> bool:
+        """Whether a line lies on saddles."""
+        return any(line is not None and bool(line.saddles) for line in self.lines.values())
+
+    @property
     def has_segments(self) -> bool:
         """Whether a line has parts with another stiffness, mass or bed."""
         return any(line is not None and bool(line.segments) for line in self.lines.values())

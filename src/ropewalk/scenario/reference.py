@@ -22,7 +22,7 @@ SECTIONS = {
     "Nets and membranes": ("net",),
     "Wind": ("wind",),
     "Laws": ("law",),
-    "Supports": ("support",),
+    "Supports": ("support", "saddle"),
     "Supports between the ends of a line": ("inner_support",),
     "Loads": ("load", "mass", "oscillator", "trolley", "vehicle"),
     "Trains": ("axles",),

@@ -9,18 +9,16 @@ import numpy as np
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
-from ropewalk.mechanics.assembly import axes_of, components, pack, restrained_by, speed_table, vector_table
+from ropewalk.mechanics.assembly import axes_of, components, pack, speed_table
 from ropewalk.mechanics.bodies import Bodies as AssembledBodies
 from ropewalk.mechanics.chain import BLOCK, COULOMB, DRAGGED, FRICTIONLESS, Array, Integers
 from ropewalk.mechanics.compiled import records
 from ropewalk.mechanics.footfall import footfalls
 from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.multibody_system import MARGIN
-from ropewalk.mechanics.restrained_points import supports_of
 from ropewalk.model.footsteps import Footsteps
-from ropewalk.model.joint import Joined
 from ropewalk.model.law import Hooke
-from ropewalk.model.line import Line
+from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import AnyLoad, ExternalModel, GivenForces, Rolling
 from ropewalk.model.net import CableEdge
 from ropewalk.model.run import Dynamic
@@ -28,8 +26,6 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
-from ropewalk.networks.assembly import Laid
-from ropewalk.networks.lengths import laid_at_rest
 from ropewalk.system import friction
 from ropewalk.system.assembled import Assembled
 from ropewalk.system.bodies import BLOWN, BodyArrays
@@ -39,6 +35,8 @@ from ropewalk.system.friction import NOT, STANDS
 from ropewalk.system.inertia import Inertia
 from ropewalk.system.overhead_lines import overhead_lines_of
 from ropewalk.system.profile import Profiles
+from ropewalk.system.restraints import restraints_of
+from ropewalk.system.saddles import laid_over_saddles, saddles_of
 from ropewalk.system.sections import sections_of, sheaves_of
 from ropewalk.system.segments import Segments
 from ropewalk.system.structure import About, Lines, Nodes, Restraints, Runs, Structure, WindField
@@ -100,7 +98,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     """
     if scenario.overhead_lines:
         return overhead_lines_of(scenario, axes)
-    laid, rest = laid_at_rest(nearly(scenario), until)
+    laid, rest = laid_over_saddles(nearly(scenario), until)
     axes = axes or axes_of(scenario)
     displayed, dim = [0, 2] if len(axes) == 2 else [0, 1, 2], len(axes)
     nets = Nets(scenario, laid) if scenario.nets else None
@@ -110,6 +108,11 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     )
     if nets is not None:
         original = nets.number(original)
+    lines = scenario.lines.items()
+    crowns = [(f"{name}.{own}", saddle) for name, line in lines for own, saddle in line.saddles.items()]
+    if crowns:
+        original = np.concatenate([original, rest.shape[0] + np.arange(len(crowns))])
+        rest = np.concatenate([rest, [spatial(saddle.at) for _, saddle in crowns]])
     cables = _cables(scenario, axes)
     links = [node.size - 1 for _, node, _ in sections]
     h = [(s[-1] - s[0]) / (s.size - 1) for *_, s in sections]
@@ -119,7 +122,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     ways, first = nets.ways if nets is not None else (), np.cumsum([0, *(n + 1 for n in links)])[:-1].tolist()
     lengths = [max(s[-1] for name, _, s in sections if name == mine) for mine in names]
     on = {name: names.index(load.on) for name, load in scenario.loads.items() if load.on in names}
-    n = original.size
+    n, n_lines = original.size, original.size - len(crowns)
     for way in ways:
         if way.load not in on:
             on[way.load] = len(lengths)
@@ -172,7 +175,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
         np.array([float(name in scenario.lines) for name, *_ in sections] + [0.0] * len(ways)),
         np.array([0.0] * len(sections) + [way.firm for way in ways]), np.tile(np.eye(dim)[0], (len(links), 1)),
     )  # fmt: skip
-    restraints = _restraints(scenario, laid, sections, original, gravity, until, axes, nets)
+    restraints = restraints_of(scenario, laid, sections, original, gravity, until, axes, nets)
     light = np.divide(1.0, mass, out=np.zeros(n), where=mass > 0.0)
     light[restraints.node] = 0.0
     surfaces = nets.surfaces(dict(enumerate(first[len(sections) :]))) if nets is not None else None
@@ -196,11 +199,12 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
         ),
         restraints, _wind(scenario, until, axes), About.nothing(dim), Inertia.nothing(dim), surfaces, sheaves,
         np.zeros(n) if (runs.law[:, 0] == law.RIGID).any() else None,
-        segments=segments,
+        saddles=saddles_of(scenario, sections, first, h, n_lines, axes), segments=segments,
     )  # fmt: skip
     where = {int(n): e for e in range(restraints.mass.size) for n in restraints.members(e)}
     at_ends = {end.name: int(np.flatnonzero(original == end.node)[0]) for end in laid.ends}
     supports = tuple((name, where[node]) for name, node in at_ends.items())
+    supports += tuple((name, where[node]) for node, (name, _) in enumerate(crowns, n_lines))
     station = np.concatenate([*(station for *_, station in sections), np.full(n, np.nan)])[:n]
     return Assembled(structure, axes, r, station, tuple(name for name, *_ in sections), on, supports, nets)
 
@@ -219,63 +223,6 @@ def _mobile(mass: Array, light: Array, restraints: Restraints) -> Array:
         weight = restraints.mass[e] + mass[nodes].sum()
         found[nodes] = float(restraints.free[e].any()) / weight if weight > 0.0 else 0.0
     return found
-
-
-def _restraints(
-    scenario: Scenario, laid: Laid, sections: list[tuple[str, Integers, Array]], original: Integers, gravity: Array,
-    until: float, axes: tuple[str, ...], nets: Nets | None,
-) -> Restraints:  # fmt: skip
-    """Supports of lines and sheaves, and what keeps nodes together."""
-    dim = gravity.size
-    members = {int(i): np.flatnonzero(original == i) for i in np.unique(original)}
-    found: dict[int, dict[str, Any]] = {
-        i: {"node": nodes, "free": np.eye(dim)} for i, nodes in members.items() if nodes.size > 1
-    }
-    none: dict[str, Any] = {
-        "mass": 0.0, "force": np.zeros(dim), "stiffness": np.zeros((dim, dim)), "damping": np.zeros((dim, dim)),
-        "place": np.zeros(dim), "table": (np.zeros(1), np.zeros((dim, 1))),
-    }  # fmt: skip
-    for name, line in scenario.lines.items():
-        mine = [(node, station) for own, node, station in sections if own == name]
-        nodes, stations = (np.concatenate(parts) for parts in zip(*mine, strict=True))
-        for _, place, support, at in supports_of(line, float(stations[-1])):
-            node = nodes[np.abs(stations - at).argmin()]
-            entry = found.setdefault(int(node), {"node": members[int(node)], "free": np.eye(dim)})
-            if isinstance(support, Joined):
-                if support.to in scenario.joints:
-                    joint = scenario.joints[support.to]
-                    entry |= {"mass": joint.mass, "force": joint.mass * gravity + components(joint.force, axes)}
-                continue
-            free, stiffness, damping, force = restrained_by(support, axes)
-            mass = getattr(support, "mass", 0.0)
-            history = getattr(support, "displacement", (0.0,) * dim)
-            entry |= {
-                "mass": mass, "force": force + mass * gravity, "free": free, "stiffness": stiffness,
-                "damping": damping, "place": components(place, axes), "table": vector_table(history, until, axes),
-            }  # fmt: skip
-    wheels = (sheave for line in scenario.lines.values() for sheave in line.sheaves.values())
-    for node, sheave in zip(laid.network.sheaves.node.tolist(), wheels, strict=True):
-        entry = found.setdefault(node, {"node": members[node], "free": np.eye(dim)})
-        if sheave.to is None:
-            entry |= {"free": np.zeros((dim, dim)), "place": components(sheave.at, axes)}
-        else:
-            joint = scenario.joints[sheave.to]
-            entry |= {"mass": joint.mass, "force": joint.mass * gravity + components(joint.force, axes)}
-    for number, more in nets.restrained() if nets is not None else ():
-        found.setdefault(number, {"node": members[number], "free": np.eye(dim)}).update(more)
-    entries = [none | entry for entry in found.values()]
-
-    def column(key: str) -> Array:
-        return np.array([entry[key] for entry in entries], dtype=float)
-
-    counts = np.array([entry["node"].size for entry in entries], dtype=np.int64)
-    sizes = np.array([entry["table"][0].size for entry in entries], dtype=np.int64)
-    return Restraints(
-        np.cumsum(counts) - counts, counts, np.concatenate([e["node"] for e in entries]).astype(np.int64),
-        column("mass"), column("force"), column("free"), column("stiffness"), column("damping"), column("place"),
-        np.cumsum(sizes) - sizes, sizes, np.concatenate([e["table"][0] for e in entries]),
-        np.ascontiguousarray(np.hstack([e["table"][1] for e in entries])),
-    )  # fmt: skip
 
 
 def _wind(scenario: Scenario, until: float, axes: tuple[str, ...]) -> WindField:

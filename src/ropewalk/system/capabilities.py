@@ -24,7 +24,7 @@ from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
-from ropewalk.model.run import HIGH_ORDER, Dynamic
+from ropewalk.model.run import HIGH_ORDER, Dynamic, Linear, Quasistatic
 from ropewalk.model.support import Moving
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.vehicle import Vehicle
@@ -41,6 +41,8 @@ def _only_lines(parts: Parts) -> Iterator[Finding]:
     for name, line in parts.lines.items():
         if line is not None and line.sheaves:
             yield from _over_sheaves(name, line, parts)
+        if line is not None and line.saddles:
+            yield from _over_saddles(name, line, parts)
 
 
 def _overhead(parts: Parts) -> Iterator[Finding]:
@@ -108,6 +110,26 @@ def _over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
         yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
     if isinstance(run, Dynamic) and run.start.kind == "result":
         yield missing(("run", "start", "kind"), what, "result", "start at rest, or from a mode")
+
+
+def _over_saddles(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
+    """Lines lie on saddles by what their links stretch, and rub there in motion."""
+    what, run = "lines over saddles", parts.run
+    if line.foundation:
+        yield missing(("lines", name, "foundation"), what, f"{line.foundation:g}", "leave foundation out")
+    if isinstance(line.law, Inextensible):
+        yield missing(("lines", name, "law", "kind"), what, "inextensible", "give an axial_stiffness with law hooke")
+    if isinstance(run, Dynamic) and run.geometry == "linearised":
+        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
+    if isinstance(run, Dynamic) and run.axial_inertia != 1.0:
+        yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
+    if isinstance(run, Linear):
+        yield missing(("lines", name, "saddles"), what, "linear", "ask for kind: dynamic")
+    for saddle, own in line.saddles.items() if isinstance(run, Quasistatic) else ():
+        if own.friction:
+            feature, remedy = "friction on saddles without inertia", "leave friction out, or ask for kind: dynamic"
+            path = ("lines", name, "saddles", saddle, "friction")
+            yield missing(path, what, f"{own.friction:g}", remedy, feature=feature)
 
 
 def _has_mass(joint: str, parts: Parts) -> bool:

@@ -67,6 +67,8 @@ def _not_smooth(parts: Parts) -> Iterator[tuple[str, str]]:
     """Find what makes forces jump. Over sheaves nodes pass all of a sudden, and friction knows the slip before."""
     if parts.runs_over_sheaves:
         yield "lines over sheaves", "end the line at the sheave"
+    if parts.has_saddles:
+        yield "lines over saddles", "end the line at the saddle"
     if parts.has_profile:  # splines of the third degree, and the ground that moves wheels
         yield "a profile", "leave profile out"
     for load in parts.loads.values():

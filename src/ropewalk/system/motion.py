@@ -16,6 +16,7 @@ from ropewalk.system.constraints import draw, is_too_long, note_kick
 from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, add_contact_forces, bend
 from ropewalk.system.friction import NOT, rub
 from ropewalk.system.inertia import kick_along
+from ropewalk.system.saddles import add_saddle_forces, lie_on, rub_on_saddles, stored_in_saddles
 from ropewalk.system.sheaves import (
     RUBS,
     add_sheave_forces,
@@ -89,6 +90,7 @@ def _look(structure, buffers, contacts, tables, bodies, state, table, out, dt, s
     if steps <= LOOK:
         stored = energy_of(structure, buffers, state.r) + stored_in(structure.surfaces, state.r)
         stored += stored_at(structure.sheaves, structure.runs, state.r) + stored_in_ties(structure.ties, state.r)
+        stored += stored_in_saddles(structure.saddles, state.r)
         for k in range(contacts.size):
             if contacts[k].state == ON:
                 for a in range(state.r.shape[0]):
@@ -97,6 +99,8 @@ def _look(structure, buffers, contacts, tables, bodies, state, table, out, dt, s
     add_contact_forces(structure, buffers, contacts, state, table, out)
     distribute_forces(structure.surfaces, buffers.force)
     add_surface_forces(structure.surfaces, state.r, buffers.force)
+    if lie_on(structure.saddles):
+        add_saddle_forces(structure.saddles, state.r, buffers.force)
     if tie_up(structure.ties):
         add_tie_forces(structure.ties, state.r, buffers.force)
     if exist(structure.sheaves):
@@ -392,6 +396,9 @@ def advance(structure, buffers, contacts, tables, bodies, state, table, out, A, 
             state.work[DAMPED] += kick_along(structure, buffers, state, h)
         else:
             state.work[DAMPED] += _kick_nodes(structure, buffers, state, h, dragged)
+            if lie_on(structure.saddles):
+                light = structure.nodes.light
+                state.work[RUBBED] += rub_on_saddles(structure.saddles, state.r, state.v, light, buffers.force, h)
         _kick_restraints(structure, buffers, state, h, yielding, A, b)
         note_kick(buffers.tight, h)
         if bodies.mass.size > 0:

@@ -108,6 +108,8 @@ def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list
     tied, taken = np.zeros((2, structure.nodes.mass.size))
     if structure.ties is not None:
         tied, taken = structure.ties.bounds(structure.nodes.mass)
+    if structure.saddles is not None:
+        tied = tied + structure.saddles.bounds(structure.nodes.mass)
     for s in np.flatnonzero(runs.firm == 0.0).tolist():
         part = slice(runs.first[s], runs.first[s] + runs.links[s] + 1)
         if runs.law[s, 0] == law.RIGID:  # see `_of_rigid`

@@ -22,6 +22,7 @@ from ropewalk.system.cables import add_internal_forces, energy_of, stretch_all
 from ropewalk.system.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
 from ropewalk.system.contacts import ON, add_contact_forces, bend
 from ropewalk.system.loaded_structure import LoadedStructure
+from ropewalk.system.saddles import add_saddle_forces, stored_in_saddles
 from ropewalk.system.sheaves import SLIPS, add_sheave_forces, pass_nodes, slip, stored_at, stretch_over
 from ropewalk.system.sheaves_at_rest import (
     damping_of,
@@ -63,6 +64,7 @@ def _stored(structure, buffers, contacts, state, table, out, how):
     _stretch(structure, buffers, contacts, state, table, out, how)
     total = energy_of(structure, buffers, state.r) + stored_in(structure.surfaces, state.r)
     total += stored_at(structure.sheaves, structure.runs, state.r) + stored_in_ties(structure.ties, state.r)
+    total += stored_in_saddles(structure.saddles, state.r)
     for k in range(contacts.size):
         if contacts[k].state == ON:
             for a in range(state.r.shape[0]):
@@ -85,6 +87,7 @@ def _forces(structure, buffers, contacts, state, table, out, how, given, firm):
     add_contact_forces(structure, buffers, contacts, state, table, out)
     add_surface_forces(structure.surfaces, state.r, buffers.force)
     add_tie_forces(structure.ties, state.r, buffers.force)
+    add_saddle_forces(structure.saddles, state.r, buffers.force)
     add_sheave_forces(structure.sheaves, structure.runs, buffers, state.r, 0.0)
     for k in range(contacts.size):
         if contacts[k].state == ON and contacts[k].first >= given:
@@ -276,7 +279,7 @@ class SystemPotential:
     def _of_groups(self, what: str, r: Array, more: int) -> sparse.csc_matrix:
         """Second derivatives of cells, ties and pieces at sheaves, or their dampers; see `rows`."""
         structure, runs = self.structure, self.structure.runs
-        found = [getattr(g, what)(r) for g in (structure.surfaces, structure.ties) if g is not None]
+        found = [getattr(g, what)(r) for g in (structure.surfaces, structure.ties, structure.saddles) if g]
         if (over := structure.sheaves) is not None:
             is_stiffness = what == "stiffness"
             found.append(stiffness_of(over, runs, r, self.how) if is_stiffness else damping_of(over, runs, r))

@@ -16,6 +16,7 @@ from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import records
 from ropewalk.system.inertia import Inertia
 from ropewalk.system.profile import Profiles
+from ropewalk.system.saddles import Saddles
 from ropewalk.system.segments import Segments
 from ropewalk.system.surfaces import Surfaces
 from ropewalk.system.ties import Ties
@@ -136,6 +137,7 @@ class Structure(NamedTuple):
     sheaves: Sheaves | None
     taut: Array | None = None  # (node,) N, tension at rest of inextensible links; None: there are none
     ties: Ties | None = None
+    saddles: Saddles | None = None
     segments: Segments | None = None  # None: lines are the same all along
 
     @property

@@ -1,0 +1,254 @@
+"""Saddles: round bodies on which lines lie, from which they lift, and over which they slip and rub.
+
+A node at d from the centre of a saddle of the radius R, at a along its axis and rho off it, is pressed in by
+
+    g = R + a^2 / (2 G) - rho > 0,   V = 1/2 k g^2,
+
+with the radius G of its groove across the line, and k the stiffness of a link: the line sinks in by its strain times
+h^2/R, less than the sagitta of a link. Its friction is Coulomb's, of the impulses of a kick: what they bear stops,
+so that what sticks does not creep,
+
+    |m dv| <= mu k g h,
+
+and over an arc of nodes tensions differ by exp(mu angle), to the first order of the links on it. Forces act on the
+saddle, which has a node of its own, as on the line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sparse
+
+from ropewalk.mechanics import law
+from ropewalk.mechanics.assembly import components, pack
+from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.compiled import inlined, lean_inner
+from ropewalk.model.joint import Sheave
+from ropewalk.model.scenario import Scenario
+from ropewalk.networks.assembly import Laid, lay
+from ropewalk.networks.lengths import laid_at_rest
+
+# Radius of the groove across the line over that along it.
+_GROOVE = 0.05
+_STRETCHED = 1e-6  # strain at which the stiffness of links is looked up: some laws have none where they are slack
+
+
+class Saddles(NamedTuple):
+    """All saddles; one entry for each, if not said otherwise."""
+
+    node: Integers  # its own
+    first: Integers  # first node of its line
+    last: Integers
+    radius: Array  # m
+    groove: Array  # m
+    friction: Array
+    k: Array  # N/m
+    axis: Array  # (saddle, axis) unit vector; zero in a plane
+    way: Array  # (axis,) room: change of g with the place of a node
+
+    def _depths(self, r: Array) -> list[tuple[int, Integers, Array, Array, Array]]:
+        """Saddles that are touched, the nodes that touch them, g in m, its gradient (axis, node) and its slope."""
+        found = []
+        for e in range(self.node.size):
+            nodes = np.arange(self.first[e], self.last[e] + 1)
+            d = r[:, nodes] - r[:, [self.node[e]]]
+            d[-1] += self.radius[e]
+            aside = self.axis[e] @ d
+            across = d - np.outer(self.axis[e], aside)
+            rho = np.linalg.norm(across, axis=0)
+            g = self.radius[e] + aside**2 / (2.0 * self.groove[e]) - rho
+            on = np.flatnonzero(g > 0.0)
+            if on.size:
+                unit = across[:, on] / np.maximum(rho[on], 1e-300)
+                slope = np.outer(self.axis[e], aside[on]) / self.groove[e] - unit
+                found.append((e, nodes[on], g[on], slope, unit / np.sqrt(np.maximum(rho[on], 1e-300))))
+        return found
+
+    def stiffness(self, r: Array) -> sparse.csc_matrix:
+        """Second derivatives of V, (place, place) N/m."""
+        axes, n = r.shape
+        rows, columns, values = [], [], []
+        for e, nodes, g, slope, unit in self._depths(r):
+            flat = np.eye(axes) - np.outer(self.axis[e], self.axis[e])
+            for i, depth, p, u in zip(nodes, g, slope.T, unit.T, strict=True):
+                curved = np.outer(self.axis[e], self.axis[e]) / self.groove[e] - flat * float(u @ u) + np.outer(u, u)
+                block = self.k[e] * (np.outer(p, p) + depth * curved)
+                own, other = np.arange(axes) * n + i, np.arange(axes) * n + self.node[e]
+                for one, two, sign in ((own, own, 1.0), (other, other, 1.0), (own, other, -1.0), (other, own, -1.0)):
+                    rows.append(np.repeat(one, axes))
+                    columns.append(np.tile(two, axes))
+                    values.append(sign * block.ravel())
+        if not rows:
+            return sparse.csc_matrix((r.size, r.size))
+        at = np.concatenate(rows), np.concatenate(columns)
+        return sparse.csc_matrix((np.concatenate(values), at), shape=(r.size, r.size))
+
+    def damping(self, r: Array) -> sparse.csc_matrix:
+        """None: friction acts in motion only."""
+        return sparse.csc_matrix((r.size, r.size))
+
+    def bounds(self, mass: Array) -> Array:
+        """Bounds (node,) of squares of frequencies that touching makes, 1/s^2."""
+        out = np.zeros(mass.size)
+        for e in range(self.node.size):
+            part = slice(self.first[e], self.last[e] + 1)
+            light = np.divide(1.0, mass[part], out=np.zeros(mass[part].size), where=mass[part] > 0.0)
+            out[part] += self.k[e] * light
+        return out
+
+
+def laid_over_saddles(scenario: Scenario, until: float) -> tuple[Laid, Array]:
+    """A network laid out without its saddles, and about where its nodes rest on them, (node, 3) m.
+
+    Lines first run over small sheaves at the crowns, at which they slip until tensions are equal.
+    """
+    if not scenario.parts.has_saddles:
+        return laid_at_rest(scenario, until)
+    slipping, plain = dict(scenario.lines), dict(scenario.lines)
+    for name, line in scenario.lines.items():
+        if line.saddles:
+            wheels = {saddle: Sheave(at=own.at) for saddle, own in line.saddles.items()}
+            slipping[name] = line.model_copy(update={"saddles": {}, "sheaves": wheels})
+            plain[name] = line.model_copy(update={"saddles": {}})
+    over, rest = laid_at_rest(scenario.model_copy(update={"lines": slipping}), until)
+    lengths = {strand.name: float(strand.station[-1]) for strand in over.strands}
+    laid = lay(scenario.model_copy(update={"lines": plain}), lengths, until)
+    out = laid.place.copy()
+    for one, other in zip(laid.strands, over.strands, strict=True):
+        for a in range(3):
+            out[one.node, a] = np.interp(one.station, other.station, rest[other.node, a])
+    return laid, out
+
+
+def saddles_of(
+    scenario: Scenario, sections: Sequence[tuple[str, Integers, Array]], first: Sequence[int], h: Sequence[float],
+    begin: int, axes: tuple[str, ...],
+) -> Saddles | None:  # fmt: skip
+    """The arrays of saddles; None: there are none.
+
+    Args:
+        scenario: what is there.
+        sections: runs: line, nodes as laid out, stations in m.
+        first: (run,) their first nodes.
+        h: (run,) m, length of their links.
+        begin: the first of the nodes of saddles.
+        axes: names of the axes.
+    """
+    found = []
+    for name, line in scenario.lines.items():
+        runs = [s for s, (own, *_) in enumerate(sections) if own == name]
+        for saddle in line.saddles.values():
+            chord = components(line.end, axes) - components(line.start, axes)
+            axis = np.zeros(len(axes))
+            if len(axes) == 3:
+                level = np.array([-chord[1], chord[0], 0.0])
+                axis = level / max(float(np.linalg.norm(level)), 1e-300)
+            found.append((
+                begin + len(found), first[runs[0]], first[runs[-1]] + sections[runs[-1]][1].size - 1, saddle.radius,
+                saddle.friction, axis, line, min(h[s] for s in runs),
+            ))  # fmt: skip
+    if not found:
+        return None
+    node, start, last, radius, friction, axis, lines, link = zip(*found, strict=True)
+    slope = [law.tangents(pack(line.law, line.axial_stiffness), np.array([_STRETCHED]))[0] for line in lines]
+    k = [float(EA) / own for EA, own in zip(slope, link, strict=True)]
+    R = np.array(radius)
+    return Saddles(
+        np.array(node, dtype=np.int64), np.array(start, dtype=np.int64), np.array(last, dtype=np.int64), R, _GROOVE * R,
+        np.array(friction, dtype=float), np.array(k), np.array(axis), np.zeros(len(axes)),
+    )  # fmt: skip
+
+
+@inlined
+def lie_on(saddles):
+    """Whether there are any: asked where a call would hand all arrays on."""
+    return saddles is not None
+
+
+@lean_inner
+def _depth(saddles, r, e, i):
+    """How deep node i is in saddle e, g in m; if it is, `way` becomes the change of g with the place of the node."""
+    last, aside, square = r.shape[0] - 1, 0.0, 0.0
+    own = saddles.node[e]
+    if abs(r[0, i] - r[0, own]) > 2.0 * saddles.radius[e] and last == 1:  # far away
+        return -1.0
+    for a in range(last + 1):
+        d = r[a, i] - r[a, own]
+        if a == last:
+            d += saddles.radius[e]
+        saddles.way[a] = d
+        aside += d * saddles.axis[e, a]
+    for a in range(last + 1):
+        saddles.way[a] -= aside * saddles.axis[e, a]
+        square += saddles.way[a] ** 2
+    rho = np.sqrt(square)
+    g = saddles.radius[e] + aside * aside / (2.0 * saddles.groove[e]) - rho
+    if g > 0.0:
+        for a in range(last + 1):
+            saddles.way[a] = aside / saddles.groove[e] * saddles.axis[e, a] - saddles.way[a] / max(rho, 1e-300)
+    return g
+
+
+@lean_inner
+def add_saddle_forces(saddles, r, force):
+    """Add the forces of all saddles on nodes, and back on the saddles."""
+    if saddles is None:
+        return
+    for e in range(saddles.node.size):
+        own = saddles.node[e]
+        for i in range(saddles.first[e], saddles.last[e] + 1):
+            g = _depth(saddles, r, e, i)
+            if g > 0.0:
+                for a in range(r.shape[0]):
+                    F = saddles.k[e] * g * saddles.way[a]
+                    force[a, i] -= F
+                    force[a, own] += F
+
+
+@lean_inner
+def stored_in_saddles(saddles, r):
+    """Energy of what is pressed into saddles, J."""
+    total = 0.0
+    if saddles is None:
+        return total
+    for e in range(saddles.node.size):
+        for i in range(saddles.first[e], saddles.last[e] + 1):
+            total += 0.5 * saddles.k[e] * max(_depth(saddles, r, e, i), 0.0) ** 2
+    return total
+
+
+@lean_inner
+def rub_on_saddles(saddles, r, v, light, force, h):
+    """Let friction act in a kick of the length h that nodes have got; returns what it takes, J."""
+    lost = 0.0
+    if saddles is None:
+        return lost
+    for e in range(saddles.node.size):
+        if saddles.friction[e] == 0.0:
+            continue
+        own = saddles.node[e]
+        for i in range(saddles.first[e], saddles.last[e] + 1):
+            if light[i] == 0.0:
+                continue
+            g = _depth(saddles, r, e, i)
+            if g <= 0.0:
+                continue
+            into = steep = square = 0.0
+            for a in range(r.shape[0]):
+                into += (v[a, i] - v[a, own]) * saddles.way[a]
+                steep += saddles.way[a] ** 2
+            for a in range(r.shape[0]):
+                square += (v[a, i] - v[a, own] - into / steep * saddles.way[a]) ** 2
+            speed = np.sqrt(square)
+            if speed == 0.0:
+                continue
+            slower = min(saddles.friction[e] * saddles.k[e] * g * np.sqrt(steep) * h * light[i], speed)
+            lost += slower / light[i] * (speed - 0.5 * slower)
+            for a in range(r.shape[0]):
+                change = slower / speed * (v[a, i] - v[a, own] - into / steep * saddles.way[a])
+                v[a, i] -= change
+                force[a, own] += change / (light[i] * h)
+    return lost
