@@ -22,17 +22,20 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sparse
 
+from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.assembly import components, pack
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.model.joint import Sheave
+from ropewalk.model.line import Line, spatial
 from ropewalk.model.scenario import Scenario
 from ropewalk.networks.assembly import Laid, lay
 from ropewalk.networks.lengths import laid_at_rest
 
 # Radius of the groove across the line over that along it.
 _GROOVE = 0.05
+_CORNERS = 181  # of the shortest way over a saddle
 _STRETCHED = 1e-6  # strain at which the stiffness of links is looked up: some laws have none where they are slack
 
 
@@ -103,24 +106,72 @@ class Saddles(NamedTuple):
 def laid_over_saddles(scenario: Scenario, until: float) -> tuple[Laid, Array]:
     """A network laid out without its saddles, and about where its nodes rest on them, (node, 3) m.
 
-    Lines first run over small sheaves at the crowns, at which they slip until tensions are equal.
+    Lines first run over small sheaves at the crowns, at which they slip until tensions are equal; where that fails,
+    they are stretched evenly along the shortest way over the saddles.
     """
     if not scenario.parts.has_saddles:
         return laid_at_rest(scenario, until)
-    slipping, plain = dict(scenario.lines), dict(scenario.lines)
-    for name, line in scenario.lines.items():
-        if line.saddles:
-            wheels = {saddle: Sheave(at=own.at) for saddle, own in line.saddles.items()}
-            slipping[name] = line.model_copy(update={"saddles": {}, "sheaves": wheels})
-            plain[name] = line.model_copy(update={"saddles": {}})
-    over, rest = laid_at_rest(scenario.model_copy(update={"lines": slipping}), until)
-    lengths = {strand.name: float(strand.station[-1]) for strand in over.strands}
-    laid = lay(scenario.model_copy(update={"lines": plain}), lengths, until)
+    lines = scenario.lines
+    plain = scenario.model_copy(
+        update={"lines": {name: line.model_copy(update={"saddles": {}}) for name, line in lines.items()}}
+    )
+    slipping = dict(plain.lines)
+    for name, line in lines.items():
+        wheels = {own: Sheave(at=saddle.at) for own, saddle in line.saddles.items()}
+        slipping[name] = slipping[name].model_copy(update={"sheaves": {**line.sheaves, **wheels}})
+    try:
+        over, rest = laid_at_rest(plain.model_copy(update={"lines": slipping}), until)
+    except EquilibriumError:
+        if any(line.length is None for line in lines.values()):
+            raise
+        laid = lay(plain, {name: line.length or 0.0 for name, line in lines.items()}, until)
+        out = laid.place.copy()
+        for strand in laid.strands:
+            if strand.name in lines and lines[strand.name].saddles:
+                places = _shortest(lines[strand.name])
+                way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1)))
+                at = strand.station / strand.station[-1] * way[-1]
+                out[strand.node] = np.stack([np.interp(at, way, own) for own in places.T], axis=1)
+        return laid, out
+    laid = lay(plain, {strand.name: float(strand.station[-1]) for strand in over.strands}, until)
     out = laid.place.copy()
     for one, other in zip(laid.strands, over.strands, strict=True):
-        for a in range(3):
-            out[one.node, a] = np.interp(one.station, other.station, rest[other.node, a])
+        nodes = np.stack([np.interp(one.station, other.station, own) for own in rest[other.node].T], axis=1)
+        if one.name in lines:
+            for saddle in lines[one.name].saddles.values():
+                centre = np.array(spatial(saddle.at)) - [0.0, 0.0, saddle.radius]
+                away = nodes - centre
+                nodes = centre + away * np.maximum(saddle.radius / np.linalg.norm(away, axis=1), 1.0)[:, None]
+        out[one.node] = nodes
     return laid, out
+
+
+def _shortest(line: Line) -> Array:
+    """Corners of the shortest way from the start of a line over its saddles to its end, (corner, 3) m."""
+    start, end = np.array(spatial(line.start)), np.array(spatial(line.end))
+    turn = np.linspace(0.0, np.pi, _CORNERS)
+    along = (end - start) * [1.0, 1.0, 0.0]
+    along = along / max(float(np.linalg.norm(along)), 1e-300)
+    places = [start[None], end[None]]
+    for saddle in line.saddles.values():
+        centre = np.array(spatial(saddle.at)) - [0.0, 0.0, saddle.radius]
+        places.append(
+            centre + saddle.radius * (np.outer(-np.cos(turn), along) + np.outer(np.sin(turn), [0.0, 0.0, 1.0]))
+        )
+    every = np.concatenate(places)
+    way = (every - start) @ along
+    inside = np.flatnonzero((way >= 0.0) & (way <= way[1]))
+    upper: list[int] = []
+    for i in inside[np.lexsort((every[inside, 2], way[inside]))].tolist():  # the upper hull, corner by corner
+        while len(upper) > 1 and _is_below(way, every[:, 2], *upper[-2:], i):
+            upper.pop()
+        upper.append(i)
+    return np.asarray(every[upper])
+
+
+def _is_below(x: Array, z: Array, i: int, j: int, k: int) -> bool:
+    """Whether corner j is not above the way from i to k."""
+    return bool((z[j] - z[i]) * (x[k] - x[i]) <= (z[k] - z[i]) * (x[j] - x[i]))
 
 
 def saddles_of(
@@ -236,7 +287,7 @@ def rub_on_saddles(saddles, r, v, light, force, h):
             g = _depth(saddles, r, e, i)
             if g <= 0.0:
                 continue
-            into = steep = square = 0.0
+            into = steep = square = mean = 0.0
             for a in range(r.shape[0]):
                 into += (v[a, i] - v[a, own]) * saddles.way[a]
                 steep += saddles.way[a] ** 2
@@ -246,7 +297,10 @@ def rub_on_saddles(saddles, r, v, light, force, h):
             if speed == 0.0:
                 continue
             slower = min(saddles.friction[e] * saddles.k[e] * g * np.sqrt(steep) * h * light[i], speed)
-            lost += slower / light[i] * (speed - 0.5 * slower)
+            for a in range(r.shape[0]):
+                change = slower / speed * (v[a, i] - v[a, own] - into / steep * saddles.way[a])
+                mean += change * (v[a, i] - v[a, own] - 0.5 * (change + h * light[i] * force[a, i]))
+            lost += mean / light[i]  # at the mean of the velocities before and behind the kick: what sticks loses none
             for a in range(r.shape[0]):
                 change = slower / speed * (v[a, i] - v[a, own] - into / steep * saddles.way[a])
                 v[a, i] -= change
