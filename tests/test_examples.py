@@ -127,6 +127,15 @@ def force_before_the_end(result: xr.Dataset) -> float:
     return float(np.interp(9.0, result.contact_position[:, 0, 0], force)) / (4.0 * 9.81)
 
 
+def tension_by_height(result: xr.Dataset) -> float:
+    """Change of T + T^2/(2 EA) - w z from just before the saddle to the end, at rest, N."""
+    T, z, x = (
+        result.tension.values[0], result.position.values[0, :, 1], result.position.values[0, :, 0]
+    )  # fmt: skip
+    same = T + T**2 / (2.0 * 55e6) - 4.2 * 9.81 * 0.5 * (z[1:] + z[:-1])
+    return float(same[np.searchsorted(x, 105.0)] - same[-1])
+
+
 def tension_in_the_middle(result: xr.Dataset) -> float:
     """Tension while the walker is between 18 and 22 m, in the mean over her steps and the time of a bounce, N."""
     body = result.body_position.values[:, 0, 0]
@@ -367,6 +376,11 @@ KNOWN = {
             trains.moment_over_the_pier(trains.LONG_COACHES, 140e3, 20.0),
             1.2e4,
         ),
+    ],
+    "ropeway-saddle.yaml": [
+        # T + T^2/(2 EA) - w z, at rest the same on both sides of the saddle; links of 1 m on its arc of 1.3 m.
+        Known("tension by height over the saddle, N", tension_by_height, 0.0, 60.0, ("run.until=0.1 s",)),
+        Known("audit, part of the energy", audit, 0.0, 1e-4, ("loads.cabin.travel.from=100 m", "run.until=2 s")),
     ],
     "bridge-damage.yaml": [
         # 14 modes of 96 Hermite elements (tests/stepped_beams.py); 48 links are of the second order at steps, 0.01 %.

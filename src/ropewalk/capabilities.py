@@ -180,6 +180,11 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
         raise refusal(missing(("run", "geometry"), what, "linearised", remedy, feature=feature))
     for found in () if at_rest else _moves_otherwise(scenario):
         raise refusal(found)
+    for name, line in scenario.lines.items():
+        for saddle, own in line.saddles.items():
+            if own.friction:
+                path, remedy = ("lines", name, "saddles", saddle, "friction"), "leave friction out"
+                raise refusal(missing(path, "spectra", f"{own.friction:g}", remedy, feature="friction on saddles"))
     if scenario.is_network:
         for found in _of_rest(SYSTEM, scenario, with_loads=with_loads) if at_rest else ():
             raise refusal(found)

@@ -187,6 +187,11 @@ BASES: dict[str, Tree] = {
         STIFF, {**_FMU, "travel": way(), "exchange": {"scheme": "parallel", "order": 1}}, moves(geometry="linearised")
     ),
     "bed": one(SOFT_BED, load("vehicle", way(), _HEAVY), moves(geometry="linearised", window=8.0)),
+    "shoe": one(
+        {**TAUT, "tension": None, "length": 19.9,
+         "saddles": {"tower": {"at": [12.0, 1.0], "radius": 3.0, "friction": 0.05}}},
+        load("mass", way()),
+    ),
     "steps": one(
         {**BEAM, "segments": {"plates": {"from": 4.0, "to": 9.0, "bending_stiffness": "3 GN*m^2", "mass": 2400.0},
                               "damage": {"from": 11.0, "to": 13.0, "damage": 0.4, "foundation": "2 MN/m^2"}}},

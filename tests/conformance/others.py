@@ -123,6 +123,11 @@ OTHER: dict[str, Any] = {
     "InnerElastic.damping": lambda value, _: 2.0 * value or 1e3,
     "*.position": lambda value, block: _place(value, block) if value else [block["at"], 0.05],
     "Line.sheaves": lambda _, block: _grown("sheaves", block, friction=0.3) or {"wheel": {"at": [12.0, 0.5]}},
+    "Line.saddles": lambda _, block: _grown("saddles", block, radius=2.0) or (
+        {"shoe": {"at": [10.0, 0.3], "radius": 4.0}}),
+    "Saddle.radius": lambda value, _: 0.7 * value,
+    "Saddle.friction": lambda value, _: 2.0 * value or 0.2,
+    "Saddle.support": {"kind": "elastic", "stiffness": "200 kN/m"},
     "Line.segments": lambda _, block: _grown("segments", block, mass=3e3) or (
         {"part": {"from": 5.0, "to": 9.0, "mass": 2.0 * float(block["mass"])}}),
     "Segment.mass": lambda value, _: 2.0 * value or 2e3,

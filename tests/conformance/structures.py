@@ -198,6 +198,11 @@ STRUCTURES: tuple[Structure, ...] = (
         rope(taut(supports={"saddle": {"at": 16.83, "kind": "fixed", "position": [17.0, 0.1]}})), family="joined",
     ),
     Structure(
+        "shoe", "rope over a round saddle",
+        rope(taut(saddles={"tower": {"at": [12.0, 1.0], "radius": 3.0, "friction": 0.05}}, tension=None, length=19.9)),
+        length=19.9, start=2.0, family="joined",
+    ),
+    Structure(
         "wind", "rope in wind", rope(slack(wind_drag=0.02), wind={"direction": [1.0, 0.0], "speed": 15.0}), **_SLOW,
         family="joined",
     ),

@@ -228,8 +228,8 @@ class Line(Declaration):
     @property
     def distance(self) -> float:
         """Distance between the ends in m, by way of the sheaves or saddles."""
-        over = {**self.sheaves, **self.saddles}.values()
-        places = [self.start, *(one.at for one in over), self.end]
+        sheaves, saddles = self.sheaves.values(), self.saddles.values()
+        places = [self.start, *(s.at for s in sheaves), *(s.at for s in saddles), self.end]
         return sum(math.dist(spatial(a), spatial(b)) for a, b in pairwise(places))
 
 

@@ -141,6 +141,14 @@ class LoadedStructure:
         axes = np.arange(self.rest.shape[0])
         return int(self.contacts[tether["contact"]]["first"]) + axes, int(tether["first"]) + axes
 
+    def neighbours(self) -> sparse.csc_matrix:
+        """Which coordinates may feel which by tethers that turn, (coordinate, coordinate)."""
+        out = sparse.lil_matrix((self.weight.size, self.weight.size))
+        for tether in self._tethers:
+            both = np.concatenate(self._ends(tether))
+            out[np.ix_(both, both)] = 1.0
+        return out.tocsc()
+
     def energy(self, u: Array) -> float:
         """Potential energy of weights, given forces and springs, J."""
         total = 0.5 * float(u @ (self.K @ u)) - float(self.weight @ u)

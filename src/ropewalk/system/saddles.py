@@ -16,8 +16,8 @@ saddle, which has a node of its own, as on the line.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sparse
@@ -30,11 +30,13 @@ from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.model.joint import Sheave
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.support import Fixed, Moving
 from ropewalk.networks.assembly import Laid, lay
 from ropewalk.networks.lengths import laid_at_rest
 
 # Radius of the groove across the line over that along it.
 _GROOVE = 0.05
+_NEAR = 1.5  # radii, within which nodes may come to touch a saddle
 _CORNERS = 181  # of the shortest way over a saddle
 _STRETCHED = 1e-6  # strain at which the stiffness of links is looked up: some laws have none where they are slack
 
@@ -89,6 +91,19 @@ class Saddles(NamedTuple):
         at = np.concatenate(rows), np.concatenate(columns)
         return sparse.csc_matrix((np.concatenate(values), at), shape=(r.size, r.size))
 
+    def neighbours(self, r: Array) -> sparse.csc_matrix:
+        """Which places may feel which, of nodes that come near saddles, (place, place)."""
+        n = r.shape[1]
+        touch = sparse.lil_matrix((n, n))
+        for e in range(self.node.size):
+            nodes = np.arange(self.first[e], self.last[e] + 1)
+            away = np.linalg.norm(r[:, nodes] - r[:, [self.node[e]]], axis=0)
+            near = nodes[away < _NEAR * self.radius[e]]
+            touch[near, near] = touch[near, self.node[e]] = touch[self.node[e], near] = 1.0
+            touch[self.node[e], self.node[e]] = 1.0
+        axes = np.ones((r.shape[0], r.shape[0]))
+        return sparse.kron(axes, touch.tocsc(), format="csc")
+
     def damping(self, r: Array) -> sparse.csc_matrix:
         """None: friction acts in motion only."""
         return sparse.csc_matrix((r.size, r.size))
@@ -106,8 +121,8 @@ class Saddles(NamedTuple):
 def laid_over_saddles(scenario: Scenario, until: float) -> tuple[Laid, Array]:
     """A network laid out without its saddles, and about where its nodes rest on them, (node, 3) m.
 
-    Lines first run over small sheaves at the crowns, at which they slip until tensions are equal; where that fails,
-    they are stretched evenly along the shortest way over the saddles.
+    Taut lines are stretched evenly along the shortest way over the saddles; others run over small sheaves at the
+    crowns, at which they slip until tensions are equal, or along the shortest way where that fails.
     """
     if not scenario.parts.has_saddles:
         return laid_at_rest(scenario, until)
@@ -115,6 +130,10 @@ def laid_over_saddles(scenario: Scenario, until: float) -> tuple[Laid, Array]:
     plain = scenario.model_copy(
         update={"lines": {name: line.model_copy(update={"saddles": {}}) for name, line in lines.items()}}
     )
+    ways = {name: _shortest(line) for name, line in lines.items() if line.saddles}
+    known = all(line.length is not None for line in lines.values())
+    if known and all(_is_taut(lines[name], way, scenario.gravity) for name, way in ways.items()):
+        return _along(plain, ways, until)
     slipping = dict(plain.lines)
     for name, line in lines.items():
         wheels = {own: Sheave(at=saddle.at) for own, saddle in line.saddles.items()}
@@ -122,17 +141,9 @@ def laid_over_saddles(scenario: Scenario, until: float) -> tuple[Laid, Array]:
     try:
         over, rest = laid_at_rest(plain.model_copy(update={"lines": slipping}), until)
     except EquilibriumError:
-        if any(line.length is None for line in lines.values()):
+        if not known:
             raise
-        laid = lay(plain, {name: line.length or 0.0 for name, line in lines.items()}, until)
-        out = laid.place.copy()
-        for strand in laid.strands:
-            if strand.name in lines and lines[strand.name].saddles:
-                places = _shortest(lines[strand.name])
-                way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1)))
-                at = strand.station / strand.station[-1] * way[-1]
-                out[strand.node] = np.stack([np.interp(at, way, own) for own in places.T], axis=1)
-        return laid, out
+        return _along(plain, ways, until)
     laid = lay(plain, {strand.name: float(strand.station[-1]) for strand in over.strands}, until)
     out = laid.place.copy()
     for one, other in zip(laid.strands, over.strands, strict=True):
@@ -143,6 +154,32 @@ def laid_over_saddles(scenario: Scenario, until: float) -> tuple[Laid, Array]:
                 away = nodes - centre
                 nodes = centre + away * np.maximum(saddle.radius / np.linalg.norm(away, axis=1), 1.0)[:, None]
         out[one.node] = nodes
+    return laid, out
+
+
+def _lengths(places: Array) -> Array:
+    """Lengths from the first of some places to each of them, m."""
+    return np.append(0.0, np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1)))
+
+
+def _is_taut(line: Line, way: Array, gravity: float) -> bool:
+    """Whether a line of known length that is stretched evenly along a way bears more than its weight."""
+    assert line.length is not None
+    strain = np.array([max(_lengths(way)[-1] / line.length - 1.0, 0.0)])
+    tension = float(law.tensions(pack(line.law, line.axial_stiffness), strain)[0])
+    return tension > max(line.mass * gravity * line.length, 0.0) and all(
+        isinstance(end, Fixed | Moving) for _, end in line.ends()
+    )
+
+
+def _along(scenario: Scenario, ways: Mapping[str, Array], until: float) -> tuple[Laid, Array]:
+    """A network laid out with some lines stretched evenly along ways, (corner, 3) m."""
+    laid = lay(scenario, {name: line.length or 0.0 for name, line in scenario.lines.items()}, until)
+    out = laid.place.copy()
+    for strand in laid.strands:
+        if (way := ways.get(strand.name)) is not None:
+            at, upto = strand.station / strand.station[-1], _lengths(way)
+            out[strand.node] = np.stack([np.interp(at * upto[-1], upto, own) for own in way.T], axis=1)
     return laid, out
 
 
@@ -163,7 +200,7 @@ def _shortest(line: Line) -> Array:
     inside = np.flatnonzero((way >= 0.0) & (way <= way[1]))
     upper: list[int] = []
     for i in inside[np.lexsort((every[inside, 2], way[inside]))].tolist():  # the upper hull, corner by corner
-        while len(upper) > 1 and _is_below(way, every[:, 2], *upper[-2:], i):
+        while len(upper) > 1 and _is_below(way, every[:, 2], upper[-2], upper[-1], i):
             upper.pop()
         upper.append(i)
     return np.asarray(every[upper])
@@ -188,7 +225,7 @@ def saddles_of(
         begin: the first of the nodes of saddles.
         axes: names of the axes.
     """
-    found = []
+    found: list[tuple[Any, ...]] = []
     for name, line in scenario.lines.items():
         runs = [s for s, (own, *_) in enumerate(sections) if own == name]
         for saddle in line.saddles.values():
@@ -203,13 +240,14 @@ def saddles_of(
             ))  # fmt: skip
     if not found:
         return None
-    node, start, last, radius, friction, axis, lines, link = zip(*found, strict=True)
+    columns: Any = zip(*found, strict=True)
+    node, start, last, radius, friction, axes_of_saddles, lines, link = columns
     slope = [law.tangents(pack(line.law, line.axial_stiffness), np.array([_STRETCHED]))[0] for line in lines]
     k = [float(EA) / own for EA, own in zip(slope, link, strict=True)]
     R = np.array(radius)
     return Saddles(
         np.array(node, dtype=np.int64), np.array(start, dtype=np.int64), np.array(last, dtype=np.int64), R, _GROOVE * R,
-        np.array(friction, dtype=float), np.array(k), np.array(axis), np.zeros(len(axes)),
+        np.array(friction, dtype=float), np.array(k), np.array(axes_of_saddles), np.zeros(len(axes)),
     )  # fmt: skip
 
 

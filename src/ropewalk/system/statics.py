@@ -380,9 +380,25 @@ class SystemPotential:
         near = [group.neighbours(n) for group in (structure.surfaces, structure.ties) if group is not None]
         if structure.sheaves is not None:
             near.append(neighbours_of(structure.sheaves, structure.runs, n, self.axes))
-        for part in near:
-            K = K + K.T + abs(self.free).T @ sparse.block_diag([part, np.zeros((count, count))]) @ abs(self.free)
+        if structure.saddles is not None:
+            near.append(structure.saddles.neighbours(shape[: n * self.axes].reshape(self.axes, n)))
+        turned = self.loaded.neighbours()
+        none = sparse.csc_matrix((count, count))
+        parts = [sparse.block_diag([part, none]) for part in near]
+        parts.append(sparse.block_diag([sparse.csc_matrix((n * self.axes, n * self.axes)), turned]))
+        if self.loaded.on.size:
+            parts.append(self._around_contacts(count))
+        for part in parts:
+            K = K + K.T + abs(self.free).T @ part @ abs(self.free)
         return K.tocsc()
+
+    def _around_contacts(self, count: int) -> sparse.csc_matrix:
+        """Which places may feel which under contacts that have no kinks yet, (place, place)."""
+        links, pair = abs(self.borne()), sparse.diags([1.0, 1.0], [0, 1], shape=self._one.shape)
+        nodes = links @ (abs(self._one) + pair @ abs(self._two) + abs(self._three))
+        own = sparse.csr_matrix((nodes.shape[0], count))
+        felt = sparse.hstack([*([nodes] * self.axes), own]) + sum(abs(one) for one in self.reach())
+        return felt.T @ (sparse.identity(nodes.shape[0]) + links @ links.T) @ felt
 
     def stability(self, shape: Array) -> tuple[sparse.csc_matrix, Integers]:
         K, inner = self.stiffness(shape), np.arange(self.free.shape[1])
