@@ -378,8 +378,8 @@ KNOWN = {
         ),
     ],
     "ropeway-saddle.yaml": [
-        # T + T^2/(2 EA) - w z, at rest the same on both sides of the saddle; links of 1 m on its arc of 1.3 m.
-        Known("tension by height over the saddle, N", tension_by_height, 0.0, 60.0, ("run.until=0.1 s",)),
+        # T + T^2/(2 EA) - w z, at rest the same on both sides of the saddle; 0.1 % with links of 1 m on its arc of 1.3 m.
+        Known("tension by height over the saddle, N", tension_by_height, 0.0, 120.0, ("run.until=0.1 s",)),
         Known("audit, part of the energy", audit, 0.0, 1e-4, ("loads.cabin.travel.from=100 m", "run.until=2 s")),
     ],
     "bridge-damage.yaml": [
