@@ -110,10 +110,6 @@ _PIERS: Tree = {
     "bearing": {"at": 15.0, "kind": "elastic", "stiffness": [0.0, "100 MN/m"], "damping": "10 kN*s/m"},
 }
 """One stands fast; the other one yields by a tenth of what the span does."""
-_STEPS: Tree = {
-    "plates": {"from": 6.0, "to": 12.0, "bending_stiffness": "3 GN*m^2", "mass": 2400.0},
-    "damage": {"from": 14.1, "to": 14.9, "damage": 0.4},
-}
 _CABLE = {"family": "stiff"}
 _SPANS = {
     "on": "section", "length": 120.0, "start": 50.0, "speed": 30.0, "mass": 10.0, "until": 0.4, "family": "overhead",
@@ -152,8 +148,6 @@ STRUCTURES: tuple[Structure, ...] = (
     Structure("beam-linearised", "beam, linearised", rope(BEAM), run=_LINEARISED, **_HEAVY),
     Structure("beam-damped", "beam, damped, linearised", rope({**BEAM, "drag": 0.6}), run=_LINEARISED, **_HEAVY),
     Structure("piers", "beam on piers", rope({**BEAM, "supports": _PIERS}), **_HEAVY),
-    Structure("stepped", "beam with steps and damage", rope({**BEAM, "segments": _STEPS}), **_HEAVY),
-    Structure("rough", "beam with a rough road", rope({**BEAM, "profile": {"spectrum": "ISO 8608 B"}}), **_HEAVY),
     Structure("bed", "line on a bed", rope(BED), **_HEAVY),
     Structure("bed-linearised", "line on a bed, linearised", rope(BED), run=_LINEARISED, **_HEAVY),
     Structure("overhead", "overhead line", {"overhead_lines": {"section": OVERHEAD}}, **_SPANS),
@@ -173,13 +167,6 @@ STRUCTURES: tuple[Structure, ...] = (
         }}, family="joined",
     ),
     Structure(
-        "hung", "deck on a row of hangers",
-        {"lines": {"rope": taut(mass=5.0), "cable": taut(start=[0.0, 3.0], end=[20.0, 3.0], mass=2.0, tension=None,
-                                                         length=20.6)},
-         "hangers": {"hanger": {"from": "cable", "to": "rope", "count": 4, "mass": 0.3, "axial_stiffness": "2 MN"}}},
-        family="joined",
-    ),
-    Structure(
         "ring", "ropes joined at a ring",
         {"joints": {"ring": {"mass": 3.0}}, "lines": {
             "rope": taut(end=[12.0, 0.0], end_support={"kind": "joined", "to": "ring"}, tension=None, length=11.9,
@@ -196,11 +183,6 @@ STRUCTURES: tuple[Structure, ...] = (
     Structure(
         "saddle", "rope over a saddle that holds it",
         rope(taut(supports={"saddle": {"at": 16.83, "kind": "fixed", "position": [17.0, 0.1]}})), family="joined",
-    ),
-    Structure(
-        "shoe", "rope over a round saddle",
-        rope(taut(saddles={"tower": {"at": [12.0, 1.0], "radius": 3.0, "friction": 0.05}}, tension=None, length=19.9)),
-        length=19.9, start=2.0, family="joined",
     ),
     Structure(
         "wind", "rope in wind", rope(slack(wind_drag=0.02), wind={"direction": [1.0, 0.0], "speed": 15.0}), **_SLOW,
