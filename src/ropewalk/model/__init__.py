@@ -34,6 +34,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
 from ropewalk.model.sweep import Sweep
+from ropewalk.model.track import Ballast, Pads, Sleepers, Subgrade, Track
 from ropewalk.model.travel import AnyTravel, Brake, Driver, FreeTravel, Travel
 from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.model.vehicle import RigidBody, Spring, Vehicle, Wheel
@@ -46,6 +47,7 @@ __all__ = [
     "AnyTravel",
     "Axles",
     "Balance",
+    "Ballast",
     "Brake",
     "CableEdge",
     "ClampedEdge",
@@ -95,6 +97,7 @@ __all__ = [
     "Oscillator",
     "Outputs",
     "OverheadLine",
+    "Pads",
     "Pantograph",
     "PantographTravel",
     "Payload",
@@ -106,6 +109,7 @@ __all__ = [
     "Scenario",
     "SecondPiolaKirchhoff",
     "Sheave",
+    "Sleepers",
     "SoftEdge",
     "Spans",
     "SpeedTable",
@@ -114,10 +118,12 @@ __all__ = [
     "SteadyArms",
     "Stepper",
     "StitchWire",
+    "Subgrade",
     "Support",
     "Sweep",
     "Tabulated",
     "TensionOnly",
+    "Track",
     "TrainTravel",
     "Travel",
     "Travelling",
