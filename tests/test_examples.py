@@ -505,6 +505,13 @@ KNOWN = {
         ),
         Known("audit, part of the energy", audit, 0.0, 1e-4, ("run.until=2 s",)),
     ],
+    "bridge-ballasted-track.yaml": [
+        # TTB-2D with four elements between sleepers and 4000 steps a second (benchmarks/ttb2d.py): 0.593224 mm. 28
+        # links of bridge miss 2e-5 of it.
+        Known("deflection at midspan, m", lambda r: of_lines(r, "midspan", "deflection"), 0.593224e-3, 2e-7),
+        # Of the first order of the step, by dampers.
+        Known("audit, part of the energy", audit, 0.0, 5e-3),
+    ],
     "vehicle-on-rough-bridge.yaml": [
         # Twelve modes of the bridge under the same lorry (tests/rough_bridge.py); 30 elements, output every 2 ms.
         Known("deflection of midspan over that of another route", rough_deflection, 1.0, 5e-4),

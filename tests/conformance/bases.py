@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from .loads import KINDS, STEPPER, fmu_file
-from .structures import BEAM, BED, DOWN, OVERHEAD, Structure, Tree
+from .structures import BEAM, BED, DECK, DOWN, OVERHEAD, RAIL, TRACK, Structure, Tree
 
 UNTIL = 0.12  # s
 HILLS = "hills.csv"
@@ -229,6 +229,12 @@ BASES: dict[str, Tree] = {
                   "cable": {**LONG, "start": [0.0, 4.0], "end": [20.0, 4.0], "length": 20.4}},
         "hangers": {"row": {"from": "cable", "to": "rope", "count": 2, "mass": 0.2, "axial_stiffness": 1e6}},
         "loads": {"load": load("force", way())}, "run": {"kind": "equilibrium"},
+    },
+    "tracked": {
+        "lines": {"rope": {**RAIL, "end": [12.0, 0.0], "length": 12.0, "elements": 20},
+                  "deck": {**DECK, "start": [3.0, -1.0], "end": [9.0, -1.0], "length": 6.0, "elements": 6}},
+        "tracks": {"track": {**TRACK, "sleepers": {"spacing": 0.8, "first": 0.3}}},
+        "loads": {"load": load("force", way())}, "run": moves(geometry="linearised"),
     },
     "ring": {**_RING, "loads": {"load": load("force", way(start=2.0))}, "run": moves()},
     "block": {

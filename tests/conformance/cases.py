@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from .loads import KINDS, load, travel
-from .structures import DOWN, STRUCTURES, Structure, Tree
+from .structures import BY_NAME, DOWN, STRUCTURES, Structure, Tree
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ PAIRS = {"two alike": ("mass", "mass"), "two": ("force", "mass"), "two bodies": 
 CORE = [
     s for s in STRUCTURES
     if not s.twin and s.name not in ("damped", "piola", "polynomial", "tabulated", "inclined-stiff", "beam-damped",
-                                     "bed", "gale", "awning", "slack-stiff-linearised", "staggered")
+                                     "bed", "gale", "awning", "slack-stiff-linearised", "staggered", "track")
 ]  # fmt: skip
 """Structures for tables of which the others would tell nothing new."""
 
@@ -210,7 +210,7 @@ RUNNING = ("none", "force", "mass", "vehicle")
 
 def asked() -> Iterator[Case]:
     """Every kind of run of every structure, without and with loads."""
-    for s in CORE:
+    for s in (*CORE, BY_NAME["track"]):
         kinds = ("none", "pantograph") if s.family == "overhead" else RUNNING
         for row, run in runs(s):
             for kind in kinds:

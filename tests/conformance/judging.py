@@ -202,6 +202,10 @@ def _at_rest(result: xr.Dataset, tree: Tree) -> str:
         return ""
     xi, owner = result["xi"].values, result["line"].values
     weight = sum(tree["gravity"] * line["mass"] * float(xi[owner == name].max()) for name, line in lines.items())
+    for track in tree["tracks"].values():
+        sleepers, length = track["sleepers"], float(xi[owner == track["rail"]].max())
+        count = int((length - sleepers["first"]) / sleepers["spacing"] + 1e-6) + 1
+        weight += tree["gravity"] * count * (sleepers["mass"] + track["ballast"]["mass"])
     borne = float(np.nansum(result["reaction"].values[0, :, -1]))
     return f"supports bear {borne:.5g} N of {weight:.5g} N" if abs(borne - weight) > BALANCE * weight else ""
 

@@ -65,6 +65,17 @@ BED: Tree = {**BEAM, "mass": 600.0, "bending_stiffness": "10 MN*m^2", "axial_sti
              "foundation": "5 MN/m^2"}  # fmt: skip
 """A track on soft ground: the slowest free wave runs at 153 m/s."""
 
+RAIL: Tree = {
+    "start": [0.0, 0.0], "end": [20.0, 0.0], "length": 20.0, "mass": 120.0, "bending_stiffness": "13 MN*m^2",
+    "axial_stiffness": "300 MN", "elements": 40,
+}  # fmt: skip
+DECK: Tree = {
+    **BEAM, "start": [5.0, -1.0], "end": [15.0, -1.0], "length": 10.0, "bending_stiffness": "300 MN*m^2",
+    "axial_stiffness": "1 GN", "elements": 10,
+}  # fmt: skip
+TRACK: Tree = {"rail": "rope", "over": ["deck"], "sleepers": {"spacing": 0.8}}
+"""Sleepers on the ground, on a bridge of 10 m, and on the ground."""
+
 OVERHEAD: Tree = {
     "spans": {"count": 3, "length": 40.0}, "droppers": {"per_span": 4}, "element": 1.0, "analysed_spans": [2, 2],
     "contact_wire": {"drag": 0.05}, "messenger_wire": {"drag": 0.05},
@@ -150,6 +161,8 @@ STRUCTURES: tuple[Structure, ...] = (
     Structure("piers", "beam on piers", rope({**BEAM, "supports": _PIERS}), **_HEAVY),
     Structure("bed", "line on a bed", rope(BED), **_HEAVY),
     Structure("bed-linearised", "line on a bed, linearised", rope(BED), run=_LINEARISED, **_HEAVY),
+    Structure("track", "track over a bridge", {"lines": {"rope": RAIL, "deck": DECK}, "tracks": {"track": TRACK}},
+              run=_LINEARISED, **_HEAVY),
     Structure("overhead", "overhead line", {"overhead_lines": {"section": OVERHEAD}}, **_SPANS),
     Structure("overhead-linearised", "overhead line, linearised", {"overhead_lines": {"section": OVERHEAD}},
               run=_LINEARISED, **_SPANS),

@@ -36,6 +36,7 @@ from ropewalk.model.segment import Segment
 from ropewalk.model.stepper import Stepper
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
 from ropewalk.model.sweep import Sweep
+from ropewalk.model.track import Ballast, Pads, Sleepers, Subgrade, Track
 from ropewalk.model.travel import AnyTravel, Brake, Driver, FreeTravel, Travel
 from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.model.vehicle import RigidBody, Spring, Vehicle, Wheel
@@ -48,6 +49,7 @@ __all__ = [
     "AnyTravel",
     "Axles",
     "Balance",
+    "Ballast",
     "Brake",
     "CableEdge",
     "ClampedEdge",
@@ -97,6 +99,7 @@ __all__ = [
     "Oscillator",
     "Outputs",
     "OverheadLine",
+    "Pads",
     "Pantograph",
     "PantographTravel",
     "Payload",
@@ -110,6 +113,7 @@ __all__ = [
     "SecondPiolaKirchhoff",
     "Segment",
     "Sheave",
+    "Sleepers",
     "SoftEdge",
     "Spans",
     "SpeedTable",
@@ -118,10 +122,12 @@ __all__ = [
     "SteadyArms",
     "Stepper",
     "StitchWire",
+    "Subgrade",
     "Support",
     "Sweep",
     "Tabulated",
     "TensionOnly",
+    "Track",
     "TrainTravel",
     "Travel",
     "Travelling",

@@ -29,6 +29,7 @@ from ropewalk.model.settings import check_settings
 from ropewalk.model.small import check_overhead
 from ropewalk.model.space import check_space
 from ropewalk.model.support import Guided
+from ropewalk.model.track import check_tracks
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.trolley import Trolley
 from ropewalk.model.until import check_crossing, crossed
@@ -52,6 +53,7 @@ def check(parts: Parts) -> list[Finding]:
             _unknown_lines,
             check_overhead,
             check_joints,
+            check_tracks,
             check_settings,
             check_mesh,
             check_space,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from ropewalk.model.joint import Joint
 from ropewalk.model.law import Inextensible
@@ -15,6 +16,9 @@ from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.quantity import Auto
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
 from ropewalk.model.wind import Wind
+
+if TYPE_CHECKING:
+    from ropewalk.model.track import Track  # which asks what is implemented of parts
 
 
 @dataclass(frozen=True)
@@ -32,6 +36,7 @@ class Parts:
     wind: Wind | None = None
     outputs: Outputs = field(default_factory=Outputs)
     is_complete: bool = True  # whether no block of lines hides behind a misspelt key
+    tracks: Mapping[str, Track | None] = field(default_factory=dict)
 
     def loads_on(self, line: str) -> list[str]:
         """Names of the loads on a line."""
@@ -39,9 +44,10 @@ class Parts:
 
     @property
     def is_network(self) -> bool:
-        """Whether lines are joined, run over sheaves or, if none bends, have inner supports; nets; air that pushes."""
+        """Whether lines are joined, by tracks, too, over sheaves or, if none bends, on inner supports; nets; air."""
         lines = [line for line in self.lines.values() if line is not None]
         joined = any(line.is_joined for line in lines)
+        joined = joined or bool(self.tracks)
         return bool(self.nets) or self.is_airy or joined or (self.is_supported and not self.has_bending_stiffness)
 
     @property

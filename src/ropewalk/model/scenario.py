@@ -24,6 +24,7 @@ from ropewalk.model.quantity import Acceleration, Name
 from ropewalk.model.run import Dynamic, Run
 from ropewalk.model.space import leaving
 from ropewalk.model.sweep import Sweep
+from ropewalk.model.track import Track
 from ropewalk.model.until import crossed
 from ropewalk.model.wind import Wind
 
@@ -39,6 +40,9 @@ class Scenario(Declaration):
     )
     hangers: dict[Name, Hangers] = Field(
         default_factory=dict, description="rows of hangers between two of the lines, by name"
+    )
+    tracks: dict[Name, Track] = Field(
+        default_factory=dict, description="rails of the lines on pads, sleepers and ballast, by name"
     )
     joints: dict[Name, Joint] = Field(default_factory=dict, description="where lines meet, by name")
     nets: dict[Name, AnyNet] = Field(default_factory=dict, description="nets and membranes, by name")
@@ -96,6 +100,7 @@ class Scenario(Declaration):
             self.joints,
             self.wind,
             self.outputs,
+            tracks=self.tracks,
         )
 
     def carrier_of(self, load: AnyLoad) -> str:

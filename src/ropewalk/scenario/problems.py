@@ -20,6 +20,7 @@ from ropewalk.model.outputs import Outputs
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import Acceleration, unit_of
+from ropewalk.model.track import Track
 from ropewalk.model.wind import Wind
 from ropewalk.scenario.fields import block_at, choices_of, known_keys
 from ropewalk.scenario.source import Key, Source, displayed, is_within
@@ -29,6 +30,7 @@ _OVERHEAD: TypeAdapter[Any] = TypeAdapter(OverheadLine)
 _NET: TypeAdapter[Any] = TypeAdapter(AnyNet)
 _JOINT: TypeAdapter[Any] = TypeAdapter(Joint)
 _WIND: TypeAdapter[Any] = TypeAdapter(Wind)
+_TRACK: TypeAdapter[Any] = TypeAdapter(Track)
 _LOAD: TypeAdapter[Any] = TypeAdapter(Load)
 _RUN: TypeAdapter[Any] = TypeAdapter(Run)
 _OUTPUTS: TypeAdapter[Any] = TypeAdapter(Outputs)
@@ -232,11 +234,12 @@ def _parts(tree: Any, uncertain: set[str]) -> Parts:
     overhead = {name: _valid(_OVERHEAD, line) for name, line in _members(tree, "overhead_lines").items()}
     nets = {name: _valid(_NET, net) for name, net in _members(tree, "nets").items()}
     joints = {name: _valid(_JOINT, joint) for name, joint in _members(tree, "joints").items()}
+    tracks = {name: _valid(_TRACK, track) for name, track in _members(tree, "tracks").items()}
     wind = _valid(_WIND, tree["wind"]) if "wind" in tree else None
     outputs = _valid(_OUTPUTS, tree.get("outputs", {})) or Outputs()
     complete = not {"lines", "overhead_lines", "nets"} & uncertain and isinstance(tree.get("lines", {}), dict)
     on = on if lines or overhead or nets else {}
-    return Parts(lines, loads, run, gravity, on, overhead, nets, joints, wind, outputs, complete)
+    return Parts(lines, loads, run, gravity, on, overhead, nets, joints, wind, outputs, complete, tracks)
 
 
 def _members(tree: Any, name: str) -> dict[str, Any]:

@@ -19,6 +19,7 @@ SECTIONS = {
     "The file": ("scenario",),
     "A line": ("line", "segment", "damping", "profile"),
     "What lines are joined by": ("joint", "hangers"),
+    "Rails, sleepers and ballast": ("track",),
     "Nets and membranes": ("net",),
     "Wind": ("wind",),
     "Laws": ("law",),

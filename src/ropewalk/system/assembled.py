@@ -23,6 +23,11 @@ class Attached(NamedTuple):
     watched_station: tuple[float, ...]  # m
     watch: sparse.csr_matrix  # (watched, node) parts of nodes
 
+    @property
+    def sampled(self) -> bool:
+        """Whether results tell of any by itself."""
+        return bool(self.tie or self.watched)
+
 
 @dataclass(frozen=True, eq=False)
 class Assembled:

@@ -42,6 +42,7 @@ from ropewalk.system.segments import Segments
 from ropewalk.system.structure import About, Lines, Nodes, Restraints, Runs, Structure, WindField
 from ropewalk.system.surface_paths import Nets
 from ropewalk.system.tethers import TETHER
+from ropewalk.system.tracks import on_ends, with_tracks
 from ropewalk.system.travel import Tables
 
 # Sine of the angle to the vertical below which a way on a net goes straight up.
@@ -98,7 +99,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     """
     if scenario.overhead_lines:
         return overhead_lines_of(scenario, axes)
-    laid, rest = laid_over_saddles(nearly(scenario), until)
+    laid, rest = laid_over_saddles(nearly(on_ends(scenario)), until)
     axes = axes or axes_of(scenario)
     displayed, dim = [0, 2] if len(axes) == 2 else [0, 1, 2], len(axes)
     nets = Nets(scenario, laid) if scenario.nets else None
@@ -206,7 +207,8 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     supports = tuple((name, where[node]) for name, node in at_ends.items())
     supports += tuple((name, where[node]) for node, (name, _) in enumerate(crowns, n_lines))
     station = np.concatenate([*(station for *_, station in sections), np.full(n, np.nan)])[:n]
-    return Assembled(structure, axes, r, station, tuple(name for name, *_ in sections), on, supports, nets)
+    assembled = Assembled(structure, axes, r, station, tuple(name for name, *_ in sections), on, supports, nets)
+    return with_tracks(scenario, assembled) if scenario.tracks else assembled
 
 
 def _level(way: Array) -> Array:

@@ -266,10 +266,34 @@ def _on_nets(parts: Parts) -> Iterator[Finding]:
             yield missing(("loads", name, "balance"), "nets", "a block", "leave balance out")
 
 
+def _of_tracks(parts: Parts) -> Iterator[Finding]:
+    """What is not known of masses between ties: a window, and beginnings, know nodes of lines alone."""
+    run, what = parts.run, "tracks"
+    for name in list(parts.tracks)[:1]:
+        for block, there in (("overhead_lines", parts.overhead), ("nets", parts.nets)):
+            for other in there:
+                yield missing((block, other), what, remedy="compute it in a scenario of its own")
+        for other, line in parts.lines.items():
+            if line is not None and line.sheaves:
+                feature, remedy = "a line over sheaves", "end it at the sheave, or leave it out"
+                yield missing(("lines", other, "sheaves"), what, remedy=remedy, feature=feature)
+            if line is not None and isinstance(line.law, Inextensible):
+                feature, remedy = "an inextensible line", "give it an axial_stiffness with law hooke"
+                yield missing(("lines", other, "law", "kind"), what, "inextensible", remedy, feature=feature)
+        if isinstance(run, Linear):
+            yield missing(("tracks", name), _LINEAR, remedy=_DYNAMIC)
+        if isinstance(run, Dynamic) and run.window is not None:
+            yield missing(("run", "window"), what, f"{run.window:g} m", "leave window out", feature="a window")
+        if isinstance(run, Dynamic) and run.start.kind != "rest":
+            feature, remedy = "a start from a mode or a result", "start at rest"
+            yield missing(("run", "start", "kind"), what, run.start.kind, remedy, feature=feature)
+
+
+_LINEAR, _DYNAMIC = "kind: linear", "ask for kind: dynamic"
 _LAWS = ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table")
 _MORE = (
     _accuracy, _only_lines, _over_profiles, _overhead, _inextensible, _in_a_window, _joined_between_nodes, _of_loads,
-    _on_nets, supported_by_tension, of_methods,
+    _of_tracks, _on_nets, supported_by_tension, of_methods,
 )  # fmt: skip
 MOTION = Capabilities(
     _SYSTEM,
@@ -317,9 +341,6 @@ AT_REST = replace(
         "loads.kind": "ask for kind: dynamic, or write kind: force with its weight as force",
     },
 )
-
-
-_LINEAR, _DYNAMIC = "kind: linear", "ask for kind: dynamic"
 
 
 def _moves_little(parts: Parts) -> Iterator[Finding]:
@@ -378,6 +399,7 @@ LINEAR = replace(
         _over_profiles,
         _overhead,
         _joined_between_nodes,
+        _of_tracks,
         _on_nets,
         supported_by_tension,
         _moves_little,

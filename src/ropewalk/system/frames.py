@@ -118,7 +118,7 @@ class FrameBuilder:
         displayed = () if loading.multibody_system is None else loading.multibody_system.displayed
         attached = assembled.attached
         more: dict[str, Any] = {}
-        if attached is not None:
+        if attached is not None and attached.sampled:
             more = {"tie": attached.tie, "tie_station": attached.station, "watched": attached.watched}
             more |= {"watched_station": attached.watched_station, "sample": (0.0,) if path == "time" else ()}
         self.layout = Layout(
@@ -207,7 +207,7 @@ class FrameBuilder:
     def _of_ties(self, at: SystemNote, seen: Contacts, *, still: bool) -> dict[str, Array]:
         """Tensions of ties; samples of a motion are those of its frames."""
         attached, ties = self.assembled.attached, self.assembled.structure.ties
-        if attached is None or ties is None:
+        if attached is None or ties is None or not attached.sampled:
             return {}
         force = np.array([ties.forces(r, v)[: len(attached.tie)] for r, v in zip(at.r, at.v, strict=True)])
         if still:

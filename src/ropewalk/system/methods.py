@@ -55,6 +55,8 @@ def first_damper(parts: Parts) -> str | None:
             return "Kelvin-Voigt damping"
         if _is_damped(restrained):
             return "dampers at supports"
+    if any(_is_damped(track.model_dump()) for track in parts.tracks.values() if track is not None):
+        return "the dampers of tracks"
     for line in parts.overhead.values():
         if _has({} if line is None else line.model_dump(), ("drag", "damping")):
             return "dampers or the drag of overhead lines"

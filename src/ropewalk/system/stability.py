@@ -102,12 +102,14 @@ def _strained(structure: Structure, r: Array, s: int) -> tuple[Array, Array]:
 
 def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list[tuple[float, float]]:
     """Bounds of squares of frequencies, 1/s^2, and of rates of decay, 1/s, of runs and cells."""
-    runs, found = structure.runs, []
+    runs, found = structure.runs, list[tuple[float, float]]()
     around, viscous = of_cells(structure)
     eased = stiffer(structure, r, r if rest is None else rest) if structure.inertia.along.size else None
     tied, taken = np.zeros((2, structure.nodes.mass.size))
     if structure.ties is not None:
         tied, taken = structure.ties.bounds(structure.nodes.mass)
+        beyond = int((runs.first + runs.links).max()) + 1  # masses between ties
+        found.extend(zip(tied[beyond:].tolist(), taken[beyond:].tolist(), strict=True))
     if structure.saddles is not None:
         tied = tied + structure.saddles.bounds(structure.nodes.mass)
     for s in np.flatnonzero(runs.firm == 0.0).tolist():

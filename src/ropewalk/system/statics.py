@@ -125,7 +125,7 @@ class SystemPotential:
         moves[restrained.node] = False
         if structure.surfaces is not None:  # whose ways are where they are
             moves[structure.surfaces.node] = False
-        whole = np.flatnonzero(np.tile(moves, self.axes))
+        whole = np.flatnonzero(np.concatenate([moves & structure.on_runs, *([moves] * (self.axes - 1))]))
         columns = [(np.array([i]), np.ones(1)) for i in whole]
         for e in range(restrained.mass.size):
             nodes = restrained.members(e)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
@@ -144,6 +145,14 @@ class Structure(NamedTuple):
     def is_linearised(self) -> bool:
         """Whether its runs are linearised about rest."""
         return bool(self.about.links.size > 0)
+
+    @property
+    def on_runs(self) -> NDArray[np.bool_]:
+        """Which nodes are those of runs; others are at sheaves, or masses between ties, which act across x."""
+        found = np.zeros(self.nodes.mass.size, dtype=np.bool_)
+        for first, links in zip(self.runs.first, self.runs.links, strict=True):
+            found[first : first + links + 1] = True
+        return found
 
 
 class Tight(NamedTuple):

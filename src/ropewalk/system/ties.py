@@ -54,7 +54,8 @@ class Ties(NamedTuple):
     def parts(self, nodes: int) -> sparse.csr_matrix:
         """Parts of all nodes, (tie, node)."""
         first = np.append(self.first, self.node.size)
-        return sparse.csr_matrix((self.part, self.node, first), shape=(self.first.size, nodes))
+        matrix = (self.part, self.node, first)  # a copy: who sorts it would leave parts at other nodes
+        return sparse.csr_matrix(matrix, shape=(self.first.size, nodes), copy=True)
 
     def look(self, r: Array) -> tuple[Array, Array, Array]:
         """Unit vectors (tie, axis), lengths and by how much they are too long, m, at places of nodes (axis, node)."""
@@ -155,11 +156,23 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Tie:
-    """A tie to be: from a point of a line to another one, or to the ground."""
+class MassNode:
+    """A node between ties that is on no line."""
 
-    one: Point
-    other: Point | Array  # or (axis,) m
+    node: int
+
+    @property
+    def parts(self) -> tuple[Integers, Array]:
+        """The node, all of it."""
+        return np.array([self.node]), np.ones(1)
+
+
+@dataclass(frozen=True)
+class Tie:
+    """A tie to be: from a point of a line, or a mass, to another one, or to the ground."""
+
+    one: Point | MassNode
+    other: Point | MassNode | Array  # or (axis,) m
     length: float = 0.0  # m
     stiffness: tuple[float, float] = (0.0, 0.0)  # N/m, where it is longer and where it is shorter; inf: rigid
     damping: tuple[float, float] = (0.0, 0.0)
@@ -184,7 +197,7 @@ def ties_of(ties: Sequence[Tie], axes: int) -> Ties | None:
     for e, tie in enumerate(ties):
         node, part = tie.one.parts
         part = -part
-        if isinstance(tie.other, Point):
+        if isinstance(tie.other, Point | MassNode):
             more, other = tie.other.parts
             node, part = np.concatenate([node, more]), np.concatenate([part, other])
         else:
