@@ -1,6 +1,8 @@
 """What is there: frozen declarations without numerics, in SI units (text with units is read at the edge)."""
 
 from ropewalk.model.axles import Axles, Coaches, TrainTravel
+from ropewalk.model.balance import Balance
+from ropewalk.model.crowd import Crowd
 from ropewalk.model.damping import Damping
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.fmu import Fmu, FmuContact, FmuTravel
@@ -31,13 +33,14 @@ from ropewalk.model.pantograph import Pantograph, PantographTravel
 from ropewalk.model.profile import Profile
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, Run, Start
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.spread import FrequencySpread, LengthSpread, MassSpread
 from ropewalk.model.stepper import Stepper
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
 from ropewalk.model.sweep import Sweep
 from ropewalk.model.travel import AnyTravel, Brake, Driver, FreeTravel, Travel
 from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.model.vehicle import RigidBody, Spring, Vehicle, Wheel
-from ropewalk.model.walker import Balance, Walker
+from ropewalk.model.walker import Walker
 from ropewalk.model.wind import Wind
 
 __all__ = [
@@ -51,6 +54,7 @@ __all__ = [
     "ClampedEdge",
     "Coaches",
     "ContactWire",
+    "Crowd",
     "Damping",
     "DisplacementTable",
     "DriveTable",
@@ -67,6 +71,7 @@ __all__ = [
     "Footsteps",
     "ForceTable",
     "FreeTravel",
+    "FrequencySpread",
     "Guided",
     "Hangers",
     "Harmonic",
@@ -79,10 +84,12 @@ __all__ = [
     "Joined",
     "Joint",
     "Law",
+    "LengthSpread",
     "Line",
     "LinePlace",
     "Linear",
     "Load",
+    "MassSpread",
     "Matrices",
     "MatrixWheel",
     "Membrane",

@@ -320,7 +320,7 @@ def contacts_of(
     heavy = np.flatnonzero(~given | (lends > 0.0)).tolist()
     contacts["lent"] = np.where(given, lends, 0.0)
     tables = _with_steps(scenario, loading, structure, contacts, tables)
-    contacts["led"] = led = [isinstance(scenario.loads[wheel.load], Walker | ExternalModel) for wheel in wheels]
+    contacts["led"] = led = [_is_led(scenario.loads[wheel.load]) for wheel in wheels]
     contacts["kind"] = FORCE
     contacts["kind"][heavy] = BODY
     contacts["rolls"] = [isinstance(scenario.loads[wheel.load], Rolling) for wheel in wheels]
@@ -396,17 +396,29 @@ def contacts_of(
 
 def _only_presses(load: AnyLoad) -> bool:
     """Whether nothing stands on the contacts of a load."""
-    return isinstance(load, GivenForces | Footsteps) or (
-        isinstance(load, ExternalModel) and not (load.exchange.stiffness or load.exchange.damping)
+    return (
+        isinstance(load, GivenForces)
+        or steps_by_table(load)
+        or (isinstance(load, ExternalModel) and not (load.exchange.stiffness or load.exchange.damping))
     )
+
+
+def steps_by_table(load: AnyLoad) -> bool:
+    """Whether it is known beforehand where the feet of a load stand, and nothing of it stands on them."""
+    return isinstance(load, Footsteps) and load.balance is None
+
+
+def _is_led(load: AnyLoad) -> bool:
+    """Whether a controller puts down and takes up the contacts of a load."""
+    return isinstance(load, Walker | ExternalModel | Footsteps) and not steps_by_table(load)
 
 
 def _with_steps(scenario: Scenario, loading: Loading, structure: Structure, contacts: Any, tables: Tables) -> Tables:
     """Add the places of feet, which stand where they have landed, and are nowhere while in the air."""
     for name, load in scenario.loads.items():
-        feet = [k for k, wheel in enumerate(loading.wheels) if wheel.load == name]
-        if not isinstance(load, Footsteps):
+        if not (isinstance(load, Footsteps) and steps_by_table(load)):
             continue
+        feet = [k for k, wheel in enumerate(loading.wheels) if wheel.load == name]
         length = float(structure.lines.length[contacts[feet[0]]["line"]])
         for number, k in enumerate(feet):
             time, place = footfalls(load, number, length, _until(scenario))

@@ -18,7 +18,6 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import CLAMPED, COULOMB, Array, Integers
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.mechanics.multibody_system import hung
-from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import FreeTravel
@@ -33,7 +32,7 @@ from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.solve.stages import LOBATTO, RADAU, Stages
 from ropewalk.system import motion
 from ropewalk.system.asking import FAILED, Asking
-from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
+from ropewalk.system.assembly import contacts_of, refuse_beyond, steps_by_table, structure_of
 from ropewalk.system.beginning import begin_elsewhere
 from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
@@ -269,7 +268,7 @@ class SystemMotion:
         """Let loads that decide on the way take their first decisions."""
         places = len(self.assembled.axes) * int((self.contacts["kind"] == BODY).sum())
         self._carrier = SystemCarrier(self._system(), self._scenario.gravity, places, self._step)
-        led = {name: load for name, load in self._scenario.loads.items() if not isinstance(load, Footsteps)}  # tables
+        led = {name: load for name, load in self._scenario.loads.items() if not steps_by_table(load)}
         controllers = controllers_of(self._carrier, self.loading, self._scenario.model_copy(update={"loads": led}))
         self._asking = Asking(self._carrier, controllers)
         self.cosimulation = [controller.cosimulation for controller in controllers if isinstance(controller, Partner)]
