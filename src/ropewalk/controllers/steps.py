@@ -24,6 +24,7 @@ class Steps:
     gait: Footsteps
     feet: tuple[int, int]
     upright: Upright | None = None
+    early: float = 0.0  # s, by which feet may land and take off before their time
     number: int = 0  # of the step that comes next
     lifted: int = 0  # how many feet have been taken up
     _came: bool = False
@@ -45,7 +46,7 @@ class Steps:
 
     def act(self) -> None:
         """Land and take off what is due."""
-        t = self.carrier.t * (1.0 + 1e-12) + 1e-12
+        t = self.carrier.t * (1.0 + 1e-12) + 1e-12 + self.early
         while not self._gone and min(self._landing(), self._take_off()) <= t:
             if self._take_off() <= self._landing():
                 self.carrier.take_up(self.feet[self.lifted % 2])

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _TITLES = {
-    "deflection": "Deflection", "acceleration": "Acceleration, filtered", "moment": "Bending moment", "shear": "Shear",
+    "deflection": "Deflection", "acceleration": "Acceleration, filtered", "lateral_deflection": "Lateral deflection",
+    "lateral_acceleration": "Lateral acceleration, filtered", "moment": "Bending moment", "shear": "Shear",
 }  # fmt: skip
 
 
@@ -29,7 +30,7 @@ def _of_places(dataset: xr.Dataset, ax: Axes, *, quantity: str) -> None:
     for k, (name, values) in enumerate(own):
         if np.isfinite(values).any():
             ax.plot(path, values, color=colour_of(k), linewidth=style.LINE, label=name)
-    style.dress(ax, _TITLES[quantity], path_label(dataset), f"{quantity} ({UNITS[quantity]})")
+    style.dress(ax, _TITLES[quantity], path_label(dataset), f"{quantity.replace('_', ' ')} ({UNITS[quantity]})")
     style.legend(ax)
 
 

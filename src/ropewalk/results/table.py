@@ -310,8 +310,9 @@ def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> I
 
 
 _RESPONSES = {
-    "deflection": "largest deflection", "acceleration": "largest acceleration", "moment": "largest bending moment",
-    "shear": "largest shear",
+    "deflection": "largest deflection", "acceleration": "largest acceleration",
+    "lateral_deflection": "largest lateral deflection", "lateral_acceleration": "largest lateral acceleration",
+    "moment": "largest bending moment", "shear": "largest shear",
 }  # fmt: skip
 
 
@@ -327,7 +328,7 @@ def _response_rows(name: str, line: Summary, units: DisplayUnits, floor: dict[st
             continue
         say = Column(units, entry, floor=floor)
         where = list(_when(entry["largest"]))
-        if quantity in ("deflection", "moment"):
+        if quantity in ("deflection", "lateral_deflection", "moment"):
             where.append(say.span(entry["min"], entry["max"], entry["unit"]))
         if entry.get("impact") is not None:
             static = say(entry["static"], entry["unit"])
