@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.model.axles import Axles
+from ropewalk.model.crowd import Crowd
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import STATIC, path_name
 from ropewalk.results.frame import Array
@@ -285,14 +286,40 @@ def _largest(response: LineResponse, quantities: Mapping[str, Array], static: Ma
 
 def trains_in(dataset: xr.Dataset) -> dict[str, list[int]]:
     """The contacts of each load that has several given forces which travel together, by its name."""
+    return _contacts_of(dataset, Axles)
+
+
+def crowds_in(dataset: xr.Dataset) -> dict[str, list[int]]:
+    """The contacts of each crowd, by its name."""
+    return _contacts_of(dataset, Crowd)
+
+
+def _contacts_of(dataset: xr.Dataset, kind: type) -> dict[str, list[int]]:
     scenario, names = scenario_of(dataset), dataset["load"].values.tolist()
-    if scenario is None:
-        return {}
-    return {
-        name: [k for k, contact in enumerate(names) if contact.partition(".")[0] == name]
-        for name, load in scenario.loads.items()
-        if isinstance(load, Axles)
+    found: dict[str, list[int]] = {
+        name: [] for name, load in (scenario.loads.items() if scenario is not None else ()) if isinstance(load, kind)
     }
+    for k, contact in enumerate(names):
+        if (name := contact.partition(".")[0]) in found:
+            found[name].append(k)
+    return found
+
+
+def crowd_summary(dataset: xr.Dataset) -> dict[str, Any]:
+    """Of each crowd how many there are, how many at most on the line, and what they press with on it, in all."""
+    out = {}
+    for name, own in crowds_in(dataset).items():
+        pressing = -dataset["contact_force"].values[:, own, -1]
+        there = np.isfinite(dataset["contact_xi"].values[:, own])
+        people = there.reshape(there.shape[0], -1, 2).any(axis=2).sum(axis=1)
+        total = np.where(there, np.nan_to_num(pressing), 0.0).sum(axis=1)
+        out[name] = {
+            "people": len(own) // 2, "most_on_line": int(people.max(initial=0)),
+            "load": {
+                "unit": "N", "max": float(total.max(initial=0.0)), "mean": float(total.sum()) / max(total.size, 1),
+            },
+        }  # fmt: skip
+    return out
 
 
 def train_summary(dataset: xr.Dataset) -> dict[str, Any]:

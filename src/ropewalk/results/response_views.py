@@ -10,7 +10,7 @@ import numpy as np
 
 from ropewalk.results import style
 from ropewalk.results.contract import path_name
-from ropewalk.results.line_response import UNITS, histories, trains_in
+from ropewalk.results.line_response import UNITS, crowds_in, histories, trains_in
 from ropewalk.results.views import colour_of, path_label
 
 if TYPE_CHECKING:
@@ -47,10 +47,10 @@ def seen_at_places(dataset: xr.Dataset) -> list[str]:
 
 
 def with_first_axles(dataset: xr.Dataset) -> xr.Dataset:
-    """The same result with one contact for each train, its first axle under the name of the train."""
+    """The same result with one contact for each train, its first axle under the name of the train, and each crowd."""
     trains = trains_in(dataset)
     names = dataset["load"].values.tolist()
-    others = {k for own in trains.values() for k in own[1:]}
+    others = {k for own in (*trains.values(), *crowds_in(dataset).values()) for k in own[1:]}
     if not others:
         return dataset
     first = {own[0]: name for name, own in trains.items()}

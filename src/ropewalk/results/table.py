@@ -100,6 +100,11 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
             yield from _contact_rows(name, contact, column(contact["force"], contact["hold_force"]), largest)
     for name, train in found["trains"].items():
         yield from _train_rows(name, train, column(train["load"]))
+    for name, crowd in found["crowds"].items():
+        say = column(crowd["load"])
+        yield f"Crowd {name}", "", ""
+        yield "people", str(crowd["people"]), f"at most {crowd['most_on_line']} of them on the line"
+        yield "load on the line, mean", say(crowd["load"]["mean"], "N"), f"at most {say(crowd['load']['max'], 'N')}"
     for name, payload in found["payloads"].items():
         yield from _payload_rows(name, payload, column(payload))
     for name, line in found["overhead_lines"].items():
