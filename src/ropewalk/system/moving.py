@@ -32,11 +32,12 @@ from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.solve.stages import LOBATTO, RADAU, Stages
 from ropewalk.system import motion
 from ropewalk.system.asking import FAILED, Asking
-from ropewalk.system.assembly import contacts_of, refuse_beyond, steps_by_table, structure_of
+from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
 from ropewalk.system.beginning import begin_elsewhere
 from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
+from ropewalk.system.feet import steps_by_table
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.hold_forces import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
