@@ -22,7 +22,7 @@ def with_people(loads: Mapping[str, Any], lines: Mapping[str, Line | None]) -> d
         elif (line := lines.get(load.on)) is None:
             found[name] = None
         else:
-            found |= {f"{name}.{i}": person for i, person in enumerate(load.people(unstrained(line)), start=1)}
+            found |= {f"{name}.{i}": one for i, one in enumerate(load.people(unstrained(line)), start=1)}
     return found
 
 
