@@ -39,13 +39,13 @@ def check_crowds(
 
 def of_crowds(findings: Iterable[Finding]) -> list[Finding]:
     """The same findings, those about people as of their crowds, for each key of these one."""
-    found, told = [], set[tuple[Any, ...]]()
+    found, known = [], set[tuple[Any, ...]]()
     for finding in findings:
         if finding.path[:1] == ("loads",) and is_one_of_many(name := str(finding.path[1])):
             crowd, key = name.partition(".")[0], [k for k in finding.path[2:3] if k in Crowd.model_fields]
             finding = replace(finding, path=("loads", crowd, *key))
-            if finding.path in told:
+            if finding.path in known:
                 continue
-            told.add(finding.path)
+            known.add(finding.path)
         found.append(finding)
     return found
