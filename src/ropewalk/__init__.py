@@ -11,7 +11,8 @@ what is there   `Scenario` of `Line`s and of loads; `ForceTable`, `SpeedTable`, 
                 `DisplacementTable` for what changes in time
 loads           `MovingForce`, `MovingMass`, `Oscillator`, `Trolley` with its `Payload`; `Vehicle` of
                 `RigidBody`, `Wheel` and `Spring`, or of `Matrices` with `MatrixWheel`; `Footsteps` with
-                `Harmonic`s, `Walker` with her `Balance`; `Stepper` for a model of one's own, `Fmu` with
+                `Harmonic`s, `Walker`, both with a `Balance`; `Crowd` with its `MassSpread`,
+                `FrequencySpread` and `LengthSpread`; `Stepper` for a model of one's own, `Fmu` with
                 `FmuContact`s and `FmuTravel` for one of another program; their `Exchange` with the line
 overhead lines  `OverheadLine` of `ContactWire`, `MessengerWire`, `StitchWire`, `Droppers`, `SteadyArms`,
                 `MessengerSupports` and `Spans`; `Pantograph` with its `PantographTravel`

@@ -9,6 +9,8 @@ from ropewalk.linear import capabilities as linear
 from ropewalk.model._base import Finding
 from ropewalk.model.axles import Axles
 from ropewalk.model.capabilities import Capabilities, missing, refusal
+from ropewalk.model.crowd import Crowd, is_one_of_many
+from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.pantograph import Pantograph
@@ -70,7 +72,7 @@ def _is_linearised(parts: Parts) -> bool:
 def _of_ropes(parts: Parts) -> Engine:
     """The engine of ropes, or that of the system for motions in ways that only lines of that go."""
     run = parts.run
-    if any(isinstance(load, Axles) for load in parts.loads.values()):
+    if any(isinstance(load, Axles) or is_one_of_many(name) or _balances(load) for name, load in parts.loads.items()):
         return SYSTEM  # which lets contacts come to their line and leave it, at rest, too
     if not isinstance(run, Dynamic):
         return ROPES
@@ -78,6 +80,11 @@ def _of_ropes(parts: Parts) -> Engine:
     if rubs or run.axial_inertia != 1.0 or _is_linearised(parts) or parts.has_inextensible:
         return SYSTEM
     return SYSTEM if _asks_for_a_method(parts) and _refused(SYSTEM, parts) < _refused(ROPES, parts) else ROPES
+
+
+def _balances(load: AnyLoad | None) -> bool:
+    """Whether it steps in time, and responds to the side."""
+    return isinstance(load, Footsteps) and load.balance is not None
 
 
 def _asks_for_a_method(parts: Parts) -> bool:
@@ -198,7 +205,7 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
         return
     remedy = "ask for that of the line alone (no instant, no start.with_loads), or write kind: matrices"
     for name, load in scenario.loads.items():
-        if isinstance(load, Walker | ExternalModel):
+        if isinstance(load, Walker | Crowd | ExternalModel) or _balances(load):
             raise refusal(missing(("loads", name, "kind"), "the spectrum with loads", load.kind, remedy))
 
 
@@ -213,6 +220,8 @@ def check_without_feedback(scenario: Scenario) -> None:
         if line.profile is not None:
             raise refusal(missing(("lines", name, "profile"), what, remedy="leave it out"))
     for name, load in scenario.loads.items():
+        if isinstance(load, Crowd):
+            raise refusal(missing(("loads", name, "kind"), what, load.kind, "write its people one by one as footsteps"))
         if isinstance(load, Pantograph) or (isinstance(load, ExternalModel) and engine_of(scenario) is WIRES):
             where = "" if isinstance(load, Pantograph) else " of beams"
             remedy = "leave it out, or ask for ropewalk compare"

@@ -20,6 +20,7 @@ from ropewalk.capabilities import NETWORKS, SYSTEM, WIRES, check_without_feedbac
 from ropewalk.errors import Problem, RopewalkError, ScenarioError
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.contact_points import ContactPoint, wheels_of
+from ropewalk.model.crowd import Crowd
 from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import ForceTable, SpeedTable
@@ -110,7 +111,7 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
 
 def is_force(load: AnyLoad) -> bool:
     """Whether a load is nothing but given forces."""
-    return isinstance(load, GivenForces | Footsteps)
+    return isinstance(load, GivenForces) or (isinstance(load, Footsteps) and load.balance is None)
 
 
 def rests_within_itself(load: AnyLoad) -> bool:
@@ -211,7 +212,7 @@ class _Ground:
         ground, load = _ground_of(scenario, name, run.until)
         every = min(every_of(run), run.until / SAMPLES)
         falls = isinstance(load, Trolley) and load.payload.at is not None
-        start = Start(with_loads=not (falls or isinstance(load, ExternalModel)))
+        start = Start(with_loads=not (falls or isinstance(load, ExternalModel | Footsteps)))
         dynamic = Dynamic(until=run.until, every=every, accuracy=run.accuracy, start=start)
         alone = Scenario(gravity=scenario.gravity, lines={name: ground}, loads={name: load}, run=dynamic)
         result = simulate(alone)
@@ -300,7 +301,7 @@ def _on_ground(
         changes["at_end"] = "leave" if travel.at_end == "refuse" else travel.at_end
         own["travel"] = travel.model_copy(update=changes)
     else:
-        assert not isinstance(load, Pantograph)
+        assert not isinstance(load, Pantograph | Crowd)
         links = max(LINKS, line.elements)
         if isinstance(load, Fmu):  # along x, ground may be stretched as it likes
             start = load.travel.start * (1.0 if load.travel.measured == "horizontal" else abs(float(along[0])))
@@ -344,6 +345,8 @@ def _masses(load: AnyLoad) -> tuple[float, float]:
         )
     if isinstance(load, Walker):
         return load.mass, load.foot_mass
+    if isinstance(load, Footsteps):
+        return load.mass, 0.0
     return (load.mass, load.mass) if isinstance(load, MovingMass) else (SOMEBODY, 0.0)
 
 
@@ -358,12 +361,12 @@ def _put_down(load: AnyLoad, time: Array, place: Array, force: Array) -> list[Mo
     """One force for each stretch of time in which a contact stays on the line and is not put elsewhere.
 
     Args:
-        load: a walker or an external model.
+        load: a person or an external model.
         time: (time,) s.
         place: (time,) m, NaN while it is off the line.
         force: (time, axis) N.
     """
-    assert isinstance(load, Walker | ExternalModel)
+    assert isinstance(load, Walker | Footsteps | ExternalModel)
     at_end = load.travel.at_end if isinstance(load, Fmu) else load.at_end
     on = np.isfinite(place)
     breaks = np.flatnonzero(np.abs(np.diff(np.where(on, place, 0.0))) > HOP * np.diff(time)) + 1

@@ -22,8 +22,10 @@ from ropewalk.checkpoint import Tree
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import compiling, is_kept
+from ropewalk.model.crowd import Crowd
 from ropewalk.model.load import GivenForces
 from ropewalk.model.mesh import is_asked_for
+from ropewalk.model.people import with_people
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import SPLINE, Frame, Layout, RunInfo
@@ -196,7 +198,9 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
 
 
 def _formed(scenario: Scenario) -> Scenario:
-    """The same with rows of hangers as lines."""
+    """The same with rows of hangers as lines, and crowds as their people."""
+    if any(isinstance(load, Crowd) for load in scenario.loads.values()):
+        scenario = scenario.model_copy(update={"loads": with_people(scenario.loads, scenario.lines)})
     if not scenario.hangers:
         return scenario
     from ropewalk.system.form_finding import formed  # lazy: most runs do not need it

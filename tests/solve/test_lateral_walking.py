@@ -120,6 +120,21 @@ def test_without_a_force_to_the_side_space_is_the_plane() -> None:
     assert moved == pytest.approx(plane.position.values, abs=1e-11)
 
 
+def test_who_comes_late_and_leaves_balances_in_between() -> None:
+    load = {**STEPPING, "lateral": None, "balance": {}, "from": -0.9, "step_length": 7.0, "at_end": "leave"}
+    result = goes(DECK, load, 2.4, 0.01)
+    force, t = np.abs(across(result, "contact_force")).sum(axis=1), result.time.values
+    on = np.isfinite(result.contact_xi.values).any(axis=1)
+    assert t[on][0] == pytest.approx(0.5, abs=0.011)
+    assert t[on][-1] == pytest.approx(1.5, abs=0.011)  # the fourth foot would stand at 20.1 m
+    assert force[on][1:].min() > 5.0
+    assert not force[~on].any()
+    energy = result.energy.sel(form=["load_kinetic", "drive_work"]).values
+    assert energy[~on & (t < 1.0)] == pytest.approx(0.0, abs=1e-12)
+    assert energy[-1, 0] == 0.0  # who has left stands on firm ground
+    assert np.abs(result.energy.sel(form="imbalance").values).max() < 0.01 * np.abs(energy[:, 1]).max()
+
+
 @pytest.mark.parametrize("lateral", ["young", 0.1])
 def test_an_unknown_model_is_refused(lateral: Any) -> None:
     with pytest.raises(ValueError, match="bachmann"):
@@ -267,8 +282,42 @@ def test_the_energy_of_the_balance_is_accounted_for(on_deck: xr.Dataset) -> None
     assert np.abs(left[0] - left[1]).max() < 0.01 * np.abs(given[0] - given[1]).max()
 
 
+def test_who_steps_in_time_balances_as_the_theory_has_it() -> None:
+    """Footsteps with balance on a deck that is swayed, beside the pendulum by quadrature, steps at given times."""
+    w, amplitude, a, period = 2.0 * np.pi * 1.1, 0.02, RATE, 0.5
+
+    def deck(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return amplitude * np.sin(w * s) ** 3, 3.0 * amplitude * w * np.sin(w * s) ** 2 * np.cos(w * s)
+
+    times = np.linspace(0.0, 3.2, 3201)
+    places = [[0.0, place, 0.0] for place in deck(times)[0].tolist()]
+    moved = {"kind": "moving", "displacement": {"time": times.tolist(), "value": places}}
+    load = {"kind": "footsteps", "mass": 80.0, "frequency": 1.0 / period, "from": 3.0, "balance": {}}
+    result = goes({**GROUND, "start_support": moved, "end_support": moved}, load, 3.2, 0.002)
+    force = across(result, "contact_force").sum(axis=1)
+    t, nearest = result.time.values, HIM["margin"] * np.exp(0.5 * a * period)
+    walk = lateral_balance.deck_walk(
+        t, deck, mass=80.0, landings=period * np.arange(7), side=1, position=0.0,
+        velocity=nearest * a * np.sinh(0.5 * a * period), **HIM,
+    )  # fmt: skip
+    within = np.abs(t / period - np.round(t / period)) > 0.01  # a jump of force belongs to the frame before or after
+    print(np.abs(force - walk.force)[within].max(), np.ptp(walk.force))
+    assert np.ptp(walk.force) > 200.0  # N; 41 N on still ground
+    # The middle of the line lags, as above: 1e-3 m of the body, times m g/height.
+    assert force[within] == pytest.approx(walk.force[within], abs=1e-3 * STIFFNESS)
+    vertical = result.contact_force.sel(axis="z").fillna(0.0).values.sum(axis=1)
+    plain = Footsteps(on="line", mass=80.0, frequency=1.0 / period)
+    given = sum(Footfall(plain, foot, GRAVITY)(t)[:, -1] for foot in (0, 1))
+    assert vertical == pytest.approx(given, abs=1.0)  # N of 785: linear between 200 samples in a step
+    assert np.abs(result.energy.sel(form="imbalance").values).max() < 1.0  # J
+
+
 @pytest.mark.parametrize("angle", [30.0, 90.0, 200.0])
-@pytest.mark.parametrize("load", [{**WALKER, "from": 5.0}, STEPPING], ids=["walker", "footsteps"])
+@pytest.mark.parametrize(
+    "load",
+    [{**WALKER, "from": 5.0}, STEPPING, {**STEPPING, "lateral": None, "balance": {}}],
+    ids=["walker", "footsteps", "balance"],
+)
 def test_a_turned_scenario_gives_the_turned_answer(load: dict[str, Any], angle: float) -> None:
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     turned = {**DECK, "end": (20.0 * c, 20.0 * s, 0.0)}

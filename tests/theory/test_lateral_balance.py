@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 from ropewalk.theory import gait, lateral_balance
 
@@ -103,7 +104,56 @@ def test_walkers_drive_a_bridge_at_one_hertz_and_damp_one_at_a_half() -> None:
     assert abs(fast) < 1.0
 
 
+def followed(number: int, *, frequency: float, damping_rate: float, modal_mass: float, until: float) -> float:
+    """Growth rate of a deck under people alike, in step one after another, 1/s: exact from landing to landing."""
+    omega, rate, size = 2.0 * np.pi * frequency, np.sqrt(9.81 / 1.17), 2 + 2 * number
+    k = MASS * rate**2
+    A, foot = np.zeros((size + number, size + number)), slice(size, None)  # deck, bodies, offsets of feet
+    A[0, 1] = 1.0
+    A[1, :2] = -(omega**2) + number * k / modal_mass, -damping_rate
+    A[1, foot] = k / modal_mass
+    for i in range(number):
+        y, u = 2 + 2 * i, size + i
+        A[y, y + 1], A[1, y] = 1.0, -k / modal_mass
+        A[y + 1, [y, 0, u]] = rate**2, -(rate**2), -(rate**2)
+    on, z = scipy.linalg.expm(A * STEP / number), np.zeros(size + number)
+    z[0], logs = 1.0, []
+    for n in range(round(until / STEP * number)):
+        y, u = 2 + 2 * (n % number), size + n % number
+        z[u] = z[y] - z[0] + (z[y + 1] - z[1]) / rate
+        z = on @ z
+        logs.append(0.5 * np.log(z[0] ** 2 + (z[1] / omega) ** 2))
+    half = len(logs) // 4
+    return float(np.polyfit(np.arange(half, len(logs)) * STEP / number, logs[half:], 1)[0])
+
+
+@pytest.mark.parametrize("frequency", [0.6, 1.1, 1.4])
+def test_a_crowd_beyond_the_critical_number_makes_a_deck_sway_more_and_more(frequency: float) -> None:
+    keys = {"damping_rate": 0.06, "modal_mass": 5000.0}
+    one = {"mass": MASS, "step_time": STEP, "leg_length": 1.17}
+    drive = float(lateral_balance.self_excited_force(frequency, **one)[0])
+    for number in (3, 12):
+        every = {**one, "mass": np.full(number, MASS)}
+        root = lateral_balance.sway_growth(frequency, share=1.0, **keys, **every)
+        seen = followed(number, frequency=frequency, until=120.0, **keys)
+        print(frequency, number, root, seen)
+        # Landings are not spread evenly, but one after another: second order in what a person drives.
+        assert root.real == pytest.approx(seen, abs=5e-4)
+    if drive > 0.0:
+        ratio = 0.06 / (4.0 * np.pi * frequency)
+        critical = lateral_balance.critical_number(frequency, ratio, 5000.0, drive, share=1.0)
+        root = lateral_balance.sway_growth(frequency, share=critical, **keys, **one)
+        assert abs(root.real) < 2e-3  # the people change the frequency a little, too
+        assert lateral_balance.critical_number(1.0, 0.01, 1e4, 300.0) == pytest.approx(8.0 * np.pi * 0.01 * 1e4 / 300.0)
+    else:
+        assert lateral_balance.sway_growth(frequency, share=10.0, **keys, **one).real < -0.035
+
+
 def test_nonsense_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"^drive must"):
+        lateral_balance.critical_number(1.0, 0.01, 1e4, 0.0)
+    with pytest.raises(ValueError, match=r"^step_time must"):
+        lateral_balance.sway_growth(1.0, damping_rate=0.1, modal_mass=1e4, mass=70.0, step_time=0.0, leg_length=1.17)
     with pytest.raises(ValueError, match=r"^frequency must"):
         lateral_balance.self_excited_force(0.0, mass=MASS, step_time=STEP, leg_length=1.17)
     with pytest.raises(ValueError, match=r"^count must"):

@@ -12,6 +12,7 @@ from ropewalk.compare.constant import ConstantForces, contacts_in, without_refus
 from ropewalk.compare.pressing import pressing_task
 from ropewalk.decouple import cut, is_force, rests_within_itself
 from ropewalk.errors import Problem, RopewalkError, ScenarioError
+from ropewalk.model.crowd import Crowd
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
 from ropewalk.model.load import GivenForces
@@ -63,6 +64,13 @@ def top_of(scenario: Scenario) -> SimplerModel:
     if scenario.nets:
         wrong, remedy = "compare supports lines; nets and membranes are not implemented", "leave nets out"
         raise ScenarioError([Problem("nets", wrong, ", ".join(scenario.nets), remedy)])
+    for name, load in scenario.loads.items():
+        if isinstance(load, Crowd):
+            wrong, remedy = (
+                "compare supports single people; crowds are not implemented",
+                "write its people as footsteps",
+            )
+            raise ScenarioError([Problem(f"loads.{name}.kind", wrong, load.kind, remedy)])
     if not scenario.loads:
         raise ScenarioError([Problem("loads", "nothing travels: there is nothing to compare", remedy="add a load")])
     run = scenario.run

@@ -31,10 +31,15 @@ def controllers_of(carrier: Carrier, loading: Loading, scenario: Scenario) -> li
     if multibody_system is None:
         return []
     controllers: list[Steps | SpringLegWalker | Partner] = []
+    wheels: dict[str, list[int]] = {}
+    for k, wheel in enumerate(loading.wheels):
+        wheels.setdefault(wheel.load, []).append(k)
     for name, load in scenario.loads.items():
-        on = tuple(k for k, wheel in enumerate(loading.wheels) if wheel.load == name)
+        on = tuple(wheels.get(name, ()))
         if isinstance(load, Footsteps):
-            controllers.append(Steps(carrier, name, load, (on[0], on[1])))
+            feet = (on[0], on[1])
+            upright = _upright(carrier, multibody_system, scenario, load, feet)
+            controllers.append(Steps(carrier, name, load, feet, upright))
         elif isinstance(load, Walker):
             controllers.append(_spring_leg_walker(carrier, multibody_system, scenario, name, load, (on[0], on[1])))
         elif isinstance(load, Stepper | Fmu):
@@ -56,9 +61,23 @@ def _spring_leg_walker(
     first = int(multibody_system.bodies.tethers[legs[0]]["first"])
     vehicle = int(np.flatnonzero(multibody_system.bodies.vehicles["first"] == first)[0])
     dim = int(multibody_system.bodies.vehicles[vehicle]["coordinates"]) - (load.balance is not None)
+    upright = _upright(carrier, multibody_system, scenario, load, feet)
     own = slice(first, first + dim)
-    spring_leg_walker = SpringLegWalker(carrier, name, load, feet, (legs[0], legs[1]), own)
-    if load.balance is not None:
-        left = np.append(outwards(scenario.lines[load.on], load.towards, "left"), 0.0)
-        spring_leg_walker.upright = Upright(carrier, load, load.balance, feet, own, vehicle, left)
-    return spring_leg_walker
+    return SpringLegWalker(carrier, name, load, feet, (legs[0], legs[1]), own, upright=upright)
+
+
+def _upright(
+    carrier: Carrier, multibody_system: MultibodySystem, scenario: Scenario, load: Walker | Footsteps,
+    feet: tuple[int, int],
+) -> Upright | None:  # fmt: skip
+    """Who keeps a person upright to the side, if anybody does."""
+    if load.balance is None:
+        return None
+    bodies = multibody_system.bodies
+    stands = bodies.vehicles["wheels"][:, None] > np.arange(bodies.wheel.shape[1])
+    vehicle = int(np.flatnonzero(((bodies.wheel == feet[0]) & stands).any(axis=1))[0])
+    first, count = (int(bodies.vehicles[vehicle][key]) for key in ("first", "coordinates"))
+    left = np.append(outwards(scenario.lines[load.on], load.towards, "left"), 0.0)
+    to_left = left if isinstance(load, Walker) else np.ones(1)
+    own = slice(first, first + count - 1)
+    return Upright(carrier, load.balance, load.mass, load.first_foot, feet, own, vehicle, left, to_left)

@@ -1,4 +1,4 @@
-"""Balance to the side: where a walker puts her feet across the line, and which of them bears.
+"""Balance to the side: where a person puts her feet across the line, and which of them bears.
 
 Seen across the line, the body is an inverted pendulum whose foot stands `offset` beside the line,
 
@@ -17,29 +17,30 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ropewalk.checkpoint import Tree
 from ropewalk.controllers.carrier import Carrier
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array
-from ropewalk.model.walker import Balance, Walker
+from ropewalk.model.balance import Balance
+from ropewalk.model.footsteps import FirstFoot
 
-# Way of the body in a usual step on firm ground, and what is left of it when a walker begins, upright over one foot, as
-# parts of the reach of a leg (theory/gait.py).
-USUAL_STEP, LEFT_AT_START = 1.435, 0.435
 # A walker has fallen when her body leans to the side of her foot by this part of its height.
 FALLEN = 0.7
 
 
 @dataclass
 class Upright:
-    """Who keeps a walker upright to the side."""
+    """Who keeps a person upright to the side."""
 
     carrier: Carrier
-    walker: Walker
     balance: Balance
+    mass: float  # kg
+    first_foot: FirstFoot
     feet: tuple[int, int]
-    own: slice  # coordinates of the body, one for each axis; that after them is the offset of the foot that bears
+    own: slice  # coordinates of the body; that after them is the offset of the foot that bears
     vehicle: int
     left: Array  # (axis,) unit vector
+    to_left: Array  # of the coordinates of the body, what they contribute to its place along that
     bears: int | None = None  # the foot that bears, of the two
     offsets: list[float] = field(default_factory=lambda: [0.0, 0.0])  # of the feet from the line, m
 
@@ -49,31 +50,35 @@ class Upright:
         return math.sqrt(self.carrier.gravity / self.balance.height)
 
     def _side(self, foot: int) -> float:
-        return 1.0 if (foot == 0) == (self.walker.first_foot == "left") else -1.0
+        return 1.0 if (foot == 0) == (self.first_foot == "left") else -1.0
 
     def _lean(self, foot: int) -> tuple[float, float]:
         """How far in m, and how fast in m/s, the body is away from the place of the line where a foot stands."""
         place, speed = self.carrier.motion(self.feet[foot])
         q, v = self.carrier.q[self.own], self.carrier.v[self.own]
-        return float(self.left @ (q - place)), float(self.left @ (v - speed))
+        return float(self.to_left @ q - self.left @ place), float(self.to_left @ v - self.left @ speed)
 
-    def begin(self, foot: int) -> None:
+    def begin(self, foot: int, step: float, left: float) -> None:
         """Be where a steady walk would be: over the first foot, on the way from the one before it to the next.
 
-        From landing to landing the body swings as cosh about the foot; a walk on firm ground with legs of this reach
-        gives the times. Whatever is amiss decays within a few steps.
+        From landing to landing the body swings as cosh about the foot. Whatever is amiss decays within a few steps.
+
+        Args:
+            foot: that stands.
+            step: time from landing to landing, s.
+            left: of that until the next landing, s.
         """
-        w, a = self.walker, self._rate
-        reach = w.leg_length * math.cos(w.angle_of_attack)
-        step, left = USUAL_STEP * reach / w.speed, LEFT_AT_START * reach / w.speed
+        a = self._rate
+        away, _ = self._lean(foot)
+        self.carrier.q[self.own] -= away * self.to_left
         nearest = self.balance.width * math.exp(0.5 * a * step)  # to the foot, in the middle of a step
         since = 0.5 * step - left
         offset = self._side(foot) * nearest * math.cosh(0.5 * a * step)
         lean = offset - self._side(foot) * nearest * math.cosh(a * since)
         speed = -self._side(foot) * nearest * a * math.sinh(a * since)
         _, line = self._lean(foot)
-        self.carrier.q[self.own] += lean * self.left
-        self.carrier.launch(self.own, self.carrier.v[self.own] + (speed - line) * self.left)
+        self.carrier.q[self.own] += lean * self.to_left
+        self.carrier.launch(self.own, self.carrier.v[self.own] + (speed - line) * self.to_left)
         self._bear(foot, offset)
 
     def step(self, foot: int) -> None:
@@ -108,10 +113,24 @@ class Upright:
                 "line, such as a deck, or leave balance out"
             )
 
+    def get_state(self) -> Tree:
+        """Which foot bears, and where they stand."""
+        return {"bears": self.bears, "offsets": list(self.offsets)}
+
+    def set_state(self, tree: Tree) -> None:
+        """Go on from there."""
+        self.bears, self.offsets = tree["bears"], list(tree["offsets"])
+
     def rest(self) -> None:
         """Stand still, upright over the line."""
         self.carrier.give(-self._energy())
         self._bear(None, 0.0)
+
+    @property
+    def energy(self) -> float:
+        """Of the body's motion and of the pendulum, J."""
+        v = self.carrier.v[self.own]
+        return 0.5 * self.mass * float(v @ v) + self._energy()
 
     def _energy(self) -> float:
         """Of the pendulum, J."""
@@ -122,13 +141,13 @@ class Upright:
 
     @property
     def _stiffness(self) -> float:
-        return self.walker.mass * self._rate**2
+        return self.mass * self._rate**2
 
     def _bear(self, foot: int | None, offset: float) -> None:
         self.bears = foot
         self.carrier.q[self.own.stop] = offset
         if foot is not None:
             self.offsets[foot] = offset
-        own = np.append(self.left, -1.0)  # what of the elongation body and offset make
+        own = np.append(self.to_left, -1.0)  # what of the elongation body and offset make
         k = None if foot is None else self.feet[foot]
         self.carrier.couple(self.vehicle, own, k, self.left, -self._stiffness)

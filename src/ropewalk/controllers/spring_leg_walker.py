@@ -33,6 +33,9 @@ STRETCHING, LOOK = 0.25, 0.01
 LONGEST_PUSH, MARGIN = 0.05, 1e-3
 # How far ahead of the body a foot may land, as a part of a leg.
 SHORTEST, LONGEST = -0.5, 0.7
+# Way of the body in a usual step on firm ground, and what is left of it when a walker begins, upright over one foot, as
+# parts of the reach of a leg (theory/gait.py).
+USUAL_STEP, LEFT_AT_START = 1.435, 0.435
 # Lead of the body over its foot, as a part of the reach, at which a pendulum is as fast as the walker of theory/gait.py
 # when the other foot lands (he leads by 0.435 then).
 USUAL_LEAD = 0.39
@@ -73,7 +76,8 @@ class SpringLegWalker:
         self.energy += w.mass * g * height
         self._stand(0, w.leg_length)
         if self.upright is not None:
-            self.upright.begin(0)
+            reach = w.leg_length * math.cos(w.angle_of_attack)
+            self.upright.begin(0, USUAL_STEP * reach / w.speed, LEFT_AT_START * reach / w.speed)
         self._look()
 
     def next(self, t: float) -> float:
@@ -99,14 +103,14 @@ class SpringLegWalker:
         """Which feet stand, when she looked, and on which foot she balances."""
         own = {"standing": list(self.loaded), "energy": self.energy, "looked": self.looked, "gone": self.gone}
         upright = self.upright
-        return own | ({"bears": upright.bears, "offsets": list(upright.offsets)} if upright is not None else {})
+        return own | (upright.get_state() if upright is not None else {})
 
     def set_state(self, tree: Tree) -> None:
         """Walk on from there."""
         self.loaded, self.energy = list(tree["standing"]), tree["energy"]
         self.looked, self.gone = tree["looked"], tree["gone"]
         if self.upright is not None:
-            self.upright.bears, self.upright.offsets = tree["bears"], list(tree["offsets"])
+            self.upright.set_state(tree)
 
     def _look(self) -> None:
         """Decide where the leg that swings will land, and which legs may take off."""

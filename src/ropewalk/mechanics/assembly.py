@@ -149,7 +149,9 @@ def vector_table(history: Any, until: float, axes: tuple[str, ...]) -> tuple[Arr
         times, rows = np.array(history.time), history.value
     elif isinstance(history, Footfall):
         times = history.instants(until)
-        rows = tuple(tuple(row) for row in history(times))
+        force = history(times)
+        parts = {"x": force[:, 0], "y": force[:, 1] if force.shape[1] == 3 else np.zeros(times.size), "z": force[:, -1]}
+        return times, np.array([parts[axis] for axis in axes])
     elif callable(history):
         times, samples = tabulate(history, 0.0, until)
         rows = tuple(tuple(row) for row in samples)

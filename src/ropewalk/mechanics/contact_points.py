@@ -117,9 +117,10 @@ def _wheels(name: str, load: AnyLoad, gravity: float, line: Line | None) -> Iter
             )  # fmt: skip
     elif isinstance(load, Footsteps):
         side = outwards(line, load.towards, load.first_foot) if load.lateral and line is not None else None
+        start = places[0].start if load.at_end != "leave" or load.towards == "end" else 0.0  # may be beyond the end
         for number, foot in enumerate(FEET[load.first_foot]):
             force = Footfall(load, number, gravity, side)
-            yield ContactPoint(name, foot, load.on, "material", places[0].start, force=force, given=False)
+            yield ContactPoint(name, foot, load.on, "material", start, force=force, given=False)
     elif isinstance(load, Walker):
         for foot in FEET[load.first_foot]:
             yield ContactPoint(name, foot, load.on, "material", places[0].start, mass=load.foot_mass, given=False)

@@ -31,7 +31,7 @@ def footfalls(gait: Footsteps, foot: int, length: float, until: float) -> tuple[
     """Times in s at which a foot lands or is taken up, and where along a line of a length in m it stands from then on.
 
     In the air it stands nowhere, which is not a number. Who would step off an end stays there, leaves the line with
-    both feet, or, if that is to be refused, stands beyond it.
+    both feet, goes on at the other end, or, if that is to be refused, stands beyond it. Who leaves may come late.
 
     Args:
         gait: of the person.
@@ -42,17 +42,24 @@ def footfalls(gait: Footsteps, foot: int, length: float, until: float) -> tuple[
     Returns:
         Times (landing or take-off,) from 0, and places, m.
     """
-    period, ahead = 1.0 / gait.frequency, 1.0 if gait.towards == "end" else -1.0
-    number = np.arange(int(np.ceil(until / period)) + 2)
-    place = gait.start + ahead * gait.step_length * number
-    beyond = np.flatnonzero((place < 0.0) | (place > length))
+    period = 1.0 / gait.frequency
+    number = np.arange(int(np.ceil(until / period)) + 3)
+    place = gait.start + gait.onward * gait.step_length * number
     if gait.at_end == "stay":
         place = np.clip(place, 0.0, length)
+    if gait.at_end == "again":
+        place = np.mod(place, length)
     own = number[foot::2]
-    times = np.column_stack([own, own + 1.0 + gait.overlap]).ravel() * period
+    begin, end = (own - gait.phase) * period, (own + 1.0 + gait.overlap - gait.phase) * period
+    times = np.maximum(np.column_stack([begin, end]).ravel(), 0.0)
+    on, left = (place >= 0.0) & (place <= length), np.inf
+    if gait.at_end == "leave":
+        place = np.where(on, place, np.nan)
+        came = int(np.argmax(on)) if on.any() else number.size
+        gone = np.flatnonzero(~on[came:])
+        left = (came + gone[0] - gait.phase) * period if gone.size else np.inf
     places = np.column_stack([place[own], np.full(own.size, np.nan)]).ravel()
-    if gait.at_end == "leave" and beyond.size:
-        left = beyond[0] * period
+    if np.isfinite(left):
         times, places = np.append(times[times < left], left), np.append(places[times < left], np.nan)
     return (times, places) if foot == 0 else (np.append(0.0, times), np.append(np.nan, places))
 
@@ -62,8 +69,8 @@ class Footfall:
     """The force of one foot of a person, every second step of hers.
 
     Both feet together press with G (1 + sum a_i sin(2 pi i f t - phi_i)), and to the side of the first foot with
-    G sum b_j sin(pi (2 j - 1) f t - psi_j). While both stand, the share of the one that has landed grows from 0 to 1 as
-    (1 - cos(pi s)) / 2.
+    G sum b_j sin(pi (2 j - 1) f t - psi_j), t from the landing of the first foot. While both stand, the share of the
+    one that has landed grows from 0 to 1 as (1 - cos(pi s)) / 2.
     """
 
     gait: Footsteps
@@ -73,7 +80,7 @@ class Footfall:
 
     def __call__(self, t: float | Array) -> Array:
         """Force (..., axis) in N on the line at the times t in s: [Fx, Fz], [Fx, Fy, Fz] if it pushes to the side."""
-        t = np.asarray(t, dtype=float)
+        t = np.asarray(t, dtype=float) + self.gait.phase / self.gait.frequency
         vertical = -self._total(t) * self._share(t)
         if self.side is not None:
             push = self._push(t) * self._share(t)
@@ -83,10 +90,11 @@ class Footfall:
     def instants(self, until: float) -> Array:
         """Times up to `until` between which the force may be interpolated, s."""
         step = 1.0 / self.gait.frequency
-        count = int(np.ceil(until / step)) + 1
+        count = int(np.ceil(until / step)) + 2
         fine = np.linspace(0.0, step, SAMPLES, endpoint=False)
         within = np.unique(np.concatenate((fine, [self.gait.overlap * step])))
-        return np.asarray((step * np.arange(count)[:, None] + within).ravel())
+        times = (step * np.arange(count)[:, None] + within).ravel() - self.gait.phase * step
+        return np.asarray(times if self.gait.phase == 0.0 else np.append(0.0, times[times > 0.0]))
 
     def _total(self, t: Array) -> Array:
         f = self.gait.frequency

@@ -29,6 +29,7 @@ from ropewalk.mechanics.compiled import records
 from ropewalk.mechanics.contact_points import ContactPoint
 from ropewalk.mechanics.footfall import outwards
 from ropewalk.mechanics.proximity import shares_links
+from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import AnyLoad, ExternalModel, GivenForces
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
@@ -127,7 +128,7 @@ def multibody_system_of(
         on = [k for k, wheel in enumerate(wheels) if wheel.load == name]
         first = sum(v.coordinates for v in vehicles)
         vehicle, own = _vehicle(name, load, on, dim, first, scenario.gravity, axes)
-        if isinstance(load, Walker) and load.balance is not None and vehicle is not None:
+        if isinstance(load, Walker | Footsteps) and load.balance is not None and vehicle is not None:
             vehicle = _balancing(vehicle, on, outwards(scenario.lines[load.on], load.towards, "left"))
         displayed += own
         if vehicle is not None:
@@ -306,6 +307,10 @@ def _vehicle(
                 }
             )  # fmt: skip
         return vehicle, [Body(name, on[0], 0.0, numbers, load.mass)]
+    if isinstance(load, Footsteps) and load.balance is not None:  # a body that moves to the side alone
+        vehicle = _Vehicle.of(1, [])
+        vehicle.M[:] = load.mass
+        return vehicle, []
     if isinstance(load, Vehicle):
         return _sprung(name, load, on, dim, first, gravity)
     if isinstance(load, Matrices):
@@ -338,12 +343,12 @@ def _particle(mass: float, dim: int, gravity: float, drag: float) -> _Vehicle:
 
 
 def _balancing(walker: _Vehicle, on: list[int], left: Array) -> _Vehicle:
-    """A walker in space whose legs do not act to the side, where controllers/balance.py keeps her upright.
+    """A person in space whose legs do not act to the side, where controllers/balance.py keeps her upright.
 
     One more coordinate is the offset of the foot that bears from the line. Nothing moves it but a step.
     """
     dim = walker.coordinates
-    vehicle = _Vehicle.of(dim + 1, [(k, a) for k in on for a in range(dim - 1) if left[a]])
+    vehicle = _Vehicle.of(dim + 1, [(k, int(a)) for k in on for a in np.flatnonzero(left)])
     vehicle.M[:dim, :dim], vehicle.M[dim, dim] = walker.M, FIRM
     vehicle.load[:dim] = walker.load
     across = np.append(left, 0.0)

@@ -1,6 +1,8 @@
 """What is there: frozen declarations without numerics, in SI units (text with units is read at the edge)."""
 
 from ropewalk.model.axles import Axles, Coaches, TrainTravel
+from ropewalk.model.balance import Balance
+from ropewalk.model.crowd import Crowd
 from ropewalk.model.damping import Damping
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.fmu import Fmu, FmuContact, FmuTravel
@@ -33,6 +35,7 @@ from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, Run, S
 from ropewalk.model.saddle import Saddle
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.segment import Segment
+from ropewalk.model.spread import FrequencySpread, LengthSpread, MassSpread
 from ropewalk.model.stepper import Stepper
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
 from ropewalk.model.sweep import Sweep
@@ -40,7 +43,7 @@ from ropewalk.model.track import Ballast, Pads, Sleepers, Subgrade, Track
 from ropewalk.model.travel import AnyTravel, Brake, Driver, FreeTravel, Travel
 from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.model.vehicle import RigidBody, Spring, Vehicle, Wheel
-from ropewalk.model.walker import Balance, Walker
+from ropewalk.model.walker import Walker
 from ropewalk.model.wind import Wind
 
 __all__ = [
@@ -55,6 +58,7 @@ __all__ = [
     "ClampedEdge",
     "Coaches",
     "ContactWire",
+    "Crowd",
     "Damping",
     "DisplacementTable",
     "DriveTable",
@@ -71,6 +75,7 @@ __all__ = [
     "Footsteps",
     "ForceTable",
     "FreeTravel",
+    "FrequencySpread",
     "Guided",
     "Hangers",
     "Harmonic",
@@ -83,10 +88,12 @@ __all__ = [
     "Joined",
     "Joint",
     "Law",
+    "LengthSpread",
     "Line",
     "LinePlace",
     "Linear",
     "Load",
+    "MassSpread",
     "Matrices",
     "MatrixWheel",
     "Membrane",

@@ -23,6 +23,7 @@ from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.outputs import check_outputs
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
+from ropewalk.model.people import of_crowds
 from ropewalk.model.places import meetings, reach, travels
 from ropewalk.model.run import Dynamic, Linear, Quasistatic, every_of
 from ropewalk.model.settings import check_settings
@@ -46,7 +47,7 @@ _ACROSS = 0.1  # cosine between line and rail: what moves further across the lin
 def check(parts: Parts) -> list[Finding]:
     """Find everything that does not fit together, or that the engine for it does not support."""
     parts = crossed(parts)
-    return [
+    return of_crowds(
         finding
         for examine in (
             _something,
@@ -72,7 +73,7 @@ def check(parts: Parts) -> list[Finding]:
             hooks.unsupported,
         )
         for finding in examine(parts)
-    ]
+    )
 
 
 def _something(parts: Parts) -> Iterator[Finding]:

@@ -11,12 +11,12 @@ from pydantic_core import core_schema
 
 from ropewalk.errors import Refused, did_you_mean
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.quantity import Angle, Frequency, Offset, PositiveLength, PositiveMass, Share, Way
-from ropewalk.model.travel import ON_NETS, AtEnd, Place
+from ropewalk.model.balance import SIDEWAYS, Balance
+from ropewalk.model.quantity import Angle, Frequency, PositiveLength, PositiveMass, Share, Station, Way
+from ropewalk.model.travel import ON_NETS, Place
 
 MOST_OVERLAP = 0.5
 FirstFoot = Literal["left", "right"]
-SIDEWAYS = (0.0, 1.0, 0.0)
 LATERAL = {"bachmann": (0.1, 0.1), "setra": (0.05,)}
 """Part of the weight with which people push to the side at f/2, 3f/2, ..., by author."""
 YOUNG = (1.0, 2.8)
@@ -63,11 +63,13 @@ class _Walk:
 class Footsteps(Declaration):
     """A person as given forces: two feet that alternate, each at its own place.
 
-    Foot n = 0, 1, 2, ... lands `step_length` beyond the one before at the time n / frequency and stays for
+    Foot n = 0, 1, 2, ... lands `step_length` beyond the one before at the time (n - phase) / frequency and stays for
     (1 + overlap) / frequency; while two feet stand, the force goes over from one to the other. Together they press
-    with mg (1 + sum of a_i sin(2 pi i f t - phase_i)), whatever the line does: `kind: walker` is who responds. With
-    `lateral` they push to the side of the first foot with mg (sum of b_j sin(2 pi (2j - 1) f/2 t - phase_j)), level and
-    across the chord of the line, each foot with its share: the left one to the left, the right one to the right.
+    with mg (1 + sum of a_i sin(2 pi i f t - phase_i)), t from when foot 0 landed, whatever the line does:
+    `kind: walker` is who responds. With `lateral` they push to the side of the first foot with
+    mg (sum of b_j sin(2 pi (2j - 1) f/2 t - phase_j)), level and across the chord of the line, each foot with its
+    share: the left one to the left, the right one to the right. With `balance` the person responds to how the line
+    moves to the side, and to that alone.
     """
 
     kind: Literal["footsteps"] = "footsteps"
@@ -85,17 +87,28 @@ class Footsteps(Declaration):
         description="amplitudes of the force to the side, at half the frequency of the steps and its odd multiples: "
         "bachmann, setra, or a list of {amplitude, phase}",
     )
+    balance: Balance | None = Field(
+        default=None,
+        description="how the feet are placed to the side, instead of a given force there: steps keep their times, and "
+        "their places follow the body, which the motion of the line moves",
+    )
     first_foot: FirstFoot = Field(default="left", description="the foot that stands at the beginning: left or right")
+    phase: Share = Field(default=0.0, description="part of a step that is over at the beginning, below 1")
     overlap: Share = Field(
         default=0.2,
         description="part of a step during which both feet stand, up to 0.5; 0.2 is ordinary walking, in which a foot "
         "stands for 60 % of a stride of two steps (Perry, Gait Analysis, 1992)",
     )
-    start: Offset = Field(default=0.0, alias="from", description="unstrained length from the start to the first foot")
+    start: Station = Field(
+        default=0.0,
+        alias="from",
+        description="unstrained length from the start to the first foot; negative: before the line",
+    )
     towards: Literal["end", "start"] = Field(default="end", description="end of the line towards which it steps")
-    at_end: AtEnd = Field(
+    at_end: Literal["refuse", "leave", "stay", "again"] = Field(
         default="refuse",
-        description="a person who would step off an end of the line is refused, leaves the line, or stays there",
+        description="a person who would step off an end of the line is refused, leaves the line, stays there, or is "
+        "followed by another one like her at the other end (again); who leaves may also begin off the line, before it",
     )
     path: Way | None = Field(default=None, description=ON_NETS)
 
@@ -109,6 +122,11 @@ class Footsteps(Declaration):
             wrong = f"model young is for {YOUNG[0]:g} to {YOUNG[1]:g} steps per second"
             remedy = "write the amplitudes as a list of {amplitude, phase}"
             findings.append(Finding(("frequency",), wrong, f"{self.frequency:g} Hz", remedy))
+        if self.phase >= 1.0:
+            findings.append(Finding(("phase",), "is a part of one step", f"{self.phase:g}", "write 0 to below 1"))
+        if self.lateral and self.balance is not None:
+            remedy = "leave one of them out: balance gives the force to the side by itself"
+            findings.append(Finding(("balance",), "lateral and balance exclude each other", remedy=remedy))
         report("footsteps", findings)
         return self
 
@@ -118,8 +136,13 @@ class Footsteps(Declaration):
 
     def vectors(self) -> Iterator[tuple[float, ...]]:
         """List all vectors that it is given by: a direction out of the plane where it pushes to the side."""
-        if self.lateral:
+        if self.lateral or self.balance is not None:
             yield SIDEWAYS
+
+    @property
+    def onward(self) -> float:
+        """1 for who walks towards the end of the line, -1 towards its start."""
+        return 1.0 if self.towards == "end" else -1.0
 
     def lateral_harmonics(self) -> tuple[Harmonic, ...]:
         """List the terms of the force to the side: at half the frequency of the steps, 3/2 of it, and so on.

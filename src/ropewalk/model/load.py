@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from ropewalk.model._base import Declaration, Finding, Variants, report
 from ropewalk.model.axles import Axles
 from ropewalk.model.contact import FrictionModel
+from ropewalk.model.crowd import Crowd
 from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import ForceHistory, rows
@@ -89,7 +90,7 @@ Rolling = MovingMass | Oscillator | Trolley | Vehicle | Matrices
 """The loads with wheels, which follow a profile."""
 ExternalModel = Stepper | Fmu
 """The loads that are external models."""
-AnyLoad = Travelling | Footsteps | Walker | ExternalModel | Pantograph
+AnyLoad = Travelling | Footsteps | Walker | Crowd | ExternalModel | Pantograph
 Load = Annotated[
     MovingForce
     | Axles
@@ -100,6 +101,7 @@ Load = Annotated[
     | Matrices
     | Footsteps
     | Walker
+    | Crowd
     | Stepper
     | Fmu
     | Pantograph,

@@ -26,7 +26,8 @@ class Outputs(Declaration):
     """What a bridge engineer reads: deflection, acceleration, bending moment and shear of lines and at places.
 
     Summaries, tables and sweeps have them of each line with bending stiffness, and of each place. Deflection is
-    downwards from where the line is at first, acceleration vertical and low-pass filtered, a sagging moment positive.
+    downwards from where the line is at first, acceleration vertical and low-pass filtered, a sagging moment positive;
+    lateral ones, in space, are level and across the chord of the line, to the left of its way.
     """
 
     cut_off: Frequency = Field(

@@ -9,6 +9,7 @@ from itertools import combinations, product
 from ropewalk.model._base import Finding
 from ropewalk.model.axles import Axles, TrainTravel
 from ropewalk.model.course import Piece, between, course, first_at_most, place_at
+from ropewalk.model.crowd import Crowd, is_one_of_many
 from ropewalk.model.fmu import Fmu, FmuTravel
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
@@ -86,7 +87,8 @@ def meetings(parts: Parts) -> Iterator[Finding]:
         if load is not None and wire is not None and not isinstance(load, Pantograph):
             everybody.append((name, load, load.on, wire))
     found = set[str]()  # who meets somebody is told so once
-    for (one, first, on, line), (two, second, other, _) in combinations(everybody, 2):
+    alone = [load for load in everybody if not is_one_of_many(load[0])]  # people pass one another
+    for (one, first, on, line), (two, second, other, _) in combinations(alone, 2):
         if on != other or two in found:
             continue
         pairs = list(product(first.starts(), second.starts()))
@@ -132,6 +134,7 @@ def _off_the_line(
     """Say which place is off the line at the start, what was given and what to do."""
     if isinstance(load, Axles):
         return _never_comes(load, on, line)
+    assert not isinstance(load, Crowd)  # its people stand here instead
     start = load.travel.start if isinstance(load, Travelling | Pantograph | Fmu) else load.start
     for place in load.starts():
         what = f"wheel {place.label}" if place.label else "the load"
@@ -139,7 +142,7 @@ def _off_the_line(
         if place.start < -1e-9 * max(start, 1.0) and not _comes_by_itself(load):
             remedy = f"start at least {-ahead:g} m from the start of the line, or write at_end: leave"
             return f"{what} would start before the start of {on}", f"{start:g} m", remedy
-        beyond = _beyond(line, place, gravity)
+        beyond = None if _steps_on(load, -1.0) else _beyond(line, place, gravity)
         if beyond is not None:
             remedy = f"start at most {beyond - ahead:g} m from the start of the line"
             if ahead > beyond:
@@ -163,7 +166,12 @@ def _never_comes(load: Axles, on: str, line: Line | OverheadLine) -> tuple[str, 
 def _comes_by_itself(load: AnyLoad) -> bool:
     """Whether wheels of the load may begin before the start of the line: on level ground, from which they roll on."""
     travel = _prescribed(load)
-    return travel is not None and travel.at_end == "leave"
+    return (travel is not None and travel.at_end == "leave") or _steps_on(load, 1.0)
+
+
+def _steps_on(load: AnyLoad, onward: float) -> bool:
+    """Whether a load steps in that direction along its line, to which it may come late."""
+    return isinstance(load, Footsteps) and load.at_end == "leave" and load.onward == onward
 
 
 def _beyond(line: Line | OverheadLine, place: Place, gravity: float | None) -> float | None:
@@ -216,7 +224,8 @@ def _stepping_off(name: str, load: Footsteps, on: str, line: Line, until: float)
     clearance = load.start if load.towards == "start" else None if line.length is None else line.length - load.start
     if clearance is None or load.at_end != "refuse":
         return
-    time = (math.floor(clearance / load.step_length * (1.0 + 1e-9)) + 1) / load.frequency  # of the first foot beyond it
+    steps = math.floor(clearance / load.step_length * (1.0 + 1e-9)) + 1.0 - load.phase  # to the first foot beyond it
+    time = steps / load.frequency
     if time < until:
         wrong = f"a foot lands beyond the {load.towards} of {on} at {time:.4g} s and the run goes on until {until:g} s"
         remedy = f"write run.until: {_floor(time):g} s, change from or towards, or write at_end: leave"

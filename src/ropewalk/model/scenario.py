@@ -20,6 +20,7 @@ from ropewalk.model.net import AnyNet
 from ropewalk.model.outputs import Outputs
 from ropewalk.model.overhead import CONTACT_WIRE, OverheadLine
 from ropewalk.model.parts import Parts
+from ropewalk.model.people import check_crowds, with_people
 from ropewalk.model.quantity import Acceleration, Name
 from ropewalk.model.run import Dynamic, Run
 from ropewalk.model.space import leaving
@@ -54,7 +55,9 @@ class Scenario(Declaration):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        if findings := list(check_hangers(self.hangers, self.lines, self.gravity)):
+        findings = list(check_hangers(self.hangers, self.lines, self.gravity))
+        findings += check_crowds(self.loads, self.lines, [*self.overhead_lines, *self.nets])
+        if findings:
             report("scenario", findings)
         parts = crossed(self.parts)
         object.__setattr__(self, "run", parts.run)
@@ -85,13 +88,14 @@ class Scenario(Declaration):
     @property
     def parts(self) -> Parts:
         """The same in parts, as checks see it."""
-        on = {name: load.on for name, load in self.loads.items()}
+        loads = with_people(self.loads, self.lines)
+        on = {name: (load or self.loads[name]).on for name, load in loads.items()}
         lines: dict[str, Line | None] = {**self.lines}
         for row in self.hangers:
             lines |= self.hung(row)
         return Parts(
             lines,
-            self.loads,
+            loads,
             self.run,
             self.gravity,
             on,

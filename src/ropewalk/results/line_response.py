@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.model.axles import Axles
+from ropewalk.model.crowd import Crowd
 from ropewalk.model.segment import bending_along
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import CURVATURE, STATIC, path_name
@@ -22,7 +23,11 @@ if TYPE_CHECKING:
     from ropewalk.model import Scenario
     from ropewalk.model.line import Line
 
-UNITS = {"deflection": "m", "acceleration": "m/s^2", "moment": "N*m", "shear": "N"}
+UNITS = {
+    "deflection": "m", "acceleration": "m/s^2", "lateral_deflection": "m", "lateral_acceleration": "m/s^2",
+    "moment": "N*m", "shear": "N",
+}  # fmt: skip
+_BOTH_WAYS = ("acceleration", "lateral_acceleration", "shear")  # quantities of which both directions count alike
 _ORDER = 4  # of the filter, twice that forwards and backwards
 _FINE = 4.0  # output instants in a period of the cut-off: with fewer, what is faster would pass for slower
 LEAST = 40  # frames that the filter needs
@@ -72,16 +77,40 @@ class LineResponse:
 
     @cached_property
     def acceleration(self) -> Array | None:
-        """(frame, node) m/s^2, vertical and filtered; None where output instants are too few or too far apart.
+        """(frame, node) m/s^2, vertical and filtered; None where output instants are too few or too far apart."""
+        up = np.zeros(self._position.shape[-1])
+        up[-1] = 1.0
+        return self._accelerated(up)
 
-        The derivative of a spline through the filtered velocities.
-        """
+    @cached_property
+    def lateral_deflection(self) -> Array | None:
+        """(frame, node) m, to the left of the chord, level, from the first frame; None in the plane."""
+        if self._left is None:
+            return None
+        y = self._position @ self._left
+        return np.asarray(y - y[0])
+
+    @cached_property
+    def lateral_acceleration(self) -> Array | None:
+        """(frame, node) m/s^2, in that direction, filtered as the vertical one; None as there, and in the plane."""
+        return None if self._left is None else self._accelerated(self._left)
+
+    @cached_property
+    def _left(self) -> Array | None:
+        """(axis,) level unit vector to the left of the chord; None in the plane, and of an upright line."""
+        run = self._position[0, -1] - self._position[0, 0]
+        if run.size < 3 or not run[:2].any():
+            return None
+        return np.array([-run[1], run[0], 0.0]) / float(np.hypot(run[0], run[1]))
+
+    def _accelerated(self, along: Array) -> Array | None:
+        """(frame, node) m/s^2 along a direction (axis,): the derivative of a spline through filtered velocities."""
         from scipy.interpolate import CubicSpline
         from scipy.signal import butter, sosfiltfilt
 
         if not self.is_fine:
             return None
-        velocity = self.dataset["velocity"].values[: self._even, self.nodes, -1]
+        velocity = self.dataset["velocity"].values[: self._even, self.nodes] @ along
         sections = butter(_ORDER, self.cut_off, fs=1.0 / float(self.path[1] - self.path[0]), output="sos")
         time = self.path[: self._even]
         return np.asarray(CubicSpline(time, sosfiltfilt(sections, velocity, axis=0)).derivative()(time))
@@ -193,7 +222,7 @@ class LineResponse:
         from scipy.interpolate import CubicSpline
 
         found = {}
-        for quantity in ("deflection", "acceleration"):
+        for quantity in ("deflection", "acceleration", "lateral_deflection", "lateral_acceleration"):
             values = getattr(self, quantity)
             if values is not None:
                 own = CubicSpline(self.xi, values, axis=1)(xi) if self.xi.size > 2 else values[:, -1]
@@ -286,7 +315,7 @@ def _largest(response: LineResponse, quantities: Mapping[str, Array], static: Ma
             "unit": UNITS[quantity], "max": float(np.nanmax(values)), "min": float(np.nanmin(values)),
             "largest": {"value": float(size[at]), "unit": UNITS[quantity], **where},
         }  # fmt: skip
-        if quantity in ("acceleration", "shear"):  # in both directions alike
+        if quantity in _BOTH_WAYS:
             entry["max"] = float(size[at])
         if quantity in static:
             entry["static"] = static[quantity]
@@ -298,14 +327,40 @@ def _largest(response: LineResponse, quantities: Mapping[str, Array], static: Ma
 
 def trains_in(dataset: xr.Dataset) -> dict[str, list[int]]:
     """The contacts of each load that has several given forces which travel together, by its name."""
+    return _contacts_of(dataset, Axles)
+
+
+def crowds_in(dataset: xr.Dataset) -> dict[str, list[int]]:
+    """The contacts of each crowd, by its name."""
+    return _contacts_of(dataset, Crowd)
+
+
+def _contacts_of(dataset: xr.Dataset, kind: type) -> dict[str, list[int]]:
     scenario, names = scenario_of(dataset), dataset["load"].values.tolist()
-    if scenario is None:
-        return {}
-    return {
-        name: [k for k, contact in enumerate(names) if contact.partition(".")[0] == name]
-        for name, load in scenario.loads.items()
-        if isinstance(load, Axles)
+    found: dict[str, list[int]] = {
+        name: [] for name, load in (scenario.loads.items() if scenario is not None else ()) if isinstance(load, kind)
     }
+    for k, contact in enumerate(names):
+        if (name := contact.partition(".")[0]) in found:
+            found[name].append(k)
+    return found
+
+
+def crowd_summary(dataset: xr.Dataset) -> dict[str, Any]:
+    """Of each crowd how many there are, how many at most on the line, and what they press with on it, in all."""
+    out = {}
+    for name, own in crowds_in(dataset).items():
+        pressing = -dataset["contact_force"].values[:, own, -1]
+        there = np.isfinite(dataset["contact_xi"].values[:, own])
+        people = there.reshape(there.shape[0], -1, 2).any(axis=2).sum(axis=1)
+        total = np.where(there, np.nan_to_num(pressing), 0.0).sum(axis=1)
+        out[name] = {
+            "people": len(own) // 2, "most_on_line": int(people.max(initial=0)),
+            "load": {
+                "unit": "N", "max": float(total.max(initial=0.0)), "mean": float(total.sum()) / max(total.size, 1),
+            },
+        }  # fmt: skip
+    return out
 
 
 def train_summary(dataset: xr.Dataset) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ropewalk.results import style
 from ropewalk.results.contract import path_name
-from ropewalk.results.line_response import UNITS, histories, trains_in
+from ropewalk.results.line_response import UNITS, crowds_in, histories, trains_in
 from ropewalk.results.views import colour_of, path_label
 
 if TYPE_CHECKING:
@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _TITLES = {
-    "deflection": "Deflection", "acceleration": "Acceleration, filtered", "moment": "Bending moment", "shear": "Shear",
+    "deflection": "Deflection", "acceleration": "Acceleration, filtered", "lateral_deflection": "Lateral deflection",
+    "lateral_acceleration": "Lateral acceleration, filtered", "moment": "Bending moment", "shear": "Shear",
 }  # fmt: skip
 
 
@@ -29,7 +30,7 @@ def _of_places(dataset: xr.Dataset, ax: Axes, *, quantity: str) -> None:
     for k, (name, values) in enumerate(own):
         if np.isfinite(values).any():
             ax.plot(path, values, color=colour_of(k), linewidth=style.LINE, label=name)
-    style.dress(ax, _TITLES[quantity], path_label(dataset), f"{quantity} ({UNITS[quantity]})")
+    style.dress(ax, _TITLES[quantity], path_label(dataset), f"{quantity.replace('_', ' ')} ({UNITS[quantity]})")
     style.legend(ax)
 
 
@@ -46,10 +47,10 @@ def seen_at_places(dataset: xr.Dataset) -> list[str]:
 
 
 def with_first_axles(dataset: xr.Dataset) -> xr.Dataset:
-    """The same result with one contact for each train, its first axle under the name of the train."""
+    """The same result with one contact for each train, its first axle under the name of the train, and each crowd."""
     trains = trains_in(dataset)
     names = dataset["load"].values.tolist()
-    others = {k for own in trains.values() for k in own[1:]}
+    others = {k for own in (*trains.values(), *crowds_in(dataset).values()) for k in own[1:]}
     if not others:
         return dataset
     first = {own[0]: name for name, own in trains.items()}

@@ -14,7 +14,7 @@ from ropewalk.results.contact_summary import contact_summary
 from ropewalk.results.contract import doubts_of, path_name
 from ropewalk.results.exchanges import exchange_summary
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
-from ropewalk.results.line_response import response_summary, train_summary
+from ropewalk.results.line_response import crowd_summary, response_summary, train_summary
 from ropewalk.results.net_statistics import net_summary
 from ropewalk.results.nets import net_names
 from ropewalk.results.payload_statistics import payload_summary
@@ -39,8 +39,9 @@ def summary(dataset: xr.Dataset) -> Summary:
         dataset: a result, in memory or lazy.
     """
     name = path_name(dataset)
-    trains = train_summary(dataset)
-    loads = [pair for pair in enumerate(dataset["load"].values.tolist()) if pair[1].partition(".")[0] not in trains]
+    trains, crowds = train_summary(dataset), crowd_summary(dataset)
+    many = {*trains, *crowds}
+    loads = [pair for pair in enumerate(dataset["load"].values.tolist()) if pair[1].partition(".")[0] not in many]
     supports = enumerate(dataset["support"].values.tolist())
     found: Summary = {
         "title": dataset.attrs.get("title", ""),
@@ -61,6 +62,7 @@ def summary(dataset: xr.Dataset) -> Summary:
         "supports": {label: _vector(dataset, dataset["reaction"][:, k]) for k, label in supports},
         "contacts": {label: _contact(dataset, k) for k, label in loads},
         "trains": trains,
+        "crowds": crowds,
         "payloads": payload_summary(dataset),
         **contact_summary(dataset),
         "exchanges": exchange_summary(dataset),

@@ -100,6 +100,11 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
             yield from _contact_rows(name, contact, column(contact["force"], contact["hold_force"]), largest)
     for name, train in found["trains"].items():
         yield from _train_rows(name, train, column(train["load"]))
+    for name, crowd in found["crowds"].items():
+        say = column(crowd["load"])
+        yield f"Crowd {name}", "", ""
+        yield "people", str(crowd["people"]), f"at most {crowd['most_on_line']} of them on the line"
+        yield "load on the line, mean", say(crowd["load"]["mean"], "N"), f"at most {say(crowd['load']['max'], 'N')}"
     for name, payload in found["payloads"].items():
         yield from _payload_rows(name, payload, column(payload))
     for name, line in found["overhead_lines"].items():
@@ -310,8 +315,9 @@ def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> I
 
 
 _RESPONSES = {
-    "deflection": "largest deflection", "acceleration": "largest acceleration", "moment": "largest bending moment",
-    "shear": "largest shear",
+    "deflection": "largest deflection", "acceleration": "largest acceleration",
+    "lateral_deflection": "largest lateral deflection", "lateral_acceleration": "largest lateral acceleration",
+    "moment": "largest bending moment", "shear": "largest shear",
 }  # fmt: skip
 
 
@@ -327,7 +333,7 @@ def _response_rows(name: str, line: Summary, units: DisplayUnits, floor: dict[st
             continue
         say = Column(units, entry, floor=floor)
         where = list(_when(entry["largest"]))
-        if quantity in ("deflection", "moment"):
+        if quantity in ("deflection", "lateral_deflection", "moment"):
             where.append(say.span(entry["min"], entry["max"], entry["unit"]))
         if entry.get("impact") is not None:
             static = say(entry["static"], entry["unit"])

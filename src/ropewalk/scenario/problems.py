@@ -19,6 +19,7 @@ from ropewalk.model.net import AnyNet
 from ropewalk.model.outputs import Outputs
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.parts import Parts
+from ropewalk.model.people import with_people
 from ropewalk.model.quantity import Acceleration, unit_of
 from ropewalk.model.track import Track
 from ropewalk.model.wind import Wind
@@ -224,6 +225,8 @@ def _parts(tree: Any, uncertain: set[str]) -> Parts:
         for name, load in _members(tree, "loads").items()
         if isinstance(load, dict) and isinstance(load.get("on"), str)
     }
+    loads = with_people(loads, lines)
+    on |= {name: load.on for name, load in loads.items() if load is not None}
     tree = tree if isinstance(tree, dict) else {}
     run = _valid(_RUN, tree["run"]) if "run" in tree else Dynamic(until=1.0)
     gravity = _valid(_GRAVITY, tree.get("gravity", 9.81))

@@ -91,7 +91,7 @@ class _Result:
     def _reduced(self, name: str, measure: str, what: str) -> tuple[float | None, str]:
         what = _OF_ALL.get(what, what)
         quantity, of, owner = what.partition(" of ")
-        what = f"{owner.strip()}.{quantity.strip()}" if of else what
+        what = f"{owner.strip()}.{quantity.strip().replace('lateral ', 'lateral_')}" if of else what
         before = _BEFORE.get(measure, "") + what
         keys = _among(self.numbers, [before] * (measure in _BEFORE) + [f"{what}.{word}" for word in _AFTER[measure]])
         columns = [] if keys else _among(self.series, [what])

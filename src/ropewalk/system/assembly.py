@@ -13,24 +13,21 @@ from ropewalk.mechanics.assembly import axes_of, components, pack, speed_table
 from ropewalk.mechanics.bodies import Bodies as AssembledBodies
 from ropewalk.mechanics.chain import BLOCK, COULOMB, DRAGGED, FRICTIONLESS, Array, Integers
 from ropewalk.mechanics.compiled import records
-from ropewalk.mechanics.footfall import footfalls
 from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.multibody_system import MARGIN
-from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.law import Hooke
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import AnyLoad, ExternalModel, GivenForces, Rolling
 from ropewalk.model.net import CableEdge
-from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed
 from ropewalk.model.travel import FreeTravel
-from ropewalk.model.walker import Walker
 from ropewalk.system import friction
 from ropewalk.system.assembled import Assembled
 from ropewalk.system.bodies import BLOWN, BodyArrays
 from ropewalk.system.constrained import lent, nearly
 from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
+from ropewalk.system.feet import is_led, steps_by_table, with_steps
 from ropewalk.system.friction import NOT, STANDS
 from ropewalk.system.inertia import Inertia
 from ropewalk.system.overhead_lines import overhead_lines_of
@@ -273,8 +270,8 @@ def contacts_of(
     given = np.array([_only_presses(scenario.loads[wheel.load]) for wheel in wheels], dtype=np.bool_)
     heavy = np.flatnonzero(~given | (lends > 0.0)).tolist()
     contacts["lent"] = np.where(given, lends, 0.0)
-    tables = _with_steps(scenario, loading, structure, contacts, tables)
-    contacts["led"] = led = [isinstance(scenario.loads[wheel.load], Walker | ExternalModel) for wheel in wheels]
+    tables = with_steps(scenario, loading, structure, contacts, tables)
+    contacts["led"] = led = [is_led(scenario.loads[wheel.load]) for wheel in wheels]
     contacts["kind"] = FORCE
     contacts["kind"][heavy] = BODY
     contacts["rolls"] = [isinstance(scenario.loads[wheel.load], Rolling) for wheel in wheels]
@@ -350,32 +347,11 @@ def contacts_of(
 
 def _only_presses(load: AnyLoad) -> bool:
     """Whether nothing stands on the contacts of a load."""
-    return isinstance(load, GivenForces | Footsteps) or (
-        isinstance(load, ExternalModel) and not (load.exchange.stiffness or load.exchange.damping)
+    return (
+        isinstance(load, GivenForces)
+        or steps_by_table(load)
+        or (isinstance(load, ExternalModel) and not (load.exchange.stiffness or load.exchange.damping))
     )
-
-
-def _with_steps(scenario: Scenario, loading: Loading, structure: Structure, contacts: Any, tables: Tables) -> Tables:
-    """Add the places of feet, which stand where they have landed, and are nowhere while in the air."""
-    for name, load in scenario.loads.items():
-        feet = [k for k, wheel in enumerate(loading.wheels) if wheel.load == name]
-        if not isinstance(load, Footsteps):
-            continue
-        length = float(structure.lines.length[contacts[feet[0]]["line"]])
-        for number, k in enumerate(feet):
-            time, place = footfalls(load, number, length, _until(scenario))
-            contacts[k]["speed_first"], contacts[k]["speed_count"] = tables.speed_time.size, time.size
-            contacts[k]["begin"] = 0.0
-            tables = tables._replace(
-                speed_time=np.concatenate([tables.speed_time, time]),
-                speed_value=np.concatenate([tables.speed_value, np.zeros(time.size)]),
-                speed_path=np.concatenate([tables.speed_path, place]),
-            )
-    return tables
-
-
-def _until(scenario: Scenario) -> float:
-    return scenario.run.until if isinstance(scenario.run, Dynamic) else 0.0
 
 
 def _travel_freely(contact: Any, free: FreeTravel, length: float) -> None:

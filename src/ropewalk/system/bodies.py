@@ -62,11 +62,10 @@ class BodyArrays(NamedTuple):
 def with_step(bodies: BodyArrays, dt: float) -> BodyArrays:
     """The same for steps of a given length in s."""
     inverse = np.zeros_like(bodies.inverse)
+    heavy = np.diagonal(bodies.M, axis1=1, axis2=2) > 0.0
+    both, one = heavy[:, :, None] & heavy[:, None, :], np.eye(heavy.shape[1])
     for i, h in enumerate((dt, 0.5 * dt)):
-        for p, n in enumerate(bodies.size):
-            heavy = np.flatnonzero(np.diag(bodies.M[p])[:n] > 0.0)
-            own = (bodies.M[p] + 0.5 * h * bodies.C[p])[np.ix_(heavy, heavy)]
-            inverse[i, p][np.ix_(heavy, heavy)] = np.linalg.inv(own)
+        inverse[i][both] = np.linalg.inv(np.where(both, bodies.M + 0.5 * h * bodies.C, one))[both]
     return bodies._replace(inverse=inverse)
 
 

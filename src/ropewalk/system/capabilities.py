@@ -72,7 +72,7 @@ def _overhead(parts: Parts) -> Iterator[Finding]:
     for name, load in parts.loads.items():
         if isinstance(load, Footsteps) and load.on in parts.overhead and load.lateral:
             yield missing(("loads", name, "lateral"), what, str(load.lateral), "leave lateral out")
-        if isinstance(load, Walker) and load.on in parts.overhead and load.balance is not None:
+        if isinstance(load, Walker | Footsteps) and load.on in parts.overhead and load.balance is not None:
             yield missing(("loads", name, "balance"), what, "a block", "leave balance out")
 
 
@@ -223,6 +223,9 @@ def _of_loads(parts: Parts) -> Iterator[Finding]:
         if isinstance(load, Walker | ExternalModel) and start is not None and start.with_loads:
             feature, remedy = f"rest with a load of kind {load.kind}", "leave with_loads out"
             yield missing(("run", "start", "with_loads"), _SYSTEM, "true", remedy, feature=feature)
+        if isinstance(load, Footsteps) and load.balance is not None and start is not None and start.with_loads:
+            feature, remedy = "rest with people who balance", "leave with_loads out"
+            yield missing(("run", "start", "with_loads"), _SYSTEM, "true", remedy, feature=feature)
         if isinstance(load, Oscillator) and isinstance(load.travel, FreeTravel) and not load.wheel_mass:
             feature, remedy = "free travel of a wheel without mass", "give it a wheel_mass, or a travel with its speed"
             yield missing(("loads", name, "travel", "kind"), _SYSTEM, "free", remedy, feature=feature)
@@ -262,7 +265,7 @@ def _on_nets(parts: Parts) -> Iterator[Finding]:
             continue
         if isinstance(load, Footsteps) and load.lateral:
             yield missing(("loads", name, "lateral"), "nets", str(load.lateral), "leave lateral out")
-        if isinstance(load, Walker) and load.balance is not None:
+        if isinstance(load, Walker | Footsteps) and load.balance is not None:
             yield missing(("loads", name, "balance"), "nets", "a block", "leave balance out")
 
 

@@ -259,17 +259,15 @@ def _drift(structure, state, h):
 def _let_go(contacts, bodies):
     """Note loads all of whose contacts have left their lines."""
     for i in range(bodies.gone.size):
-        if bodies.gone[i] != STAYS:
-            continue
-        leaves = True
-        for k in range(contacts.size):
-            if contacts[k].load == i and (contacts[k].state != AWAY or contacts[k].been == 0 or contacts[k].led == 1):
-                leaves = False
-        if leaves:
+        if bodies.gone[i] == STAYS:
             bodies.gone[i] = LEAVES
-            for k in range(contacts.size):
-                if contacts[k].load == i:
-                    contacts[k].state = GONE
+    for k in range(contacts.size):
+        is_away = contacts[k].state == AWAY and contacts[k].been == 1 and contacts[k].led == 0
+        if not is_away and contacts[k].state != GONE:
+            bodies.gone[contacts[k].load] = STAYS
+    for k in range(contacts.size):
+        if bodies.gone[contacts[k].load] == LEAVES:
+            contacts[k].state = GONE
 
 
 @lean_inner

@@ -18,7 +18,6 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import CLAMPED, COULOMB, Array, Integers
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.mechanics.multibody_system import hung
-from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import FreeTravel
@@ -38,6 +37,7 @@ from ropewalk.system.beginning import begin_elsewhere
 from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
+from ropewalk.system.feet import steps_by_table
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.hold_forces import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
@@ -271,7 +271,7 @@ class SystemMotion:
         """Let loads that decide on the way take their first decisions."""
         places = len(self.assembled.axes) * int((self.contacts["kind"] == BODY).sum())
         self._carrier = SystemCarrier(self._system(), self._scenario.gravity, places, self._step)
-        led = {name: load for name, load in self._scenario.loads.items() if not isinstance(load, Footsteps)}  # tables
+        led = {name: load for name, load in self._scenario.loads.items() if not steps_by_table(load)}
         controllers = controllers_of(self._carrier, self.loading, self._scenario.model_copy(update={"loads": led}))
         self._asking = Asking(self._carrier, controllers)
         self.cosimulation = [controller.cosimulation for controller in controllers if isinstance(controller, Partner)]
