@@ -15,6 +15,7 @@ from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic, Equilibrium, Linear
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.train import TrainSection
 from ropewalk.model.walker import Walker
 from ropewalk.networks import capabilities as networks
 from ropewalk.solve import capabilities as ropes
@@ -70,7 +71,7 @@ def _is_linearised(parts: Parts) -> bool:
 def _of_ropes(parts: Parts) -> Engine:
     """The engine of ropes, or that of the system for motions in ways that only lines of that go."""
     run = parts.run
-    if any(isinstance(load, Axles) for load in parts.loads.values()):
+    if any(isinstance(load, Axles | TrainSection) for load in parts.loads.values()):
         return SYSTEM  # which lets contacts come to their line and leave it, at rest, too
     if not isinstance(run, Dynamic):
         return ROPES

@@ -22,10 +22,11 @@ from ropewalk.checkpoint import Tree
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import compiling, is_kept
-from ropewalk.model.load import GivenForces
+from ropewalk.model.load import GivenForces, assembled
 from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.train import Train
 from ropewalk.results.frame import Frame, Layout, RunInfo
 from ropewalk.results.running import MotionEngine, Run, StaticEngine, Statics, TimeHistory, followed
 from ropewalk.solve.load_schedule import horizon
@@ -194,7 +195,9 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
 
 
 def _formed(scenario: Scenario) -> Scenario:
-    """The same with rows of hangers as lines."""
+    """The same with rows of hangers as lines, and trains as the vehicles that they are made of."""
+    if any(isinstance(load, Train) for load in scenario.loads.values()):
+        scenario = scenario.model_copy(update={"loads": assembled(scenario.loads, scenario.run)})
     if not scenario.hangers:
         return scenario
     from ropewalk.system.form_finding import formed  # lazy: most runs do not need it

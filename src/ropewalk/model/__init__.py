@@ -34,6 +34,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
 from ropewalk.model.sweep import Sweep
+from ropewalk.model.train import Train, TrainVehicle
 from ropewalk.model.travel import AnyTravel, Brake, Driver, FreeTravel, Travel
 from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.model.vehicle import RigidBody, Spring, Vehicle, Wheel
@@ -118,7 +119,9 @@ __all__ = [
     "Sweep",
     "Tabulated",
     "TensionOnly",
+    "Train",
     "TrainTravel",
+    "TrainVehicle",
     "Travel",
     "Travelling",
     "Trolley",

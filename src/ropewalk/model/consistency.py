@@ -45,8 +45,8 @@ _ACROSS = 0.1  # cosine between line and rail: what moves further across the lin
 def check(parts: Parts) -> list[Finding]:
     """Find everything that does not fit together, or that the engine for it does not support."""
     parts = crossed(parts)
-    return [
-        finding
+    found = [
+        _of_train(finding)
         for examine in (
             _something,
             _unknown_lines,
@@ -71,6 +71,15 @@ def check(parts: Parts) -> list[Finding]:
         )
         for finding in examine(parts)
     ]
+    return list(dict.fromkeys(found))  # one vehicle of a train may be like the next one
+
+
+def _of_train(finding: Finding) -> Finding:
+    """A finding about a vehicle of a train, which is the train's; no other name of a load has a dot."""
+    path = finding.path
+    if path[:1] != ("loads",) or len(path) < 2 or "." not in str(path[1]):
+        return finding
+    return replace(finding, path=("loads", str(path[1]).partition(".")[0], *path[2:]))
 
 
 def _something(parts: Parts) -> Iterator[Finding]:
@@ -223,7 +232,7 @@ def _size(parts: Parts) -> Iterator[Finding]:
         frames, key = float(run.positions), ("run", "positions")
     else:
         return
-    contacts = sum(len(load.axles) if isinstance(load, Axles) else 1 for load in parts.loads.values())
+    contacts = sum(len(load.starts()) if isinstance(load, Axles | Vehicle) else 1 for load in parts.loads.values())
     nodes = contacts + sum(line.elements + 1 for line in parts.lines.values() if line is not None)
     nodes += sum(int(2.0 * line.length / line.element) for line in parts.overhead.values() if line is not None)
     if frames * nodes > LARGEST_RESULT:

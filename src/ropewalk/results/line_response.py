@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.model.axles import Axles
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import STATIC, path_name
 from ropewalk.results.frame import Array
@@ -71,32 +70,13 @@ class LineResponse:
 
     @cached_property
     def acceleration(self) -> Array | None:
-        """(frame, node) m/s^2, vertical and filtered; None where output instants are too few or too far apart.
-
-        The derivative of a spline through the filtered velocities.
-        """
-        from scipy.interpolate import CubicSpline
-        from scipy.signal import butter, sosfiltfilt
-
-        if not self.is_fine:
-            return None
-        velocity = self.dataset["velocity"].values[: self._even, self.nodes, -1]
-        sections = butter(_ORDER, self.cut_off, fs=1.0 / float(self.path[1] - self.path[0]), output="sos")
-        time = self.path[: self._even]
-        return np.asarray(CubicSpline(time, sosfiltfilt(sections, velocity, axis=0)).derivative()(time))
+        """(frame, node) m/s^2, vertical and filtered; None where output instants are too few or too far apart."""
+        return accelerations(self.dataset, "velocity", self.nodes, self.cut_off)
 
     @property
     def is_fine(self) -> bool:
         """Whether output instants are close enough for accelerations."""
-        if path_name(self.dataset) != "time" or self._even < LEAST:
-            return False
-        return float(self.path[1] - self.path[0]) * _FINE * self.cut_off <= 1.0 + _EVEN
-
-    @cached_property
-    def _even(self) -> int:
-        """How many frames follow one another evenly: the last one may come sooner."""
-        steps = np.diff(self.path)
-        return self.path.size - int(steps.size > 1 and abs(steps[-1] / steps[0] - 1.0) > _EVEN)
+        return is_fine(self.dataset, self.cut_off)
 
     @cached_property
     def moment(self) -> Array | None:
@@ -182,6 +162,43 @@ class LineResponse:
         return found
 
 
+def is_fine(dataset: xr.Dataset, cut_off: float) -> bool:
+    """Whether output instants are close enough for accelerations up to a frequency in Hz."""
+    path = dataset[path_name(dataset)].values
+    if path_name(dataset) != "time" or _even(path) < LEAST:
+        return False
+    return float(path[1] - path[0]) * _FINE * cut_off <= 1.0 + _EVEN
+
+
+def _even(path: Array) -> int:
+    """How many frames follow one another evenly: the last one may come sooner."""
+    steps = np.diff(path)
+    return path.size - int(steps.size > 1 and abs(steps[-1] / steps[0] - 1.0) > _EVEN)
+
+
+def accelerations(dataset: xr.Dataset, velocity: str, which: Any, cut_off: float) -> Array | None:
+    """(frame, which) m/s^2, vertical, the derivative of a spline through velocities that are filtered.
+
+    Args:
+        dataset: a result.
+        velocity: name of a quantity (frame, something, axis) in m/s.
+        which: numbers of that something.
+        cut_off: Hz, of a Butterworth filter of the fourth order, forwards and backwards.
+
+    Returns:
+        None where output instants are too few or too far apart.
+    """
+    from scipy.interpolate import CubicSpline
+    from scipy.signal import butter, sosfiltfilt
+
+    if not is_fine(dataset, cut_off):
+        return None
+    path = dataset[path_name(dataset)].values
+    time, values = path[: _even(path)], dataset[velocity].values[: _even(path), which, -1]
+    sections = butter(_ORDER, cut_off, fs=1.0 / float(path[1] - path[0]), output="sos")
+    return np.asarray(CubicSpline(time, sosfiltfilt(sections, values, axis=0)).derivative()(time))
+
+
 def _b_spline(u: Array) -> Array:
     """The cubic B-spline at distances of u >= 0 links from its middle."""
     return np.asarray(np.where(u < 1.0, 2.0 / 3.0 - u**2 + 0.5 * u**3, np.maximum(2.0 - u, 0.0) ** 3 / 6.0))
@@ -253,33 +270,3 @@ def _largest(response: LineResponse, quantities: Mapping[str, Array], static: Ma
                 entry["impact"] = {"value": float(size[at]) / static[quantity], "unit": "1"}
         found[quantity] = entry
     return found
-
-
-def trains_in(dataset: xr.Dataset) -> dict[str, list[int]]:
-    """The contacts of each load that has several given forces which travel together, by its name."""
-    scenario, names = scenario_of(dataset), dataset["load"].values.tolist()
-    if scenario is None:
-        return {}
-    return {
-        name: [k for k, contact in enumerate(names) if contact.partition(".")[0] == name]
-        for name, load in scenario.loads.items()
-        if isinstance(load, Axles)
-    }
-
-
-def train_summary(dataset: xr.Dataset) -> dict[str, Any]:
-    """Of each train what it presses with on its line, in all, and when its first axle comes and its last one goes."""
-    out, path = {}, dataset[path_name(dataset)].values
-    unit = str(dataset[path_name(dataset)].attrs["units"])
-    for name, own in trains_in(dataset).items():
-        pressing = -dataset["contact_force"].values[:, own, -1]
-        there = np.isfinite(pressing)
-        total = np.where(there, pressing, 0.0).sum(axis=1)
-        on = np.flatnonzero(there.any(axis=1))
-        out[name] = {
-            "axles": len(own), "most_on_line": int(there.sum(axis=1).max(initial=0)),
-            "load": {"unit": "N", "max": float(total.max(initial=0.0))},
-            "first": {"unit": unit, "value": path[on[0]] if on.size else None},
-            "last": {"unit": unit, "value": path[on[-1]] if on.size else None},
-        }  # fmt: skip
-    return out

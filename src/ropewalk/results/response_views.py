@@ -10,7 +10,8 @@ import numpy as np
 
 from ropewalk.results import style
 from ropewalk.results.contract import path_name
-from ropewalk.results.line_response import UNITS, histories, trains_in
+from ropewalk.results.line_response import UNITS, histories
+from ropewalk.results.trains import trains_in
 from ropewalk.results.views import colour_of, path_label
 
 if TYPE_CHECKING:

@@ -15,6 +15,7 @@ from ropewalk.model._base import Declaration, Finding
 from ropewalk.model.consistency import check
 from ropewalk.model.joint import Joint
 from ropewalk.model.line import contradictions
+from ropewalk.model.load import assembled
 from ropewalk.model.net import AnyNet
 from ropewalk.model.outputs import Outputs
 from ropewalk.model.overhead import OverheadLine
@@ -236,6 +237,8 @@ def _parts(tree: Any, uncertain: set[str]) -> Parts:
     outputs = _valid(_OUTPUTS, tree.get("outputs", {})) or Outputs()
     complete = not {"lines", "overhead_lines", "nets"} & uncertain and isinstance(tree.get("lines", {}), dict)
     on = on if lines or overhead or nets else {}
+    loads = assembled(loads, run)
+    on |= {name: load.on for name, load in loads.items() if load is not None}
     return Parts(lines, loads, run, gravity, on, overhead, nets, joints, wind, outputs, complete)
 
 

@@ -25,7 +25,7 @@ SECTIONS = {
     "Supports": ("support",),
     "Supports between the ends of a line": ("inner_support",),
     "Loads": ("load", "mass", "oscillator", "trolley", "vehicle"),
-    "Trains": ("axles",),
+    "Trains": ("axles", "train"),
     "Loads given by matrices": ("matrices",),
     "Loads that walk": ("footsteps", "walker"),
     "Loads of your own": ("stepper", "fmu", "exchange"),
