@@ -65,20 +65,6 @@ def ice3() -> Any:
     return crossing()
 
 
-def articulated() -> routes.Parts:
-    """Two coaches on three bogies; places behind the first wheel, the first bogie's middle 1.5 m."""
-    parts, middles = routes.Parts(), (1.5, 19.5, 37.5)
-    for at in middles:
-        parts.bodies.append((3e3, 2.5e3, at))
-        for place in (at - 1.5, at + 1.5):
-            parts.wheels.append((2e3, place))
-            parts.springs.append((len(parts.bodies) - 1, -len(parts.wheels), 2e6, 1e4, place))
-    for k in range(2):
-        parts.bodies.append((22e3, 8e5, middles[k] + 8.0))
-        parts.springs += [(3 + k, k + side, 6e5, 2e4, middles[k + side]) for side in (0, 1)]
-    return parts
-
-
 @pytest.mark.parametrize("name", ORDER)
 def test_vehicles_by_name_weigh_on_their_axles_as_the_train_of_forces_does(name: str) -> None:
     whole, known = Train(on="deck", train=name, travel={"speed": 1.0}).whole, axle_loads(name)
@@ -165,7 +151,8 @@ def test_vehicles_calm_a_bridge_in_resonance() -> None:
 def test_coaches_that_share_a_bogie_cross_as_they_do_over_modes() -> None:
     speed = 50.0
     result = crossing(ARTICULATED)
-    time, known, *_ = routes.crossing(articulated(), BRIDGE, speed, 59.0 / speed)
+    parts = routes.articulated(2, 18.0, 8.0, (22e3, 8e5), (3e3, 2.5e3), 2e3, (2e6, 1e4), (6e5, 2e4))
+    time, known, *_ = routes.crossing(parts, BRIDGE, speed, 59.0 / speed)
     assert np.abs(midspan(result) - np.interp(result.time.values, time, known)).max() < 0.012 * known.max()
     train = loads(DECK, overrides=[ARTICULATED]).loads["train"]
     assert isinstance(train, Train)
@@ -186,9 +173,11 @@ def test_a_train_is_told_as_one_load() -> None:
     train = found["trains"]["train"]
     assert train["axles"] == 32
     assert train["least_force"]["value"] < 152e3 < train["largest_force"]["value"]
-    light = (41200.0 / 4.0 + 3500.0 / 2.0 + 1800.0) * 9.81  # of an axle of vehicles 4 and 5
-    assert train["unloading"]["value"] == pytest.approx(1.0 - train["least_force"]["value"] / light, abs=0.002)
-    assert train["unloading"]["of"].split(".")[1] in ("4", "5")
+    pressing, place = -result.contact_force.values[..., -1], result.contact_xi.values
+    with np.errstate(invalid="ignore"):
+        pressing[(place < 1.0) | (place > 19.0)] = np.nan  # where links spread the blows of the kinks at the ends
+    static = np.array([force for _, force in axle_loads("ICE 3")])
+    assert train["unloading"]["value"] == pytest.approx(np.nanmax(1.0 - pressing / static))
     told = text(found)
     assert told.count("Train train") == 1
     assert "largest unloading" in told

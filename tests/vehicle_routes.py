@@ -54,6 +54,23 @@ def named(name: str) -> Parts:
     return parts
 
 
+def articulated(
+    coaches: int, length: float, ahead: float, body: tuple[float, float], bogie: tuple[float, float], wheelset: float,
+    primary: tuple[float, float], secondary: tuple[float, float],
+) -> Parts:  # fmt: skip
+    """Coaches on bogies of 3 m that they share, whose middles are a length apart; centres are so far behind a bogie."""
+    parts, middles = Parts(), [1.5 + length * k for k in range(coaches + 1)]
+    for at in middles:
+        parts.bodies.append((*bogie, at))
+        for place in (at - 1.5, at + 1.5):
+            parts.wheels.append((wheelset, place))
+            parts.springs.append((len(parts.bodies) - 1, -len(parts.wheels), *primary, place))
+    for k in range(coaches):
+        parts.bodies.append((*body, middles[k] + ahead))
+        parts.springs += [(coaches + 1 + k, k + side, *secondary, middles[k + side]) for side in (0, 1)]
+    return parts
+
+
 def crossing(parts: Parts, bridge: Bridge, speed: float, until: float, modes: int = 5, step: float = 1e-3) -> tuple[
     Array, Array, Array, Array
 ]:  # fmt: skip

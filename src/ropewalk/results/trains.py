@@ -8,7 +8,7 @@ import numpy as np
 
 from ropewalk.mechanics.multibody_system import static_loads
 from ropewalk.model.axles import Axles
-from ropewalk.model.train import Train
+from ropewalk.model.train import Train, TrainVehicle
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
@@ -76,16 +76,29 @@ def _forces(dataset: xr.Dataset, own: list[int], load: Train) -> dict[str, Any]:
 
 
 def _accelerations(dataset: xr.Dataset, name: str, load: Train, cut_off: float) -> dict[str, Any]:
-    """The largest acceleration of the heaviest body of a vehicle, up or down, low-pass filtered."""
+    """The largest acceleration of the heaviest body of a vehicle on bogies, up or down, low-pass filtered."""
     known = dataset["body"].values.tolist() if "body" in dataset.coords else []
-    heaviest = [max(vehicle.bodies, key=lambda body: vehicle.bodies[body].mass, default="")
-                for _, vehicle in load.composition]  # fmt: skip
-    ends = [f".{number}.{body}" for number, body in enumerate(heaviest, start=1)]
+    row = [vehicle for _, vehicle in load.composition]
+    chosen = [_heaviest(vehicle, _borne(vehicle)) for vehicle in row]
+    if not any(chosen):  # all bodies stand on wheels
+        chosen = [_heaviest(vehicle, set(vehicle.bodies)) for vehicle in row]
+    ends = [f".{number}.{body}" for number, body in enumerate(chosen, start=1) if body]
     found = [k for k, body in enumerate(known) if body.partition(".")[0] == name and body.endswith(tuple(ends))]
     values = accelerations(dataset, "body_velocity", found, cut_off) if found else None
     if values is None:
         return {"acceleration": None}
     return {"acceleration": _extreme(dataset, np.abs(values), "m/s^2", [known[k] for k in found])}
+
+
+def _borne(vehicle: TrainVehicle) -> set[str]:
+    """Names of bodies that stand on other bodies alone."""
+    on_wheels = {end for spring in vehicle.springs.values() if set(spring.between) & set(vehicle.wheels)
+                 for end in spring.between}  # fmt: skip
+    return set(vehicle.bodies) - on_wheels
+
+
+def _heaviest(vehicle: TrainVehicle, among: set[str]) -> str:
+    return max(among, key=lambda body: vehicle.bodies[body].mass, default="")
 
 
 def _extreme(dataset: xr.Dataset, values: Array, unit: str, names: list[str]) -> dict[str, Any] | None:
