@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import vehicle_routes as routes
+from ropewalk.compare.simpler_models import top_of
+from ropewalk.decouple import without_feedback
 from ropewalk.errors import ScenarioError
 from ropewalk.mechanics.multibody_system import static_loads
 from ropewalk.model import Axles, Train
@@ -253,3 +255,10 @@ def test_a_vehicle_before_the_line_leaves_it_at_the_end() -> None:
     for setting, remedy in ((mass, "start at least 0 m"), (mass.replace("leave", "refuse"), "start at least 0 m")):
         with pytest.raises(ScenarioError, match=remedy):
             loads(DECK, overrides=[setting])
+
+
+def test_what_does_not_know_trains_of_vehicles_says_so() -> None:
+    scenario = loads(DECK)
+    for ask in (without_feedback, top_of):
+        with pytest.raises(ScenarioError, match="kind: axles"):
+            ask(scenario)

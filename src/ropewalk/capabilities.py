@@ -15,7 +15,7 @@ from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic, Equilibrium, Linear
 from ropewalk.model.scenario import Scenario
-from ropewalk.model.train import TrainSection
+from ropewalk.model.train import Train, TrainSection
 from ropewalk.model.walker import Walker
 from ropewalk.networks import capabilities as networks
 from ropewalk.solve import capabilities as ropes
@@ -209,6 +209,10 @@ def check_without_feedback(scenario: Scenario) -> None:
         if line.profile is not None:
             raise refusal(missing(("lines", name, "profile"), what, remedy="leave it out"))
     for name, load in scenario.loads.items():
+        if isinstance(load, Train):
+            raise refusal(
+                missing(("loads", name, "kind"), what, load.kind, "write kind: axles, the forces of its axles")
+            )
         if isinstance(load, Pantograph) or (isinstance(load, ExternalModel) and engine_of(scenario) is WIRES):
             where = "" if isinstance(load, Pantograph) else " of beams"
             remedy = "leave it out, or ask for ropewalk compare"

@@ -63,5 +63,5 @@ def with_first_axles(dataset: xr.Dataset) -> xr.Dataset:
         if train not in trains or train not in seen:
             drawn.append(k)
         seen.add(train)
-    shown = dataset.isel(contact=kept, body=drawn) if bodies else dataset.isel(contact=kept)
-    return shown.assign_coords(load=("contact", labels, dataset["load"].attrs))
+    reduced = dataset.isel(contact=kept, body=drawn) if bodies else dataset.isel(contact=kept)
+    return reduced.assign_coords(load=("contact", labels, dataset["load"].attrs))
