@@ -21,7 +21,7 @@ MOST = 1000
 UniversalTrainName = Literal[
     "HSLM-A1", "HSLM-A2", "HSLM-A3", "HSLM-A4", "HSLM-A5", "HSLM-A6", "HSLM-A7", "HSLM-A8", "HSLM-A9", "HSLM-A10"
 ]
-TrainName = UniversalTrainName | SprungTrainName | MeasuredTrainName
+TrainName = Literal[UniversalTrainName, SprungTrainName, MeasuredTrainName]
 
 
 class _Universal(NamedTuple):

@@ -237,9 +237,9 @@ def _parts(tree: Any, uncertain: set[str]) -> Parts:
     outputs = _valid(_OUTPUTS, tree.get("outputs", {})) or Outputs()
     complete = not {"lines", "overhead_lines", "nets"} & uncertain and isinstance(tree.get("lines", {}), dict)
     on = on if lines or overhead or nets else {}
-    loads = assembled(loads, run)
-    on |= {name: load.on for name, load in loads.items() if load is not None}
-    return Parts(lines, loads, run, gravity, on, overhead, nets, joints, wind, outputs, complete)
+    parted = assembled(loads, run)
+    on |= {name: load.on for name, load in parted.items() if on and name not in loads}
+    return Parts(lines, parted, run, gravity, on, overhead, nets, joints, wind, outputs, complete)
 
 
 def _members(tree: Any, name: str) -> dict[str, Any]:
