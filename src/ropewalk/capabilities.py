@@ -17,6 +17,7 @@ from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic, Equilibrium, Linear
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.train import Train, TrainSection
 from ropewalk.model.walker import Walker
 from ropewalk.networks import capabilities as networks
 from ropewalk.solve import capabilities as ropes
@@ -72,7 +73,8 @@ def _is_linearised(parts: Parts) -> bool:
 def _of_ropes(parts: Parts) -> Engine:
     """The engine of ropes, or that of the system for motions in ways that only lines of that go."""
     run = parts.run
-    if any(isinstance(load, Axles) or is_one_of_many(name) or _balances(load) for name, load in parts.loads.items()):
+    steps = (is_one_of_many(name) or _balances(load) for name, load in parts.loads.items())
+    if any(steps) or any(isinstance(load, Axles | TrainSection) for load in parts.loads.values()):
         return SYSTEM  # which lets contacts come to their line and leave it, at rest, too
     if not isinstance(run, Dynamic):
         return ROPES
@@ -222,6 +224,10 @@ def check_without_feedback(scenario: Scenario) -> None:
     for name, load in scenario.loads.items():
         if isinstance(load, Crowd):
             raise refusal(missing(("loads", name, "kind"), what, load.kind, "write its people one by one as footsteps"))
+        if isinstance(load, Train):
+            raise refusal(
+                missing(("loads", name, "kind"), what, load.kind, "write kind: axles, the forces of its axles")
+            )
         if isinstance(load, Pantograph) or (isinstance(load, ExternalModel) and engine_of(scenario) is WIRES):
             where = "" if isinstance(load, Pantograph) else " of beams"
             remedy = "leave it out, or ask for ropewalk compare"

@@ -10,6 +10,7 @@ from ropewalk.model.axles import Axles
 from ropewalk.model.outputs import Outputs
 from ropewalk.model.run import Quasistatic
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.train import Train
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,7 +41,7 @@ def static_part(scenario: Scenario, simulate: Callable[[Scenario], xr.Dataset]) 
         scenario = scenario.model_copy(update={"loads": slow})
     shortest = min(line.distance for line in scenario.lines.values())
     way = max(line.distance for line in scenario.lines.values())
-    way += max((load.length + abs(load.travel.start) for load in loads if isinstance(load, Axles)), default=0.0)
+    way += max((load.length + abs(load.travel.start) for load in loads if isinstance(load, Axles | Train)), default=0.0)
     positions = min(2 + round(STEPS * way / shortest), _MOST)
     outputs = Outputs(**{**dict(scenario.outputs), "impact": False})
     asked = scenario.model_copy(

@@ -23,11 +23,12 @@ from ropewalk.errors import Problem, ScenarioError
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import compiling, is_kept
 from ropewalk.model.crowd import Crowd
-from ropewalk.model.load import GivenForces
+from ropewalk.model.load import GivenForces, assembled
 from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.people import with_people
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.train import Train
 from ropewalk.results.frame import SPLINE, Frame, Layout, RunInfo
 from ropewalk.results.running import MotionEngine, Run, StaticEngine, Statics, TimeHistory, followed
 from ropewalk.solve.load_schedule import horizon
@@ -198,9 +199,10 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
 
 
 def _formed(scenario: Scenario) -> Scenario:
-    """The same with rows of hangers as lines, and crowds as their people."""
-    if any(isinstance(load, Crowd) for load in scenario.loads.values()):
-        scenario = scenario.model_copy(update={"loads": with_people(scenario.loads, scenario.lines)})
+    """The same with rows of hangers as lines, crowds as their people, and trains as their vehicles."""
+    if any(isinstance(load, Crowd | Train) for load in scenario.loads.values()):
+        loads = with_people(assembled(scenario.loads, scenario.run), scenario.lines)
+        scenario = scenario.model_copy(update={"loads": loads})
     if not scenario.hangers:
         return scenario
     from ropewalk.system.form_finding import formed  # lazy: most runs do not need it

@@ -170,6 +170,9 @@ BASES: dict[str, Tree] = {
     ),
     "known train": one(STILL, {"kind": "axles", "on": "rope", "train": "HSLM-A1", "travel": way(start=12.0)},
                        {"kind": "linear", "until": UNTIL, "every": 0.01, "modes": 20}),
+    "train of vehicles": one(
+        {**STIFF, "drag": 0.5}, load("train", {"speed": 20.0, "from": 5.0}), moves(geometry="linearised")
+    ),
     # The linear theory.
     "linear": one(STILL, load("force", way(start=0.0)), {"kind": "linear", "until": UNTIL, "every": 0.01, "modes": 20}),
     "linear mass": one(STILL, load("mass", way(start=0.0)), {"kind": "linear", "until": UNTIL, "every": 0.01}),

@@ -68,6 +68,15 @@ def vehicle(s: Structure, wheel: float = 0.15, **more: Any) -> Tree:
     }  # fmt: skip
 
 
+def train(s: Structure, **more: Any) -> Tree:
+    """Two vehicles of which the second one comes to the line later on short lines."""
+    car = {key: part for key, part in vehicle(s).items() if key != "kind"}
+    half = {"box": {"mass": 0.35 * s.mass, "inertia": 0.1 * s.mass}}
+    wheels = {name: {"at": at, "mass": 0.075 * s.mass} for name, at in (("front", 0.3), ("rear", -0.3))}
+    return {"kind": "train", "vehicles": {"car": {**car, "length": 1.2, "bodies": half, "wheels": wheels}},
+            "order": ["2 car"], **more}  # fmt: skip
+
+
 def matrices(s: Structure, **more: Any) -> Tree:
     k, m = s.mass * (2.0 * math.pi * 3.0) ** 2, s.mass
     return {
@@ -108,7 +117,7 @@ def pantograph(s: Structure, **more: Any) -> Tree:
 def load(s: Structure, kind: str, moved: Tree | None = None, **more: Any) -> Tree:
     """A load of a kind or variant on a structure, travelling as said (default: along it, at constant speed)."""
     tree, own = KINDS[kind](s), moved if moved is not None else travel(s)
-    if tree["kind"] == "axles":
+    if tree["kind"] in ("axles", "train"):
         own = {key: own[key] for key in ("speed", "from", "measured") if key in own}
     if tree["kind"] not in ("footsteps", "walker", "stepper"):
         tree["travel"] = own
@@ -129,6 +138,7 @@ KINDS: dict[str, Any] = {
     "light oscillator": lambda s: oscillator(s, 0.0),
     "trolley": trolley,
     "vehicle": vehicle,
+    "train": train,
     "light vehicle": lambda s: vehicle(s, 0.0),
     "matrices": matrices,
     "footsteps": footsteps,

@@ -110,6 +110,13 @@ OTHER: dict[str, Any] = {
     "Line.retardation": lambda value, _: 2.0 * value or 1e-3,
     "Line.damping": lambda value, _: Patch(damping={"ratio": 0.05, "at": [3.0, 20.0] if value else [3.0]}, drag=None),
     "Damping.at": [3.0],
+    "Train.train": lambda value, _: (
+        "Shinkansen S300" if value else Patch(train="ICE 3", vehicles=None, order=None)
+    ),
+    "Train.vehicles": lambda _, block: _grown("vehicles", block, length=1.4) or None,
+    "Train.order": lambda value, _: [*value, value[0]] if value else None,
+    "TrainVehicle.bodies": _bodies,
+    "TrainVehicle.springs": _springs,
     "Axles.train": lambda value, _: (
         "HSLM-A5" if value else Patch(train="HSLM-A5", forces=None, at=None, coaches=None)
     ),

@@ -131,6 +131,19 @@ def test_a_vehicle_rests_on_the_ground_before_the_line() -> None:
     assert np.ptp(found["body_position"].to_numpy()[:, 0, 1]) < 1e-12
 
 
+def test_an_axle_comes_to_the_line_with_the_force_that_the_ground_has_borne(tmp_path: Path) -> None:
+    """Weights, springs above, and the inertia of what follows the wave; without them it rang by half of that."""
+    axle = 200.0
+    found = simulate(read(rig({"file": rows(tmp_path / "wave.csv")}, {**DYNAMIC, "until": 1.5}, -10.0, axle)))
+    t = found["time"].to_numpy()
+    bent = -HEIGHT * RATE**2 * np.sin(RATE * t - 20.0 * np.pi / WAVE)
+    known = MASS * (9.81 + base_excited(t, -10.0)[1]) + axle * (9.81 + bent)
+    force = -found["contact_force"].to_numpy()[:, 0, -1]
+    on = np.isfinite(force)
+    assert 0.5 < t[on][0] + 1e-9 < 0.53
+    assert np.abs(force - known)[on].max() < 0.02 * known.max()
+
+
 def test_what_slides_freely_trades_speed_for_height(tmp_path: Path) -> None:
     """Over a hump of 0.3 m on a taut rope: v^2/2 + g z stays. The rope gives way by 2 mm, which the height knows."""
     x = np.arange(0.0, 20.1, 0.25)

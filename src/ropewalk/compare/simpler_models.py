@@ -20,6 +20,7 @@ from ropewalk.model.mass import MovingMass
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.train import Train
 from ropewalk.model.travel import Course, Travel
 from ropewalk.solve.load_schedule import horizon
 from ropewalk.solve.quasistatic import walk
@@ -73,6 +74,10 @@ def top_of(scenario: Scenario) -> SimplerModel:
             raise ScenarioError([Problem(f"loads.{name}.kind", wrong, load.kind, remedy)])
     if not scenario.loads:
         raise ScenarioError([Problem("loads", "nothing travels: there is nothing to compare", remedy="add a load")])
+    for name, load in scenario.loads.items():
+        if isinstance(load, Train):
+            wrong, remedy = "compare supports single vehicles; trains of them are not implemented", "write kind: axles"
+            raise ScenarioError([Problem(f"loads.{name}.kind", wrong, load.kind, remedy)])
     run = scenario.run
     if isinstance(run, Equilibrium):
         wrong, remedy = "compare needs a load that moves", "ask for kind: dynamic, linear or quasistatic"

@@ -160,6 +160,27 @@ def hung(payload: Payload, stiffness: float, gravity: float, axes: tuple[str, ..
     return np.asarray(length * way)
 
 
+def static_loads(load: Vehicle, gravity: float = 0.0) -> list[float]:
+    """Forces in N with which the wheels of a vehicle press on level ground at rest, in order.
+
+    Args:
+        load: what is declared of it.
+        gravity: that of the scenario, m/s^2, which acts on it if it has none of its own.
+    """
+    wheels = list(load.wheels.values())
+    own = load.gravity if load.gravity is not None else gravity
+    vehicle, _ = _sprung("", load, list(range(len(wheels))), 1, 0, own)
+    if vehicle is None:
+        return [wheel.mass * own for wheel in wheels]
+    K, n = vehicle.K[: vehicle.coordinates, : vehicle.coordinates].copy(), vehicle.coordinates
+    for buffer in vehicle.buffers:
+        K[buffer["coordinate"], buffer["coordinate"]] += buffer["stiffness"]
+    rest = np.linalg.solve(K, vehicle.load[:n])
+    rigid = {k: row for (k, _), row in zip(vehicle.locations, vehicle.K[n:, :n] @ rest, strict=True)}
+    soft = {buffer["wheel"]: -buffer["stiffness"] * rest[buffer["coordinate"]] for buffer in vehicle.buffers}
+    return [float(soft[k] if k in soft else wheel.mass * own + rigid[k]) for k, wheel in enumerate(wheels)]
+
+
 def _fill_wheels(bodies: Bodies, wheels: Sequence[ContactPoint], dim: int) -> None:
     for k, wheel in enumerate(wheels):
         record = bodies.wheels[k]
@@ -390,6 +411,7 @@ def _sprung(
     name: str, load: Vehicle, on: list[int], dim: int, first: int, gravity: float
 ) -> tuple[_Vehicle | None, list[Body]]:
     """Bodies on springs: heights, pitches, and the heights of wheels with a soft contact; rigid wheels are places."""
+    own = load.gravity if load.gravity is not None else gravity
     index: dict[tuple[str, str], int] = {}
     for part, body in load.bodies.items():
         index[part, "height"] = len(index)
@@ -404,14 +426,16 @@ def _sprung(
         if wheel.contact_stiffness is None:
             index[part, "height"] = len(index)
             locations.append((k, dim - 1))
-    if not coordinates:
+    if not coordinates and own == gravity:
         return None, []
     vehicle = _Vehicle.of(coordinates, locations)
     displayed = []
+    for j, wheel in enumerate(w for w in load.wheels.values() if w.contact_stiffness is None):
+        vehicle.load[coordinates + j] = -wheel.mass * (own - gravity)  # with that of the scenario all wheels weigh
     for part, body in load.bodies.items():
         i = index[part, "height"]
         vehicle.M[i, i] = body.mass
-        vehicle.load[i] = -body.mass * gravity
+        vehicle.load[i] = -body.mass * own
         if body.inertia:
             j = index[part, "pitch"]
             vehicle.M[j, j] = body.inertia
@@ -422,7 +446,7 @@ def _sprung(
         if wheel.contact_stiffness is not None:
             i = index[part, "height"]
             vehicle.M[i, i] = wheel.mass
-            vehicle.load[i] = -wheel.mass * gravity
+            vehicle.load[i] = -wheel.mass * own
             vehicle.buffers.append(
                 {"wheel": k, "coordinate": first + i, "stiffness": wheel.contact_stiffness, "side": _side(load.side)}
             )

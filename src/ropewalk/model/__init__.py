@@ -40,6 +40,7 @@ from ropewalk.model.stepper import Stepper
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
 from ropewalk.model.sweep import Sweep
 from ropewalk.model.track import Ballast, Pads, Sleepers, Subgrade, Track
+from ropewalk.model.train import Train, TrainVehicle
 from ropewalk.model.travel import AnyTravel, Brake, Driver, FreeTravel, Travel
 from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.model.vehicle import RigidBody, Spring, Vehicle, Wheel
@@ -135,7 +136,9 @@ __all__ = [
     "Tabulated",
     "TensionOnly",
     "Track",
+    "Train",
     "TrainTravel",
+    "TrainVehicle",
     "Travel",
     "Travelling",
     "Trolley",

@@ -10,16 +10,18 @@ from typing import Annotated, ClassVar, Literal, NamedTuple, Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.history import SpeedTable
+from ropewalk.model.history import SpeedHistory, SpeedTable
 from ropewalk.model.quantity import AxleForces, Count, PositiveLength, Station, Stations
+from ropewalk.model.train_sets import MeasuredTrainName, SprungTrainName, axle_loads
 from ropewalk.model.travel import AtEnd, Course, Place
 
 MOST = 1000
 """Axles of a train."""
 
-TrainName = Literal[
+UniversalTrainName = Literal[
     "HSLM-A1", "HSLM-A2", "HSLM-A3", "HSLM-A4", "HSLM-A5", "HSLM-A6", "HSLM-A7", "HSLM-A8", "HSLM-A9", "HSLM-A10"
 ]
+TrainName = Literal[UniversalTrainName, SprungTrainName, MeasuredTrainName]
 
 
 class _Universal(NamedTuple):
@@ -79,12 +81,21 @@ class TrainTravel(Course):
     )
 
 
+def onward(speed: SpeedHistory) -> float:
+    """1 for a train of a speed towards the end of its line, -1 towards its start."""
+    if callable(speed):
+        return math.copysign(1.0, float(speed(0.0)))
+    values = speed.value if isinstance(speed, SpeedTable) else (speed,)
+    return next((math.copysign(1.0, value) for value in values if value), 1.0)
+
+
 class Axles(Declaration):
     """A train as the forces of its axles, which travel together and press downwards.
 
     They are written down, once for a whole train or for a coach that is repeated, or those of a train that is known by
-    name: the universal trains HSLM-A1 to HSLM-A10 of EN 1991-2, 6.4.6.1.1. Axles that have not come to their line, or
-    have left it, press on level ground. They have no mass; for sprung masses see vehicle.
+    name: the universal trains HSLM-A1 to HSLM-A10 of EN 1991-2, 6.4.6.1.1, and real ones from published tables. Axles
+    that have not come to their line, or have left it, press on level ground. They have no mass; for sprung masses see
+    train.
     """
 
     kind: Literal["axles"] = "axles"
@@ -144,9 +155,11 @@ class Axles(Declaration):
     @property
     def axles(self) -> list[tuple[float, float]]:
         """Distances behind the first axle in m, and forces in N, downwards."""
-        if self.train is not None:
+        if self.train in HSLM_A:
             places, force = hslm_a(self.train)
             return [(at, force) for at in places]
+        if self.train is not None:
+            return axle_loads(self.train)
         assert self.at is not None
         assert self.forces is not None
         forces = self.forces if isinstance(self.forces, tuple) else (self.forces,) * len(self.at)
@@ -162,11 +175,7 @@ class Axles(Declaration):
     @property
     def onward(self) -> float:
         """1 for a train towards the end of its line, -1 towards its start."""
-        speed = self.travel.speed
-        if callable(speed):
-            return math.copysign(1.0, float(speed(0.0)))
-        values = speed.value if isinstance(speed, SpeedTable) else (speed,)
-        return next((math.copysign(1.0, value) for value in values if value), 1.0)
+        return onward(self.travel.speed)
 
     def starts(self) -> list[Place]:
         """List where its axles stand at the beginning, also off the line."""

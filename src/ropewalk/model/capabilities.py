@@ -15,7 +15,7 @@ _DECIDES = {"kind": "", "contact": "friction"}
 """Keys without whose value other keys of the same block, which begin so, are not looked at."""
 
 OF_LINEAR_THEORY: Mapping[str, tuple[Any, ...]] = {
-    "loads.kind": ("force", "axles", "mass", "oscillator", "vehicle", "matrices"),
+    "loads.kind": ("force", "axles", "mass", "oscillator", "vehicle", "train", "matrices"),
     "loads.travel.kind": ("prescribed",),
     "loads.travel.margin": (None,),
     "loads.contact": ("clamped", "frictionless"),

@@ -11,6 +11,7 @@ from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Finding
 from ropewalk.model.axles import Axles
 from ropewalk.model.beginning import check_beginning
+from ropewalk.model.crowd import is_one_of_many
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
 from ropewalk.model.joints import check_joints
@@ -47,7 +48,8 @@ _ACROSS = 0.1  # cosine between line and rail: what moves further across the lin
 def check(parts: Parts) -> list[Finding]:
     """Find everything that does not fit together, or that the engine for it does not support."""
     parts = crossed(parts)
-    return of_crowds(
+    people = {name for name, load in parts.loads.items() if is_one_of_many(name) and isinstance(load, Footsteps)}
+    found = (
         finding
         for examine in (
             _something,
@@ -74,6 +76,16 @@ def check(parts: Parts) -> list[Finding]:
         )
         for finding in examine(parts)
     )
+    # One vehicle of a train may be like the next one.
+    return list(dict.fromkeys(_of_train(finding) for finding in of_crowds(found, people)))
+
+
+def _of_train(finding: Finding) -> Finding:
+    """A finding about a vehicle of a train, which is the train's; no other name of a load has a dot."""
+    path = finding.path
+    if path[:1] != ("loads",) or len(path) < 2 or "." not in str(path[1]):
+        return finding
+    return replace(finding, path=("loads", str(path[1]).partition(".")[0], *path[2:]))
 
 
 def _something(parts: Parts) -> Iterator[Finding]:
@@ -226,7 +238,7 @@ def _size(parts: Parts) -> Iterator[Finding]:
         frames, key = float(run.positions), ("run", "positions")
     else:
         return
-    contacts = sum(len(load.axles) if isinstance(load, Axles) else 1 for load in parts.loads.values())
+    contacts = sum(len(load.starts()) if isinstance(load, Axles | Vehicle) else 1 for load in parts.loads.values())
     nodes = contacts + sum(line.elements + 1 for line in parts.lines.values() if line is not None)
     nodes += sum(int(2.0 * line.length / line.element) for line in parts.overhead.values() if line is not None)
     if frames * nodes > LARGEST_RESULT:

@@ -14,6 +14,7 @@ from ropewalk.model.joint import Joined
 from ropewalk.model.load import AnyLoad, Travelling
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic
+from ropewalk.model.train import TrainSection
 from ropewalk.model.travel import Travel
 
 _Lack = tuple[tuple[str, ...], str, str, str]
@@ -102,7 +103,7 @@ def _way(load: AnyLoad | None) -> tuple[tuple[float, ...], ...] | None:
 
 
 def _on_net(name: str, load: AnyLoad, parts: Parts) -> Iterator[Finding]:
-    if isinstance(load, Axles):
+    if isinstance(load, Axles | TrainSection):
         wrong, remedy = "a train runs along a line, and a net has none", "let it run on a line"
         yield Finding(("loads", name, "on"), wrong, load.on, remedy)
         return

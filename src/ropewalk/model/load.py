@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Annotated, Literal, Self
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -19,7 +19,9 @@ from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.quantity import FrictionCoefficient
+from ropewalk.model.run import Linear
 from ropewalk.model.stepper import Stepper
+from ropewalk.model.train import Train
 from ropewalk.model.travel import Place, Travel, prescribed_only
 from ropewalk.model.trolley import Trolley
 from ropewalk.model.vehicle import Vehicle
@@ -84,9 +86,9 @@ class MovingForce(Declaration):
 
 GivenForces = MovingForce | Axles
 """The loads that are nothing but given forces which travel as prescribed."""
-Travelling = MovingForce | Axles | MovingMass | Oscillator | Trolley | Vehicle | Matrices
+Travelling = MovingForce | Axles | MovingMass | Oscillator | Trolley | Vehicle | Train | Matrices
 """The loads that have a travel; the others have a gait or a will of their own."""
-Rolling = MovingMass | Oscillator | Trolley | Vehicle | Matrices
+Rolling = MovingMass | Oscillator | Trolley | Vehicle | Train | Matrices
 """The loads with wheels, which follow a profile."""
 ExternalModel = Stepper | Fmu
 """The loads that are external models."""
@@ -98,6 +100,7 @@ Load = Annotated[
     | Oscillator
     | Trolley
     | Vehicle
+    | Train
     | Matrices
     | Footsteps
     | Walker
@@ -108,3 +111,19 @@ Load = Annotated[
     Variants("load"),
 ]
 """Any load."""
+
+
+def assembled(loads: Mapping[str, Any], run: object) -> dict[str, Any]:
+    """Loads with trains as the vehicles that they are made of, each a load; for the linear theory as one vehicle each.
+
+    Lines of that have one load with a mass.
+    """
+    found = dict[str, Any]()
+    for name, load in loads.items():
+        if not isinstance(load, Train):
+            found[name] = load
+        elif isinstance(run, Linear):
+            found[name] = load.whole
+        else:
+            found |= load.sections(name)
+    return found

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Finding
-from ropewalk.model.crowd import Crowd, is_one_of_many
+from ropewalk.model.crowd import Crowd
 from ropewalk.model.hangers import unstrained
 from ropewalk.model.line import Line
 
@@ -37,11 +37,11 @@ def check_crowds(
             yield Finding(("loads", name, "on"), "a crowd walks on one of lines", repr(load.on), remedy)
 
 
-def of_crowds(findings: Iterable[Finding]) -> list[Finding]:
-    """The same findings, those about people as of their crowds, for each key of these one."""
+def of_crowds(findings: Iterable[Finding], people: Collection[str]) -> list[Finding]:
+    """The same findings, those about loads that are people as of their crowds, for each key of these one."""
     found, known = [], set[tuple[Any, ...]]()
     for finding in findings:
-        if finding.path[:1] == ("loads",) and is_one_of_many(name := str(finding.path[1])):
+        if finding.path[:1] == ("loads",) and (name := str(finding.path[1])) in people:
             crowd, key = name.partition(".")[0], [k for k in finding.path[2:3] if k in Crowd.model_fields]
             finding = replace(finding, path=("loads", crowd, *key))
             if finding.path in known:

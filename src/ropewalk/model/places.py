@@ -15,11 +15,14 @@ from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
 from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, MovingForce, Travelling
+from ropewalk.model.matrices import Matrices
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.pantograph import Pantograph, PantographTravel
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Linear
+from ropewalk.model.train import Train, TrainSection
 from ropewalk.model.travel import FreeTravel, Measure, Place, Travel
+from ropewalk.model.vehicle import Vehicle
 
 _Prescribed = Travel | TrainTravel | PantographTravel | FmuTravel
 
@@ -39,7 +42,7 @@ def margin(load: AnyLoad, line: Line | OverheadLine) -> float:
     """Find the unstrained length in m at which the line ends for a load before its support, 0 where not known."""
     if isinstance(line, OverheadLine):
         return 0.0
-    if not isinstance(load, Travelling) or isinstance(load, MovingForce | Axles):
+    if not isinstance(load, Travelling) or isinstance(load, MovingForce | Axles | Train):
         return (load.travel.margin or 0.0) if isinstance(load, MovingForce) else 0.0
     quarter = 0.25 * line.length / line.elements if line.length is not None else 0.0
     return quarter if load.travel.margin is None else load.travel.margin
@@ -87,7 +90,10 @@ def meetings(parts: Parts) -> Iterator[Finding]:
         if load is not None and wire is not None and not isinstance(load, Pantograph):
             everybody.append((name, load, load.on, wire))
     found = set[str]()  # who meets somebody is told so once
-    alone = [load for load in everybody if not is_one_of_many(load[0])]  # people pass one another
+    # People pass one another.
+    alone = [
+        load for load in everybody if not (is_one_of_many(load[0]) and isinstance(load[1], Footsteps))
+    ]  # people pass one another
     for (one, first, on, line), (two, second, other, _) in combinations(alone, 2):
         if on != other or two in found:
             continue
@@ -132,7 +138,7 @@ def _off_the_line(
     load: AnyLoad, on: str, line: Line | OverheadLine, gravity: float | None
 ) -> tuple[str, str, str] | None:
     """Say which place is off the line at the start, what was given and what to do."""
-    if isinstance(load, Axles):
+    if isinstance(load, Axles | TrainSection):
         return _never_comes(load, on, line)
     assert not isinstance(load, Crowd)  # its people stand here instead
     start = load.travel.start if isinstance(load, Travelling | Pantograph | Fmu) else load.start
@@ -140,7 +146,8 @@ def _off_the_line(
         what = f"wheel {place.label}" if place.label else "the load"
         ahead = place.start - start
         if place.start < -1e-9 * max(start, 1.0) and not _comes_by_itself(load):
-            remedy = f"start at least {-ahead:g} m from the start of the line, or write at_end: leave"
+            remedy = f"start at least {max(0.0, -ahead):g} m from the start of the line"
+            remedy += ", or write at_end: leave" if isinstance(load, Vehicle | Matrices) else ""
             return f"{what} would start before the start of {on}", f"{start:g} m", remedy
         beyond = None if _steps_on(load, -1.0) else _beyond(line, place, gravity)
         if beyond is not None:
@@ -151,7 +158,7 @@ def _off_the_line(
     return None
 
 
-def _never_comes(load: Axles, on: str, line: Line | OverheadLine) -> tuple[str, str, str] | None:
+def _never_comes(load: Axles | TrainSection, on: str, line: Line | OverheadLine) -> tuple[str, str, str] | None:
     """Say that a train has passed its line before it begins."""
     last = load.starts()[-1].start
     limit = reach(line, load.travel.measured)
@@ -160,13 +167,16 @@ def _never_comes(load: Axles, on: str, line: Line | OverheadLine) -> tuple[str, 
         return None
     ahead = load.travel.start - last
     remedy = f"start at more than {ahead:g} m" if load.onward < 0.0 else f"start at most {(limit or 0.0) + ahead:g} m"
-    return f"the train has left {on} before it begins", f"{load.travel.start:g} m", f"{remedy} from the start of {on}"
+    what = "the train" if isinstance(load, Axles) else "a vehicle of the train"
+    return f"{what} has left {on} before it begins", f"{load.travel.start:g} m", f"{remedy} from the start of {on}"
 
 
 def _comes_by_itself(load: AnyLoad) -> bool:
     """Whether wheels of the load may begin before the start of the line: on level ground, from which they roll on."""
     travel = _prescribed(load)
-    return (travel is not None and travel.at_end == "leave") or _steps_on(load, 1.0)
+    leaves = travel is not None and travel.at_end == "leave"
+    rolls = not isinstance(travel, Travel) or travel.start >= 0.0 or isinstance(load, Vehicle | Matrices)
+    return (leaves and rolls) or _steps_on(load, 1.0)
 
 
 def _steps_on(load: AnyLoad, onward: float) -> bool:

@@ -14,7 +14,7 @@ from ropewalk.model.consistency import check
 from ropewalk.model.hangers import Hangers, check_hangers, guessed
 from ropewalk.model.joint import Joint
 from ropewalk.model.line import Line
-from ropewalk.model.load import AnyLoad, Load
+from ropewalk.model.load import AnyLoad, Load, assembled
 from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.net import AnyNet
 from ropewalk.model.outputs import Outputs
@@ -88,7 +88,7 @@ class Scenario(Declaration):
     @property
     def parts(self) -> Parts:
         """The same in parts, as checks see it."""
-        loads = with_people(self.loads, self.lines)
+        loads = with_people(assembled(self.loads, self.run), self.lines)
         on = {name: (load or self.loads[name]).on for name, load in loads.items()}
         lines: dict[str, Line | None] = {**self.lines}
         for row in self.hangers:

@@ -146,8 +146,8 @@ def _lines(path: tuple[str, ...], track: Track, lines: Mapping[str, Line]) -> It
         yield Finding((*path, "rail"), "must have bending stiffness between sleepers", repr(track.rail), remedy)
     for key, name in ((("rail",), track.rail), *((("over", i), one) for i, one in enumerate(track.over))):
         line, feature, remedy = lines[name], "", "name a line between two supports"
-        if line.sheaves or (line.is_joined and key == ("rail",)):
-            feature = "a joined line, or one over sheaves,"
+        if line.sheaves or line.saddles or (line.is_joined and key == ("rail",)):
+            feature = "a joined line, or one over sheaves or saddles,"
         elif line.tension is not None and key == ("rail",):
             feature, remedy = "a rail that is given by its tension", f"give lines.{name} a length"
         elif spatial(line.start)[1] or spatial(line.end)[1]:

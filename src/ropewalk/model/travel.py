@@ -10,7 +10,16 @@ from pydantic import BeforeValidator, Field, model_validator
 from ropewalk.model._base import Declaration, Finding, Variants, report
 from ropewalk.model.contact import FrictionModel
 from ropewalk.model.history import DriveHistory, SpeedHistory
-from ropewalk.model.quantity import FrictionCoefficient, Offset, PositiveForce, PositiveLength, Speed, Viscosity, Way
+from ropewalk.model.quantity import (
+    FrictionCoefficient,
+    Offset,
+    PositiveForce,
+    PositiveLength,
+    Speed,
+    Station,
+    Viscosity,
+    Way,
+)
 
 Measure = Literal["material", "slip", "arc", "horizontal"]
 """What the speed counts: dxi/dt, (1 + mean eps) dxi/dt, arc length from the start, or x."""
@@ -42,11 +51,12 @@ class Course(Declaration):
 class Travel(Course):
     """A prescribed advance: speed, its measure, where it begins, what happens at the end of the line."""
 
-    start: Offset = Field(
+    start: Station = Field(
         default=0.0,
         alias="from",
         description="distance from the start of the line: material length for `material`, "
-        "arc length at rest for `slip` and `arc`, horizontal distance for `horizontal`",
+        "arc length at rest for `slip` and `arc`, horizontal distance for `horizontal`; negative: before it, from "
+        "where vehicles roll on to a line that they leave at its end",
     )
     at_end: AtEnd = Field(
         default="refuse",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Annotated, Any, Literal, Self
@@ -14,7 +14,16 @@ from pydantic_core import core_schema
 from ropewalk.errors import Refused, did_you_mean
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.contact import CONTACT_STIFFNESS, LIFT_OFF, SIDE, Side, one_sided, soft_contact
-from ropewalk.model.quantity import Inertia, Mass, Name, PositiveMass, PositiveStiffness, Station, Viscosity
+from ropewalk.model.quantity import (
+    Acceleration,
+    Inertia,
+    Mass,
+    Name,
+    PositiveMass,
+    PositiveStiffness,
+    Station,
+    Viscosity,
+)
 from ropewalk.model.travel import Place, Travel, prescribed_only
 
 
@@ -62,11 +71,15 @@ class Spring(Declaration):
     )
 
 
+WEIGHT = "acts on it, also where that of the scenario is 0 and the line is level under its own weight"
+
+
 class Vehicle(Declaration):
     """Bodies on springs on wheels, with vertical motion and pitch, pulled along as prescribed.
 
     Places `at` count along the line and forwards from the point 0 of the vehicle, which is where `travel` says. All
-    distances between wheels are kept in what the travel measures.
+    distances between wheels are kept in what the travel measures. One that leaves at the end may begin before the line:
+    wheels off it stand on level ground, or follow the profile there.
     """
 
     kind: Literal["vehicle"] = "vehicle"
@@ -77,14 +90,13 @@ class Vehicle(Declaration):
     travel: Annotated[Travel, prescribed_only("a vehicle travels as prescribed")] = Field(
         description="how its point 0 advances; wheels with a positive `at` run ahead of it towards the end of the line"
     )
+    gravity: Acceleration | None = Field(default=None, description=f"{WEIGHT} (default: that of the scenario)")
     lift_off: bool = Field(default=False, description=LIFT_OFF)
     side: Side = Field(default="above", description=SIDE)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        findings = [*self._names(), *self._wheels()]
-        if not findings:  # who is joined to whom is known
-            findings = list(self._bodies())
+        findings = list(check_parts(self.bodies, self.wheels, self.springs, lift_off=self.lift_off))
         report("vehicle", [*findings, *one_sided(self.side, lift_off=self.lift_off)])
         return self
 
@@ -98,71 +110,95 @@ class Vehicle(Declaration):
 
     def place_of(self, spring: Spring) -> float:
         """Place of a spring along the vehicle in m."""
-        if spring.at is not None:
-            return spring.at
-        first = next((name for name in spring.between if name in self.wheels), spring.between[0])
-        return self.wheels[first].at if first in self.wheels else self.bodies[first].at
+        return place_of(spring, self.bodies, self.wheels)
 
-    def _names(self) -> Iterator[Finding]:
-        shared = [name for name in self.wheels if name in self.bodies]
-        for name in shared:
-            wrong, remedy = "a body has the same name", "give every part of the vehicle its own name"
-            yield Finding(("wheels", name), wrong, remedy=remedy)
-        if shared:
-            return  # what a spring means is not known
-        for name, spring in self.springs.items():
-            unknown = [end for end in spring.between if end not in self.bodies and end not in self.wheels]
-            for end in dict.fromkeys(unknown):
-                path = ("springs", name, "between", spring.between.index(end))
-                remedy = did_you_mean(end, [*self.bodies, *self.wheels])
-                yield Finding(path, "no such body or wheel", repr(end), remedy)
-            if unknown:
-                continue
-            if spring.between[0] == spring.between[1]:
-                wrong, remedy = "a spring joins two different things", "name a body and a wheel, or two bodies"
-                yield Finding(("springs", name, "between"), wrong, f"{spring.between[0]} twice", remedy)
-            elif all(end in self.wheels for end in spring.between):
-                wrong, remedy = "a spring between two wheels bears nothing", "name a body and a wheel, or two bodies"
-                yield Finding(("springs", name, "between"), wrong, " and ".join(spring.between), remedy)
 
-    def _wheels(self) -> Iterator[Finding]:
-        sprung = {end for spring in self.springs.values() for end in spring.between}
-        for name, wheel in self.wheels.items():
-            if not wheel.mass and name not in sprung:
-                remedy = "give it a mass, name it in a spring, or leave it out"
-                yield Finding(("wheels", name), "a wheel with neither mass nor spring", remedy=remedy)
-            yield from soft_contact(
-                ("wheels", name, "contact_stiffness"), wheel.contact_stiffness, lift_off=self.lift_off
-            )
-        for (one, first), (two, second) in combinations(self.wheels.items(), 2):
-            if _same(first.at, second.at):
-                remedy = "let it stand elsewhere (at), or make one wheel of the two"
-                yield Finding(("wheels", two, "at"), f"at the same place as wheel {one}", f"{second.at:g} m", remedy)
+def place_of(spring: Spring, bodies: Mapping[str, RigidBody], wheels: Mapping[str, Wheel]) -> float:
+    """Place in m of a spring along a vehicle of some bodies and wheels."""
+    if spring.at is not None:
+        return spring.at
+    first = next((name for name in spring.between if name in wheels), spring.between[0])
+    return wheels[first].at if first in wheels else bodies[first].at
 
-    def _bodies(self) -> Iterator[Finding]:
-        carried = self._carried()
-        for name, body in self.bodies.items():
-            places = [self.place_of(spring) for spring in self.springs.values() if name in spring.between]
-            if not places:
-                yield Finding(("bodies", name), "a body without springs falls", remedy="name it in a spring")
-            elif name not in carried:
-                remedy = "join it, or a body that carries it, to a wheel"
-                yield Finding(("bodies", name), "no spring leads from it to a wheel", remedy=remedy)
-            elif body.inertia and all(_same(place, places[0]) for place in places):
-                wrong = "nothing keeps the body from pitching: its springs stand at one place"
-                remedy = "let springs stand at two places (at), or leave inertia out"
-                yield Finding(("bodies", name, "inertia"), wrong, f"{body.inertia:g} kg*m^2", remedy)
-            elif not body.inertia and not all(_same(place, body.at) for place in places):
-                wrong = "springs stand off its centre, and it has no inertia to pitch with"
-                remedy = f"give it an inertia, or let its springs stand at {body.at:g} m"
-                yield Finding(("bodies", name, "inertia"), wrong, remedy=remedy)
 
-    def _carried(self) -> set[str]:
-        """Names of all parts that springs join to a wheel."""
-        carried = set(self.wheels)
-        for _ in self.springs:
-            carried |= {end for s in self.springs.values() if carried & set(s.between) for end in s.between}
-        return carried
+def check_parts(
+    bodies: Mapping[str, RigidBody], wheels: Mapping[str, Wheel], springs: Mapping[str, Spring], *, lift_off: bool,
+    carriers: Collection[str] = (),
+) -> Iterator[Finding]:  # fmt: skip
+    """Find what does not fit together in a vehicle.
+
+    Args:
+        bodies: by name.
+        wheels: by name.
+        springs: by name.
+        lift_off: whether wheels may leave the line.
+        carriers: names of what else bears it, such as bodies of another vehicle.
+    """
+    findings = [*_names(bodies, wheels, springs, carriers), *_wheels(wheels, springs, lift_off)]
+    yield from findings or _bodies(bodies, wheels, springs, carriers)  # who is joined to whom is known
+
+
+def _names(
+    bodies: Mapping[str, RigidBody], wheels: Mapping[str, Wheel], springs: Mapping[str, Spring],
+    carriers: Collection[str],
+) -> Iterator[Finding]:  # fmt: skip
+    shared = [name for name in wheels if name in bodies]
+    for name in shared:
+        wrong, remedy = "a body has the same name", "give every part of the vehicle its own name"
+        yield Finding(("wheels", name), wrong, remedy=remedy)
+    if shared:
+        return  # what a spring means is not known
+    known = [*bodies, *wheels, *carriers]
+    for name, spring in springs.items():
+        unknown = [end for end in spring.between if end not in known]
+        for end in dict.fromkeys(unknown):
+            path = ("springs", name, "between", spring.between.index(end))
+            yield Finding(path, "no such body or wheel", repr(end), did_you_mean(end, known))
+        if unknown:
+            continue
+        if spring.between[0] == spring.between[1]:
+            wrong, remedy = "a spring joins two different things", "name a body and a wheel, or two bodies"
+            yield Finding(("springs", name, "between"), wrong, f"{spring.between[0]} twice", remedy)
+        elif all(end not in bodies for end in spring.between):
+            wrong, remedy = "a spring between two wheels bears nothing", "name a body and a wheel, or two bodies"
+            yield Finding(("springs", name, "between"), wrong, " and ".join(spring.between), remedy)
+
+
+def _wheels(wheels: Mapping[str, Wheel], springs: Mapping[str, Spring], lift_off: bool) -> Iterator[Finding]:
+    sprung = {end for spring in springs.values() for end in spring.between}
+    for name, wheel in wheels.items():
+        if not wheel.mass and name not in sprung:
+            remedy = "give it a mass, name it in a spring, or leave it out"
+            yield Finding(("wheels", name), "a wheel with neither mass nor spring", remedy=remedy)
+        yield from soft_contact(("wheels", name, "contact_stiffness"), wheel.contact_stiffness, lift_off=lift_off)
+    for (one, first), (two, second) in combinations(wheels.items(), 2):
+        if _same(first.at, second.at):
+            remedy = "let it stand elsewhere (at), or make one wheel of the two"
+            yield Finding(("wheels", two, "at"), f"at the same place as wheel {one}", f"{second.at:g} m", remedy)
+
+
+def _bodies(
+    bodies: Mapping[str, RigidBody], wheels: Mapping[str, Wheel], springs: Mapping[str, Spring],
+    carriers: Collection[str],
+) -> Iterator[Finding]:  # fmt: skip
+    carried = {*wheels, *carriers}
+    for _ in springs:
+        carried |= {end for s in springs.values() if carried & set(s.between) for end in s.between}
+    for name, body in bodies.items():
+        places = [place_of(spring, bodies, wheels) for spring in springs.values() if name in spring.between]
+        if not places:
+            yield Finding(("bodies", name), "a body without springs falls", remedy="name it in a spring")
+        elif name not in carried:
+            remedy = "join it, or a body that carries it, to a wheel"
+            yield Finding(("bodies", name), "no spring leads from it to a wheel", remedy=remedy)
+        elif body.inertia and all(_same(place, places[0]) for place in places):
+            wrong = "nothing keeps the body from pitching: its springs stand at one place"
+            remedy = "let springs stand at two places (at), or leave inertia out"
+            yield Finding(("bodies", name, "inertia"), wrong, f"{body.inertia:g} kg*m^2", remedy)
+        elif not body.inertia and not all(_same(place, body.at) for place in places):
+            wrong = "springs stand off its centre, and it has no inertia to pitch with"
+            remedy = f"give it an inertia, or let its springs stand at {body.at:g} m"
+            yield Finding(("bodies", name, "inertia"), wrong, remedy=remedy)
 
 
 def _same(one: float, two: float) -> bool:

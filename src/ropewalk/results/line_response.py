@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.model.axles import Axles
-from ropewalk.model.crowd import Crowd
 from ropewalk.model.segment import bending_along
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import CURVATURE, STATIC, path_name
@@ -78,9 +76,7 @@ class LineResponse:
     @cached_property
     def acceleration(self) -> Array | None:
         """(frame, node) m/s^2, vertical and filtered; None where output instants are too few or too far apart."""
-        up = np.zeros(self._position.shape[-1])
-        up[-1] = 1.0
-        return self._accelerated(up)
+        return accelerations(self.dataset, "velocity", self.nodes, self.cut_off)
 
     @cached_property
     def lateral_deflection(self) -> Array | None:
@@ -93,7 +89,9 @@ class LineResponse:
     @cached_property
     def lateral_acceleration(self) -> Array | None:
         """(frame, node) m/s^2, in that direction, filtered as the vertical one; None as there, and in the plane."""
-        return None if self._left is None else self._accelerated(self._left)
+        if self._left is None:
+            return None
+        return accelerations(self.dataset, "velocity", self.nodes, self.cut_off, self._left)
 
     @cached_property
     def _left(self) -> Array | None:
@@ -103,30 +101,10 @@ class LineResponse:
             return None
         return np.array([-run[1], run[0], 0.0]) / float(np.hypot(run[0], run[1]))
 
-    def _accelerated(self, along: Array) -> Array | None:
-        """(frame, node) m/s^2 along a direction (axis,): the derivative of a spline through filtered velocities."""
-        from scipy.interpolate import CubicSpline
-        from scipy.signal import butter, sosfiltfilt
-
-        if not self.is_fine:
-            return None
-        velocity = self.dataset["velocity"].values[: self._even, self.nodes] @ along
-        sections = butter(_ORDER, self.cut_off, fs=1.0 / float(self.path[1] - self.path[0]), output="sos")
-        time = self.path[: self._even]
-        return np.asarray(CubicSpline(time, sosfiltfilt(sections, velocity, axis=0)).derivative()(time))
-
     @property
     def is_fine(self) -> bool:
         """Whether output instants are close enough for accelerations."""
-        if path_name(self.dataset) != "time" or self._even < LEAST:
-            return False
-        return float(self.path[1] - self.path[0]) * _FINE * self.cut_off <= 1.0 + _EVEN
-
-    @cached_property
-    def _even(self) -> int:
-        """How many frames follow one another evenly: the last one may come sooner."""
-        steps = np.diff(self.path)
-        return self.path.size - int(steps.size > 1 and abs(steps[-1] / steps[0] - 1.0) > _EVEN)
+        return is_fine(self.dataset, self.cut_off)
 
     @cached_property
     def moment(self) -> Array | None:
@@ -235,6 +213,47 @@ class LineResponse:
         return found
 
 
+def is_fine(dataset: xr.Dataset, cut_off: float) -> bool:
+    """Whether output instants are close enough for accelerations up to a frequency in Hz."""
+    path = dataset[path_name(dataset)].values
+    if path_name(dataset) != "time" or _even(path) < LEAST:
+        return False
+    return float(path[1] - path[0]) * _FINE * cut_off <= 1.0 + _EVEN
+
+
+def _even(path: Array) -> int:
+    """How many frames follow one another evenly: the last one may come sooner."""
+    steps = np.diff(path)
+    return path.size - int(steps.size > 1 and abs(steps[-1] / steps[0] - 1.0) > _EVEN)
+
+
+def accelerations(
+    dataset: xr.Dataset, velocity: str, which: Any, cut_off: float, along: Array | None = None
+) -> Array | None:
+    """(frame, which) m/s^2, the derivative of a spline through velocities that are filtered.
+
+    Args:
+        dataset: a result.
+        velocity: name of a quantity (frame, something, axis) in m/s.
+        which: numbers of that something.
+        cut_off: Hz, of a Butterworth filter of the fourth order, forwards and backwards.
+        along: unit vector (axis,); None: vertical.
+
+    Returns:
+        None where output instants are too few or too far apart.
+    """
+    from scipy.interpolate import CubicSpline
+    from scipy.signal import butter, sosfiltfilt
+
+    if not is_fine(dataset, cut_off):
+        return None
+    path = dataset[path_name(dataset)].values
+    time, values = path[: _even(path)], dataset[velocity].values[: _even(path), which]
+    values = values[..., -1] if along is None else values @ along
+    sections = butter(_ORDER, cut_off, fs=1.0 / float(path[1] - path[0]), output="sos")
+    return np.asarray(CubicSpline(time, sosfiltfilt(sections, values, axis=0)).derivative()(time))
+
+
 def _b_spline(u: Array) -> Array:
     """The cubic B-spline at distances of u >= 0 links from its middle."""
     return np.asarray(np.where(u < 1.0, 2.0 / 3.0 - u**2 + 0.5 * u**3, np.maximum(2.0 - u, 0.0) ** 3 / 6.0))
@@ -323,59 +342,3 @@ def _largest(response: LineResponse, quantities: Mapping[str, Array], static: Ma
                 entry["impact"] = {"value": float(size[at]) / static[quantity], "unit": "1"}
         found[quantity] = entry
     return found
-
-
-def trains_in(dataset: xr.Dataset) -> dict[str, list[int]]:
-    """The contacts of each load that has several given forces which travel together, by its name."""
-    return _contacts_of(dataset, Axles)
-
-
-def crowds_in(dataset: xr.Dataset) -> dict[str, list[int]]:
-    """The contacts of each crowd, by its name."""
-    return _contacts_of(dataset, Crowd)
-
-
-def _contacts_of(dataset: xr.Dataset, kind: type) -> dict[str, list[int]]:
-    scenario, names = scenario_of(dataset), dataset["load"].values.tolist()
-    found: dict[str, list[int]] = {
-        name: [] for name, load in (scenario.loads.items() if scenario is not None else ()) if isinstance(load, kind)
-    }
-    for k, contact in enumerate(names):
-        if (name := contact.partition(".")[0]) in found:
-            found[name].append(k)
-    return found
-
-
-def crowd_summary(dataset: xr.Dataset) -> dict[str, Any]:
-    """Of each crowd how many there are, how many at most on the line, and what they press with on it, in all."""
-    out = {}
-    for name, own in crowds_in(dataset).items():
-        pressing = -dataset["contact_force"].values[:, own, -1]
-        there = np.isfinite(dataset["contact_xi"].values[:, own])
-        people = there.reshape(there.shape[0], -1, 2).any(axis=2).sum(axis=1)
-        total = np.where(there, np.nan_to_num(pressing), 0.0).sum(axis=1)
-        out[name] = {
-            "people": len(own) // 2, "most_on_line": int(people.max(initial=0)),
-            "load": {
-                "unit": "N", "max": float(total.max(initial=0.0)), "mean": float(total.sum()) / max(total.size, 1),
-            },
-        }  # fmt: skip
-    return out
-
-
-def train_summary(dataset: xr.Dataset) -> dict[str, Any]:
-    """Of each train what it presses with on its line, in all, and when its first axle comes and its last one goes."""
-    out, path = {}, dataset[path_name(dataset)].values
-    unit = str(dataset[path_name(dataset)].attrs["units"])
-    for name, own in trains_in(dataset).items():
-        pressing = -dataset["contact_force"].values[:, own, -1]
-        there = np.isfinite(pressing)
-        total = np.where(there, pressing, 0.0).sum(axis=1)
-        on = np.flatnonzero(there.any(axis=1))
-        out[name] = {
-            "axles": len(own), "most_on_line": int(there.sum(axis=1).max(initial=0)),
-            "load": {"unit": "N", "max": float(total.max(initial=0.0))},
-            "first": {"unit": unit, "value": path[on[0]] if on.size else None},
-            "last": {"unit": unit, "value": path[on[-1]] if on.size else None},
-        }  # fmt: skip
-    return out

@@ -10,7 +10,9 @@ import numpy as np
 
 from ropewalk.results import style
 from ropewalk.results.contract import path_name
-from ropewalk.results.line_response import UNITS, crowds_in, histories, trains_in
+from ropewalk.results.crowds import crowds_in
+from ropewalk.results.line_response import UNITS, histories
+from ropewalk.results.trains import trains_in
 from ropewalk.results.views import colour_of, path_label
 
 if TYPE_CHECKING:
@@ -47,7 +49,7 @@ def seen_at_places(dataset: xr.Dataset) -> list[str]:
 
 
 def with_first_axles(dataset: xr.Dataset) -> xr.Dataset:
-    """The same result with one contact for each train, its first axle under the name of the train, and each crowd."""
+    """The same result with one contact for each crowd and train, of this by its name, and one body of this."""
     trains = trains_in(dataset)
     names = dataset["load"].values.tolist()
     others = {k for own in (*trains.values(), *crowds_in(dataset).values()) for k in own[1:]}
@@ -56,4 +58,12 @@ def with_first_axles(dataset: xr.Dataset) -> xr.Dataset:
     first = {own[0]: name for name, own in trains.items()}
     kept = [k for k in range(len(names)) if k not in others]
     labels = np.array([first.get(k, names[k]) for k in kept], dtype=np.str_)
-    return dataset.isel(contact=kept).assign_coords(load=("contact", labels, dataset["load"].attrs))
+    bodies = dataset["body"].values.tolist() if "body" in dataset.coords else []
+    drawn, seen = list[int](), set[str]()
+    for k, body in enumerate(bodies):
+        train = body.partition(".")[0]
+        if train not in trains or train not in seen:
+            drawn.append(k)
+        seen.add(train)
+    reduced = dataset.isel(contact=kept, body=drawn) if bodies else dataset.isel(contact=kept)
+    return reduced.assign_coords(load=("contact", labels, dataset["load"].attrs))

@@ -345,6 +345,14 @@ def _train_rows(name: str, train: Summary, say: Column) -> Iterator[Row]:
     yield f"Train {name}", "", ""
     yield "axles", str(train["axles"]), f"at most {train['most_on_line']} of them on the line"
     yield "largest load on the line", say(train["load"]["max"], "N"), ""
+    for what, key in (("largest contact force", "largest_force"), ("least contact force", "least_force")):
+        if (entry := train.get(key)) is not None:
+            yield what, say(entry["value"], "N"), "  ".join((entry["of"], *_when(entry)))
+    if (entry := train.get("unloading")) is not None:
+        yield "largest unloading", number(entry["value"], 4), f"of the static force  {entry['of']}"
+    if (entry := train.get("acceleration")) is not None:
+        value = f"{number(entry['value'], 4)} {entry['unit']}"
+        yield "largest acceleration of a body", value, "  ".join((entry["of"], *_when(entry)))
     first, last = train["first"], train["last"]
     if first["value"] is not None:
         span = f"{number(first['value'])} to {number(last['value'])} {first['unit']}"

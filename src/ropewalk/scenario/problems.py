@@ -15,6 +15,7 @@ from ropewalk.model._base import Declaration, Finding
 from ropewalk.model.consistency import check
 from ropewalk.model.joint import Joint
 from ropewalk.model.line import contradictions
+from ropewalk.model.load import assembled
 from ropewalk.model.net import AnyNet
 from ropewalk.model.outputs import Outputs
 from ropewalk.model.overhead import OverheadLine
@@ -242,7 +243,9 @@ def _parts(tree: Any, uncertain: set[str]) -> Parts:
     outputs = _valid(_OUTPUTS, tree.get("outputs", {})) or Outputs()
     complete = not {"lines", "overhead_lines", "nets"} & uncertain and isinstance(tree.get("lines", {}), dict)
     on = on if lines or overhead or nets else {}
-    return Parts(lines, loads, run, gravity, on, overhead, nets, joints, wind, outputs, complete, tracks)
+    parted = assembled(loads, run)
+    on |= {name: load.on for name, load in parted.items() if on and name not in loads}
+    return Parts(lines, parted, run, gravity, on, overhead, nets, joints, wind, outputs, complete, tracks)
 
 
 def _members(tree: Any, name: str) -> dict[str, Any]:

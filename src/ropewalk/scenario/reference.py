@@ -26,7 +26,7 @@ SECTIONS = {
     "Supports": ("support", "saddle"),
     "Supports between the ends of a line": ("inner_support",),
     "Loads": ("load", "mass", "oscillator", "trolley", "vehicle"),
-    "Trains": ("axles",),
+    "Trains": ("axles", "train"),
     "Loads given by matrices": ("matrices",),
     "Loads that walk": ("footsteps", "walker", "balance"),
     "Crowds": ("crowd", "spread"),

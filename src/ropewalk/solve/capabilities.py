@@ -81,7 +81,7 @@ MOTION = Capabilities(
 AT_REST = Capabilities(
     "ropes at rest or quasi-static",
     only={
-        "loads.kind": ("force", "mass", "oscillator", "trolley", "vehicle", "matrices"),
+        "loads.kind": ("force", "mass", "oscillator", "trolley", "vehicle", "train", "matrices"),
         "loads.travel.margin": (None,),
     },
     instead={"loads.kind": "ask for kind: dynamic, or write kind: force with its weight as force"},

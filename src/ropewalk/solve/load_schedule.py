@@ -11,6 +11,7 @@ from ropewalk.model.history import SpeedTable
 from ropewalk.model.load import Travelling
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.train import TrainSection
 from ropewalk.model.travel import FreeTravel
 from ropewalk.solve.path_measure import Measure, buffers
 from ropewalk.solve.start import PreparedRun
@@ -28,7 +29,7 @@ def horizon(scenario: Scenario) -> float:
         line, overhead = scenario.lines.get(load.on), scenario.overhead_lines.get(load.on)
         length = max(line.length or 0.0, line.distance) if line is not None else overhead.length if overhead else 0.0
         reach = 3.0 * length + (
-            load.length if isinstance(load, Axles) else 0.0
+            load.length if isinstance(load, Axles | TrainSection) else 0.0
         )  # longer than the stretched line, and there and back
         for _ in range(60):
             grid = np.linspace(0.0, until, 257)

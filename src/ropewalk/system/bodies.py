@@ -27,6 +27,9 @@ ROUNDS, SETTLED = 40, 1e-11
 _AGAIN = 8
 
 
+# Part of a link before and behind a contact between which its profile bends.
+BENDS = 1e-3
+
 # A load: some of its contacts are still to come or on their lines; all have left them since the step before; for good.
 STAYS, LEAVES, GONE_FOR_GOOD = 0, 1, 2
 
@@ -312,10 +315,11 @@ def approach(structure, contacts, bodies, state):
 
 
 @lean_inner
-def arrive(structure, contacts, bodies, state):
+def arrive(structure, buffers, contacts, bodies, state, table, out):
     """Put what comes to its line on it, with the speed along it, what leaves it on the ground; stop what is to stay.
 
-    What moves contacts along does the work; what moves by itself loses it to the stop.
+    A mass comes with the force that the ground has borne. What moves contacts along does the work; what moves by itself
+    loses it to the stop.
     """
     axes = state.r.shape[0]
     for k in range(contacts.size):
@@ -323,7 +327,7 @@ def arrive(structure, contacts, bodies, state):
         contacts[k].comes, contacts[k].stopped = 0, 0.0
         if contacts[k].kind == FORCE or contacts[k].state == GONE or (comes == 0 and stopped == 0.0):
             continue
-        before = energy_of_bodies(bodies, state)
+        before, kinked = energy_of_bodies(bodies, state), 0.0
         if contacts[k].travel == FREE and comes == 0:
             stopped = max(stopped * _speed_along(structure, contacts, state, k), 0.0) / stopped
         for a in range(axes):
@@ -335,11 +339,42 @@ def arrive(structure, contacts, bodies, state):
                 state.w[c] -= stopped * contacts[k].along[a]
         if comes < 0:
             ground(structure, contacts, state, k)
-        gained = energy_of_bodies(bodies, state) - before
+        elif comes > 0 and bodies.per_mass[contacts[k].first + axes - 1] > 0.0 and contacts[k].been == 1:
+            kinked = _bear(structure, buffers, contacts, bodies, state, table, out, k)
+        gained = energy_of_bodies(bodies, state) - before + kinked
         if contacts[k].travel == FREE and comes == 0:
             state.work[STRUCK] -= gained
         else:
             state.work[RESTRAINED] += gained
+
+
+@lean_inner
+def _bear(structure, buffers, contacts, bodies, state, table, out, k):
+    """Let the line bear at once, by its kink, what the ground has borne of the mass at contact k; the kink's energy, J.
+
+    N = weight and springs above - m r'' U^2. Without it the mass would fall into its contact, and ring there.
+    """
+    top, line, h = contacts[k].first + state.r.shape[0] - 1, contacts[k].line, structure.runs.h[contacts[k].run]
+    N = bodies.force[top] + contacts[k].given[state.r.shape[0] - 1]
+    for p in range(bodies.size.size):
+        for i in range(bodies.size[p]):
+            if bodies.at[p, i] == top:
+                for j in range(bodies.size[p]):
+                    d = bodies.at[p, j]
+                    N -= bodies.K[p, i, j] * state.u[d] + bodies.C[p, i, j] * state.w[d]
+    if contacts[k].rolls == 1:
+        step = BENDS * h
+        ahead = height_at(structure.lines.profiles, line, state.s[k] + step)[1]
+        behind = height_at(structure.lines.profiles, line, state.s[k] - step)[1]
+        N -= (ahead - behind) / (2.0 * step) * contacts[k].speed ** 2 / bodies.per_mass[top]
+    z, S = state.r.shape[0] - 1, 0.0
+    for _ in range(_AGAIN):  # a kink is the stiffer, the more it tightens its links
+        stiffen(structure, buffers, contacts, state, table, out, k)
+        S = contacts[k].moving
+        if S <= 0.0 or contacts[k].apart == 1:
+            return 0.0
+        state.u[top] = contacts[k].p[z] + N / S
+    return 0.5 * N * N / S
 
 
 @lean_inner

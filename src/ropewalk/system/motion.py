@@ -76,7 +76,7 @@ def _look(structure, buffers, contacts, tables, bodies, state, table, out, dt, s
     if steps != GIVEN:
         _let_go(contacts, bodies)
     if steps != GIVEN and bodies.mass.size > 0:  # a call hands all arrays on, which costs as much as fifty nodes
-        arrive(structure, contacts, bodies, state)
+        arrive(structure, buffers, contacts, bodies, state, table, out)
         approach(structure, contacts, bodies, state)
     draw(buffers.tight, structure, buffers, contacts, bodies, state, table, out, since)
     if steps != GIVEN and bodies.mass.size > 0:

@@ -26,7 +26,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed
 from ropewalk.model.track import Ballast, Pads, Subgrade, Track
 from ropewalk.system.assembled import Assembled, Attached
-from ropewalk.system.statics import at_rest, settle
+from ropewalk.system.rest import at_rest, settle
 from ropewalk.system.structure import Nodes, Restraints, Structure
 from ropewalk.system.ties import MassNode, Point, Tie, ties_of
 

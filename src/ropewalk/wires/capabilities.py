@@ -21,7 +21,7 @@ from ropewalk.model.vehicle import Vehicle
 _BEAMS = "beams, lines on foundations and overhead lines"
 _Borne = MovingForce | MovingMass | Oscillator | Vehicle | Matrices
 _LONGEST = 1e4  # s between two outputs: ten million samples
-_AT_REST = ("force", "axles", "mass", "oscillator", "vehicle", "matrices", "pantograph")
+_AT_REST = ("force", "axles", "mass", "oscillator", "vehicle", "train", "matrices", "pantograph")
 
 
 def _on_overhead_lines(parts: Parts) -> Iterator[Finding]:

@@ -41,6 +41,7 @@ class TimeStepping(NamedTuple):
     here: Array  # (contact, _KNOWN) at the last instant, NaN where it was neither on the wire nor beside it
     before: Array  # (contact, _KNOWN) the same a step ago
     work: Array  # (WORKS,) J since the start
+    moved: Array  # (contact, C) m/N, by how much a force at a contact moves each coordinate of its load during a step
     yields: Array  # (contact,) m/N by which a rigid contact gives way on the side of its moving load, during a step
 
 
@@ -56,11 +57,13 @@ def stepping_of(moving_loads: MovingLoads, step: float, q: Array, place: Array) 
         inverse[i, :n, :n] = np.linalg.inv((M + C)[i, :n, :n])
     count = moving_loads.owner.size
     nowhere, unknown = np.full(count, np.nan), np.full((count, _KNOWN), np.nan)
-    yields = np.array([row @ inverse[i] @ row for i, row in zip(moving_loads.owner, moving_loads.row, strict=True)])
+    moved = np.array([inverse[i] @ row for i, row in zip(moving_loads.owner, moving_loads.row, strict=True)])
+    moved = moved.reshape(count, inverse.shape[-1])
+    yields = np.einsum("kc,kc->k", moved, moving_loads.row.reshape(moved.shape))
     return TimeStepping(
         step, inverse, 2.0 * M - moving_loads.stiffness, M - C, q.copy(), q.copy(), np.zeros_like(q), np.zeros_like(q),
         np.zeros_like(q), nowhere, place.copy(), np.zeros(count), unknown, unknown.copy(), np.zeros(WORKS),
-        yields.reshape(-1),
+        moved, yields,
     )  # fmt: skip
 
 
@@ -152,8 +155,7 @@ def enforce_contact(moving_loads, stepping, k, height, soft, local):
         force = -rest - stepping.joined[k]
     stepping.joined[k] += force
     for c in range(moving_loads.size[i]):
-        for d in range(moving_loads.size[i]):
-            stepping.q[i, c] -= stepping.inverse[i, c, d] * moving_loads.row[k, d] * force
+        stepping.q[i, c] -= stepping.moved[k, c] * force
     return force
 
 
