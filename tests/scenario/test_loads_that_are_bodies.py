@@ -94,7 +94,7 @@ def test_what_is_written_loads_again_exactly(load: str) -> None:
 def test_every_kind_of_load_is_among_them() -> None:
     kinds = {load.split("kind: ")[1].split(",")[0] for load in RIGHT.values()}
     written = json_schema()["properties"]["loads"]["additionalProperties"]["oneOf"]
-    assert len(kinds | {"force", "axles", "train", "pantograph"}) == len(written)
+    assert len(kinds | {"force", "axles", "train", "crowd", "pantograph"}) == len(written)
 
 
 REFUSED = [

@@ -10,8 +10,8 @@ import numpy as np
 
 from ropewalk.results import style
 from ropewalk.results.contract import path_name
-from ropewalk.results.crowds import crowds_in
 from ropewalk.results.line_response import UNITS, histories
+from ropewalk.results.people import crowds_in
 from ropewalk.results.trains import trains_in
 from ropewalk.results.views import colour_of, path_label
 

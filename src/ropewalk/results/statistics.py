@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.contact_summary import contact_summary
 from ropewalk.results.contract import doubts_of, path_name
-from ropewalk.results.crowds import crowd_summary
 from ropewalk.results.exchanges import exchange_summary
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
 from ropewalk.results.line_response import response_summary
@@ -20,6 +19,7 @@ from ropewalk.results.net_statistics import net_summary
 from ropewalk.results.nets import net_names
 from ropewalk.results.payload_statistics import payload_summary
 from ropewalk.results.peaks import impulses
+from ropewalk.results.people import crowd_summary
 from ropewalk.results.trains import train_summary
 
 if TYPE_CHECKING:
