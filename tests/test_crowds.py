@@ -177,7 +177,7 @@ def test_a_crowd_is_its_people() -> None:
     assert here.position.values == pytest.approx(there.position.values, abs=0.0)
     assert here["load"].values.tolist()[:2] == ["all.1.left", "all.1.right"]
     weight = sum(person.mass for person in people.values()) * GRAVITY
-    assert -here.contact_force.values[:, :, -1].max() < weight
+    assert np.nanmax(-here.contact_force.values[:, :, -1]) < weight
     assert here.attrs["doubts"] == ""
 
 
