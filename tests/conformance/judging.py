@@ -132,6 +132,11 @@ def _weight(load: Tree) -> float:
         return DOWN * float(np.sum(load["mass"]))
     if load["kind"] == "vehicle":
         return DOWN * sum(part.get("mass", 0.0) for block in ("bodies", "wheels") for part in load[block].values())
+    if load["kind"] == "train":
+        count = sum(int(one.split()[0]) if " " in one else 1 for one in load["order"])
+        return count * _weight({**load["vehicles"]["car"], "kind": "vehicle"})
+    if load["kind"] == "crowd":
+        return DOWN * float(load["number"] * load["mass"]["mean"])
     if load["kind"] == "stepper":
         return float(load["options"]["force"])
     if load["kind"] == "fmu":

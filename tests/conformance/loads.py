@@ -94,6 +94,11 @@ def footsteps(s: Structure, **more: Any) -> Tree:
     return {"kind": "footsteps", "mass": s.mass, **way(s), **more}
 
 
+def crowd(s: Structure, **more: Any) -> Tree:
+    """Three people who stand and walk anywhere."""
+    return {"kind": "crowd", "number": 3, "mass": {"mean": s.mass / 3.0, "deviation": 0.05 * s.mass}, **more}
+
+
 def walker(s: Structure, **more: Any) -> Tree:
     return {"kind": "walker", "mass": s.mass, "leg_stiffness": 175.0 * s.mass, "foot_mass": 0.02 * s.mass,
             "leg_damping": 2.0 * s.mass, **way(s), **more}  # fmt: skip
@@ -119,7 +124,7 @@ def load(s: Structure, kind: str, moved: Tree | None = None, **more: Any) -> Tre
     tree, own = KINDS[kind](s), moved if moved is not None else travel(s)
     if tree["kind"] in ("axles", "train"):
         own = {key: own[key] for key in ("speed", "from", "measured") if key in own}
-    if tree["kind"] not in ("footsteps", "walker", "stepper"):
+    if tree["kind"] not in ("footsteps", "crowd", "walker", "stepper"):
         tree["travel"] = own
     return {**tree, "on": s.on, **more}
 
@@ -142,6 +147,7 @@ KINDS: dict[str, Any] = {
     "light vehicle": lambda s: vehicle(s, 0.0),
     "matrices": matrices,
     "footsteps": footsteps,
+    "crowd": crowd,
     "footsteps aside": lambda s: footsteps(s, lateral="bachmann"),
     "walker": walker,
     "walker aside": lambda s: walker(s, balance={}),
