@@ -23,6 +23,7 @@ NEVER: dict[str, str] = {
     "Stepper.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
     "Equilibrium.accuracy": "goes with elements: auto, which no base has; tests/meshes/test_chosen_meshes.py has",
     "Quasistatic.accuracy": "goes with elements: auto, which no base has; tests/meshes/test_chosen_meshes.py has",
+    "Crowd.at_end": "nobody comes to an end within the runs of the bases; tests/test_crowds.py has who does",
     "Walker.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
 }
 """Keys that change no number in any base, by nature or because the bases are too small for it."""
@@ -32,6 +33,10 @@ UNFELT: Reasons = {
         "auto has chosen an explicit method already, that of Verlet": (
             "plain",
             "rough",
+            "crowd",
+            "shoe",
+            "steps",
+            "tracked",
             "held",
             "earlier",
             "force in time",
@@ -155,6 +160,7 @@ UNFELT: Reasons = {
             "slow",
             "inextensible",
             "rest",
+            "hung",
             "stiff rest",
         ),
     },
@@ -245,6 +251,9 @@ UNFELT: Reasons = {
     "Travel.at_end": {
         "nothing comes to an end of the line": (
             "plain",
+            "shoe",
+            "steps",
+            "tracked",
             "hung",
             "held",
             "earlier",

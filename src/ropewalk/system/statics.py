@@ -389,8 +389,8 @@ class SystemPotential:
         if self.loaded.on.size:
             parts.append(self._around_contacts(count))
         for part in parts:
-            K = K + K.T + abs(self.free).T @ part @ abs(self.free)
-        return K.tocsc()
+            K = K + abs(self.free).T @ part @ abs(self.free)
+        return (K + K.T).tocsc()
 
     def _around_contacts(self, count: int) -> sparse.csc_matrix:
         """Which places may feel which under contacts that have no kinks yet, (place, place)."""
