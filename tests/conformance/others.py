@@ -136,7 +136,7 @@ OTHER: dict[str, Any] = {
     "Saddle.support": {"kind": "elastic", "stiffness": "200 kN/m"},
     "Line.segments": lambda _, block: _grown("segments", block, mass=3e3) or (
         {"part": {"from": 5.0, "to": 9.0, "mass": 2.0 * float(block["mass"])}}),
-    "Segment.mass": lambda value, _: 2.0 * value if value else 2e3,
+    "Segment.mass": lambda value, _: 2.0 * value if value else 2.6e3,
     "Segment.bending_stiffness": lambda value, block: 2.0 * value if value else None,
     "Segment.damage": lambda value, block: None if block.get("bending_stiffness") else 0.5,
     "Segment.foundation": lambda value, _: 2.0 * value if value else 1e6,
@@ -248,6 +248,9 @@ OTHER: dict[str, Any] = {
     "Matrices.damping": [[50.0, -50.0], [-50.0, 50.0]],
     "Matrices.weight": [300.0, 80.0],
     "MatrixWheel.at": 0.3,
+    "Vehicle.gravity": 5.0,
+    "Footsteps.phase": 0.3,
+    "Footsteps.balance": Patch(balance={}, lateral=None),
     "Crowd.mass": {"mean": 20.0, "deviation": 1.0},
     "Crowd.frequency": {"mean": 2.1, "deviation": 0.1},
     "Crowd.step_length": {"mean": 0.6, "deviation": 0.01},

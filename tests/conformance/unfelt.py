@@ -23,7 +23,6 @@ NEVER: dict[str, str] = {
     "Stepper.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
     "Equilibrium.accuracy": "goes with elements: auto, which no base has; tests/meshes/test_chosen_meshes.py has",
     "Quasistatic.accuracy": "goes with elements: auto, which no base has; tests/meshes/test_chosen_meshes.py has",
-    "Crowd.at_end": "nobody comes to an end within the runs of the bases; tests/test_crowds.py has who does",
     "Walker.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
 }
 """Keys that change no number in any base, by nature or because the bases are too small for it."""

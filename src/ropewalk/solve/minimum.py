@@ -154,7 +154,8 @@ def is_definite(K: sparse.csc_matrix, way: Way = "auto") -> bool:
 
 
 def _with_diagonal(K: sparse.csc_matrix) -> sparse.csc_matrix:
-    return abs(K) + sparse.identity(K.shape[0], format="csc")
+    pattern = abs(K)  # what rounding leaves of zero may stand on one side of the diagonal alone
+    return pattern + pattern.T + sparse.identity(K.shape[0], format="csc")
 
 
 def _factorised(solver: Solver, K: sparse.csc_matrix, shift: float) -> bool:
