@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import NoneType
 from typing import Annotated, Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
@@ -51,9 +52,15 @@ def _annotation_at(key: Key, tree: Any, start: type[Declaration] = Scenario) -> 
             if field is None:
                 return None
             marks = [mark for mark in field.metadata if isinstance(mark, Variants)]
-            annotation = Annotated[field.annotation, marks[0]] if marks else field.annotation
+            annotation = Annotated[field.annotation, marks[0]] if marks else _given(field.annotation)
         value = value.get(part) if isinstance(value, dict) else None
     return annotation
+
+
+def _given(annotation: Any) -> Any:
+    """What a block of names is that may be left out."""
+    kinds = [kind for kind in get_args(annotation) if kind is not NoneType]
+    return kinds[0] if len(kinds) == 1 and get_origin(kinds[0]) is dict else annotation
 
 
 def _declaration(annotation: Any, value: Any) -> type[Declaration] | None:

@@ -148,8 +148,8 @@ class Structure(NamedTuple):
 
     @property
     def on_runs(self) -> NDArray[np.bool_]:
-        """Which nodes are those of runs; others are at sheaves, or masses between ties, which act across x."""
-        found = np.zeros(self.nodes.mass.size, dtype=np.bool_)
+        """Which nodes are those of runs or nets; others are at sheaves, or masses between ties, which act across x."""
+        found = np.full(self.nodes.mass.size, self.surfaces is not None)
         for first, links in zip(self.runs.first, self.runs.links, strict=True):
             found[first : first + links + 1] = True
         return found
