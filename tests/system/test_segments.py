@@ -136,6 +136,21 @@ def test_moments_are_those_of_statics(segments: bool, at: float, tmp_path: Path)
     np.testing.assert_allclose(response.moment[-1], exact, atol=1e-5 * float(exact.max()))
 
 
+@pytest.mark.parametrize("at", [10.0, 5.2])
+def test_moments_at_clamped_ends_are_those_of_statics(at: float, tmp_path: Path) -> None:
+    """M = -F a b^2 / L^2 at the start. Without the turn of the first link a third of it was missing there."""
+    load = {"kind": "force", "force": [0.0, -2e5], "travel": {"speed": 0.0, "from": at}}
+    (flat := tmp_path / "flat.csv").write_text("0, 0\n20, 0\n")
+    end = {"kind": "fixed", "clamped": True}
+    keys = {"segments": {}, "profile": {"file": str(flat)}, "start_support": end, "end_support": end}
+    response = responses(simulate(bridge(AT_REST, load, **keys)))[0]["deck"]
+    assert response.moment is not None
+    x, a, b = response.xi, at, LENGTH - at
+    start, left = -2e5 * a * b**2 / LENGTH**2, 2e5 * b**2 * (3.0 * a + b) / LENGTH**3
+    exact = start + left * x - 2e5 * np.maximum(x - at, 0.0)
+    np.testing.assert_allclose(response.moment[-1], exact, atol=5e-5 * abs(start))
+
+
 def test_a_segment_like_the_rest_changes_nothing(tmp_path: Path) -> None:
     load = {"kind": "force", "force": [0.0, -2e5], "travel": {"speed": 25.0}}
     run = {"kind": "dynamic", "until": 0.3, "every": 0.05, "method": "verlet"}

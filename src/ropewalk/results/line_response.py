@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ropewalk.model.line import spatial
 from ropewalk.model.segment import bending_along
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import CURVATURE, STATIC, path_name
@@ -120,13 +121,21 @@ class LineResponse:
         x, z = np.einsum("fna,fa->fn", r[..., :-1], onward), r[..., -1]
         dx, dz = 0.5 * (x[:, 2:] - x[:, :-2]), 0.5 * (z[:, 2:] - z[:, :-2])
         bent = dx * np.diff(z, 2, axis=1) - dz * np.diff(x, 2, axis=1)
-        out = np.zeros(z.shape)
-        EI = bending_along(self.line, self.xi)[1:-1] if self.line.segments else self.line.bending_stiffness
-        out[:, 1:-1] = EI * bent / np.maximum((dx**2 + dz**2) ** 1.5, 1e-300)
-        out += self._smoothed(out) + self._corners
-        out[:, [0, -1]] = 0.0
+        out, EI = np.zeros(z.shape), bending_along(self.line, self.xi)
+        way = np.subtract(spatial(self.line.end), spatial(self.line.start))
+        level, rise = np.array([np.hypot(way[0], way[1]), way[2]]) / np.linalg.norm(way)
+        out[:, 1:-1] = EI[1:-1] * bent / np.maximum((dx**2 + dz**2) ** 1.5, 1e-300)
+        if self._is_spline:
+            for end in self._clamped:  # its curvature is that of twice the turn of its link
+                one, other = (0, 1) if end == 0 else (-2, -1)
+                turn = level * (z[:, other] - z[:, one]) - rise * (x[:, other] - x[:, one])
+                out[:, end] = (2.0 if end == 0 else -2.0) * EI[end] * turn / (self.xi[1] - self.xi[0]) ** 2
+            out += self._smoothed(out, EI)
+        out += self._corners
         for end, (a, b) in ((0, (1, 2)), (-1, (-2, -3))):
-            if getattr((self.line.start_support, self.line.end_support)[end], "clamped", False):
+            if end not in self._clamped:
+                out[:, end] = 0.0
+            elif not self._is_spline:
                 out[:, end] = 2.0 * out[:, a] - out[:, b]
         return out
 
@@ -134,17 +143,22 @@ class LineResponse:
     def _is_spline(self) -> bool:
         return self.dataset.attrs.get(CURVATURE) == SPLINE
 
-    def _smoothed(self, moment: Array) -> Array:
+    @property
+    def _clamped(self) -> list[int]:
+        """Ends, 0 and -1, at which the line cannot turn."""
+        ends = ((0, self.line.start_support), (-1, self.line.end_support))
+        return [end for end, support in ends if getattr(support, "clamped", False)]
+
+    def _smoothed(self, moment: Array, EI: Array) -> Array:
         """What to moments by second differences is missing to be those in equilibrium with what nodes bear, N m.
 
         The energy of bending EI kappa^2 / 2 has in each link a sixth of EI (kappa' - kappa)^2 / 2 besides, but for
         links in which EI steps.
         """
-        if not self._is_spline:
-            return np.zeros_like(moment)
-        EI = bending_along(self.line, self.xi)
         within = np.where(np.isclose(EI[1:], EI[:-1], rtol=1e-12), np.diff(moment, axis=1), 0.0) / 6.0
-        return np.asarray(-np.diff(within, axis=1, prepend=0.0, append=0.0))
+        out = -np.diff(within, axis=1, prepend=0.0, append=0.0)
+        out[:, self._clamped] *= 2.0  # a clamped end is the middle of what is mirrored there
+        return np.asarray(out)
 
     @cached_property
     def _corners(self) -> Array:
