@@ -91,7 +91,7 @@ def check_hangers(
             yield Finding(path, "without gravity nothing hangs", remedy="give gravity, or leave hangers out")
             continue
         for key, other, line in (("from", row.above, above), ("to", row.below, below)):
-            feature = "a joined line, or one over sheaves," if line.sheaves or line.is_joined else ""
+            feature = "a joined line, or one over sheaves or saddles," if line.is_joined else ""
             if key == "from" and line.bending_stiffness:
                 feature = "a line with bending stiffness above"
             if feature:

@@ -221,6 +221,18 @@ def scenario_of(dataset: xr.Dataset) -> Scenario | None:
     return _read(str(dataset.attrs.get("scenario", "")))
 
 
+def contacts_by_load(dataset: xr.Dataset, *kinds: type) -> dict[str, list[int]]:
+    """The contacts of each load of some kinds, by its name."""
+    scenario, names = scenario_of(dataset), dataset["load"].values.tolist()
+    if scenario is None:
+        return {}
+    return {
+        name: [k for k, contact in enumerate(names) if contact.partition(".")[0] == name]
+        for name, load in scenario.loads.items()
+        if isinstance(load, kinds)
+    }
+
+
 @lru_cache(maxsize=4)
 def _read(text: str) -> Scenario | None:
     from ropewalk.model import Scenario

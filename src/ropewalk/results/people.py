@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.model.crowd import Crowd
-from ropewalk.results.contact_statistics import scenario_of
+from ropewalk.results.contact_statistics import contacts_by_load
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -15,14 +15,7 @@ if TYPE_CHECKING:
 
 def crowds_in(dataset: xr.Dataset) -> dict[str, list[int]]:
     """The contacts of each crowd, by its name."""
-    scenario, names = scenario_of(dataset), dataset["load"].values.tolist()
-    if scenario is None:
-        return {}
-    return {
-        name: [k for k, contact in enumerate(names) if contact.partition(".")[0] == name]
-        for name, load in scenario.loads.items()
-        if isinstance(load, Crowd)
-    }
+    return contacts_by_load(dataset, Crowd)
 
 
 def crowd_summary(dataset: xr.Dataset) -> dict[str, Any]:

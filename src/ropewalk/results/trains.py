@@ -9,7 +9,7 @@ import numpy as np
 from ropewalk.mechanics.multibody_system import static_loads
 from ropewalk.model.axles import Axles
 from ropewalk.model.train import Train, TrainVehicle
-from ropewalk.results.contact_statistics import scenario_of
+from ropewalk.results.contact_statistics import contacts_by_load, scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
 from ropewalk.results.line_response import accelerations
@@ -20,14 +20,7 @@ if TYPE_CHECKING:
 
 def trains_in(dataset: xr.Dataset) -> dict[str, list[int]]:
     """The contacts of each train, by its name."""
-    scenario, names = scenario_of(dataset), dataset["load"].values.tolist()
-    if scenario is None:
-        return {}
-    return {
-        name: [k for k, contact in enumerate(names) if contact.partition(".")[0] == name]
-        for name, load in scenario.loads.items()
-        if isinstance(load, Axles | Train)
-    }
+    return contacts_by_load(dataset, Axles, Train)
 
 
 def train_summary(dataset: xr.Dataset) -> dict[str, Any]:
