@@ -188,6 +188,18 @@ def test_mistakes_name_their_keys(name: str) -> None:
         bridge(AT_REST, segments={"weak": segment})
 
 
+@pytest.mark.parametrize("what", ["inextensible lines", "lines over sheaves"])
+def test_where_one_mass_is_known_segments_are_refused(what: str) -> None:
+    """Before they were, an inextensible rope with a light part diverged."""
+    light = {"segments": {"light": {"from": 8.0, "to": 13.0, "mass": 0.1 * MASS}}, "bending_stiffness": 0.0}
+    keys: dict[str, Any] = {"law": {"kind": "inextensible"}, "length": 21.0, "axial_stiffness": None}
+    if what == "lines over sheaves":
+        keys = {"sheaves": {"wheel": {"at": [12.0, 1.0]}}}
+    run = {"kind": "dynamic", "until": 0.1, "every": 0.1}
+    with pytest.raises(ScenarioError, match=rf"lines\.deck\.segments: is not implemented for {what}"):
+        simulate(bridge(run, gravity=9.81, end_support={"kind": "fixed"}, **light, **keys))
+
+
 def test_segments_do_not_overlap_and_ropes_do_not_bend() -> None:
     two = {"one": {"from": 2.0, "to": 9.0, "mass": 1.0}, "two": {"from": 8.0, "to": 12.0, "mass": 2.0}}
     with pytest.raises(ScenarioError, match=r"segments\.two\.from: begins within segment one"):

@@ -39,6 +39,8 @@ def _only_lines(parts: Parts) -> Iterator[Finding]:
     for name in parts.nets if isinstance(run, Dynamic) and run.geometry == "linearised" else ():
         yield missing(("nets", name), "small motion", remedy="write geometry: nonlinear")
     for name, line in parts.lines.items():
+        if line is not None and line.segments:
+            yield from _of_segments(name, line)
         if line is not None and line.sheaves:
             yield from _over_sheaves(name, line, parts)
         if line is not None and line.saddles:
@@ -110,6 +112,15 @@ def _over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
         yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
     if isinstance(run, Dynamic) and run.start.kind == "result":
         yield missing(("run", "start", "kind"), what, "result", "start at rest, or from a mode")
+
+
+def _of_segments(name: str, line: Line) -> Iterator[Finding]:
+    """The pieces of a line at its sheaves, and the steps of one that does not stretch, know one mass per length."""
+    path = ("lines", name, "segments")
+    if line.sheaves:
+        yield missing(path, "lines over sheaves", ", ".join(line.segments), "leave segments out, or end the line there")
+    if isinstance(line.law, Inextensible):
+        yield missing(path, "inextensible lines", ", ".join(line.segments), "give an axial_stiffness with law hooke")
 
 
 def _over_saddles(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
