@@ -325,7 +325,7 @@ def rub_on_saddles(saddles, r, v, light, force, h):
             g = _depth(saddles, r, e, i)
             if g <= 0.0:
                 continue
-            into = steep = square = mean = 0.0
+            into = steep = square = 0.0
             for a in range(r.shape[0]):
                 into += (v[a, i] - v[a, own]) * saddles.way[a]
                 steep += saddles.way[a] ** 2
@@ -336,11 +336,10 @@ def rub_on_saddles(saddles, r, v, light, force, h):
                 continue
             slower = min(saddles.friction[e] * saddles.k[e] * g * np.sqrt(steep) * h * light[i], speed)
             for a in range(r.shape[0]):
-                change = slower / speed * (v[a, i] - v[a, own] - into / steep * saddles.way[a])
-                mean += change * (v[a, i] - v[a, own] - 0.5 * (change + h * light[i] * force[a, i]))
-            lost += mean / light[i]  # at the mean of the velocities before and behind the kick: what sticks loses none
-            for a in range(r.shape[0]):
-                change = slower / speed * (v[a, i] - v[a, own] - into / steep * saddles.way[a])
+                u = v[a, i] - v[a, own]
+                change = slower / speed * (u - into / steep * saddles.way[a])
+                # At the mean of the velocities before and behind the kick: what sticks loses nothing.
+                lost += change * (u - 0.5 * (change + h * light[i] * force[a, i])) / light[i]
                 v[a, i] -= change
                 force[a, own] += change / (light[i] * h)
     return lost
