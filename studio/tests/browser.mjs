@@ -98,8 +98,8 @@ try {
   // run, scrub
   await page.getByRole("button", { name: "Run", exact: true }).click();
   await page.getByText(/result in rope\.nc/).waitFor();
-  await page.getByLabel("Time").focus();
-  await page.getByLabel("Time").fill("0.1");
+  await page.getByLabel("Time", { exact: true }).focus();
+  await page.getByLabel("Time", { exact: true }).fill("0.1");
   await page.waitForFunction(() => document.querySelector(".clock").value === "0.100 s");
   must((await page.locator(".plots figure").count()) >= 3, "there are no plots");
   await page.getByRole("tab", { name: "Result" }).click();
@@ -123,7 +123,7 @@ try {
   for (let step = 2; step <= 5; step++) {
     await other.getByRole("button", { name: `Step ${step}:` }).click();
     if (step < 4) await other.waitForTimeout(700);
-    else await other.locator(".status").getByText("completed").waitFor();
+    else await other.locator(".status").getByText("completed").waitFor({ timeout: 400_000 }); // kernels of masses may have to be compiled
   }
   await look(other, "lesson");
   await other.setViewportSize({ width: 820, height: 1100 });
