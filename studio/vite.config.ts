@@ -4,6 +4,7 @@ import { defineConfig, type Plugin } from "vite";
 function onePage(): Plugin {
   return {
     name: "one-page",
+    enforce: "post", // when the style is there
     generateBundle(_, bundle) {
       let script = "";
       let style = "";

@@ -112,6 +112,8 @@ try {
   const offline = await opened(`file://${shared}`);
   await offline.waitForFunction(() => Number.parseFloat(document.querySelector(".clock").value) > 0);
   must((await number(offline, "largest tension")) > 0, "the shared page shows no numbers");
+  const wide = await offline.locator("canvas").first().evaluate((canvas) => canvas.clientWidth);
+  must(wide > 600, `the shared page has no style: its picture is ${wide} pixels wide`);
   await look(offline, "shared");
   await offline.close();
 
