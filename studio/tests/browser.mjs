@@ -6,7 +6,8 @@ import { chromium } from "playwright-core";
 
 const [, , address, folder, pictures] = process.argv;
 const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
-const flags = "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync";
+const flags =
+  "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync";
 const wrong = [];
 
 function must(is, what) {
@@ -61,7 +62,11 @@ try {
   must(dragged > 12 && dragged < 18, `the load was dragged to ${dragged} m`);
   must((await number(page, "walker: friction needed")) !== before, "friction does not follow the load");
   await page.getByLabel("Contact").selectOption("frictionless");
-  await page.waitForFunction(() => [...document.querySelectorAll("dt")].find((d) => /hold force/.test(d.textContent))?.nextSibling.textContent !== "0.00 N");
+  await page.waitForFunction(
+    () =>
+      [...document.querySelectorAll("dt")].find((d) => /hold force/.test(d.textContent))?.nextSibling.textContent !==
+      "0.00 N",
+  );
   must((await number(page, "walker: hold force")) > 0, "to the right of the middle a load is held back to the right");
   await look(page, "drag");
 
@@ -69,7 +74,11 @@ try {
   await page.locator("canvas").first().focus();
   const there = await page.locator('dt:text-is("walker: place x, z") + dd').textContent();
   await page.keyboard.press("ArrowLeft");
-  await page.waitForFunction((old) => [...document.querySelectorAll("dt")].find((d) => /place/.test(d.textContent))?.nextSibling.textContent !== old, there);
+  await page.waitForFunction(
+    (old) =>
+      [...document.querySelectorAll("dt")].find((d) => /place/.test(d.textContent))?.nextSibling.textContent !== old,
+    there,
+  );
 
   // a mistake, and its message at its line
   await page.getByRole("tab", { name: "Text" }).click();
@@ -112,7 +121,10 @@ try {
   const offline = await opened(`file://${shared}`);
   await offline.waitForFunction(() => Number.parseFloat(document.querySelector(".clock").value) > 0);
   must((await number(offline, "largest tension")) > 0, "the shared page shows no numbers");
-  const wide = await offline.locator("canvas").first().evaluate((canvas) => canvas.clientWidth);
+  const wide = await offline
+    .locator("canvas")
+    .first()
+    .evaluate((canvas) => canvas.clientWidth);
   must(wide > 600, `the shared page has no style: its picture is ${wide} pixels wide`);
   await look(offline, "shared");
   await offline.close();
