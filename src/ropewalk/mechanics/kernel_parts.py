@@ -12,7 +12,6 @@ from __future__ import annotations
 import hashlib
 import os
 import uuid
-from collections.abc import Hashable
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
@@ -57,7 +56,7 @@ class Stored:
             return False
 
 
-class Part(JITCodeLibrary):
+class KernelPart(JITCodeLibrary):
     """The code of one function, with a list of all others that it reaches."""
 
     def __init__(self, codegen: Any, name: str) -> None:
@@ -70,9 +69,11 @@ class Part(JITCodeLibrary):
     def add_linking_library(self, library: Any) -> None:
         """Remember a function that this one calls, and what that one reaches."""
         library._ensure_finalized()
-        reached = (*library._linking_libraries, library) if isinstance(library, Part) else (library,)
+        reached = (*library._linking_libraries, library) if isinstance(library, KernelPart) else (library,)
         self._linking_libraries.extend(each for each in reached if each not in self._linking_libraries)
-        self.environments |= library.environments if isinstance(library, Part) else _environments(library._final_module)
+        self.environments |= (
+            library.environments if isinstance(library, KernelPart) else _environments(library._final_module)
+        )
 
     def finalize(self) -> None:
         """Leave the code as it is."""
@@ -109,7 +110,7 @@ class Part(JITCodeLibrary):
         return super()._get_module_for_linking()
 
     @property
-    def codegen(self) -> Part:
+    def codegen(self) -> KernelPart:
         """Whom Numba tells environments: this itself, since what is no machine code has no place for them yet."""
         return self
 
@@ -122,14 +123,14 @@ class Part(JITCodeLibrary):
 
 
 def _values(flags: Any) -> dict[str, Any]:
-    """Options of the compiler by name. Each call that is typed asks for them: as Numba does it, a quarter of its time."""
-    kind: Hashable = type(flags)
-    return {**_defaults(kind), **flags._values}
+    """Options of the compiler by name; each call that is typed asks for them, a quarter of all time as Numba does it."""
+    kind = type(flags)
+    if kind not in _defaults:
+        _defaults[kind] = {name: option.default for name, option in kind.options.items()}
+    return {**_defaults[kind], **flags._values}
 
 
-@cache
-def _defaults(kind: Any) -> dict[str, Any]:
-    return {name: option.default for name, option in kind.options.items()}
+_defaults: dict[type, dict[str, Any]] = {}
 
 
 setattr(TargetConfig, "values", _values)  # noqa: B010
@@ -140,7 +141,7 @@ class PartCompiler(Compiler):
 
     def compile_extra(self, func: Any) -> Any:
         """Compile a function of Python."""
-        self.state.library = Part(self.state.targetctx.codegen(), func.__qualname__)
+        self.state.library = KernelPart(self.state.targetctx.codegen(), func.__qualname__)
         return super().compile_extra(func)
 
 
@@ -161,7 +162,7 @@ def _defines(module: Any, name: str) -> bool:
 
 def reduced(result: Any, folder: Path) -> tuple[Any, ...]:
     """What the cache keeps of a compiled function: machine code, if there is any, and the names of all its parts."""
-    part: Part = result.library
+    part: KernelPart = result.library
     names = [_kept(library, folder).file.name for library in (*part._linking_libraries, part)]
     made = (part._get_compiled_object(), _symbols(part._final_module)) if part.made else None
     library = part.name, made, names
@@ -179,7 +180,7 @@ def rebuilt(context: Any, folder: Path, kept: tuple[Any, ...]) -> Any:
     *reached, own = (stored(folder / each) for each in names)
     if made is None and not all(each.is_whole for each in (*reached, own)):
         return None
-    part = Part(context.codegen(), name)
+    part = KernelPart(context.codegen(), name)
     part.code = own
     part._linking_libraries = reached
     part._finalized = True
@@ -195,7 +196,7 @@ def rebuilt(context: Any, folder: Path, kept: tuple[Any, ...]) -> Any:
 class _Context:
     """Numba's context, where the library that is asked for is a given one."""
 
-    def __init__(self, context: Any, part: Part) -> None:
+    def __init__(self, context: Any, part: KernelPart) -> None:
         self._context, self._part = context, part
 
     def __getattr__(self, name: str) -> Any:
@@ -204,7 +205,7 @@ class _Context:
     def codegen(self) -> _Context:
         return self
 
-    def unserialize_library(self, _: Any) -> Part:
+    def unserialize_library(self, _: Any) -> KernelPart:
         return self._part
 
 
