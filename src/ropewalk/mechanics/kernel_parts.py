@@ -123,7 +123,7 @@ class KernelPart(JITCodeLibrary):
 
 
 def _values(flags: Any) -> dict[str, Any]:
-    """Options of the compiler by name; each call that is typed asks for them, a quarter of all time as Numba does it."""
+    """Options of the compiler by name, for which each call that is typed asks: by reflection a quarter of all time."""
     kind = type(flags)
     if kind not in _defaults:
         _defaults[kind] = {name: option.default for name, option in kind.options.items()}
