@@ -12,6 +12,7 @@ from ropewalk.model.history import DisplacementTable, DriveTable, ForceTable, Sp
 from ropewalk.model.inner_support import InnerElastic, InnerFixed, InnerGuided, InnerMoving
 from ropewalk.model.joint import Joined, Joint, Sheave
 from ropewalk.model.law import Hooke, Inextensible, Law, Polynomial, SecondPiolaKirchhoff, Tabulated, TensionOnly
+from ropewalk.model.limits import Limits
 from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, Load, MovingForce, Travelling
 from ropewalk.model.mass import MovingMass
@@ -90,6 +91,7 @@ __all__ = [
     "Joint",
     "Law",
     "LengthSpread",
+    "Limits",
     "Line",
     "LinePlace",
     "Linear",

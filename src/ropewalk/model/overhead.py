@@ -13,6 +13,7 @@ from pydantic_core import core_schema
 
 from ropewalk.errors import Refused
 from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.limits import Limits
 from ropewalk.model.quantity import (
     BendingStiffness,
     Count,
@@ -305,6 +306,9 @@ class OverheadLine(Declaration):
         default=None,
         description="first and last span, counted from 1, that statistics speak of (default: all but a quarter of the "
         "spans, rounded up, at either end)",
+    )
+    limits: Limits | None = Field(
+        default=None, description="of current collection, beside which summaries and reports set each pantograph"
     )
 
     @model_validator(mode="after")

@@ -1,0 +1,28 @@
+"""What is known beside the simulation of the examples of overhead lines."""
+
+from __future__ import annotations
+
+import xarray as xr
+
+from ropewalk.results.contact_statistics import contact_statistics
+from ropewalk.results.statistics import summary
+
+
+def static_force(result: xr.Dataset, name: str, masses: float = 4200.0, contact: float = 50e3) -> float:
+    """The static force of the EN 50318:2002 pantograph that a mean force and a mean height take in equilibrium, N.
+
+    The frame stands above the mean contact by what the springs of head and contact give, and the spring of the base,
+    50 N/m, pulls it down by its height over the supports. The wire starts at z = 0.
+    """
+    found = contact_statistics(result)[name]
+    k = result["load"].values.tolist().index(name)
+    station, height = (result[f"sampled_{key}"].values[..., k].ravel() for key in ("station", "height"))
+    here = (station >= found.first) & (station <= found.last)
+    frame = float(height[here].mean()) + found.mean * (1.0 / masses + 1.0 / contact)
+    return found.mean + 50.0 * frame
+
+
+def failures(result: xr.Dataset, name: str) -> int:
+    """How many limits a pantograph breaks."""
+    checks = summary(result)["pantographs"][name]["limits"]["checks"]
+    return sum(check["verdict"] == "FAIL" for check in checks)
