@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import xarray as xr
 
 from ropewalk.results.contact_statistics import contact_statistics
@@ -26,3 +27,16 @@ def failures(result: xr.Dataset, name: str) -> int:
     """How many limits a pantograph breaks."""
     checks = summary(result)["pantographs"][name]["limits"]["checks"]
     return sum(check["verdict"] == "FAIL" for check in checks)
+
+
+def sag_without_a_dropper(result: xr.Dataset, begin: float, end: float) -> float:
+    """How much lower than at two stations the contact wire hangs halfway between them at rest, m."""
+    place = result.position.isel(time=0, node=np.flatnonzero(result.line.values == "line.contact")).values
+    low, middle, high = np.interp([begin, 0.5 * (begin + end), end], place[:, 0], place[:, -1])
+    return 0.5 * float(low + high) - float(middle)
+
+
+def tension_at_first(result: xr.Dataset, line: str) -> float:
+    """Tension of a wire in the middle at the first instant, N."""
+    own = result.tension.isel(time=0).values[result.link_line.values == line]
+    return float(own[own.size // 2])

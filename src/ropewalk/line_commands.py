@@ -43,11 +43,15 @@ def elasticity(
 
 
 def _rows(name: str, found: dict[str, Any]) -> list[tuple[str, ...]]:
-    own, waves = found["elasticity"], found["wave_speed"]
+    own, waves, pulls = found["elasticity"], found["wave_speed"], found["tension"]
     rows = [
         (f"overhead line {name}", ""),
         (f"elasticity under {own['force']:g} N", f"{1e3 * own['least']:.3f} to {1e3 * own['largest']:.3f} mm/N"),
         ("non-uniformity of elasticity", f"{100 * own['non_uniformity']:.1f} %"),
+        (
+            "tensions, contact wire and messenger",
+            f"{1e-3 * pulls['contact']:.2f} and {1e-3 * pulls['messenger']:.2f} kN",
+        ),
         ("wave speed of the contact wire", f"{3.6 * waves['contact']:.1f} km/h"),
         ("wave speed of the messenger", f"{3.6 * waves['messenger']:.1f} km/h"),
         ("reflection at droppers", f"{found['reflection']:.3f}"),
@@ -58,7 +62,7 @@ def _rows(name: str, found: dict[str, Any]) -> list[tuple[str, ...]]:
             (f"Doppler factor of {key}", f"{factors['doppler']:.3f} at {3.6 * factors['speed']:.1f} km/h"),
             (f"amplification of {key}", "it is faster than the waves" if gain is None else f"{gain:.2f}"),
         ]
-    load, value = found["blow_off"]["load"], found["blow_off"]["value"]
+    load, value = found["wind_deflection"]["load"], found["wind_deflection"]["value"]
     if load or value:
         rows.append((f"contact wire aside under {load:g} N/m", f"at most {1e3 * value:.0f} mm"))
     return rows

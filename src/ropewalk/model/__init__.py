@@ -2,6 +2,7 @@
 
 from ropewalk.model.axles import Axles, Coaches, TrainTravel
 from ropewalk.model.balance import Balance
+from ropewalk.model.condition import Condition
 from ropewalk.model.crowd import Crowd
 from ropewalk.model.damping import Damping
 from ropewalk.model.exchange import Exchange
@@ -59,6 +60,7 @@ __all__ = [
     "CableEdge",
     "ClampedEdge",
     "Coaches",
+    "Condition",
     "ContactWire",
     "Crowd",
     "Damping",

@@ -19,11 +19,10 @@ from typing import Any
 import numpy as np
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.model.overhead import OverheadLine, OverheadWire
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.scenario import Scenario
-from ropewalk.overhead.section import elasticity, section_of
-from ropewalk.wires.plan import Array
+from ropewalk.overhead.section import CONTACT, MESSENGER, Section, elasticity, section_of
+from ropewalk.wires.plan import Array, Wire
 
 STATIONS = 25  # along a span
 
@@ -52,53 +51,49 @@ class Elasticity:
         return (self.largest - self.least) / (self.largest + self.least)
 
 
-def elasticity_of(
-    name: str, line: OverheadLine, gravity: float = 9.81, force: float = 100.0, span: int | None = None
-) -> Elasticity:
+def elasticity_of(section: Section, force: float = 100.0, span: int | None = None) -> Elasticity:
     """Find the elasticity along a span, wires at constant tension, droppers slackening as they are relieved.
 
     Args:
-        name: of the line.
-        line: as declared.
-        gravity: m/s^2.
+        section: the line at rest.
         force: upwards on the contact wire, N.
         span: counted from 1 (default: the first analysed one).
 
     Raises:
         EquilibriumError: the line has no rest, or no such span.
     """
-    count, span = len(line.span_lengths), line.analysed[0] if span is None else span
+    count = section.supports.size - 1
+    span = int(np.searchsorted(section.supports, section.analysed[0])) + 1 if span is None else span
     if not 1 <= span <= count:
-        raise EquilibriumError(f"overhead line {name} has no span {span}; write 1 to {count}")
-    section = section_of(name, line, gravity)
+        raise EquilibriumError(f"overhead line {section.name} has no span {span}; write 1 to {count}")
     begin, end = section.supports[span - 1], section.supports[span]
     inner = np.linspace(begin, end, STATIONS)[int(span == 1) : STATIONS - int(span == count)]  # ends do not move
     return Elasticity(force, *elasticity(section, force, stations=inner))
 
 
-def wave_speed(wire: OverheadWire) -> float:
+def wave_speed(wire: Wire) -> float:
     """Speed of long waves, sqrt(T / m), m/s."""
     return math.sqrt(wire.tension / wire.mass)
 
 
-def reflection(line: OverheadLine) -> float:
+def reflection(contact: Wire, messenger: Wire) -> float:
     """Reflection coefficient of a wave along the contact wire at a dropper that pulls."""
-    contact, messenger = (math.sqrt(w.tension * w.mass) for w in (line.contact_wire, line.messenger_wire))
-    return messenger / (contact + messenger)
+    below, above = (math.sqrt(wire.tension * wire.mass) for wire in (contact, messenger))
+    return above / (below + above)
 
 
-def doppler_factor(line: OverheadLine, speed: float) -> float:
+def doppler_factor(contact: Wire, speed: float) -> float:
     """Doppler factor of a pantograph; negative if it is faster than the waves.
 
     Args:
-        line: as declared.
+        contact: the contact wire.
         speed: m/s.
     """
-    c = wave_speed(line.contact_wire)
+    c = wave_speed(contact)
     return (c - abs(speed)) / (c + abs(speed))
 
 
-def blow_off(span: float, begin: float, end: float, tension: float, load: float) -> float:
+def wind_deflection(span: float, begin: float, end: float, tension: float, load: float) -> float:
     """Largest distance from the track's middle of a wire between two supports under an even load sideways, m.
 
     A string: y = b1 + (b2 - b1) x / L + q x (L - x) / (2 T), and the same for the other direction of the load.
@@ -131,13 +126,15 @@ def properties(
     """
     out: dict[str, dict[str, Any]] = {}
     for name, line in scenario.overhead_lines.items():
-        found, r = elasticity_of(name, line, scenario.gravity, force, span), reflection(line)
+        section = section_of(name, line, scenario.gravity)
+        contact, messenger = section.plan.wires[CONTACT], section.plan.wires[MESSENGER]
+        found, r = elasticity_of(section, force, span), reflection(contact, messenger)
         speeds = {
             key: abs(p.travel.speed)
             for key, p in scenario.loads.items()
             if isinstance(p, Pantograph) and p.on == name and isinstance(p.travel.speed, float)
         }
-        factors = {key: doppler_factor(line, v) for key, v in speeds.items()}
+        factors = {key: doppler_factor(contact, v) for key, v in speeds.items()}
         aside = line.staggers or (0.0,) * (len(line.span_lengths) + 1)
         spans = zip(line.span_lengths, aside[:-1], aside[1:], strict=True)
         out[name] = {
@@ -145,15 +142,16 @@ def properties(
                 "force": force, "station": found.station.tolist(), "value": found.value.tolist(),
                 "least": found.least, "largest": found.largest, "non_uniformity": found.non_uniformity,
             },
-            "wave_speed": {"contact": wave_speed(line.contact_wire), "messenger": wave_speed(line.messenger_wire)},
+            "wave_speed": {"contact": wave_speed(contact), "messenger": wave_speed(messenger)},
+            "tension": {"contact": contact.tension, "messenger": messenger.tension},
             "reflection": r,
             "pantographs": {
                 key: {"speed": speeds[key], "doppler": D, "amplification": r / D if D > 0.0 else None}
                 for key, D in factors.items()
             },
-            "blow_off": {
+            "wind_deflection": {
                 "load": load,
-                "value": max(blow_off(L, b1, b2, line.contact_wire.tension, load) for L, b1, b2 in spans),
+                "value": max(wind_deflection(L, b1, b2, contact.tension, load) for L, b1, b2 in spans),
             },
         }  # fmt: skip
     return out

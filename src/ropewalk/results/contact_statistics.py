@@ -434,7 +434,11 @@ def dropper_lengths(dataset: xr.Dataset, line: OverheadLine | None, which: list[
     if line is None or not which:
         return unknown
     if line.dropper_lengths is not None:
-        return np.array([length for row in line.dropper_lengths for length in row])
+        lengths = {f"{i}.{k}": length for i, row in enumerate(line.dropper_lengths, start=1)
+                   for k, length in enumerate(row, start=1)}  # fmt: skip
+        own = line.condition
+        longer = 1.0 if own is None else 1.0 + own.expansion * own.temperature_rise
+        return longer * np.array([lengths[".".join(str(dataset["tie"].values[k]).rsplit(".", 2)[1:])] for k in which])
     axes = dataset["axis"].values.tolist()
     if line.messenger_supports.stagger == "straight" and "y" not in axes:
         return unknown

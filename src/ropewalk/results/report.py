@@ -164,6 +164,9 @@ def _of_line(line: OverheadLine) -> Iterator[Cells]:
     yield "steady arms", f"{arms.moving_mass:.4g} kg moving with the wire{', hanging free' if arms.free else ', level'}"
     if line.staggers is not None:
         yield "stagger", f"{_range([1e3 * aside for aside in line.staggers])} mm"
+    if (own := line.condition) is not None:
+        gone = ", ".join(f"{span}.{number}" for span, number in own.missing_droppers) or "none"
+        yield "since fitting", f"missing droppers: {gone}; wear {100 * own.wear:g} %; {own.temperature_rise:+g} K"
     stiffness = line.messenger_supports.stiffness
     along = "swinging along the line" if line.messenger_supports.swings else "held along the line"
     kind = "rigid" if stiffness is None else f"{_several(stiffness)} N/m"
