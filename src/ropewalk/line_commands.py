@@ -44,7 +44,7 @@ def elasticity(
 
 def _rows(name: str, found: dict[str, Any]) -> list[tuple[str, ...]]:
     own, waves, pulls = found["elasticity"], found["wave_speed"], found["tension"]
-    rows = [
+    rows: list[tuple[str, ...]] = [
         (f"overhead line {name}", ""),
         (f"elasticity under {own['force']:g} N", f"{1e3 * own['least']:.3f} to {1e3 * own['largest']:.3f} mm/N"),
         ("non-uniformity of elasticity", f"{100 * own['non_uniformity']:.1f} %"),

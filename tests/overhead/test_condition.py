@@ -31,20 +31,21 @@ def in_condition(line: dict[str, Any] = LINE, **condition: Any) -> Section:
 
 def test_without_a_dropper_the_line_rests_as_one_that_never_had_it() -> None:
     """Lengths given to the others, no arm to hold the wire: there form finding starts from lengths."""
-    line = {**LINE, "steady_arms": {"mass": 0.333, "free": True}}
+    heavy = {"stiffness": "100 kN/m", "mass": 0.1, "contact_clamp": 0.2, "messenger_clamp": 0.5}
+    line = {**LINE, "steady_arms": {"mass": 0.333, "free": True}, "droppers": {"at": LINE["droppers"]["at"], **heavy}}
     fitted, failed = formed(line), in_condition(line, missing_droppers=[[2, 5]])
     at = list(LINE["droppers"]["at"])
     places = [at, at[:4] + at[5:], at, at]
     kept = [i for i, name in enumerate(fitted.droppers) if name != "section.2.5"]
     rows = np.split(fitted.lengths[kept], np.cumsum([9, 8, 9]))
     lengths = [row.tolist() for row in rows]
-    other = formed({**line, "droppers": {"at": places, "lengths": lengths, "stiffness": "100 kN/m"}})
+    other = formed({**line, "droppers": {"at": places, "lengths": lengths, **heavy}})
     np.testing.assert_allclose(heights(failed), heights(other), atol=1e-8)
     np.testing.assert_allclose(failed.pull, other.pull, atol=1e-4)
     assert list(failed.droppers)[12:15] == ["section.2.4", "section.2.6", "section.2.7"]
-    # Its 86 N go to its neighbours, most of them to the nearest two.
+    # What it carried goes to its neighbours, most of it to the nearest two: 6.5 m of wire, half of itself and a clamp.
     gained = failed.pull[12:14] - fitted.pull[[12, 14]]
-    assert fitted.pull[13] == pytest.approx(86.0, abs=0.5)
+    assert fitted.pull[13] == pytest.approx((1.35 * 6.5 + 0.05 + 0.2) * G, abs=0.5)
     assert gained.sum() > 0.8 * fitted.pull[13]
 
 
@@ -59,6 +60,14 @@ def test_all_droppers_gone_leave_a_string_under_its_own_weight() -> None:
     assert fitted.plan.holds[fitted.holds["section.arm.1"]].force[2] == pytest.approx(lift, rel=1e-6)
     exact = -1.35 * G * 120.0**2 / (8 * 20e3) + lift * 120.0 / (4 * 20e3)
     assert z[z.size // 2] == pytest.approx(exact, abs=1e-4)
+
+
+def test_warm_droppers_hang_the_wire_as_longer_ones_do() -> None:
+    line = {**LINE, "steady_arms": {"mass": 0.333, "free": True}}
+    warm, lengths = in_condition(line, temperature_rise=60.0, expansion=1e-4), 1.006 * formed(line).lengths
+    other = formed({**line, "droppers": {**LINE["droppers"], "lengths": lengths.reshape(4, 9).tolist()}})
+    np.testing.assert_allclose(heights(warm), heights(other), atol=1e-7)
+    assert np.abs(heights(warm) - heights(formed(line))).max() > 2e-3
 
 
 @pytest.mark.parametrize("wear", [1e-3, 0.1, 0.2, 0.5])

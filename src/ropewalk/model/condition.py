@@ -82,8 +82,8 @@ class Condition(Declaration):
         if self.expansion != type(self).model_fields["expansion"].default and not self.temperature_rise:
             wrong, remedy = "nothing expands at the same temperature", "add temperature_rise, or leave expansion out"
             yield Finding(("condition", "expansion"), wrong, f"{self.expansion:g} 1/K", remedy)
-        for key in ("wear", "temperature_rise") if fixed_aside else ():
-            if value := getattr(self, key):
+        for name in ("wear", "temperature_rise") if fixed_aside else ():
+            if value := getattr(self, name):
                 wrong = "steady arms with stagger between anchored ends are not implemented with it"
-                remedy = f"write ends: weights, or leave stagger or {key} out"
-                yield Finding(("condition", key), wrong, f"{value:g}", remedy)
+                remedy = f"write ends: weights, or leave stagger or {name} out"
+                yield Finding(("condition", name), wrong, f"{value:g}", remedy)

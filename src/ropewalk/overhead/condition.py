@@ -81,7 +81,7 @@ def flat_bending(wear: float) -> float:
     s, c = math.sin(t), math.cos(t)
     away = 2.0 / 3.0 * s**3 / (math.pi * (1.0 - wear))
     second = math.pi / 4.0 - 0.25 * (t - s * c + 2.0 * s**3 * c) - math.pi * (1.0 - wear) * away**2
-    return second / (math.pi / 4.0)
+    return float(second / (math.pi / 4.0))
 
 
 def _unstrained(plan: WirePlan, element: float) -> Array:
@@ -103,7 +103,7 @@ def _tensioned(plan: WirePlan, element: float, wanted: Array) -> WirePlan:
 
     def excess(share: Array) -> Array:
         tension = first * np.exp(share)  # never in compression
-        return (_unstrained(under(tension), element) - wanted) / wanted * stiff / first
+        return np.asarray((_unstrained(under(tension), element) - wanted) / wanted * stiff / first)
 
     try:
         with np.errstate(all="ignore"):  # what overflows is no rest
