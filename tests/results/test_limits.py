@@ -11,7 +11,7 @@ import pytest
 
 from ropewalk.errors import ScenarioError
 from ropewalk.model import Limits
-from ropewalk.results import html_report, summary, text
+from ropewalk.results import html_report, named_numbers, summary, text
 from ropewalk.results.contact_statistics import ContactStatistics, contact_statistics
 from ropewalk.results.limits import FAIL, PASS, UNKNOWN, Judgement, arcing_share, judged, maximum_force, mean_range
 from ropewalk.scenario import loads
@@ -137,6 +137,9 @@ def test_summary_table_and_report_set_every_pantograph_beside_the_limits_of_its_
     first, second = (found["pantographs"][name]["limits"] for name in ("first", "second"))
     assert second["verdict"] == UNKNOWN
     assert first["verdict"] == FAIL
+    failed = sum(check["verdict"] == FAIL for check in first["checks"])
+    assert (first["failures"]["value"], second["failures"]["value"]) == (failed, None)
+    assert named_numbers(result)["pantographs.first.limits.failures"] == (failed, "1")
     uplift = next(check for check in first["checks"] if check["quantity"] == "uplift")
     assert uplift["verdict"] == FAIL
     assert uplift["high"] == pytest.approx(0.5)  # mm

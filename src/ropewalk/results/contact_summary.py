@@ -21,7 +21,7 @@ from ropewalk.results.contact_statistics import (
     scenario_of,
 )
 from ropewalk.results.contract import doubts_of
-from ropewalk.results.limits import Judgement, judged
+from ropewalk.results.limits import FAIL, UNKNOWN, Judgement, judged
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -101,7 +101,10 @@ def _limits(found: Judgement | None) -> Summary | None:
     # JSON knows no infinity: a limit that there is not is none.
     checks = [asdict(c) | {k: getattr(c, k) if math.isfinite(getattr(c, k)) else None for k in ("value", "low", "high")}
               for c in found.checks]  # fmt: skip
-    return {"title": found.title, "remark": found.remark, "verdict": found.verdict, "checks": checks}
+    count = None if found.verdict == UNKNOWN else float(sum(check.verdict == FAIL for check in found.checks))
+    failures = {"value": count, "unit": "1"}  # for sweeps, which keep numbers
+    text = {"title": found.title, "remark": found.remark, "verdict": found.verdict}
+    return text | {"failures": failures, "checks": checks}
 
 
 def _acceptance(found: Acceptance | None) -> Summary | None:
