@@ -9,18 +9,20 @@ from ropewalk.results.contact_statistics import contact_statistics
 from ropewalk.results.statistics import summary
 
 
-def static_force(result: xr.Dataset, name: str, masses: float = 4200.0, contact: float = 50e3) -> float:
-    """The static force of the EN 50318:2002 pantograph that a mean force and a mean height take in equilibrium, N.
+def static_force(
+    result: xr.Dataset, name: str, base: float = 50.0, springs: tuple[float, ...] = (4200.0, 50e3)
+) -> float:
+    """The force on the lowest mass that a mean contact force and a mean height take in equilibrium, N.
 
-    The frame stands above the mean contact by what the springs of head and contact give, and the spring of the base,
-    50 N/m, pulls it down by its height over the supports. The wire starts at z = 0.
+    That mass stands above the mean contact by what all springs over it give, and the spring of the base pulls it down
+    by its height over the supports. The wire starts at z = 0. What is not said is that of EN 50318:2002.
     """
     found = contact_statistics(result)[name]
     k = result["load"].values.tolist().index(name)
     station, height = (result[f"sampled_{key}"].values[..., k].ravel() for key in ("station", "height"))
     here = (station >= found.first) & (station <= found.last)
-    frame = float(height[here].mean()) + found.mean * (1.0 / masses + 1.0 / contact)
-    return found.mean + 50.0 * frame
+    lowest = float(height[here].mean()) + found.mean * sum(1.0 / k for k in springs)
+    return found.mean + base * lowest
 
 
 def failures(result: xr.Dataset, name: str) -> int:

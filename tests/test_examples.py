@@ -312,6 +312,17 @@ KNOWN = {
         Known("static force by the balance of means, N", lambda r: overhead.static_force(r, "pantograph"), 110.0, 0.5),
         Known("audit, part of the energy", audit, 0.0, 0.01),
     ],
+    "overhead-line-dc.yaml": [
+        # Three masses: 110 N and 0.012 (160 km/h)^2 are in balance with the means of force and height.
+        Known(
+            "force on the lowest mass, N",
+            lambda r: overhead.static_force(r, "pantograph", 160.0, (15500.0, 7000.0, 50e3)),
+            110.0 + 0.012 * (160.0 / 3.6) ** 2,
+            0.3,
+        ),
+        Known("limits that are broken", lambda r: overhead.failures(r, "pantograph"), 0.0, 0.0),
+        Known("audit, part of the energy", audit, 0.0, 0.01),
+    ],
     "overhead-line-cold.yaml": [
         # A level wire that may not shorten: T + EA alpha dT. The messenger, which sags less, pulls it up a little.
         Known(
