@@ -22,7 +22,7 @@ LAYERS = (
     ("theory",), ("mechanics",), ("external",),
     ("controllers",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("networks",), ("system",),
     ("capabilities",), ("chains", "wiring"), ("meshes",), ("impact",), ("simulate",), ("decouple",), ("coupling",),
-    ("scenario",), ("resuming",), ("console",), ("cli", "__main__"),
+    ("scenario",), ("resuming",), ("console",), ("line_commands",), ("cli", "__main__"),
 )  # fmt: skip
 # Extensions above the layers may look at everything; one not named here must be given its place first.
 ABOVE = ("compare", "paper", "sweeps", "cosim", "studio", "warming", "foreign")

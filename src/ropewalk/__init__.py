@@ -15,7 +15,7 @@ loads           `MovingForce`, `MovingMass`, `Oscillator`, `Trolley` with its `P
                 `FrequencySpread` and `LengthSpread`; `Stepper` for a model of one's own, `Fmu` with
                 `FmuContact`s and `FmuTravel` for one of another program; their `Exchange` with the line
 overhead lines  `OverheadLine` of `ContactWire`, `MessengerWire`, `StitchWire`, `Droppers`, `SteadyArms`,
-                `MessengerSupports` and `Spans`; `Pantograph` with its `PantographTravel`
+                `MessengerSupports`, `Spans`, `Condition` and `Limits`; `Pantograph` with its `PantographTravel`
 travel          `Travel` as prescribed, `FreeTravel` with `Driver` and `Brake`
 axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `Tabulated`, `Inextensible`
 supports        `Fixed`, `Elastic`, `Guided`, `Moving`; `Joined` to a `Joint`, a line or a net; `Sheave`s on the way;

@@ -36,6 +36,7 @@ from ropewalk.console import (
     say,
     show_in,
 )
+from ropewalk.line_commands import elasticity
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -430,11 +431,7 @@ def export(
     load: Annotated[str | None, typer.Option("--load", metavar="NAME", help="A vehicle without its line.")] = None,
     give: Annotated[
         str | None,
-        typer.Option(
-            "--give",
-            metavar="force|motion",
-            help="Output of the FMU [default: motion of a line, force of a load].",
-        ),
+        typer.Option("--give", metavar="force|motion", help="Output [default: motion of a line, force of a load]."),
     ] = None,
     contacts: Annotated[int, typer.Option("--contacts", metavar="N", help="Number of contacts of the line.")] = 1,
     contact_stiffness: Annotated[
@@ -488,6 +485,9 @@ def warm_up(
             found = warming.warm_up(groups, workers, progress)
         if not quiet:
             print_columns([*found.items(), ("kept in", str(warming.folder()))])
+
+
+app.command()(elasticity)
 
 
 @app.command()

@@ -33,7 +33,7 @@ SECTIONS = {
     "Loads of your own": ("stepper", "fmu", "exchange"),
     "Travel": ("travel",),
     "Tables": ("history",),
-    "Overhead lines": ("overhead", "pantograph"),
+    "Overhead lines": ("overhead", "condition", "limits", "pantograph"),
     "Runs": ("run",),
     "What results tell of lines": ("outputs",),
     "Many runs": ("sweep",),
