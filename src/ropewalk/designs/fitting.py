@@ -17,7 +17,7 @@ from ropewalk.scenario import dump, varying
 from ropewalk.sweeps.parameters import refuse, setting
 
 CONFIDENCE = 0.95
-STEP = 1e-4  # of the ways between the bounds, for differences
+STEP = 1e-3  # of parts of the ways between the bounds, for central differences: frequencies are known to 1e-7 or so
 CLEAR = 1e-5  # of the largest slope: smaller ones are of differences, not of the model
 CLOSE = 1e-10  # relative changes at which the search ends
 
