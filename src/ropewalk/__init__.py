@@ -27,7 +27,9 @@ answers         `simulate`, `resume`, `spectrum`; `feedback` gives a `Comparison
                 `model_hierarchy` a `ModelHierarchy` of simpler models, `adequacy` an `AdequacyMap` over two `Axis`es;
                 `summary`, `tables`, `figure` and `film` of a result, paths of contacts `extrapolated` from two meshes;
                 `contact_statistics` and `html_report` of overhead lines
-many runs       `sweep` gives one dataset over what varies (`Sweep`), `sweep_figure` and `sweep_table` are of it
+many runs       `sweep` gives one dataset over what varies (`Sweep`), `sweep_figure` and `sweep_table` are of it;
+                `design` gives the `Design` that limits allow, `fit` the `Fit` of unknown values to measured ones,
+                `gradient` derivatives with their errors
 closed forms    `theory`: what the simulation is checked against
 errors          `RopewalkError`, and of its kind `ScenarioError`, `EquilibriumError`, `ResultError`
 ==============  ======================================================================================
@@ -56,6 +58,11 @@ if TYPE_CHECKING:
     from ropewalk.coupling import Comparison as Comparison
     from ropewalk.coupling import feedback as feedback
     from ropewalk.decouple import without_feedback as without_feedback
+    from ropewalk.designs.designing import design as design
+    from ropewalk.designs.fitting import Fit as Fit
+    from ropewalk.designs.fitting import fit as fit
+    from ropewalk.designs.gradient import gradient as gradient
+    from ropewalk.designs.result import Design as Design
     from ropewalk.errors import EquilibriumError as EquilibriumError
     from ropewalk.errors import RopewalkError as RopewalkError
     from ropewalk.errors import ScenarioError as ScenarioError
@@ -92,6 +99,11 @@ _HOME = {
     "RopewalkError": "errors",
     "ScenarioError": "errors",
     "adequacy": "compare.adequacy",
+    "Design": "designs.result",
+    "design": "designs.designing",
+    "Fit": "designs.fitting",
+    "fit": "designs.fitting",
+    "gradient": "designs.gradient",
     "contact_statistics": "results.contact_statistics",
     "export_fmu": "cosim.export",
     "extrapolated": "results",
