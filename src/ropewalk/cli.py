@@ -268,8 +268,7 @@ def spectrum(
     """Compute the frequencies and damping of the small motions, which decide the method; draw the modes."""
     with reported():
         check_picture(output, FIGURE_SUFFIXES)
-        scenario = load_scenario(file, settings, no_code)
-        found = import_module("ropewalk.simulate").spectrum_of(scenario, at=at)
+        found = import_module("ropewalk.simulate").spectrum_of(load_scenario(file, settings, no_code), at=at)
         if as_json:
             print_json(found.as_dict())
         else:
@@ -285,8 +284,7 @@ def spectrum(
 def feedback(file: ScenarioFile, no_code: NoCode = False, settings: Settings = None, as_json: Json = False) -> None:
     """Compare a run with that of the forces its loads exert on rigid ground: does the coupling matter?"""
     with reported():
-        scenario = load_scenario(file, settings, no_code)
-        found = import_module("ropewalk.coupling").feedback(scenario)
+        found = import_module("ropewalk.coupling").feedback(load_scenario(file, settings, no_code))
         if as_json:
             print_json(found.as_dict())
         else:
@@ -396,6 +394,7 @@ def warm_up(
 
 
 app.command()(elasticity)
+app.command()(import_module("ropewalk.studio.command").studio)
 
 
 @app.command()

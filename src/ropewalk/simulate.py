@@ -30,6 +30,7 @@ from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.train import Train
 from ropewalk.results.frame import SPLINE, Frame, Layout, RunInfo
+from ropewalk.results.frames import Frames
 from ropewalk.results.running import MotionEngine, Run, StaticEngine, Statics, TimeHistory, followed
 from ropewalk.solve.load_schedule import horizon
 
@@ -40,9 +41,13 @@ if TYPE_CHECKING:
     from ropewalk.results.spectrum import Spectrum
 
 
+Seen = Callable[[Layout, Frames, RunInfo], None]
+"""What looks at a run while it goes on."""
+
+
 def simulate(
     scenario: Scenario, *, file: Path | None = None, overwrite: bool = False,
-    progress: Callable[[float], None] | None = None,
+    progress: Callable[[float], None] | None = None, seen: Seen | None = None,
 ) -> xr.Dataset:  # fmt: skip
     """Run a scenario.
 
@@ -52,6 +57,7 @@ def simulate(
             the first frame, if it holds a result of the same scenario, as it is or as it was.
         overwrite: whether the result of another scenario is replaced, too.
         progress: called with the part that is done, 0 to 1.
+        seen: called with the layout, with frames as they come and with how the run goes, to look at it meanwhile.
 
     Returns:
         The result; its attributes hold the outcome, advice, the method and why it was chosen. A run that breaks
@@ -73,7 +79,7 @@ def simulate(
 
     def recorded(asked: Scenario, run: Run, run_info: RunInfo) -> xr.Dataset:
         with Recorder(run.layout, asked, run_info, file, run=run) as recorder:
-            return record(run, recorder, run_info, watch, progress)
+            return record(run, recorder, run_info, watch, progress, seen)
 
     if is_asked_for(scenario):
         from ropewalk.meshes import choosing  # lazy: most runs are on one mesh
@@ -114,14 +120,17 @@ class Clock:
 
 
 def record(
-    run: Run, recorder: Recorder, run_info: RunInfo, watch: Clock, progress: Callable[[float], None] | None
-) -> xr.Dataset:
+    run: Run, recorder: Recorder, run_info: RunInfo, watch: Clock, progress: Callable[[float], None] | None,
+    seen: Seen | None = None,
+) -> xr.Dataset:  # fmt: skip
     """Let a run go to its end, and record all that is still to come of it."""
     try:
         for frames in run.blocks():
             recorder.extend(frames)
             if watch.is_due():
                 watch.note(run_info)
+            if seen is not None:
+                seen(run.layout, frames, run_info)
             if progress is not None:
                 progress(min(recorder.frames / run.total, 1.0))
     except KeyboardInterrupt:

@@ -1,0 +1,46 @@
+"""`ropewalk studio`: open the page."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ropewalk.console import fail, reported
+
+
+def studio(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[FILE]", help="Scenario or result; its folder is opened [default: here].")
+    ] = None,
+    port: Annotated[
+        int, typer.Option("--port", metavar="N", help="Port on 127.0.0.1 [default: any that is free].")
+    ] = 0,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
+    allow_code: Annotated[
+        bool, typer.Option("--allow-code", help="Run scenarios that hold code of somebody: steppers and FMUs.")
+    ] = False,
+    memory: Annotated[
+        float, typer.Option("--memory", metavar="GB", help="Most that each process may take; 0: no limit.")
+    ] = 4.0,
+    pages: Annotated[int, typer.Option("--pages", metavar="N", help="How many pages may compute at once.")] = 4,
+    seconds: Annotated[float, typer.Option("--seconds", metavar="S", help="Longest time of a run.")] = 3600.0,
+) -> None:
+    """See, drag, run and share structures on a page in the browser, served to this machine only."""
+    with reported():
+        folder, name = Path.cwd() if file is None else file.absolute().parent, "" if file is None else file.name
+        if not folder.is_dir():
+            fail(f"{folder}: there is no such folder")
+        if file is not None and not file.is_file():
+            fail(f"{file}: there is no such file; write one with  ropewalk new {file.stem}")
+        if file is not None and file.suffix.lower() not in (".yaml", ".yml", ".json", ".nc"):
+            fail(f"{file}: give a scenario (.yaml, .json) or a result (.nc)")
+        try:
+            serving = import_module("ropewalk.studio.serving")
+        except ImportError as problem:
+            fail(f'{problem}; the studio needs more packages: pip install "ropewalk[studio]"')
+            raise
+        settings = serving.Settings(folder, name, allow_code, int(memory * 1e9), max(pages, 1), seconds)
+        serving.serve(settings, port, browser)

@@ -1,0 +1,201 @@
+"""Worker processes as the server sees them: leased to pages, stopped when these close, ended when they hang."""
+
+from __future__ import annotations
+
+import asyncio
+import multiprocessing
+import threading
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from typing import Any
+
+from ropewalk.errors import RopewalkError
+from ropewalk.studio.worker import main
+
+Message = str | bytes
+Forward = Callable[[Message], Awaitable[None]]
+
+_PATIENCE = 5.0  # s that a worker may take to hear that it is to stop
+_CONTEXT = multiprocessing.get_context("spawn")
+
+
+class WorkerEnded(RopewalkError):
+    """A worker ended before it had answered."""
+
+
+class Process:
+    """A worker process, and the thread that reads from it."""
+
+    def __init__(self, folder: str, allow_code: bool, memory: int, loop: asyncio.AbstractEventLoop) -> None:
+        self._loop = loop
+        self._pipe, theirs = _CONTEXT.Pipe()
+        self._process = _CONTEXT.Process(target=main, args=(theirs, folder, allow_code, memory), daemon=True)
+        self._process.start()
+        theirs.close()
+        self._number, self._sending = 0, threading.Lock()
+        self._waiting: dict[int, tuple[asyncio.Future[Message], Forward | None]] = {}
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether it can be asked."""
+        return self._process.is_alive()
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether it has answered all."""
+        return not self._waiting
+
+    @property
+    def pid(self) -> int:
+        """Number of the process."""
+        return self._process.pid or 0
+
+    async def ask(self, asked: dict[str, Any], forward: Forward | None = None, within: float | None = None) -> Message:
+        """Ask, and wait for the answer.
+
+        Args:
+            asked: what to do, with its number on the page as `id`.
+            forward: takes messages that come before the last one; as long as it has not done so, no more are read.
+            within: s; a worker that has not answered then is ended.
+
+        Raises:
+            WorkerEnded: it has ended, or did not answer in time.
+        """
+        self._number += 1
+        number, future = self._number, self._loop.create_future()
+        self._waiting[number] = future, forward
+        try:
+            await self._loop.run_in_executor(None, self._put, {**asked, "ticket": number})
+            return await asyncio.wait_for(asyncio.shield(future), within)
+        except TimeoutError:
+            self.kill()
+            raise WorkerEnded(f"no answer within {within:g} s; the computation was ended") from None
+        except OSError:
+            raise WorkerEnded("the process that computes has ended") from None
+        finally:
+            if future.done():
+                self._waiting.pop(number, None)
+
+    def tell(self, do: str) -> None:
+        """Say something that has no answer."""
+        with suppress(OSError):
+            self._put({"id": 0, "ticket": 0, "do": do})
+
+    async def abandon(self) -> None:
+        """Stop what it does for a page that has gone; end it if it does not hear."""
+        self._waiting = {number: (future, None) for number, (future, _) in self._waiting.items()}
+        if self.is_idle:
+            return
+        self.tell("stop")
+        futures = [future for future, _ in self._waiting.values()]
+        done, late = await asyncio.wait(futures, timeout=_PATIENCE)
+        for future in done:
+            with suppress(Exception):
+                future.result()
+        if late:
+            self.kill()
+        self._waiting.clear()
+
+    def kill(self) -> None:
+        """End it at once; a result that it writes stays readable."""
+        self._process.kill()
+
+    def _put(self, asked: dict[str, Any]) -> None:
+        with self._sending:
+            self._pipe.send(asked)
+
+    def _read(self) -> None:
+        with suppress(EOFError, OSError, RuntimeError):  # the last one: the loop has ended
+            while True:
+                number, last, message = self._pipe.recv()
+                future, forward = self._waiting.get(number, (None, None))
+                if last and future is not None:
+                    self._loop.call_soon_threadsafe(_resolve, future, message)
+                elif forward is not None:
+                    with suppress(Exception):
+                        asyncio.run_coroutine_threadsafe(_forwarded(forward, message), self._loop).result()
+        with suppress(RuntimeError):
+            self._loop.call_soon_threadsafe(self._fail)
+
+    def _fail(self) -> None:
+        for future, _ in self._waiting.values():
+            if not future.done():
+                why = "the process that computes has ended; was this too much for its memory?"
+                future.set_exception(WorkerEnded(why))
+                future.exception()  # it may be that nobody waits any more
+
+
+async def _forwarded(forward: Forward, message: Message) -> None:
+    await forward(message)
+
+
+def _resolve(future: asyncio.Future[Message], message: Message) -> None:
+    if not future.done():
+        future.set_result(message)
+
+
+class Pool:
+    """Worker processes: one for checks, which all pages share, and one for each page that computes.
+
+    Args:
+        folder, allow_code, memory: of the workers, see `worker.main`.
+        most: how many pages may compute.
+    """
+
+    def __init__(self, folder: str, allow_code: bool, memory: int, most: int) -> None:
+        self._of = folder, allow_code, memory
+        self._most, self._idle, self._leased = most, list[Process](), list[Process]()
+        self._checker: Process | None = None
+        self._checking = asyncio.Lock()
+
+    def start(self) -> None:
+        """Begin with those that the first page needs."""
+        self._checker = self._made()
+        self._idle.append(self._made())
+
+    def _made(self) -> Process:
+        return Process(*self._of, asyncio.get_running_loop())
+
+    async def check(self, asked: dict[str, Any], within: float) -> Message:
+        """Let the worker of all pages answer.
+
+        Raises:
+            WorkerEnded: it took too long, or too much memory.
+        """
+        async with self._checking:
+            if self._checker is None or not self._checker.is_alive:
+                self._checker = self._made()
+            return await self._checker.ask(asked, within=within)
+
+    def lease(self) -> Process:
+        """A worker for a page.
+
+        Raises:
+            RopewalkError: there are too many.
+        """
+        self._leased = [one for one in self._leased if one.is_alive]
+        self._idle = [one for one in self._idle if one.is_alive]
+        if not self._idle and len(self._leased) >= self._most:
+            raise RopewalkError(f"{self._most} pages compute already; close one of them")
+        found = self._idle.pop() if self._idle else self._made()
+        self._leased.append(found)
+        return found
+
+    async def give_back(self, process: Process) -> None:
+        """Take a worker back from a page that has gone."""
+        await process.abandon()
+        if process in self._leased:
+            self._leased.remove(process)
+        if process.is_alive and not self._idle:
+            self._idle.append(process)
+        else:
+            process.kill()
+
+    async def close(self) -> None:
+        """Stop all, in time for what they write."""
+        everyone = [*self._leased, *self._idle, *([self._checker] if self._checker else [])]
+        await asyncio.gather(*(one.abandon() for one in everyone))
+        for one in everyone:
+            one.kill()

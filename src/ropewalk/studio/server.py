@@ -1,0 +1,193 @@
+"""The server of the studio: files of the page, and a WebSocket for each page that is open."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+import ropewalk
+from ropewalk.errors import RopewalkError
+from ropewalk.scenario import json_schema, template
+from ropewalk.studio.folder import Folder
+from ropewalk.studio.guard import Guard
+from ropewalk.studio.lesson import LESSON
+from ropewalk.studio.pool import Message, Pool, Process
+from ropewalk.studio.share import PAGE
+from ropewalk.studio.templates import templates
+
+CHECK_SECONDS = 20.0
+_MOST_PAGES = 24
+_COMPUTED = ("prepare", "pose", "release", "run", "result")  # what the worker of a page does
+_KINDS = {"page": "text/html", "report": "text/html", "png": "image/png", "svg": "image/svg+xml",
+          "pdf": "application/pdf", "csv": "text/csv"}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How the studio was opened."""
+
+    folder: Path
+    file: str = ""  # of the scenario or result to begin with
+    allow_code: bool = False
+    memory: int = 4_000_000_000  # bytes of data of each worker; 0: no limit
+    most: int = 4  # pages that compute at the same time
+    seconds: float = 3600.0  # of the longest run
+
+
+class Studio:
+    """What the routes share.
+
+    Args:
+        settings: how it was opened.
+        token: the secret in the address.
+    """
+
+    def __init__(self, settings: Settings, token: str) -> None:
+        self.settings, self.token = settings, token
+        self.folder = Folder(settings.folder)
+        self.pages = 0
+        self.pool: Pool
+
+    def app(self) -> Guard:
+        """The application, behind its token."""
+        routes = [
+            Route("/", self._index), Route("/export", self._export), WebSocketRoute("/socket", self._socket),
+            Mount("/assets", StaticFiles(directory=PAGE / "assets", check_dir=False)),
+        ]  # fmt: skip
+        return Guard(Starlette(routes=routes, lifespan=self._lifespan), self.token)
+
+    @asynccontextmanager
+    async def _lifespan(self, _: Starlette) -> AsyncIterator[None]:
+        given = self.settings
+        self.pool = Pool(str(self.folder.path), given.allow_code, given.memory, given.most)
+        self.pool.start()
+        yield
+        await self.pool.close()
+
+    async def _index(self, _: Request) -> Response:
+        if not (PAGE / "index.html").is_file():
+            return PlainTextResponse("The front end is not built. Run  make studio  and open this page again.", 503)
+        return FileResponse(PAGE / "index.html")
+
+    async def _export(self, request: Request) -> Response:
+        """A result as a file: /export?name=NAME.nc&as=page|report|png|svg|pdf|csv."""
+        name, kind = request.query_params.get("name", ""), request.query_params.get("as", "")
+        if kind not in _KINDS:
+            return PlainTextResponse(f"as: write one of {', '.join(_KINDS)}", 400)
+        try:
+            found = await self.pool.check({"id": 0, "do": "export", "name": name, "as": kind}, within=120.0)
+        except RopewalkError as error:
+            return PlainTextResponse(str(error), 500)
+        if isinstance(found, str):
+            told = json.loads(found)
+            return PlainTextResponse(str(told.get("error") or told), 400)
+        stem = "".join(sign if sign.isalnum() or sign in "-_." else "_" for sign in Path(name).stem)
+        file = f"{stem}{'.html' if kind in ('page', 'report') else f'.{kind}'}"
+        return Response(
+            found, media_type=_KINDS[kind], headers={"Content-Disposition": f'attachment; filename="{file}"'}
+        )
+
+    async def _socket(self, socket: WebSocket) -> None:
+        if self.pages >= _MOST_PAGES:
+            await socket.close(1013, "too many pages are open")
+            return
+        self.pages += 1
+        try:
+            await socket.accept()
+            await Page(self, socket).serve()
+        finally:
+            self.pages -= 1
+
+
+class Page:
+    """A page that is open: its WebSocket, and the worker that it has when it computes."""
+
+    def __init__(self, studio: Studio, socket: WebSocket) -> None:
+        self._studio, self._socket = studio, socket
+        self._process: Process | None = None
+        self._tasks = set[asyncio.Task[None]]()
+        self._sending = asyncio.Lock()
+
+    async def serve(self) -> None:
+        """Answer until the page closes; then what it computes is stopped."""
+        with suppress(WebSocketDisconnect, RuntimeError):
+            while True:
+                try:
+                    asked = json.loads(await self._socket.receive_text())
+                    number, do = int(asked["id"]), str(asked["do"])
+                except (ValueError, KeyError, TypeError):
+                    await self._socket.close(1003, "not understood")
+                    break
+                if do == "stop":
+                    if self._process is not None and not self._process.is_idle:
+                        self._process.tell("stop")
+                elif len(self._tasks) < 16:
+                    task = asyncio.create_task(self._answer(number, do, asked))
+                    self._tasks.add(task)
+                    task.add_done_callback(self._tasks.discard)
+                else:
+                    await self._send(json.dumps({"id": number, "error": "too much is asked at once"}))
+        for task in self._tasks:
+            task.cancel()
+        if self._process is not None:
+            await self._studio.pool.give_back(self._process)
+
+    async def _send(self, message: Message) -> None:
+        async with self._sending:
+            if isinstance(message, str):
+                await self._socket.send_text(message)
+            else:
+                await self._socket.send_bytes(message)
+
+    async def _answer(self, number: int, do: str, asked: dict[str, Any]) -> None:
+        try:
+            found = await self._found(do, asked)
+        except RopewalkError as error:
+            found = json.dumps({"id": number, "error": str(error)})
+        except (KeyError, TypeError, ValueError) as error:
+            found = json.dumps({"id": number, "error": f"not understood: {error}"})
+        with suppress(WebSocketDisconnect, RuntimeError):
+            await self._send(found)
+
+    async def _found(self, do: str, asked: dict[str, Any]) -> Message:
+        studio = self._studio
+        if do in _COMPUTED:
+            if self._process is None or not self._process.is_alive:
+                self._process = studio.pool.lease()
+            within = studio.settings.seconds if do in ("run", "release") else 60.0 * 10
+            return await self._process.ask(asked, self._send, within=within)
+        if do == "check":
+            return await studio.pool.check(asked, within=CHECK_SECONDS)
+        return json.dumps({"id": asked["id"], **await asyncio.to_thread(self._told, do, asked)})
+
+    def _told(self, do: str, asked: dict[str, Any]) -> dict[str, Any]:
+        studio = self._studio
+        if do == "hello":
+            return {
+                "version": ropewalk.__version__, "file": studio.settings.file, "code": studio.settings.allow_code,
+                **studio.folder.files(), "templates": templates(), "lesson": LESSON,
+            }  # fmt: skip
+        if do == "schema":
+            return {"schema": json_schema()}
+        if do == "files":
+            return studio.folder.files()
+        if do == "new":
+            return {"text": template(str(asked["name"]))}
+        if do == "read":
+            return studio.folder.read(str(asked["name"]))
+        if do == "save":
+            stamp = asked.get("stamp")
+            return studio.folder.save(str(asked["name"]), str(asked["text"]), stamp and str(stamp))
+        raise RopewalkError(f"{do}: the studio does not do this")

@@ -1,0 +1,44 @@
+"""The server put to work: a socket on 127.0.0.1, a token, and the address for the browser."""
+
+from __future__ import annotations
+
+import secrets
+import socket
+import webbrowser
+
+import uvicorn
+
+from ropewalk.console import fail, say
+from ropewalk.studio.server import Settings, Studio
+
+__all__ = ["Settings", "serve"]
+_MOST_CONNECTIONS = 64
+_LARGEST_MESSAGE = 2_000_000  # bytes, from a page
+
+
+def serve(settings: Settings, port: int = 0, browser: bool = True) -> None:
+    """Serve until Ctrl-C.
+
+    Args:
+        settings: what is opened.
+        port: on 127.0.0.1; 0: any that is free.
+        browser: whether to open the page.
+    """
+    studio = Studio(settings, secrets.token_urlsafe(24))
+    app = studio.app()
+    listening = socket.socket()
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind(("127.0.0.1", port))
+    except OSError as problem:
+        fail(f"--port {port}: {problem.strerror}; leave it out, and a free one is taken")
+    app.port = int(listening.getsockname()[1])
+    address = f"http://127.0.0.1:{app.port}/{studio.token}/"
+    say(f"The studio is at  {address}\nIt serves the folder {studio.folder.path} to this machine only. Ctrl-C ends it.")
+    config = uvicorn.Config(
+        app, log_level="error", ws_max_size=_LARGEST_MESSAGE, limit_concurrency=_MOST_CONNECTIONS,
+        ws_per_message_deflate=False, server_header=False, timeout_graceful_shutdown=3, ws_ping_interval=20.0,
+    )  # fmt: skip
+    if browser:
+        webbrowser.open(address)
+    uvicorn.Server(config).run(sockets=[listening])

@@ -1,0 +1,33 @@
+"""One page that holds a run: data inside, opens offline, needs no server."""
+
+from __future__ import annotations
+
+import base64
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ropewalk.errors import RopewalkError
+from ropewalk.studio.streams import of_result, stored
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+PAGE = Path(__file__).parent / "page"  # where the build of studio/ is
+MOST_BYTES = 60_000_000
+
+
+def shared(dataset: xr.Dataset) -> str:
+    """A result as a page.
+
+    Raises:
+        RopewalkError: the front end has not been built, or the result is too large for a page.
+    """
+    template, messages = PAGE / "share" / "share.html", [*of_result(dataset, {"id": 1})]
+    if not template.is_file():
+        raise RopewalkError("the front end of the studio is not built: run  make studio")
+    if sum(map(len, messages)) > MOST_BYTES:
+        raise RopewalkError("this result is too large for a page of its own; run it with a larger run.every")
+    data = {"messages": [base64.b64encode(m).decode() for m in messages], "ended": stored(dataset)}
+    text = json.dumps(data).replace("<", "\\u003c")  # nothing in it ends the element that it stands in
+    return template.read_text(encoding="utf-8").replace('"ropewalk-data"', text, 1)

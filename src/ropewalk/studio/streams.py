@@ -1,0 +1,102 @@
+"""Results as messages: runs while they go on, and results that are there already."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ropewalk.results.contract import path_name
+from ropewalk.results.frame import ENERGY_FORMS, Array, Layout, RunInfo
+from ropewalk.results.frames import Frames
+from ropewalk.studio.messages import described, packed
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SHOWN = (
+    "position", "tension", "contact_position", "contact_force", "hold_force", "contact_tension", "contact_friction",
+    "contact_xi", "reaction", "body_position", "energy",
+)  # fmt: skip
+MOST_BYTES = 150_000_000  # of one result on a page; of more, every second frame is shown, or every third
+_BLOCK_BYTES = 2_000_000
+
+
+def told(run_info: RunInfo) -> dict[str, Any]:
+    """How a run goes."""
+    return {
+        "outcome": run_info.outcome, "advice": run_info.advice, "method": run_info.method, "reason": run_info.reason,
+        "doubts": [str(doubt) for doubt in run_info.doubts], "warnings": list(run_info.warnings),
+    }  # fmt: skip
+
+
+class Streamed:
+    """What looks at a run and sends what it sees.
+
+    Args:
+        send: takes a message.
+        head: goes in front of all, as {"id": 7}.
+        total: how many frames the run will have.
+    """
+
+    def __init__(self, send: Callable[[bytes], None], head: dict[str, Any], total: int) -> None:
+        self._send, self._head, self._total = send, head, total
+        self._step, self._seen, self._begun = 1, 0, False
+
+    def __call__(self, layout: Layout, frames: Frames, run_info: RunInfo) -> None:
+        """Send some frames."""
+        if not self._begun:
+            self._begun = True
+            each = 4 * sum(int(frames.of[name][0].size) for name in SHOWN if name in frames.of)
+            self._step = 1 + int(each * self._total // MOST_BYTES)
+            head = {**self._head, "event": "layout", "total": self._total, "step": self._step}
+            self._send(packed({**head, "layout": described(layout), "energies": ENERGY_FORMS}, {}))
+        first = -self._seen % self._step
+        self._seen += len(frames)
+        rows = slice(first, None, self._step)
+        if first >= len(frames):
+            return
+        arrays = {"path": frames.path[rows], **{name: frames.of[name][rows] for name in SHOWN if name in frames.of}}
+        self._send(packed({**self._head, "event": "frames", "run": told(run_info)}, arrays))
+
+
+def of_result(dataset: xr.Dataset, head: dict[str, Any]) -> Iterator[bytes]:
+    """The messages that a run would have sent whose result this is."""
+    layout = _layout_of(dataset)
+    path = layout.path
+    count = int(dataset.sizes[path])
+    names = [name for name in SHOWN if name in dataset and dataset[name].dims[0] == path]
+    each = 4 * sum(int(dataset[name].size) for name in names) // max(count, 1)
+    step = 1 + int(each * count // MOST_BYTES)
+    first = {**head, "event": "layout", "total": count, "step": step, "title": str(dataset.attrs.get("title", ""))}
+    yield packed({**first, "layout": described(layout), "energies": ENERGY_FORMS}, {})
+    rows = max(1, _BLOCK_BYTES // max(each, 1)) * step
+    for begin in range(0, count, rows):
+        part = slice(begin, min(begin + rows, count), step)
+        arrays: dict[str, Array] = {"path": np.asarray(dataset[path].values[part], dtype=float)}
+        arrays |= {name: np.asarray(dataset[name].values[part], dtype=float) for name in names}
+        yield packed({**head, "event": "frames"}, arrays)
+
+
+def stored(dataset: xr.Dataset) -> dict[str, Any]:
+    """How the run of a result has ended, as a page shows it."""
+    from ropewalk.results import summary, text
+
+    found = summary(dataset)
+    ending = {key: found[key] for key in ("title", "outcome", "advice", "doubts", "warnings")}
+    return {"event": "ended", "summary": text(found), **ending}
+
+
+def _layout_of(dataset: xr.Dataset) -> Layout:
+    """What a result tells of its layout."""
+
+    def names(key: str) -> tuple[str, ...]:
+        return tuple(str(name) for name in dataset[key].values) if key in dataset.variables else ()
+
+    cells = dataset["cell_node"].values if "cell_node" in dataset.variables else np.zeros((0, 3))
+    return Layout(
+        axes=names("axis"), node_line=names("line"), node_xi=np.zeros(0), link_line=names("link_line"),
+        link_xi=np.zeros(0), contact_load=names("load"), support=names("support"), body=names("body"),
+        cell=tuple((int(a), int(b), int(c)) for a, b, c in cells), path=path_name(dataset),
+    )  # fmt: skip

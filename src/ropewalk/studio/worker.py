@@ -1,0 +1,242 @@
+"""A process that computes for one page at a time: checks, equilibria under the pointer, runs, exports.
+
+Everything that reads a scenario of somebody does it here, with a limit on memory: the server itself computes nothing.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import tempfile
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ropewalk.model.scenario import Scenario
+    from ropewalk.studio.poses import Asked, Dragging
+
+MOST_NODES = 50_000  # of a scenario in the studio
+Answer = dict[str, Any]
+
+
+def main(pipe: Connection, folder: str, allow_code: bool, memory: int) -> None:
+    """Serve until the pipe ends.
+
+    Args:
+        pipe: questions come from it as dictionaries; (id, last, message) goes back.
+        folder: where files may be read and written.
+        allow_code: whether scenarios may run code of their own.
+        memory: most bytes of data of this process.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which tells us
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small problems, and other pages want the other cores
+    os.chdir(folder)
+    if memory:
+        with contextlib.suppress(ImportError, ValueError, OSError):
+            import resource
+
+            resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+    worker = Worker(pipe, Path(folder), allow_code)
+    with contextlib.suppress(EOFError, OSError, KeyboardInterrupt):
+        while True:
+            worker.serve()
+
+
+class Worker:
+    """What answers questions."""
+
+    def __init__(self, pipe: Connection, folder: Path, allow_code: bool) -> None:
+        self._pipe, self._folder, self._allow_code = pipe, folder, allow_code
+        self._dragging: Dragging | None = None
+        self._waiting = list[Answer]()
+        self._xi = 0.0  # m, where the load was dragged to last
+
+    def serve(self) -> None:
+        """Answer the next question."""
+        from ropewalk.errors import RopewalkError, ScenarioError
+
+        asked = self._waiting.pop(0) if self._waiting else self._pipe.recv()
+        ticket, number, do = asked["ticket"], asked["id"], asked["do"]
+        try:
+            answer: Callable[[Answer], Answer | bytes] | None = getattr(self, f"_do_{do}", None)
+            found = {} if answer is None else answer(asked)
+        except ScenarioError as error:
+            found = {"problems": problems_of(error)}
+        except RopewalkError as error:
+            found = {"error": str(error)}
+        except KeyboardInterrupt:
+            found = {"error": "stopped before there was anything to keep"}
+        except MemoryError:
+            found = {"error": "this needs more memory than the studio may take (--memory)"}
+        except RecursionError:
+            found = {"error": "the blocks are nested too deeply"}
+        except Exception as error:
+            found = {"error": f"ropewalk failed ({type(error).__name__}: {error}); this is a fault of ropewalk"}
+        self._send(ticket, True, found if isinstance(found, bytes) else {"id": number, **found})
+
+    def _send(self, ticket: int, last: bool, message: Answer | bytes) -> None:
+        self._pipe.send((ticket, last, message if isinstance(message, bytes) else json.dumps(message)))
+
+    def _scenario(self, asked: Answer) -> Scenario:
+        """The scenario of a text, refused where it runs code, leaves the folder or is huge."""
+        from ropewalk.errors import Problem, ScenarioError
+        from ropewalk.external.models import refuse_code
+        from ropewalk.scenario import loads
+        from ropewalk.studio.folder import check_inside
+
+        scenario = loads(str(asked["text"]), str(asked.get("name") or "scenario.yaml"))
+        if not self._allow_code:
+            try:
+                refuse_code(scenario.loads)
+            except ScenarioError as error:
+                remedy = "open the studio with --allow-code if you trust its author"
+                wrong = "is code of somebody, which the studio does not run"
+                raise ScenarioError([Problem(p.key, wrong, p.given, remedy) for p in error.problems]) from None
+        check_inside(
+            scenario.model_dump(mode="python", by_alias=True, exclude_unset=True, warnings=False), self._folder
+        )
+        for name, line in scenario.lines.items():
+            if isinstance(elements := getattr(line, "elements", None), int) and elements > MOST_NODES:
+                remedy = f"write at most {MOST_NODES}, or run it from the command line"
+                raise ScenarioError([Problem(f"lines.{name}.elements", "is too much here", str(elements), remedy)])
+        return scenario
+
+    def _do_check(self, asked: Answer) -> Answer:
+        """Every mistake in a text."""
+        scenario = self._scenario(asked)
+        names = [*scenario.lines, *scenario.overhead_lines, *scenario.nets, *scenario.loads]
+        return {"problems": [], "title": scenario.title, "names": names, "kind": scenario.run.kind}
+
+    def _do_prepare(self, asked: Answer) -> Answer:
+        """A scenario made ready for dragging, with what can be changed by hand."""
+        from ropewalk.studio.poses import Dragging, draggable, force_of
+
+        scenario = self._scenario(asked)
+        self._dragging = Dragging(scenario)
+        found = []
+        for name in draggable(scenario):
+            load = scenario.loads[name]
+            line = scenario.lines[load.on]
+            kept = {key: getattr(line, key) for key in ("start", "end", "length", "tension", "mass")}
+            found.append({"name": name, "on": load.on, "force": force_of(scenario, name), "line": kept})
+        return {"title": scenario.title, "loads": found, "gravity": scenario.gravity}
+
+    def _asked(self, asked: Answer) -> Asked:
+        from ropewalk.studio.poses import Asked
+
+        given = asked["pose"]
+        weight = given.get("weight")
+        return Asked(
+            str(given["load"]), float(given["x"]), str(given.get("contact", "clamped")),
+            None if weight is None else float(weight), dict(given.get("line", {})),
+        )  # fmt: skip
+
+    def _do_pose(self, asked: Answer) -> Answer | bytes:
+        """The equilibrium with the load under the pointer."""
+        import numpy as np
+
+        from ropewalk.studio.messages import described, packed
+        from ropewalk.studio.streams import SHOWN
+
+        if self._dragging is None:
+            return {"error": "no scenario has been made ready"}
+        pose = self._dragging.posed(self._asked(asked))
+        self._xi = pose.xi
+        ghost = np.zeros(0) if pose.ghost is None else pose.ghost
+        arrays = {name: np.asarray(getattr(pose.frame, name)) for name in SHOWN}
+        head = {"id": asked["id"], "layout": described(pose.layout), "xi": pose.xi, "warnings": pose.warnings}
+        return packed(head, {**arrays, "ghost": ghost})
+
+    def _do_release(self, asked: Answer) -> Answer:
+        """The motion of the load when it is let go where it was dragged to; not written to a file."""
+        if self._dragging is None:
+            return {"error": "no scenario has been made ready"}
+        return self._run(asked, self._dragging.released(self._asked(asked), self._xi), None)
+
+    def _do_run(self, asked: Answer) -> Answer:
+        """A run as `ropewalk run` does it: its result is written while it goes on, unless it is not to be kept."""
+        from ropewalk.studio.folder import RESULTS, Folder
+
+        scenario = self._scenario(asked)
+        if asked.get("unkept"):
+            return self._run(asked, scenario, None)
+        stem = Path(str(asked.get("name") or "scenario.yaml")).stem
+        return self._run(asked, scenario, Folder(self._folder).file(f"{stem}.nc", RESULTS))
+
+    def _run(self, asked: Answer, scenario: Scenario, file: Path | None) -> Answer:
+        from ropewalk.model.run import Dynamic, Linear, Quasistatic
+        from ropewalk.simulate import must_compile, output_times, simulate
+        from ropewalk.studio.streams import Streamed, stored
+
+        number, ticket, run = asked["id"], asked["ticket"], scenario.run
+        if how_long := must_compile(scenario):
+            self._send(ticket, False, {"id": number, "event": "compiling", "how_long": how_long})
+        total = run.positions if isinstance(run, Quasistatic) else 1
+        if isinstance(run, Dynamic | Linear):
+            total = int(output_times(run).size)
+        send = Streamed(lambda message: self._send(ticket, False, message), {"id": number}, total)
+        overwrite = bool(asked.get("overwrite"))
+        dataset = simulate(scenario, file=file, overwrite=overwrite, progress=self._stop_if_asked, seen=send)
+        with dataset:
+            return {"file": file.name if file else None, **stored(dataset)}
+
+    def _stop_if_asked(self, _: float) -> None:
+        """Stop the run that goes on if the page says so, or has gone; what else it says waits."""
+        while self._pipe.poll():
+            try:
+                asked = self._pipe.recv()
+            except EOFError:
+                raise KeyboardInterrupt from None
+            if asked["do"] == "stop":
+                raise KeyboardInterrupt
+            self._waiting.append(asked)
+
+    def _do_result(self, asked: Answer) -> Answer:
+        """A result that is there, as if it had just been computed."""
+        from ropewalk.results import open_result
+        from ropewalk.studio.folder import RESULTS, Folder
+        from ropewalk.studio.streams import of_result, stored
+
+        file, number = Folder(self._folder).file(str(asked["name"]), RESULTS), asked["id"]
+        ticket = asked["ticket"]
+        with open_result(file) as dataset:
+            for message in of_result(dataset, {"id": number}):
+                self._send(ticket, False, message)
+            return {"file": file.name, **stored(dataset)}
+
+    def _do_export(self, asked: Answer) -> Answer | bytes:
+        """A result as a figure, a table, a report, or a page that needs no server."""
+        from ropewalk.results import figure, html_report, open_result, write_tables
+        from ropewalk.studio.folder import RESULTS, Folder
+        from ropewalk.studio.share import shared
+
+        file, kind = Folder(self._folder).file(str(asked["name"]), RESULTS), str(asked["as"])
+        with open_result(file) as dataset, tempfile.TemporaryDirectory() as place:
+            made = Path(place) / f"{file.stem}.{kind}"
+            if kind == "page":
+                return shared(dataset).encode()
+            if kind == "report":
+                return html_report(dataset).encode()
+            if kind in ("png", "svg", "pdf"):
+                figure(dataset).savefig(made)
+            elif kind == "csv":
+                made = write_tables(dataset, made)[0]
+            else:
+                return {"error": f"{kind}: results are exported as page, report, png, svg, pdf or csv"}
+            return made.read_bytes()
+
+
+def problems_of(error: Any) -> list[Answer]:
+    """The problems of a scenario, as the page shows them."""
+    return [
+        {
+            "line": p.line, "key": p.key, "wrong": p.wrong, "given": p.given, "remedy": p.remedy,
+            "message": ": ".join(part for part in (p.key, p.wrong) if part)
+            + (f", given {p.given}" if p.given else "") + (f"; {p.remedy}" if p.remedy else ""),
+        }
+        for p in error.problems
+    ]  # fmt: skip

@@ -1,0 +1,35 @@
+// Stops of Matplotlib's map `plasma`, without its light end, as the figures of the package use it.
+const STOPS = [
+  [13, 8, 135],
+  [84, 2, 163],
+  [139, 10, 165],
+  [185, 50, 137],
+  [219, 92, 104],
+  [244, 136, 73],
+  [254, 188, 43],
+];
+// In the dark the low end would vanish.
+const BRIGHT = [[92, 110, 245], ...STOPS.slice(2).map(([r, g, b]) => [Math.min(255, r + 20), g + 15, b])];
+const COUNT = 64;
+
+function table(stops: number[][]): string[] {
+  return Array.from({ length: COUNT }, (_, k) => {
+    const at = (k / (COUNT - 1)) * (stops.length - 1);
+    const i = Math.min(Math.floor(at), stops.length - 2);
+    const part = at - i;
+    const mixed = stops[i].map((v, c) => Math.round(v + part * (stops[i + 1][c] - v)));
+    return `rgb(${mixed.join(",")})`;
+  });
+}
+
+const TABLES = { light: table(STOPS), dark: table(BRIGHT) };
+
+export function steps(dark: boolean): string[] {
+  return dark ? TABLES.dark : TABLES.light;
+}
+
+/** Which step of the scale a value has. */
+export function stepOf(value: number, low: number, high: number): number {
+  if (!(high > low)) return COUNT >> 1;
+  return Math.max(0, Math.min(COUNT - 1, Math.round(((value - low) / (high - low)) * (COUNT - 1))));
+}

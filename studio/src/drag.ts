@@ -1,0 +1,258 @@
+import { type Connection, Latest } from "./connection";
+import type { Frame, Layout } from "./film";
+import { element } from "./player";
+import type { Scene, Stage, View } from "./stage";
+import { written } from "./units";
+
+interface Line {
+  start: number[];
+  end: number[];
+  length: number | null;
+  tension: number | null;
+  mass: number;
+}
+
+interface Load {
+  name: string;
+  on: string;
+  force: number[];
+  line: Line;
+}
+
+interface Pose {
+  load: string;
+  x: number;
+  contact: string;
+  weight?: number;
+  line: Record<string, unknown>;
+}
+
+interface Told {
+  shown: (scene: { layout: Layout; frame: Frame }) => void;
+  failed: (why: string) => void;
+  released: (pose: Pose) => void;
+}
+
+const NEAR = 22; // pixels
+
+/** The load under the pointer: the equilibrium for every place, and what else can be changed by hand. */
+export class Drag {
+  private loads: Load[] = [];
+  private load?: Load;
+  private pose?: Pose;
+  private view?: View;
+  private grabbed = ""; // "load", or the name of a support
+  private latest = new Latest<Pose>((pose) => this.ask(pose));
+  /** For measurements: when the last pointer moved that has been answered, and how long that took, in ms. */
+  readonly delays: number[] = [];
+
+  constructor(
+    private server: Connection,
+    private stage: Stage,
+    private canvas: HTMLCanvasElement,
+    private place: HTMLElement,
+    private told: Told,
+  ) {
+    canvas.addEventListener("pointerdown", (event) => this.down(event));
+    canvas.addEventListener("pointermove", (event) => this.move(event));
+    canvas.addEventListener("pointerup", () => this.up());
+    canvas.addEventListener("pointercancel", () => this.up());
+    Object.assign(globalThis, { ropewalkDelays: this.delays });
+  }
+
+  /** Take up a scenario that the server has made ready. */
+  begin(head: Record<string, unknown>, contact = ""): void {
+    this.loads = head.loads as Load[];
+    this.take(this.loads[0], contact);
+    if (!this.load) {
+      this.stage.show(undefined);
+      const why = "Nothing here can be dragged: forces and masses on lines can. Run it instead.";
+      this.place.replaceChildren(element("p", { class: "hint" }, why));
+    }
+  }
+
+  leave(): void {
+    this.load = undefined;
+    this.pose = undefined;
+    this.place.replaceChildren(
+      element("p", { class: "hint" }, "Choose “Drag the load” to drag it and to change values."),
+    );
+  }
+
+  private take(load: Load | undefined, contact = ""): void {
+    this.load = load;
+    this.view = undefined;
+    if (!load) return;
+    const { start, end } = load.line;
+    this.pose = { load: load.name, x: start[0] + 0.3 * (end[0] - start[0]), contact: contact || "clamped", line: {} };
+    this.panel();
+    this.latest.want({ ...this.pose });
+  }
+
+  /** Move the load by a part of the span. */
+  nudge(by: number): void {
+    if (!this.load || !this.pose) return;
+    this.want({ x: this.pose.x + 0.01 * by * (this.load.line.end[0] - this.load.line.start[0]) });
+  }
+
+  private want(change: Partial<Pose>): void {
+    if (!this.pose) return;
+    this.pose = { ...this.pose, ...change };
+    this.latest.want(this.pose);
+  }
+
+  private async ask(pose: Pose): Promise<void> {
+    const since = performance.now();
+    const { head, arrays } = await this.server.ask("pose", { pose });
+    if (!this.load || this.pose?.load !== pose.load) return;
+    if (head.error || head.problems) {
+      this.told.failed(String(head.error ?? (head.problems as { message: string }[])[0]?.message));
+      return;
+    }
+    const frame: Frame = {};
+    for (const [name, { values }] of Object.entries(arrays)) frame[name] = values;
+    const scene: Scene = { layout: head.layout as Layout, frame, ghost: frame.ghost };
+    this.view ??= this.room(scene);
+    this.fit(scene);
+    this.stage.show(scene, this.view);
+    this.told.shown(scene);
+    await new Promise((painted) => requestAnimationFrame(painted));
+    this.delays.push(performance.now() - since);
+    if (this.delays.length > 2000) this.delays.shift();
+  }
+
+  private room(scene: Scene): View {
+    const { position } = scene.frame;
+    const axes = scene.layout.axes.length;
+    const x: [number, number] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
+    for (let i = 0; i < position.length; i += axes) {
+      x[0] = Math.min(x[0], position[i]);
+      x[1] = Math.max(x[1], position[i]);
+    }
+    const w = x[1] - x[0];
+    const level = Math.max(position[axes - 1], position[position.length - 1]);
+    return {
+      x: [x[0] - 0.04 * w, x[1] + 0.04 * w],
+      z: [level - 0.24 * w, level + 0.07 * w],
+      tension: [0, 1],
+      force: 1,
+    };
+  }
+
+  private fit(scene: Scene): void {
+    const { tension, reaction, contact_force } = scene.frame;
+    const view = this.view as View;
+    const high = tension.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY);
+    const low = tension.reduce((a, b) => Math.min(a, b), Number.POSITIVE_INFINITY);
+    view.tension = high > low ? [low, high] : [low, low + 1];
+    view.force = Math.max(...[...reaction, ...contact_force].map((f) => Math.abs(f)).filter(Number.isFinite), 1);
+  }
+
+  private down(event: PointerEvent): void {
+    if (!this.load) return;
+    const box = this.canvas.getBoundingClientRect();
+    const at = [event.clientX - box.left, event.clientY - box.top];
+    const near = (node: number) =>
+      Math.hypot(this.stage.pixel(node)[0] - at[0], this.stage.pixel(node)[1] - at[1]) < NEAR;
+    const support = this.stage
+      .supportNodes()
+      .find(([name, node]) => name.startsWith(`${this.load?.on}.`) && near(node));
+    this.grabbed = support ? support[0] : "load";
+    this.canvas.setPointerCapture(event.pointerId);
+    this.move(event);
+  }
+
+  private move(event: PointerEvent): void {
+    if (!this.grabbed || !this.load || !this.pose) return;
+    const box = this.canvas.getBoundingClientRect();
+    const [x, z] = this.stage.place(event.clientX - box.left, event.clientY - box.top);
+    if (this.grabbed === "load") return this.want({ x });
+    const end = this.grabbed.slice(this.grabbed.lastIndexOf(".") + 1);
+    const old = this.load.line[end as "start" | "end"];
+    this.want({ line: { ...this.pose.line, [end]: old.length === 2 ? [x, z] : [x, old[1], z] } });
+  }
+
+  private up(): void {
+    this.grabbed = "";
+  }
+
+  private slider(
+    label: string,
+    unit: string,
+    value: number,
+    low: number,
+    high: number,
+    changed: (value: number) => void,
+  ): HTMLElement {
+    const input = element("input", {
+      type: "range",
+      min: `${low}`,
+      max: `${high}`,
+      step: "any",
+      "aria-label": `${label} (${unit})`,
+    });
+    input.valueAsNumber = value;
+    const output = element("output", {}, written(value, unit));
+    input.oninput = () => {
+      output.value = written(input.valueAsNumber, unit);
+      input.setAttribute("aria-valuetext", output.value);
+      changed(input.valueAsNumber);
+    };
+    return element("label", { class: "slider" }, element("span", {}, label), input, output);
+  }
+
+  private panel(): void {
+    const { load, pose } = this;
+    if (!load || !pose) return;
+    const contact = element("select", { "aria-label": "Contact" });
+    for (const [value, text] of [
+      ["clamped", "clamped: the rope's friction holds it"],
+      ["frictionless", "frictionless: a hold force keeps it"],
+    ])
+      contact.append(element("option", { value }, text));
+    contact.value = pose.contact;
+    contact.onchange = () => this.want({ contact: contact.value });
+    const which = element("select", { "aria-label": "Load" });
+    which.append(...this.loads.map((one) => element("option", { value: one.name }, one.name)));
+    which.value = load.name;
+    which.onchange = () => this.take(this.loads.find((one) => one.name === which.value));
+    const go = element(
+      "button",
+      { type: "button", title: "It slides and swings as a mass that weighs as much" },
+      "Let go",
+    );
+    go.onclick = () => this.pose && this.told.released(this.pose);
+    const reset = element("button", { type: "button" }, "As in the file");
+    reset.onclick = () => this.take(load, this.pose?.contact);
+    const { line, force } = load;
+    const span = Math.hypot(...line.end.map((e, a) => e - line.start[a]));
+    const change = (key: string) => (value: number) => this.want({ line: { ...this.pose?.line, [key]: value } });
+    const weight = -force[force.length - 1];
+    this.place.replaceChildren(
+      element("p", { class: "hint" }, "Drag the load or a support in the picture (arrow keys move the load)."),
+      element("div", { class: "row" }, which, contact),
+      weight > 0
+        ? this.slider("weight", "N", weight, 0.02 * weight, 3 * weight, (value) => this.want({ weight: value }))
+        : "",
+      line.length === null
+        ? this.slider(
+            "tension",
+            "N",
+            line.tension ?? 0,
+            0.3 * (line.tension ?? 1),
+            3 * (line.tension ?? 1),
+            change("tension"),
+          )
+        : this.slider(
+            "length",
+            "m",
+            line.length,
+            Math.min(0.998 * span, line.length),
+            Math.max(1.2 * span, line.length),
+            change("length"),
+          ),
+      this.slider("mass", "kg/m", line.mass, 0.05 * line.mass, 5 * line.mass, change("mass")),
+      element("div", { class: "row" }, go, reset),
+    );
+  }
+}

@@ -1,0 +1,80 @@
+import { autocompletion, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
+import { indentWithTab } from "@codemirror/commands";
+import { yaml } from "@codemirror/lang-yaml";
+import { type Diagnostic, lintGutter, setDiagnostics } from "@codemirror/lint";
+import { EditorState } from "@codemirror/state";
+import { EditorView, keymap } from "@codemirror/view";
+import { basicSetup } from "codemirror";
+import { completions, type Schema } from "./schema";
+
+export interface Problem {
+  line: number | null;
+  key: string;
+  message: string;
+}
+
+/** The scenario as text, with completion from the schema and mistakes at their lines. */
+export class Editor {
+  private view: EditorView;
+  private schema?: Schema;
+
+  constructor(
+    place: HTMLElement,
+    private changed: () => void,
+  ) {
+    this.view = new EditorView({ parent: place, state: this.state("") });
+  }
+
+  private state(text: string): EditorState {
+    return EditorState.create({
+      doc: text,
+      extensions: [
+        basicSetup,
+        yaml(),
+        lintGutter(),
+        keymap.of([indentWithTab]),
+        autocompletion({ override: [(context) => this.complete(context)] }),
+        EditorView.contentAttributes.of({ "aria-label": "Scenario in YAML" }),
+        EditorView.updateListener.of((update) => {
+          if (update.docChanged) this.changed();
+        }),
+      ],
+    });
+  }
+
+  learn(schema: Schema): void {
+    this.schema = schema;
+  }
+
+  get text(): string {
+    return this.view.state.doc.toString();
+  }
+
+  set text(text: string) {
+    this.view.setState(this.state(text));
+  }
+
+  show(problems: Problem[]): void {
+    const { doc } = this.view.state;
+    const found: Diagnostic[] = problems.map((problem) => {
+      const line = doc.line(Math.min(Math.max(problem.line ?? 1, 1), doc.lines));
+      const indent = line.text.length - line.text.trimStart().length;
+      return { from: line.from + indent, to: line.to, severity: "error", message: problem.message };
+    });
+    this.view.dispatch(setDiagnostics(this.view.state, found));
+  }
+
+  goTo(line: number): void {
+    const at = this.view.state.doc.line(Math.min(Math.max(line, 1), this.view.state.doc.lines));
+    this.view.dispatch({ selection: { anchor: at.from }, scrollIntoView: true });
+    this.view.focus();
+  }
+
+  private complete(context: CompletionContext): CompletionResult | null {
+    const word = context.matchBefore(/[\w-]*/);
+    if (!this.schema || !word || (word.from === word.to && !context.explicit)) return null;
+    const before = context.state.sliceDoc(0, word.from);
+    const options = completions(this.schema, before);
+    return options.length ? { from: word.from, options } : null;
+  }
+}

@@ -1,0 +1,58 @@
+import { element } from "./player";
+
+export interface Step {
+  title: string;
+  text: string;
+  scenario: string;
+  beside?: string;
+  do: string;
+  contact?: string;
+}
+
+/** A story in steps. */
+export class Lesson {
+  private steps: Step[] = [];
+  private now = 0;
+
+  constructor(
+    private place: HTMLElement,
+    private begin: (step: Step) => Promise<void>,
+  ) {}
+
+  learn(steps: Step[]): void {
+    this.steps = steps;
+    this.draw();
+  }
+
+  async go(k: number): Promise<void> {
+    this.now = Math.max(0, Math.min(k, this.steps.length - 1));
+    this.draw();
+    await this.begin(this.steps[this.now]);
+  }
+
+  private draw(): void {
+    const step = this.steps[this.now];
+    if (!step) return;
+    const list = element("ol", { class: "steps", "aria-label": "Steps" });
+    this.steps.forEach((one, k) => {
+      const button = element(
+        "button",
+        { type: "button", class: "icon", title: one.title, "aria-label": `Step ${k + 1}: ${one.title}` },
+        `${k + 1}`,
+      );
+      if (k === this.now) button.setAttribute("aria-current", "step");
+      button.onclick = () => this.go(k);
+      list.append(element("li", {}, button));
+    });
+    const next = element("button", { type: "button", class: "main" }, "Next");
+    next.disabled = this.now === this.steps.length - 1;
+    next.onclick = () => this.go(this.now + 1);
+    this.place.replaceChildren(
+      element("p", { class: "hint" }, "Walking the line, in five steps"),
+      list,
+      element("h2", {}, `${this.now + 1}. ${step.title}`),
+      element("p", {}, step.text),
+      next,
+    );
+  }
+}

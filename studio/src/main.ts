@@ -1,0 +1,401 @@
+import { Connection } from "./connection";
+import { Drag } from "./drag";
+import { Editor, type Problem } from "./editor";
+import { Film } from "./film";
+import { Lesson, type Step } from "./lesson";
+import { element, numbersOf, Player } from "./player";
+import { Plots } from "./plots";
+import type { Schema } from "./schema";
+import { Stage } from "./stage";
+import "./style.css";
+
+interface Template {
+  name: string;
+  title: string;
+  text: string;
+}
+
+// -- What is on the page ----------------------------------------------------------------------------------------
+
+const status = element("span", { class: "status", role: "status" }, "connecting");
+const open = element("select", { "aria-label": "Open", title: "Open a scenario, a result or an example" });
+const save = element("button", { type: "button", title: "Save to the file that was opened (Ctrl+S)" }, "Save");
+const saveAs = element("button", { type: "button" }, "Save as…");
+const run = element("button", { type: "button", class: "main", title: "Compute the scenario (Ctrl+Enter)" }, "Run");
+const stop = element("button", { type: "button", disabled: "" }, "Stop");
+const drag = element("button", { type: "button", title: "Drag the load; the rope answers" }, "Drag the load");
+const keep = element("button", { type: "button", title: "Keep this run, faintly, beside the next one" }, "Keep beside");
+const theme = element(
+  "button",
+  { type: "button", class: "icon", "aria-label": "Light or dark", title: "Light or dark" },
+  "◐",
+);
+const canvas = element("canvas", {
+  tabindex: "0",
+  role: "img",
+  "aria-label": "The structure; arrow keys move the load or step through time",
+});
+const plotted = element("div", { class: "plots" });
+const numbers = element("dl", { class: "numbers", "aria-live": "off" });
+const said = element("div");
+const summary = element("pre", { class: "summary" });
+const exports = element("div", { class: "row" });
+const written = element("div", { class: "editor" });
+const problems = element("ul", { class: "problems", "aria-label": "Mistakes", "aria-live": "polite" });
+const values = element("div", { class: "values" });
+const lessons = element("div");
+
+const tabs = {
+  values: element("div", { class: "tab" }, values, element("h2", {}, "Numbers"), numbers),
+  text: element("div", { class: "tab text", hidden: "" }, written, problems),
+  result: element("div", { class: "tab", hidden: "" }, said, exports, summary),
+  lesson: element("div", { class: "tab", hidden: "" }, lessons),
+};
+const names = { values: "Values", text: "Text", result: "Result", lesson: "Lesson" };
+const bar = element("div", { class: "tabs", role: "tablist" });
+const buttons = new Map<string, HTMLButtonElement>();
+for (const [key, tab] of Object.entries(tabs)) {
+  const button = element("button", { type: "button", role: "tab", id: `tab-${key}` }, names[key as keyof typeof names]);
+  tab.setAttribute("role", "tabpanel");
+  tab.setAttribute("aria-labelledby", `tab-${key}`);
+  button.onclick = () => show(key);
+  buttons.set(key, button);
+  bar.append(button);
+}
+
+function show(key: string): void {
+  for (const [name, tab] of Object.entries(tabs)) {
+    tab.hidden = name !== key;
+    buttons.get(name)?.setAttribute("aria-selected", `${name === key}`);
+  }
+}
+
+const stage = new Stage(canvas);
+const plots = new Plots(plotted, (path) => player.go(path));
+const player = new Player(stage, plots);
+document.body.append(
+  element(
+    "header",
+    {},
+    element("h1", {}, "ropewalk studio"),
+    open,
+    save,
+    saveAs,
+    drag,
+    run,
+    stop,
+    keep,
+    element("span", { class: "spring" }),
+    status,
+    theme,
+  ),
+  element(
+    "main",
+    {},
+    element("section", { class: "stage" }, canvas, player.bar, plotted),
+    element("aside", {}, bar, ...Object.values(tabs)),
+  ),
+);
+player.bar.hidden = true;
+show("values");
+
+// -- State ------------------------------------------------------------------------------------------------------
+
+let file = { name: "", stamp: "" };
+let clean = ""; // the text as it is in the file
+let film: Film | undefined;
+let beside: Film | undefined;
+let running = false;
+let checking = 0;
+let templates: Template[] = [];
+
+const server = new Connection(`${location.href.replace(/^http/, "ws").replace(/[#?].*$/, "")}socket`, (connected) => {
+  tell(connected ? "" : "the server has gone; looking for it", !connected);
+  if (connected) greet();
+});
+const editor = new Editor(written, () => {
+  mark();
+  clearTimeout(checking);
+  checking = setTimeout(check, 300);
+});
+const dragging = new Drag(server, stage, canvas, values, {
+  shown: (scene) => numbersShown(scene),
+  failed: (why) => tell(why, true),
+  released: (pose) => compute("release", { pose }),
+});
+const lesson = new Lesson(lessons, async (step) => begin(step));
+
+function tell(text: string, bad = false): void {
+  status.textContent = text;
+  status.title = text;
+  status.classList.toggle("bad", bad);
+}
+
+function mark(): void {
+  const changed = editor.text !== clean;
+  document.title = `${changed ? "• " : ""}${file.name || "new"} – ropewalk studio`;
+  save.disabled = !changed || !file.name;
+}
+
+function numbersShown(scene: { layout: Film["layout"]; frame: Record<string, Float32Array> }): void {
+  numbers.replaceChildren(
+    ...numbersOf(scene, scene.frame).flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]),
+  );
+}
+player.shown = (shown, frame) => numbersShown({ layout: shown.layout, frame });
+
+// -- Files ------------------------------------------------------------------------------------------------------
+
+async function greet(): Promise<void> {
+  const { head } = await server.ask("hello");
+  if (head.error) return tell(String(head.error), true);
+  templates = head.templates as Template[];
+  list(head);
+  lesson.learn(head.lesson as Step[]);
+  server.ask("schema").then((message) => editor.learn(message.head.schema as Schema));
+  if (editor.text) {
+    prepare(); // the server had gone: what is on the page stays
+    return;
+  }
+  const first = String(head.file);
+  if (first.endsWith(".nc")) await result(first);
+  else if (first) await read(first);
+  else {
+    show("lesson");
+    await lesson.go(0);
+  }
+}
+
+function list(head: Record<string, unknown>): void {
+  const group = (label: string, names: [string, string][]) => {
+    const made = element("optgroup", { label });
+    made.append(...names.map(([value, text]) => element("option", { value }, text)));
+    return made;
+  };
+  open.replaceChildren(
+    element("option", { value: "" }, "Open…"),
+    group(
+      "Scenarios",
+      (head.scenarios as string[]).map((name) => [`file:${name}`, name]),
+    ),
+    group(
+      "Results",
+      (head.results as string[]).map((name) => [`result:${name}`, name]),
+    ),
+    group(
+      "Examples",
+      templates.map((t) => [`template:${t.name}`, t.title]),
+    ),
+  );
+}
+
+open.onchange = async () => {
+  const [kind, name] = [open.value.slice(0, open.value.indexOf(":")), open.value.slice(open.value.indexOf(":") + 1)];
+  open.value = "";
+  if (kind === "result") return result(name);
+  if (editor.text !== clean && !confirm("The text has changes that are not saved. Open another one?")) return;
+  if (kind === "file") await read(name);
+  if (kind === "template") begun("", "", templates.find((t) => t.name === name)?.text ?? "");
+};
+
+async function read(name: string): Promise<void> {
+  const { head } = await server.ask("read", { name });
+  if (head.error) return tell(String(head.error), true);
+  begun(name, String(head.stamp), String(head.text));
+}
+
+function begun(name: string, stamp: string, text: string): void {
+  file = { name, stamp };
+  clean = text;
+  editor.text = text;
+  beside = undefined;
+  mark();
+  check();
+  prepare();
+}
+
+async function write(name: string, stamp: string): Promise<void> {
+  const text = editor.text;
+  const { head } = await server.ask("save", { name, text, stamp });
+  if (head.error) return tell(String(head.error), true);
+  file = { name, stamp: String(head.stamp) };
+  clean = text;
+  mark();
+  tell(`${name} saved`);
+  list((await server.ask("files")).head);
+}
+
+save.onclick = () => write(file.name, file.stamp);
+saveAs.onclick = () => {
+  const name = prompt("Name of the file, in the folder of the studio", file.name || "scenario.yaml");
+  if (name) write(name, name === file.name ? file.stamp : "");
+};
+
+// -- Text -------------------------------------------------------------------------------------------------------
+
+async function check(): Promise<boolean> {
+  const { head } = await server.ask("check", { text: editor.text, name: file.name || "scenario.yaml" });
+  const found = (head.problems as Problem[]) ?? [{ line: 1, key: "", message: String(head.error) }];
+  editor.show(found);
+  problems.replaceChildren(
+    ...(found.length
+      ? found.map((problem) => {
+          const button = element("button", { type: "button" }, `line ${problem.line ?? "–"}: ${problem.message}`);
+          button.onclick = () => editor.goTo(problem.line ?? 1);
+          return element("li", {}, button);
+        })
+      : [element("li", { class: "fine" }, "No mistakes.")]),
+  );
+  if (!found.length && !running && !player.isActive) prepare();
+  return !found.length;
+}
+
+// -- Dragging and running ---------------------------------------------------------------------------------------
+
+async function prepare(contact = ""): Promise<void> {
+  halt();
+  player.leave();
+  player.bar.hidden = true;
+  const { head } = await server.ask("prepare", { text: editor.text, name: file.name || "scenario.yaml" });
+  if (head.problems) return tell("the scenario has mistakes: see Text", true);
+  if (head.error) return tell(String(head.error), true);
+  tell(String(head.title));
+  dragging.begin(head, contact);
+}
+
+drag.onclick = () => {
+  show("values");
+  prepare();
+};
+run.onclick = () => compute("run", { text: editor.text, name: file.name || "scenario.yaml" });
+stop.onclick = () => server.tell("stop");
+keep.onclick = () => {
+  beside = film;
+  tell(beside ? "kept; the next run is drawn over it" : "there is no run yet");
+};
+
+function halt(): void {
+  if (running) server.tell("stop");
+}
+
+async function compute(what: string, given: object, withBeside = beside): Promise<void> {
+  if (running) return tell("a run is under way; stop it first", true);
+  dragging.leave();
+  running = true;
+  stop.disabled = false;
+  run.disabled = true;
+  said.replaceChildren();
+  exports.replaceChildren();
+  summary.textContent = "";
+  tell("computing");
+  player.isOver = false;
+  film = undefined;
+  let { head } = await server.ask(what, given, (message) => heard(message, withBeside));
+  running = false;
+  if (String(head.error).includes("holds a result of another scenario") && confirm(`${head.error}\n\nReplace it?`)) {
+    run.disabled = false;
+    return compute(what, { ...given, overwrite: true }, withBeside);
+  }
+  stop.disabled = true;
+  run.disabled = false;
+  player.isOver = true;
+  ended(head);
+  head = (await server.ask("files")).head;
+  if (!head.error) list(head);
+}
+
+function heard(message: { head: Record<string, unknown>; arrays: Parameters<Film["add"]>[0] }, other?: Film): void {
+  const { head, arrays } = message;
+  if (head.event === "compiling") tell(`compiling, on the first run only: ${head.how_long}`);
+  else if (head.event === "layout") {
+    film = new Film(head);
+    player.bar.hidden = false;
+    player.load(film, other);
+  } else if (film) {
+    film.add(arrays);
+    player.more();
+    const told = head.run as { warnings: string[]; doubts: string[] } | undefined;
+    if (told) doubts(told);
+    if (running) tell(`computing: ${Math.round((100 * film.count) / Math.max(film.total, 1))} %`);
+  }
+}
+
+function doubts(told: { warnings?: string[]; doubts?: string[] }): void {
+  said.replaceChildren(
+    ...(told.doubts ?? []).map((text) => element("p", { class: "doubt" }, `Not to be trusted: ${text}`)),
+    ...(told.warnings ?? []).map((text) => element("p", { class: "hint" }, `Note: ${text}`)),
+  );
+}
+
+function ended(head: Record<string, unknown>): void {
+  if (head.problems) {
+    tell("the scenario has mistakes: see Text", true);
+    show("text");
+    return;
+  }
+  if (head.error) return tell(String(head.error), true);
+  const outcome = String(head.outcome);
+  tell(head.file ? `${outcome}; result in ${head.file}` : outcome, !["completed", "interrupted"].includes(outcome));
+  doubts(head as { warnings: string[]; doubts: string[] });
+  if (head.advice) said.prepend(element("p", { class: "hint" }, String(head.advice)));
+  summary.textContent = String(head.summary);
+  if (!head.file) return;
+  const address = (kind: string) => `export?name=${encodeURIComponent(String(head.file))}&as=${kind}`;
+  for (const [kind, text] of [
+    ["page", "Page to share"],
+    ["report", "Report"],
+    ["png", "Figure"],
+    ["csv", "Table"],
+  ])
+    exports.append(element("a", { href: address(kind), download: "", class: "export", "data-kind": kind }, text));
+}
+
+async function result(name: string): Promise<void> {
+  if (running) return tell("a run is under way; stop it first", true);
+  dragging.leave();
+  player.isOver = true;
+  const { head } = await server.ask("result", { name }, (message) => heard(message, beside));
+  ended(head);
+  show("result");
+}
+
+async function begin(step: Step): Promise<void> {
+  file = { name: "", stamp: "" };
+  clean = step.scenario;
+  beside = undefined;
+  editor.text = clean;
+  mark();
+  if (step.do === "drag") return prepare(step.contact);
+  dragging.leave();
+  if (running) return;
+  if (step.beside) {
+    await compute("run", { text: step.beside, name: "lesson.yaml", unkept: true }, undefined);
+    beside = film;
+  }
+  await compute("run", { text: step.scenario, name: "lesson.yaml", unkept: true }, beside);
+}
+
+// -- Keys -------------------------------------------------------------------------------------------------------
+
+theme.onclick = () => {
+  const dark = getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
+  document.documentElement.dataset.theme = dark ? "light" : "dark";
+  stage.draw();
+};
+addEventListener("keydown", (event) => {
+  const control = event.ctrlKey || event.metaKey;
+  if (control && event.key === "s") {
+    if (!save.disabled) save.click();
+  } else if (control && event.key === "Enter") run.click();
+  else if (event.target === canvas || event.target === document.body) {
+    const by = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
+    if (event.key === " ") player.toggle();
+    else if (by && player.isActive) player.step(by);
+    else if (by) dragging.nudge(by);
+    else return;
+  } else return;
+  event.preventDefault();
+});
+addEventListener("beforeunload", (event) => {
+  if (editor.text !== clean) event.preventDefault();
+});

@@ -1,0 +1,215 @@
+import type { Film, Frame } from "./film";
+import type { Plots } from "./plots";
+import type { Stage, View } from "./stage";
+import { written } from "./units";
+
+export function element<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  given: Partial<Record<string, string>> = {},
+  ...inside: (Node | string)[]
+): HTMLElementTagNameMap[K] {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(given)) if (value !== undefined) made.setAttribute(name, value);
+  made.append(...inside);
+  return made;
+}
+
+/** Plays the frames of a run: those that are there, while others come. */
+export class Player {
+  readonly bar: HTMLElement;
+  private film?: Film;
+  private beside?: Film;
+  private view?: View;
+  private now = 0; // s of the run, or m of the load's path
+  private speed = 1;
+  private playing = false;
+  private last = 0;
+  private seen = -1;
+  private play = element(
+    "button",
+    { type: "button", class: "icon", title: "Play or pause (space)", "aria-label": "Play" },
+    "▶",
+  );
+  private slider = element("input", {
+    type: "range",
+    min: "0",
+    max: "1",
+    step: "any",
+    value: "0",
+    "aria-label": "Time",
+  });
+  private clock = element("output", { class: "clock" }, "0 s");
+  private pace = element("select", { title: "Speed", "aria-label": "Speed" });
+  private larger = element("select", { title: "Exaggeration of displacements", "aria-label": "Exaggeration" });
+  /** Called with what is shown. */
+  shown: (film: Film, frame: Frame) => void = () => {};
+
+  constructor(
+    private stage: Stage,
+    private plots: Plots,
+  ) {
+    for (const value of [0.02, 0.1, 0.25, 0.5, 1, 2, 5])
+      this.pace.append(element("option", { value: `${value}` }, `${value} × speed`));
+    this.pace.value = "1";
+    for (const value of [1, 2, 5, 10, 50])
+      this.larger.append(element("option", { value: `${value}` }, `${value} × displ.`));
+    this.bar = element(
+      "div",
+      { class: "player", role: "group", "aria-label": "Film" },
+      this.play,
+      this.slider,
+      this.clock,
+      this.pace,
+      this.larger,
+    );
+    this.play.onclick = () => this.toggle();
+    this.slider.oninput = () => {
+      this.playing = false;
+      this.go(this.slider.valueAsNumber);
+    };
+    this.pace.onchange = () => {
+      this.speed = Number(this.pace.value);
+    };
+    this.larger.onchange = () => {
+      stage.choices.exaggeration = Number(this.larger.value);
+      this.seen = -1;
+      this.refresh();
+    };
+  }
+
+  get isActive(): boolean {
+    return this.film !== undefined;
+  }
+
+  /** Show another run, from its beginning. */
+  load(film: Film, beside?: Film): void {
+    this.film = film;
+    this.beside = beside;
+    this.view = undefined;
+    this.now = 0;
+    this.seen = -1;
+    this.plots.clear();
+    this.playing = true;
+    this.last = performance.now();
+    requestAnimationFrame(this.tick);
+  }
+
+  leave(): void {
+    this.film = undefined;
+    this.playing = false;
+    this.plots.clear();
+    this.play.textContent = "▶";
+  }
+
+  toggle(): void {
+    if (!this.film) return;
+    if (!this.playing && this.now >= this.film.end - 1e-9) this.now = 0;
+    this.playing = !this.playing;
+    this.last = performance.now();
+    this.seen = -1;
+    requestAnimationFrame(this.tick);
+  }
+
+  go(path: number): void {
+    if (!this.film) return;
+    this.now = Math.max(0, Math.min(path, this.film.end));
+    this.refresh();
+  }
+
+  step(by: number): void {
+    if (!this.film) return;
+    this.playing = false;
+    const i = Math.max(0, Math.min(this.film.count - 1, this.film.at(this.now) + by));
+    this.go(this.film.path[i]);
+  }
+
+  /** More frames have come. */
+  more(): void {
+    this.view = undefined;
+    this.refresh();
+  }
+
+  private tick = (clock: number): void => {
+    const film = this.film;
+    if (!film) return;
+    if (this.playing) {
+      const rate = film.layout.path === "time" ? this.speed : this.speed * 0.2 * Math.max(film.end, 1e-9);
+      this.now += (rate * Math.min(clock - this.last, 100)) / 1000;
+      this.last = clock;
+      const ended = film.count >= film.total || this.isOver;
+      if (this.now >= film.end) {
+        this.now = film.end;
+        if (ended) this.playing = false;
+      }
+      requestAnimationFrame(this.tick);
+    }
+    this.refresh();
+  };
+
+  /** Whether no frames will come any more. */
+  isOver = false;
+
+  private refresh(): void {
+    const film = this.film;
+    if (!film?.count) return;
+    this.play.textContent = this.playing ? "❚❚" : "▶";
+    this.play.setAttribute("aria-label", this.playing ? "Pause" : "Play");
+    this.slider.max = `${film.end}`;
+    this.slider.valueAsNumber = this.now;
+    const unit = film.layout.path === "time" ? "s" : "m";
+    this.clock.value = `${this.now.toFixed(3)} ${unit}`;
+    const i = film.at(this.now);
+    const key = i + 1e7 * film.version;
+    if (key !== this.seen) {
+      this.seen = key;
+      this.view ??= viewOf(film, this.beside);
+      const frame = film.frame(i);
+      const beside = this.beside?.count
+        ? { layout: this.beside.layout, frame: this.beside.frame(this.beside.at(this.now)) }
+        : undefined;
+      this.stage.show({ layout: film.layout, frame, beside, rest: film.frame(0) }, this.view);
+      this.shown(film, frame);
+    }
+    this.plots.update(film, this.beside);
+    this.plots.cursor(this.now);
+  }
+}
+
+/** What is to be in view all the time. */
+export function viewOf(film: Film, beside?: Film): View {
+  const axes = film.layout.axes.length;
+  const films = beside?.count ? [film, beside] : [film];
+  const range = (name: string, axis: number, of = axes): [number, number] => {
+    const all = films.map((f) => f.range(name, axis, of));
+    return [Math.min(...all.map((r) => r[0])), Math.max(...all.map((r) => r[1]))];
+  };
+  const [x, z] = [range("position", 0), range("position", axes - 1)];
+  const w = x[1] - x[0];
+  const [a, b] = [z[0] - 0.05 * w, z[1] + 0.05 * w];
+  const most = (name: string) => Math.max(...films.map((f) => Math.max(...f.range(name).map(Math.abs))));
+  const force = film.layout.loads.length ? most("contact_force") : most("reaction");
+  return { x: [x[0] - 0.02 * w, x[1] + 0.02 * w], z: [a, b], tension: range("tension", 0, 1), force };
+}
+
+/** The numbers of a frame that one asks for first, as rows. */
+export function numbersOf(film: { layout: { axes: string[]; loads: string[] } }, frame: Frame): [string, string][] {
+  const axes = film.layout.axes.length;
+  const high = frame.tension.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY);
+  const low = frame.tension.reduce((a, b) => Math.min(a, b), Number.POSITIVE_INFINITY);
+  const rows: [string, string][] = [
+    ["largest tension", written(high, "N")],
+    ["smallest tension", written(low, "N")],
+  ];
+  film.layout.loads.slice(0, 4).forEach((name, k) => {
+    const behind = frame.contact_tension?.[2 * k];
+    const ahead = frame.contact_tension?.[2 * k + 1];
+    rows.push([
+      `${name}: place x, z`,
+      `${written(frame.contact_position[k * axes], "m")}, ${written(frame.contact_position[k * axes + axes - 1], "m")}`,
+    ]);
+    rows.push([`${name}: tension behind, ahead`, `${written(behind, "N")}, ${written(ahead, "N")}`]);
+    rows.push([`${name}: hold force`, written(frame.hold_force?.[k * axes], "N")]);
+    if (frame.contact_friction) rows.push([`${name}: friction needed`, written(frame.contact_friction[k], "")]);
+  });
+  return rows;
+}

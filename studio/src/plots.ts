@@ -1,0 +1,170 @@
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import type { Film } from "./film";
+
+const KEY = "ropewalk";
+
+interface Curve {
+  name: string;
+  values: number[];
+  colour: string;
+  dash?: number[];
+}
+
+/** Curves over time beside the picture, that share its cursor. */
+export class Plots {
+  private plots: uPlot[] = [];
+  private version = -1;
+  private now = 0;
+
+  constructor(
+    private place: HTMLElement,
+    private chosen: (path: number) => void,
+  ) {
+    new ResizeObserver(() => this.resize()).observe(place);
+  }
+
+  private size(): { width: number; height: number } {
+    const count = Math.max(this.plots.length, 3);
+    return {
+      width: Math.max(160, Math.floor(this.place.clientWidth / count) - 8),
+      height: Math.max(80, this.place.clientHeight - 30),
+    };
+  }
+
+  private resize(): void {
+    for (const plot of this.plots) plot.setSize(this.size());
+  }
+
+  clear(): void {
+    for (const plot of this.plots) plot.destroy();
+    this.plots = [];
+    this.place.replaceChildren();
+    this.version = -1;
+  }
+
+  /** Draw anew if frames have come. */
+  update(film: Film, beside?: Film): void {
+    const version = film.version + 1e6 * (beside?.version ?? 0);
+    if (version === this.version || film.count < 2) return;
+    this.version = version;
+    const x = Array.from(film.path.subarray(0, film.count));
+    const style = getComputedStyle(this.place);
+    const colour = (name: string) => style.getPropertyValue(name).trim();
+    const groups = curves(film, colour, "");
+    if (beside && beside.count > 1) {
+      curves(beside, colour, "beside: ").forEach((group, g) => {
+        for (const curve of group.curves)
+          groups[g]?.curves.push({
+            ...curve,
+            colour: colour("--beside"),
+            values: x.map((path) => (path <= beside.end + 1e-9 ? curve.values[beside.at(path)] : Number.NaN)),
+          });
+      });
+    }
+    if (
+      this.plots.length !== groups.length ||
+      this.plots.some((p, g) => p.series.length !== groups[g].curves.length + 1)
+    ) {
+      this.clear();
+      this.version = version;
+      const label = film.layout.path === "time" ? "t (s)" : "path (m)";
+      this.plots = groups.map((group) => this.made(group.title, label, group.curves, colour));
+    }
+    this.plots.forEach((plot, g) => {
+      plot.setData([
+        x,
+        ...groups[g].curves.map((c) => c.values.map((v) => (Number.isFinite(v) ? v : null))),
+      ] as uPlot.AlignedData);
+    });
+  }
+
+  private made(title: string, label: string, group: Curve[], colour: (name: string) => string): uPlot {
+    const axis = {
+      stroke: colour("--faint"),
+      grid: { stroke: colour("--grid"), width: 1 },
+      ticks: { show: false },
+      font: "11px system-ui",
+      labelFont: "11px system-ui",
+    };
+    const options: uPlot.Options = {
+      ...this.size(),
+      title,
+      cursor: { sync: { key: KEY }, drag: { x: false, y: false } },
+      legend: { show: false },
+      scales: { x: { time: false } },
+      axes: [
+        { ...axis, label, labelSize: 16, size: 26 },
+        { ...axis, size: 48 },
+      ],
+      series: [
+        {},
+        ...group.map((c) => ({ label: c.name, stroke: c.colour, width: 1.5, dash: c.dash, points: { show: false } })),
+      ],
+      hooks: { draw: [(plot) => this.mark(plot, colour("--ink"))] },
+    };
+    const box = document.createElement("figure");
+    this.place.append(box);
+    const plot = new uPlot(options, [[]], box);
+    plot.over.addEventListener("click", (event) => this.chosen(plot.posToVal(event.offsetX, "x")));
+    box.setAttribute("aria-label", title);
+    return plot;
+  }
+
+  private mark(plot: uPlot, stroke: string): void {
+    const x = plot.valToPos(this.now, "x", true);
+    if (!(x >= plot.bbox.left && x <= plot.bbox.left + plot.bbox.width)) return;
+    plot.ctx.save();
+    plot.ctx.strokeStyle = stroke;
+    plot.ctx.globalAlpha = 0.5;
+    plot.ctx.beginPath();
+    plot.ctx.moveTo(x, plot.bbox.top);
+    plot.ctx.lineTo(x, plot.bbox.top + plot.bbox.height);
+    plot.ctx.stroke();
+    plot.ctx.restore();
+  }
+
+  cursor(path: number): void {
+    if (path === this.now) return;
+    this.now = path;
+    for (const plot of this.plots) plot.redraw(false, false);
+  }
+}
+
+function curves(film: Film, colour: (name: string) => string, prefix: string): { title: string; curves: Curve[] }[] {
+  const axes = film.layout.axes.length;
+  const many = Math.min(film.layout.loads.length, 6);
+  const tints = [colour("--load"), colour("--hold"), "#009e73", "#e69f00", "#cc79a7", "#56b4e9"];
+  const contact: Curve[] = [];
+  const path: Curve[] = [];
+  for (let k = 0; k < many; k++) {
+    const name = prefix + film.layout.loads[k];
+    contact.push({
+      name,
+      colour: tints[k],
+      values: film.series((f) => -f.contact_force[k * axes + axes - 1] / 1000),
+    });
+    path.push({ name, colour: tints[k], values: film.series((f) => f.contact_position[k * axes + axes - 1]) });
+  }
+  const most = film.series((f) => f.tension.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY) / 1000);
+  const found = [
+    { title: "largest tension (kN)", curves: [{ name: `${prefix}tension`, colour: colour("--accent"), values: most }] },
+  ];
+  if (many) {
+    found.push(
+      { title: "contact force, downwards (kN)", curves: contact },
+      { title: "path of the load, z (m)", curves: path },
+    );
+  }
+  const i = film.energies.indexOf("imbalance");
+  const j = film.energies.indexOf("kinetic");
+  if (i >= 0 && film.layout.path === "time")
+    found.push({
+      title: "energy (J): kinetic, imbalance",
+      curves: [
+        { name: `${prefix}kinetic`, colour: colour("--accent"), values: film.series((f) => f.energy[j]) },
+        { name: `${prefix}imbalance`, colour: colour("--load"), values: film.series((f) => f.energy[i]) },
+      ],
+    });
+  return found;
+}
