@@ -25,7 +25,7 @@ from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic, Linear, Quasistatic
-from ropewalk.model.support import Moving
+from ropewalk.model.support import Fixed, Moving
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
@@ -136,6 +136,11 @@ def _over_saddles(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
         yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
     if isinstance(run, Linear):
         yield missing(("lines", name, "saddles"), what, "linear", "ask for kind: dynamic")
+    if isinstance(run, Dynamic) and run.start.kind == "result":
+        for saddle, own in line.saddles.items():
+            if not isinstance(own.support, Fixed):  # results do not hold where it stands
+                path, remedy = ("lines", name, "saddles", saddle, "support"), "start at rest, or on saddles that stand fast"
+                yield missing(path, "runs that begin from a result", own.support.kind, remedy)
     for saddle, own in line.saddles.items() if isinstance(run, Quasistatic) else ():
         if own.friction:
             feature, remedy = "friction on saddles without inertia", "leave friction out, or ask for kind: dynamic"
