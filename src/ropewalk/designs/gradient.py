@@ -78,9 +78,9 @@ def gradient(
             raise RopewalkError(f"there is no gradient: with {', '.join(one.settings)} {one.outcome.reason}")
     slopes, errors = np.zeros((len(names), len(keys))), np.zeros((len(names), len(keys)))
     for j, name in enumerate(names):
-        for k, one in enumerate(space.variables):
+        for k, variable in enumerate(space.variables):
             low, near_low, near_high, high = (number_of(run.outcome, name) for run in found[4 * k : 4 * k + 4])
-            width = one.high - one.low
+            width = variable.high - variable.low
             whole, half = (high - low) / width, (near_high - near_low) / (0.5 * width)
             slopes[j, k], errors[j, k] = (4.0 * half - whole) / 3.0, abs(half - whole)
     units = [next((run.outcome.values[name][1] for run in found), "") for name in names]
@@ -113,7 +113,7 @@ def _beside(scenario: Scenario, keys: Sequence[str], step: float) -> Space:
             value = 0.0
         if value == 0.0:
             refuse(key, "only numbers other than 0 have a step", str(stands[key]), "leave it out")
-        ends = sorted((value * (1.0 - step), value * (1.0 + step)))
-        variables.append(Variable(key, *ends, unit))
+        low, high = sorted((value * (1.0 - step), value * (1.0 + step)))
+        variables.append(Variable(key, low, high, unit))
         units.append(unit)
     return Space(tuple(variables), tuple(short_names(keys)), tuple(units), np.full(len(keys), 0.5))

@@ -136,7 +136,9 @@ class Measurements:
 
 def _frequencies(scenario: Scenario, count: int) -> Array:
     """The lowest different natural frequencies in Hz; both planes of a string have the same."""
-    found = np.sort(spectrum_of(scenario, how_many=max(3 * count, 1)).modes.frequency) / (2.0 * np.pi)
+    modes = spectrum_of(scenario, how_many=max(3 * count, 1)).modes
+    assert modes is not None
+    found = np.sort(modes.frequency) / (2.0 * np.pi)
     return np.asarray(found[np.append(True, np.diff(found) > SAME * found[:-1])])
 
 

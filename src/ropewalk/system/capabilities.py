@@ -139,7 +139,7 @@ def _over_saddles(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
     if isinstance(run, Dynamic) and run.start.kind == "result":
         for saddle, own in line.saddles.items():
             if not isinstance(own.support, Fixed):  # results do not hold where it stands
-                path, remedy = ("lines", name, "saddles", saddle, "support"), "start at rest, or on saddles that stand fast"
+                path, remedy = ("lines", name, "saddles", saddle, "support"), "start at rest, or let saddles stand fast"
                 yield missing(path, "runs that begin from a result", own.support.kind, remedy)
     for saddle, own in line.saddles.items() if isinstance(run, Quasistatic) else ():
         if own.friction:
