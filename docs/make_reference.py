@@ -37,6 +37,7 @@ FUNCTIONS = {
         "html_report",
     ),
     "Many runs": ("sweep", "sweep_figure", "sweep_table"),
+    "Calculators": ("calc",),
     "Closed forms": ("theory",),
     "Errors": ("RopewalkError", "ScenarioError", "EquilibriumError", "ResultError"),
 }

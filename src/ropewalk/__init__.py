@@ -28,6 +28,7 @@ answers         `simulate`, `resume`, `spectrum`; `feedback` gives a `Comparison
                 `summary`, `tables`, `figure` and `film` of a result, paths of contacts `extrapolated` from two meshes;
                 `contact_statistics` and `html_report` of overhead lines
 many runs       `sweep` gives one dataset over what varies (`Sweep`), `sweep_figure` and `sweep_table` are of it
+calculators     `calc`: given any sufficient set of quantities of a span, a highline, a zip line, the others
 closed forms    `theory`: what the simulation is checked against
 errors          `RopewalkError`, and of its kind `ScenarioError`, `EquilibriumError`, `ResultError`
 ==============  ======================================================================================
@@ -46,6 +47,7 @@ from typing import TYPE_CHECKING, Any
 from ropewalk import hooks
 
 if TYPE_CHECKING:
+    from ropewalk import calc as calc
     from ropewalk import theory as theory
     from ropewalk.compare import ModelHierarchy as ModelHierarchy
     from ropewalk.compare import model_hierarchy as model_hierarchy
@@ -112,6 +114,7 @@ _HOME = {
     "tables": "results",
     "without_feedback": "decouple",
 }
+_PACKAGES = ("calc", "theory")
 _RENAMED = {"Ladder": "ModelHierarchy", "ladder": "model_hierarchy"}
 _NAME_AT_HOME = {"export_fmu": "export", "spectrum": "spectrum_of"}
 
@@ -121,15 +124,15 @@ hooks.unsupported = lambda parts: import_module("ropewalk.capabilities").unsuppo
 
 
 def __getattr__(name: str) -> Any:
-    if name == "theory":
-        return import_module("ropewalk.theory")
+    if name in _PACKAGES:
+        return import_module(f"ropewalk.{name}")
     if name in _RENAMED:
         import_module("ropewalk.renamed").warn_renamed(f"ropewalk.{name}", f"ropewalk.{_RENAMED[name]}")
         return getattr(import_module(__name__), _RENAMED[name])
     if name in _HOME:
         return getattr(import_module(f"ropewalk.{_HOME[name]}"), _NAME_AT_HOME.get(name, name))
     if name == "__all__":
-        return sorted({*_HOME, "simulate", "theory", *import_module("ropewalk.model").DECLARATIONS})
+        return sorted({*_HOME, *_PACKAGES, "simulate", *import_module("ropewalk.model").DECLARATIONS})
     if name[:1].isupper() and name in (model := import_module("ropewalk.model")).DECLARATIONS:
         return getattr(model, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

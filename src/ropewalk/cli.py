@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import ropewalk
+from ropewalk.calculating import calc
 from ropewalk.console import (
     FIGURE_SUFFIXES,
     FILM_SUFFIXES,
@@ -287,9 +288,7 @@ def spectrum(
         if as_json:
             print_json(found.as_dict())
         else:
-            rows = found.table()
-            width = max(len(name) for name, _ in rows)
-            typer.echo("\n".join(f"{name:{width}}  {value}".rstrip() for name, value in rows))
+            print_columns([*found.table()])
         if output is not None:
             save_figure(import_module("ropewalk.results.mode_figure").mode_figure(found), output)
             say(f"{output} written")
@@ -494,6 +493,7 @@ def warm_up(
 def schema() -> None:
     """Print the JSON schema of scenario files, for editors."""
     with reported():
-        from ropewalk.scenario import json_schema
+        print_json(import_module("ropewalk.scenario").json_schema())
 
-        print_json(json_schema())
+
+app.command()(calc)
