@@ -18,6 +18,7 @@ overhead lines  `OverheadLine` of `ContactWire`, `MessengerWire`, `StitchWire`, 
                 `MessengerSupports` and `Spans`; `Pantograph` with its `PantographTravel`
 travel          `Travel` as prescribed, `FreeTravel` with `Driver` and `Brake`
 axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `Tabulated`, `Inextensible`
+cuts            `Cut` of a line that fails
 supports        `Fixed`, `Elastic`, `Guided`, `Moving`; `Joined` to a `Joint`, a line or a net; `Sheave`s on the way;
                 between the ends `InnerFixed`, `InnerElastic`, `InnerGuided`, `InnerMoving`
 nets            `Net` and `Membrane` with a `ClampedEdge`, a `SoftEdge` or a `CableEdge`; `Wind`

@@ -3,6 +3,7 @@
 from ropewalk.model.axles import Axles, Coaches, TrainTravel
 from ropewalk.model.balance import Balance
 from ropewalk.model.crowd import Crowd
+from ropewalk.model.cut import Cut
 from ropewalk.model.damping import Damping
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.fmu import Fmu, FmuContact, FmuTravel
@@ -60,6 +61,7 @@ __all__ = [
     "Coaches",
     "ContactWire",
     "Crowd",
+    "Cut",
     "Damping",
     "DisplacementTable",
     "DriveTable",
