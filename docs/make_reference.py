@@ -37,6 +37,7 @@ FUNCTIONS = {
         "html_report",
     ),
     "Many runs": ("sweep", "sweep_figure", "sweep_table", "design", "Design", "gradient", "fit", "Fit"),
+    "Calculators": ("calc",),
     "Closed forms": ("theory",),
     "Errors": ("RopewalkError", "ScenarioError", "EquilibriumError", "ResultError"),
 }

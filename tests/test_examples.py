@@ -33,6 +33,7 @@ ARTICULATED = float(
         trains.Bridge(20.0, 10e3, 16.2114e9, 0.6283), 46.75, 210.0 / 46.75,
     )[1].max()
 )  # fmt: skip
+CUT_SOON = ("lines.main.cut.time=0.2 s", "run.until=1.5 s")
 FOLDER = Path(__file__).parent.parent / "examples"
 
 
@@ -509,6 +510,16 @@ KNOWN = {
         Known("speed at the brake, m/s", speed_of_the_moving_load, routes.zip_line_speed(), 0.35),
         # First order in the links of 1 m: 2.5e-3.
         Known("audit, part of the energy", audit, 0.0, 4e-3),
+    ],
+    "zip-line-brake.yaml": [
+        # Eddy currents hold nobody: she stands where rolling (0.015) and the wind on her (0.003 of her weight) do.
+        Known("slope of her way where she stops", routes.slope_where_it_stands, 0.0, 0.018),
+        Known("audit, part of the energy", audit, 0.0, 1e-3),
+    ],
+    "highline-backup-cut.yaml": [
+        # The elastic catenary with the loops' mass spread over it; they hang on it at six places, and pull a little.
+        Known("tension at rest, N", lambda r: float(r.tension[0].max()), routes.highline_tension(), 25.0, CUT_SOON),
+        Known("audit, part of the energy", audit, 0.0, 2e-3, CUT_SOON),
     ],
     "leash-fall.yaml": [
         # Without damping she would go 4.6 cm deeper.

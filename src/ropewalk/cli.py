@@ -14,6 +14,7 @@ import typer
 
 import ropewalk
 from ropewalk import many
+from ropewalk.calculating import calc
 from ropewalk.console import (
     FIGURE_SUFFIXES,
     FILM_SUFFIXES,
@@ -272,9 +273,7 @@ def spectrum(
         if as_json:
             print_json(found.as_dict())
         else:
-            rows = found.table()
-            width = max(len(name) for name, _ in rows)
-            typer.echo("\n".join(f"{name:{width}}  {value}".rstrip() for name, value in rows))
+            print_columns([*found.table()])
         if output is not None:
             save_figure(import_module("ropewalk.results.mode_figure").mode_figure(found), output)
             say(f"{output} written")
@@ -401,6 +400,7 @@ app.command()(import_module("ropewalk.studio.command").studio)
 def schema() -> None:
     """Print the JSON schema of scenario files, for editors."""
     with reported():
-        from ropewalk.scenario import json_schema
+        print_json(import_module("ropewalk.scenario").json_schema())
 
-        print_json(json_schema())
+
+app.command()(calc)

@@ -136,6 +136,12 @@ OTHER: dict[str, Any] = {
     "Saddle.support": {"kind": "elastic", "stiffness": "200 kN/m"},
     "Line.segments": lambda _, block: _grown("segments", block, mass=3e3) or (
         {"part": {"from": 5.0, "to": 9.0, "mass": 2.0 * float(block["mass"])}}),
+    "Line.cut": lambda value, block: None if value else {"at": 6.0, "time": 0.4 * UNTIL},
+    "Cut.at": lambda value, _: 0.8 * value,
+    "Cut.time": lambda value, _: 0.5 * value,
+    "Brake.force": lambda value, block: 2.0 * value if value else 60.0,
+    "Brake.rate": lambda value, _: 2.0 * value if value else 20.0,
+    "Brake.stiffness": lambda value, _: 2.0 * value if value else 500.0,
     "Segment.mass": lambda value, _: 2.0 * value if value else 2.6e3,
     "Segment.bending_stiffness": lambda value, block: 2.0 * value if value else None,
     "Segment.damage": lambda value, block: None if block.get("bending_stiffness") else 0.5,

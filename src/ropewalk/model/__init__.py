@@ -4,6 +4,7 @@ from ropewalk.model.axles import Axles, Coaches, TrainTravel
 from ropewalk.model.balance import Balance
 from ropewalk.model.condition import Condition
 from ropewalk.model.crowd import Crowd
+from ropewalk.model.cut import Cut
 from ropewalk.model.damping import Damping
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.fmu import Fmu, FmuContact, FmuTravel
@@ -63,6 +64,7 @@ __all__ = [
     "Condition",
     "ContactWire",
     "Crowd",
+    "Cut",
     "Damping",
     "DisplacementTable",
     "DriveTable",

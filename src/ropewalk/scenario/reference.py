@@ -17,7 +17,7 @@ MARK = "<!-- Generated from the schema by ropewalk.scenario.reference: do not ed
 
 SECTIONS = {
     "The file": ("scenario",),
-    "A line": ("line", "segment", "damping", "profile"),
+    "A line": ("line", "segment", "cut", "damping", "profile"),
     "What lines are joined by": ("joint", "hangers"),
     "Rails, sleepers and ballast": ("track",),
     "Nets and membranes": ("net",),

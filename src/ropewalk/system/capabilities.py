@@ -41,6 +41,8 @@ def _only_lines(parts: Parts) -> Iterator[Finding]:
     for name, line in parts.lines.items():
         if line is not None and line.segments:
             yield from _of_segments(name, line)
+        if line is not None and line.cut is not None:
+            yield from _of_cuts(name, line, run)
         if line is not None and line.sheaves:
             yield from _over_sheaves(name, line, parts)
         if line is not None and line.saddles:
@@ -121,6 +123,28 @@ def _of_segments(name: str, line: Line) -> Iterator[Finding]:
         yield missing(path, "lines over sheaves", ", ".join(line.segments), "leave segments out, or end the line there")
     if isinstance(line.law, Inextensible):
         yield missing(path, "inextensible lines", ", ".join(line.segments), "give an axial_stiffness with law hooke")
+
+
+def _of_cuts(name: str, line: Line, run: object) -> Iterator[Finding]:
+    """Parts of a cut line fly wherever they are pulled, which only a motion with all geometry by steps shows."""
+    path, what = ("lines", name, "cut"), "a cut line"
+    for key in ("bending_stiffness", "foundation", "sheaves", "saddles", "profile", "segments"):
+        if value := getattr(line, key):
+            given = f"{value:g}" if isinstance(value, float) else "a block"
+            yield missing(("lines", name, key), what, given, f"leave {key} out, or cut another line")
+    if isinstance(line.law, Inextensible):
+        yield missing(("lines", name, "law", "kind"), what, "inextensible", "give an axial_stiffness with law hooke")
+    if not isinstance(run, Dynamic):
+        yield missing(path, "all but motions", "a block", _DYNAMIC, feature="a cut")
+        return
+    if run.geometry == "linearised":
+        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
+    if run.method in HIGH_ORDER:
+        yield missing(("run", "method"), what, run.method, "use auto or verlet")
+    if run.window is not None:
+        yield missing(("run", "window"), what, "a window", "leave it out")
+    if run.axial_inertia != 1.0:
+        yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave it out")
 
 
 def _over_saddles(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
