@@ -15,7 +15,7 @@ from ropewalk.studio.worker import main
 Message = str | bytes
 Forward = Callable[[Message], Awaitable[None]]
 
-_PATIENCE = 5.0  # s that a worker may take to hear that it is to stop
+_PATIENCE = 10.0  # s that a worker may take to hear that it is to stop
 _CONTEXT = multiprocessing.get_context("spawn")
 
 
@@ -83,9 +83,8 @@ class Process:
         with suppress(OSError):
             self._put({"id": 0, "ticket": 0, "do": do})
 
-    async def abandon(self) -> None:
-        """Stop what it does for a page that has gone; end it if it does not hear."""
-        self._waiting = {number: (future, None) for number, (future, _) in self._waiting.items()}
+    async def stop(self) -> None:
+        """Stop what it does; end it if it does not hear."""
         if self.is_idle:
             return
         self.tell("stop")
@@ -96,6 +95,11 @@ class Process:
                 future.result()
         if late:
             self.kill()
+
+    async def abandon(self) -> None:
+        """Stop what it does for a page that has gone."""
+        self._waiting = {number: (future, None) for number, (future, _) in self._waiting.items()}
+        await self.stop()
         self._waiting.clear()
 
     def kill(self) -> None:

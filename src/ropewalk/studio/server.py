@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Coroutine
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -118,7 +118,7 @@ class Page:
         self._studio, self._socket = studio, socket
         self._process: Process | None = None
         self._tasks = set[asyncio.Task[None]]()
-        self._sending = asyncio.Lock()
+        self._sending, self._stopping = asyncio.Lock(), False
 
     async def serve(self) -> None:
         """Answer until the page closes; then what it computes is stopped."""
@@ -131,18 +131,28 @@ class Page:
                     await self._socket.close(1003, "not understood")
                     break
                 if do == "stop":
-                    if self._process is not None and not self._process.is_idle:
-                        self._process.tell("stop")
+                    if self._process is not None and not self._stopping:
+                        self._begin(self._stop(self._process))
                 elif len(self._tasks) < 16:
-                    task = asyncio.create_task(self._answer(number, do, asked))
-                    self._tasks.add(task)
-                    task.add_done_callback(self._tasks.discard)
+                    self._begin(self._answer(number, do, asked))
                 else:
                     await self._send(json.dumps({"id": number, "error": "too much is asked at once"}))
         for task in self._tasks:
             task.cancel()
         if self._process is not None:
             await self._studio.pool.give_back(self._process)
+
+    def _begin(self, what: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.create_task(what)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _stop(self, process: Process) -> None:
+        self._stopping = True
+        try:
+            await process.stop()
+        finally:
+            self._stopping = False
 
     async def _send(self, message: Message) -> None:
         async with self._sending:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import secrets
 import socket
 import webbrowser
@@ -12,6 +14,8 @@ from ropewalk.console import fail, say
 from ropewalk.studio.server import Settings, Studio
 
 __all__ = ["Settings", "serve"]
+TOKEN = "ROPEWALK_STUDIO_TOKEN"
+"""Variable of the environment with the token, so that pages find a studio again that was started anew."""
 _MOST_CONNECTIONS = 64
 _LARGEST_MESSAGE = 2_000_000  # bytes, from a page
 
@@ -24,12 +28,16 @@ def serve(settings: Settings, port: int = 0, browser: bool = True) -> None:
         port: on 127.0.0.1; 0: any that is free.
         browser: whether to open the page.
     """
-    studio = Studio(settings, secrets.token_urlsafe(24))
+    token = os.environ.get(TOKEN, "") or secrets.token_urlsafe(24)
+    if not re.fullmatch(r"[\w-]{16,200}", token):
+        fail(f"{TOKEN}: write at least 16 letters and digits that nobody guesses, or leave it out")
+    studio = Studio(settings, token)
     app = studio.app()
     listening = socket.socket()
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind(("127.0.0.1", port))
+        listening.listen(128)  # whoever is quick waits until all is there
     except OSError as problem:
         fail(f"--port {port}: {problem.strerror}; leave it out, and a free one is taken")
     app.port = int(listening.getsockname()[1])

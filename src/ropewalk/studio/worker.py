@@ -79,7 +79,10 @@ class Worker:
         self._send(ticket, True, found if isinstance(found, bytes) else {"id": number, **found})
 
     def _send(self, ticket: int, last: bool, message: Answer | bytes) -> None:
-        self._pipe.send((ticket, last, message if isinstance(message, bytes) else json.dumps(message)))
+        try:
+            self._pipe.send((ticket, last, message if isinstance(message, bytes) else json.dumps(message)))
+        except OSError:  # the server has gone: a run ends as if it were stopped, and keeps what it has
+            raise KeyboardInterrupt from None
 
     def _scenario(self, asked: Answer) -> Scenario:
         """The scenario of a text, refused where it runs code, leaves the folder or is huge."""

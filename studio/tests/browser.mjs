@@ -1,0 +1,148 @@
+// The studio in a real browser: node tests/browser.mjs ADDRESS FOLDER PICTURES; ends with an error at the first surprise.
+import { existsSync, mkdtempSync, readFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { chromium } from "playwright-core";
+
+const [, , address, folder, pictures] = process.argv;
+const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
+const flags = "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync";
+const wrong = [];
+
+function must(is, what) {
+  if (!is) throw new Error(what);
+}
+
+const context = await chromium.launchPersistentContext(mkdtempSync(join(tmpdir(), "studio-")), {
+  executablePath,
+  headless: true,
+  args: flags.split(" "),
+  viewport: { width: 1280, height: 720 },
+});
+context.on("request", (request) => {
+  const { protocol, hostname } = new URL(request.url());
+  if (!["data:", "blob:", "file:"].includes(protocol) && hostname !== "127.0.0.1") wrong.push(`asked ${request.url()}`);
+});
+
+async function opened(url) {
+  const page = await context.newPage();
+  page.setDefaultTimeout(90_000);
+  page.on("pageerror", (error) => wrong.push(`page error: ${error.message}`));
+  page.on("console", (said) => {
+    if (said.type() === "error" && !/WebSocket connection/.test(said.text())) wrong.push(`console: ${said.text()}`);
+  });
+  page.on("dialog", (dialog) => dialog.accept());
+  await page.goto(url);
+  return page;
+}
+const look = async (page, name) => pictures && page.screenshot({ path: join(pictures, `${name}.png`) });
+const number = async (page, name) => {
+  const text = await page.locator(`dt:text-is("${name}") + dd`).first().textContent();
+  return Number.parseFloat(text.replace("−", "-"));
+};
+const poses = (page) => page.waitForFunction(() => globalThis.ropewalkDelays?.length > 0);
+
+try {
+  // open
+  const page = await opened(address);
+  await poses(page);
+  const paint = await page.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0]?.startTime);
+  console.log(`first paint ${Math.round(paint)} ms`);
+
+  // drag: the load comes to the pointer
+  const box = await page.locator("canvas").first().boundingBox();
+  const before = await number(page, "walker: friction needed");
+  await page.mouse.move(box.x + 300, box.y + 250);
+  await page.mouse.down();
+  for (let k = 0; k <= 20; k++) await page.mouse.move(box.x + 300 + k * 15, box.y + 260);
+  await page.waitForTimeout(800);
+  await page.mouse.up();
+  const dragged = Number.parseFloat(await page.locator('dt:text-is("walker: place x, z") + dd').textContent());
+  must(dragged > 12 && dragged < 18, `the load was dragged to ${dragged} m`);
+  must((await number(page, "walker: friction needed")) !== before, "friction does not follow the load");
+  await page.getByLabel("Contact").selectOption("frictionless");
+  await page.waitForFunction(() => [...document.querySelectorAll("dt")].find((d) => /hold force/.test(d.textContent))?.nextSibling.textContent !== "0.00 N");
+  must((await number(page, "walker: hold force")) > 0, "to the right of the middle a load is held back to the right");
+  await look(page, "drag");
+
+  // by keyboard
+  await page.locator("canvas").first().focus();
+  const there = await page.locator('dt:text-is("walker: place x, z") + dd').textContent();
+  await page.keyboard.press("ArrowLeft");
+  await page.waitForFunction((old) => [...document.querySelectorAll("dt")].find((d) => /place/.test(d.textContent))?.nextSibling.textContent !== old, there);
+
+  // a mistake, and its message at its line
+  await page.getByRole("tab", { name: "Text" }).click();
+  await page.locator(".cm-content").click();
+  await page.getByText("mass: 1 kg/m").click();
+  await page.keyboard.press("End");
+  await page.keyboard.type("x");
+  await page.getByText(/line 7:.*lines\.rope\.mass/).waitFor();
+  await page.locator(".cm-lint-marker-error").waitFor();
+  await look(page, "mistake");
+  await page.keyboard.press("Control+z");
+  await page.getByText("No mistakes.").waitFor();
+
+  // save, reload
+  await page.getByText("-800 N").click();
+  await page.keyboard.press("End");
+  await page.keyboard.type(" # mine");
+  await page.keyboard.press("Control+s");
+  await page.getByText("rope.yaml saved").waitFor();
+  must(readFileSync(join(folder, "rope.yaml"), "utf8").includes("# mine"), "the file has not been saved");
+  await page.reload();
+  await poses(page);
+  await page.getByRole("tab", { name: "Text" }).click();
+  await page.getByText("# mine").waitFor();
+
+  // run, scrub
+  await page.getByRole("button", { name: "Run", exact: true }).click();
+  await page.getByText(/result in rope\.nc/).waitFor();
+  await page.getByLabel("Time", { exact: true }).focus();
+  await page.getByLabel("Time", { exact: true }).fill("0.1");
+  await page.waitForFunction(() => document.querySelector(".clock").value === "0.100 s");
+  must((await page.locator(".plots figure").count()) >= 3, "there are no plots");
+  await page.getByRole("tab", { name: "Result" }).click();
+  await look(page, "run");
+
+  // export: a page that opens offline
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByText("Page to share").click()]);
+  const shared = join(mkdtempSync(join(tmpdir(), "shared-")), "shared.html");
+  await download.saveAs(shared);
+  const offline = await opened(`file://${shared}`);
+  await offline.waitForFunction(() => Number.parseFloat(document.querySelector(".clock").value) > 0);
+  must((await number(offline, "largest tension")) > 0, "the shared page shows no numbers");
+  await look(offline, "shared");
+  await offline.close();
+
+  // two pages; in the dark; the lesson
+  const other = await opened(address);
+  await poses(other);
+  await other.getByLabel("Light or dark").click();
+  await other.getByRole("tab", { name: "Lesson" }).click();
+  for (let step = 2; step <= 5; step++) {
+    await other.getByRole("button", { name: `Step ${step}:` }).click();
+    if (step < 4) await other.waitForTimeout(700);
+    else await other.locator(".status").getByText("completed").waitFor({ timeout: 400_000 }); // kernels of masses may have to be compiled
+  }
+  await look(other, "lesson");
+  await other.setViewportSize({ width: 820, height: 1100 });
+  await look(other, "tablet");
+
+  // the server goes and comes
+  if (process.stdin.isTTY !== true && process.env.STUDIO_RESTARTS) {
+    console.log("KILL");
+    await page.getByText("the server has gone").waitFor();
+    console.log("START");
+    await page.waitForFunction(() => !/has gone/.test(document.querySelector(".status").textContent));
+    await page.getByRole("button", { name: "Drag the load" }).click();
+    await page.locator('dt:text-is("walker: friction needed")').waitFor();
+  }
+  must(wrong.length === 0, wrong.join("\n"));
+  console.log("all as it should be");
+} catch (error) {
+  console.log(`${error.message}\n${wrong.join("\n")}`);
+  process.exitCode = 1;
+} finally {
+  await context.close();
+}

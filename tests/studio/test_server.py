@@ -1,0 +1,214 @@
+"""The studio serves its own page on this machine, computes as the command line does, and refuses all else."""
+
+from __future__ import annotations
+
+import http.client
+import os
+import signal
+import socket
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import ropewalk
+from ropewalk.scenario import loads
+from studio_server import LONG, SHORT, Page, Server, serving
+
+pytest.importorskip("uvicorn")
+CODE = SHORT.replace("    kind: force\n", "    kind: stepper\n    model: evil.py:Evil\n").replace(
+    "    force: [0 N, -800 N]\n    travel: {speed: 10 m/s, measured: slip, from: 0 m}\n", "    every: 1 ms\n"
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("studio") / "inside"
+    place.mkdir()
+    (place / "rope.yaml").write_text(SHORT)
+    (place.parent / "secret.yaml").write_text("title: secret\n")
+    (place / "link.yaml").symlink_to(place.parent / "secret.yaml")
+    (place / "evil.py").write_text("from pathlib import Path\nPath('ran').touch()\nclass Evil: pass\n")
+    return place
+
+
+@pytest.fixture(scope="module")
+def server(folder: Path) -> Iterator[Server]:
+    with serving(folder, "--memory", "3") as found:
+        yield found
+
+
+@pytest.fixture
+def page(server: Server) -> Iterator[Page]:
+    found = Page(server)
+    with found.socket:
+        yield found
+
+
+def got(server: Server, path: str, **headers: str) -> tuple[int, bytes]:
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=20.0)
+    connection.putrequest("GET", path, skip_host="Host" in headers)
+    for name, value in headers.items():
+        connection.putheader(name, value)
+    connection.endheaders()
+    answer = connection.getresponse()
+    found = answer.status, answer.read()
+    connection.close()
+    return found
+
+
+def test_only_who_knows_the_token_and_comes_from_here_is_served(server: Server) -> None:
+    own = f"/{server.token}/"
+    assert got(server, own)[0] in (200, 503)  # 503: the front end is not built
+    assert got(server, "/")[0] == 403
+    assert got(server, f"/{'x' * 32}/")[0] == 403
+    assert got(server, own, Host=f"evil.example:{server.port}")[0] == 403
+    assert got(server, own, Origin="http://evil.example")[0] == 403
+    assert got(server, own, Origin="null")[0] == 403
+    assert got(server, own, Origin=f"http://127.0.0.1:{server.port}")[0] in (200, 503)
+
+
+@pytest.mark.parametrize("origin", [None, "http://evil.example", "null"])
+def test_a_page_of_somebody_else_opens_no_socket(server: Server, origin: str | None) -> None:
+    from websockets.exceptions import InvalidStatus
+
+    with pytest.raises(InvalidStatus, match="403"):
+        Page(server, origin)
+
+
+@pytest.mark.parametrize(
+    "path", ["assets/../../secret.yaml", "assets/%2e%2e/%2e%2e/server.py", "../secret.yaml", "assets//etc/passwd",
+             "export?name=../secret.nc&as=png", "export?name=/etc/passwd&as=csv", "export?name=rope.yaml&as=csv"]
+)  # fmt: skip
+def test_no_path_leads_out_of_the_folder(server: Server, path: str) -> None:
+    status, body = got(server, f"/{server.token}/{path}")
+    assert status in (400, 403, 404)
+    assert b"title: secret" not in body
+    assert b"root:" not in body
+
+
+@pytest.mark.parametrize(
+    "name", ["../secret.yaml", "/etc/passwd", "link.yaml", "..\\secret.yaml", ".hidden.yaml", "evil.py", "", "a\0.yaml"]
+)
+def test_no_file_outside_of_the_folder_is_read_or_written(page: Page, folder: Path, name: str) -> None:
+    assert "error" in page.ask("read", name=name)
+    assert "error" in page.ask("save", name=name, text="title: mine\n", stamp=None)
+    assert (folder.parent / "secret.yaml").read_text() == "title: secret\n"
+
+
+def test_a_scenario_that_names_files_elsewhere_is_refused(page: Page) -> None:
+    text = SHORT.replace("  kind: dynamic\n", "  kind: dynamic\n  start: {kind: result, file: ../other.nc}\n")
+    assert [p["key"] for p in page.ask("check", text=text)["problems"]] == ["run.start.file"]
+    assert [p["key"] for p in page.ask("run", text=text, name="rope.yaml")["problems"]] == ["run.start.file"]
+
+
+def test_a_scenario_that_runs_code_is_refused(page: Page, folder: Path) -> None:
+    for do in ("check", "prepare", "run"):
+        problems = page.ask(do, text=CODE, name="code.yaml")["problems"]
+        assert [p["wrong"] for p in problems] == ["is code of somebody, which the studio does not run"]
+    assert not (folder / "ran").exists()
+
+
+def test_a_huge_scenario_is_refused(page: Page) -> None:
+    many = page.ask("check", text=SHORT.replace("elements: 50", "elements: 100000"))
+    assert many["problems"][0]["key"] == "lines.rope.elements"
+    deep = page.ask("check", text="[" * 100_000)
+    assert deep["problems"]
+    bomb = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
+        f"{chr(98 + k)}: &{chr(98 + k)} [{', '.join([f'*{chr(97 + k)}'] * 9)}]\n" for k in range(8)
+    )
+    answer = page.ask("check", text=bomb)
+    assert answer.get("problems") or answer.get("error")
+    assert page.ask("check", text=SHORT)["problems"] == []
+    from websockets.exceptions import ConnectionClosed
+
+    with pytest.raises(ConnectionClosed):
+        page.ask("check", text="x" * 3_000_000)
+
+
+def test_a_thousand_connections_are_borne(server: Server) -> None:
+    several = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(1000)]
+    for one in several[:200]:
+        one.sendall(b"GET / HTTP/1.1\r\nHost: x\r\n\r\n")
+    for one in several:
+        one.close()
+    until = time.monotonic() + 20.0
+    while got(server, f"/{server.token}/")[0] == 503 and time.monotonic() < until:
+        time.sleep(0.1)
+    with (found := Page(server)).socket:
+        assert found.ask("hello")["version"] == ropewalk.__version__
+
+
+def test_mistakes_are_told_with_their_lines(page: Page) -> None:
+    found = page.ask("check", text=SHORT.replace("axial_stiffness", "axial_stifness"), name="rope.yaml")["problems"]
+    assert (found[0]["line"], found[0]["remedy"]) == (8, "did you mean axial_stiffness?")
+
+
+def test_a_run_is_the_one_of_the_command_line(page: Page, folder: Path) -> None:
+    events = list(page.messages(page.send("run", text=SHORT, name="rope.yaml")))
+    assert (events[-1][0]["outcome"], events[-1][0]["file"]) == ("completed", "rope.nc")
+    shown = np.concatenate([arrays["position"] for head, arrays in events if head.get("event") == "frames"])
+    expected = ropewalk.simulate(loads(SHORT))
+    with ropewalk.open_result(folder / "rope.nc") as stored:
+        np.testing.assert_allclose(stored.position, expected.position, rtol=0, atol=1e-12)  # OpenBLAS on one thread
+        again = list(page.messages(page.send("result", name="rope.nc")))
+    np.testing.assert_array_equal(shown, expected.position.values.astype("f4"))
+    np.testing.assert_array_equal(np.concatenate([a["position"] for _, a in again[1:-1]]), shown)
+    assert again[0][0]["layout"] == events[[e[0].get("event") for e in events].index("layout")][0]["layout"]
+
+
+def test_what_is_saved_is_what_was_written_unless_the_file_has_changed(page: Page, folder: Path) -> None:
+    (folder / "mine.yaml").write_text(SHORT)
+    read = page.ask("read", name="mine.yaml")
+    changed = read["text"].replace("800", "700")
+    saved = page.ask("save", name="mine.yaml", text=changed, stamp=read["stamp"])
+    assert (folder / "mine.yaml").read_text() == changed
+    assert "# stays" in changed
+    (folder / "mine.yaml").write_text("title: of somebody else\n")
+    assert "has changed on disk" in page.ask("save", name="mine.yaml", text=changed, stamp=saved["stamp"])["error"]
+    assert (folder / "mine.yaml").read_text() == "title: of somebody else\n"
+    assert "is there already" in page.ask("save", name="rope.yaml", text=changed, stamp=None)["error"]
+
+
+def begun(page: Page, text: str, name: str) -> dict[str, Any]:
+    """Begin a run; returns with its first frames."""
+    return next(head for head, _ in page.messages(page.send("run", text=text, name=name)) if head["event"] == "frames")
+
+
+def ended(file: Path, outcome: str) -> bool:
+    until = time.monotonic() + 60.0  # other tests may keep the processors busy
+    while time.monotonic() < until:
+        time.sleep(0.2)
+        with ropewalk.open_result(file) as found:
+            if found.attrs["outcome"] == outcome and found.sizes["time"]:
+                return True
+    return False
+
+
+def test_a_run_is_stopped_by_its_page_and_when_that_closes(server: Server, folder: Path) -> None:
+    with (one := Page(server)).socket, (other := Page(server)).socket:  # two pages at once
+        number = one.send("run", text=LONG, name="stopped.yaml")
+        for head, _ in one.messages(number):
+            if head["event"] == "frames":
+                one.send("stop")
+            last = head
+        assert last["outcome"] == "interrupted"
+        begun(other, LONG, "left.yaml")
+    assert ended(folder / "left.nc", "interrupted")
+
+
+def test_a_killed_server_leaves_results_whole_and_another_one_goes_on(folder: Path) -> None:
+    with serving(folder) as first:
+        page = Page(first)
+        begun(page, LONG, "killed.yaml")
+        time.sleep(1.5)  # a synchronisation of the file
+        first.end(signal.SIGKILL)
+        page.socket.close()
+    assert ended(folder / "killed.nc", "interrupted")
+    with serving(folder, "--port", str(first.port)) as second, (page := Page(second)).socket:
+        assert "killed.nc" in page.ask("hello")["results"]
+        assert page.ask("result", name="killed.nc")["outcome"] == "interrupted"
+        assert os.listdir(folder)
