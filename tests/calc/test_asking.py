@@ -13,8 +13,8 @@ from ropewalk.cli import app
 from ropewalk.errors import ScenarioError
 
 WRONG: list[tuple[dict[str, Any], tuple[str, ...]]] = [
-    ({"span": 63, "stretch": "18 %", "mass": 57}, ("standing_tension is not known", "or instead")),
-    ({"span": 63, "mass": 57}, ("2 more quantities are needed", "standing_tension, axial_stiffness are not known")),
+    ({"span": 63, "stretch": "18 %", "mass": 57}, ("standing_tension is to be given", "or instead")),
+    ({"span": 63, "mass": 57}, ("2 more quantities are needed", "standing_tension, axial_stiffness are to be given")),
     ({"spann": 63}, ("no such quantity", "did you mean span")),
     ({"span": "63 kg"}, ("span", "expected a length", "63 kg")),
     ({"span": -63}, ("must be positive", "-63")),

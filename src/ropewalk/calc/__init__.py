@@ -7,7 +7,7 @@ Numbers are in SI units, texts carry theirs; a quantity that is None is sought e
 given follows, or a `ScenarioError` says what is missing or contradicts. On the command line: `ropewalk calc`.
 """
 
-from ropewalk.calc.answer import Answer, Variable
+from ropewalk.calc.answer import Answer, CalcValue
 from ropewalk.calc.beams import beam
 from ropewalk.calc.calculator import Calculator
 from ropewalk.calc.rolling_down import zipline
@@ -18,8 +18,8 @@ from ropewalk.calc.webbing import highline
 __all__ = [
     "CALCULATORS",
     "Answer",
+    "CalcValue",
     "Calculator",
-    "Variable",
     "beam",
     "catenary",
     "highline",

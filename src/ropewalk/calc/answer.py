@@ -12,7 +12,7 @@ from ropewalk.results.display_units import DisplayUnits, number
 
 
 @dataclass(frozen=True)
-class Variable:
+class CalcValue:
     """A quantity of a calculator.
 
     Args:
@@ -68,7 +68,7 @@ class Answer(Mapping[str, float]):
     """
 
     calculator: str
-    quantities: Mapping[str, Variable]
+    quantities: Mapping[str, CalcValue]
     values_in_si: Mapping[str, float]
     given: frozenset[str]
     chosen: Mapping[str, str]
@@ -109,7 +109,7 @@ class Answer(Mapping[str, float]):
         return {**found, "messages": list(self.messages)}
 
 
-def displayed(quantity: Variable, value: float, units: DisplayUnits) -> str:
+def displayed(quantity: CalcValue, value: float, units: DisplayUnits) -> str:
     """A value with its unit."""
     if isinf(value):
         return "inextensible" if quantity.name == "axial_stiffness" else "infinite"
@@ -120,7 +120,7 @@ def displayed(quantity: Variable, value: float, units: DisplayUnits) -> str:
     return f"{number(value / chosen.size)} {chosen.symbol}".replace(" °", "°")
 
 
-def in_words(quantities: Mapping[str, Variable], names: Iterable[str], values: Mapping[str, float]) -> str:
+def in_words(quantities: Mapping[str, CalcValue], names: Iterable[str], values: Mapping[str, float]) -> str:
     """Quantities with values, as `span = 63.00 m, sag = 3.000 m`."""
     units = DisplayUnits.read(None)
     return ", ".join(f"{name} = {displayed(quantities[name], values[name], units)}" for name in names)

@@ -13,7 +13,7 @@ from math import cos, cosh, factorial, pi, sin, sinh, sqrt
 
 import numpy as np
 
-from ropewalk.calc.answer import Variable
+from ropewalk.calc.answer import CalcValue
 from ropewalk.calc.calculator import Calculator
 from ropewalk.calc.common import GRAVITY
 
@@ -93,35 +93,35 @@ def _sag(ends: str, load: float, length: float, bending_stiffness: float) -> flo
     return largest(0, ends, 0.5, 0.0, load) * length**4 / bending_stiffness
 
 
-def _frequency(n: int) -> Variable:
-    return Variable(f"frequency_{n}", "Hz", f"of the {('first', 'second', 'third')[n - 1]} mode", search=(1e-3, 1e6))
+def _frequency(n: int) -> CalcValue:
+    return CalcValue(f"frequency_{n}", "Hz", f"of the {('first', 'second', 'third')[n - 1]} mode", search=(1e-3, 1e6))
 
 
 beam = Calculator(
     "beam",
     "Beam on its usual supports: deflections, bending moments, frequencies, buckling.",
     (
-        Variable("length", "m", "between the supports, or of the cantilever", search=(1e-3, 1e4), typical=10.0),
-        Variable("bending_stiffness", "N*m^2", "EI", search=(1e-3, 1e15), typical=1e8),
-        Variable("mass", "kg/m", "per length", optional=True, search=(1e-4, 1e6), typical=1e3),
-        Variable("force", "N", "across the beam", optional=True, search=(1e-3, 1e9), typical=1e4),
-        Variable(
+        CalcValue("length", "m", "between the supports, or of the cantilever", search=(1e-3, 1e4), typical=10.0),
+        CalcValue("bending_stiffness", "N*m^2", "EI", search=(1e-3, 1e15), typical=1e8),
+        CalcValue("mass", "kg/m", "per length", optional=True, search=(1e-4, 1e6), typical=1e3),
+        CalcValue("force", "N", "across the beam", optional=True, search=(1e-3, 1e9), typical=1e4),
+        CalcValue(
             "place", "dimensionless", "of the force, as a part of the length", high=1.0, default=0.5, share=True,
             search=(1e-3, 1.0),
         ),
-        Variable("line_load", "N/m", "spread over the beam", optional=True, search=(1e-3, 1e8)),
-        Variable("speed", "m/s", "of a force that crosses it", optional=True, search=(1e-3, 1e4)),
+        CalcValue("line_load", "N/m", "spread over the beam", optional=True, search=(1e-3, 1e8)),
+        CalcValue("speed", "m/s", "of a force that crosses it", optional=True, search=(1e-3, 1e4)),
         GRAVITY,
     ),
     (
-        Variable("deflection", "m", "under the force"),
-        Variable("moment", "N*m", "largest under the force"),
-        Variable("line_deflection", "m", "largest under the line load"),
-        Variable("line_moment", "N*m", "largest under the line load"),
-        Variable("sag", "m", "largest under its own weight"),
+        CalcValue("deflection", "m", "under the force"),
+        CalcValue("moment", "N*m", "largest under the force"),
+        CalcValue("line_deflection", "m", "largest under the line load"),
+        CalcValue("line_moment", "N*m", "largest under the line load"),
+        CalcValue("sag", "m", "largest under its own weight"),
         _frequency(1), _frequency(2), _frequency(3),
-        Variable("buckling_force", "N", "of Euler"),
-        Variable("speed_ratio", "dimensionless", "speed times pi/L over the first circular frequency"),
+        CalcValue("buckling_force", "N", "of Euler"),
+        CalcValue("speed_ratio", "dimensionless", "speed times pi/L over the first circular frequency"),
     ),
     {
         "deflection": _deflection,

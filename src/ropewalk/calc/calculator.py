@@ -14,7 +14,7 @@ from itertools import combinations
 from math import isclose, isfinite
 from typing import Any
 
-from ropewalk.calc.answer import Answer, Variable, in_words
+from ropewalk.calc.answer import Answer, CalcValue, in_words
 from ropewalk.calc.roots import several, single
 from ropewalk.errors import Problem, ScenarioError, did_you_mean
 from ropewalk.units import to_si
@@ -39,14 +39,14 @@ class Calculator:
 
     name: str
     about: str
-    free: tuple[Variable, ...]
-    results: tuple[Variable, ...]
+    free: tuple[CalcValue, ...]
+    results: tuple[CalcValue, ...]
     rules: Mapping[str, Rule]
     points: int = 240
     choices: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @cached_property
-    def quantities(self) -> dict[str, Variable]:
+    def quantities(self) -> dict[str, CalcValue]:
         """All of them by name."""
         return {quantity.name: quantity for quantity in (*self.free, *self.results)}
 
@@ -224,7 +224,7 @@ class _Search:
         ]
         count = len(needed) - sum(bool(self.open(name)) for name in self.targets)
         more = "one more quantity is" if count <= 1 else f"{count} more quantities are"
-        unknown = f"{', '.join(needed)} {'is' if len(needed) == 1 else 'are'} not known"
+        unknown = f"{', '.join(needed)} {'is' if len(needed) == 1 else 'are'} to be given"
         raise ScenarioError(
             [
                 Problem(

@@ -13,7 +13,7 @@ from math import hypot, inf, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from ropewalk.calc.answer import Variable
+from ropewalk.calc.answer import CalcValue
 from ropewalk.calc.calculator import Calculator
 from ropewalk.calc.common import AXIAL_STIFFNESS, GRAVITY, LENGTH, ROPE_MASS, SPAN, depth, force, height
 from ropewalk.calc.hanging import hang, reach
@@ -168,15 +168,15 @@ zipline = Calculator(
         LENGTH,
         ROPE_MASS,
         AXIAL_STIFFNESS,
-        Variable("load", "kg", "mass of the person with the trolley", search=(1.0, 1e5), typical=100.0),
-        Variable("rolling", "dimensionless", "resistance over load", default=0.0, search=(1e-4, 1.0), zero=True),
-        Variable("air_drag", "kg/m", "0.5 rho c A of the person", default=0.0, search=(1e-4, 1e3), zero=True),
-        Variable("headwind", "m/s", "wind against the motion; negative: from behind", low=-inf, default=0.0,
+        CalcValue("load", "kg", "mass of the person with the trolley", search=(1.0, 1e5), typical=100.0),
+        CalcValue("rolling", "dimensionless", "resistance over load", default=0.0, search=(1e-4, 1.0), zero=True),
+        CalcValue("air_drag", "kg/m", "0.5 rho c A of the person", default=0.0, search=(1e-4, 1e3), zero=True),
+        CalcValue("headwind", "m/s", "wind against the motion; negative: from behind", low=-inf, default=0.0,
                  search=(0.01, 100.0), zero=True),
-        Variable("push", "m/s", "speed at the beginning", default=0.0, search=(0.01, 100.0), zero=True),
-        Variable("brake_distance", "m", "of the beginning of the brake from the lower anchor, along the rope",
+        CalcValue("push", "m/s", "speed at the beginning", default=0.0, search=(0.01, 100.0), zero=True),
+        CalcValue("brake_distance", "m", "of the beginning of the brake from the lower anchor, along the rope",
                  default=10.0, search=(0.1, 1e3)),
-        Variable("margin", "m", "of the beginning of the way from the upper anchor, and of its end from the lower one",
+        CalcValue("margin", "m", "of the beginning of the way from the upper anchor, and of its end from the lower one",
                  default=1.0, search=(0.1, 1e2)),
         GRAVITY,
     ),
@@ -185,15 +185,15 @@ zipline = Calculator(
         force("bare_tension", "level part of the tension, with nobody on the rope"),
         depth("largest_depth", "of the pulley below the straight line between the anchors"),
         force("largest_tension", "on the way, anywhere on the rope"),
-        Variable("arrival_speed", "m/s", "where the brake begins", search=(1e-3, 1e3)),
-        Variable("top_speed", "m/s", "on the way"),
-        Variable("time", "s", "until the brake"),
-        Variable("energy", "J", "that the brake must take, that of the slope behind it included"),
+        CalcValue("arrival_speed", "m/s", "where the brake begins", search=(1e-3, 1e3)),
+        CalcValue("top_speed", "m/s", "on the way"),
+        CalcValue("time", "s", "until the brake"),
+        CalcValue("energy", "J", "that the brake must take, that of the slope behind it included"),
         force("brake_force", f"constant, {_OF_BRAKE}"),
-        Variable("deceleration", "m/s^2", "mean of such a stop, on the level"),
-        Variable("brake_spring", "N/m", f"stiffness of a spring {_OF_BRAKE}"),
+        CalcValue("deceleration", "m/s^2", "mean of such a stop, on the level"),
+        CalcValue("brake_spring", "N/m", f"stiffness of a spring {_OF_BRAKE}"),
         force("brake_spring_force", "largest of that spring"),
-        Variable("brake_damping", "N*s/m", "of an eddy-current brake that stops it on that way, on the level"),
+        CalcValue("brake_damping", "N*s/m", "of an eddy-current brake that stops it on that way, on the level"),
     ),
     {
         "bare": bare,

@@ -8,14 +8,14 @@ from math import inf, isfinite
 
 import numpy as np
 
-from ropewalk.calc.answer import Variable
+from ropewalk.calc.answer import CalcValue
 
 EXACT = 1e-9
 """Part of the wanted value by which a root may miss it."""
 
 
 def single(
-    function: Callable[[float], float], wanted: float, quantity: Variable, alike: Sequence[float], points: int
+    function: Callable[[float], float], wanted: float, quantity: CalcValue, alike: Sequence[float], points: int
 ) -> list[tuple[float]]:
     """Find all values of one quantity within its range for which a function has a wanted value, rising.
 
@@ -58,7 +58,7 @@ def single(
     return [(root,) for root in kept]
 
 
-def trial_values(quantity: Variable, alike: Sequence[float], points: int) -> list[float]:
+def trial_values(quantity: CalcValue, alike: Sequence[float], points: int) -> list[float]:
     """A rising grid over the range of a quantity, finer near others of its size."""
     low, high = quantity.search
     positive = np.geomspace(max(low, 1e-9), high, points) if high > 0.0 else np.zeros(0)
@@ -76,7 +76,7 @@ def trial_values(quantity: Variable, alike: Sequence[float], points: int) -> lis
 
 
 def several(
-    function: Callable[[Sequence[float]], list[float]], wanted: Sequence[float], quantities: Sequence[Variable],
+    function: Callable[[Sequence[float]], list[float]], wanted: Sequence[float], quantities: Sequence[CalcValue],
     alike: Sequence[float],
 ) -> list[tuple[float, ...]]:  # fmt: skip
     """Find values of several positive quantities for which functions have wanted values: the first that is found."""
@@ -105,7 +105,7 @@ def several(
     return []
 
 
-def _beginnings(quantity: Variable, alike: Sequence[float]) -> list[float]:
+def _beginnings(quantity: CalcValue, alike: Sequence[float]) -> list[float]:
     """Values at which a search begins: lengths are near others, most other things are of their usual size."""
     largest = sorted({abs(value) for value in alike if value != 0.0}, reverse=True)[:2]
     if quantity.unit == "m" and largest:

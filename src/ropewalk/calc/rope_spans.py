@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import hypot
 
-from ropewalk.calc.answer import Variable
+from ropewalk.calc.answer import CalcValue
 from ropewalk.calc.calculator import Calculator
 from ropewalk.calc.common import AXIAL_STIFFNESS, GRAVITY, LENGTH, ROPE_MASS, SPAN, angle, depth, force, height
 from ropewalk.calc.hanging import Hanging, fall, hang
@@ -60,8 +60,8 @@ span = Calculator(
     "Rope between two anchors with one load clamped to it, as of a cable crane or a tyrolean traverse.",
     (
         SPAN, HEIGHT, LENGTH, ROPE_MASS, AXIAL_STIFFNESS,
-        Variable("load", "kg", "mass of the load", search=(1e-3, 1e7), typical=100.0),
-        Variable(
+        CalcValue("load", "kg", "mass of the load", search=(1e-3, 1e7), typical=100.0),
+        CalcValue(
             "place", "dimensionless", "part of the rope's length behind the load", high=1.0, default=0.5, share=True,
             search=(1e-3, 1.0), typical=0.5,
         ),

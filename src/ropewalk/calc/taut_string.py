@@ -4,38 +4,38 @@ from __future__ import annotations
 
 from math import sqrt
 
-from ropewalk.calc.answer import Variable
+from ropewalk.calc.answer import CalcValue
 from ropewalk.calc.calculator import Calculator
 from ropewalk.calc.common import GRAVITY, depth
 
 
-def _frequency(n: int) -> Variable:
-    return Variable(f"frequency_{n}", "Hz", f"of the {('first', 'second', 'third')[n - 1]} mode", search=(1e-3, 1e6))
+def _frequency(n: int) -> CalcValue:
+    return CalcValue(f"frequency_{n}", "Hz", f"of the {('first', 'second', 'third')[n - 1]} mode", search=(1e-3, 1e6))
 
 
 string = Calculator(
     "string",
     "Taut string or wire between fixed ends.",
     (
-        Variable("length", "m", "between the ends", search=(1e-3, 1e5), typical=10.0),
-        Variable("tension", "N", "", search=(1e-3, 1e9), typical=1e4),
-        Variable("mass", "kg/m", "per length", search=(1e-6, 1e5), typical=1.0),
-        Variable("force", "N", "across the string", optional=True, search=(1e-6, 1e9)),
-        Variable(
+        CalcValue("length", "m", "between the ends", search=(1e-3, 1e5), typical=10.0),
+        CalcValue("tension", "N", "", search=(1e-3, 1e9), typical=1e4),
+        CalcValue("mass", "kg/m", "per length", search=(1e-6, 1e5), typical=1.0),
+        CalcValue("force", "N", "across the string", optional=True, search=(1e-6, 1e9)),
+        CalcValue(
             "place", "dimensionless", "of the force, as a part of the length", high=1.0, default=0.5, share=True,
             search=(1e-4, 1.0),
         ),
-        Variable("speed", "m/s", "of a load that moves along it", optional=True, search=(1e-6, 1e6)),
+        CalcValue("speed", "m/s", "of a load that moves along it", optional=True, search=(1e-6, 1e6)),
         GRAVITY,
     ),
     (
-        Variable("wave_speed", "m/s", "sqrt(T/m)"),
+        CalcValue("wave_speed", "m/s", "sqrt(T/m)"),
         _frequency(1), _frequency(2), _frequency(3),
         depth("sag", "under its own weight, m g L^2/(8 T)"),
         depth("deflection", "under the force, F x (L - x)/(T L)"),
-        Variable("compliance", "m/N", "deflection over force"),
-        Variable("speed_ratio", "dimensionless", "speed over that of waves"),
-        Variable("passage", "s", "time in which the load crosses"),
+        CalcValue("compliance", "m/N", "deflection over force"),
+        CalcValue("speed_ratio", "dimensionless", "speed over that of waves"),
+        CalcValue("passage", "s", "time in which the load crosses"),
     ),
     {
         "wave_speed": lambda tension, mass: sqrt(tension / mass),

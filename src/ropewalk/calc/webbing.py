@@ -7,7 +7,7 @@ from math import hypot, sqrt
 
 import numpy as np
 
-from ropewalk.calc.answer import Variable
+from ropewalk.calc.answer import CalcValue
 from ropewalk.calc.calculator import Calculator
 from ropewalk.calc.common import AXIAL_STIFFNESS, GRAVITY, LENGTH, SPAN, depth, force
 from ropewalk.calc.hanging import hang
@@ -73,28 +73,28 @@ highline = Calculator(
     "Person on a highline or slackline: sag, tension, bounce, and the most that a leash fall can do.",
     (
         SPAN,
-        Variable("standing_tension", "N", "with nobody on the line", search=(1.0, 1e6), typical=2e3, zero=True),
+        CalcValue("standing_tension", "N", "with nobody on the line", search=(1.0, 1e6), typical=2e3, zero=True),
         replace(AXIAL_STIFFNESS, default=None, about="EA of webbing: 10 kN over the stretch at 10 kN", typical=1e5),
-        Variable("at", "N", "tension at which the stretch is told", default=10e3, search=(1.0, 1e6), typical=1e4),
-        Variable("mass", "kg", "of the person", search=(0.1, 1e5), typical=70.0),
-        Variable(
+        CalcValue("at", "N", "tension at which the stretch is told", default=10e3, search=(1.0, 1e6), typical=1e4),
+        CalcValue("mass", "kg", "of the person", search=(0.1, 1e5), typical=70.0),
+        CalcValue(
             "place", "dimensionless", "part of webbing behind the person", high=1.0, default=0.5, share=True,
             search=(1e-3, 1.0),
         ),
-        Variable(
+        CalcValue(
             "fall", "m", "free fall, from the height of the bare line, until the leash is taut", optional=True,
             search=(1e-3, 1e3),
         ),
         GRAVITY,
     ),
     (
-        Variable("stretch", "dimensionless", "of webbing at that tension", share=True, typical=0.1),
+        CalcValue("stretch", "dimensionless", "of webbing at that tension", share=True, typical=0.1),
         replace(LENGTH, about="of webbing, unstrained"),
         depth("sag", "of the person below the anchors"),
         force("tension", "with the person standing, the larger one"),
-        Variable("bounce_frequency", "Hz", "of small vibrations, up and down"),
-        Variable("sway_frequency", "Hz", "to the side"),
-        Variable("surge_frequency", "Hz", "along the line"),
+        CalcValue("bounce_frequency", "Hz", "of small vibrations, up and down"),
+        CalcValue("sway_frequency", "Hz", "to the side"),
+        CalcValue("surge_frequency", "Hz", "along the line"),
         depth("fall_sag", "greatest depth in a fall, of webbing's middle; no loss, no stretch of the leash"),
         force("fall_tension", "greatest tension in a fall, likewise: an upper bound"),
         force("fall_force", "greatest pull of the leash, likewise"),

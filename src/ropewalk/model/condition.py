@@ -84,6 +84,6 @@ class Condition(Declaration):
             yield Finding(("condition", "expansion"), wrong, f"{self.expansion:g} 1/K", remedy)
         for name in ("wear", "temperature_rise") if fixed_aside else ():
             if value := getattr(self, name):
-                wrong = "steady arms with stagger between anchored ends are not implemented with it"
+                wrong = "goes with tensions that weights keep, or with steady arms without stagger"
                 remedy = f"write ends: weights, or leave stagger or {name} out"
                 yield Finding(("condition", name), wrong, f"{value:g}", remedy)
