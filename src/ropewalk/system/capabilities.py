@@ -137,6 +137,8 @@ def _of_cuts(name: str, line: Line, run: object) -> Iterator[Finding]:
     if not isinstance(run, Dynamic):
         yield missing(path, "all but motions", "a block", _DYNAMIC, feature="a cut")
         return
+    if run.start.kind == "result":
+        yield missing(("run", "start", "kind"), what, "result", "start at rest, or from a mode")
     if run.geometry == "linearised":
         yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
     if run.method in HIGH_ORDER:
