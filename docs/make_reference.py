@@ -36,7 +36,8 @@ FUNCTIONS = {
         "contact_statistics",
         "html_report",
     ),
-    "Many runs": ("sweep", "sweep_figure", "sweep_table"),
+    "Many runs": ("sweep", "sweep_figure", "sweep_table", "design", "Design", "gradient", "fit", "Fit"),
+    "Calculators": ("calc",),
     "Closed forms": ("theory",),
     "Errors": ("RopewalkError", "ScenarioError", "EquilibriumError", "ResultError"),
 }

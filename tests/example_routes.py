@@ -6,12 +6,13 @@ import math
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from continuous_beams import mode_of_two_spans, wave_numbers
-from ropewalk.theory import beam, foundation
+from ropewalk.theory import beam, foundation, locus
 from ropewalk.theory.beam_crossing import Crossing
 from ropewalk.theory.beam_vehicle import Vehicle, oscillator, rigid_body
 from ropewalk.theory.rope import elastic_catenary
@@ -33,6 +34,25 @@ def zip_line_speed(mass: float = 79.0, rolling: float = 0.015, drag: float = 0.3
         return [2.0 * (G * slope - rolling * G * math.sqrt(1.0 - slope**2)) - 2.0 * drag / mass * v2[0]]
 
     return math.sqrt(float(solve_ivp(rate, (0.0, way[-1]), [0.0], rtol=1e-8, max_step=1.0).y[0, -1]))
+
+
+def slope_where_it_stands(result: xr.Dataset) -> float:
+    """Of the way of a pulley without friction with 94 kg on the rope of zip-line-brake.yaml, where that run ends."""
+    x = float(result.contact_position[-1, 0, 0])
+    way = locus.frictionless(
+        span=150.0, height=-14.0, length=150.9, weight=0.55 * G, axial_stiffness=6e6, force=(0.0, -94.0 * G), x=x
+    )
+    return float(way.slope)
+
+
+def highline_tension() -> float:
+    """Of the main line of highline-backup-cut.yaml under a person and its loops, N: an elastic catenary."""
+    stiffness, loops = 55.6e3, 6.0 * 10.75 * 0.05 / 63.0
+    bare = elastic_catenary(
+        span=63.0, length=63.0 / (1.0 + 1500.0 / stiffness), weight=(0.06 + loops) * G, axial_stiffness=stiffness,
+        loads=[(0.5 * 63.0 / (1.0 + 1500.0 / stiffness), (0.0, -57.0 * G))],
+    )  # fmt: skip
+    return float(np.hypot(*bare.start_reaction))
 
 
 def deepest_without_losses() -> float:

@@ -12,6 +12,7 @@ import xarray as xr
 
 import example_routes as routes
 import footbridge_routes as footbridges
+import overhead_routes as overhead
 import train_routes as trains
 import vehicle_routes as vehicles
 from ropewalk.results.contact_statistics import contact_statistics
@@ -32,6 +33,7 @@ ARTICULATED = float(
         trains.Bridge(20.0, 10e3, 16.2114e9, 0.6283), 46.75, 210.0 / 46.75,
     )[1].max()
 )  # fmt: skip
+CUT_SOON = ("lines.main.cut.time=0.2 s", "run.until=1.5 s")
 FOLDER = Path(__file__).parent.parent / "examples"
 
 
@@ -292,6 +294,46 @@ KNOWN = {
     # ranges of acceptance. 0.25 m and 1 ms leave 0.4 N of sigma.
     "en50318-2002-250.yaml": collected(("mean", 116.0, 0.2), ("deviation", 28.2, 0.5), ("uplift", 52.9, 0.5)),
     "en50318-2002-300.yaml": collected(("mean", 115.3, 0.2), ("deviation", 33.3, 0.5), ("uplift", 60.2, 0.6)),
+    "overhead-line-limits.yaml": [
+        # What presses it is in balance with the mean of the force, but for what swings in at the ends of three spans.
+        Known("static force by the balance of means, N", lambda r: overhead.static_force(r, "front"), 100.0, 0.4),
+        # Alone the rear one keeps them, as the front one does: sigma 24 N.
+        Known("limits that the front one breaks", lambda r: overhead.failures(r, "front"), 0.0, 0.0),
+        Known("limits that the rear one breaks", lambda r: overhead.failures(r, "rear"), 2.0, 0.0),
+        Known("audit, part of the energy", audit, 0.0, 0.04),
+    ],
+    "overhead-line-missing-dropper.yaml": [
+        # A string of 13 m under its weight, 0.9 * 1.35 kg/m at 20 kN: q L^2 / (8 T). Bending rounds its ends off.
+        Known(
+            "sag in the gap at rest, m",
+            lambda r: overhead.sag_without_a_dropper(r, 323.5, 336.5),
+            0.9 * 1.35 * 9.81 * 13.0**2 / (8.0 * 20e3),
+            6e-4,
+        ),
+        Known("static force by the balance of means, N", lambda r: overhead.static_force(r, "pantograph"), 110.0, 0.5),
+        Known("audit, part of the energy", audit, 0.0, 0.01),
+    ],
+    "overhead-line-dc.yaml": [
+        # Three masses: 110 N and 0.012 (160 km/h)^2 are in balance with the means of force and height.
+        Known(
+            "force on the lowest mass, N",
+            lambda r: overhead.static_force(r, "pantograph", 160.0, (15500.0, 7000.0, 50e3)),
+            110.0 + 0.012 * (160.0 / 3.6) ** 2,
+            0.3,
+        ),
+        Known("limits that are broken", lambda r: overhead.failures(r, "pantograph"), 0.0, 0.0),
+        Known("audit, part of the energy", audit, 0.0, 0.01),
+    ],
+    "overhead-line-cold.yaml": [
+        # A level wire that may not shorten: T + EA alpha dT. The messenger, which sags less, pulls it up a little.
+        Known(
+            "tension of the contact wire, N",
+            lambda r: overhead.tension_at_first(r, "line.contact"),
+            10e3 + 12e6 * 1.7e-5 * 30.0,
+            60.0,
+        ),
+        Known("audit, part of the energy", audit, 0.0, 0.01),
+    ],
     # Known: the mean force that is asked for, and the answers of an independent calculation, in the plane, with other
     # elements and another filter: to 4 % of the deviations, 8 N of the extremes, 3 mm. The pantograph presses with what
     # the slow rise of the wire demands; in motion it rises 1 to 2 cm higher, and the spring of its base takes 2 and 3 N
@@ -468,6 +510,16 @@ KNOWN = {
         Known("speed at the brake, m/s", speed_of_the_moving_load, routes.zip_line_speed(), 0.35),
         # First order in the links of 1 m: 2.5e-3.
         Known("audit, part of the energy", audit, 0.0, 4e-3),
+    ],
+    "zip-line-brake.yaml": [
+        # Eddy currents hold nobody: she stands where rolling (0.015) and the wind on her (0.003 of her weight) do.
+        Known("slope of her way where she stops", routes.slope_where_it_stands, 0.0, 0.018),
+        Known("audit, part of the energy", audit, 0.0, 1e-3),
+    ],
+    "highline-backup-cut.yaml": [
+        # The elastic catenary with the loops' mass spread over it; they hang on it at six places, and pull a little.
+        Known("tension at rest, N", lambda r: float(r.tension[0].max()), routes.highline_tension(), 25.0, CUT_SOON),
+        Known("audit, part of the energy", audit, 0.0, 2e-3, CUT_SOON),
     ],
     "leash-fall.yaml": [
         # Without damping she would go 4.6 cm deeper.

@@ -29,6 +29,7 @@ OF_THE_FIELD = {
     **dict.fromkeys(("crowds", "check_crowds", "of_crowds", "crowds_in"), "of people on a bridge"),
     "standing_force": "one that does not move",
     "standing_tension": "of webbing between its anchors, as measured",
+    **dict.fromkeys(("WebSocket", "WebSocketDisconnect", "WebSocketRoute"), "a connection, RFC 6455"),
     "sight": "as it was called before",
     "rung": "as it was called before",
 }

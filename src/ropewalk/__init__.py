@@ -15,9 +15,10 @@ loads           `MovingForce`, `MovingMass`, `Oscillator`, `Trolley` with its `P
                 `FrequencySpread` and `LengthSpread`; `Stepper` for a model of one's own, `Fmu` with
                 `FmuContact`s and `FmuTravel` for one of another program; their `Exchange` with the line
 overhead lines  `OverheadLine` of `ContactWire`, `MessengerWire`, `StitchWire`, `Droppers`, `SteadyArms`,
-                `MessengerSupports` and `Spans`; `Pantograph` with its `PantographTravel`
+                `MessengerSupports`, `Spans`, `Condition` and `Limits`; `Pantograph` with its `PantographTravel`
 travel          `Travel` as prescribed, `FreeTravel` with `Driver` and `Brake`
 axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `Tabulated`, `Inextensible`
+cuts            `Cut` of a line that fails
 supports        `Fixed`, `Elastic`, `Guided`, `Moving`; `Joined` to a `Joint`, a line or a net; `Sheave`s on the way;
                 between the ends `InnerFixed`, `InnerElastic`, `InnerGuided`, `InnerMoving`
 nets            `Net` and `Membrane` with a `ClampedEdge`, a `SoftEdge` or a `CableEdge`; `Wind`
@@ -27,7 +28,10 @@ answers         `simulate`, `resume`, `spectrum`; `feedback` gives a `Comparison
                 `model_hierarchy` a `ModelHierarchy` of simpler models, `adequacy` an `AdequacyMap` over two `Axis`es;
                 `summary`, `tables`, `figure` and `film` of a result, paths of contacts `extrapolated` from two meshes;
                 `contact_statistics` and `html_report` of overhead lines
-many runs       `sweep` gives one dataset over what varies (`Sweep`), `sweep_figure` and `sweep_table` are of it
+many runs       `sweep` gives one dataset over what varies (`Sweep`), `sweep_figure` and `sweep_table` are of it;
+                `design` gives the `Design` that limits allow, `fit` the `Fit` of unknown values to measured ones,
+                `gradient` derivatives with their errors
+calculators     `calc`: given any sufficient set of quantities of a span, a highline, a zip line, the others
 closed forms    `theory`: what the simulation is checked against
 errors          `RopewalkError`, and of its kind `ScenarioError`, `EquilibriumError`, `ResultError`
 ==============  ======================================================================================
@@ -46,6 +50,7 @@ from typing import TYPE_CHECKING, Any
 from ropewalk import hooks
 
 if TYPE_CHECKING:
+    from ropewalk import calc as calc
     from ropewalk import theory as theory
     from ropewalk.compare import ModelHierarchy as ModelHierarchy
     from ropewalk.compare import model_hierarchy as model_hierarchy
@@ -56,6 +61,11 @@ if TYPE_CHECKING:
     from ropewalk.coupling import Comparison as Comparison
     from ropewalk.coupling import feedback as feedback
     from ropewalk.decouple import without_feedback as without_feedback
+    from ropewalk.designs.designing import design as design
+    from ropewalk.designs.fitting import Fit as Fit
+    from ropewalk.designs.fitting import fit as fit
+    from ropewalk.designs.gradient import gradient as gradient
+    from ropewalk.designs.result import Design as Design
     from ropewalk.errors import EquilibriumError as EquilibriumError
     from ropewalk.errors import RopewalkError as RopewalkError
     from ropewalk.errors import ScenarioError as ScenarioError
@@ -92,6 +102,11 @@ _HOME = {
     "RopewalkError": "errors",
     "ScenarioError": "errors",
     "adequacy": "compare.adequacy",
+    "Design": "designs.result",
+    "design": "designs.designing",
+    "Fit": "designs.fitting",
+    "fit": "designs.fitting",
+    "gradient": "designs.gradient",
     "contact_statistics": "results.contact_statistics",
     "export_fmu": "cosim.export",
     "extrapolated": "results",
@@ -112,6 +127,7 @@ _HOME = {
     "tables": "results",
     "without_feedback": "decouple",
 }
+_PACKAGES = ("calc", "theory")
 _RENAMED = {"Ladder": "ModelHierarchy", "ladder": "model_hierarchy"}
 _NAME_AT_HOME = {"export_fmu": "export", "spectrum": "spectrum_of"}
 
@@ -121,15 +137,15 @@ hooks.unsupported = lambda parts: import_module("ropewalk.capabilities").unsuppo
 
 
 def __getattr__(name: str) -> Any:
-    if name == "theory":
-        return import_module("ropewalk.theory")
+    if name in _PACKAGES:
+        return import_module(f"ropewalk.{name}")
     if name in _RENAMED:
         import_module("ropewalk.renamed").warn_renamed(f"ropewalk.{name}", f"ropewalk.{_RENAMED[name]}")
         return getattr(import_module(__name__), _RENAMED[name])
     if name in _HOME:
         return getattr(import_module(f"ropewalk.{_HOME[name]}"), _NAME_AT_HOME.get(name, name))
     if name == "__all__":
-        return sorted({*_HOME, "simulate", "theory", *import_module("ropewalk.model").DECLARATIONS})
+        return sorted({*_HOME, *_PACKAGES, "simulate", *import_module("ropewalk.model").DECLARATIONS})
     if name[:1].isupper() and name in (model := import_module("ropewalk.model")).DECLARATIONS:
         return getattr(model, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

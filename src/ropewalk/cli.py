@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import ropewalk
+from ropewalk import many
+from ropewalk.calculating import calc
 from ropewalk.console import (
     FIGURE_SUFFIXES,
     FILM_SUFFIXES,
@@ -23,7 +25,6 @@ from ropewalk.console import (
     fail,
     finish,
     load_scenario,
-    now_called,
     print_columns,
     print_json,
     print_summary,
@@ -36,6 +37,8 @@ from ropewalk.console import (
     say,
     show_in,
 )
+from ropewalk.line_commands import elasticity
+from ropewalk.options import Json, NoCode, Picture, Quiet, ScenarioFile, Settings, Units
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,22 +54,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-ScenarioFile = Annotated[Path, typer.Argument(metavar="FILE", help="Scenario file, YAML or JSON.")]
-Settings = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Change a value, as run.until=2s; may be repeated."),
-]
-Picture = Annotated[Path | None, typer.Option("-o", "--output", metavar="FIG", help="Figure: .png, .svg or .pdf.")]
-Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
-NoCode = Annotated[bool, typer.Option("--no-code", help="Refuse files that run external code: steppers and FMUs.")]
-Units = Annotated[
-    str,
-    typer.Option(
-        "--units", metavar="UNITS", help="Units of output: engineering, SI, or a list as kN,mm,km/h [JSON is in SI]."
-    ),
-]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table, errors only.")]
 
 
 def _version(wanted: bool) -> None:
@@ -286,9 +273,7 @@ def spectrum(
         if as_json:
             print_json(found.as_dict())
         else:
-            rows = found.table()
-            width = max(len(name) for name, _ in rows)
-            typer.echo("\n".join(f"{name:{width}}  {value}".rstrip() for name, value in rows))
+            print_columns([*found.table()])
         if output is not None:
             save_figure(import_module("ropewalk.results.mode_figure").mode_figure(found), output)
             say(f"{output} written")
@@ -339,85 +324,8 @@ def compare(
                 say(f"{output} written")
 
 
-@app.command()
-def adequacy(
-    file: ScenarioFile,
-    x: Annotated[str, typer.Option("--x", metavar="KEY=FROM:TO:COUNT[:log]", help="First parameter, key or ratio.")],
-    y: Annotated[str, typer.Option("--y", metavar="KEY=FROM:TO:COUNT[:log]", help='Second, as "load ratio=0.01:1:9".')],
-    model: Annotated[list[str], typer.Option("--model", help="Simpler model; may be repeated.")] = ["linear"],  # noqa: B006
-    rung: Annotated[list[str] | None, typer.Option(hidden=True, callback=now_called("--model"))] = None,
-    quantity: Annotated[str, typer.Option("--quantity", help="Quantity that is compared.")] = "deflection",
-    tolerance: Annotated[str, typer.Option("--tolerance", help="Allowed relative distance, 0.02 or 2 %.")] = "5 %",
-    store: Annotated[Path | None, typer.Option("--store", help="Points [default: FILE.adequacy.jsonl].")] = None,
-    workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
-    retry: Annotated[bool, typer.Option("--retry", help="Compute points that have failed once more.")] = False,
-    output: Picture = None,
-    no_code: NoCode = False,
-    settings: Settings = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
-) -> None:
-    """Map where in a plane of two parameters a simpler model is good enough; go on where a map was stopped."""
-    with reported(), progress_of_many(quiet) as progress:
-        check_picture(output, FIGURE_SUFFIXES)
-        model = rung or model
-        found = import_module("ropewalk.compare.command").adequacy_from_text(
-            load_scenario(file, settings, no_code), (x, y), model, quantity, tolerance,
-            store or Path(f"{file.stem}.adequacy.jsonl"), workers, retry, progress,
-        )  # fmt: skip
-        if output is not None:
-            save_figure(found.figure(model), output)
-    if as_json:
-        print_json(found.as_dict())
-    elif not quiet:
-        typer.echo("\n".join(str(found.coverage(name)) for name in model))
-
-
-@app.command()
-def sweep(
-    file: ScenarioFile,
-    over: Annotated[
-        list[str] | None, typer.Option("--over", metavar="KEY=VALUES", help="What varies: 100:350:5km/h, or a,b,c.")
-    ] = None,
-    derive: Annotated[
-        list[str] | None, typer.Option("--derive", metavar="KEY=EXPR", help="What follows: run.until='9 m / speed'.")
-    ] = None,
-    record: Annotated[
-        str | None, typer.Option("--record", metavar="NAMES", help="What is kept: 'max tension, largest_sag'.")
-    ] = None,
-    output: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "-o", "--output", metavar="OUT", help=".nc, .csv, .xlsx, .parquet, .png, .svg or .pdf; repeat it."
-        ),
-    ] = None,
-    combine: Annotated[
-        str | None, typer.Option("--combine", help="grid (default), zip, latin_hypercube, sobol or random.")
-    ] = None,
-    count: Annotated[int | None, typer.Option("--count", help="Number of cases that are drawn.")] = None,
-    seed: Annotated[int | None, typer.Option("--seed", help="Seed of drawing.")] = None,
-    store: Annotated[Path | None, typer.Option("--store", help="Finished cases [default: FILE.sweep.jsonl].")] = None,
-    workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
-    cluster: Annotated[str | None, typer.Option("--cluster", metavar="tcp://...", help="A Dask scheduler.")] = None,
-    retry: Annotated[bool, typer.Option("--retry", help="Compute cases that have failed once more.")] = False,
-    no_code: NoCode = False,
-    settings: Settings = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
-) -> None:
-    """Run a scenario many times with other values, on all cores; go on where a sweep was stopped."""
-    with reported():
-        package, outputs = import_module("ropewalk.sweeps.command"), output or []
-        package.check_outputs(outputs)
-        store = store or Path(f"{file.stem}.sweep.jsonl")
-        scenario = load_scenario(file, settings, no_code)
-        with progress_of_many(quiet) as progress:
-            found = package.sweep_from_text(
-                scenario, over or [], derive or [], progress, record=record, combine=combine, count=count,
-                seed=seed, store=store, workers=workers, cluster=cluster, retry=retry,
-            )  # fmt: skip
-        package.tell(found, outputs, as_json, quiet)
-        package.finish(found, store, outputs, quiet)
+for command in many.COMMANDS:
+    app.command()(command)
 
 
 @app.command()
@@ -428,11 +336,7 @@ def export(
     load: Annotated[str | None, typer.Option("--load", metavar="NAME", help="A vehicle without its line.")] = None,
     give: Annotated[
         str | None,
-        typer.Option(
-            "--give",
-            metavar="force|motion",
-            help="Output of the FMU [default: motion of a line, force of a load].",
-        ),
+        typer.Option("--give", metavar="force|motion", help="Output [default: motion of a line, force of a load]."),
     ] = None,
     contacts: Annotated[int, typer.Option("--contacts", metavar="N", help="Number of contacts of the line.")] = 1,
     contact_stiffness: Annotated[
@@ -488,6 +392,7 @@ def warm_up(
             print_columns([*found.items(), ("kept in", str(warming.folder()))])
 
 
+app.command()(elasticity)
 app.command()(import_module("ropewalk.studio.command").studio)
 
 
@@ -495,6 +400,7 @@ app.command()(import_module("ropewalk.studio.command").studio)
 def schema() -> None:
     """Print the JSON schema of scenario files, for editors."""
     with reported():
-        from ropewalk.scenario import json_schema
+        print_json(import_module("ropewalk.scenario").json_schema())
 
-        print_json(json_schema())
+
+app.command()(calc)

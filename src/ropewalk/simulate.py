@@ -331,7 +331,8 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     if at is not None:
         run = _check_instant(scenario, at)
     on_system = bool(scenario.overhead_lines) and engine_of(scenario) is SYSTEM
-    if on_system or scenario.is_network or scenario.parts.has_inextensible or scenario.parts.has_segments:
+    parts = scenario.parts
+    if on_system or scenario.is_network or parts.has_inextensible or parts.has_segments or parts.has_cut:
         from ropewalk.system import spectrum as system  # lazy: a run does not need the eigenvalue solvers
 
         if at is not None:

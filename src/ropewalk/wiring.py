@@ -168,7 +168,7 @@ def _diagnostics(section: Section) -> Iterator[str]:
 
 def _unseen(name: str, line: OverheadLine) -> Iterator[str]:
     """What is declared of an overhead line and makes no difference to its linearised motion."""
-    if line.ends == "anchored":
+    if line.ends == "anchored" and line.condition is None:
         yield f"overhead_lines.{name}.ends: in linearised motion tensions are constant, whatever holds the ends"
     if line.messenger_supports.along == "held":
         yield f"overhead_lines.{name}.messenger_supports.along: in linearised motion nothing moves along the line"

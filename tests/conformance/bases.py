@@ -206,7 +206,8 @@ BASES: dict[str, Tree] = {
     "stiff rest": one(STIFF, None, {"kind": "equilibrium"}),
     # Overhead lines.
     "pantograph": section(
-        {**SPANS, "element": 0.5, "stitch_wire": {"length": 8.0, "retardation": 1e-4},
+        {**SPANS, "element": 0.5, "condition": {"wear": 0.1, "temperature_rise": 10.0},
+         "stitch_wire": {"length": 8.0, "retardation": 1e-4},
          "messenger_supports": {"stiffness": "500 kN/m"}},
         {"kind": "pantograph", "model": "en50318-2002", "travel": way(30.0, 55.0, at_end="leave")},
         geometry="linearised",

@@ -206,7 +206,13 @@ def _at_rest(result: xr.Dataset, tree: Tree) -> str:
     if any(line["foundation"] for line in lines.values()):
         return ""
     xi, owner = result["xi"].values, result["line"].values
-    weight = sum(tree["gravity"] * line["mass"] * float(xi[owner == name].max()) for name, line in lines.items())
+    weight = 0.0
+    for name in set(owner.tolist()):
+        line = lines[name] if name in lines else tree["hangers"][name.rsplit("-", 1)[0]]
+        mass = line["mass"] * float(xi[owner == name].max())
+        for part in line.get("segments", {}).values():
+            mass += (part.get("mass", line["mass"]) - line["mass"]) * (part["to"] - part["from"])
+        weight += tree["gravity"] * mass
     for track in tree["tracks"].values():
         sleepers, length = track["sleepers"], float(xi[owner == track["rail"]].max())
         count = int((length - sleepers["first"]) / sleepers["spacing"] + 1e-6) + 1

@@ -17,6 +17,7 @@ import xarray as xr
 
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model._base import Declaration, declarations_in
+from ropewalk.model.limits import Limits
 from ropewalk.model.outputs import Outputs
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.sweep import Sweep
@@ -103,19 +104,20 @@ def base_scenario(name: str) -> Scenario:
 def optional(model: type[Declaration]) -> Iterator[str]:
     """Optional keys of a declaration as written, but for `kind` and for what a run takes no notice of."""
     for name, field in model.model_fields.items():
-        if not field.is_required() and name not in ("kind", "sweep", "outputs"):
+        if not field.is_required() and name not in ("kind", "sweep", "outputs", "limits"):
             yield field.alias or name
 
 
 @cache
 def declarations() -> tuple[type[Declaration], ...]:
     """Every declaration of which a run takes notice: not what says which runs there are to be, whose keys have
-    tests/sweeps/test_sweep.py, nor what summaries speak of, which has tests/results/test_line_response.py."""
+    tests/sweeps/test_sweep.py, nor what summaries speak of, which has tests/results/test_line_response.py and
+    test_limits.py."""
     found: list[type[Declaration]] = []
     waiting: list[type[Declaration]] = [Scenario]
     while waiting:
         model = waiting.pop()
-        if model not in found and model not in (Sweep, Outputs):
+        if model not in found and model not in (Sweep, Outputs, Limits):
             found.append(model)
             waiting += [inner for field in model.model_fields.values() for inner in declarations_in(field.annotation)]
     return tuple(found)

@@ -26,6 +26,9 @@ _PATTERNS = {
         "a line without bending stiffness turns freely": r"a line without bending stiffness turns freely",
         "small motion is about a straight line, no buckled one": r"a line longer than its chord is a strut",
         "a train runs along a line, and a net has none": r"a train runs along a line, and a net has none",
+        "a line of few links has no such mode": r"its nodes cannot show so many half waves",
+        "nothing holds a load that does not rub there": r"nothing holds a load there",
+        "without gravity nothing hangs": r"without gravity nothing hangs",
         "a net has no axis to whirl about": r"a net has no axis to whirl about",
         "what moves a line everywhere leaves nothing to stand still":
             r"moves (all of a line, not only what is near|its line far from) a load",
@@ -68,6 +71,10 @@ _PATTERNS = {
         "the sixth order needs forces that do not jump": rf"rkn6 with .* {_NOT}",
         "feedback on single ropes only": rf"{_NOT} a run without feedback",
         "the implicit method needs forces that do not jump": rf"implicit with .* {_NOT}",
+        "no friction on saddles without inertia, nor in spectra": rf"friction on saddles (without inertia )?{_NOT}",
+        "no linear theory over saddles": rf"\.saddles: {_NOT} lines over saddles",
+        "walkers on profiles on beams alone": rf"on a profile {_NOT}",
+        "results do not hold where saddles that give way stand": rf"\.support: {_NOT} runs that begin from a result",
         "no linear theory in wind that blows": rf"wind {_NOT} kind: linear",
         "no linear theory to compare with": r"^no distances$",
         "no export of networks and nets":

@@ -81,6 +81,10 @@ OVERHEAD: Tree = {
     "contact_wire": {"drag": 0.05}, "messenger_wire": {"drag": 0.05},
 }  # fmt: skip
 
+_STEPS: Tree = {
+    "haunch": {"from": 0.0, "to": 5.0, "bending_stiffness": "4 GN*m^2", "mass": 2500.0},
+    "damage": {"from": 12.0, "to": 13.0, "damage": "30 %"},
+}
 STIFF: Tree = {**TAUT, "bending_stiffness": "10 kN*m^2"}
 """Bending counts over a metre at a support, two elements."""
 
@@ -159,6 +163,11 @@ STRUCTURES: tuple[Structure, ...] = (
     Structure("beam-linearised", "beam, linearised", rope(BEAM), run=_LINEARISED, **_HEAVY),
     Structure("beam-damped", "beam, damped, linearised", rope({**BEAM, "drag": 0.6}), run=_LINEARISED, **_HEAVY),
     Structure("piers", "beam on piers", rope({**BEAM, "supports": _PIERS}), **_HEAVY),
+    Structure("stepped", "beam in segments", rope({**BEAM, "elements": 40, "segments": _STEPS}), **_HEAVY),
+    Structure(
+        "rough", "beam with a rough surface",
+        rope({**BEAM, "profile": {"spectrum": "ISO 8608 A", "seed": 1, "wavelengths": [2.0, 20.0]}}), **_HEAVY,
+    ),
     Structure("bed", "line on a bed", rope(BED), **_HEAVY),
     Structure("bed-linearised", "line on a bed, linearised", rope(BED), run=_LINEARISED, **_HEAVY),
     Structure("track", "track over a bridge", {"lines": {"rope": RAIL, "deck": DECK}, "tracks": {"track": TRACK}},
@@ -180,6 +189,14 @@ STRUCTURES: tuple[Structure, ...] = (
         }}, family="joined",
     ),
     Structure(
+        "hung", "rope on a row of hangers",
+        {"hangers": {"hanger": {"from": "cable", "to": "rope", "count": 3, "mass": 0.5, "axial_stiffness": "500 kN"}},
+         "lines": {
+             "cable": {**TAUT, "start": [0.0, 4.0], "end": [20.0, 4.0], "tension": "20 kN"},
+             "rope": TAUT,
+        }}, family="joined",
+    ),
+    Structure(
         "ring", "ropes joined at a ring",
         {"joints": {"ring": {"mass": 3.0}}, "lines": {
             "rope": taut(end=[12.0, 0.0], end_support={"kind": "joined", "to": "ring"}, tension=None, length=11.9,
@@ -196,6 +213,11 @@ STRUCTURES: tuple[Structure, ...] = (
     Structure(
         "saddle", "rope over a saddle that holds it",
         rope(taut(supports={"saddle": {"at": 16.83, "kind": "fixed", "position": [17.0, 0.1]}})), family="joined",
+    ),
+    Structure(
+        "shoe", "rope over a saddle on which it slips",
+        rope(taut(saddles={"tower": {"at": [12.0, 0.5], "radius": 2.0, "friction": 0.1}}, tension=None, length=19.95)),
+        length=19.9, start=2.0, family="joined",
     ),
     Structure(
         "wind", "rope in wind", rope(slack(wind_drag=0.02), wind={"direction": [1.0, 0.0], "speed": 15.0}), **_SLOW,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+from multiprocessing.connection import wait
 
 import pytest
 
@@ -37,4 +38,7 @@ def test_an_interrupt_ends_the_processes_whatever_they_do():
     before = set(multiprocessing.active_children())
     with pytest.raises(KeyboardInterrupt):
         next(each(stopped(), cases.slow, 2, -1))
-    assert set(multiprocessing.active_children()) == before
+    # What has just been reaped by the pool's own thread may be counted as a child a moment longer: ask its pipe.
+    assert all(
+        wait([process.sentinel], timeout=5.0) for process in multiprocessing.active_children() if process not in before
+    )

@@ -122,7 +122,7 @@ def alone(scenario: Scenario, name: str, *, contact_stiffness: float | None = No
         (prescribed_motion,) = task_of(lone).prescribed_motions
     else:
         line = scenario.lines.get(load.on) or _level(scenario.nets[load.on], load)
-        lone = lone.model_copy(update={"lines": {load.on: line}, "nets": {}})
+        lone = lone.model_copy(update={"lines": {load.on: line}, "nets": {}, "hangers": {}, "tracks": {}})
         prescribed_motion, _ = prescribed_motion_of(loading_of(lone, until), name, load, 0, wire_of(load.on, line))
     if prescribed_motion.moving_load.size and not np.all(np.linalg.eigvalsh(prescribed_motion.moving_load.mass) > 0.0):
         raise RopewalkError(f"load {name}: a coordinate has no mass; give it one")

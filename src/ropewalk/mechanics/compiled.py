@@ -17,6 +17,7 @@ from numba.core import event as events
 
 from ropewalk.interrupts import note_compiling
 from ropewalk.mechanics.kernel_cache import keep
+from ropewalk.mechanics.kernel_parts import PartCompiler
 
 config: Any = numba.config  # its stubs do not know what is read from the environment
 
@@ -24,10 +25,10 @@ config: Any = numba.config  # its stubs do not know what is read from the enviro
 def njit(**options: Any) -> Any:
     """A decorator of kernels."""
     compiled: Any = numba.njit
-    return lambda function: keep(compiled(**options)(function))
+    return lambda function: keep(compiled(**options, pipeline_class=PartCompiler)(function))
 
 
-_common: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
+_common: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True, "forceinline": False}
 # A product and a sum may become one operation with one rounding. Never "nnan" or "ninf": NaN and inf must be found.
 _fused = {"contract", "nsz"}
 
@@ -39,7 +40,7 @@ inner: Any = njit(**_common, no_cpython_wrapper=True)
 lean: Any = njit(**_common, _nrt=False, fastmath=_fused)
 lean_inner: Any = njit(**_common, _nrt=False, fastmath=_fused, no_cpython_wrapper=True)
 # Put whole into its caller: arrays are handed on as ten numbers each, a dozen of them cost as much as twenty nodes.
-inlined: Any = njit(**_common, _nrt=False, fastmath=_fused, no_cpython_wrapper=True, forceinline=True)
+inlined: Any = njit(**{**_common, "forceinline": True}, _nrt=False, fastmath=_fused, no_cpython_wrapper=True)
 # Sums may be re-ordered so that loops with a sum vectorise; nothing may rely on the order.
 summing: Any = njit(**_common, _nrt=False, fastmath={"reassoc", *_fused})
 

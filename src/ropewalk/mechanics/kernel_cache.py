@@ -24,10 +24,14 @@ import numpy as np
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, UserProvidedCacheLocator
 from numba.core.registry import cpu_target
 
+from ropewalk.mechanics.kernel_parts import rebuilt, reduced
+
 PACKAGE = Path(__file__).parents[1]
 HOLD_KERNELS = ("mechanics", "solve", "system", "networks", "wires")
 """Folders of the package whose files hold kernels, or constants that are compiled into them."""
 _PREFIX = "kernels-"
+PARTS = "parts"
+"""Folder of the code of single functions, beside those of the packages."""
 _KEPT = 3  # states of the sources whose kernels are kept
 _SEAL = hashlib.sha256().digest_size
 
@@ -130,6 +134,12 @@ class _Locator(UserProvidedCacheLocator):
 
 class _Implementation(CompileResultCacheImpl):
     _locator_classes = [_Locator]  # noqa: RUF012
+
+    def reduce(self, cres: Any) -> Any:
+        return reduced(cres, folder() / PARTS)
+
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        return rebuilt(target_context, folder() / PARTS, payload)
 
 
 class _Files(IndexDataCacheFile):

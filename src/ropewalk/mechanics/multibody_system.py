@@ -234,7 +234,7 @@ def _fit_to_mesh(
         record["margin"] = wheel.margin if wheel.margin is not None else (MARGIN * h if record["heavy"] else 0.0)
         if wheel.free is not None and wheel.free.brake is not None:
             brake, length = wheel.free.brake, h * float(strands.links[s])
-            record["brake"] = brake.force
+            record["brake"] = brake.force or 0.0
             if brake.at in ("start", "both"):
                 record["brake_start"] = brake.within
             if brake.at in ("end", "both"):

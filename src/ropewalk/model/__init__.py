@@ -2,7 +2,9 @@
 
 from ropewalk.model.axles import Axles, Coaches, TrainTravel
 from ropewalk.model.balance import Balance
+from ropewalk.model.condition import Condition
 from ropewalk.model.crowd import Crowd
+from ropewalk.model.cut import Cut
 from ropewalk.model.damping import Damping
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.fmu import Fmu, FmuContact, FmuTravel
@@ -12,6 +14,7 @@ from ropewalk.model.history import DisplacementTable, DriveTable, ForceTable, Sp
 from ropewalk.model.inner_support import InnerElastic, InnerFixed, InnerGuided, InnerMoving
 from ropewalk.model.joint import Joined, Joint, Sheave
 from ropewalk.model.law import Hooke, Inextensible, Law, Polynomial, SecondPiolaKirchhoff, Tabulated, TensionOnly
+from ropewalk.model.limits import Limits
 from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, Load, MovingForce, Travelling
 from ropewalk.model.mass import MovingMass
@@ -58,8 +61,10 @@ __all__ = [
     "CableEdge",
     "ClampedEdge",
     "Coaches",
+    "Condition",
     "ContactWire",
     "Crowd",
+    "Cut",
     "Damping",
     "DisplacementTable",
     "DriveTable",
@@ -90,6 +95,7 @@ __all__ = [
     "Joint",
     "Law",
     "LengthSpread",
+    "Limits",
     "Line",
     "LinePlace",
     "Linear",

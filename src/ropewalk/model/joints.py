@@ -57,6 +57,10 @@ def _joints(parts: Parts) -> Iterator[Finding]:
                 used.add(support.to)
                 for inner, wrong, given, remedy in _joined(name, support, parts):
                     yield Finding(("lines", name, key, *inner), wrong, given, remedy)
+                other = parts.lines.get(support.to)
+                if other is not None and other.cut is not None and support.at == other.cut.at:
+                    wrong, remedy = f"{support.to} is cut just there", "join it beside the cut"
+                    yield Finding(("lines", name, key, "at"), wrong, f"{support.at:g} m", remedy)
         for sheave, wheel in line.sheaves.items():
             if wheel.to is not None:
                 used.add(wheel.to)

@@ -10,6 +10,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.cut import Cut, check_cut
 from ropewalk.model.damping import Damping
 from ropewalk.model.history import rows
 from ropewalk.model.inner_support import InnerSupport
@@ -92,12 +93,14 @@ class Line(Declaration):
     segments: dict[Name, Segment] = Field(
         default_factory=dict, description="parts of it, by name, with another stiffness, mass or bed: steps, damage"
     )
+    cut: Cut | None = Field(default=None, description="where and when it fails")
     wind_drag: Width = Field(default=0.0, description="drag coefficient times width, for wind across the line")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         given = {name for name in type(self).model_fields if getattr(self, name) is not None}
         own = (*self._geometry(), *self._clamped(), *self._inner(), *self._damped())
+        own += () if self.cut is None else tuple(check_cut(self.cut, self))
         own += tuple(check_segments(self.segments, self.length or self.distance, bends=bool(self.bending_stiffness)))
         report("line", [*contradictions(given, self.law.kind), *own])
         return self

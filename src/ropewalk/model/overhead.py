@@ -13,6 +13,8 @@ from pydantic_core import core_schema
 
 from ropewalk.errors import Refused
 from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.condition import Condition
+from ropewalk.model.limits import Limits
 from ropewalk.model.quantity import (
     BendingStiffness,
     Count,
@@ -306,12 +308,21 @@ class OverheadLine(Declaration):
         description="first and last span, counted from 1, that statistics speak of (default: all but a quarter of the "
         "spans, rounded up, at either end)",
     )
+    condition: Condition | None = Field(
+        default=None, description="what has changed since the line was fitted (default: nothing)"
+    )
+    limits: Limits | None = Field(
+        default=None, description="of current collection, beside which summaries and reports set each pantograph"
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         findings = [*self._spans(), *self._places()]
         if not findings:  # how many droppers there are is known
             findings = [*self._for_each_dropper(), *self._supports()]
+            if self.condition is not None:
+                aside = self.ends == "anchored" and self.steady_arms.stagger is not None
+                findings += self.condition.findings([len(row) for row in self.dropper_places], fixed_aside=aside)
         report("overhead line", findings)
         return self
 

@@ -93,6 +93,17 @@ class Parts:
         return any(line is not None and bool(line.segments) for line in self.lines.values())
 
     @property
+    def has_cut(self) -> bool:
+        """Whether a line is cut on the way."""
+        return any(line is not None and line.cut is not None for line in self.lines.values())
+
+    @property
+    def has_sprung_brake(self) -> bool:
+        """Whether a brake has another force than a constant one."""
+        brakes = (getattr(getattr(load, "travel", None), "brake", None) for load in self.loads.values())
+        return any(brake is not None and not brake.is_blocks for brake in brakes)
+
+    @property
     def is_auto(self) -> bool:
         """Whether the number of links of a line is to be found."""
         return any(line is not None and isinstance(line.elements, Auto) for line in self.lines.values())

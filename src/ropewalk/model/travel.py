@@ -15,6 +15,8 @@ from ropewalk.model.quantity import (
     Offset,
     PositiveForce,
     PositiveLength,
+    PositiveStiffness,
+    PositiveViscosity,
     Speed,
     Station,
     Viscosity,
@@ -74,11 +76,32 @@ class Driver(Declaration):
 
 
 class Brake(Declaration):
-    """A brake near the ends of a line: a force against the motion, as long as there is one."""
+    """A brake near the ends of a line: blocks, eddy currents or a spring between the load and the line.
 
-    force: PositiveForce = Field(description="with which it brakes")
+    `force` alone is friction: a constant force against the motion, as long as there is one. With `rate` the force is in
+    proportion to the speed, as that of an eddy-current brake below its critical speed, and `force` the most that it is.
+    `stiffness` is that of a spring or bungee that the load meets where the brake begins, and that pushes it back.
+    """
+
+    force: PositiveForce | None = Field(
+        default=None, description="with which it brakes; with `rate` the most of that, and without it there is no limit"
+    )
+    rate: PositiveViscosity | None = Field(default=None, description="force over speed of an eddy-current brake")
+    stiffness: PositiveStiffness | None = Field(default=None, description="of a spring that is free where it begins")
     within: PositiveLength = Field(description="distance from the end of the line, along it, where it acts")
     at: Literal["start", "end", "both"] = Field(default="end", description="end of the line at which it acts")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.force is None and self.is_blocks:
+            remedy = "give force, rate (force over speed) or stiffness (of a spring)"
+            report("brake", [Finding((), "the brake has no force", remedy=remedy)])
+        return self
+
+    @property
+    def is_blocks(self) -> bool:
+        """Whether it has no other force than a constant one."""
+        return self.rate is None and self.stiffness is None
 
 
 class FreeTravel(Declaration):

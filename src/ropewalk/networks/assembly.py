@@ -81,6 +81,7 @@ def stations(line: Line, length: float, joined: list[float]) -> Array:
     """
     elements = links_of_line(line, joined) if line.bending_stiffness else line.elements
     joined = [*joined, *(support.at for support in line.supports.values())]
+    joined += [] if line.cut is None else [line.cut.at]
     whole = line.length or max([line.distance, *(1.01 * at for at in joined)])
     near = 1e-9 * whole
     marks = [0.0, *sorted(at for at in set(joined) if near < at < whole - near), whole]

@@ -15,6 +15,7 @@ import numpy as np
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.model.overhead import OverheadLine, OverheadWire, stations_of
+from ropewalk.overhead.condition import in_condition
 from ropewalk.overhead.forming import (
     Dropper,
     Form,
@@ -106,7 +107,8 @@ def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
             form = form_by_lengths(task, np.array([length for row in given for length in row]))
     except EquilibriumError as error:
         raise EquilibriumError(f"overhead line {name}: {error}") from None
-    return _finished(name, line, task, form, supports, stagger)
+    fitted = _finished(name, line, task, form, supports, stagger)
+    return fitted if line.condition is None else _changed(name, line, fitted)
 
 
 def in_space(section: Section, line: OverheadLine) -> Section:
@@ -313,6 +315,23 @@ def _finished(
         stagger=stagger,
         straight_messenger=line.messenger_supports.stagger == "straight",
     )  # fmt: skip
+
+
+def _changed(name: str, line: OverheadLine, fitted: Section) -> Section:
+    """A fitted line in the condition that is declared."""
+    condition, names, count = line.condition, list(fitted.droppers), len(fitted.droppers)
+    assert condition is not None
+    try:
+        plan, kept = in_condition(fitted.plan, line.element, names, condition, anchored=line.ends == "anchored")
+        lengths = (1.0 + condition.expansion * condition.temperature_rise) * fitted.lengths[kept]
+        changed = replace(
+            fitted, plan=plan, droppers={names[i]: k for k, i in enumerate(kept)}, lengths=lengths,
+            stations=fitted.stations[kept], arms={arm: i - count + len(kept) for arm, i in fitted.arms.items()},
+        )  # fmt: skip
+        pull = changed.rest.tie_force[: len(kept)]
+    except EquilibriumError as error:
+        raise EquilibriumError(f"overhead line {name}: {error}") from None
+    return replace(changed, pull=pull, slack=tuple(n for n, F in zip(changed.droppers, pull, strict=True) if F <= 0.0))
 
 
 def _arms(

@@ -223,6 +223,7 @@ def _is_line(
         and all(len(row) == len(at) and all(map(_is_same, row, at)) for row in places)
         and _is_same(line.droppers.stiffness, stiffness)
         and line.stitch_wire is None
+        and line.condition is None
     )
 
 

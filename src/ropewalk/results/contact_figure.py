@@ -28,7 +28,9 @@ from ropewalk.results.contact_statistics import (
     samples,
     scenario_of,
 )
+from ropewalk.results.contact_summary import limits_of
 from ropewalk.results.frame import Array
+from ropewalk.results.limits import Judgement
 from ropewalk.results.table import ROUND_OFF
 
 if TYPE_CHECKING:
@@ -58,6 +60,7 @@ class _LoadHistory:
     raw: Array  # N
     force: Array  # N, filtered
     height: Array  # m
+    judgement: Judgement | None  # beside the limits of its line
 
 
 def is_of_overhead_line(dataset: xr.Dataset) -> bool:
@@ -124,12 +127,15 @@ def _histories(dataset: xr.Dataset) -> list[_LoadHistory]:
     flat = samples(dataset.drop_vars("sampled_tie_force", errors="ignore"))
     interval = interval_of(flat)
     names, out = flat["load"].values.tolist(), []
-    for i, (name, found) in enumerate(contact_statistics(dataset).items()):
+    every = contact_statistics(dataset)
+    judgements = limits_of(dataset, scenario_of(dataset), every)
+    for i, (name, found) in enumerate(every.items()):
         k = names.index(name)
         station, raw, height = (flat[key].values[:, k] for key in ("station", "force", "height"))
         raw, height = (np.where(np.isfinite(station), values, np.nan) for values in (raw, height))
         colour = style.CYCLE[i % len(style.CYCLE)]
-        out.append(_LoadHistory(name, colour, found, interval, station, raw, filtered(raw, interval), height))
+        force = filtered(raw, interval)
+        out.append(_LoadHistory(name, colour, found, interval, station, raw, force, height, judgements.get(name)))
     return out
 
 
@@ -161,6 +167,12 @@ def _force(ax: Axes, history: _LoadHistory, *, alone: bool) -> None:
     seen = history.force[np.isfinite(history.force)]
     high = float(np.percentile(seen, 99.9)) if seen.size else 1.0
     low = min(0.0, found.statistical_minimum) if math.isfinite(found.deviation) else 0.0
+    if history.judgement is not None and math.isfinite(found.mean):
+        limit = next(check.high for check in history.judgement.checks if check.quantity == "maximum")
+        high = max(high, limit / 1.1)
+        strict: dict[str, Any] = {"color": style.RED, "linewidth": style.LINE, "linestyle": (0, (1, 1))}
+        caption = f"largest allowed: {limit:g} N; {history.judgement.verdict}"
+        ax.plot([found.first, found.last], [limit] * 2, **strict, label=caption)
     ax.set_ylim(low - 0.04 * high, 1.35 * high)
     style.dress(ax, "Contact force" if alone else f"Contact force of {history.name}", STATION, "force (N)")
     style.legend(ax)

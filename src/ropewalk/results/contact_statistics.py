@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 # 250 km/h and 30.9, 33.4, 34.2 N at 300 km/h.
 CUTOFF, BETWEEN = 20.0, 5.0  # Hz: the highest frequency, and where its two bands meet
 ORDER = 4
+SHORTEST_ARC = 5e-3  # s; shorter losses of contact do not count as arcs (TSI Energy, recalled)
 _DROPPER = re.compile(r"(.+)\.\d+\.\d+")  # names of droppers: line, span, number in the span
 _SAMPLED = {
     "station": "sampled_station",
@@ -58,6 +59,7 @@ class ContactStatistics:
     minimum: float  # N
     minimum_at: float  # m
     loss: float  # share of the time without contact
+    long_loss: float  # the same of losses of 5 ms and more, which count as arcs; unknown from coarse samples
     lowest: float  # m, height of the contact
     highest: float  # m
     uplift: float  # m, the largest at a support of the analysed spans while no other pantograph was closer to it
@@ -95,7 +97,7 @@ UNITS = {
     "first": "m", "last": "m", "speed": "m/s", "fastest": "Hz", "target": "N", "target_ratio": "1", "mean": "N",
     "deviation": "N", "deviation_low": "N", "deviation_high": "N", "relative_deviation": "1",
     "statistical_maximum": "N", "statistical_minimum": "N", "maximum": "N",
-    "maximum_at": "m", "minimum": "N", "minimum_at": "m", "loss": "1",
+    "maximum_at": "m", "minimum": "N", "minimum_at": "m", "loss": "1", "long_loss": "1",
     "lowest": "m", "highest": "m", "height_range": "m", "uplift": "m", "raw_deviation": "N", "raw_maximum": "N",
     "raw_minimum": "N",
 }  # fmt: skip
@@ -333,9 +335,22 @@ def _of_contact(
         deviation_low=float(slow.std()), deviation_high=float(fast.std()),
         maximum=float(force[top]), maximum_at=float(station[top]),
         minimum=float(force[bottom]), minimum_at=float(station[bottom]), loss=float(np.mean(raw == 0.0)),
+        long_loss=_long_loss(raw, interval),
         lowest=float(height.min()), highest=float(height.max()), uplift=uplift,
         raw_deviation=float(raw.std()), raw_maximum=float(raw.max()), raw_minimum=float(raw.min()),
     )  # fmt: skip
+
+
+def _long_loss(force: Array, interval: float) -> float:
+    """Share of the samples of a force that are within losses of contact of an arc's least duration."""
+    if interval > SHORTEST_ARC * (1.0 + 1e-9):
+        return math.nan
+    count = sum(
+        part.stop - part.start
+        for part in _stretches(force == 0.0)
+        if (part.stop - part.start) * interval >= SHORTEST_ARC * (1.0 - 1e-9)
+    )
+    return float(count / force.size)
 
 
 def _target(pantograph: Pantograph | None, speed: float) -> float:
@@ -419,7 +434,11 @@ def dropper_lengths(dataset: xr.Dataset, line: OverheadLine | None, which: list[
     if line is None or not which:
         return unknown
     if line.dropper_lengths is not None:
-        return np.array([length for row in line.dropper_lengths for length in row])
+        lengths = {f"{i}.{k}": length for i, row in enumerate(line.dropper_lengths, start=1)
+                   for k, length in enumerate(row, start=1)}  # fmt: skip
+        own = line.condition
+        longer = 1.0 if own is None else 1.0 + own.expansion * own.temperature_rise
+        return longer * np.array([lengths[".".join(str(dataset["tie"].values[k]).rsplit(".", 2)[1:])] for k in which])
     axes = dataset["axis"].values.tolist()
     if line.messenger_supports.stagger == "straight" and "y" not in axes:
         return unknown

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from ropewalk.model.pantograph import Pantograph
 from ropewalk.results.acceptance import acceptance_of
 from ropewalk.results.contact_statistics import (
     BETWEEN,
@@ -18,6 +20,8 @@ from ropewalk.results.contact_statistics import (
     line_statistics,
     scenario_of,
 )
+from ropewalk.results.contract import doubts_of
+from ropewalk.results.limits import FAIL, UNKNOWN, Judgement, judged
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,13 +42,38 @@ def contact_summary(dataset: xr.Dataset) -> Summary:
         return {"pantographs": {}, "overhead_lines": {}}
     scenario = scenario_of(dataset)
     every = contact_statistics(dataset)
+    judgements = limits_of(dataset, scenario, every)
     return {
-        "pantographs": {name: _pantograph(scenario, name, found) for name, found in every.items()},
+        "pantographs": {
+            name: _pantograph(scenario, name, found, judgements.get(name)) for name, found in every.items()
+        },
         "overhead_lines": {name: _line(found) for name, found in line_statistics(dataset).items()} if every else {},
     }
 
 
-def _pantograph(scenario: Scenario | None, name: str, found: ContactStatistics) -> Summary:
+def limits_of(
+    dataset: xr.Dataset, scenario: Scenario | None, every: dict[str, ContactStatistics]
+) -> dict[str, Judgement]:
+    """Set pantographs beside the limits of their lines, by name; only where a line has limits.
+
+    Args:
+        dataset: a result.
+        scenario: that made it.
+        every: statistics of its pantographs, by name.
+    """
+    if scenario is None:
+        return {}
+    doubtful, out = bool(doubts_of(dataset)), {}
+    for name, found in every.items():
+        load = scenario.loads.get(name)
+        limits = scenario.overhead_lines[found.line].limits if found.line in scenario.overhead_lines else None
+        if limits is not None and isinstance(load, Pantograph):
+            steady = isinstance(load.travel.speed, float)
+            out[name] = judged(limits, found, steady=steady, doubtful=doubtful)
+    return out
+
+
+def _pantograph(scenario: Scenario | None, name: str, found: ContactStatistics, judgement: Judgement | None) -> Summary:
     values = {key: {"value": getattr(found, key), "unit": unit} for key, unit in UNITS.items()}
     spans = None
     if scenario is not None and found.line in scenario.overhead_lines:
@@ -62,7 +91,20 @@ def _pantograph(scenario: Scenario | None, name: str, found: ContactStatistics) 
         },
         **values,
         "acceptance": _acceptance(acceptance_of(scenario, name, found)),
+        "limits": _limits(judgement),
     }
+
+
+def _limits(found: Judgement | None) -> Summary | None:
+    if found is None:
+        return None
+    # JSON knows no infinity: a limit that there is not is none.
+    checks = [asdict(c) | {k: getattr(c, k) if math.isfinite(getattr(c, k)) else None for k in ("value", "low", "high")}
+              for c in found.checks]  # fmt: skip
+    count = None if found.verdict == UNKNOWN else float(sum(check.verdict == FAIL for check in found.checks))
+    failures = {"value": count, "unit": "1"}  # for sweeps, which keep numbers
+    text = {"title": found.title, "remark": found.remark, "verdict": found.verdict}
+    return text | {"failures": failures, "checks": checks}
 
 
 def _acceptance(found: Acceptance | None) -> Summary | None:

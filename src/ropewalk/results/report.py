@@ -96,14 +96,14 @@ def _section(title: str) -> str:
 
 
 def _table(body: Iterable[Cells], head: Cells = (), values: Sequence[int] = (1,)) -> str:
-    """A table; columns of `values` are set to the right, and what is OUTSIDE stands out."""
+    """A table; columns of `values` are set to the right, and what is OUTSIDE or a FAIL stands out."""
     out = ["<table>"]
     if head:
         out.append("<tr>" + "".join(f"<th>{_text(cell)}</th>" for cell in head) + "</tr>")
     for row in body:
         cells = []
         for i, cell in enumerate(row):
-            kind = "value" if i in values else "outside" if cell.startswith("OUTSIDE") else ""
+            kind = "value" if i in values else "outside" if cell.startswith(("OUTSIDE", "FAIL")) else ""
             cells.append(f'<td class="{kind}">{_text(cell)}</td>' if kind else f"<td>{_text(cell)}</td>")
         out.append("<tr>" + "".join(cells) + "</tr>")
     return "\n".join([*out, "</table>"])
@@ -164,6 +164,9 @@ def _of_line(line: OverheadLine) -> Iterator[Cells]:
     yield "steady arms", f"{arms.moving_mass:.4g} kg moving with the wire{', hanging free' if arms.free else ', level'}"
     if line.staggers is not None:
         yield "stagger", f"{_range([1e3 * aside for aside in line.staggers])} mm"
+    if (own := line.condition) is not None:
+        gone = ", ".join(f"{span}.{number}" for span, number in own.missing_droppers) or "none"
+        yield "since fitting", f"missing droppers: {gone}; wear {100 * own.wear:g} %; {own.temperature_rise:+g} K"
     stiffness = line.messenger_supports.stiffness
     along = "swinging along the line" if line.messenger_supports.swings else "held along the line"
     kind = "rigid" if stiffness is None else f"{_several(stiffness)} N/m"
@@ -225,6 +228,8 @@ def _collection(found: Summary, units: DisplayUnits | None) -> Iterator[str]:
     """Statistics of pantographs and lines, and reference models beside their ranges."""
     yield _section("Current collection")
     titles = {fields["acceptance"]["title"] for fields in found["pantographs"].values() if fields["acceptance"]}
+    judged = {f"{fields['limits']['title']}: {name}" for name, fields in found["pantographs"].items()
+              if fields["limits"]}  # fmt: skip
     wanted = [f"Pantograph {name}" for name in found["pantographs"]]
     wanted += [f"Overhead line {name}" for name in found["overhead_lines"]]
     for title, body in _blocks(found, units):
@@ -233,6 +238,8 @@ def _collection(found: Summary, units: DisplayUnits | None) -> Iterator[str]:
             yield _table(body)
         elif title in titles:
             yield from _acceptance(title, body)
+        elif title in judged:
+            yield from _limits(title, body)
     fields = next(iter(found["pantographs"].values()))["filter"]
     yield (
         f'<p class="faint">Forces up to {fields["limit"]:g} Hz: {_text(fields["kind"])}, order {fields["order"]}, '
@@ -240,7 +247,15 @@ def _collection(found: Summary, units: DisplayUnits | None) -> Iterator[str]:
         "standards leave it open.</p>"
     )
     yield _section("Forces and energy")
-    yield from _tables((title, body) for title, body in _blocks(found, units) if title not in (*wanted, *titles))
+    above = {*wanted, *titles, *judged}
+    yield from _tables((title, body) for title, body in _blocks(found, units) if title not in above)
+
+
+def _limits(title: str, body: list[Cells]) -> Iterator[str]:
+    *checks, (_, verdict, remark) = body
+    yield f"<h3>{_text(title)}</h3>"
+    yield _table(checks, ("quantity", "value", "limit"))
+    yield f"<p><strong>{_text(verdict)}.</strong> <span class='faint'>{_text(remark)}.</span></p>"
 
 
 def _acceptance(title: str, body: list[Cells]) -> Iterator[str]:

@@ -240,6 +240,19 @@ def _pantograph_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
         yield uplift
     if found["acceptance"] is not None:
         yield from _acceptance_rows(found["acceptance"])
+    if found["limits"] is not None:
+        yield from _limit_rows(name, found["limits"])
+
+
+def _limit_rows(name: str, found: Summary) -> Iterator[Row]:
+    yield f"{found['title']}: {name}", "", ""
+    for check in found["checks"]:
+        low, high, unit = check["low"], check["high"], check["unit"]
+        bounds = f"{number(low)} to {number(high)} {unit}" if None not in (low, high) else (
+            f"at most {number(high)} {unit}" if low is None else f"above {number(low)} {unit}")  # fmt: skip
+        sentence = f"{check['verdict']}  {bounds} [{check['mark']}] ({check['why']})"
+        yield check["what"], f"{number(check['value'])} {unit}", sentence
+    yield "verdict", found["verdict"], found["remark"]
 
 
 def _acceptance_rows(found: Summary) -> Iterator[Row]:

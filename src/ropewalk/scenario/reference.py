@@ -17,7 +17,7 @@ MARK = "<!-- Generated from the schema by ropewalk.scenario.reference: do not ed
 
 SECTIONS = {
     "The file": ("scenario",),
-    "A line": ("line", "segment", "damping", "profile"),
+    "A line": ("line", "segment", "cut", "damping", "profile"),
     "What lines are joined by": ("joint", "hangers"),
     "Rails, sleepers and ballast": ("track",),
     "Nets and membranes": ("net",),
@@ -33,7 +33,7 @@ SECTIONS = {
     "Loads of your own": ("stepper", "fmu", "exchange"),
     "Travel": ("travel",),
     "Tables": ("history",),
-    "Overhead lines": ("overhead", "pantograph"),
+    "Overhead lines": ("overhead", "condition", "limits", "pantograph"),
     "Runs": ("run",),
     "What results tell of lines": ("outputs",),
     "Many runs": ("sweep",),

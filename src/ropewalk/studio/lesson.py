@@ -35,7 +35,7 @@ lines:
     tension: 2 kN
     mass: 1 kg/m
     axial_stiffness: 1 MN
-    elements: 100
+    elements: 400
 loads:
   walker:
     kind: {kind}
@@ -44,7 +44,7 @@ loads:
     travel: {{speed: 22 m/s, at_end: leave}}
 run:
   kind: dynamic
-  until: 0.9 s
+  until: 0.88 s
   every: 5 ms
 """
 

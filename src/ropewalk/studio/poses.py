@@ -19,7 +19,7 @@ from ropewalk.results.frame import Array, Frame, Layout, RunInfo
 from ropewalk.simulate import run_of
 from ropewalk.solve.start import setting_of
 
-GHOST = 101  # points of the shape by the linear theory
+LINEAR_POINTS = 101  # points of the shape by the linear theory
 _NEAR = 2e-4  # of the span: so close to the pointer the load is
 _TRIES = 6  # equilibria for one place of the pointer
 _EDGE = 2e-3  # of the length: so close to a support a load is dragged
@@ -44,7 +44,7 @@ class Pose:
     frame: Frame
     layout: Layout
     xi: float  # m, where it stands on the unstrained line
-    ghost: Array | None  # (point, axis) m, the string of the linear theory; None where that has nothing to say
+    linear: Array | None  # (point, axis) m, the string of the linear theory; None where that has nothing to say
     warnings: tuple[str, ...]
 
 
@@ -109,7 +109,7 @@ class Dragging:
             if abs(found - x) <= _NEAR * abs(last - first) or tried == _TRIES:
                 break
             before, xi = (xi, found), xi + (x - found) / slope
-        return Pose(frame, layout, xi, self._ghost(asked, on, line, found), tuple(run_info.warnings))
+        return Pose(frame, layout, xi, self._linear_shape(asked, on, line, found), tuple(run_info.warnings))
 
     def released(self, asked: Asked, xi: float, until: float = 6.0) -> Scenario:
         """The motion that begins when the load is let go where it was dragged to: it slides along its line as a mass.
@@ -162,7 +162,7 @@ class Dragging:
     def _contact(layout: Layout, load: str) -> int:
         return layout.contact_load.index(load)
 
-    def _ghost(self, asked: Asked, on: str, line: Any, x: float) -> Array | None:
+    def _linear_shape(self, asked: Asked, on: str, line: Any, x: float) -> Array | None:
         """The string of the linear theory under its weight and the force, with its tension at rest without it.
 
         A force F at a on a string of span L under the tension T deflects it by F min(x, a) (L - max(x, a)) / (T L).
@@ -173,7 +173,7 @@ class Dragging:
         chord = self._chord[1]
         if chord is None:
             return None
-        along: Array = np.linspace(0.0, chord.length, GHOST)
+        along: Array = np.linspace(0.0, chord.length, LINEAR_POINTS)
         gravity = np.zeros(chord.start.size)
         gravity[-1] = -self.scenario.gravity
         a = (x - chord.start[0]) / chord.along[0]

@@ -91,8 +91,8 @@ class Studio:
         except RopewalkError as error:
             return PlainTextResponse(str(error), 500)
         if isinstance(found, str):
-            told = json.loads(found)
-            return PlainTextResponse(str(told.get("error") or told), 400)
+            answer = json.loads(found)
+            return PlainTextResponse(str(answer.get("error") or answer), 400)
         stem = "".join(sign if sign.isalnum() or sign in "-_." else "_" for sign in Path(name).stem)
         file = f"{stem}{'.html' if kind in ('page', 'report') else f'.{kind}'}"
         return Response(
@@ -106,12 +106,12 @@ class Studio:
         self.pages += 1
         try:
             await socket.accept()
-            await Page(self, socket).serve()
+            await PageConnection(self, socket).serve()
         finally:
             self.pages -= 1
 
 
-class Page:
+class PageConnection:
     """A page that is open: its WebSocket, and the worker that it has when it computes."""
 
     def __init__(self, studio: Studio, socket: WebSocket) -> None:
@@ -180,9 +180,9 @@ class Page:
             return await self._process.ask(asked, self._send, within=within)
         if do == "check":
             return await studio.pool.check(asked, within=CHECK_SECONDS)
-        return json.dumps({"id": asked["id"], **await asyncio.to_thread(self._told, do, asked)})
+        return json.dumps({"id": asked["id"], **await asyncio.to_thread(self._answered, do, asked)})
 
-    def _told(self, do: str, asked: dict[str, Any]) -> dict[str, Any]:
+    def _answered(self, do: str, asked: dict[str, Any]) -> dict[str, Any]:
         studio = self._studio
         if do == "hello":
             return {

@@ -15,7 +15,7 @@ from ropewalk.studio.messages import described, packed
 if TYPE_CHECKING:
     import xarray as xr
 
-SHOWN = (
+DISPLAYED = (
     "position", "tension", "contact_position", "contact_force", "hold_force", "contact_tension", "contact_friction",
     "contact_xi", "reaction", "body_position", "energy",
 )  # fmt: skip
@@ -23,7 +23,7 @@ MOST_BYTES = 150_000_000  # of one result on a page; of more, every second frame
 _BLOCK_BYTES = 2_000_000
 
 
-def told(run_info: RunInfo) -> dict[str, Any]:
+def state_of_run(run_info: RunInfo) -> dict[str, Any]:
     """How a run goes."""
     return {
         "outcome": run_info.outcome, "advice": run_info.advice, "method": run_info.method, "reason": run_info.reason,
@@ -48,7 +48,7 @@ class Streamed:
         """Send some frames."""
         if not self._begun:
             self._begun = True
-            each = 4 * sum(int(frames.of[name][0].size) for name in SHOWN if name in frames.of)
+            each = 4 * sum(int(frames.of[name][0].size) for name in DISPLAYED if name in frames.of)
             self._step = 1 + int(each * self._total // MOST_BYTES)
             head = {**self._head, "event": "layout", "total": self._total, "step": self._step}
             self._send(packed({**head, "layout": described(layout), "energies": ENERGY_FORMS}, {}))
@@ -57,8 +57,8 @@ class Streamed:
         rows = slice(first, None, self._step)
         if first >= len(frames):
             return
-        arrays = {"path": frames.path[rows], **{name: frames.of[name][rows] for name in SHOWN if name in frames.of}}
-        self._send(packed({**self._head, "event": "frames", "run": told(run_info)}, arrays))
+        arrays = {"path": frames.path[rows], **{name: frames.of[name][rows] for name in DISPLAYED if name in frames.of}}
+        self._send(packed({**self._head, "event": "frames", "run": state_of_run(run_info)}, arrays))
 
 
 def of_result(dataset: xr.Dataset, head: dict[str, Any]) -> Iterator[bytes]:
@@ -66,7 +66,7 @@ def of_result(dataset: xr.Dataset, head: dict[str, Any]) -> Iterator[bytes]:
     layout = _layout_of(dataset)
     path = layout.path
     count = int(dataset.sizes[path])
-    names = [name for name in SHOWN if name in dataset and dataset[name].dims[0] == path]
+    names = [name for name in DISPLAYED if name in dataset and dataset[name].dims[0] == path]
     each = 4 * sum(int(dataset[name].size) for name in names) // max(count, 1)
     step = 1 + int(each * count // MOST_BYTES)
     first = {**head, "event": "layout", "total": count, "step": step, "title": str(dataset.attrs.get("title", ""))}

@@ -40,13 +40,13 @@ def main(pipe: Connection, folder: str, allow_code: bool, memory: int) -> None:
             import resource
 
             resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
-    worker = Worker(pipe, Path(folder), allow_code)
+    worker = ComputingProcess(pipe, Path(folder), allow_code)
     with contextlib.suppress(EOFError, OSError, KeyboardInterrupt):
         while True:
             worker.serve()
 
 
-class Worker:
+class ComputingProcess:
     """What answers questions."""
 
     def __init__(self, pipe: Connection, folder: Path, allow_code: bool) -> None:
@@ -143,16 +143,16 @@ class Worker:
         import numpy as np
 
         from ropewalk.studio.messages import described, packed
-        from ropewalk.studio.streams import SHOWN
+        from ropewalk.studio.streams import DISPLAYED
 
         if self._dragging is None:
             return {"error": "no scenario has been made ready"}
         pose = self._dragging.posed(self._asked(asked))
         self._xi = pose.xi
-        ghost = np.zeros(0) if pose.ghost is None else pose.ghost
-        arrays = {name: np.asarray(getattr(pose.frame, name)) for name in SHOWN}
+        linear = np.zeros(0) if pose.linear is None else pose.linear
+        arrays = {name: np.asarray(getattr(pose.frame, name)) for name in DISPLAYED}
         head = {"id": asked["id"], "layout": described(pose.layout), "xi": pose.xi, "warnings": pose.warnings}
-        return packed(head, {**arrays, "ghost": ghost})
+        return packed(head, {**arrays, "ghost": linear})
 
     def _do_release(self, asked: Answer) -> Answer:
         """The motion of the load when it is let go where it was dragged to; not written to a file."""

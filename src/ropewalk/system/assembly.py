@@ -360,7 +360,9 @@ def _travel_freely(contact: Any, free: FreeTravel, length: float) -> None:
     contact["rolling"], contact["viscous"] = free.rolling, free.viscous
     contact["driver"] = 0.0 if free.driver is None else free.driver.force
     if free.brake is not None:
-        contact["brake"] = free.brake.force
+        endless = np.inf if free.brake.rate is not None else 0.0
+        contact["brake"] = endless if free.brake.force is None else free.brake.force
+        contact["braking"], contact["spring"] = free.brake.rate or 0.0, free.brake.stiffness or 0.0
         if free.brake.at in ("start", "both"):
             contact["brake_low"] = free.brake.within
         if free.brake.at in ("end", "both"):

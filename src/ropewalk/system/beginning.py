@@ -99,7 +99,9 @@ def _restore(structure: Structure, state: SystemState, start: Start, displayed: 
     seen, away = set(displayed.tolist()), 0.0
     for e in range(restrained.mass.size):
         nodes = restrained.members(e)
-        known = next(int(node) for node in nodes if int(node) in seen)
+        known = next((int(node) for node in nodes if int(node) in seen), None)
+        if known is None:  # a saddle that stands fast, of which results say nothing
+            continue
         state.r[:, nodes], state.v[:, nodes] = state.r[:, [known]], state.v[:, [known]]
         tied = np.eye(rest.shape[0]) - restrained.free[e]
         if restrained.entries[e] <= 1:

@@ -25,7 +25,7 @@ from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic, Linear, Quasistatic
-from ropewalk.model.support import Moving
+from ropewalk.model.support import Fixed, Moving
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
@@ -41,6 +41,8 @@ def _only_lines(parts: Parts) -> Iterator[Finding]:
     for name, line in parts.lines.items():
         if line is not None and line.segments:
             yield from _of_segments(name, line)
+        if line is not None and line.cut is not None:
+            yield from _of_cuts(name, line, run)
         if line is not None and line.sheaves:
             yield from _over_sheaves(name, line, parts)
         if line is not None and line.saddles:
@@ -123,6 +125,30 @@ def _of_segments(name: str, line: Line) -> Iterator[Finding]:
         yield missing(path, "inextensible lines", ", ".join(line.segments), "give an axial_stiffness with law hooke")
 
 
+def _of_cuts(name: str, line: Line, run: object) -> Iterator[Finding]:
+    """Parts of a cut line fly wherever they are pulled, which only a motion with all geometry by steps shows."""
+    path, what = ("lines", name, "cut"), "a cut line"
+    for key in ("bending_stiffness", "foundation", "sheaves", "saddles", "profile", "segments"):
+        if value := getattr(line, key):
+            given = f"{value:g}" if isinstance(value, float) else "a block"
+            yield missing(("lines", name, key), what, given, f"leave {key} out, or cut another line")
+    if isinstance(line.law, Inextensible):
+        yield missing(("lines", name, "law", "kind"), what, "inextensible", "give an axial_stiffness with law hooke")
+    if not isinstance(run, Dynamic):
+        yield missing(path, "all but motions", "a block", _DYNAMIC, feature="a cut")
+        return
+    if run.start.kind == "result":
+        yield missing(("run", "start", "kind"), what, "result", "start at rest, or from a mode")
+    if run.geometry == "linearised":
+        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
+    if run.method in HIGH_ORDER:
+        yield missing(("run", "method"), what, run.method, "use auto or verlet")
+    if run.window is not None:
+        yield missing(("run", "window"), what, "a window", "leave it out")
+    if run.axial_inertia != 1.0:
+        yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave it out")
+
+
 def _over_saddles(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
     """Lines lie on saddles by what their links stretch, and rub there in motion."""
     what, run = "lines over saddles", parts.run
@@ -136,6 +162,11 @@ def _over_saddles(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
         yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
     if isinstance(run, Linear):
         yield missing(("lines", name, "saddles"), what, "linear", "ask for kind: dynamic")
+    if isinstance(run, Dynamic) and run.start.kind == "result":
+        for saddle, own in line.saddles.items():
+            if not isinstance(own.support, Fixed):  # results do not hold where it stands
+                path, remedy = ("lines", name, "saddles", saddle, "support"), "start at rest, or let saddles stand fast"
+                yield missing(path, "runs that begin from a result", own.support.kind, remedy)
     for saddle, own in line.saddles.items() if isinstance(run, Quasistatic) else ():
         if own.friction:
             feature, remedy = "friction on saddles without inertia", "leave friction out, or ask for kind: dynamic"

@@ -60,6 +60,8 @@ CONTACT = np.dtype(
         ("viscous", _REAL),  # N s/m
         ("driver", _REAL),  # N, the most that holds its speed
         ("brake", _REAL),  # N
+        ("braking", _REAL),  # N s/m, of a brake whose force grows with speed up to that; 0: it is constant
+        ("spring", _REAL),  # N/m, of the brake
         ("brake_low", _REAL),  # m, s below which it brakes
         ("brake_high", _REAL),  # m, s above which it brakes
         ("drive_first", _CODE),

@@ -89,16 +89,18 @@ class FrameBuilder:
         bodies: what has a mass of these.
         windy: whether wind bears some of the weight, as foundations do.
         path: leading dimension of the result.
+        cut: runs behind whose last node a line is cut on the way: a link of no length lies there before.
     """
 
     def __init__(
-        self, assembled: Assembled, loading: Loading, bodies: BodyArrays, windy: bool, path: str = "time"
-    ) -> None:
+        self, assembled: Assembled, loading: Loading, bodies: BodyArrays, windy: bool, path: str = "time",
+        cut: Sequence[int] = (),
+    ) -> None:  # fmt: skip
         self.assembled, self.loading, self.bodies = assembled, loading, bodies
         runs, line = assembled.structure.runs, assembled.line
         nodes, links = [], []
         sheaves = assembled.structure.sheaves
-        over = [] if sheaves is None else sheaves.run.tolist()  # the link beyond these lies over a sheave
+        over = [*cut, *([] if sheaves is None else sheaves.run.tolist())]  # the link beyond these lies over a sheave
         for s, (first, n) in enumerate(zip(runs.first[: len(line)], runs.links[: len(line)], strict=True)):
             goes_on = s > 0 and line[s - 1] == line[s] and s - 1 not in over  # its first node is the last one before
             nodes.append(first + np.arange(int(goes_on), n + 1))

@@ -18,6 +18,7 @@ from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel, GivenForces
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic
+from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
 
@@ -115,3 +116,14 @@ def _is_damped(tree: Any) -> bool:
 
 def _is_some(value: Any) -> bool:
     return any(map(_is_some, value)) if isinstance(value, list | tuple) else bool(value)
+
+
+def shaken(scenario: Scenario) -> list[str]:
+    """Loads that rub by themselves on lines whose own waves nothing damps (docs/notes/contacts-on-splines.md)."""
+    return [
+        f"loads.{name} slides with friction on {load.on}, along which waves are not damped: they shake the contact, "
+        f"and friction bears less than it should; give lines.{load.on} an axial_damping"
+        for name, load in scenario.loads.items()
+        if isinstance(travel := getattr(load, "travel", None), FreeTravel) and travel.friction > 0.0
+        if (line := scenario.lines.get(load.on)) is not None and not line.axial_damping
+    ]

@@ -31,7 +31,7 @@ from ropewalk.system.structure import CARRIED, DAMPED, DRIVEN, LOADED, MOVED, RE
 from ropewalk.system.surfaces import add_surface_forces, damp_surfaces, distribute_forces, follow, is_damped, stored_in
 from ropewalk.system.tethers import gap, grow
 from ropewalk.system.ties import add_tie_forces, are_damped, damp_ties, stored_in_ties, tie_up
-from ropewalk.system.travel import fade, locate
+from ropewalk.system.travel import fade, locate, pressed_energy
 
 RUNNING, NOT_FINITE, AT_END, ASKED, AT_SHEAVE, LINE_OUT, TOO_LONG = 0, 1, 2, 3, 4, 5, 6
 GIVEN, SETTLE, LOCATE, LOOK = -3, -2, -1, 0  # instead of a number of steps
@@ -95,6 +95,8 @@ def _look(structure, buffers, contacts, tables, bodies, state, table, out, dt, s
             if contacts[k].state == ON:
                 for a in range(state.r.shape[0]):
                     stored += 0.5 * contacts[k].d[a] ** 2 * contacts[k].firm
+                if contacts[k].travel == FREE and contacts[k].spring > 0.0:
+                    stored += pressed_energy(contacts, k, state.s[k])
     lost, blown = add_internal_forces(structure, buffers, state.r, since), 0.0
     add_contact_forces(structure, buffers, contacts, state, table, out)
     distribute_forces(structure.surfaces, buffers.force)
@@ -316,6 +318,9 @@ def _book(structure, contacts, state):
                 driven = 0.5 * (contacts[k].drive + contacts[k].driven) * contacts[k].stretch * way
                 state.work[DRIVEN] += driven
                 state.work[RUBBED] += driven - work
+                if contacts[k].spring > 0.0:
+                    state.work[RUBBED] -= pressed_energy(contacts, k, state.s[k])
+                    state.work[RUBBED] += pressed_energy(contacts, k, contacts[k].was_at)
             else:
                 state.work[RESTRAINED] += work
         contacts[k].was_at, contacts[k].pushed = state.s[k], contacts[k].push

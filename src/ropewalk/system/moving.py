@@ -20,7 +20,6 @@ from ropewalk.mechanics.loading import loading_of
 from ropewalk.mechanics.multibody_system import hung
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
-from ropewalk.model.travel import FreeTravel
 from ropewalk.model.trolley import Trolley
 from ropewalk.networks.lengths import doubt_slack
 from ropewalk.results.exchanges import external_in
@@ -37,12 +36,13 @@ from ropewalk.system.beginning import begin_elsewhere
 from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
+from ropewalk.system.cuts import Cuts, runs_ahead_of_cuts
 from ropewalk.system.feet import steps_by_table
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.hold_forces import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
-from ropewalk.system.methods import first_damper
+from ropewalk.system.methods import first_damper, shaken
 from ropewalk.system.rest import about_rest, at_rest, least, tensions
 from ropewalk.system.segments import mass_of
 from ropewalk.system.spline import WIDTH
@@ -74,17 +74,6 @@ _ENDS = {
     motion.AT_SHEAVE: ("travel ended", "a load has come to a sheave, which it cannot pass; let it turn back before"),
     motion.LINE_OUT: ("line ran out", "a line has run over a sheave up to its end, to another sheave or to a joint"),
 }
-
-
-def _shaken(scenario: Scenario) -> list[str]:
-    """Loads that rub by themselves on lines whose own waves nothing damps (docs/notes/contacts-on-splines.md)."""
-    return [
-        f"loads.{name} slides with friction on {load.on}, along which waves are not damped: they shake the contact, "
-        f"and friction bears less than it should; give lines.{load.on} an axial_damping"
-        for name, load in scenario.loads.items()
-        if isinstance(travel := getattr(load, "travel", None), FreeTravel) and travel.friction > 0.0
-        if (line := scenario.lines.get(load.on)) is not None and not line.axial_damping
-    ]
 
 
 class SystemMotion:
@@ -138,7 +127,9 @@ class SystemMotion:
         stages = self._choose(asked)
         self._limit_tension()
         windy = scenario.wind is not None and not scenario.wind.is_calm
-        self._builder = FrameBuilder(self.assembled, loading, self.bodies, windy)
+        ahead = runs_ahead_of_cuts(scenario, self.assembled.line, self.structure.lines.begin)
+        self._builder = FrameBuilder(self.assembled, loading, self.bodies, windy, cut=ahead)
+        self._cuts = Cuts(scenario, self.assembled, self.contacts, self.state.s)
         self._turned = np.zeros(1, dtype=np.int64)  # 1: it has been said that lines have turned far
         self._fast = np.zeros(self.contacts.size, dtype=np.int64)  # frames in which each was faster than waves
         self._slipped = np.zeros(self.contacts.size, dtype=np.int64)  # 1: it has been said that friction is not enough
@@ -164,7 +155,7 @@ class SystemMotion:
             self._implicit = Implicit(self._system(), self.rest, asked.precision, longest, stable, stages)
         tension = tensions(self.structure, self.state.r)
         doubt_slack(scenario, run_info, self.layout.link_line, tension[self._builder.link])
-        run_info.warnings += _shaken(scenario)
+        run_info.warnings += shaken(scenario)
 
     @property
     def layout(self) -> Layout:
@@ -356,8 +347,11 @@ class SystemMotion:
         if self._implicit is not None:
             status, self.run_info.steps = self._implicit.to(float(self.times[i])), self._implicit.steps
         else:
-            status = (self._asking.to if self._window is None else self._go_in_window)(float(self.times[i]))
+            end = float(self.times[i])
+            status = self._cuts.to(self._asking, end) if self._window is None else self._go_in_window(end)
             self.run_info.steps, self._carrier.steps = self.run_info.steps + self._carrier.steps, 0
+        if (crossed := self._cuts.crossed()) is not None:
+            return Ending("travel ended", f"stopped at t = {self.state.t[0]:.6g} s: {crossed}")
         if status == motion.RUNNING:
             return None
         outcome, advice = ("load failed", self._asking.message) if status == FAILED else _ENDS[status]
@@ -478,7 +472,7 @@ class SystemMotion:
         """
         changing = {name: copied(arrays) for name, arrays in self._changing().items()}
         own = {"frames": self._builder.get_state(), "longest": self._carrier.longest}
-        return {**own, **changing, "guides": self._asking.get_state()}
+        return {**own, **changing, "guides": self._asking.get_state(), "cuts": self._cuts.get_state()}
 
     def set_state(self, tree: Tree) -> None:
         """Go on from there."""
@@ -487,6 +481,7 @@ class SystemMotion:
         for name, arrays in self._changing().items():
             put(arrays, tree[name])
         self._asking.set_state(tree["guides"])
+        self._cuts.set_state(tree["cuts"])
 
     def _changing(self) -> dict[str, Any]:
         own = {"fast": self._fast, "slipped": self._slipped, "turned": self._turned}

@@ -55,7 +55,9 @@ def restraints_of(
         found[number] = {"node": members[number], **_restrained(saddle.support, saddle.at, gravity, until, axes)}
     for number, more in nets.restrained() if nets is not None else ():
         found.setdefault(number, {"node": members[number], "free": np.eye(dim)}).update(more)
-    entries = [none | entry for entry in found.values()]
+    parting = _cut_nodes(scenario, sections)
+    empty = {"node": np.zeros(0, dtype=np.int64), "free": np.zeros((dim, dim))}
+    entries = [none | own for i, entry in found.items() for own in ((entry, empty) if i in parting else (entry,))]
 
     def column(key: str) -> Array:
         return np.array([entry[key] for entry in entries], dtype=float)
@@ -68,6 +70,16 @@ def restraints_of(
         np.cumsum(sizes) - sizes, sizes, np.concatenate([e["table"][0] for e in entries]),
         np.ascontiguousarray(np.hstack([e["table"][1] for e in entries])),
     )  # fmt: skip
+
+
+def _cut_nodes(scenario: Scenario, sections: list[tuple[str, Integers, Array]]) -> set[int]:
+    """Nodes at which lines are cut on the way: the second one of each gets a restraint of its own then."""
+    found = set()
+    for name, node, station in sections:
+        cut = scenario.lines[name].cut if name in scenario.lines else None
+        if cut is not None and abs(station[0] - cut.at) <= 1e-6 * cut.at:
+            found.add(int(node[0]))
+    return found
 
 
 def _restrained(support: Any, place: Any, gravity: Array, until: float, axes: tuple[str, ...]) -> dict[str, Any]:

@@ -31,7 +31,9 @@ def sections_of(scenario: Scenario, laid: Laid, corners: set[int]) -> Iterator[t
     for strand in laid.strands:
         line, last = scenario.lines.get(strand.name), strand.node.size - 1
         supports = line.supports.values() if line is not None else ()
-        restrained = {int(np.abs(strand.station - s.at).argmin()) for s in supports}
+        places = [support.at for support in supports]
+        places += [line.cut.at] if line is not None and line.cut is not None else []
+        restrained = {int(np.abs(strand.station - at).argmin()) for at in places}
         inner = [i for i in range(1, last) if uses[strand.node[i]] > 1 or i in restrained or strand.node[i] in corners]
         if line is not None and line.bending_stiffness:  # it does not end where something is joined to it
             if np.ptp(np.diff(strand.station)) > 1e-9 * strand.station[-1]:

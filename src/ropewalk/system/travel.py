@@ -392,9 +392,38 @@ def _resistance(structure, buffers, contacts, state, table, out, k, s, since):
     if normal < whole:
         half = np.arcsin(normal / whole)
     R = (friction_demand(contacts[k].friction, contacts[k].block, half) + contacts[k].rolling) * normal
-    if s < contacts[k].brake_low or s > contacts[k].brake_high:
+    if is_braked(contacts, k, s) and contacts[k].braking == 0.0:
         R += contacts[k].brake
+    push += contacts[k].spring * pressed(contacts, k, s)
     return push, R, stretch, damper
+
+
+@inlined
+def is_braked(contacts, k, s):
+    """Whether the brake of contact k acts at s."""
+    return s < contacts[k].brake_low or s > contacts[k].brake_high
+
+
+@inlined
+def pressed(contacts, k, s):
+    """By how much contact k at s presses the spring of its brake, m; negative at the start of its line."""
+    return max(s - contacts[k].brake_high, 0.0) + min(s - contacts[k].brake_low, 0.0)
+
+
+@inlined
+def pressed_energy(contacts, k, s):
+    """Energy of the spring of the brake of contact k at s, J."""
+    spring, way = contacts[k].spring, 0.0
+    if spring > 0.0:
+        way = pressed(contacts, k, s)
+    return 0.5 * spring * way * way
+
+
+@inlined
+def _eddy(contacts, k, s, speed):
+    """Force of a brake that grows with speed, against it, N, and what it grows by, N s/m."""
+    rate = contacts[k].braking if is_braked(contacts, k, s) else 0.0
+    return (rate * speed, rate) if rate * abs(speed) <= contacts[k].brake else (np.sign(speed) * contacts[k].brake, 0.0)
 
 
 @lean_inner
@@ -412,7 +441,7 @@ def _slide(structure, buffers, contacts, state, table, out, k, speed, since):
         wanted = min(max(old + since * speed / stretch, 0.0), length)
         needed, own, there, _ = _resistance(structure, buffers, contacts, state, table, out, k, wanted, since)
         U = (wanted - old) / since
-        needed = needed / there + own * np.sign(U) + viscous * there * U
+        needed = needed / there + own * np.sign(U) + viscous * there * U + _eddy(contacts, k, wanted, there * U)[0]
         if abs(needed - P) <= driver:
             contacts[k].drive = needed
             return wanted
@@ -429,8 +458,9 @@ def _slide(structure, buffers, contacts, state, table, out, k, speed, since):
             high = min(high, s)
         else:
             low = max(low, s)
-        slope = max(contacts[k].moving, 0.0) * stretch**2 + viscous * stretch**2 / since + damper
-        slope += _least_stiffness(structure, contacts, k)
+        growing = viscous + _eddy(contacts, k, s, stretch * (s - old) / since)[1]
+        slope = max(contacts[k].moving, 0.0) * stretch**2 + growing * stretch**2 / since + damper
+        slope += _least_stiffness(structure, contacts, k) + contacts[k].spring
         new = min(max(s - miss / slope, s - FAR * h), s + FAR * h)
         if not low <= new <= high:
             new = 0.5 * (low + high)
@@ -439,4 +469,5 @@ def _slide(structure, buffers, contacts, state, table, out, k, speed, since):
             break
         push, R, stretch, damper = _resistance(structure, buffers, contacts, state, table, out, k, s, since)
         miss = push - P * stretch + sign * R * stretch + viscous * stretch**2 * (s - old) / since
+        miss += stretch * _eddy(contacts, k, s, stretch * (s - old) / since)[0]
     return s

@@ -1,0 +1,1 @@
+"""Questions that many runs answer: the best design, what matters, unknown values from measured ones, gradients."""

@@ -1,0 +1,68 @@
+"""Commands that tell of a line before anything runs along it."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ropewalk.console import fail, load_scenario, print_columns, print_json, quantity_of, reported
+
+
+def elasticity(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Scenario file, YAML or JSON.")],
+    force: Annotated[str, typer.Option("--force", help="Upwards on the contact wire.")] = "100 N",
+    span: Annotated[int | None, typer.Option("--span", help="Counted from 1 [default: the first analysed].")] = None,
+    side_load: Annotated[
+        str, typer.Option("--side-load", metavar="N/m", help="Of the wind on the contact wire, level and across it.")
+    ] = "0 N/m",
+    settings: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a value.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+) -> None:
+    """Tell of overhead lines: elasticity, wave speeds, reflection, Doppler factor, amplification, blow-off."""
+    with reported():
+        scenario = load_scenario(file, settings)
+        if not scenario.overhead_lines:
+            fail(f"{file}: has no overhead line; ropewalk spectrum tells of other lines")
+        push, load = quantity_of(force, "N"), quantity_of(side_load, "N/m")
+        if push <= 0.0:
+            fail(f"--force {force}: write a force above 0 N")
+        if load < 0.0:
+            fail(f"--side-load {side_load}: write 0 N/m or more; both directions are looked at")
+        for name, line in scenario.overhead_lines.items():
+            if span is not None and not 1 <= span <= len(line.span_lengths):
+                fail(f"--span {span}: overhead line {name} has spans 1 to {len(line.span_lengths)}")
+        found = import_module("ropewalk.overhead.properties").properties(scenario, push, span, load)
+        if as_json:
+            print_json(found)
+            return
+        for name, values in found.items():
+            print_columns(_rows(name, values))
+
+
+def _rows(name: str, found: dict[str, Any]) -> list[tuple[str, ...]]:
+    own, waves, pulls = found["elasticity"], found["wave_speed"], found["tension"]
+    rows: list[tuple[str, ...]] = [
+        (f"overhead line {name}", ""),
+        (f"elasticity under {own['force']:g} N", f"{1e3 * own['least']:.3f} to {1e3 * own['largest']:.3f} mm/N"),
+        ("non-uniformity of elasticity", f"{100 * own['non_uniformity']:.1f} %"),
+        (
+            "tensions, contact wire and messenger",
+            f"{1e-3 * pulls['contact']:.2f} and {1e-3 * pulls['messenger']:.2f} kN",
+        ),
+        ("wave speed of the contact wire", f"{3.6 * waves['contact']:.1f} km/h"),
+        ("wave speed of the messenger", f"{3.6 * waves['messenger']:.1f} km/h"),
+        ("reflection at droppers", f"{found['reflection']:.3f}"),
+    ]
+    for key, factors in found["pantographs"].items():
+        gain = factors["amplification"]
+        rows += [
+            (f"Doppler factor of {key}", f"{factors['doppler']:.3f} at {3.6 * factors['speed']:.1f} km/h"),
+            (f"amplification of {key}", "it is faster than the waves" if gain is None else f"{gain:.2f}"),
+        ]
+    load, value = found["wind_deflection"]["load"], found["wind_deflection"]["value"]
+    if load or value:
+        rows.append((f"contact wire aside under {load:g} N/m", f"at most {1e3 * value:.0f} mm"))
+    return rows

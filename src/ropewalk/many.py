@@ -1,0 +1,196 @@
+"""Commands of many runs: maps, sweeps, designs; imports where they are needed, as on all of the command line."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ropewalk.console import (
+    FIGURE_SUFFIXES,
+    check_picture,
+    load_scenario,
+    now_called,
+    print_json,
+    progress_of_many,
+    reported,
+    save_figure,
+    say,
+)
+from ropewalk.options import Json, NoCode, Picture, Quiet, ScenarioFile, Settings
+
+
+def adequacy(
+    file: ScenarioFile,
+    x: Annotated[str, typer.Option("--x", metavar="KEY=FROM:TO:COUNT[:log]", help="First parameter, key or ratio.")],
+    y: Annotated[str, typer.Option("--y", metavar="KEY=FROM:TO:COUNT[:log]", help='Second, as "load ratio=0.01:1:9".')],
+    model: Annotated[list[str], typer.Option("--model", help="Simpler model; may be repeated.")] = ["linear"],  # noqa: B006
+    rung: Annotated[list[str] | None, typer.Option(hidden=True, callback=now_called("--model"))] = None,
+    quantity: Annotated[str, typer.Option("--quantity", help="Quantity that is compared.")] = "deflection",
+    tolerance: Annotated[str, typer.Option("--tolerance", help="Allowed relative distance, 0.02 or 2 %.")] = "5 %",
+    store: Annotated[Path | None, typer.Option("--store", help="Points [default: FILE.adequacy.jsonl].")] = None,
+    workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
+    retry: Annotated[bool, typer.Option("--retry", help="Compute points that have failed once more.")] = False,
+    output: Picture = None,
+    no_code: NoCode = False,
+    settings: Settings = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Map where in a plane of two parameters a simpler model is good enough; go on where a map was stopped."""
+    with reported(), progress_of_many(quiet) as progress:
+        check_picture(output, FIGURE_SUFFIXES)
+        model = rung or model
+        found = import_module("ropewalk.compare.command").adequacy_from_text(
+            load_scenario(file, settings, no_code), (x, y), model, quantity, tolerance,
+            store or Path(f"{file.stem}.adequacy.jsonl"), workers, retry, progress,
+        )  # fmt: skip
+        if output is not None:
+            save_figure(found.figure(model), output)
+    if as_json:
+        print_json(found.as_dict())
+    elif not quiet:
+        typer.echo("\n".join(str(found.coverage(name)) for name in model))
+
+
+def sweep(
+    file: ScenarioFile,
+    over: Annotated[
+        list[str] | None, typer.Option("--over", metavar="KEY=VALUES", help="What varies: 100:350:5km/h, or a,b,c.")
+    ] = None,
+    derive: Annotated[
+        list[str] | None, typer.Option("--derive", metavar="KEY=EXPR", help="What follows: run.until='9 m / speed'.")
+    ] = None,
+    record: Annotated[
+        str | None, typer.Option("--record", metavar="NAMES", help="What is kept: 'max tension, largest_sag'.")
+    ] = None,
+    output: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "-o", "--output", metavar="OUT", help=".nc, .csv, .xlsx, .parquet, .png, .svg or .pdf; repeat it."
+        ),
+    ] = None,
+    combine: Annotated[
+        str | None, typer.Option("--combine", help="grid (default), zip, latin_hypercube, sobol or random.")
+    ] = None,
+    count: Annotated[int | None, typer.Option("--count", help="Number of cases that are drawn.")] = None,
+    seed: Annotated[int | None, typer.Option("--seed", help="Seed of drawing.")] = None,
+    store: Annotated[Path | None, typer.Option("--store", help="Finished cases [default: FILE.sweep.jsonl].")] = None,
+    workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
+    cluster: Annotated[str | None, typer.Option("--cluster", metavar="tcp://...", help="A Dask scheduler.")] = None,
+    retry: Annotated[bool, typer.Option("--retry", help="Compute cases that have failed once more.")] = False,
+    no_code: NoCode = False,
+    settings: Settings = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a scenario many times with other values, on all cores; go on where a sweep was stopped."""
+    with reported():
+        package, outputs = import_module("ropewalk.sweeps.command"), output or []
+        package.check_outputs(outputs)
+        store = store or Path(f"{file.stem}.sweep.jsonl")
+        scenario = load_scenario(file, settings, no_code)
+        with progress_of_many(quiet) as progress:
+            found = package.sweep_from_text(
+                scenario, over or [], derive or [], progress, record=record, combine=combine, count=count,
+                seed=seed, store=store, workers=workers, cluster=cluster, retry=retry,
+            )  # fmt: skip
+        package.tell(found, outputs, as_json, quiet)
+        package.finish(found, store, outputs, quiet)
+
+
+def design(
+    file: ScenarioFile,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option("--vary", metavar="KEY=LOW:HIGH", help="What varies, as lines.rope.tension=5:40 kN."),
+    ] = None,
+    minimise: Annotated[
+        str | None, typer.Option("--minimise", "--minimize", metavar="QUANTITY", help="What is to be small.")
+    ] = None,
+    maximise: Annotated[
+        str | None, typer.Option("--maximise", "--maximize", metavar="QUANTITY", help="What is to be large.")
+    ] = None,
+    subject_to: Annotated[
+        list[str] | None, typer.Option("--subject-to", metavar="LIMIT", help='Limit, as "max strain < 2 %"; repeat it.')
+    ] = None,
+    derive: Annotated[
+        list[str] | None, typer.Option("--derive", metavar="KEY=EXPR", help="What follows: run.until='9 m / speed'.")
+    ] = None,
+    output: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "-o", "--output", metavar="OUT", help="Best scenario: .yaml; its course: .nc, .csv, .png; repeat it."
+        ),
+    ] = None,
+    method: Annotated[
+        str | None, typer.Option("--method", help="models (few variables) or optuna (many, noisy).")
+    ] = None,
+    tolerance: Annotated[
+        float, typer.Option("--tolerance", metavar="PART", help="Of the ways between the bounds, to which it is found.")
+    ] = 1e-3,
+    first: Annotated[
+        int | None, typer.Option("--first", metavar="N", help="Points all over that are looked at first.")
+    ] = None,
+    most: Annotated[
+        int | None, typer.Option("--most", metavar="N", help="Runs of the search [default: 50 per variable].")
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", help="Seed of the first points.")] = 0,
+    store: Annotated[Path | None, typer.Option("--store", help="Finished cases [default: FILE.sweep.jsonl].")] = None,
+    workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
+    cluster: Annotated[str | None, typer.Option("--cluster", metavar="tcp://...", help="A Dask scheduler.")] = None,
+    no_code: NoCode = False,
+    settings: Settings = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find the values with which a quantity is as small or large as limits allow; go on where a search was stopped."""
+    with reported():
+        package, outputs = import_module("ropewalk.designs.command"), output or []
+        package.check_outputs(outputs, file)
+        store = store or Path(f"{file.stem}.sweep.jsonl")
+        scenario = load_scenario(file, settings, no_code)
+        with progress_of_many(quiet) as progress:
+            found = package.design_from_text(
+                scenario, vary or [], derive or [], progress, minimise=minimise, maximise=maximise,
+                subject_to=subject_to or [], method=method, tolerance=tolerance, first=first, most=most, seed=seed,
+                store=store, workers=workers, cluster=cluster,
+            )  # fmt: skip
+        for written in package.tell_design(found, file, settings or [], outputs):
+            if not quiet:
+                say(f"{written} written")
+        package.print_design(found, as_json, quiet)
+        package.finish_design(found, store, quiet)
+
+
+def fit(
+    file: ScenarioFile,
+    data: Annotated[Path, typer.Option("--data", metavar="CSV", help="Measured values: quantity, value; or series.")],
+    vary: Annotated[
+        list[str] | None, typer.Option("--vary", metavar="KEY=LOW:HIGH", help="What is unknown, and its bounds.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="OUT.yaml", help="The scenario with the values found.")
+    ] = None,
+    no_code: NoCode = False,
+    settings: Settings = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find unknown values of a scenario from measured ones, with their intervals."""
+    with reported():
+        package = import_module("ropewalk.designs.command")
+        if output is not None:
+            package.check_outputs([output], file, package.SCENARIOS)
+        found = package.fit_from_text(load_scenario(file, settings, no_code), vary or [], data)
+        if output is not None:
+            overrides = [f"{key}={value}" for key, value in found.values.items()]
+            package.write_scenario(output, file, [*(settings or []), *overrides])
+            if not quiet:
+                say(f"{output} written")
+        package.print_fit(found, as_json, quiet)
+
+
+COMMANDS = (adequacy, sweep, design, fit)

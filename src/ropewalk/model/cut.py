@@ -1,0 +1,34 @@
+"""Cuts: a line fails at a place of it, at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from pydantic import Field
+
+from ropewalk.model._base import Declaration, Finding
+from ropewalk.model.quantity import PositiveLength, PositiveTime
+
+if TYPE_CHECKING:
+    from ropewalk.model.line import Line
+
+
+class Cut(Declaration):
+    """A line fails: from a time on its tension ends at a place, and both parts fly as they are pulled.
+
+    Nothing is lost in the cut itself. What of the line is joined to others goes on to hang there.
+    """
+
+    at: PositiveLength = Field(description="unstrained length from the start of the line to where it is cut")
+    time: PositiveTime = Field(description="when")
+
+
+def check_cut(cut: Cut, line: Line) -> Iterator[Finding]:
+    """Find what does not fit of the cut of a line to the rest of it."""
+    if line.length is not None and cut.at >= line.length * (1.0 - 1e-9):
+        wrong = f"is not between the ends of the line ({line.length:g} m long)"
+        yield Finding(("cut", "at"), wrong, f"{cut.at:g} m", "stay within its length")
+    for name, support in line.supports.items():
+        if abs(cut.at - support.at) <= 1e-9 * (line.length or line.distance):
+            yield Finding(("cut", "at"), f"inner support {name} is there", f"{cut.at:g} m", "cut beside it")

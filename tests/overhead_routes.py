@@ -1,0 +1,44 @@
+"""What is known beside the simulation of the examples of overhead lines."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from ropewalk.results.contact_statistics import contact_statistics
+from ropewalk.results.statistics import summary
+
+
+def static_force(
+    result: xr.Dataset, name: str, base: float = 50.0, springs: tuple[float, ...] = (4200.0, 50e3)
+) -> float:
+    """The force on the lowest mass that a mean contact force and a mean height take in equilibrium, N.
+
+    That mass stands above the mean contact by what all springs over it give, and the spring of the base pulls it down
+    by its height over the supports. The wire starts at z = 0. What is not said is that of EN 50318:2002.
+    """
+    found = contact_statistics(result)[name]
+    k = result["load"].values.tolist().index(name)
+    station, height = (result[f"sampled_{key}"].values[..., k].ravel() for key in ("station", "height"))
+    here = (station >= found.first) & (station <= found.last)
+    lowest = float(height[here].mean()) + found.mean * sum(1.0 / k for k in springs)
+    return found.mean + base * lowest
+
+
+def failures(result: xr.Dataset, name: str) -> int:
+    """How many limits a pantograph breaks."""
+    checks = summary(result)["pantographs"][name]["limits"]["checks"]
+    return sum(check["verdict"] == "FAIL" for check in checks)
+
+
+def sag_without_a_dropper(result: xr.Dataset, begin: float, end: float) -> float:
+    """How much lower than at two stations the contact wire hangs halfway between them at rest, m."""
+    place = result.position.isel(time=0, node=np.flatnonzero(result.line.values == "line.contact")).values
+    low, middle, high = np.interp([begin, 0.5 * (begin + end), end], place[:, 0], place[:, -1])
+    return 0.5 * float(low + high) - float(middle)
+
+
+def tension_at_first(result: xr.Dataset, line: str) -> float:
+    """Tension of a wire in the middle at the first instant, N."""
+    own = result.tension.isel(time=0).values[result.link_line.values == line]
+    return float(own[own.size // 2])
