@@ -138,7 +138,8 @@ def _of_cuts(name: str, line: Line, run: object) -> Iterator[Finding]:
         yield missing(path, "all but motions", "a block", _DYNAMIC, feature="a cut")
         return
     if run.start.kind == "result":
-        yield missing(("run", "start", "kind"), what, "result", "start at rest, or from a mode")
+        remedy = "start at rest, or from a mode"
+        yield missing(path, "runs that begin from a result", "a block", remedy, feature="a cut")
     if run.geometry == "linearised":
         yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
     if run.method in HIGH_ORDER:
