@@ -24,11 +24,13 @@ from ropewalk.mechanics.bodies import (
     Bodies,
     without_vehicles,
 )
+from ropewalk.mechanics.carriage_masses import carriage_masses
 from ropewalk.mechanics.chain import Array, Strands
 from ropewalk.mechanics.compiled import records
 from ropewalk.mechanics.contact_points import ContactPoint
 from ropewalk.mechanics.footfall import outwards
 from ropewalk.mechanics.proximity import shares_links
+from ropewalk.model.carriage import Carriage
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import AnyLoad, ExternalModel, GivenForces
 from ropewalk.model.matrices import Matrices
@@ -318,6 +320,8 @@ def _vehicle(
         vehicle = _particle(payload.mass, dim, gravity, payload.air_drag)
         vehicle.tethers.append(tether)
         return vehicle, [Body(f"{name}.payload", on[0], 0.0, numbers, payload.mass)]
+    if isinstance(load, Carriage):
+        return _carriage(name, load, on, dim, first, gravity)
     if isinstance(load, Walker):
         vehicle = _particle(load.mass, dim, gravity, 0.0)
         for foot in on:
@@ -361,6 +365,22 @@ def _particle(mass: float, dim: int, gravity: float, drag: float) -> _Vehicle:
     if drag:
         vehicle.drag[0] = drag
     return vehicle
+
+
+def _carriage(
+    name: str, load: Carriage, on: list[int], dim: int, first: int, gravity: float
+) -> tuple[_Vehicle, list[Body]]:
+    """Rockers, whose masses move with wheels, and a cabin."""
+    vehicle = _Vehicle.of(dim if load.cabin is not None else 0, [(k, a) for k in on for a in range(dim)])
+    M, weight = carriage_masses(load)
+    for a in range(dim):
+        vehicle.M[a::dim, a::dim] = M
+    vehicle.load[dim - 1 :: dim] = -gravity * weight
+    if load.cabin is None:
+        return vehicle, []
+    if load.cabin.air_drag:
+        vehicle.drag[0] = load.cabin.air_drag
+    return vehicle, [Body(f"{name}.cabin", on[0], 0.0, tuple(range(first, first + dim)), load.cabin.mass)]
 
 
 def _balancing(walker: _Vehicle, on: list[int], left: Array) -> _Vehicle:

@@ -2,6 +2,7 @@
 
 from ropewalk.model.axles import Axles, Coaches, TrainTravel
 from ropewalk.model.balance import Balance
+from ropewalk.model.carriage import Cabin, Carriage, Haul
 from ropewalk.model.crowd import Crowd
 from ropewalk.model.damping import Damping
 from ropewalk.model.exchange import Exchange
@@ -55,7 +56,9 @@ __all__ = [
     "Balance",
     "Ballast",
     "Brake",
+    "Cabin",
     "CableEdge",
+    "Carriage",
     "ClampedEdge",
     "Coaches",
     "ContactWire",
@@ -80,6 +83,7 @@ __all__ = [
     "Guided",
     "Hangers",
     "Harmonic",
+    "Haul",
     "Hooke",
     "Inextensible",
     "InnerElastic",

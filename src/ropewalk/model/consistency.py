@@ -11,6 +11,7 @@ from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Finding
 from ropewalk.model.axles import Axles
 from ropewalk.model.beginning import check_beginning
+from ropewalk.model.carriage import Carriage, check_carriages
 from ropewalk.model.crowd import is_one_of_many
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
@@ -65,6 +66,7 @@ def check(parts: Parts) -> list[Finding]:
             meetings,
             check_crossing,
             check_outputs,
+            check_carriages,
             _steered,
             _unfelt,
             _weights,
@@ -238,7 +240,9 @@ def _size(parts: Parts) -> Iterator[Finding]:
         frames, key = float(run.positions), ("run", "positions")
     else:
         return
-    contacts = sum(len(load.starts()) if isinstance(load, Axles | Vehicle) else 1 for load in parts.loads.values())
+    contacts = sum(
+        len(load.starts()) if isinstance(load, Axles | Carriage | Vehicle) else 1 for load in parts.loads.values()
+    )
     nodes = contacts + sum(line.elements + 1 for line in parts.lines.values() if line is not None)
     nodes += sum(int(2.0 * line.length / line.element) for line in parts.overhead.values() if line is not None)
     if frames * nodes > LARGEST_RESULT:

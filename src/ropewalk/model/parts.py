@@ -93,6 +93,14 @@ class Parts:
         return any(line is not None and bool(line.segments) for line in self.lines.values())
 
     @property
+    def has_carriages(self) -> bool:
+        """Whether there are carriages, or ropes of payloads that are taken in."""
+        hoists = (getattr(getattr(load, "payload", None), "hoist", 0.0) for load in self.loads.values())
+        return any(getattr(load, "kind", "") == "carriage" for load in self.loads.values()) or any(
+            callable(hoist) or hoist != 0.0 for hoist in hoists
+        )
+
+    @property
     def is_auto(self) -> bool:
         """Whether the number of links of a line is to be found."""
         return any(line is not None and isinstance(line.elements, Auto) for line in self.lines.values())

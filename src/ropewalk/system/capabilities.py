@@ -322,6 +322,7 @@ MOTION = Capabilities(
             "mass",
             "oscillator",
             "trolley",
+            "carriage",
             "vehicle",
             "train",
             "matrices",

@@ -20,7 +20,6 @@ from ropewalk.mechanics.loading import loading_of
 from ropewalk.mechanics.multibody_system import hung
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
-from ropewalk.model.travel import FreeTravel
 from ropewalk.model.trolley import Trolley
 from ropewalk.networks.lengths import doubt_slack
 from ropewalk.results.exchanges import external_in
@@ -34,6 +33,7 @@ from ropewalk.system import motion
 from ropewalk.system.asking import FAILED, Asking
 from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
 from ropewalk.system.beginning import begin_elsewhere
+from ropewalk.system.carriage_assembly import hang_cabins, hold_carriages, pay_out
 from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
@@ -43,6 +43,7 @@ from ropewalk.system.hold_forces import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
 from ropewalk.system.methods import first_damper
+from ropewalk.system.remarks import doubt_wheels, shaken
 from ropewalk.system.rest import about_rest, at_rest, least, tensions
 from ropewalk.system.segments import mass_of
 from ropewalk.system.spline import WIDTH
@@ -62,6 +63,8 @@ RKN6_SAFETY = 0.9
 
 # Tension over axial stiffness from which on a line without bending stiffness is slack.
 _LIMP = 1e-12
+# Rounds in which pulls of hauling ropes at rest are found.
+AGAIN = 3
 # Part of the largest tension with which an inextensible line may be pushed together.
 _PUSHED = 0.1
 
@@ -74,17 +77,6 @@ _ENDS = {
     motion.AT_SHEAVE: ("travel ended", "a load has come to a sheave, which it cannot pass; let it turn back before"),
     motion.LINE_OUT: ("line ran out", "a line has run over a sheave up to its end, to another sheave or to a joint"),
 }
-
-
-def _shaken(scenario: Scenario) -> list[str]:
-    """Loads that rub by themselves on lines whose own waves nothing damps (docs/notes/contacts-on-splines.md)."""
-    return [
-        f"loads.{name} slides with friction on {load.on}, along which waves are not damped: they shake the contact, "
-        f"and friction bears less than it should; give lines.{load.on} an axial_damping"
-        for name, load in scenario.loads.items()
-        if isinstance(travel := getattr(load, "travel", None), FreeTravel) and travel.friction > 0.0
-        if (line := scenario.lines.get(load.on)) is not None and not line.axial_damping
-    ]
 
 
 class SystemMotion:
@@ -144,8 +136,12 @@ class SystemMotion:
         self._slipped = np.zeros(self.contacts.size, dtype=np.int64)  # 1: it has been said that friction is not enough
         kinds = loading.loads.contact
         self._may_slip = ((kinds == CLAMPED) & (self.contacts["friction"] > 0.0)) | (kinds == COULOMB)
+        self._pull = np.zeros(self.bodies.carriages.hauls.size)
         if asked.start.with_loads:
             self._settle()
+            for _ in range(AGAIN if self._pull.size else 0):  # hauling ropes pull along the slopes that they make
+                self._haul()
+                self._settle()
         elif asked.start.kind != "rest" and not past:
             begin_elsewhere(
                 self.structure, self.state, asked.start, self._builder.node, self.layout.node_line,
@@ -164,7 +160,7 @@ class SystemMotion:
             self._implicit = Implicit(self._system(), self.rest, asked.precision, longest, stable, stages)
         tension = tensions(self.structure, self.state.r)
         doubt_slack(scenario, run_info, self.layout.link_line, tension[self._builder.link])
-        run_info.warnings += _shaken(scenario)
+        run_info.warnings += shaken(scenario)
 
     @property
     def layout(self) -> Layout:
@@ -305,6 +301,11 @@ class SystemMotion:
         if self._buffers.tight is not None:
             self._buffers.tension[:] = potential.buffers.tension
 
+    def _haul(self) -> None:
+        """Let hauling ropes hold their carriages, which roll without friction, where they begin."""
+        self._advance(0.0, motion.LOCATE)
+        self._pull = hold_carriages(self._scenario, self.loading, self.bodies.carriages, self.contacts)
+
     def _stand(self, *, with_loads: bool) -> None:
         """Let bodies move along with the line; where they do not rest on it, with springs without force but weights."""
         axes, state, resting = self.rest.shape[0], self.state, self.state.u.copy()
@@ -332,6 +333,11 @@ class SystemMotion:
             state.w[first : first + axes] = state.w[above : above + axes]
         if with_loads:
             state.u[:] = resting
+        hang_cabins(self._scenario, self.loading, self.bodies, state.u, state.w, axes)
+        if self._pull.size:
+            if not with_loads:
+                self._haul()
+            pay_out(self.bodies.carriages, self.structure, self._buffers, self.contacts, self._pull)
         self.contacts["comes"] = 0
         self._look()
         self._buffers.before[:] = self._buffers.strain
@@ -400,6 +406,7 @@ class SystemMotion:
         at = SystemNote.together(notes)
         frames = self._builder.build(at)
         self._doubt_speeds(at.t, at.contacts)
+        doubt_wheels(self._scenario, self.run_info, frames, self.loading.wheels)
         self._ask_friction(frames, at.contacts)
         return frames
 
