@@ -44,13 +44,18 @@ SUPERPOSED = Engine(system.LINEAR, system.LINEAR)
 def engine_of(asked: Parts | Scenario) -> Engine:
     """Choose the engine that computes a scenario."""
     parts = (asked if isinstance(asked, Parts) else asked.parts).on_a_mesh
-    if parts.has_profile or parts.has_segments or parts.has_saddles or parts.has_carriages or parts.tracks:
+    if parts.has_profile or parts.has_segments or parts.has_saddles or _rolls(parts) or parts.tracks:
         return SUPERPOSED if isinstance(parts.run, Linear) else SYSTEM
     if isinstance(parts.run, Linear):
         return _of_linear_theory(parts)
     if parts.is_network:
         return _of_networks(parts)
     return _of_beams(parts) if parts.has_bending_stiffness else _of_ropes(parts)
+
+
+def _rolls(parts: Parts) -> bool:
+    """Whether there is what only lines of the system carry: carriages, payloads whose ropes are taken in."""
+    return parts.has_carriages or parts.has_hoists
 
 
 def _of_linear_theory(parts: Parts) -> Engine:

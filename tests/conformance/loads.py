@@ -129,6 +129,11 @@ def load(s: Structure, kind: str, moved: Tree | None = None, **more: Any) -> Tre
     return {**tree, "on": s.on, **more}
 
 
+def carriage(s: Structure, **more: Any) -> Tree:
+    cabin = {"mass": 0.6 * s.mass, "hanger": 2.0, "inertia": 0.1 * s.mass, "damping": 0.2 * s.mass}
+    return {"kind": "carriage", "mass": 0.4 * s.mass, "rockers": [0.3, 0.8], "cabin": cabin, **more}
+
+
 KINDS: dict[str, Any] = {
     "force": force,
     "force in a table": lambda s: force(s, force={
@@ -142,6 +147,7 @@ KINDS: dict[str, Any] = {
     "oscillator": oscillator,
     "light oscillator": lambda s: oscillator(s, 0.0),
     "trolley": trolley,
+    "carriage": carriage,
     "vehicle": vehicle,
     "train": train,
     "light vehicle": lambda s: vehicle(s, 0.0),

@@ -10,6 +10,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from ropewalk.errors import Refused
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.contact import LIFT_OFF
+from ropewalk.model.course import course
 from ropewalk.model.history import SpeedHistory
 from ropewalk.model.quantity import (
     AirDrag,
@@ -24,6 +25,7 @@ from ropewalk.model.quantity import (
     PositiveMass,
     RotationalDamping,
 )
+from ropewalk.model.run import Dynamic
 from ropewalk.model.travel import FreeTravel, Place
 
 MOST_LEVELS = 4
@@ -176,6 +178,18 @@ class Carriage(Declaration):
         yield from ()
 
 
+def _taken_in(name: str, load: Carriage, haul: Haul, length: float, run: Any) -> Iterator[Finding]:
+    """Find drives that take in more rope than there is between carriage and drive."""
+    speed = haul.speed
+    if not isinstance(run, Dynamic) or callable(speed) or speed is None:
+        return
+    there = haul.beyond + (length - load.travel.start if haul.to == "end" else load.travel.start)
+    most = max(piece.place(piece.begin + piece.duration) for piece in course(speed, 0.0, run.until))
+    if most >= there:
+        wrong = f"takes in {most:.4g} m of rope until {run.until:g} s, and {there:.4g} m are there"
+        yield Finding(("loads", name, "haul", "speed"), wrong, remedy="let it stop before, or end the run before")
+
+
 def check_carriages(parts: Any) -> Iterator[Finding]:
     """Find hauling ropes that end nowhere, and wheels that would stand beside their line."""
     for name, load in parts.loads.items():
@@ -188,6 +202,8 @@ def check_carriages(parts: Any) -> Iterator[Finding]:
             yield Finding(
                 ("loads", name, "travel", "from"), wrong, f"{load.travel.start:g} m", "let it start further in"
             )
+        if load.haul is not None and load.haul.speed is not None and line is not None:
+            yield from _taken_in(name, load, load.haul, line.length or line.distance, parts.run)
         if load.haul is None or load.haul.over_to is None:
             continue
         path, other = ("loads", name, "haul", "over_to"), parts.loads.get(load.haul.over_to)

@@ -35,8 +35,8 @@ class Outputs(Declaration):
         default=30.0, description="of the filter of accelerations (Butterworth, fourth order, forwards and backwards)"
     )
     places: dict[Name, LinePlace] = Field(default_factory=dict, description="places along lines, by name")
-    ground: Way = Field(
-        default=(),
+    ground: Way | None = Field(
+        default=None,
         description="points [x, z] of the ground, by rising x, of which results tell the clearance",
     )
     impact: bool = Field(
@@ -46,8 +46,10 @@ class Outputs(Declaration):
     )
 
 
-def _ground(points: Way) -> Iterator[Finding]:
+def _ground(points: Way | None) -> Iterator[Finding]:
     path = ("outputs", "ground")
+    if points is None:
+        return
     if any(len(point) != 2 for point in points):
         yield Finding(path, "has points that are not [x, z]", remedy="write two numbers for each point")
     elif len(points) == 1:

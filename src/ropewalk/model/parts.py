@@ -94,11 +94,14 @@ class Parts:
 
     @property
     def has_carriages(self) -> bool:
-        """Whether there are carriages, or ropes of payloads that are taken in."""
+        """Whether there are carriages."""
+        return any(getattr(load, "kind", "") == "carriage" for load in self.loads.values())
+
+    @property
+    def has_hoists(self) -> bool:
+        """Whether ropes of payloads are taken in."""
         hoists = (getattr(getattr(load, "payload", None), "hoist", 0.0) for load in self.loads.values())
-        return any(getattr(load, "kind", "") == "carriage" for load in self.loads.values()) or any(
-            callable(hoist) or hoist != 0.0 for hoist in hoists
-        )
+        return any(callable(hoist) or hoist != 0.0 for hoist in hoists)
 
     @property
     def is_auto(self) -> bool:

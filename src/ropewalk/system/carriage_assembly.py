@@ -146,6 +146,18 @@ def hang_cabins(scenario: Scenario, loading: Loading, bodies: BodyArrays, u: Arr
         w[first + axes] = w[wheels[:, None] + axes].mean(axis=0)
 
 
+def space_wheels(scenario: Scenario, loading: Loading, contacts: Any, dim: int) -> None:
+    """Let wheels of carriages begin as far apart as their rockers have them, on a line that is stretched."""
+    for name, load in scenario.loads.items():
+        if isinstance(load, Carriage):
+            own = [k for k, wheel in enumerate(loading.wheels) if wheel.load == name]
+            apart = np.linalg.norm(np.diff(contacts["p"][own, :dim], axis=0), axis=1)
+            gaps = np.diff(contacts["begin"][own]) * np.diff(load.places) / apart
+            places = np.concatenate([[0.0], np.cumsum(gaps)])
+            contacts["begin"][own] = load.travel.start + places - places.mean()
+            contacts["been"][own] = 0  # they begin anew
+
+
 def hold_carriages(scenario: Scenario, loading: Loading, carriages: Carriages, contacts: Any) -> Array:
     """Let hauling ropes pull as holds carriages on frictionless wheels where they are; returns their pulls, (haul,) N.
 

@@ -407,9 +407,10 @@ def advance(structure, buffers, contacts, tables, bodies, state, table, out, A, 
         if i < last and not (asked or stands or runs_out or too_long):
             since = drifts[stage] * dt
             gone = (gone if stage > 0 else 0.0) + drifts[stage]
-            state.work[DRIVEN] += grow(contacts, bodies, state, since) + hoist(bodies, contacts, state, since)
+            state.work[DRIVEN] += grow(contacts, bodies, state, since)
             _drift(structure, state, since)
             drift(bodies, state, since)
+            state.work[DRIVEN] += hoist(bodies, contacts, state, since)
             state.t[0] = begin + (step + (gone if stage < stages - 1 else 1.0)) * dt
             if exist(structure.sheaves):
                 runs_out = not pass_nodes(structure.sheaves, structure, state.r, state.v, state.work)

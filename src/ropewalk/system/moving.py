@@ -33,7 +33,7 @@ from ropewalk.system import motion
 from ropewalk.system.asking import FAILED, Asking
 from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
 from ropewalk.system.beginning import begin_elsewhere
-from ropewalk.system.carriage_assembly import hang_cabins, hold_carriages, pay_out
+from ropewalk.system.carriage_assembly import hang_cabins, hold_carriages, pay_out, space_wheels
 from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
@@ -43,7 +43,7 @@ from ropewalk.system.hold_forces import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
 from ropewalk.system.methods import first_damper
-from ropewalk.system.remarks import doubt_wheels, shaken
+from ropewalk.system.remarks import doubt_saddles, doubt_wheels, shaken
 from ropewalk.system.rest import about_rest, at_rest, least, tensions
 from ropewalk.system.segments import mass_of
 from ropewalk.system.spline import WIDTH
@@ -139,7 +139,7 @@ class SystemMotion:
         self._pull = np.zeros(self.bodies.carriages.hauls.size)
         if asked.start.with_loads:
             self._settle()
-            for _ in range(AGAIN if self._pull.size else 0):  # hauling ropes pull along the slopes that they make
+            for _ in range(AGAIN if self.bodies.carriages.bars.size else 0):  # carriages stand on slopes that they make
                 self._haul()
                 self._settle()
         elif asked.start.kind != "rest" and not past:
@@ -302,7 +302,9 @@ class SystemMotion:
             self._buffers.tension[:] = potential.buffers.tension
 
     def _haul(self) -> None:
-        """Let hauling ropes hold their carriages, which roll without friction, where they begin."""
+        """Let wheels of carriages stand as far apart as rockers have them, and hauling ropes hold them there."""
+        self._advance(0.0, motion.LOCATE)
+        space_wheels(self._scenario, self.loading, self.contacts, self.rest.shape[0])
         self._advance(0.0, motion.LOCATE)
         self._pull = hold_carriages(self._scenario, self.loading, self.bodies.carriages, self.contacts)
 
@@ -310,6 +312,8 @@ class SystemMotion:
         """Let bodies move along with the line; where they do not rest on it, with springs without force but weights."""
         axes, state, resting = self.rest.shape[0], self.state, self.state.u.copy()
         self._advance(0.0, motion.LOCATE)
+        if self.bodies.carriages.bars.size and not with_loads:
+            self._haul()
         for wheel, contact in zip(self.loading.wheels, self.contacts, strict=True):
             if wheel.free is not None:
                 contact["speed"] = wheel.free.speed / np.linalg.norm(contact["along"])
@@ -333,10 +337,8 @@ class SystemMotion:
             state.w[first : first + axes] = state.w[above : above + axes]
         if with_loads:
             state.u[:] = resting
-        hang_cabins(self._scenario, self.loading, self.bodies, state.u, state.w, axes)
-        if self._pull.size:
-            if not with_loads:
-                self._haul()
+        if self.bodies.carriages.bars.size:
+            hang_cabins(self._scenario, self.loading, self.bodies, state.u, state.w, axes)
             pay_out(self.bodies.carriages, self.structure, self._buffers, self.contacts, self._pull)
         self.contacts["comes"] = 0
         self._look()
@@ -406,6 +408,7 @@ class SystemMotion:
         at = SystemNote.together(notes)
         frames = self._builder.build(at)
         self._doubt_speeds(at.t, at.contacts)
+        doubt_saddles(self._scenario, self.run_info, frames, self.layout.node_line)
         doubt_wheels(self._scenario, self.run_info, frames, self.loading.wheels)
         self._ask_friction(frames, at.contacts)
         return frames

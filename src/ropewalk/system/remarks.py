@@ -25,6 +25,22 @@ def shaken(scenario: Scenario) -> list[str]:
     ]
 
 
+def doubt_saddles(scenario: Scenario, run_info: RunInfo, frames: Frames, line: Sequence[str]) -> None:
+    """Doubt lines that pass below a saddle from the beginning: there rest was found on the wrong side of it."""
+    for name, own in scenario.lines.items():
+        place = frames.of["position"][0, np.array([one == name for one in line])]
+        for saddle, body in own.saddles.items():
+            key = f"lines.{name}.saddles.{saddle}"
+            near = np.abs(place[:, 0] - body.at[0]) < body.radius
+            low = near.any() and place[near, -1].max() < body.at[-1] - body.radius
+            if low and all(doubt.key != key for doubt in run_info.doubts):
+                cause = "its rest was sought from a line that is too long"
+                run_info.doubt(
+                    f"line {name} passes below saddle {saddle}", cause, key,
+                    f"give lines.{name} less length, at most that of the straight way over its saddles",
+                )  # fmt: skip
+
+
 def doubt_wheels(scenario: Scenario, run_info: RunInfo, frames: Frames, wheels: Sequence[ContactPoint]) -> None:
     """Doubt carriages whose wheels would leave the rope, where nothing lets them."""
     for k, wheel in enumerate(wheels):

@@ -144,7 +144,11 @@ def grow(contacts, bodies, state, dt):
 
 @lean_inner
 def hoist(bodies, contacts, state, dt):
-    """Take in ropes of payloads for a time in s, whose stiffness goes with 1 / length; returns the work of it, J."""
+    """Take in ropes of payloads after a drift for a time in s, whose stiffness goes with 1 / length.
+
+    Returns:
+        The work of it, J: the mean of what it is at the places before and behind the drift, as kicks have it.
+    """
     work, T = 0.0, bodies.tethers
     for e in range(T.size):
         if T[e].hoist_count == 0:
@@ -156,9 +160,10 @@ def hoist(bodies, contacts, state, dt):
         square, new = 0.0, T[e].begin - gone
         for a in range(state.r.shape[0]):
             square += (state.u[T[e].first + a] - state.u[contacts[T[e].contact].first + a]) ** 2
-        before, after = max(np.sqrt(square) - T[e].length, 0.0), max(np.sqrt(square) - new, 0.0)
         stiffer = T[e].stiffness * T[e].length / new
-        work += 0.5 * (stiffer * after * after - T[e].stiffness * before * before)
+        for long in (T[e].long, np.sqrt(square)):
+            before, after = max(long - T[e].length, 0.0), max(long - new, 0.0)
+            work += 0.25 * (stiffer * after * after - T[e].stiffness * before * before)
         T[e].grows = (new - T[e].length) / dt
         T[e].length, T[e].stiffness = new, stiffer
     return work
