@@ -4,7 +4,7 @@ Numba makes every function whole by itself, optimised and as machine code, optim
 and again in those that call that. Here a function stays as it was lowered until Python asks for its address; then all
 that it reaches is linked, optimised and made machine code once. Measured in docs/notes/speed.md.
 
-This rests on what Numba keeps to itself. Where a version of it differs, kernels are compiled in its own way.
+This rests on what Numba keeps to itself: where a version of it differs, the tests of this module say so.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from numba.core.compiler import Compiler, CompileResult
 from numba.core.environment import lookup_environment
 from numba.core.targetconfig import TargetConfig
 
-_KIND = "part"
 _ENVIRONMENT = "_ZN08NumbaEnv"  # begins the names of variables that point to what a function needs of Python
 
 
@@ -70,7 +69,7 @@ class KernelPart(JITCodeLibrary):
         """Remember a function that this one calls, and what that one reaches."""
         library._ensure_finalized()
         reached = (*library._linking_libraries, library) if isinstance(library, KernelPart) else (library,)
-        self._linking_libraries.extend(each for each in reached if each not in self._linking_libraries)
+        self._linking_libraries = list(dict.fromkeys((*self._linking_libraries, *reached)))
         self.environments |= (
             library.environments if isinstance(library, KernelPart) else _environments(library._final_module)
         )
