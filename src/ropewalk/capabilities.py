@@ -44,8 +44,7 @@ SUPERPOSED = Engine(system.LINEAR, system.LINEAR)
 def engine_of(asked: Parts | Scenario) -> Engine:
     """Choose the engine that computes a scenario."""
     parts = (asked if isinstance(asked, Parts) else asked.parts).on_a_mesh
-    others = parts.has_segments or parts.has_saddles or parts.has_cut or parts.has_sprung_brake
-    if parts.has_profile or others or parts.tracks:
+    if parts.is_for_the_system:
         return SUPERPOSED if isinstance(parts.run, Linear) else SYSTEM
     if isinstance(parts.run, Linear):
         return _of_linear_theory(parts)

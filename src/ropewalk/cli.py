@@ -38,7 +38,7 @@ from ropewalk.console import (
     show_in,
 )
 from ropewalk.line_commands import elasticity
-from ropewalk.options import Json, NoCode, Picture, Quiet, ScenarioFile, Settings, Units
+from ropewalk.options import Json, NoCode, Picture, Quiet, ScenarioFile, Settings, Units, Workers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -377,7 +377,7 @@ def warm_up(
     file: Annotated[
         Path | None, typer.Argument(metavar="[FILE]", help="Scenario file [default: what most runs need].")
     ] = None,
-    workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
+    workers: Workers = None,
     no_code: NoCode = False,
     settings: Settings = None,
     quiet: Quiet = False,

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from importlib import import_module
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from ropewalk.console import fail, load_scenario, print_columns, print_json, quantity_of, reported
+from ropewalk.options import Json, ScenarioFile, Settings
 
 
 def elasticity(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Scenario file, YAML or JSON.")],
+    file: ScenarioFile,
     force: Annotated[str, typer.Option("--force", help="Upwards on the contact wire.")] = "100 N",
     span: Annotated[int | None, typer.Option("--span", help="Counted from 1 [default: the first analysed].")] = None,
     side_load: Annotated[
         str, typer.Option("--side-load", metavar="N/m", help="Of the wind on the contact wire, level and across it.")
     ] = "0 N/m",
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a value.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+    settings: Settings = None,
+    as_json: Json = False,
 ) -> None:
     """Tell of overhead lines: elasticity, wave speeds, reflection, Doppler factor, amplification, blow-off."""
     with reported():

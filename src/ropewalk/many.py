@@ -19,7 +19,7 @@ from ropewalk.console import (
     save_figure,
     say,
 )
-from ropewalk.options import Json, NoCode, Picture, Quiet, ScenarioFile, Settings
+from ropewalk.options import Cluster, Derive, Json, NoCode, Picture, Quiet, ScenarioFile, Settings, Store, Workers
 
 
 def adequacy(
@@ -31,7 +31,7 @@ def adequacy(
     quantity: Annotated[str, typer.Option("--quantity", help="Quantity that is compared.")] = "deflection",
     tolerance: Annotated[str, typer.Option("--tolerance", help="Allowed relative distance, 0.02 or 2 %.")] = "5 %",
     store: Annotated[Path | None, typer.Option("--store", help="Points [default: FILE.adequacy.jsonl].")] = None,
-    workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
+    workers: Workers = None,
     retry: Annotated[bool, typer.Option("--retry", help="Compute points that have failed once more.")] = False,
     output: Picture = None,
     no_code: NoCode = False,
@@ -60,9 +60,7 @@ def sweep(
     over: Annotated[
         list[str] | None, typer.Option("--over", metavar="KEY=VALUES", help="What varies: 100:350:5km/h, or a,b,c.")
     ] = None,
-    derive: Annotated[
-        list[str] | None, typer.Option("--derive", metavar="KEY=EXPR", help="What follows: run.until='9 m / speed'.")
-    ] = None,
+    derive: Derive = None,
     record: Annotated[
         str | None, typer.Option("--record", metavar="NAMES", help="What is kept: 'max tension, largest_sag'.")
     ] = None,
@@ -77,9 +75,9 @@ def sweep(
     ] = None,
     count: Annotated[int | None, typer.Option("--count", help="Number of cases that are drawn.")] = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of drawing.")] = None,
-    store: Annotated[Path | None, typer.Option("--store", help="Finished cases [default: FILE.sweep.jsonl].")] = None,
-    workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
-    cluster: Annotated[str | None, typer.Option("--cluster", metavar="tcp://...", help="A Dask scheduler.")] = None,
+    store: Store = None,
+    workers: Workers = None,
+    cluster: Cluster = None,
     retry: Annotated[bool, typer.Option("--retry", help="Compute cases that have failed once more.")] = False,
     no_code: NoCode = False,
     settings: Settings = None,
@@ -116,9 +114,7 @@ def design(
     subject_to: Annotated[
         list[str] | None, typer.Option("--subject-to", metavar="LIMIT", help='Limit, as "max strain < 2 %"; repeat it.')
     ] = None,
-    derive: Annotated[
-        list[str] | None, typer.Option("--derive", metavar="KEY=EXPR", help="What follows: run.until='9 m / speed'.")
-    ] = None,
+    derive: Derive = None,
     output: Annotated[
         list[Path] | None,
         typer.Option(
@@ -138,9 +134,9 @@ def design(
         int | None, typer.Option("--most", metavar="N", help="Runs of the search [default: 50 per variable].")
     ] = None,
     seed: Annotated[int, typer.Option("--seed", help="Seed of the first points.")] = 0,
-    store: Annotated[Path | None, typer.Option("--store", help="Finished cases [default: FILE.sweep.jsonl].")] = None,
-    workers: Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")] = None,
-    cluster: Annotated[str | None, typer.Option("--cluster", metavar="tcp://...", help="A Dask scheduler.")] = None,
+    store: Store = None,
+    workers: Workers = None,
+    cluster: Cluster = None,
     no_code: NoCode = False,
     settings: Settings = None,
     as_json: Json = False,

@@ -22,3 +22,9 @@ Units = Annotated[
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table, errors only.")]
+Derive = Annotated[
+    list[str] | None, typer.Option("--derive", metavar="KEY=EXPR", help="What follows: run.until='9 m / speed'.")
+]
+Store = Annotated[Path | None, typer.Option("--store", help="Finished cases [default: FILE.sweep.jsonl].")]
+Workers = Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")]
+Cluster = Annotated[str | None, typer.Option("--cluster", metavar="tcp://...", help="A Dask scheduler.")]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot
 
 from ropewalk.calc.answer import CalcValue
-from ropewalk.calc.calculator import Calculator
+from ropewalk.calc.calculator import Calculator, Rule
 from ropewalk.calc.common import AXIAL_STIFFNESS, GRAVITY, LENGTH, ROPE_MASS, SPAN, angle, depth, force, height
 from ropewalk.calc.hanging import Hanging, fall, hang
 
@@ -26,6 +26,15 @@ def loaded(
 
 
 HEIGHT = height("of the second anchor above the first")
+_ENDS: dict[str, Rule] = {
+    "horizontal_tension": lambda rope: rope.start[0],
+    "largest_tension": lambda rope: rope.largest_tension,
+    "start_tension": lambda rope: hypot(*rope.start),
+    "end_tension": lambda rope: hypot(*rope.end),
+    "start_angle": lambda rope: fall(rope.start),
+    "end_angle": lambda rope: -fall(rope.end),
+}
+"""What both tell of how the rope pulls at its anchors."""
 
 catenary = Calculator(
     "catenary",
@@ -44,12 +53,7 @@ catenary = Calculator(
     {
         "rope": bare,
         "sag": lambda rope: rope.sag,
-        "horizontal_tension": lambda rope: rope.start[0],
-        "largest_tension": lambda rope: rope.largest_tension,
-        "start_tension": lambda rope: hypot(*rope.start),
-        "end_tension": lambda rope: hypot(*rope.end),
-        "start_angle": lambda rope: fall(rope.start),
-        "end_angle": lambda rope: -fall(rope.end),
+        **_ENDS,
         "weight": lambda length, mass, gravity: length * mass * gravity,
     },
 )
@@ -86,12 +90,7 @@ span = Calculator(
         "sag": lambda rope: rope.sag,
         "load_x": lambda rope: rope.place[0],
         "load_depth": lambda rope: -rope.place[1],
-        "horizontal_tension": lambda rope: rope.start[0],
-        "largest_tension": lambda rope: rope.largest_tension,
-        "start_tension": lambda rope: hypot(*rope.start),
-        "end_tension": lambda rope: hypot(*rope.end),
-        "start_angle": lambda rope: fall(rope.start),
-        "end_angle": lambda rope: -fall(rope.end),
+        **_ENDS,
         "bare_sag": lambda bare: bare.sag,
         "bare_tension": lambda bare: bare.start[0],
     },

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from ropewalk.errors import Problem, Refused, ScenarioError
+from ropewalk.errors import Refused
 from ropewalk.mechanics.chain import Array
 from ropewalk.model import Scenario
 from ropewalk.sweeps.case import Outcome
 from ropewalk.sweeps.keys import leaves, short_names, unit_at
-from ropewalk.sweeps.parameters import quantity, refuse, written
+from ropewalk.sweeps.parameters import quantity, read_all, refuse, written
 from ropewalk.units import to_si
 
 FORM = "write LOW:HIGH with a unit, for example 500 kN:600 kN or 0.9:1.1 m"
@@ -75,17 +75,9 @@ def variables_of(vary: Mapping[str, Any]) -> tuple[Variable, ...]:
     Raises:
         ScenarioError: with every mistake found, or nothing varies.
     """
-    problems, found = list[Problem](), []
-    for key, bounds in vary.items():
-        try:
-            found.append(Variable.read(key, bounds))
-        except ScenarioError as error:
-            problems += error.problems
-    if problems:
-        raise ScenarioError(problems)
-    if not found:
+    if not vary:
         refuse("vary", "nothing varies", "", "name a key and its bounds, KEY=LOW:HIGH")
-    return tuple(found)
+    return read_all(Variable.read, vary)
 
 
 @dataclass(frozen=True)

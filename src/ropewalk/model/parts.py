@@ -98,6 +98,12 @@ class Parts:
         return any(line is not None and line.cut is not None for line in self.lines.values())
 
     @property
+    def is_for_the_system(self) -> bool:
+        """Whether there is what no other engine knows."""
+        kinds = self.has_profile, self.has_segments, self.has_saddles, self.has_cut, self.has_sprung_brake
+        return any(kinds) or bool(self.tracks)
+
+    @property
     def has_sprung_brake(self) -> bool:
         """Whether a brake has another force than a constant one."""
         brakes = (getattr(getattr(load, "travel", None), "brake", None) for load in self.loads.values())

@@ -17,6 +17,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ropewalk.results.acceptance import Check
 from ropewalk.results.contact_statistics import CUTOFF, ContactStatistics
 
 if TYPE_CHECKING:
@@ -30,16 +31,9 @@ _SLOW, _MEDIUM, _FAST = 160.0 * _ABOUT, 200.0 * _ABOUT, 250.0 / _ABOUT  # km/h
 
 
 @dataclass(frozen=True)
-class LimitCheck:
-    """A quantity beside its limits."""
+class LimitCheck(Check):
+    """A quantity beside its limits, of which the lower one may be -inf, and what comes of it."""
 
-    quantity: str  # name of the statistic
-    what: str
-    unit: str  # of value, low and high
-    value: float
-    low: float  # -inf: there is none
-    high: float
-    mark: str  # F or R
     verdict: str  # pass, FAIL, no verdict
     why: str  # there is no verdict, or what the limit is
 

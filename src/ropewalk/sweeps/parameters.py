@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -23,6 +23,7 @@ _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*([^\W\d_%°].*?|[%°].*?|1/.*?)?\s*")
 _CALL = re.compile(r"\s*([a-z_]+)\s*\((.*)\)\s*")
 _RANGE = re.compile(rf"\s*{_NUMBER}[^:]*:\s*{_NUMBER}[^:]*:\s*{_NUMBER}[^:]*")
+One = TypeVar("One")
 _SPACED: dict[str, Callable[..., Any]] = {"linear": np.linspace, "log": np.geomspace}
 
 
@@ -191,10 +192,19 @@ def parameters_of(over: Mapping[str, Any]) -> tuple[Parameter, ...]:
     Raises:
         ScenarioError: with every mistake found.
     """
+    return read_all(Parameter.read, over)
+
+
+def read_all(read: Callable[[str, Any], One], given: Mapping[str, Any]) -> tuple[One, ...]:
+    """Read what is given for each key, or tell all the mistakes in it.
+
+    Raises:
+        ScenarioError: with every mistake found.
+    """
     problems, found = list[Problem](), []
-    for key, values in over.items():
+    for key, value in given.items():
         try:
-            found.append(Parameter.read(key, values))
+            found.append(read(key, value))
         except ScenarioError as error:
             problems += error.problems
     if problems:

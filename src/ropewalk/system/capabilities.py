@@ -142,6 +142,11 @@ def _of_cuts(name: str, line: Line, run: object) -> Iterator[Finding]:
         yield missing(path, "runs that begin from a result", "a block", remedy, feature="a cut")
     if run.geometry == "linearised":
         yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
+    yield from _by_steps(run, what)
+
+
+def _by_steps(run: Dynamic, what: str) -> Iterator[Finding]:
+    """What moves by plain steps with its own inertia, all of it."""
     if run.method in HIGH_ORDER:
         yield missing(("run", "method"), what, run.method, "use auto or verlet")
     if run.window is not None:
@@ -203,12 +208,7 @@ def _inextensible(parts: Parts) -> Iterator[Finding]:
                 yield missing(("lines", name, key), what, f"{getattr(line, key):g}", remedy)
     if not found or not isinstance(run, Dynamic):
         return
-    if run.method in HIGH_ORDER:
-        yield missing(("run", "method"), what, run.method, "use auto or verlet")
-    if run.window is not None:
-        yield missing(("run", "window"), what, "a window", "leave it out")
-    if run.axial_inertia != 1.0:
-        yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave it out")
+    yield from _by_steps(run, what)
     for name, load in parts.loads.items():
         if getattr(load, "contact", None) in RUBBING:
             remedy = "write clamped or frictionless, or give an axial_stiffness with law hooke"
