@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ropewalk import Scenario
+from ropewalk.sweeps.case import computed
 
 TREE: dict[str, Any] = {
     "title": "Rope",
@@ -33,6 +34,18 @@ run: {kind: equilibrium}
 def scenario(**more: Any) -> Scenario:
     """A force at rest on a rope of 10 links."""
     return Scenario.model_validate(TREE | more)
+
+
+def counted(monkeypatch: Any, module: Any) -> list[str]:
+    """The keys of the cases that a module computes from now on."""
+    keys = list[str]()
+
+    def counting(case: Any) -> Any:
+        keys.append(case.key)
+        return computed(case)
+
+    monkeypatch.setattr(module, "computed", counting)
+    return keys
 
 
 def squared(number: int) -> int:

@@ -22,7 +22,7 @@ LAYERS = (
     ("theory",), ("mechanics",), ("external",),
     ("controllers",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("networks",), ("system",),
     ("capabilities",), ("chains", "wiring"), ("meshes",), ("impact",), ("simulate",), ("decouple",), ("coupling",),
-    ("scenario",), ("resuming",), ("console",), ("options",), ("line_commands", "many", "calculating"),
+    ("scenario",), ("resuming",), ("console",), ("options",), ("line_commands", "many", "calculating", "serving"),
     ("cli", "__main__"),
 )  # fmt: skip
 # Extensions above the layers may look at everything; one not named here must be given its place first.

@@ -39,6 +39,7 @@ from ropewalk.console import (
 )
 from ropewalk.line_commands import elasticity
 from ropewalk.options import Json, NoCode, Picture, Quiet, ScenarioFile, Settings, Units, Workers
+from ropewalk.serving import studio
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -393,7 +394,7 @@ def warm_up(
 
 
 app.command()(elasticity)
-app.command()(import_module("ropewalk.studio.command").studio)
+app.command()(studio)
 
 
 @app.command()

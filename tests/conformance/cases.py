@@ -65,7 +65,7 @@ PAIRS = {"two alike": ("mass", "mass"), "two": ("force", "mass"), "two bodies": 
 CORE = [
     s for s in STRUCTURES
     if not s.twin and s.name not in ("damped", "piola", "polynomial", "tabulated", "inclined-stiff", "beam-damped",
-                                     "bed", "gale", "awning", "slack-stiff-linearised", "staggered", "track")
+                                     "bed", "gale", "awning", "slack-stiff-linearised", "staggered", "track", "cut")
 ]  # fmt: skip
 """Structures for tables of which the others would tell nothing new."""
 
@@ -93,6 +93,10 @@ def ways(s: Structure) -> Iterator[tuple[str, Tree]]:
     driver = {"speed": 1.5 * s.speed, "force": 2.0 * s.mass * DOWN}
     yield "free with driver", travel(s, kind="free", driver=driver)
     yield "free with brake", travel(s, kind="free", brake={"force": s.mass * DOWN, "within": s.length, "at": "both"})
+    within = {"within": s.length, "at": "both"}
+    eddy = {"rate": 2.0 * s.mass * DOWN / s.speed, "force": s.mass * DOWN, **within}
+    yield "free with eddy-current brake", travel(s, kind="free", brake=eddy)
+    yield "free with sprung brake", travel(s, kind="free", brake={"stiffness": s.mass * DOWN / s.length, **within})
     yield "free, leaves", travel(s, kind="free", at_end="leave", **{"from": late})
 
 

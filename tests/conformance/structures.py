@@ -149,6 +149,7 @@ STRUCTURES: tuple[Structure, ...] = (
         "tabulated", "string with a tabulated law",
         rope(taut(law={"kind": "table", "strain": [0, 0.02, 0.05], "tension": [0, 15e3, 60e3]}, axial_stiffness=None)),
     ),
+    Structure("cut", "slack rope that is cut", rope(slack(cut={"at": 15.0, "time": 0.2})), **_SLOW),
     Structure(
         "inextensible", "inextensible rope",
         rope(slack(law={"kind": "inextensible"}, axial_stiffness=None, axial_damping=None)), **_SLOW,

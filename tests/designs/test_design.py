@@ -9,11 +9,11 @@ import pytest
 
 import design_cases as cases
 import ropewalk
+import sweep_cases
 from ropewalk.designs import evaluation
 from ropewalk.designs.certificate import left_over
 from ropewalk.designs.search import by_models, by_optuna
 from ropewalk.errors import ScenarioError
-from ropewalk.sweeps.case import computed
 
 STRAIN = "max strain < 2 %"
 
@@ -21,14 +21,7 @@ STRAIN = "max strain < 2 %"
 @pytest.fixture
 def counted(monkeypatch):
     """The keys of the cases that are computed."""
-    keys = []
-
-    def counting(case):
-        keys.append(case.key)
-        return computed(case)
-
-    monkeypatch.setattr(evaluation, "computed", counting)
-    return keys
+    return sweep_cases.counted(monkeypatch, evaluation)
 
 
 def pretension(**more):

@@ -27,14 +27,7 @@ FELT = (
 @pytest.fixture
 def counted(monkeypatch):
     """The keys of the cases that are computed."""
-    keys = []
-
-    def counting(case):
-        keys.append(case.key)
-        return computed(case)
-
-    monkeypatch.setattr(sweeping, "computed", counting)
-    return keys
+    return cases.counted(monkeypatch, sweeping)
 
 
 @pytest.fixture(scope="module")

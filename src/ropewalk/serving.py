@@ -1,4 +1,4 @@
-"""`ropewalk studio`: open the page."""
+"""The command `studio`, beside the other commands of `cli`."""
 
 from __future__ import annotations
 
