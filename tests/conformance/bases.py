@@ -198,6 +198,7 @@ BASES: dict[str, Tree] = {
          "saddles": {"tower": {"at": [12.0, 1.0], "radius": 3.0, "friction": 0.05}}},
         load("mass", way()),
     ),
+    "cut": one({**LONG, "cut": {"at": 15.0, "time": 0.3 * UNTIL}}, load("mass", way())),
     "steps": one(
         {**BEAM, "segments": {"plates": {"from": 4.0, "to": 9.0, "bending_stiffness": "3 GN*m^2", "mass": 2400.0},
                               "damage": {"from": 11.0, "to": 13.0, "damage": 0.4, "foundation": "2 MN/m^2"}}},

@@ -136,7 +136,7 @@ OTHER: dict[str, Any] = {
     "Saddle.support": {"kind": "elastic", "stiffness": "200 kN/m"},
     "Line.segments": lambda _, block: _grown("segments", block, mass=3e3) or (
         {"part": {"from": 5.0, "to": 9.0, "mass": 2.0 * float(block["mass"])}}),
-    "Line.cut": lambda value, block: None if value else {"at": 6.0, "time": 0.4 * UNTIL},
+    "Line.cut": lambda value, _: {"at": 0.5 * value.at, "time": value.time} if value else None,
     "Cut.at": lambda value, _: 0.8 * value,
     "Cut.time": lambda value, _: 0.5 * value,
     "Brake.force": lambda value, block: 2.0 * value if value else 60.0,

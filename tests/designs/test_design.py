@@ -10,10 +10,10 @@ import pytest
 import design_cases as cases
 import ropewalk
 import sweep_cases
-from ropewalk.designs import evaluation
 from ropewalk.designs.certificate import left_over
 from ropewalk.designs.search import by_models, by_optuna
 from ropewalk.errors import ScenarioError
+from ropewalk.sweeps import sweeping
 
 STRAIN = "max strain < 2 %"
 
@@ -21,7 +21,7 @@ STRAIN = "max strain < 2 %"
 @pytest.fixture
 def counted(monkeypatch):
     """The keys of the cases that are computed."""
-    return sweep_cases.counted(monkeypatch, evaluation)
+    return sweep_cases.counted(monkeypatch, sweeping)
 
 
 def pretension(**more):
@@ -60,16 +60,16 @@ def test_a_search_that_ends_too_early_says_so():
 
 def test_a_design_that_was_stopped_goes_on_where_it_was(monkeypatch, tmp_path, counted):
     store = tmp_path / "s.jsonl"
-    counting = evaluation.computed
+    counting = sweeping.computed
 
     def stopping(case):
         if len(counted) == 7:
             raise KeyboardInterrupt
         return counting(case)
 
-    monkeypatch.setattr(evaluation, "computed", stopping)
+    monkeypatch.setattr(sweeping, "computed", stopping)
     assert pretension(store=store).outcome == "interrupted"
-    monkeypatch.setattr(evaluation, "computed", counting)
+    monkeypatch.setattr(sweeping, "computed", counting)
     found = pretension(store=store)
     assert len(counted) == len(set(counted))
     assert found.value == pretension().value

@@ -19,6 +19,7 @@ from ropewalk.results.table_export import SUFFIXES as TABLES
 from ropewalk.results.table_export import check_tables
 from ropewalk.scenario.editing import edited
 from ropewalk.scenario.source import read_text
+from ropewalk.sweeps.command import pairs
 from ropewalk.sweeps.writing import FIGURES, write
 
 SCENARIOS = (".yaml", ".yml")
@@ -41,26 +42,6 @@ def check_outputs(outputs: Sequence[Path], source: Path, kinds: Sequence[str] = 
             raise ResultError(f"{file}: is the scenario that is varied; choose another name for the best one")
         if kind in TABLES:
             check_tables(file)
-
-
-def pairs(texts: Sequence[str], origin: str, form: str) -> dict[str, str]:
-    """KEY=VALUE, as a block.
-
-    Raises:
-        ScenarioError: with every mistake found.
-    """
-    problems, found = list[Problem](), dict[str, str]()
-    for text in texts:
-        key, sign, value = (part.strip() for part in text.partition("="))
-        if not (sign and key and value):
-            problems.append(Problem("", f"this is not {form}", repr(text), f"write {form}", origin))
-        elif key in found:
-            problems.append(Problem(key, "is given twice", remedy="leave one of them out", file=origin))
-        else:
-            found[key] = value
-    if problems:
-        raise ScenarioError(problems)
-    return found
 
 
 def reporting(progress: Callable[[str, float], None] | None) -> Callable[[int], None] | None:
@@ -87,8 +68,11 @@ def design_from_text(
     Raises:
         ScenarioError, ResultError: as `design`.
     """
-    bounds = pairs(vary, "--vary", "KEY=LOW:HIGH")
-    expressions = pairs(derived, "--derive", "KEY=EXPRESSION")
+    problems = list[Problem]()
+    bounds = pairs(vary, "--vary", problems, "KEY=LOW:HIGH")
+    expressions = pairs(derived, "--derive", problems, "KEY=EXPRESSION")
+    if problems:
+        raise ScenarioError(problems)
     origins = {"vary": "--vary", "subject_to": "--subject-to"} | dict.fromkeys(bounds, "--vary")
     origins |= dict.fromkeys(expressions, "--derive")
     try:
@@ -192,7 +176,10 @@ def fit_from_text(scenario: Scenario, vary: Sequence[str], data: Path) -> Fit:
     Raises:
         ScenarioError, ResultError, RopewalkError: as `fit`.
     """
-    bounds = pairs(vary, "--vary", "KEY=LOW:HIGH")
+    problems = list[Problem]()
+    bounds = pairs(vary, "--vary", problems, "KEY=LOW:HIGH")
+    if problems:
+        raise ScenarioError(problems)
     origins = {"vary": "--vary", "data": "--data"} | dict.fromkeys(bounds, "--vary")
     try:
         return fit(scenario, bounds, data)

@@ -11,12 +11,12 @@ from ropewalk.errors import Refused, RopewalkError
 from ropewalk.mechanics.chain import Array
 from ropewalk.model import Scenario
 from ropewalk.scenario import dump, varying
-from ropewalk.sweeps.case import FAILED, LOST, Case, Outcome, check_record, computed
+from ropewalk.sweeps.case import FAILED, Case, Outcome, check_record
 from ropewalk.sweeps.expressions import resolved
 from ropewalk.sweeps.keys import leaves
 from ropewalk.sweeps.parameters import refuse, setting
-from ropewalk.sweeps.pool import DIED, cores, each
 from ropewalk.sweeps.store import Store
+from ropewalk.sweeps.sweeping import finishing
 
 
 @dataclass(frozen=True)
@@ -129,19 +129,5 @@ class Evaluation:
         if not self._checked:
             check_record(missing[0])
             self._checked = True
-        lost = Outcome(LOST, {}, reason=DIED)
-        if cluster is not None:
-            from ropewalk.sweeps.cluster import each_on
-
-            finished = each_on(cluster, missing, len(missing), computed, lost)
-        else:
-            most = cores() if workers is None else workers
-            finished = each(missing, computed, 0 if len(missing) == 1 else min(most, len(missing)), lost)
-        try:
-            for case, outcome in finished:
-                if outcome.outcome == LOST:
-                    self._lost[case.key] = outcome
-                else:
-                    self.store.add(case.key, outcome, cases[case.key][1])
-        finally:
-            finished.close()
+        for _ in finishing(cases, missing, self.store, self._lost, 0 if len(missing) == 1 else workers, cluster):
+            pass

@@ -44,7 +44,8 @@ def sweep_from_text(
         ScenarioError, ResultError: as `sweep`.
     """
     problems = list[Problem]()
-    keys, expressions = _pairs(over, "--over", problems), _pairs(derived, "--derive", problems)
+    keys = pairs(over, "--over", problems, remedy="write KEY=100:350:5 km/h")
+    expressions = pairs(derived, "--derive", problems, remedy="write KEY=EXPRESSION")
     if problems:
         raise ScenarioError(problems)
 
@@ -95,18 +96,28 @@ def finish(dataset: xr.Dataset, store: Path, outputs: list[Path], quiet: bool) -
         say(report)
 
 
-def _pairs(texts: Sequence[str], origin: str, problems: list[Problem]) -> dict[str, str]:
-    pairs = {}
+def pairs(
+    texts: Sequence[str], origin: str, problems: list[Problem], form: str = "KEY=VALUE", remedy: str = ""
+) -> dict[str, str]:
+    """What is given for keys, as a block.
+
+    Args:
+        texts: KEY=VALUE.
+        origin: the option.
+        problems: gets what is wrong.
+        form: what each is called.
+        remedy: what to write instead (default: the form).
+    """
+    found = dict[str, str]()
     for text in texts:
         key, sign, value = (part.strip() for part in text.partition("="))
         if not (sign and key and value):
-            remedy = "write KEY=100:350:5 km/h" if origin == "--over" else "write KEY=EXPRESSION"
-            problems.append(Problem("", "this is not KEY=VALUE", repr(text), remedy, origin))
-        elif key in pairs:
+            problems.append(Problem("", f"this is not {form}", repr(text), remedy or f"write {form}", origin))
+        elif key in found:
             problems.append(Problem(key, "is given twice", remedy="leave one of them out", file=origin))
         else:
-            pairs[key] = value
-    return pairs
+            found[key] = value
+    return found
 
 
 def table_text(dataset: xr.Dataset) -> str:

@@ -84,19 +84,37 @@ def sweep(
         try:
             if missing:
                 check_record(missing[0])
-            finished = _engine(_still(missing, kept), len(missing), workers, cluster)
-            try:
-                for case, found in finished:
-                    if found.outcome == LOST:  # not for ever: another time nothing may kill it
-                        lost[case.key] = found
-                    else:
-                        kept.add(case.key, found, cases[case.key][1])
-                    report()
-            finally:
-                finished.close()
+            for _ in finishing(cases, missing, kept, lost, workers, cluster):
+                report()
         except KeyboardInterrupt:
             outcome = "interrupted"
         return dataset_of(plan, lost | kept.done, outcome)
+
+
+def finishing(
+    cases: Mapping[str, tuple[Case, list[str]]], missing: Sequence[Case], kept: Store, lost: dict[str, Outcome],
+    workers: int | None, cluster: Any,
+) -> Iterator[Case]:  # fmt: skip
+    """Compute cases and put each into a store as it is done.
+
+    Args:
+        cases: with what sets their values, by their keys.
+        missing: those of them that are to be computed.
+        kept: the store.
+        lost: gets those whose process dies: not for ever, another time nothing may kill it.
+        workers: processes (default: one for each core); 0: this one.
+        cluster: address of a Dask scheduler, or a client of one, instead.
+    """
+    finished = _engine(_still(missing, kept), len(missing), workers, cluster)
+    try:
+        for case, found in finished:
+            if found.outcome == LOST:
+                lost[case.key] = found
+            else:
+                kept.add(case.key, found, cases[case.key][1])
+            yield case
+    finally:
+        finished.close()
 
 
 def _still(missing: Iterable[Case], kept: Store) -> Iterator[Case]:
