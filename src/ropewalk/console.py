@@ -43,7 +43,6 @@ TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
 def load_scenario(file: Path, settings: list[str] | None, no_code: bool = False) -> Scenario:
     from ropewalk.scenario import load
 
-    _READ.set(None)
     scenario = load(file, settings or ())
     _READ.set((file, tuple(settings or ())))  # read well: what is found later can be shown its place
     if no_code:
@@ -249,6 +248,7 @@ def now_called(new: str) -> Callable[[CallbackParam, Any], Any]:
 def reported(target: Path | None = None) -> Iterator[None]:
     """Turn exceptions into messages and exit codes; `target` is the file that a run may have begun."""
     before = _stamp(target)
+    _READ.set(None)  # of a command before, in the same process
     try:
         yield
     except typer.Exit:

@@ -74,7 +74,6 @@ _PATTERNS = {
         "no friction on saddles without inertia, nor in spectra": rf"friction on saddles (without inertia )?{_NOT}",
         "no linear theory over saddles": rf"\.saddles: {_NOT} lines over saddles",
         "walkers on profiles on beams alone": rf"on a profile {_NOT}",
-        "results do not hold where saddles that give way stand": rf"\.support: {_NOT} runs that begin from a result",
         "no linear theory in wind that blows": rf"wind {_NOT} kind: linear",
         "no linear theory to compare with": r"^no distances$",
         "no export of networks and nets":

@@ -15,7 +15,7 @@ from ropewalk.studio.worker import main
 Message = str | bytes
 Forward = Callable[[Message], Awaitable[None]]
 
-_PATIENCE = 10.0  # s that a worker may take to hear that it is to stop
+_PATIENCE = 30.0  # s that a worker may take to hear that it is to stop: it may be at its compiler
 _CONTEXT = multiprocessing.get_context("spawn")
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
@@ -64,7 +65,7 @@ class Studio:
         """The application, behind its token."""
         routes = [
             Route("/", self._index), Route("/export", self._export), WebSocketRoute("/socket", self._socket),
-            Mount("/assets", StaticFiles(directory=PAGE / "assets", check_dir=False)),
+            Mount("/assets", _Assets(directory=PAGE / "assets", check_dir=False)),
         ]  # fmt: skip
         return Guard(Starlette(routes=routes, lifespan=self._lifespan), self.token)
 
@@ -109,6 +110,15 @@ class Studio:
             await PageConnection(self, socket).serve()
         finally:
             self.pages -= 1
+
+
+class _Assets(StaticFiles):
+    """Files of the page, which may not be built yet."""
+
+    async def check_config(self) -> None:
+        if not (PAGE / "assets").is_dir():
+            raise HTTPException(404)
+        await super().check_config()
 
 
 class PageConnection:
