@@ -35,7 +35,7 @@ ENGINES = {
     "Line.sheaves", "Line.supports",
 }  # fmt: skip
 """Keys that ask for another engine: what it does not know is refused by its own name."""
-PART = 9
+PART = 15
 """One in so many changes is in the sample."""
 SAME = 1e-10
 """Part of the largest value of a variable by which it may differ and be the same."""

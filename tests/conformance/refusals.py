@@ -65,7 +65,7 @@ _PATTERNS = {
         "no driver and no brake on inextensible lines": rf"\.travel\.(driver|brake): {_NOT} inextensible",
         "friction of prescribed travel on ropes alone": rf"\.friction(_model)?: {_NOT}",
         "no linear theory of overhead lines": rf"run\.kind: {_NOT} overhead|\.kind: {_NOT} kind: linear",
-        "nets do not move linearised":
+        "no linearised motion of nets, nor under such loads":
             rf"run\.geometry: (linearised geometry )?{_NOT}|nets\.[^:]*: {_NOT} small motion",
         "no axial inertia over sheaves, nor in spectra at an instant": rf"axial_inertia: {_NOT}",
         "the sixth order needs forces that do not jump": rf"rkn6 with .* {_NOT}",
