@@ -30,7 +30,7 @@ ELSEWHERE ?= --ignore=tests/mechanics/test_kernel_cache.py tests/theory tests/me
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 STUDIO := src/ropewalk/studio/page
-.PHONY: studio studio-check help demo test test-elsewhere lint types figures bench peers fuzz kills matrix clean clean-cache
+.PHONY: studio studio-packages studio-front studio-check help demo test test-elsewhere lint types figures bench peers fuzz kills matrix clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
@@ -111,8 +111,12 @@ $(STUDIO)/index.html: studio/node_modules/.installed $(wildcard studio/src/*) st
 
 studio: $(STUDIO)/index.html
 
-studio-check: studio $(VENV)/.dev
+studio-packages: studio/node_modules/.installed
+
+studio-front: studio
 	@cd studio && $(NPM) run --silent lint && $(NPM) run --silent types && $(NPM) run --silent test
+
+studio-check: studio-front $(VENV)/.dev
 	@$(BIN)/python -m pytest -rs tests/studio
 
 # -- Checks ------------------------------------------------------------------------------------------------------

@@ -142,6 +142,10 @@ def test_down_a_light_stiff_rope_by_energy() -> None:
     assert found.arrival_speed == pytest.approx(math.sqrt(2.0 * G * (first - last)), rel=2e-3)
     assert found.energy == pytest.approx(90.0 * G * (first - end), rel=5e-3)
     assert found.brake_spring_force == pytest.approx(2.0 * found.brake_force, rel=1e-12)
+    way = found.energy / found.brake_force
+    assert 0.5 * found.brake_spring * way**2 == pytest.approx(found.energy, rel=1e-12)
+    # m dv/ds = -c along the level: the speed falls evenly with the way.
+    assert found.arrival_speed - found.brake_damping / 90.0 * way == pytest.approx(0.0, abs=1e-9)
     assert found.top_speed == pytest.approx(math.sqrt(2.0 * G * (first - ellipse.z.min())), rel=2e-3)
     slower = calc.zipline(**down, brake_distance=15.0, headwind=5.0, air_drag=0.4, rolling=0.01)
     assert slower.arrival_speed < found.arrival_speed
