@@ -142,6 +142,7 @@ def test_down_a_light_stiff_rope_by_energy() -> None:
     assert found.arrival_speed == pytest.approx(math.sqrt(2.0 * G * (first - last)), rel=2e-3)
     assert found.energy == pytest.approx(90.0 * G * (first - end), rel=5e-3)
     assert found.brake_spring_force == pytest.approx(2.0 * found.brake_force, rel=1e-12)
+    assert found.largest_depth == pytest.approx(np.max(-0.08 * ellipse.x - ellipse.z), rel=1e-3)
     way = found.energy / found.brake_force
     assert 0.5 * found.brake_spring * way**2 == pytest.approx(found.energy, rel=1e-12)
     # m dv/ds = -c along the level: the speed falls evenly with the way.
