@@ -30,12 +30,13 @@ ELSEWHERE ?= --ignore=tests/mechanics/test_kernel_cache.py tests/theory tests/me
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 STUDIO := src/ropewalk/studio/page
-.PHONY: studio studio-check help demo test test-elsewhere lint types figures bench peers fuzz kills matrix clean clean-cache
+.PHONY: docs studio studio-check help demo test test-elsewhere lint types figures bench peers fuzz kills matrix clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
 	@echo "make test         set up and run the tests"
 	@echo "make test-elsewhere  a part of them as on another processor: other kernels of OpenBLAS, no wide vectors, no fused operations"
+	@echo "make docs         the site, with pictures of all examples, in build/site"
 	@echo "make studio       build the front end of  ropewalk studio  (brings Node from PyPI where the machine has none)"
 	@echo "make studio-check lint, types and tests of the front end; in a real browser where Chromium is there"
 	@echo "make lint         ruff: rules and format"
@@ -66,6 +67,11 @@ $(VENV)/.dev: $(VENV)/.core
 	@$(INSTALL) -e '.[dev]'
 	@touch $@
 
+$(VENV)/.docs: $(VENV)/.core
+	@echo "Installing the tools of the site"
+	@$(INSTALL) -e '.[docs]'
+	@touch $@
+
 $(VENV)/.peers: $(VENV)/.dev
 	@echo "Installing the peers of the benchmark"
 	@$(INSTALL) -e '.[benchmarks]'
@@ -87,6 +93,12 @@ out/$(DEMO).png out/$(DEMO).gif: out/%: out/$(DEMO).nc
 figures: $(VENV)/.core
 	@mkdir -p out
 	@$(BIN)/ropewalk figures -o out/figures
+
+# Reading everything anew takes half a minute; pictures are kept by contents (docs/extensions/gallery.py).
+docs: $(VENV)/.docs
+	@$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going --nitpicky --fresh-env --builder html \
+	  --doctree-dir build/doctrees docs build/site
+	@echo "Built: build/site/index.html"
 
 bench: $(VENV)/.dev
 	@$(BIN)/python -m benchmarks
