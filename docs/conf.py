@@ -41,6 +41,7 @@ autodoc_member_order = "bysource"
 add_module_names = False
 default_role = "code"
 highlight_language = "text"
+smartquotes = False
 
 html_theme = "furo"
 html_math_renderer = "mathml"

@@ -19,9 +19,10 @@ from fnmatch import fnmatch
 from functools import cache
 from pathlib import Path
 
-import ropewalk
 from sphinx.application import Sphinx
 from sphinx.util import logging
+
+import ropewalk
 
 ROOT = Path(__file__).parent.parent.parent
 EXAMPLES = ROOT / "examples"

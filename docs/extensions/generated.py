@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import make_reference
-import ropewalk
 import typer.main
 from pydantic import BaseModel
+from sphinx.application import Sphinx
+
+import ropewalk
 from ropewalk.cli import app as command_line
 from ropewalk.scenario.reference import SECTIONS, declarations
-from sphinx.application import Sphinx
 
 ROOT = Path(__file__).parent.parent.parent
 CODE = re.compile(r"(?<![`:\w])`([^`]+)`(?!`)")
@@ -57,9 +58,11 @@ def plain(text: str) -> str:
 def names() -> str:
     """All public names: declarations, then functions and results, with their docstrings."""
     sections = {title: declarations(modules) for title, modules in SECTIONS.items()}
-    lines = ["## What is declared", "", "Fields are the keys of the file; each name leads to them.", ""]
+    lines = ["## What is declared", "", "Fields are the keys of the file, listed in its reference.", ""]
     for title, listed in sections.items():
-        lines += [f"### {title}", "", "```{eval-rst}", *[f".. autoclass:: ropewalk.{name}\n" for name in listed], "```", ""]
+        keys = ", ".join(f"[{name}](scenario.md#{name.lower()})" for name in listed)
+        lines += [f"### {title}", "", f"Keys: {keys}.", "", "```{eval-rst}"]
+        lines += [*(f".. autoclass:: ropewalk.{name}\n" for name in listed), "```", ""]
     lines += ["## What is called, and what it answers", ""]
     for title, listed in make_reference.FUNCTIONS.items():
         if title not in ("Calculators", "Closed forms"):

@@ -7,7 +7,7 @@ import re
 
 from sphinx.application import Sphinx
 
-EXAMPLE = re.compile(r"\]\((?:\.\./)+examples/([\w-]+)\.yaml\)")
+EXAMPLE = re.compile(r"\]\((?:\.\./)+examples(?:/([\w-]+)\.yaml)?\)")
 LINK = re.compile(r"\]\(((?:\.\./)+|docs/)?(notes/?|README\.md|CONTRIBUTING\.md|CHANGELOG\.md|CODE_OF_CONDUCT\.md"
                   r"|SECURITY\.md)\)")  # fmt: skip
 PAGES = {
@@ -27,7 +27,7 @@ def up(docname: str) -> str:
 
 def adapted(docname: str, text: str) -> str:
     """The text of a page with links to examples and to files beside docs/ led to their pages."""
-    text = EXAMPLE.sub(lambda link: f"]({up(docname)}gallery/{link[1]}.md)", text)
+    text = EXAMPLE.sub(lambda link: f"]({up(docname)}gallery/{link[1] or 'index'}.md)", text)
     text = LINK.sub(lambda link: f"]({up(docname)}{PAGES[link[2].rstrip('/')]})", text)
     if docname in ("contributing", "changes", "conduct", "security"):  # written for the root of the repository
         text = re.sub(r"\]\(docs/", "](", text)

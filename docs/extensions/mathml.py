@@ -1,4 +1,4 @@
-"""Formulas as MathML, written when the site is built: browsers set it themselves, without scripts or fonts of others."""
+"""Formulas as MathML, written when the site is built: browsers set it without scripts or fonts of others."""
 
 from __future__ import annotations
 
