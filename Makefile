@@ -30,7 +30,7 @@ ELSEWHERE ?= --ignore=tests/mechanics/test_kernel_cache.py tests/theory tests/me
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 STUDIO := src/ropewalk/studio/page
-.PHONY: docs studio studio-check help demo test test-elsewhere lint types figures bench peers fuzz kills matrix clean clean-cache
+.PHONY: docs release studio studio-check help demo test test-elsewhere lint types figures bench peers fuzz kills matrix clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
@@ -44,6 +44,7 @@ help:
 	@echo "make fuzz         spoilt scenario files for SECONDS (an hour) from a SEED (0)"
 	@echo "make kills        COUNT (200) commands killed at any moment, and taken up again"
 	@echo "make matrix       what works on what: thousands of short runs, into docs/capabilities.md"
+	@echo "make release      wheel and sdist in dist/, both tried in fresh environments"
 	@echo "make figures      the figures of the paper, in out/figures"
 	@echo "make bench        riding against sharing, cost per node, moving bodies, and error against time beside peers (make peers installs them)"
 	@echo "make clean-cache  forget compiled kernels"
@@ -152,6 +153,13 @@ lint: $(VENV)/.dev
 
 types: $(VENV)/.dev
 	@$(BIN)/mypy
+
+# With the page of the studio, so that users need no Node.
+release: $(STUDIO)/index.html $(VENV)/.core
+	@rm -rf dist
+	@$(INSTALL) hatchling
+	@$(BIN)/hatchling build -d dist
+	@for package in dist/*; do .ci/try-package $(BIN)/python "$$package" $(CONSTRAINTS) || exit 1; done
 
 # -- Tidying -----------------------------------------------------------------------------------------------------
 
