@@ -141,20 +141,20 @@ def draw(example: Example) -> None:
     """Run an example and draw it; what it says of itself stands beside the picture."""
     with tempfile.TemporaryDirectory() as folder:
         result, picture = Path(folder) / "result.nc", Path(folder) / "result.png"
-        program = [sys.executable, "-m", "ropewalk"]
-        run = called([*program, "run", f"examples/{example.name}.yaml", "-o", str(result), "--quiet"])
+        ropewalk_command = [sys.executable, "-m", "ropewalk"]
+        run = called([*ropewalk_command, "run", f"examples/{example.name}.yaml", "-o", str(result)])
         says = run.stdout.replace(str(result), f"{example.name}.nc")
         if run.returncode in (0, 3, 4):
-            shown = called([*program, "show", str(result), "-o", str(picture)])
+            shown = called([*ropewalk_command, "show", str(result), "-o", str(picture)])
             says = says if picture.is_file() else shown.stderr
         else:
             says = run.stderr
         KEPT.mkdir(parents=True, exist_ok=True)
         for old in KEPT.glob(f"{example.name}-{'?' * 16}.*"):
             old.unlink()
+        example.kept(".txt").write_text(says, encoding="utf-8")
         if picture.is_file():
             shutil.copy(picture, example.kept(".png"))
-        example.kept(".txt").write_text(says, encoding="utf-8")
 
 
 def called(command: list[str]) -> subprocess.CompletedProcess[str]:
@@ -166,8 +166,11 @@ def called(command: list[str]) -> subprocess.CompletedProcess[str]:
 
 
 def draw_missing(examples: list[Example]) -> None:
-    """Draw those that are not kept, the first alone: what it compiles serves the others."""
-    missing = [example for example in examples if not example.kept(".txt").is_file()]
+    """Draw those that are not kept, the first alone: what it compiles serves the others.
+
+    What could not be drawn (a package that is not installed, no time) is tried again by the next build.
+    """
+    missing = [example for example in examples if not example.kept(".png").is_file()]
     if missing:
         log.info("drawing %d of %d examples (minutes; kept in %s)", len(missing), len(examples), KEPT)
         draw(missing[0])
