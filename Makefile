@@ -30,12 +30,14 @@ ELSEWHERE ?= --ignore=tests/mechanics/test_kernel_cache.py tests/theory tests/me
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 STUDIO := src/ropewalk/studio/page
-.PHONY: studio studio-packages studio-front studio-check help demo test test-elsewhere lint types figures bench peers fuzz kills matrix clean clean-cache
+.PHONY: docs release studio studio-packages studio-front studio-check help demo test test-elsewhere lint types figures bench peers fuzz \
+  kills matrix clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
 	@echo "make test         set up and run the tests"
 	@echo "make test-elsewhere  a part of them as on another processor: other kernels of OpenBLAS, no wide vectors, no fused operations"
+	@echo "make docs         the site, with pictures of all examples, in build/site"
 	@echo "make studio       build the front end of  ropewalk studio  (brings Node from PyPI where the machine has none)"
 	@echo "make studio-check lint, types and tests of the front end; in a real browser where Chromium is there"
 	@echo "make lint         ruff: rules and format"
@@ -43,6 +45,7 @@ help:
 	@echo "make fuzz         spoilt scenario files for SECONDS (an hour) from a SEED (0)"
 	@echo "make kills        COUNT (200) commands killed at any moment, and taken up again"
 	@echo "make matrix       what works on what: thousands of short runs, into docs/capabilities.md"
+	@echo "make release      wheel and sdist in dist/, both tried in fresh environments"
 	@echo "make figures      the figures of the paper, in out/figures"
 	@echo "make bench        riding against sharing, cost per node, moving bodies, and error against time beside peers (make peers installs them)"
 	@echo "make clean-cache  forget compiled kernels"
@@ -66,6 +69,11 @@ $(VENV)/.dev: $(VENV)/.core
 	@$(INSTALL) -e '.[dev]'
 	@touch $@
 
+$(VENV)/.docs: $(VENV)/.core
+	@echo "Installing the tools of the site"
+	@$(INSTALL) -e '.[docs]'
+	@touch $@
+
 $(VENV)/.peers: $(VENV)/.dev
 	@echo "Installing the peers of the benchmark"
 	@$(INSTALL) -e '.[benchmarks]'
@@ -87,6 +95,12 @@ out/$(DEMO).png out/$(DEMO).gif: out/%: out/$(DEMO).nc
 figures: $(VENV)/.core
 	@mkdir -p out
 	@$(BIN)/ropewalk figures -o out/figures
+
+# Reading everything anew takes half a minute; pictures are kept by contents (docs/extensions/gallery.py).
+docs: $(VENV)/.docs
+	@$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going --nitpicky --fresh-env --builder html \
+	  --doctree-dir build/doctrees docs build/site
+	@echo "Built: build/site/index.html"
 
 bench: $(VENV)/.dev
 	@$(BIN)/python -m benchmarks
@@ -144,6 +158,13 @@ lint: $(VENV)/.dev
 
 types: $(VENV)/.dev
 	@$(BIN)/mypy
+
+# With the page of the studio, so that users need no Node.
+release: $(STUDIO)/index.html $(VENV)/.core
+	@rm -rf dist
+	@$(INSTALL) hatchling
+	@$(BIN)/hatchling build -d dist
+	@for package in dist/*; do .ci/try-package $(BIN)/python "$$package" $(CONSTRAINTS) || exit 1; done
 
 # -- Tidying -----------------------------------------------------------------------------------------------------
 
