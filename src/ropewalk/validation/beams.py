@@ -27,7 +27,7 @@ YANG_2004 = Source(
     "J. Sound Vib. 272 (2004), 471-493: its data; the numbers by 20 modes"
 )
 EULER = Source("L. Euler and D. Bernoulli, 18th century; in every textbook of vibrations", "elementary")
-UNIT = {"length": 25.0, "bending_stiffness": 8.323e9, "mass": 2303.0}
+UNIT: dict[str, Any] = {"length": 25.0, "bending_stiffness": 8.323e9, "mass": 2303.0}
 SPEED = 100.0 / 3.6
 
 
@@ -123,7 +123,7 @@ def lowest(spectrum: Any, number: int = 1) -> float:
 
 REST = "run: {kind: equilibrium}\n"
 BUILT_IN = "start_support: {kind: fixed, clamped: true}\n    end_support: {kind: fixed, clamped: true}"
-TRACK = {"bending_stiffness": 10e6, "foundation": 5e6, "mass": 600.0, "damping": 10800.0}
+TRACK: dict[str, Any] = {"bending_stiffness": 10e6, "foundation": 5e6, "mass": 600.0, "damping": 10800.0}
 
 CASES = (
     Case(

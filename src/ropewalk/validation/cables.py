@@ -18,7 +18,7 @@ IRVINE_1974 = Source(
     "authors and subject, in later papers that cite it; volume and pages from memory",
 )
 IRVINE = Source("H. M. Irvine, Cable Structures, MIT Press, 1981: the elastic catenary")
-ELASTIC = {"span": 200.0, "height": 20.0, "length": 205.0, "weight": 3.0 * G, "axial_stiffness": 20e6}
+ELASTIC: dict[str, Any] = {"span": 200.0, "height": 20.0, "length": 205.0, "weight": 3.0 * G, "axial_stiffness": 20e6}
 ROPE = """
 lines:
   rope: {start: [0, 0], end: [200, 20], length: 205, mass: 3, axial_stiffness: 20e6, elements: 100}
@@ -51,7 +51,7 @@ def reaction(result: Any, end: int, axis: str) -> float:
     return float(result.reaction.sel(axis=axis).to_numpy()[-1, end])
 
 
-SHALLOW = {"span": 100.0, "mass": 5.0, "axial_stiffness": 2e6, "horizontal_tension": 20e3}
+SHALLOW: dict[str, Any] = {"span": 100.0, "mass": 5.0, "axial_stiffness": 2e6, "horizontal_tension": 20e3}
 """lambda^2 = 6.0: the first symmetric mode is well above that of a string."""
 
 

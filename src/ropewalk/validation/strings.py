@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ropewalk.theory import chain, selfsimilar, string, whirl
@@ -21,7 +23,7 @@ STRETCH = 1.001
 tension 1/1.001 N, exactly, for small motion."""
 LENGTH, TENSION = 1.0 / STRETCH, 1.0 / STRETCH
 WAVE = float(np.sqrt(TENSION))
-UNIT = {"length": LENGTH, "tension": TENSION, "mass": 1.0}
+UNIT: dict[str, Any] = {"length": LENGTH, "tension": TENSION, "mass": 1.0}
 LINE = """
 gravity: 0
 lines:

@@ -72,7 +72,8 @@ def validate(
     ahead = sorted(names.items(), key=lambda task: CASES[task[0]].quick)  # long ones first: none is left to the end
     processes = cores() if workers is None else workers
     found = dict[str, Finding]()
-    with closing(each(ahead, _task, min(processes, len(ahead)), [])) as answers:
+    nothing = list[Finding]()
+    with closing(each(ahead, _task, min(processes, len(ahead)), nothing)) as answers:
         for done, (task, findings) in enumerate(answers, start=1):
             lost = [Finding(f"{task[0]}.{name}", FAILED, reason=DIED) for name in task[1]]
             found |= {finding.id: finding for finding in findings or lost}
