@@ -22,13 +22,13 @@ LAYERS = (
     ("theory",), ("mechanics",), ("external",),
     ("controllers",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("networks",), ("system",),
     ("capabilities",), ("chains", "wiring"), ("meshes",), ("impact",), ("simulate",), ("decouple",), ("coupling",),
-    ("scenario",), ("resuming",), ("console",), ("options",), ("line_commands", "many", "calculating", "serving"),
-    ("cli", "__main__"),
+    ("scenario",), ("resuming",), ("console",), ("options",),
+    ("line_commands", "many", "calculating", "serving", "validating"), ("cli", "__main__"),
 )  # fmt: skip
 # Extensions above the layers may look at everything; one not named here must be given its place first.
-ABOVE = ("calc", "compare", "paper", "sweeps", "designs", "cosim", "studio", "warming", "foreign")
+ABOVE = ("calc", "compare", "paper", "sweeps", "designs", "cosim", "studio", "warming", "foreign", "validation")
 # Who may set closed forms beside the discrete solution.
-USES_THEORY = ("theory", "linear", "calc", "compare", "paper")
+USES_THEORY = ("theory", "linear", "calc", "compare", "paper", "validation")
 LONGEST_FILE = 500
 # Who computes.
 SOLVERS = ("solve", "linear", "wires", "overhead", "networks", "chains", "wiring", "simulate")

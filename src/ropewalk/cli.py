@@ -40,6 +40,7 @@ from ropewalk.console import (
 from ropewalk.line_commands import elasticity
 from ropewalk.options import Json, NoCode, Picture, Quiet, ScenarioFile, Settings, Units, Workers
 from ropewalk.serving import studio
+from ropewalk.validating import validate
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -395,6 +396,7 @@ def warm_up(
 
 app.command()(elasticity)
 app.command()(studio)
+app.command()(validate)
 
 
 @app.command()

@@ -1,0 +1,47 @@
+"""The command `validate`, beside the other commands of `cli`."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ropewalk.console import progress_of_many, reported
+from ropewalk.options import Quiet, Workers
+
+
+def validate(
+    only: Annotated[
+        list[str] | None,
+        typer.Option("--only", metavar="PATTERN", help="Rows, as 'bridge*' or string-force.middle; may be repeated."),
+    ] = None,
+    listed: Annotated[bool, typer.Option("--list", help="List the rows and compute nothing.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Only what takes a second at most.")] = False,
+    output: Annotated[
+        list[Path] | None,
+        typer.Option("-o", "--output", metavar="OUT", help="Page to write: .md, .html or .json; may be repeated."),
+    ] = None,
+    workers: Workers = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the rows as JSON.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Compute what is known from books, standards and other programs, and compare.
+
+    Exit codes: 0 all rows that were computed agree, 3 one could not be computed, 4 one differs.
+    """
+    with reported():
+        command = import_module("ropewalk.validation.command")
+        command.check_outputs(output or [])
+        if listed:
+            command.tell_rows(only or [], quick, as_json)
+            return
+        with progress_of_many(quiet) as progress:
+            found = import_module("ropewalk.validation.validating").validate(
+                only or [], quick=quick, workers=workers, progress=progress
+            )
+        for file in output or []:
+            command.write(found, file)
+        command.tell(found, as_json, quiet)
+        command.finish(found, quiet)

@@ -1,0 +1,78 @@
+"""The command `validate`: rows and verdicts as text and files, and the exit code."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from ropewalk.console import DOUBTFUL, STOPPED_EARLY, fail, print_columns, print_json, say, write_text
+from ropewalk.results import ResultError
+from ropewalk.validation.finding import AGREES, DIFFERS, FAILED, MISSING, Finding
+from ropewalk.validation.page import as_dict, html, markdown, number, reference_of
+from ropewalk.validation.validating import chosen
+
+SUFFIXES = (".md", ".html", ".json")
+
+
+def check_outputs(outputs: Sequence[Path]) -> None:
+    """Refuse files that cannot be written, before anything is computed.
+
+    Raises:
+        ResultError: another suffix, or no such folder.
+    """
+    for file in outputs:
+        if file.suffix.lower() not in SUFFIXES:
+            raise ResultError(f"{file}: the page is written as {', '.join(SUFFIXES)}")
+        if not file.parent.is_dir():
+            raise ResultError(f"{file}: the folder {file.parent} does not exist; create it or choose another place")
+
+
+def tell_rows(only: Sequence[str], quick: bool, as_json: bool) -> None:
+    """Print the rows that are chosen.
+
+    Raises:
+        ScenarioError: a pattern fits none.
+    """
+    rows = [
+        (f"{case.id}.{row.name}", f"{case.what}: {row.what}", str(case.source)) for case, row in chosen(only, quick)
+    ]
+    if as_json:
+        print_json([dict(zip(("id", "what", "source"), row, strict=True)) for row in rows])
+    else:
+        print_columns([row[:2] for row in rows])
+
+
+def tell(found: Sequence[Finding], as_json: bool, quiet: bool) -> None:
+    """Print what came out."""
+    if as_json:
+        print_json(as_dict(found))
+    elif not quiet:
+        units = {f"{case.id}.{row.name}": row.unit for case, row in chosen()}
+        head = ("row", "reference", "ours", "", "verdict")
+        print_columns(
+            [head, *((one.id, reference_of(one), number(one.ours), units[one.id], one.verdict) for one in found)]
+        )
+
+
+def finish(found: Sequence[Finding], quiet: bool) -> None:
+    """Say what does not agree, and leave with the exit code of the worst."""
+    if not quiet:
+        for finding in found:
+            if finding.verdict != AGREES:
+                say(f"{finding.id}: {finding.verdict}: {finding.reason}")
+    count = {verdict: sum(one.verdict == verdict for one in found) for verdict in (AGREES, DIFFERS, FAILED, MISSING)}
+    said = ", ".join(f"{many} {verdict}" for verdict, many in count.items() if many)
+    if count[FAILED] or count[DIFFERS]:
+        fail(said, DOUBTFUL if count[DIFFERS] else STOPPED_EARLY)
+    if not quiet:
+        say(said)
+
+
+def write(found: Sequence[Finding], file: Path) -> None:
+    """Write the page."""
+    kind = file.suffix.lower()
+    if kind == ".json":
+        write_text(json.dumps(as_dict(found), indent=2, ensure_ascii=False) + "\n", file)
+    else:
+        write_text(markdown(found) if kind == ".md" else html(found), file)

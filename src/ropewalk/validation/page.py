@@ -1,0 +1,137 @@
+"""The page: what was computed, both numbers, their difference, the tolerance and its reason."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+import ropewalk
+from ropewalk.validation.case import Case
+from ropewalk.validation.finding import AGREES, DIFFERS, FAILED, MISSING, Finding
+from ropewalk.validation.registry import GROUPS
+from ropewalk.validation.row import Row
+
+TITLE = "Validation: what is known from elsewhere, and what ropewalk finds"
+INTRODUCTION = (
+    "Every row is a number that is known from a book, a standard, another program or another route, and the same "
+    "number as this version computes it. `ropewalk validate` makes this page, on any machine and without the "
+    "repository: no number of the column *ours* is written down anywhere. `--only` chooses rows by name, `--list` "
+    "lists them, `--json` prints them. Exit codes: 0 all rows that were computed agree, 3 one could not be computed, "
+    "4 one differs.",
+    "A row fails if the difference is above its tolerance, or if the observed order of convergence is below the one "
+    "that is expected. References are computed by `ropewalk.theory`, which the engines do not know, unless a published "
+    "number stands there. *Citation checked* means that title, authors and place of a publication were compared with a "
+    "second source, not that its numbers were; where nothing was found the citation is from memory and says so.",
+)
+HEAD = ("row", "what", "reference", "kind", "ours", "difference", "allowed, and why", "order", "verdict")
+
+
+def number(value: float) -> str:
+    """With six digits; empty if there is none."""
+    return "" if math.isnan(value) else f"{value:.6g}"
+
+
+def reference_of(finding: Finding) -> str:
+    """The number, or both ends of the range."""
+    if finding.low == finding.high or math.isnan(finding.low):
+        return number(finding.low)
+    return f"{number(finding.low)} to {number(finding.high)}"
+
+
+def as_dict(found: Sequence[Finding]) -> dict[str, Any]:
+    """All there is to say, as plain values."""
+    by_id = {finding.id: finding for finding in found}
+    rows = []
+    for group, case, row in _rows():
+        if (finding := by_id.get(f"{case.id}.{row.name}")) is not None:
+            about = {"group": group, "case": case.what, "what": row.what, "unit": row.unit, "kind": row.kind}
+            source = {"source": case.source.text, "citation_checked": case.source.seen, "tolerance": row.reason}
+            rows.append(finding.as_dict() | about | source)
+    return {"ropewalk": ropewalk.__version__, "rows": rows, "verdicts": _counts(found)}
+
+
+def markdown(found: Sequence[Finding]) -> str:
+    """The page as Markdown."""
+    lines = [f"# {TITLE}", "", *(f"{text}\n" for text in INTRODUCTION), _total(found)]
+    for group, cases in _grouped(found):
+        lines += ["", f"## {group}"]
+        for case, rows in cases:
+            lines += ["", f"### {case.what}", "", f"Source: {case.source}.", ""]
+            lines += [_line(HEAD), _line(("---",) * len(HEAD))]
+            lines += [_line(_cells(case, row, finding)) for row, finding in rows]
+    return "\n".join([*lines, ""])
+
+
+def html(found: Sequence[Finding]) -> str:
+    """The page as HTML that needs nothing else."""
+    body = [f"<h1>{escape(TITLE)}</h1>", *(f"<p>{escape(text)}</p>" for text in INTRODUCTION)]
+    body.append(f"<p>{escape(_total(found))}</p>")
+    for group, cases in _grouped(found):
+        body.append(f"<h2>{escape(group)}</h2>")
+        for case, rows in cases:
+            body += [f"<h3>{escape(case.what)}</h3>", f"<p>Source: {escape(str(case.source))}.</p>", "<table>"]
+            body.append(_tagged("th", HEAD, ""))
+            body += [_tagged("td", _cells(case, row, one), one.verdict.replace(" ", "-")) for row, one in rows]
+            body.append("</table>")
+    style = (
+        "body{font:16px/1.5 sans-serif;max-width:80em;margin:2em auto;padding:0 1em}"
+        "table{border-collapse:collapse;display:block;overflow-x:auto}td,th{border:1px solid #ccc;padding:.2em .5em;"
+        "text-align:left;vertical-align:top}.differs,.failed{background:#fdd}.not-computed{color:#777}"
+    )
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(TITLE)}</title>'
+        f"<style>{style}</style></head>\n<body>\n" + "\n".join(body) + "\n</body></html>\n"
+    )
+
+
+def _rows() -> list[tuple[str, Case, Row]]:
+    return [(group, case, row) for group, cases in GROUPS.items() for case in cases for row in case.rows]
+
+
+def _grouped(found: Sequence[Finding]) -> list[tuple[str, list[tuple[Case, list[tuple[Row, Finding]]]]]]:
+    """What was found by group and case."""
+    by_id = {finding.id: finding for finding in found}
+    groups = []
+    for group, cases in GROUPS.items():
+        inside = []
+        for case in cases:
+            rows = [(row, by_id[key]) for row in case.rows if (key := f"{case.id}.{row.name}") in by_id]
+            if rows:
+                inside.append((case, rows))
+        if inside:
+            groups.append((group, inside))
+    return groups
+
+
+def _counts(found: Sequence[Finding]) -> dict[str, int]:
+    return {verdict: sum(one.verdict == verdict for one in found) for verdict in (AGREES, DIFFERS, FAILED, MISSING)}
+
+
+def _total(found: Sequence[Finding]) -> str:
+    said = ", ".join(f"{many} {verdict}" for verdict, many in _counts(found).items() if many)
+    return f"ropewalk {ropewalk.__version__}, {len(found)} rows: {said}."
+
+
+def _cells(case: Case, row: Row, finding: Finding) -> tuple[str, ...]:
+    unit = f" {row.unit}" if row.unit else ""
+    allowed = "" if math.isnan(finding.allowed) else f"{finding.allowed:.2g}{unit}: "
+    apart = "" if math.isnan(finding.ours) else f"{finding.difference:.1e}{unit}"
+    if not math.isnan(finding.ours) and finding.low == finding.high != 0.0:
+        apart += f" ({100.0 * finding.difference / abs(finding.low):+.3f} %)"
+    order = "" if math.isnan(finding.order) else f"{finding.order:.1f}"
+    return (
+        f"{case.id}.{row.name}", row.what, f"{reference_of(finding)}{unit}" if finding.low == finding.low else "",
+        row.kind, f"{number(finding.ours)}{unit}" if finding.ours == finding.ours else "", apart,
+        f"{allowed}{row.reason}", order, finding.verdict,
+    )  # fmt: skip
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def _tagged(tag: str, cells: Sequence[str], kind: str) -> str:
+    inside = "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells)
+    return f'<tr class="{kind}">{inside}</tr>' if kind else f"<tr>{inside}</tr>"

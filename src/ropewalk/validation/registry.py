@@ -1,0 +1,19 @@
+"""All cases, by groups."""
+
+from __future__ import annotations
+
+from ropewalk.validation import beams, bridges, cables, nets, overhead_lines, people, programs, strings, wheels
+from ropewalk.validation.case import Case
+
+GROUPS: dict[str, tuple[Case, ...]] = {
+    "Taut strings": strings.CASES,
+    "Cables and highlines": cables.CASES,
+    "Saddles, sheaves, friction, pendulums": wheels.CASES,
+    "Beams": beams.CASES,
+    "Bridges and trains": bridges.CASES,
+    "Overhead lines": overhead_lines.CASES,
+    "Membranes and nets": nets.CASES,
+    "Walkers and crowds": people.CASES,
+    "Vehicles of other programs": programs.CASES,
+}
+CASES = {case.id: case for cases in GROUPS.values() for case in cases}
