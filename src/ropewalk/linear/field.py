@@ -22,6 +22,7 @@ from ropewalk.theory.image_sum import travelling_force
 # Steps for differences of exact deflections, as a part of the length or the time of a wave along it.
 _DIFFERENCE = 1e-6
 FEW = 3  # loads up to which each is answered by a closed form of its own
+_ROUNDING = 1e-12  # of a force: what it has of another direction is none
 _LONGER = 1.01  # than the run: what differences look at
 
 
@@ -43,7 +44,8 @@ class Field:
         loads, own = self.setting.loads, [int(k) for k in self.setting.on[self.s]]
         sizes = [[self._force(k, a) for a in range(len(self.chord.across))] for k in own]
         steady = all(loads.speed_count[k] == 1 for k in own) and all(isinstance(f, float) for row in sizes for f in row)
-        if not steady or any(any(row[1:]) for row in sizes) or (self.chord.is_string and self.modes is None):
+        steady = steady and all(abs(other) <= _ROUNDING * abs(row[0]) for row in sizes for other in row[1:])
+        if not steady or (self.chord.is_string and self.modes is None):
             return None
         begin = np.array([self.place(k, np.zeros(1))[0] for k in own])
         speed = np.array([self.scales[k] * speed_at(loads, k, 0.0) for k in own])
@@ -172,7 +174,7 @@ class Field:
         x = np.array([self.place(int(k), t) for k in own]).reshape(own.size, t.size).T
         on = (x >= 0.0) & (x <= chord.length) | (loads.at_end[own] != LEAVE)
         x = np.clip(x, 0.0, chord.length)
-        place, slope = (self._under_train if self._train is not None else self._under_each)(t, rows, x, on)
+        place, slope = (self._under_train if self._train is not None else self._under_each)(times, rows, x, on)
         i, j = np.nonzero(on)
         given, hold = np.zeros((2, t.size, own.size, dim))
         speed = np.zeros((t.size, own.size))
@@ -188,19 +190,19 @@ class Field:
         seen.tension[i, j], seen.state[i, j] = chord.tension, MOVES
         return seen
 
-    def _under_train(self, t: Array, rows: slice, x: Array, on: NDArray[np.bool_]) -> tuple[Array, Array]:
+    def _under_train(self, times: Array, rows: slice, x: Array, on: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Positions (instant, load, axis) and slopes (instant, load) of the line under loads that modes answer."""
         assert self._train is not None
-        w, slope = self._train.under(rows, on)
+        w, slope = self._train.under(times, rows, on)
         return self.point(x.ravel()).reshape(*x.shape, -1) + w[..., None] * self.chord.across[0], slope
 
-    def _under_each(self, t: Array, rows: slice, x: Array, on: NDArray[np.bool_]) -> tuple[Array, Array]:
+    def _under_each(self, times: Array, rows: slice, x: Array, on: NDArray[np.bool_]) -> tuple[Array, Array]:
         """The same by closed forms, slopes by differences."""
         place, slope = np.zeros((*x.shape, self.chord.along.size)), np.zeros(x.shape)
         step = _DIFFERENCE * self.chord.length
         for i, j in np.argwhere(on):
             near = np.clip(x[i, j] + np.array([-step, 0.0, step]), 0.0, self.chord.length)
-            w, _ = self.motion(near, t[i : i + 1])
+            w, _ = self.motion(near, times[rows][i : i + 1])
             slope[i, j] = float((w[0, 2] - w[0, 0]) @ self.chord.across[0]) / (near[2] - near[0])
             place[i, j] = self.point(near[1:2])[0] + w[0, 1]
         return place, slope

@@ -54,19 +54,22 @@ class SteadyForces:
         still = speed == 0.0
         self._comes = np.where(still, np.where(inside, 0.0, np.inf), np.maximum(ends[0], 0.0))
         self._goes = np.where(still, np.inf, ends[1])
-        self._seen: tuple[Array, Array] = np.zeros(0), np.zeros((0, 0))
+        self._seen: tuple[Array, Array, Array] | None = None
 
     def shape(self, x: Array) -> Array:
         """(mode, place) deflections in m at places in m for each unit of a coordinate."""
         return np.asarray(self._amplitude * np.sin(np.outer(self.k, x)))
 
     def coordinates(self, times: Array) -> tuple[Array, Array]:
-        """Coordinates of the modes (instant, mode) and their rates at rising times in s, from 0."""
+        """Coordinates of the modes (instant, mode) and their rates at rising times in s, from 0; the last ones stay."""
+        if self._seen is not None and self._seen[0] is times:
+            return self._seen[1:]
         z, pushed = (np.zeros((times.size, self._rate.size), dtype=np.complex128) for _ in range(2))
         for V in np.unique(self.speed):
             found = self._of_speed(float(V), times)
             z, pushed = z + found[0], pushed + found[1]
-        return z.real, (self._rate * z + pushed).real
+        self._seen = times, z.real.copy(), (self._rate * z + pushed).real.copy()
+        return self._seen[1:]
 
     def _of_speed(self, V: float, times: Array) -> tuple[Complex, Complex]:
         """Coordinates under the forces of one speed in m/s, and what these add to their rates."""
@@ -122,18 +125,18 @@ class SteadyForces:
     def motion(self, x: Array, times: Array) -> tuple[Array, Array]:
         """Deflections and their rates (instant, place) at places in m along the line, m and m/s."""
         z, rates = self.coordinates(times)
-        self._seen = times, z
         shape = self.shape(x)
         return z @ shape, rates @ shape
 
-    def under(self, rows: slice, which: NDArray[np.bool_]) -> tuple[Array, Array]:
+    def under(self, times: Array, rows: slice, which: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Deflections in m and slopes (instant, force) under forces; zero where they are not asked for.
 
         Args:
-            rows: instants of the last `motion`.
+            times: (instant,) s, rising from 0.
+            rows: those of them that are meant.
             which: (instant, force) where they are asked for.
         """
-        times, z = (seen[rows] for seen in self._seen)
+        z, times = self.coordinates(times)[0][rows], times[rows]
         out = np.zeros((2, *which.shape))
         i, j = np.nonzero(which)
         x = np.clip(self.begin[j] + self.speed[j] * times[i], 0.0, self._chord.length)
