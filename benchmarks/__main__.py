@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from . import bodies, continuum, cosim, cost, endurance, gate, mesh, nets, output, overhead, statics, theory
+from . import bodies, continuum, cosim, cost, crossings, endurance, gate, mesh, nets, output, overhead, statics, theory
 from .peers import __main__ as peers
 
 
@@ -15,11 +15,12 @@ def main() -> None:
     parser.add_argument(
         "what", nargs="?", default="all",
         choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies", "overhead", "nets", "cosim",
-                 "endurance", "gate", "mesh", "output"],
+                 "crossings", "endurance", "gate", "mesh", "output"],
         help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling; "
         "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields; "
         "bodies: masses, walkers, models of one's own, and Exudyn's sliding joint; overhead: against real time; "
         "nets: a mass on nets of more and more nodes; cosim: what an exchange with an FMU costs; "
+        "crossings: all trains at all speeds over a bridge, by modes; "
         "endurance: long runs, large lines, large results, checkpoints; "
         "output: what output instants and first runs cost, and large results; "
         "mesh: errors of meshes beside what is told of them; "
@@ -44,6 +45,8 @@ def main() -> None:
         nets.main()
     if what in ("all", "cosim"):
         cosim.main()
+    if what in ("all", "crossings"):
+        crossings.main()
     if what in ("all", "endurance"):
         endurance.main()
     if what in ("all", "output"):

@@ -31,7 +31,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.model.train import Train
 from ropewalk.results.frame import SPLINE, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
-from ropewalk.results.running import MotionEngine, Run, StaticEngine, Statics, TimeHistory, followed
+from ropewalk.results.running import Known, MotionEngine, Run, StaticEngine, Statics, TimeHistory, followed
 from ropewalk.solve.load_schedule import horizon
 
 if TYPE_CHECKING:
@@ -273,7 +273,7 @@ def _linear(scenario: Scenario, run: Linear, run_info: RunInfo) -> Run:
     setting = setting_of(scenario, run.until)
     run_info.method, run_info.reason = "linear theory", "as asked: superposition of small deflections about the chord"
     run_info.audit = "the linear theory superposes deflections and keeps no energies"
-    return Statics(layout_of(setting), frames(setting, scenario, times, run_info), times.size)
+    return Known(layout_of(setting), frames(setting, scenario, times, run_info), times.size)
 
 
 def output_times(run: Dynamic | Linear) -> Array:

@@ -115,6 +115,7 @@ def _write_it(unit: str) -> str:
     return f"write it as {example}" if unit == "dimensionless" else f"write it in {unit}, for example {example}"
 
 
+@lru_cache(maxsize=4096)
 def _read(text: str, unit: str) -> float:
     if len(text) > _LONGEST_TEXT:
         raise Refused(f"{len(text)} characters are too long for {_meaning(unit)}", _write_it(unit))

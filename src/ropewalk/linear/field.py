@@ -5,14 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.linear.chord import Chord
 from ropewalk.linear.series import Series
 from ropewalk.linear.steady import SteadyForces
-from ropewalk.mechanics.chain import HORIZONTAL, LEAVE, MATERIAL, Array
-from ropewalk.mechanics.moving_contact import look_up_integral, speed_at
+from ropewalk.mechanics.chain import FRICTIONLESS, HORIZONTAL, LEAVE, MATERIAL, Array
+from ropewalk.mechanics.moving_contact import force_at, look_up_integral, speed_at
 from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import MOVES, Contacts
 from ropewalk.solve.start import PreparedRun
 from ropewalk.theory import beam, string
 from ropewalk.theory.image_sum import travelling_force
@@ -20,6 +22,7 @@ from ropewalk.theory.image_sum import travelling_force
 # Steps for differences of exact deflections, as a part of the length or the time of a wave along it.
 _DIFFERENCE = 1e-6
 FEW = 3  # loads up to which each is answered by a closed form of its own
+_ROUNDING = 1e-12  # of a force: what it has of another direction is none
 _LONGER = 1.01  # than the run: what differences look at
 
 
@@ -41,11 +44,12 @@ class Field:
         loads, own = self.setting.loads, [int(k) for k in self.setting.on[self.s]]
         sizes = [[self._force(k, a) for a in range(len(self.chord.across))] for k in own]
         steady = all(loads.speed_count[k] == 1 for k in own) and all(isinstance(f, float) for row in sizes for f in row)
-        if not steady or any(any(row[1:]) for row in sizes) or (self.chord.is_string and self.modes is None):
+        steady = steady and all(abs(other) <= _ROUNDING * abs(row[0]) for row in sizes for other in row[1:])
+        if not steady or (self.chord.is_string and self.modes is None):
             return None
         begin = np.array([self.place(k, np.zeros(1))[0] for k in own])
         speed = np.array([self.scales[k] * speed_at(loads, k, 0.0) for k in own])
-        return SteadyForces(self.chord, own, begin, speed, np.array([row[0] for row in sizes]), self.modes)
+        return SteadyForces(self.chord, begin, speed, np.array([row[0] for row in sizes]), self.modes)
 
     def _scale(self, k: int) -> float:
         """Distance along the chord for each metre of the path as measured."""
@@ -59,7 +63,10 @@ class Field:
         loads = self.setting.loads
         first, count = loads.speed_first[k], loads.speed_count[k]
         tables = loads.speed_time, loads.speed_value, loads.speed_path
-        way = np.array([look_up_integral(*tables, first, count, time) for time in np.ravel(t)]).reshape(np.shape(t))
+        if count == 1:
+            way = tables[2][first] + tables[1][first] * (t - tables[0][first])
+        else:
+            way = np.array([look_up_integral(*tables, first, count, time) for time in np.ravel(t)]).reshape(np.shape(t))
         begin = float(self.setting.xi[k]) * self.chord.length / self.chord.material
         return np.asarray(begin + self.scales[k] * way)
 
@@ -154,18 +161,48 @@ class Field:
         """Places on the chord with its sag, (place, axis) m."""
         return self.chord.point(x, self.setting.strands.gravity)
 
-    def contact(self, k: int, t: float) -> tuple[float, Array, float] | None:
-        """Place along the chord, position and slope under load k; None while it is off the line."""
-        x = self._train.place(k, t) if self._train is not None else float(self.place(k, np.array([t]))[0])
-        if not 0.0 <= x <= self.chord.length:
-            if self.setting.loads.at_end[k] == LEAVE:
-                return None
-            x = min(max(x, 0.0), self.chord.length)
-        if self._train is not None:
-            (w_here,), (tilt,) = self._train.at(np.array([x]), t)
-            return x, self.point(np.array([x]))[0] + w_here * self.chord.across[0], float(tilt)
+    def contacts(self, times: Array, rows: slice) -> Contacts:
+        """What frames tell of the loads on the line.
+
+        Args:
+            times: (instant,) s, all of those that `motion` was asked for.
+            rows: those of them that are meant.
+        """
+        loads, chord, own = self.setting.loads, self.chord, self.setting.on[self.s]
+        t, dim = times[rows], chord.along.size
+        seen = Contacts(t.size, own.size, dim)
+        x = np.array([self.place(int(k), t) for k in own]).reshape(own.size, t.size).T
+        on = (x >= 0.0) & (x <= chord.length) | (loads.at_end[own] != LEAVE)
+        x = np.clip(x, 0.0, chord.length)
+        place, slope = (self._under_train if self._train is not None else self._under_each)(times, rows, x, on)
+        i, j = np.nonzero(on)
+        given, hold = np.zeros((2, t.size, own.size, dim))
+        speed = np.zeros((t.size, own.size))
+        for n, k in enumerate(own):
+            one = t[:1] if loads.force_count[k] == 1 else t
+            given[:, n] = [[force_at(loads, k, time, a) for a in range(dim)] for time in one]
+            one = t[:1] if loads.speed_count[k] == 1 else t
+            speed[:, n] = [speed_at(loads, k, time) for time in one]
+        thrown = loads.contact[own] == FRICTIONLESS  # what the slope throws back, or pulls on
+        hold[:, thrown] = (-(given @ chord.across[0]) * slope)[:, thrown, None] * chord.along
+        seen.position[i, j], seen.hold[i, j], seen.force[i, j] = place[i, j], hold[i, j], (given + hold)[i, j]
+        seen.xi[i, j], seen.speed[i, j] = (x * chord.material / chord.length)[i, j], speed[i, j]
+        seen.tension[i, j], seen.state[i, j] = chord.tension, MOVES
+        return seen
+
+    def _under_train(self, times: Array, rows: slice, x: Array, on: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """Positions (instant, load, axis) and slopes (instant, load) of the line under loads that modes answer."""
+        assert self._train is not None
+        w, slope = self._train.under(times, rows, on)
+        return self.point(x.ravel()).reshape(*x.shape, -1) + w[..., None] * self.chord.across[0], slope
+
+    def _under_each(self, times: Array, rows: slice, x: Array, on: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """The same by closed forms, slopes by differences."""
+        place, slope = np.zeros((*x.shape, self.chord.along.size)), np.zeros(x.shape)
         step = _DIFFERENCE * self.chord.length
-        near = np.clip(np.array([x - step, x, x + step]), 0.0, self.chord.length)
-        w, _ = self.motion(near, np.array([t]))
-        slope = float((w[0, 2] - w[0, 0]) @ self.chord.across[0]) / (near[2] - near[0])
-        return x, self.point(near[1:2])[0] + w[0, 1], slope
+        for i, j in np.argwhere(on):
+            near = np.clip(x[i, j] + np.array([-step, 0.0, step]), 0.0, self.chord.length)
+            w, _ = self.motion(near, times[rows][i : i + 1])
+            slope[i, j] = float((w[0, 2] - w[0, 0]) @ self.chord.across[0]) / (near[2] - near[0])
+            place[i, j] = self.point(near[1:2])[0] + w[0, 1]
+        return place, slope

@@ -10,20 +10,22 @@ from ropewalk.linear.body_response import BodyResponse, response_of
 from ropewalk.linear.chord import Chord, chords
 from ropewalk.linear.field import Field
 from ropewalk.mechanics.chain import FRICTIONLESS, REFUSE, Array
-from ropewalk.mechanics.moving_contact import force_at, speed_at
+from ropewalk.mechanics.moving_contact import speed_at
 from ropewalk.mechanics.multibody_system import Body
 from ropewalk.model.load import GivenForces
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, Contacts, Frame, RunInfo
+from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, Contacts, RunInfo
+from ropewalk.results.frames import Frames, summed
 from ropewalk.solve.start import PreparedRun
 from ropewalk.solve.superposition import passed_an_end
 
 _OF_LOADS = [ENERGY_FORMS.index(form) for form in ("load_kinetic", "load_potential")]
+_TOGETHER = 512  # frames that are made at once
 _IN_IMPACTS = ENERGY_FORMS.index("contact_dissipation")
 
 
-def frames(setting: PreparedRun, scenario: Scenario, times: Array, run_info: RunInfo) -> Iterator[Frame]:
-    """The frames at the given times, s.
+def frames(setting: PreparedRun, scenario: Scenario, times: Array, run_info: RunInfo) -> Iterator[Frames]:
+    """The frames at the given times, s, some at a time.
 
     Raises:
         RopewalkError: what is asked is beyond the solutions that are known.
@@ -40,8 +42,8 @@ def frames(setting: PreparedRun, scenario: Scenario, times: Array, run_info: Run
         response.nodes if response is not None else field.motion(field.places, times)
         for field, response in zip(fields, responses, strict=True)
     ]
-    for i, t in enumerate(times):
-        yield _frame(setting, fields, responses, nodes, i, float(t))
+    for first in range(0, times.size, _TOGETHER):
+        yield _frames(setting, fields, responses, nodes, times, slice(first, min(first + _TOGETHER, times.size)))
 
 
 def _refuse_to_pass(setting: PreparedRun, scenario: Scenario, fields: list[Field], times: Array) -> None:
@@ -60,87 +62,90 @@ def _refuse_to_pass(setting: PreparedRun, scenario: Scenario, fields: list[Field
                 raise passed_an_end(name, t)
 
 
-def _frame(
+def _frames(
     setting: PreparedRun,
     fields: list[Field],
     responses: list[BodyResponse | None],
     nodes: list[tuple[Array, Array]],
-    i: int,
-    t: float,
-) -> Frame:
-    loads, dim, count = setting.loads, len(setting.axes), setting.xi.size
-    seen = Contacts(count, dim)
-    place, force, hold, both, xi, speed = seen.position, seen.force, seen.hold, seen.tension, seen.xi, seen.speed
+    times: Array,
+    rows: slice,
+) -> Frames:
+    """The frames of some instants."""
+    dim, t = len(setting.axes), times[rows]
+    seen = Contacts(t.size, setting.xi.size, dim)
     position, velocity, tension, strain, reaction = [], [], [], [], []
-    energy = np.full(len(ENERGY_FORMS), np.nan)
-    energy[:3] = 0.0
+    energy = np.full((t.size, len(ENERGY_FORMS)), np.nan)
+    energy[:, :3] = 0.0
     if any(response is not None for response in responses):
-        energy[_OF_LOADS] = 0.0
-        energy[_IN_IMPACTS] = 0.0
+        energy[:, _OF_LOADS] = 0.0
+        energy[:, _IN_IMPACTS] = 0.0
     displayed = setting.multibody_system.displayed if setting.multibody_system is not None else ()
-    body_place, body_speed = np.full((len(displayed), dim), np.nan), np.full((len(displayed), dim), np.nan)
+    body_place, body_speed = np.full((2, t.size, len(displayed), dim), np.nan)
     for field, response, (w, rate) in zip(fields, responses, nodes, strict=True):
         chord, s = field.chord, field.s
-        r = field.point(field.places) + w[i]
+        moved = w[rows]
+        r = field.point(field.places) + moved
         position.append(r)
-        velocity.append(rate[i])
+        velocity.append(rate[rows])
         links, step = field.places.size - 1, chord.length / (field.places.size - 1)
-        tension.append(np.full(links, chord.tension))
+        tension.append(np.full((t.size, links), chord.tension))
         rest = setting.bare[s]
-        stretch = rest.strain.mean() if rest is not None else 0.0
-        strain.append(np.full(links, stretch if chord.is_string else chord.strain(setting.strands.gravity)))
-        tilt = np.diff(r, axis=0) / step
-        reaction += [-chord.tension * tilt[0], chord.tension * tilt[-1]]
+        if chord.is_string:
+            stretch = float(rest.strain.mean()) if rest is not None else 0.0
+        else:
+            stretch = chord.strain(setting.strands.gravity)
+        strain.append(np.full((t.size, links), stretch))
+        tilt = np.diff(r, axis=1) / step
+        reaction += [-chord.tension * tilt[:, 0], chord.tension * tilt[:, -1]]
         lumped = np.full(links + 1, chord.mass * step)
         lumped[[0, -1]] *= 0.5
-        bent = np.diff(r, 2, axis=0) / step**2
-        energy[0] += 0.5 * float(lumped @ (rate[i] ** 2).sum(axis=1))
-        energy[1] += 0.5 * chord.tension * step * float(((tilt - chord.along) ** 2).sum())
-        energy[1] += 0.5 * chord.bending_stiffness * step * float((bent**2).sum())
-        energy[1] += 0.5 * chord.foundation * step * float((w[i] ** 2).sum())
-        energy[2] -= float(lumped @ (r @ setting.strands.gravity))
-        if response is not None:
-            energy[_OF_LOADS] += _energies(response, chord, i)
-            energy[_IN_IMPACTS] += response.loss[i]
-            for j, k in enumerate(response.system.wheels):
-                if not response.on[i, j]:
-                    continue
-                x = response.place[i, j]
-                place[k] = field.point(np.array([x]))[0] + response.wheel[i, j] * chord.across[0]
-                hold[k] = 0.0
-                if loads.contact[k] == FRICTIONLESS:
-                    hold[k] = -response.force[i, j] * response.slope[i, j] * chord.along
-                force[k] = response.force[i, j] * chord.across[0] + hold[k]
-                xi[k], speed[k], both[k] = x * chord.material / chord.length, speed_at(loads, int(k), t), chord.tension
-                seen.state[k] = IN_AIR if response.in_air[i, j] else MOVES
-            seen.in_air[response.system.wheels] = response.time_in_air[i]
-            for b, body in enumerate(displayed):
-                if body.wheel in response.system.wheels:
-                    body_place[b], body_speed[b] = _body(response, chord, body, i)
+        bent = np.diff(r, 2, axis=1) / step**2
+        energy[:, 0] += 0.5 * (rate[rows] ** 2).sum(axis=2) @ lumped
+        energy[:, 1] += 0.5 * chord.tension * step * summed((tilt - chord.along) ** 2)
+        energy[:, 1] += 0.5 * chord.bending_stiffness * step * summed(bent**2)
+        energy[:, 1] += 0.5 * chord.foundation * step * summed(moved**2)
+        energy[:, 2] -= (r @ setting.strands.gravity) @ lumped
+        if response is None:
+            here = field.contacts(times, rows).fields()
+            for name, values in seen.fields().items():
+                values[:, setting.on[s]] = here[name]
             continue
-        for k in setting.on[s]:
-            found = field.contact(int(k), t)
-            if found is None:
-                continue
-            x, place[k], slope = found
-            given = np.array([force_at(loads, k, t, a) for a in range(dim)])
-            hold[k] = 0.0
-            if loads.contact[k] == FRICTIONLESS:  # what the slope throws back, or pulls on
-                hold[k] = -float(given @ chord.across[0]) * slope * chord.along
-            force[k], seen.state[k] = given + hold[k], MOVES
-            xi[k], speed[k], both[k] = x * chord.material / chord.length, speed_at(loads, k, t), chord.tension
-    return Frame(
-        path=t,
-        position=np.concatenate(position),
-        velocity=np.concatenate(velocity),
-        tension=np.concatenate(tension),
-        strain=np.concatenate(strain),
-        **seen.fields(),
-        body_position=body_place,
-        body_velocity=body_speed,
-        reaction=np.array(reaction),
-        energy=energy,
-    )
+        for i in range(rows.start, rows.stop):
+            energy[i - rows.start, _OF_LOADS] += _energies(response, chord, i)
+        energy[:, _IN_IMPACTS] += response.loss[rows]
+        _bodies(seen, setting, field, response, t, rows)
+        for b, body in enumerate(displayed):
+            if body.wheel in response.system.wheels:
+                for i in range(t.size):
+                    body_place[i, b], body_speed[i, b] = _body(response, chord, body, rows.start + i)
+    return Frames(
+        t,
+        {
+            "position": np.concatenate(position, axis=1), "velocity": np.concatenate(velocity, axis=1),
+            "tension": np.concatenate(tension, axis=1), "strain": np.concatenate(strain, axis=1), **seen.fields(),
+            "body_position": body_place, "body_velocity": body_speed, "reaction": np.stack(reaction, axis=1),
+            "energy": energy,
+        },
+    )  # fmt: skip
+
+
+def _bodies(seen: Contacts, setting: PreparedRun, field: Field, response: BodyResponse, t: Array, rows: slice) -> None:
+    """Put down what frames tell of the wheels of a load with a mass."""
+    loads, chord, across = setting.loads, field.chord, field.chord.across[0]
+    seen.in_air[:, response.system.wheels] = response.time_in_air[rows]
+    for j, k in enumerate(response.system.wheels):
+        on = np.flatnonzero(response.on[rows, j])
+        there = on + rows.start
+        x, force = response.place[there, j], response.force[there, j]
+        seen.position[on, k] = field.point(x) + response.wheel[there, j, None] * across
+        hold = np.zeros((on.size, across.size))
+        if loads.contact[k] == FRICTIONLESS:
+            hold = (-force * response.slope[there, j])[:, None] * chord.along
+        seen.hold[on, k], seen.force[on, k] = hold, force[:, None] * across + hold
+        seen.xi[on, k] = x * chord.material / chord.length
+        seen.speed[on, k] = [speed_at(loads, int(k), time) for time in t[on]]
+        seen.tension[on, k] = chord.tension
+        seen.state[on, k] = np.where(response.in_air[there, j], IN_AIR, MOVES)
 
 
 def _energies(response: BodyResponse, chord: Chord, i: int) -> Array:

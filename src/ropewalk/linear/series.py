@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -94,6 +95,8 @@ class Series:
 def wave_numbers_and_rates(chord: Chord, modes: int | None) -> tuple[Array, Complex, Complex]:
     """Wave numbers of sine modes in 1/m, their rates in 1/s, and how forces drive them, see `solve/modal.py`.
 
+    They are kept: the same line under other loads, or the same loads at another speed, has the same modes.
+
     Args:
         chord: the line.
         modes: how many; None: until those left out are a millionth.
@@ -101,27 +104,38 @@ def wave_numbers_and_rates(chord: Chord, modes: int | None) -> tuple[Array, Comp
     Raises:
         RopewalkError: too many would be needed.
     """
-    k = _wave_numbers(chord, modes or _enough(chord))
-    w = np.sqrt(_stiffness(chord, k) / chord.mass)
-    rate, which, driven = alone(w, chord.damping / chord.mass + chord.retardation * w**2)
-    return k[which], rate, driven
+    beam = chord.bending_stiffness, chord.tension, chord.foundation
+    return _modes(chord.length, *beam, chord.mass, chord.damping, chord.retardation, modes)
 
 
-def _wave_numbers(chord: Chord, count: int) -> Array:
-    return np.arange(1.0, count + 1.0, dtype=np.float64) * (np.pi / chord.length)
+@lru_cache(maxsize=64)
+def _modes(
+    length: float, bending_stiffness: float, tension: float, foundation: float, mass: float, damping: float,
+    retardation: float, modes: int | None,
+) -> tuple[Array, Complex, Complex]:  # fmt: skip
+    def stiffness(k: Array) -> Array:
+        return np.asarray(bending_stiffness * k**4 + tension * k**2 + foundation)
+
+    k = _wave_numbers(length, modes or _enough(length, stiffness))
+    w = np.sqrt(stiffness(k) / mass)
+    rate, which, driven = alone(w, damping / mass + retardation * w**2)
+    found = k[which], rate, driven
+    for array in found:
+        array.setflags(write=False)
+    return found
 
 
-def _stiffness(chord: Chord, k: Array) -> Array:
-    return np.asarray(chord.bending_stiffness * k**4 + chord.tension * k**2 + chord.foundation)
+def _wave_numbers(length: float, count: int) -> Array:
+    return np.arange(1.0, count + 1.0, dtype=np.float64) * (np.pi / length)
 
 
-def _enough(chord: Chord) -> int:
+def _enough(length: float, stiffness: Callable[[Array], Array]) -> int:
     """How many modes are enough.
 
     Raises:
         RopewalkError: they are too many.
     """
-    flexible = 1.0 / _stiffness(chord, _wave_numbers(chord, 20 * _MOST))
+    flexible = 1.0 / stiffness(_wave_numbers(length, 20 * _MOST))
     left = 1.0 - np.cumsum(flexible) / flexible.sum()
     found = int(np.argmax(left < _LEFT_OUT)) + 1
     if found > _MOST:

@@ -111,9 +111,10 @@ def _arrivals(parts: Any) -> Iterator[tuple[str, float | None]]:
         speed = travel.speed
         limit = reach(line, travel.measured)
         clearance = margin(load, line) if travel.at_end == "refuse" else 0.0
-        ways = [
-            None if limit is None else _time(speed, place.start, clearance, limit - clearance)
-            for place in load.starts()
+        starts = [place.start for place in load.starts()]
+        ways = [  # of those between: who has more of the same way before it comes later
+            None if limit is None else _time(speed, start, clearance, limit - clearance)
+            for start in {min(starts), max(starts)}
         ]
         yield name, None if None in ways else max(way for way in ways if way is not None)
 

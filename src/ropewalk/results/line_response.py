@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -211,14 +211,11 @@ class LineResponse:
 
     def at(self, xi: float) -> dict[str, Array]:
         """The quantities at a place in m, (frame,) each; deflections and accelerations by splines through the nodes."""
-        from scipy.interpolate import CubicSpline
-
-        found = {}
+        found, weights = {}, spline_weights(self.xi, xi)
         for quantity in ("deflection", "acceleration", "lateral_deflection", "lateral_acceleration"):
             values = getattr(self, quantity)
             if values is not None:
-                own = CubicSpline(self.xi, values, axis=1)(xi) if self.xi.size > 2 else values[:, -1]
-                found[quantity] = own
+                found[quantity] = values @ weights
         if self.moment is not None and self.shear is not None:
             i = int(np.clip(np.searchsorted(self.xi, xi, side="right") - 1, 0, self.xi.size - 2))
             part = (xi - self.xi[i]) / (self.xi[i + 1] - self.xi[i])
@@ -227,12 +224,24 @@ class LineResponse:
         return found
 
 
+def spline_weights(xi: Array, at: float) -> Array:
+    """(node,) how much each node at xi (m) adds to what a spline through all of them is at a place in m."""
+    from scipy.interpolate import CubicSpline
+
+    unit = np.eye(xi.size)
+    return np.asarray(CubicSpline(xi, unit)(at) if xi.size > 2 else unit[-1])
+
+
 def is_fine(dataset: xr.Dataset, cut_off: float) -> bool:
     """Whether output instants are close enough for accelerations up to a frequency in Hz."""
-    path = dataset[path_name(dataset)].values
-    if path_name(dataset) != "time" or _even(path) < LEAST:
-        return False
-    return float(path[1] - path[0]) * _FINE * cut_off <= 1.0 + _EVEN
+    return path_name(dataset) == "time" and evenly_fine(dataset["time"].values, cut_off) > 0
+
+
+def evenly_fine(path: Array, cut_off: float) -> int:
+    """How many instants in s follow one another evenly, zero where they are too few or too far apart for accelerations
+    up to a frequency in Hz."""
+    fine = _even(path) >= LEAST and float(path[1] - path[0]) * _FINE * cut_off <= 1.0 + _EVEN
+    return _even(path) if fine else 0
 
 
 def _even(path: Array) -> int:
@@ -256,16 +265,52 @@ def accelerations(
     Returns:
         None where output instants are too few or too far apart.
     """
-    from scipy.interpolate import CubicSpline
-    from scipy.signal import butter, sosfiltfilt
-
     if not is_fine(dataset, cut_off):
         return None
     path = dataset[path_name(dataset)].values
     time, values = path[: _even(path)], dataset[velocity].values[: _even(path), which]
-    values = values[..., -1] if along is None else values @ along
-    sections = butter(_ORDER, cut_off, fs=1.0 / float(path[1] - path[0]), output="sos")
-    return np.asarray(CubicSpline(time, sosfiltfilt(sections, values, axis=0)).derivative()(time))
+    return filtered_derivative(time, values[..., -1] if along is None else values @ along, cut_off)
+
+
+def filtered_derivative(time: Array, values: Array, cut_off: float) -> Array:
+    """(instant, ...) the derivative of a spline through values that are filtered, as accelerations are of velocities.
+
+    Args:
+        time: (instant,) s, even.
+        values: (instant, ...).
+        cut_off: Hz, of a Butterworth filter of the fourth order, forwards and backwards.
+    """
+    from scipy.linalg import solve_banded
+
+    smooth = _smooth(values, *_filter(cut_off, float(time[1] - time[0])))
+    slope = np.diff(smooth, axis=0) / ((time[-1] - time[0]) / (time.size - 1.0))
+    # A cubic spline with even knots, of which the first inner one and the last are none.
+    bands = np.ones((3, time.size))
+    bands[1, 1:-1], bands[0, 1], bands[2, -2] = 4.0, 2.0, 2.0
+    first, last = 2.5 * slope[:1] + 0.5 * slope[1:2], 0.5 * slope[-2:-1] + 2.5 * slope[-1:]
+    right = np.concatenate([first, 3.0 * (slope[:-1] + slope[1:]), last])
+    found = solve_banded((1, 1), bands, right, overwrite_ab=True, overwrite_b=True, check_finite=False)
+    return np.asarray(found)
+
+
+def _smooth(values: Array, sections: Any, settled: Any, edge: int) -> Array:
+    """Values filtered forwards and backwards, as `scipy.signal.sosfiltfilt` does it, which settles anew each time."""
+    from scipy.signal import sosfilt
+
+    before, after = 2.0 * values[:1] - values[edge:0:-1], 2.0 * values[-1:] - values[-2 : -edge - 2 : -1]
+    out = np.ascontiguousarray(np.concatenate([before, values, after]).T)
+    for _ in range(2):
+        out = sosfilt(sections, out, zi=settled[:, None, :] * out[None, :, :1])[0][:, ::-1]
+    return np.asarray(out[:, edge:-edge].T)
+
+
+@lru_cache(maxsize=64)
+def _filter(cut_off: float, interval: float) -> tuple[Any, Any, int]:
+    """The filter for samples at an interval in s: sections, their state when settled, samples it needs at an edge."""
+    from scipy.signal import butter, sosfilt_zi
+
+    sections = butter(_ORDER, cut_off, fs=1.0 / interval, output="sos")
+    return sections, sosfilt_zi(sections), 3 * (_ORDER + 1)
 
 
 def _b_spline(u: Array) -> Array:
@@ -330,6 +375,12 @@ def response_summary(dataset: xr.Dataset) -> dict[str, Any]:
     return out
 
 
+def extremes(quantity: str, values: Array) -> tuple[float, float]:
+    """The largest and the smallest value of a quantity; of accelerations and shear the largest in both directions."""
+    most = np.abs(values) if quantity in _BOTH_WAYS else values
+    return float(np.nanmax(most)), float(np.nanmin(values))
+
+
 def _largest(response: LineResponse, quantities: Mapping[str, Array], static: Mapping[str, float]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     if "acceleration" not in quantities and path_name(response.dataset) == "time":
@@ -344,12 +395,11 @@ def _largest(response: LineResponse, quantities: Mapping[str, Array], static: Ma
         if len(at) > 1:
             middle = 0.5 * (response.xi[1:] + response.xi[:-1]) if quantity == "shear" else response.xi
             where |= {"line": response.name, "xi": float(middle[at[1]])}
+        most, least = extremes(quantity, values)
         entry = {
-            "unit": UNITS[quantity], "max": float(np.nanmax(values)), "min": float(np.nanmin(values)),
+            "unit": UNITS[quantity], "max": most, "min": least,
             "largest": {"value": float(size[at]), "unit": UNITS[quantity], **where},
         }  # fmt: skip
-        if quantity in _BOTH_WAYS:
-            entry["max"] = float(size[at])
         if quantity in static:
             entry["static"] = static[quantity]
             if static[quantity] > 0.0:

@@ -192,6 +192,26 @@ class Statics:
         """Nothing."""
 
 
+@dataclass(frozen=True)
+class Known:
+    """Frames of all instants that come some at a time, and do not follow from one another."""
+
+    layout: Layout
+    given: Iterator[Frames]
+    total: int
+
+    def frames(self) -> Iterator[Frame]:
+        """The same one by one."""
+        return (frame for block in self.given for frame in block)
+
+    def blocks(self) -> Iterator[Frames]:
+        """All of them."""
+        return self.given
+
+    def get_state(self) -> None:
+        """Nothing."""
+
+
 class Run(Protocol):
     """Who gives frames, whatever they are of."""
 

@@ -55,7 +55,14 @@ def varying(text: str, name: str = "scenario") -> Callable[[Iterable[str]], Scen
         ScenarioError: the text cannot be read.
     """
     source = _checked(text, name)
-    return lambda overrides: _changed(deepcopy(source), overrides)
+    return lambda overrides: _changed(_copied(source), overrides)
+
+
+def _copied(source: Source) -> Source:
+    return replace(
+        source, tree=deepcopy(source.tree), lines=dict(source.lines), origins=dict(source.origins),
+        problems=list(source.problems), broken=set(source.broken),
+    )  # fmt: skip
 
 
 def _checked(text: str, name: str) -> Source:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+from functools import lru_cache
 from typing import Any
 
 from ropewalk.errors import Problem, ScenarioError, did_you_mean
@@ -49,7 +51,13 @@ class _Unset(Exception):
 
 
 def _value(text: str, origin: str) -> Any:
-    read = read_yaml(text.strip(), origin)
+    return deepcopy(_read(text.strip(), origin))
+
+
+@lru_cache(maxsize=1024)
+def _read(text: str, origin: str) -> Any:
+    """A value as it is written; sweeps give the same ones again and again."""
+    read = read_yaml(text, origin)
     if read.problems:
         raise ScenarioError(read.problems)
     return read.tree

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -74,18 +75,24 @@ def sweep(
     with Store(None if store is None else Path(store), retry) as kept:
         lost: dict[str, Outcome] = {}
 
-        def report() -> None:
+        rows = Counter(row.case.key for row in plan.rows if row.case is not None)
+        missing = [case for key, (case, _) in cases.items() if key not in kept.done]
+        done = len(plan.rows) - sum(rows[case.key] for case in missing)
+
+        def report(more: int = 0) -> None:
+            nonlocal done
+            done += more
             if progress is not None:
-                done = sum(row.case is None or row.case.key in kept.done or row.case.key in lost for row in plan.rows)
                 progress(done, len(plan.rows))
 
-        missing = [case for key, (case, _) in cases.items() if key not in kept.done]
         report()
         try:
             if missing:
                 check_record(missing[0])
-            for _ in finishing(cases, missing, kept, lost, workers, cluster):
-                report()
+            for case in finishing(cases, missing, kept, lost, workers, cluster):
+                report(rows[case.key])
+            if done < len(plan.rows):  # others have finished some
+                report(len(plan.rows) - done)
         except KeyboardInterrupt:
             outcome = "interrupted"
         return dataset_of(plan, lost | kept.done, outcome)
