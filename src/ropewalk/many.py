@@ -71,9 +71,10 @@ def sweep(
         ),
     ] = None,
     combine: Annotated[
-        str | None, typer.Option("--combine", help="grid (default), zip, latin_hypercube, sobol or random.")
+        str | None,
+        typer.Option("--combine", help="grid (default), zip, latin_hypercube, sobol, random, morris or saltelli."),
     ] = None,
-    count: Annotated[int | None, typer.Option("--count", help="Number of cases that are drawn.")] = None,
+    count: Annotated[int | None, typer.Option("--count", help="Number of cases that are drawn, or of groups.")] = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of drawing.")] = None,
     store: Store = None,
     workers: Workers = None,

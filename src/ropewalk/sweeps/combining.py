@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ropewalk.model.sweep import DRAWN
+from ropewalk.model.sweep import DRAWN, FOR_EFFECTS
 from ropewalk.sweeps.parameters import Parameter, refuse
 
 MOST = 1_000_000
@@ -21,10 +21,11 @@ def combined(parameters: Sequence[Parameter], how: str, count: int | None, seed:
 
     Args:
         parameters: with values, or distributions to draw from.
-        how: grid, zip, latin_hypercube, sobol or random. A Latin hypercube (McKay, Beckman and Conover,
-            Technometrics 21, 1979) has one value in each of `count` equally likely intervals of every parameter, a
-            scrambled Sobol sequence (Owen, Journal of Complexity 14, 1998) is even in all of them together, best for a
-            power of two. Of random and Sobol cases the first ones stay where there are to be more.
+        how: grid, zip, latin_hypercube, sobol, random, or as `sensitivity.py` needs it. A Latin
+            hypercube (McKay, Beckman and Conover, Technometrics 21, 1979) has one value in each of `count` equally
+            likely intervals of every parameter, a scrambled Sobol sequence (Owen, Journal of Complexity 14, 1998) is
+            even in all of them together, best for a power of two. Of random and Sobol cases the first ones stay where
+            there are to be more.
         count: of cases that are drawn.
         seed: of drawing.
 
@@ -33,7 +34,10 @@ def combined(parameters: Sequence[Parameter], how: str, count: int | None, seed:
     """
     if how in DRAWN:
         assert count is not None
-        parts = _parts(len(parameters), how, count, seed)
+        if how in FOR_EFFECTS:
+            parts = _for_effects(parameters, how, count, seed)
+        else:
+            parts = _parts(len(parameters), how, count, seed)
         return [tuple(p.at(float(part)) for p, part in zip(parameters, row, strict=True)) for row in parts]
     for parameter in parameters:
         if parameter.drawn is not None:
@@ -55,6 +59,24 @@ def combined(parameters: Sequence[Parameter], how: str, count: int | None, seed:
     if total > MOST:
         refuse("sweep.over", f"the grid has more than {MOST} cases", str(total), "take fewer values, or draw cases")
     return list(product(*levels))
+
+
+def _for_effects(parameters: Sequence[Parameter], how: str, count: int, seed: int) -> np.ndarray[Any, Any]:
+    """Points (case, parameter) of the unit cube from which effects follow.
+
+    Raises:
+        ScenarioError: a parameter has no lowest and highest value.
+    """
+    from ropewalk.sweeps.sensitivity import points  # lazy: its library takes seconds to import
+
+    for parameter in parameters:
+        endless = parameter.drawn is not None and parameter.drawn.kind in ("normal", "lognormal")
+        if how == "morris" and endless:
+            remedy = "write uniform(LOW, HIGH), or combine: saltelli"
+            refuse(
+                parameter.key, "morris goes from the lowest to the highest value, of which this has none", "", remedy
+            )
+    return points(len(parameters), how, count, seed)
 
 
 def _parts(size: int, how: str, count: int, seed: int) -> np.ndarray[Any, np.dtype[np.float64]]:

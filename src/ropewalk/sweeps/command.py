@@ -14,7 +14,7 @@ from ropewalk.errors import Problem, ScenarioError
 from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
 from ropewalk.model import Scenario
 from ropewalk.sweeps.case import FINE
-from ropewalk.sweeps.dataset import counted, named, sweep_table
+from ropewalk.sweeps.dataset import counted, effects_table, named, sweep_table
 from ropewalk.sweeps.sweeping import sweep
 from ropewalk.sweeps.writing import check_outputs, write
 
@@ -77,6 +77,8 @@ def tell(dataset: xr.Dataset, outputs: list[Path], as_json: bool, quiet: bool) -
         print_json(plain(dataset))
     elif not quiet:
         typer.echo(table_text(dataset))
+        if (effects := effects_table(dataset)) is not None:
+            typer.echo("\n" + effects.to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep=""))
 
 
 def finish(dataset: xr.Dataset, store: Path, outputs: list[Path], quiet: bool) -> None:
@@ -132,12 +134,17 @@ def table_text(dataset: xr.Dataset) -> str:
     return str(displayed)
 
 
-def plain(dataset: xr.Dataset) -> dict[str, Any]:
-    """The sweep as plain values that fit into JSON."""
-    frame = sweep_table(dataset)
-    rows = [
+def _records(frame: Any) -> list[dict[str, Any]]:
+    """The rows of a table; what is not there is None."""
+    return [
         {name: None if isinstance(value, float) and value != value else value for name, value in row.items()}
         for row in frame.to_dict(orient="records")
     ]
+
+
+def plain(dataset: xr.Dataset) -> dict[str, Any]:
+    """The sweep as plain values that fit into JSON."""
+    rows, effects = _records(sweep_table(dataset)), effects_table(dataset)
+    more = {} if effects is None else {"effects": _records(effects)}
     about = {name: named(dataset, name) for name in ("parameters", "quantities")}
-    return {"title": dataset.attrs["title"], "outcome": dataset.attrs["outcome"], **about, "cases": rows}
+    return {"title": dataset.attrs["title"], "outcome": dataset.attrs["outcome"], **about, "cases": rows, **more}

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import ropewalk
+from ropewalk.model.sweep import FOR_EFFECTS
 from ropewalk.scenario import dump
 from ropewalk.sweeps.case import MISSING, Outcome
 from ropewalk.sweeps.plan import Plan
@@ -49,6 +50,10 @@ def dataset_of(plan: Plan, done: Mapping[str, Outcome], outcome: str) -> xr.Data
         unit = next((unit for _, unit in pairs if unit), "")
         numbers = [np.nan if value is None else value for value, _ in pairs]
         variables[name] = over(numbers, **({"units": unit} if unit else {}))
+    about_effects = {}
+    if plan.sweep.combine in FOR_EFFECTS:
+        about_effects = {"parameter": list(plan.names), "quantity": list(plan.sweep.record)}
+        variables |= _effects(plan, {name: variables[name][1] for name in plan.sweep.record})
     variables["outcome"] = over([one.outcome for one in found])
     variables["doubts"] = over(["\n".join(one.doubts) for one in found])
     variables["reason"] = over([one.reason for one in found])
@@ -59,7 +64,29 @@ def dataset_of(plan: Plan, done: Mapping[str, Outcome], outcome: str) -> xr.Data
         "scenario": dump(plan.scenario), "sweep": json.dumps(asked), "parameters": list(plan.names),
         "quantities": list(plan.sweep.record),
     }  # fmt: skip
-    return xr.Dataset(variables, coordinates, about)
+    return xr.Dataset(variables, coordinates | about_effects, about)
+
+
+def _effects(plan: Plan, values: Mapping[str, Any]) -> dict[str, Any]:
+    """How much each parameter matters for each quantity."""
+    from ropewalk.sweeps.sensitivity import EFFECTS, effects, points  # lazy: its library takes seconds to import
+
+    how, count, seed = plan.sweep.combine, plan.sweep.count, plan.sweep.seed
+    assert count is not None
+    found = effects(how, points(len(plan.parameters), how, count, seed), values, seed)
+    return {
+        name: (("quantity", "parameter"), found[name], {"long_name": told}) for name, (_, told) in EFFECTS[how].items()
+    }
+
+
+def effects_table(dataset: xr.Dataset) -> pd.DataFrame | None:
+    """How much each parameter matters: one row for each quantity and parameter; None if the sweep does not tell.
+
+    Args:
+        dataset: from `sweep` with combine morris or saltelli.
+    """
+    names = [name for name in dataset.data_vars if dataset[name].dims == ("quantity", "parameter")]
+    return dataset[names].to_dataframe().reset_index() if names else None
 
 
 def named(dataset: xr.Dataset, attribute: str) -> list[str]:
@@ -77,10 +104,14 @@ def sweep_table(dataset: xr.Dataset) -> pd.DataFrame:
     Returns:
         Columns of the parameters, the quantities, `outcome`, `doubts`, `reason` and `seconds`.
     """
-    frame = dataset.to_dataframe().reset_index()
     columns = [*named(dataset, "parameters"), *named(dataset, "quantities"), "outcome", "doubts", "reason", "seconds"]
     units = {name: str(dataset[name].attrs.get("units", "")) for name in columns}
-    return frame[columns].rename(columns={name: f"{name} [{unit}]" for name, unit in units.items() if unit})
+    kept = dataset[[name for name in columns if name in dataset.data_vars]]
+    return (
+        kept.to_dataframe()
+        .reset_index()[columns]
+        .rename(columns={name: f"{name} [{unit}]" for name, unit in units.items() if unit})
+    )
 
 
 def counted(dataset: xr.Dataset) -> dict[str, int]:

@@ -19,6 +19,8 @@ from ropewalk.sweeps.parameters import Parameter, numbers, parameters_of, refuse
 
 TEXT = ("outcome", "doubts", "reason", "seconds", "case")
 """What a table tells beside parameters and quantities."""
+RESERVED = ("parameter", "quantity")
+"""Names of dimensions over which the effects of parameters are told."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,7 @@ class Plan:
                 raise first
             wrong = first.wrong if isinstance(first, Refused) else str(first)
             refuse("sweep.derived", wrong, "", first.remedy if isinstance(first, Refused) else "")
-        names = tuple(short_names([p.key for p in parameters], (*TEXT, *sweep.record)))
+        names = tuple(short_names([p.key for p in parameters], (*TEXT, *sweep.record, *RESERVED)))
         return cls(scenario, sweep, parameters, names, tuple(rows))
 
     @property
