@@ -75,15 +75,27 @@ def _common(
 
 
 @app.command()
-def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the scenario and its file.")]) -> None:
-    """Write a first scenario, with comments, as NAME.yaml."""
+def new(
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="[NAME]", help="Name of the scenario and its file [default: list the templates]."),
+    ] = None,
+    trade: Annotated[
+        str, typer.Option("--template", "-t", metavar="TEMPLATE", help="What to begin with, as ropeway or highline.")
+    ] = "rope",
+) -> None:
+    """Write a first scenario, with comments, as NAME.yaml; without NAME list the templates."""
     with reported():
-        from ropewalk.scenario import template
+        from ropewalk.scenario.template import template, trades
 
+        if name is None:
+            print_columns([(f"ropewalk new NAME --template {key}", about) for key, about in trades().items()])
+            return
         file = Path(name if name.endswith((".yaml", ".yml")) else f"{name}.yaml")
+        text = template(file.stem, trade)
         try:
             with file.open("x", encoding="utf-8") as stream:
-                stream.write(template(file.stem))
+                stream.write(text)
         except FileExistsError:
             fail(f"{file}: exists already; choose another name")
         except OSError as problem:

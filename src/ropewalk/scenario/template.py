@@ -1,8 +1,12 @@
-"""The file that `ropewalk new` writes: a first example to change."""
+"""The files that `ropewalk new` writes: a first example to change, or the example of a trade under an own name."""
 
 from __future__ import annotations
 
 import json
+import re
+
+from ropewalk.errors import Problem, ScenarioError, did_you_mean
+from ropewalk.scenario.examples import examples
 
 _TEMPLATE = """\
 # A scenario of ropewalk: lines, the loads that travel on them, and what is asked.
@@ -42,8 +46,49 @@ run:
 """
 
 
-def template(name: str = "Moving force on a slack rope") -> str:
-    """Write a commented scenario that runs as it is, with `name` as its title."""
+FIRST = "rope"
+TRADES = {
+    "ropeway": "ropeway-saddle",
+    "cable-crane": "cable-crane-crab",
+    "zip-line": "zip-line",
+    "highline": "highline-walker",
+    "leash-fall": "leash-fall",
+    "tightrope": "tightrope",
+    "net": "trampoline-net",
+    "overhead-line": "overhead-line-limits",
+    "bridge": "bridge-biggs",
+    "train": "bridge-hslm",
+    "continuous-bridge": "continuous-bridge",
+    "footbridge": "footbridge-crowd",
+    "suspension-bridge": "suspension-footbridge",
+    "string": "whirling-string",
+}
+"""Templates by trade, each one of the examples that come with the package."""
+_TITLE = re.compile(r"^title:.*$", re.MULTILINE)
+
+
+def trades() -> dict[str, str]:
+    """Names of all templates, and what each is about."""
+    titles = {trade: _TITLE.search(examples().get(example, "")) for trade, example in TRADES.items()}
+    known = {trade: found[0].removeprefix("title:").strip() for trade, found in titles.items() if found}
+    return {FIRST: "A force travels along a slack rope: every key of a first file", **known}
+
+
+def template(name: str = "Moving force on a slack rope", trade: str = FIRST) -> str:
+    """Write a commented scenario that runs as it is, with `name` as its title.
+
+    Args:
+        name: its title.
+        trade: one of `trades`.
+
+    Raises:
+        ScenarioError: there is no such template.
+    """
+    if trade not in trades():
+        advice = did_you_mean(trade, trades(), otherwise=f"there are {', '.join(trades())}")
+        raise ScenarioError([Problem("--template", "there is no such template", trade, advice)])
     title = " ".join("".join(sign if sign.isprintable() else " " for sign in name).split())
     quoted = json.dumps(title or "untitled", ensure_ascii=False)
-    return _TEMPLATE.replace("@TITLE@", quoted)
+    if trade == FIRST:
+        return _TEMPLATE.replace("@TITLE@", quoted)
+    return _TITLE.sub(lambda _: f"title: {quoted}", examples()[TRADES[trade]], count=1)

@@ -124,6 +124,9 @@ def lowest(spectrum: Any, number: int = 1) -> float:
 REST = "run: {kind: equilibrium}\n"
 BUILT_IN = "start_support: {kind: fixed, clamped: true}\n    end_support: {kind: fixed, clamped: true}"
 TRACK: dict[str, Any] = {"bending_stiffness": 10e6, "foundation": 5e6, "mass": 600.0, "damping": 10800.0}
+STILL: dict[str, Any] = {"bending_stiffness": 10e6, "foundation": 5e6, "mass": 600.0}
+NEAR = np.linspace(-5.0, 5.0, 2001)
+"""Places about the force, m."""
 
 CASES = (
     Case(
@@ -159,7 +162,8 @@ CASES = (
                                                        mass=2303.0)[0]),
                 lowest, "second order of 48 links", relative=5e-4),
         ),
-        settings=("lines.bridge.axial_stiffness=1e13",), fault=("lines.bridge.tension=12e6",), answer=frequencies, quick=True,
+        settings=("lines.bridge.axial_stiffness=1e13",), fault=("lines.bridge.tension=12e6",),
+        answer=frequencies, quick=True,
     ),
     Case(
         "beam-force", "A force of 50 kN crosses a simply supported beam at 100 km/h", FRYBA,
@@ -169,7 +173,7 @@ CASES = (
                 lambda r: deepest(r, 12.5), "second order of 48 links; outputs every 5 ms at a flat maximum",
                 relative=1.5e-3, order=1.4),
         ),
-        fault=("lines.bridge.bending_stiffness=8.5e9",), coarser=("lines.bridge.elements=24",), quick=True,
+        fault=("lines.bridge.bending_stiffness=8.5e9",), coarser=("lines.bridge.elements=24",),
     ),
     Case(
         "beam-impact-factor", "Largest impact factor of a force on a beam, at 0.617 of the critical speed",
@@ -199,7 +203,7 @@ CASES = (
                 lambda r: float(acceleration(r).max()), "48 links", relative=4e-3),
         ),
         fault=("loads.load.stiffness=[[1.7e6, -1.7e6], [-1.7e6, 1.7e6]]", "lines.bridge.mass=2400"),
-        coarser=("lines.bridge.elements=24",), quick=True,
+        coarser=("lines.bridge.elements=24",),
     ),
     Case(
         "beam-light-cart", "A light cart on a spring takes up the frequency of the bridge", YANG_2004,
@@ -213,11 +217,12 @@ CASES = (
                 lambda r: float(acceleration(r).max()), "48 links miss 0.4 %", relative=8e-3),
         ),
         fault=("loads.load.stiffness=[[5.5e5, -5.5e5], [-5.5e5, "
-               "5.5e5]]", "lines.bridge.bending_stiffness=3.4e9"), quick=True,
+               "5.5e5]]", "lines.bridge.bending_stiffness=3.4e9"),
     ),
     Case(
         "beam-mass", "A mass crosses a bridge in rigid contact",
-        Source("G. G. Stokes (1849) and R. Willis for the problem; Fryba (1999), ch. 10; the number by 20 modes"),
+        Source("R. Willis (1849) and G. G. Stokes (1849) for the problem; Fryba (1999) for the convective terms; the "
+               "number by 20 modes", "authors and years, in later lists of references; the chapters from memory"),
         bridge() + travelling("kind: matrices\n    coordinates: [wheel]\n    mass: [[5750]]\n    stiffness: [[0]]\n"
                               "    weight: [56407.5]\n    wheels: {wheel: {coordinate: wheel}}", SPEED)
         + motion(0.9, 0.001),
@@ -227,7 +232,7 @@ CASES = (
                                                tolerance=1e-6, **UNIT).beam_deflection(12.5).max()),
                 lambda r: deepest(r, 12.5), "second order of 48 links", relative=2e-3),
         ),
-        fault=("loads.load.mass=[[6500]]",), quick=True,
+        fault=("loads.load.mass=[[6500]]",),
     ),
     Case(
         "beam-lorry", "A lorry with a sprung and an unsprung mass crosses a highway bridge",
@@ -242,13 +247,13 @@ CASES = (
             Row("force", "contact force in the middle", "N", "series", lambda: float(lorry().contact_force[300, 0]),
                 lambda r: contact_force(r, 0.6), "48 links", relative=1e-2),
         ),
-        fault=("loads.load.weight=[330e3, 39240]", "lines.bridge.bending_stiffness=12.4e9"), quick=True,
+        fault=("loads.load.weight=[330e3, 39240]", "lines.bridge.bending_stiffness=12.4e9"),
     ),
     Case(
         "beam-bed", "A force stands on a long beam on an elastic bed",
-        Source("E. Winkler, Die Lehre von der Elasticitaet und Festigkeit, 1867; M. Hetenyi, Beams on Elastic "
-               "Foundation, "
-               "1946"),
+        Source("E. Winkler, Die Lehre von der Elasticitaet und Festigkeit, Prag, 1867; M. Hetenyi, Beams on Elastic "
+               "Foundation, University of Michigan Press", "authors, titles and publishers, in a later list of "
+               "references"),
         bridge(elements=320, length=40.0, stiffness=10e6, mass=600.0, more="foundation: 5.0e+6")
         + "loads:\n  load: {kind: force, on: bridge, force: [0, -100.0e+3], travel: {speed: 0, from: 20}}\n" + REST,
         (
@@ -256,8 +261,7 @@ CASES = (
                 lambda: 1e5 * (5e6 / (4.0 * 10e6)) ** 0.25 / (2.0 * 5e6), lambda r: deflection(r, 20.0),
                 "second order of links of 0.125 m; 20 m on each side instead of endless", relative=2e-3),
             Row("rise", "rise 5 m beside the force", "m", "closed form",
-                lambda: -float(foundation.steady_state(5.0, force=1e5, speed=0.0, bending_stiffness=10e6, foundation=5e6,
-                                                       mass=600.0)),
+                lambda: -float(foundation.steady_state(5.0, force=1e5, speed=0.0, **STILL)),
                 lambda r: -deflection(r, 25.0), "as above", relative=5e-3),
         ),
         fault=("lines.bridge.foundation=5.2e6",), quick=True,
@@ -271,8 +275,7 @@ CASES = (
         + travelling("kind: force\n    force: [0, -100.0e+3]", 290.0 / 3.6) + motion(0.55, 0.002),
         (
             Row("deflection", "largest deflection of the middle", "m", "closed form",
-                lambda: float(np.max(foundation.steady_state(np.linspace(-5.0, 5.0, 2001), force=1e5, speed=80.5555555556,
-                                                             **TRACK))),
+                lambda: float(foundation.steady_state(NEAR, force=1e5, speed=290.0 / 3.6, **TRACK).max()),
                 lambda r: deepest(r, 40.0), "links of 0.25 m; 40 m after the force has come it is nearly steady",
                 relative=1e-2),
         ),

@@ -263,6 +263,6 @@ CASES = (
                 lambda: 0.5 * float(bead.period(4.0, span=20.0, length=22.0, gravity=G)), turns_back,
                 "as above; a rope that weighs something is not quite an ellipse", relative=3e-3),
         ),
-        fault=("lines.rope.length=22.3",), quick=True,
+        fault=("lines.rope.length=22.3",),
     ),
 )  # fmt: skip

@@ -60,7 +60,7 @@ CASES = (
             Row("second", "mode (2, 1)", "rad/s", "closed form", lambda: rectangle(2, 1), mode(2),
                 "second order of 16 x 16 cells", relative=2e-2, order=1.8),
         ),
-        fault=("nets.net.mass=0.32",), answer=frequencies, coarser=("nets.net.cells=[8, 8]",), quick=True,
+        fault=("nets.net.mass=0.32",), answer=frequencies, coarser=("nets.net.cells=[8, 8]",),
     ),
     Case(
         "net-deflection", "A small weight at a node of a taut net",
@@ -72,6 +72,6 @@ CASES = (
                 lambda r: -float(np.min(r.position.sel(axis="z").to_numpy()[-1])),
                 "stretch by the weight, squares of slopes of 1e-5", relative=1e-4),
         ),
-        fault=("nets.net.tension=101",), quick=True,
+        fault=("nets.net.tension=101",),
     ),
 )  # fmt: skip

@@ -83,13 +83,14 @@ CASES = (
             Row("second", "second harmonic over the weight, 0.069 + 0.0056 * 2 f", "", "published number",
                 lambda: factor(gait.young, 1.8, 2), lambda r: harmonic(r, 2), "as above", absolute=1e-3),
         ),
-        fault=("loads.walker.mass=77",), quick=True,
+        fault=("loads.walker.mass=77",),
     ),
     Case(
         "crowd-lock-in", "Sixty people sway a footbridge of 1.1 Hz",
         Source("J. H. G. Macdonald, Lateral excitation of bridges by balancing pedestrians, Proc. R. Soc. A 465 "
                "(2009), "
-               "1055-1073, for the pendulum; its growth rate in ropewalk.theory.lateral_balance"),
+               "1055-1073, for the pendulum; its growth rate in ropewalk.theory.lateral_balance",
+               "title, author, volume and pages"),
         lambda: examples()["footbridge-lock-in"],
         (
             Row("growth", "growth rate of the sway", "1/s", "closed form", growth_by_theory, growth,

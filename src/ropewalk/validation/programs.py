@@ -105,9 +105,8 @@ CASES = (
     ),
     Case(
         "program-exudyn", "A trolley on a track rope: kind vehicle against Exudyn",
-        Source("J. Gerstmayr, Exudyn - a C++-based Python package for flexible multibody systems, Multibody Syst. "
-               "Dyn. 60 "
-               "(2024); run beside ours"),
+        Source("J. Gerstmayr, Exudyn - a C++-based Python package for flexible multibody systems, Multibody Syst. Dyn. "
+               "(2023); run beside ours", "author, year and the repository jgerstmayr/EXUDYN; the title from memory"),
         OWN,
         (
             Row("force", "largest force of a "

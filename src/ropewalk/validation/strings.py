@@ -122,7 +122,8 @@ def whirls_per_second(result: object) -> float:
 CASES = (
     Case(
         "string-frequencies", "Natural frequencies of a taut string",
-        Source("J. le R. d'Alembert, 1747; Rayleigh, The Theory of Sound I, ch. 6: f = n/(2 L) sqrt(P/m)"),
+        Source("Rayleigh, The Theory of Sound I, ch. 6, and J.-L. Lagrange's loaded string; f = n/(2 L) sqrt(P/m)",
+               "elementary"),
         LINE.format(length=LENGTH, elements=100) + "run: {kind: equilibrium}\n",
         (
             Row("first", "first frequency", "rad/s", "closed form", lambda: np.pi * WAVE / LENGTH,
@@ -141,9 +142,9 @@ CASES = (
     Case(
         "string-mass", "A mass as heavy as the string passes it at half the wave speed",
         Source("C. E. Smith, Motions of a stretched string carrying a moving mass particle, J. Appl. Mech. 31 (1964); "
-               "B. Dyniewicz and C. I. Bajer, Paradox of a particle's trajectory moving on a string, Arch. Appl. "
-               "Mech. 79 "
-               "(2009); solved here by the delay equation of the contact force"),
+               "B. Dyniewicz and C. I. Bajer, Paradox of a particle's trajectory moving on a string, Arch. Appl. Mech. "
+               "79 (2009); solved here by the delay equation of the contact force",
+               "title and abstract of the second; the first from memory"),
         passing(MASS),
         (
             Row("depth", "depth of the mass in the middle", "m", "closed form",
@@ -174,7 +175,7 @@ CASES = (
                                                        gravity=WEIGHT, **UNIT).contact_force),
                 lambda r: contact_force(r, at(0.8, 0.5)), "200 links", relative=5e-4),
         ),
-        fault=("loads.load.stiffness=[[7, -7], [-7, 7]]",), quick=True,
+        fault=("loads.load.stiffness=[[7, -7], [-7, 7]]",),
     ),
     Case(
         "string-self-similar", "A force is switched on and travels along a string that it stretches: nonlinear waves",
@@ -199,7 +200,8 @@ run: {{kind: dynamic, until: 0.95, every: 0.01}}
     ),
     Case(
         "string-whirl", "A taut string whirls in a circle of large radius",
-        Source("G. F. Carrier, On the non-linear vibration problem of the elastic string, Q. Appl. Math. 3 (1945)"),
+        Source("G. F. Carrier, On the non-linear vibration problem of the elastic string, Q. Appl. Math. 3 (1945)",
+               "author, journal and result, in his note of 1949 there; volume from memory"),
         """
 gravity: 0
 lines: {string: {start: [0, 0], end: [1, 0], tension: 100, mass: 0.01, axial_stiffness: 10000, elements: 60}}
