@@ -96,12 +96,12 @@ def main() -> None:
         at = float(a.idxmax("speed"))
         places, force = hslm_a(train)
         here = float(w.sel(speed=at))
-        apart = deflection(places, force, at)
-        set_to = [f"loads.train.train={train}", f"loads.train.travel.speed={at!r} m/s"]
+        apart = deflection(places, force, at / 3.6)
+        set_to = [f"loads.train.train={train}", f"loads.train.travel.speed={at!r} km/h"]
         with ropewalk.simulate(loads(BRIDGE, overrides=set_to)) as result:
             run = ropewalk.summary(result)["lines"]["deck"]["deflection"]["max"]
         print(
-            f"  {train:9} {float(a.max()):6.2f} m/s^2 at {3.6 * at:5.1f} km/h {18.0 * HSLM_A[train].length:6.0f} km/h "
+            f"  {train:9} {float(a.max()):6.2f} m/s^2 at {at:5.1f} km/h {18.0 * HSLM_A[train].length:6.0f} km/h "
             f"{1e3 * here:9.4f} mm {apart / here - 1.0:12.1e} {run / here - 1.0:10.1e}"
         )
 
