@@ -118,7 +118,7 @@ class _Result:
         return (float(_MEASURES[measure](kept)) if kept.size else None), unit
 
     def _interval(self, name: str) -> tuple[float | None, str]:
-        """Half the width of the interval of a mean or deviation over time, None of records that are too short for it."""
+        """Half the width of the interval of a mean or deviation over time; None of records that are too short."""
         measure, _, what = name.removeprefix(_INTERVAL).strip().partition(" ")
         measure, columns = _SAME.get(measure, measure), _among(self.series, [what.strip()])
         if measure not in ("mean", "std") or len(columns) != 1:
