@@ -66,9 +66,8 @@ def main() -> None:
         loop = median(cpu for _, cpu in taken["a plain loop"])
         for told, found in taken.items():
             wall, cpu = (median(part) / len(VALUES) for part in zip(*found, strict=True))
-            print(
-                f"  {name:32} {told:22} {1e3 * wall:8.2f} ms {1e3 * cpu:8.2f} ms  {cpu * len(VALUES) / loop:5.2f} of the loop"
-            )
+            ratio = cpu * len(VALUES) / loop
+            print(f"  {name:32} {told:22} {1e3 * wall:8.2f} ms {1e3 * cpu:8.2f} ms  {ratio:5.2f} of the loop")
 
 
 if __name__ == "__main__":
