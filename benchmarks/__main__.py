@@ -5,7 +5,22 @@ from __future__ import annotations
 import argparse
 import sys
 
-from . import bodies, continuum, cosim, cost, crossings, endurance, gate, mesh, nets, output, overhead, statics, theory
+from . import (
+    bodies,
+    continuum,
+    cosim,
+    cost,
+    crossings,
+    endurance,
+    gate,
+    mesh,
+    nets,
+    output,
+    overhead,
+    statics,
+    theory,
+    throughput,
+)
 from .peers import __main__ as peers
 
 
@@ -15,12 +30,13 @@ def main() -> None:
     parser.add_argument(
         "what", nargs="?", default="all",
         choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies", "overhead", "nets", "cosim",
-                 "crossings", "endurance", "gate", "mesh", "output"],
+                 "crossings", "endurance", "gate", "mesh", "output", "throughput"],
         help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling; "
         "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields; "
         "bodies: masses, walkers, models of one's own, and Exudyn's sliding joint; overhead: against real time; "
         "nets: a mass on nets of more and more nodes; cosim: what an exchange with an FMU costs; "
         "crossings: all trains at all speeds over a bridge, by modes; "
+        "throughput: sweeps beside a plain loop; "
         "endurance: long runs, large lines, large results, checkpoints; "
         "output: what output instants and first runs cost, and large results; "
         "mesh: errors of meshes beside what is told of them; "
@@ -51,6 +67,8 @@ def main() -> None:
         endurance.main()
     if what in ("all", "output"):
         output.main()
+    if what in ("all", "throughput"):
+        throughput.main()
     if what in ("all", "gate"):
         gate.main(asked.row)
     if what in ("all", "mesh"):

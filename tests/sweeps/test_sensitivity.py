@@ -68,7 +68,7 @@ def test_the_variance_of_a_deflection_is_shared_by_force_and_mass_as_its_formula
 
 
 def test_morris_tells_straight_from_curved_and_nothing() -> None:
-    """y = 3 a + b^2: the effect of a is 3 everywhere, that of b on its grid 1 +- 1/3 by steps of 2/3, that of c none."""
+    """y = 3 a + b^2: the effect of a is 3 everywhere, of b 1 +- 1/3 by steps of 2/3 on its grid, of c none."""
     at = points(3, "morris", 40, 1)
     found = effects("morris", at, {"y": 3.0 * at[:, 0] + at[:, 1] ** 2, "same": np.ones(len(at))}, 1)
     assert found["mean_effect"][0] == pytest.approx([3.0, 1.0, 0.0], abs=0.12)
@@ -78,7 +78,7 @@ def test_morris_tells_straight_from_curved_and_nothing() -> None:
 
 
 def test_sobol_indices_of_the_function_of_ishigami() -> None:
-    """sin x + 7 sin^2 y + 0.1 z^4 sin x over (-pi, pi): 0.3139, 0.4424, 0 and 0.5576, 0.4424, 0.2437 (in closed form)."""
+    """sin x + 7 sin^2 y + 0.1 z^4 sin x over (-pi, pi): 0.3139, 0.4424, 0, and in all 0.5576, 0.4424, 0.2437."""
     at = points(3, "saltelli", 2048, 2)
     x, y, z = ((2.0 * at - 1.0) * np.pi).T
     found = effects("saltelli", at, {"f": np.sin(x) + 7.0 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x)}, 2)
@@ -86,7 +86,7 @@ def test_sobol_indices_of_the_function_of_ishigami() -> None:
     parts = np.array([first, 49.0 / 8.0, 0.0])
     known = parts / (parts.sum() + last)
     assert found["first_order"][0] == pytest.approx(known, abs=0.01)
-    assert found["total"][0] == pytest.approx((parts + [last, 0.0, last]) / (parts.sum() + last), abs=0.01)
+    assert found["total"][0] == pytest.approx((parts + np.array([last, 0.0, last])) / (parts.sum() + last), abs=0.01)
 
 
 def test_a_quantity_that_a_case_lacks_has_no_effects() -> None:

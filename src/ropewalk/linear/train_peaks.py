@@ -92,16 +92,17 @@ def peaks(
 
 def _steady(train: Axles, chord: Chord, modes: int | None, times: Array) -> SteadyForces | None:
     """The axles of a train as forces; None where the run goes another way, or has something to doubt."""
-    travel = train.travel
-    known = isinstance(travel.speed, float) and travel.speed > 0.0 and travel.measured == "material"
-    if not known or travel.start > chord.material or (chord.is_string and modes is None):
+    travel, V = train.travel, train.travel.speed
+    if not (isinstance(V, float) and V > 0.0 and travel.measured == "material"):
+        return None
+    if travel.start > chord.material or (chord.is_string and modes is None):
         return None
     behind, size = np.array(train.axles).T
     scale = chord.length / chord.material
     if size.size <= FEW or size.max() <= NOTHING * max(chord.tension, 9.81 * chord.mass * chord.length):
         return None
     down = -chord.across[0][-1]
-    begin, speed = scale * (travel.start - behind), np.full(size.size, scale * travel.speed)
+    begin, speed = scale * (travel.start - behind), np.full(size.size, scale * V)
     if not any(((x >= 0.0) & (x <= chord.length)).any() for x in begin[:, None] + speed[:1] * times):
         return None
     return SteadyForces(chord, begin, speed, size * down, modes)
@@ -111,7 +112,7 @@ def _values(forces: SteadyForces, quantity: str, shape: Array, times: Array, eve
     """A quantity (instant, place) by shapes (mode, place), downwards for deflections, else upwards."""
     z, rates = forces.coordinates(times)
     if quantity == "deflection":
-        return (z - z[0]) @ shape
+        return np.asarray((z - z[0]) @ shape)
     rates = rates[:even]
     if shape.shape[0] > shape.shape[1]:  # the fewer are filtered
         return filtered_derivative(times[:even], rates @ -shape, cut_off)

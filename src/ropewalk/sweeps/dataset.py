@@ -75,7 +75,8 @@ def _effects(plan: Plan, values: Mapping[str, Any]) -> dict[str, Any]:
     assert count is not None
     found = effects(how, points(len(plan.parameters), how, count, seed), values, seed)
     return {
-        name: (("quantity", "parameter"), found[name], {"long_name": told}) for name, (_, told) in EFFECTS[how].items()
+        name: (("quantity", "parameter"), found[name], {"long_name": meaning})
+        for name, (_, meaning) in EFFECTS[how].items()
     }
 
 

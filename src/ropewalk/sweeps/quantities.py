@@ -12,6 +12,7 @@ import numpy as np
 from ropewalk.errors import Problem, ScenarioError, did_you_mean
 from ropewalk.mechanics.chain import Array
 from ropewalk.results import named_numbers, series_table
+from ropewalk.results.batch_means import half_width
 from ropewalk.results.line_response import LEAST as LEAST_FRAMES
 from ropewalk.sweeps.keys import ends_with
 
@@ -28,6 +29,7 @@ _BEFORE = {"max": "largest_", "min": "smallest_"}
 _AFTER = {
     "max": ("max", "maximum"), "min": ("min", "minimum"), "mean": ("mean",), "std": ("std", "deviation"),
 }  # fmt: skip
+_INTERVAL = "interval of "
 _OF_ALL = {"contact_force": "contacts.*.force.magnitude"}
 _FORM = "write a name of the summary, or max, min, mean or std of one or of a column of the table of series"
 
@@ -77,6 +79,8 @@ class _Result:
     def one(self, name: str) -> tuple[float | None, str]:
         """The value of one name."""
         name = _spoken(name)
+        if name.startswith(_INTERVAL):
+            return self._interval(name)
         measure, _, what = name.strip().partition(" ")
         measure, what = _SAME.get(measure, measure), what.strip()
         if measure in _MEASURES and what:
@@ -112,6 +116,17 @@ class _Result:
             unit = self.series[columns[0]][1]
         kept = values[np.isfinite(values)]
         return (float(_MEASURES[measure](kept)) if kept.size else None), unit
+
+    def _interval(self, name: str) -> tuple[float | None, str]:
+        """Half the width of the interval of a mean or deviation over time; None of records that are too short."""
+        measure, _, what = name.removeprefix(_INTERVAL).strip().partition(" ")
+        measure, columns = _SAME.get(measure, measure), _among(self.series, [what.strip()])
+        if measure not in ("mean", "std") or len(columns) != 1:
+            known = [f"{_INTERVAL}{measure} {column}" for column in self.series]
+            remedy = did_you_mean(name, known, "write interval of mean, or std, and a column of the series")
+            raise _unknown(name, "a run of this kind has no such interval", remedy)
+        values, unit = self.series[columns[0]]
+        return half_width(values, measure), unit
 
     def _refuse_coarse(self, name: str, keys: Sequence[str]) -> None:
         """Refuse accelerations that output instants are too far apart for."""
