@@ -24,8 +24,8 @@ INTRODUCTION = (
     "that is expected. References are computed by `ropewalk.theory`, which the engines do not know, unless a published "
     "number stands there. *Citation checked* means that title, authors and place of a publication were compared with a "
     "second source, not that its numbers were; where nothing was found the citation is from memory and says so.",
-    "Every row has a fault: a change of its scenario by a few percent that must make it fail. The tests try those of the "
-    "rows of `--quick`; those of the others were tried once, when they were written.",
+    "Every row has a fault: a change of its scenario, most by a few percent, that must make it fail. The tests try "
+    "those of the rows of `--quick`; those of the others were tried once, when they were written.",
 )
 HEAD = ("row", "what", "reference", "kind", "ours", "difference", "allowed, and why", "order", "verdict")
 
