@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from ropewalk.model import Dynamic, Quasistatic
 from ropewalk.scenario import loads
 from ropewalk.scenario.examples import examples
 from ropewalk.scenario.template import TRADES, template, trades
-from ropewalk.simulate import simulate
 
 WANTED = {"ropeway", "highline", "zip-line", "overhead-line", "bridge", "train", "cable-crane", "footbridge", "net",
           "tightrope"}  # fmt: skip
@@ -33,19 +31,18 @@ def test_it_writes_the_one_that_is_asked_for_and_refuses_others(call, folder) ->
 
 
 @pytest.mark.parametrize("trade", TRADES)
-def test_each_is_an_example_by_another_title_and_runs(trade: str) -> None:
-    """Its first instants; tests/test_examples.py runs the examples to their ends.
-
-    In them hardly any energy is turned over, so that the audit of some is doubtful.
-    """
+def test_each_is_an_example_by_another_title(trade: str) -> None:
+    """Line by line, so that tests/test_examples.py, which runs every example and knows its numbers, runs it."""
     text = template('mine: "one"', trade)
     own, known = text.splitlines(), examples()[TRADES[trade]].splitlines()
     assert [a for a, b in zip(own, known, strict=True) if a != b] == ['title: "mine: \\"one\\""']
     assert text.count("#") > 3
-    scenario = loads(text)
-    assert scenario.title == 'mine: "one"'
-    if isinstance(scenario.run, Dynamic):
-        scenario = loads(text, overrides=["run.until=2 ms", "run.every=1 ms"])
-    elif isinstance(scenario.run, Quasistatic):
-        scenario = loads(text, overrides=["run.positions=3"])
-    assert simulate(scenario).attrs["outcome"] in ("completed", "doubtful")
+    assert loads(text).title == 'mine: "one"'
+
+
+@pytest.mark.parametrize("trade", ["zip-line", "train", "overhead-line"])
+def test_one_that_was_written_runs(trade: str, call, folder) -> None:
+    """Its first instants, in which hardly any energy is turned over, so that the audit of some is doubtful."""
+    assert call("new", "mine", "-t", trade).exit_code == 0
+    out = call("run", "mine.yaml", "-q", "--set", "run.until=2 ms", "--set", "run.every=1 ms")
+    assert out.exit_code in (0, 4), out.stderr

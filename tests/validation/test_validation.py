@@ -12,10 +12,10 @@ import pytest
 from typer.testing import CliRunner
 
 from ropewalk.cli import app
-from ropewalk.validation.finding import AGREES, DIFFERS, FAILED, MISSING, Finding
 from ropewalk.validation.judging import judged
 from ropewalk.validation.page import as_dict, html, markdown
 from ropewalk.validation.registry import CASES, GROUPS
+from ropewalk.validation.row_result import AGREES, DIFFERS, FAILED, MISSING, RowResult
 from ropewalk.validation.validating import chosen, validate
 
 PAGE = Path(__file__).parents[2] / "docs" / "validation.md"
@@ -24,7 +24,7 @@ ROWS = [f"{case.id}.{row.name}" for case, row in chosen()]
 
 
 def test_there_are_rows_with_names_of_their_own() -> None:
-    assert len(ROWS) >= 30
+    assert len(ROWS) >= 60
     assert len(set(ROWS)) == len(ROWS)
     assert len(CASES) == sum(len(cases) for cases in GROUPS.values())
     assert all(re.fullmatch(r"[a-z0-9-]+\.[a-z0-9-]+", name) for name in ROWS)
@@ -94,16 +94,16 @@ def test_rows_come_out_the_same_in_processes_of_their_own() -> None:
 
 
 def test_differences_from_ranges_and_what_did_not_come_out() -> None:
-    inside, above = (Finding("case.row", AGREES, 1.0, 2.0, ours, 0.0) for ours in (1.5, 2.25))
+    inside, above = (RowResult("case.row", AGREES, 1.0, 2.0, ours, 0.0) for ours in (1.5, 2.25))
     assert (inside.difference, above.difference) == (0.0, 0.25)
     assert inside.as_dict()["reference"] == [1.0, 2.0]
-    lost = Finding("case.row", FAILED, reason="why")
+    lost = RowResult("case.row", FAILED, reason="why")
     assert math.isnan(lost.difference)
     assert lost.as_dict()["ours"] is lost.as_dict()["reference"] is None
 
 
 def test_pages_tell_rows_that_failed() -> None:
-    found = [Finding("cable-catenary.sag", FAILED, reason="why | so")]
+    found = [RowResult("cable-catenary.sag", FAILED, reason="why | so")]
     assert "| failed |" in markdown(found)
     assert 'class="failed"' in html(found)
     assert as_dict(found)["verdicts"] == {AGREES: 0, DIFFERS: 0, FAILED: 1, MISSING: 0}

@@ -9,27 +9,27 @@ import numpy as np
 from ropewalk.scenario.examples import examples
 from ropewalk.theory import beam
 from ropewalk.validation.beams import REST, bridge, lowest, motion, travelling
-from ropewalk.validation.case import Case, frequencies
+from ropewalk.validation.known_case import KnownCase, frequencies
+from ropewalk.validation.known_number import KnownNumber
 from ropewalk.validation.measured import of_line
-from ropewalk.validation.row import Row
-from ropewalk.validation.source import Source
+from ropewalk.validation.publication import Publication
 
-EN1991 = Source(
+EN1991 = Publication(
     "EN 1991-2:2003, 6.4.6.1.1: the universal train HSLM-A1; its response by the series of L. Fryba, one axle after "
     "the "
     "other"
 )
-CANCELLATION = Source(
+CANCELLATION = Publication(
     "H. Xia, H. L. Li, W. W. Guo and G. De Roeck, Vibration resonance and cancellation of simply supported bridges "
     "under "
     "moving train loads, J. Eng. Mech. 140 (2014); before it Y.-B. Yang, J.-D. Yau and L.-C. Hsu, Eng. Struct. 19 "
     "(1997)",
     "title, authors, year and DOI of the first; the second from memory",
 )
-CLAPEYRON = Source(
+CLAPEYRON = Publication(
     "B. P. E. Clapeyron, 1857, the equation of three moments; in every textbook of statics", "elementary"
 )
-TTB = Source(
+TTB = Publication(
     "D. Cantero, TTB-2D: Train-Track-Bridge interaction simulation tool for Matlab, SoftwareX 20 (2022), 101253; run "
     "for "
     "this number with four elements between sleepers and 4000 steps a second",
@@ -90,71 +90,71 @@ TWO_SPANS = float(np.sqrt(16.2114e9 / 10e3)) / 100.0
 """sqrt(EI/m)/l^2 of spans of 10 m."""
 
 CASES = (
-    Case(
+    KnownCase(
         "bridge-train", "The universal train HSLM-A1 crosses a railway bridge at 200 km/h", EN1991,
         lambda: examples()["bridge-hslm"],
         (
-            Row("deflection", "largest deflection at midspan", "m", "series", lambda: train(200.0 / 3.6),
+            KnownNumber("deflection", "largest deflection at midspan", "m", "series", lambda: train(200.0 / 3.6),
                 lambda r: of_line(r, "midspan", "deflection"), "links of 1 m miss 0.2 %", relative=5e-3),
         ),
         fault=("lines.deck.bending_stiffness=17 GN*m^2",),
     ),
-    Case(
+    KnownCase(
         "bridge-resonance", "The same train at 324 km/h = 5 Hz * 18 m: resonance with its coaches", EN1991,
         lambda: examples()["bridge-hslm"],
         (
-            Row("deflection", "largest deflection at midspan", "m", "series", lambda: train(90.0),
+            KnownNumber("deflection", "largest deflection at midspan", "m", "series", lambda: train(90.0),
                 lambda r: of_line(r, "midspan", "deflection"),
                 "0.01 Hz beside the frequency count at 1 % of damping", relative=8e-3),
         ),
         settings=("loads.train.travel.speed=324 km/h",), fault=("loads.train.travel.speed=315 km/h",),
     ),
-    Case(
+    KnownCase(
         "bridge-cancellation", "An axle leaves an undamped bridge at rest: v = 2 f L/3, 240 km/h", CANCELLATION,
         axle(200.0 / 3.0),
         (
-            Row("free", "free vibration behind the axle", "m", "closed form", lambda: 0.0, free_vibration,
+            KnownNumber("free", "free vibration behind the axle", "m", "closed form", lambda: 0.0, free_vibration,
                 "40 links leave 0.2 % of the 3 mm under the axle; higher modes", absolute=1.2e-5),
         ),
         fault=("loads.load.travel.speed=69",), quick=True,
     ),
-    Case(
+    KnownCase(
         "bridge-left-behind", "The same axle at 300 km/h leaves most of its vibration behind", CANCELLATION,
         axle(250.0 / 3.0),
         (
-            Row("free", "free vibration behind the axle", "m", "closed form", lambda: left_behind(250.0 / 3.0),
+            KnownNumber("free", "free vibration behind the axle", "m", "closed form", lambda: left_behind(250.0 / 3.0),
                 free_vibration, "the first mode alone; the third adds 0.4 %, 40 links 0.1 %", absolute=2e-5),
         ),
         fault=("lines.bridge.bending_stiffness=15e9",), quick=True,
     ),
-    Case(
+    KnownCase(
         "bridge-two-spans", "A force of 100 kN stands in the first of two equal spans", CLAPEYRON,
         bridge(80, 20.0, 16.2114e9, 10e3, PIER) + ON_SPAN + REST,
         (
-            Row("pier", "reaction of the pier, 11/16 F", "N", "closed form", lambda: 11.0 / 16.0 * 1e5,
+            KnownNumber("pier", "reaction of the pier, 11/16 F", "N", "closed form", lambda: 11.0 / 16.0 * 1e5,
                 lambda r: upward(r, "pier"), "second order of links of 0.25 m", relative=2e-3),
-            Row("far-end", "pull of the far end, -3/32 F", "N", "closed form", lambda: -3.0 / 32.0 * 1e5,
+            KnownNumber("far-end", "pull of the far end, -3/32 F", "N", "closed form", lambda: -3.0 / 32.0 * 1e5,
                 lambda r: upward(r, "end"), "as above", relative=6e-3),
         ),
         fault=("loads.load.force=[0, -102.0e+3]",), quick=True,
     ),
-    Case(
+    KnownCase(
         "bridge-two-spans-frequencies", "Frequencies of a beam over two equal spans",
-        Source("S. P. Timoshenko and D. H. Young, Vibration Problems in Engineering: pi^2 and 3.9266^2"),
+        Publication("S. P. Timoshenko and D. H. Young, Vibration Problems in Engineering: pi^2 and 3.9266^2"),
         bridge(80, 20.0, 16.2114e9, 10e3, PIER) + REST,
         (
-            Row("first", "first frequency, pi^2 sqrt(EI/m)/l^2", "rad/s", "closed form",
+            KnownNumber("first", "first frequency, pi^2 sqrt(EI/m)/l^2", "rad/s", "closed form",
                 lambda: float(np.pi**2) * TWO_SPANS, lowest, "second order of 80 links", relative=1e-3),
-            Row("second", "second frequency, 3.9266^2 sqrt(EI/m)/l^2", "rad/s", "closed form",
+            KnownNumber("second", "second frequency, 3.9266^2 sqrt(EI/m)/l^2", "rad/s", "closed form",
                 lambda: 3.92660231**2 * TWO_SPANS, lambda s: lowest(s, 2), "second order of 80 links", relative=3e-3),
         ),
         fault=("lines.bridge.bending_stiffness=16.5e9",), answer=frequencies, quick=True,
     ),
-    Case(
+    KnownCase(
         "bridge-ballasted-track", "A coach crosses a bridge with rails, pads, sleepers and ballast", TTB,
         lambda: examples()["bridge-ballasted-track"],
         (
-            Row("deflection", "largest deflection at midspan", "m", "other program", lambda: 0.593224e-3,
+            KnownNumber("deflection", "largest deflection at midspan", "m", "other program", lambda: 0.593224e-3,
                 lambda r: of_line(r, "midspan", "deflection"), "28 links of bridge miss 2e-5 of it", absolute=2e-7),
         ),
         fault=("tracks.track.ballast.stiffness=145 MN/m", "lines.deck.bending_stiffness=1.81e12"),

@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 
 from ropewalk.theory import bead, cable, highline, locus, rope
-from ropewalk.validation.case import Case, frequencies
-from ropewalk.validation.row import Row
-from ropewalk.validation.source import Source
+from ropewalk.validation.known_case import KnownCase, frequencies
+from ropewalk.validation.known_number import KnownNumber
+from ropewalk.validation.publication import Publication
 
 G = 9.81
-IRVINE_1974 = Source(
+IRVINE_1974 = Publication(
     "H. M. Irvine and T. K. Caughey, The linear theory of free vibrations of a suspended cable, Proc. R. Soc. Lond. A "
     "341 (1974), 299-315",
     "authors and subject, in later papers that cite it; volume and pages from memory",
 )
-IRVINE = Source("H. M. Irvine, Cable Structures, MIT Press, 1981: the elastic catenary")
+IRVINE = Publication("H. M. Irvine, Cable Structures, MIT Press, 1981: the elastic catenary")
 ELASTIC: dict[str, Any] = {"span": 200.0, "height": 20.0, "length": 205.0, "weight": 3.0 * G, "axial_stiffness": 20e6}
 ROPE = """
 lines:
@@ -163,103 +163,106 @@ def turns_back(result: Any) -> float:
 
 
 CASES = (
-    Case(
+    KnownCase(
         "cable-elastic-catenary", "A rope between unlike heights under its weight", IRVINE, ROPE + REST,
         (
-            Row("sag", "largest depth below the chord", "m", "closed form", lambda: exact().sag, below_the_chord,
+            KnownNumber("sag", "largest depth below the chord", "m", "closed form",
+                lambda: exact().sag, below_the_chord,
                 "second order of 100 links, and the nodes beside the lowest place", relative=2e-4),
-            Row("horizontal", "horizontal tension", "N", "closed form", lambda: exact().horizontal_tension,
+            KnownNumber("horizontal", "horizontal tension", "N", "closed form", lambda: exact().horizontal_tension,
                 lambda r: reaction(r, 1, "x"), "second order of 100 links", relative=2e-4, order=1.8),
-            Row("lifted", "vertical reaction at the upper end", "N", "closed form",
+            KnownNumber("lifted", "vertical reaction at the upper end", "N", "closed form",
                 lambda: float(exact().end_reaction[1]), lambda r: reaction(r, 1, "z"), "second order of 100 links",
                 relative=2e-4),
         ),
         fault=("lines.rope.length=205.2",), coarser=("lines.rope.elements=50",), quick=True,
     ),
-    Case(
+    KnownCase(
         "cable-loaded", "The same rope under a load of 8 kN", IRVINE, ROPE + LOADED + REST,
         (
-            Row("depth", "depth of the load", "m", "closed form",
+            KnownNumber("depth", "depth of the load", "m", "closed form",
                 lambda: -float(exact((80.0, (0.0, -8000.0))).load_positions[0, 1]),
                 lambda r: -float(r.contact_position.to_numpy()[-1, 0, 1]), "second order of 100 links", relative=1e-4),
-            Row("ahead", "tension ahead of the load", "N", "closed form",
+            KnownNumber("ahead", "tension ahead of the load", "N", "closed form",
                 lambda: float(exact((80.0, (0.0, -8000.0))).load_tensions[0, 1]),
                 lambda r: float(r.contact_tension.to_numpy()[-1].ravel()[1]), "half a link of weight", relative=3e-4),
         ),
         fault=("loads.cabin.force=[0, -8100]",), quick=True,
     ),
-    Case(
+    KnownCase(
         "cable-catenary", "An inextensible rope hangs in a catenary",
-        Source("Johann Bernoulli, Chr. Huygens and G. W. Leibniz, Acta Eruditorum, 1691; in every textbook of statics"),
+        Publication("Johann Bernoulli, Chr. Huygens and G. W. Leibniz, Acta Eruditorum, 1691; in every textbook of "
+                    "statics"),
         INEXTENSIBLE,
         (
-            Row("sag", "sag", "m", "closed form", lambda: CATENARY.sag, below_the_chord, "second order of 110 links",
+            KnownNumber("sag", "sag", "m", "closed form", lambda: CATENARY.sag, below_the_chord, "second order of "
+                                                                                                 "110 links",
                 relative=1e-4, order=1.9),
-            Row("horizontal", "horizontal tension", "N", "closed form", lambda: CATENARY.horizontal_tension,
+            KnownNumber("horizontal", "horizontal tension", "N", "closed form", lambda: CATENARY.horizontal_tension,
                 lambda r: reaction(r, 1, "x"), "second order of 110 links", relative=2e-4, order=1.9),
         ),
         fault=("lines.rope.length=22.05",), coarser=("lines.rope.elements=54",), ratio=110.0 / 54.0, quick=True,
     ),
-    Case(
+    KnownCase(
         "cable-ellipse", "A load slides without friction on a weightless inextensible rope: on an ellipse",
-        Source("the gardener's construction of the ellipse: semi-axes L/2 and sqrt(L^2 - X^2)/2; the hold force "
+        Publication("the gardener's construction of the ellipse: semi-axes L/2 and sqrt(L^2 - X^2)/2; the hold force "
                "derived "
                "in ropewalk.theory.locus", "elementary geometry"),
         ON_ELLIPSE,
         (
-            Row("path", "height over the ellipse", "m", "closed form", lambda: 0.0, off_the_ellipse,
+            KnownNumber("path", "height over the ellipse", "m", "closed form", lambda: 0.0, off_the_ellipse,
                 "the links are straight as the rope is", absolute=1e-8),
-            Row("hold", "force that holds the load, over load times slope", "", "closed form", lambda: 1.0,
+            KnownNumber("hold", "force that holds the load, over load times slope", "", "closed form", lambda: 1.0,
                 hold_over_theory, "as above", relative=1e-7),
         ),
         fault=("lines.rope.length=22.1",), quick=True,
     ),
-    Case(
+    KnownCase(
         "cable-irvine", "Small vibrations of a shallow cable that stretches, lambda^2 = 6", IRVINE_1974, shallow(),
         (
-            Row("out-of-plane", "first frequency out of the plane", "rad/s", "closed form",
+            KnownNumber("out-of-plane", "first frequency out of the plane", "rad/s", "closed form",
                 lambda: irvine("out_of_plane"), lambda s: by_shape(s, "out_of_plane"),
                 "the theory is that of a shallow parabola, sag/span = 0.03: five times its square", relative=6e-3),
-            Row("antisymmetric", "first antisymmetric frequency", "rad/s", "closed form",
+            KnownNumber("antisymmetric", "first antisymmetric frequency", "rad/s", "closed form",
                 lambda: irvine("antisymmetric"), lambda s: by_shape(s, "antisymmetric"), "as above", relative=5e-3),
-            Row("symmetric", "first symmetric frequency", "rad/s", "closed form", lambda: irvine("symmetric"),
+            KnownNumber("symmetric", "first symmetric frequency", "rad/s", "closed form", lambda: irvine("symmetric"),
                 lambda s: by_shape(s, "symmetric"), "as above", relative=1e-2),
         ),
         fault=("lines.cable.mass=5.5",), answer=frequencies, quick=True,
     ),
-    Case(
+    KnownCase(
         "highline-stance", "A person stands in the middle of a highline",
-        Source("two straight springs, derived in ropewalk.theory.highline", "elementary statics"),
+        Publication("two straight springs, derived in ropewalk.theory.highline", "elementary statics"),
         HIGHLINE,
         (
-            Row("sag", "depth of the feet", "m", "closed form", lambda: STANCE.sag,
-                lambda r: -float(r.contact_position.to_numpy()[-1, 0, 1]), "the webbing weighs 0.04 g", relative=1e-5),
-            Row("tension", "tension", "N", "closed form", lambda: float(STANCE.tensions[0]),
-                lambda r: float(r.tension.to_numpy()[-1].max()), "the webbing weighs 0.04 g", relative=1e-5),
+            KnownNumber("sag", "depth of the feet", "m", "closed form", lambda: STANCE.sag,
+                lambda r: -float(r.contact_position.to_numpy()[-1, 0, 1]), "its mass is 0.04 g", relative=1e-5),
+            KnownNumber("tension", "tension", "N", "closed form", lambda: float(STANCE.tensions[0]),
+                lambda r: float(r.tension.to_numpy()[-1].max()), "its mass is 0.04 g", relative=1e-5),
         ),
         fault=("loads.person.mass=58",), quick=True,
     ),
-    Case(
+    KnownCase(
         "highline-frequencies", "The same person bounces and sways",
-        Source("two straight springs, linearised in ropewalk.theory.highline", "elementary statics"),
+        Publication("two straight springs, linearised in ropewalk.theory.highline", "elementary statics"),
         HIGHLINE,
         (
-            Row("sway", "frequency to the side", "Hz", "closed form", lambda: STANCE.sway_frequency,
-                lambda s: float(s.modes.frequency[0]) / (2.0 * np.pi), "the webbing weighs 0.04 g", relative=1e-5),
-            Row("bounce", "frequency up and down", "Hz", "closed form", lambda: STANCE.bounce_frequency,
-                lambda s: float(s.modes.frequency[1]) / (2.0 * np.pi), "the webbing weighs 0.04 g", relative=1e-5),
+            KnownNumber("sway", "frequency to the side", "Hz", "closed form", lambda: STANCE.sway_frequency,
+                lambda s: float(s.modes.frequency[0]) / (2.0 * np.pi), "its mass is 0.04 g", relative=1e-5),
+            KnownNumber("bounce", "frequency up and down", "Hz", "closed form", lambda: STANCE.bounce_frequency,
+                lambda s: float(s.modes.frequency[1]) / (2.0 * np.pi), "its mass is 0.04 g", relative=1e-5),
         ),
         fault=("loads.person.mass=58",), answer=frequencies, quick=True,
     ),
-    Case(
+    KnownCase(
         "cable-bead", "A bead of 10 kg slides without friction along a light rope, released 4 m from its end",
-        Source("conservation of energy on the ellipse, solved in ropewalk.theory.bead", "elementary mechanics"),
+        Publication("conservation of energy on the ellipse, solved in ropewalk.theory.bead", "elementary mechanics"),
         SLIDING,
         (
-            Row("speed", "largest speed", "m/s", "closed form",
+            KnownNumber("speed", "largest speed", "m/s", "closed form",
                 lambda: float(np.sqrt(2.0 * G * (ellipse_at(4.0).z - ellipse_at(10.0).z))), fastest,
                 "the rope weighs 22 g and stretches by 0.1 mm per m; differences over 40 ms", relative=2e-3),
-            Row("half-period", "time to the far end", "s", "closed form",
+            KnownNumber("half-period", "time to the far end", "s", "closed form",
                 lambda: 0.5 * float(bead.period(4.0, span=20.0, length=22.0, gravity=G)), turns_back,
                 "as above; a rope that weighs something is not quite an ellipse", relative=3e-3),
         ),

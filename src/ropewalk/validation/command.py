@@ -8,8 +8,8 @@ from pathlib import Path
 
 from ropewalk.console import DOUBTFUL, STOPPED_EARLY, fail, print_columns, print_json, say, write_text
 from ropewalk.results import ResultError
-from ropewalk.validation.finding import AGREES, DIFFERS, FAILED, MISSING, Finding
 from ropewalk.validation.page import as_dict, html, markdown, number, reference_of
+from ropewalk.validation.row_result import AGREES, DIFFERS, FAILED, MISSING, RowResult
 from ropewalk.validation.validating import chosen
 
 SUFFIXES = (".md", ".html", ".json")
@@ -43,7 +43,7 @@ def tell_rows(only: Sequence[str], quick: bool, as_json: bool) -> None:
         print_columns([row[:2] for row in rows])
 
 
-def tell(found: Sequence[Finding], as_json: bool, quiet: bool) -> None:
+def tell(found: Sequence[RowResult], as_json: bool, quiet: bool) -> None:
     """Print what came out."""
     if as_json:
         print_json(as_dict(found))
@@ -55,7 +55,7 @@ def tell(found: Sequence[Finding], as_json: bool, quiet: bool) -> None:
         )
 
 
-def finish(found: Sequence[Finding], quiet: bool) -> None:
+def finish(found: Sequence[RowResult], quiet: bool) -> None:
     """Say what does not agree, and leave with the exit code of the worst."""
     if not quiet:
         for finding in found:
@@ -69,7 +69,7 @@ def finish(found: Sequence[Finding], quiet: bool) -> None:
         say(said)
 
 
-def write(found: Sequence[Finding], file: Path) -> None:
+def write(found: Sequence[RowResult], file: Path) -> None:
     """Write the page."""
     kind = file.suffix.lower()
     if kind == ".json":

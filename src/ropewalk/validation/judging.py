@@ -8,12 +8,12 @@ from collections.abc import Iterable
 from typing import Any
 
 from ropewalk.errors import RopewalkError
-from ropewalk.validation.case import Case
-from ropewalk.validation.finding import AGREES, DIFFERS, FAILED, MISSING, Finding
-from ropewalk.validation.row import Row
+from ropewalk.validation.known_case import KnownCase
+from ropewalk.validation.known_number import KnownNumber
+from ropewalk.validation.row_result import AGREES, DIFFERS, FAILED, MISSING, RowResult
 
 
-def judged(case: Case, names: Iterable[str], settings: Iterable[str] = ()) -> list[Finding]:
+def judged(case: KnownCase, names: Iterable[str], settings: Iterable[str] = ()) -> list[RowResult]:
     """Compute a case, and compare rows of it; whatever goes wrong is told by them.
 
     Args:
@@ -23,7 +23,7 @@ def judged(case: Case, names: Iterable[str], settings: Iterable[str] = ()) -> li
     """
     rows = [row for row in case.rows if row.name in set(names)]
     if not case.there:
-        return [Finding(f"{case.id}.{row.name}", MISSING, reason=f"{case.needs} is not installed") for row in rows]
+        return [RowResult(f"{case.id}.{row.name}", MISSING, reason=f"{case.needs} is not installed") for row in rows]
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -34,10 +34,10 @@ def judged(case: Case, names: Iterable[str], settings: Iterable[str] = ()) -> li
         reason = "; ".join(str(error).splitlines())
     except Exception as error:  # a fault in one case does not take the others with it
         reason = f"a fault of ropewalk: {type(error).__name__}: {error}"
-    return [Finding(f"{case.id}.{row.name}", FAILED, reason=reason) for row in rows]
+    return [RowResult(f"{case.id}.{row.name}", FAILED, reason=reason) for row in rows]
 
 
-def _compared(case: Case, row: Row, answer: Any, coarse: Any) -> Finding:
+def _compared(case: KnownCase, row: KnownNumber, answer: Any, coarse: Any) -> RowResult:
     reference = row.reference()
     low, high = reference if isinstance(reference, tuple) else (reference, reference)
     ours = float(row.ours(answer))
@@ -46,7 +46,7 @@ def _compared(case: Case, row: Row, answer: Any, coarse: Any) -> Finding:
     if row.order:
         errors = [abs(float(row.ours(one)) - low) for one in (coarse, answer)]
         order = math.log(errors[0] / errors[1], case.ratio) if min(errors) > 0.0 else math.nan
-    found = Finding(f"{case.id}.{row.name}", AGREES, low, high, ours, allowed, order)
+    found = RowResult(f"{case.id}.{row.name}", AGREES, low, high, ours, allowed, order)
     reasons = []
     if not abs(found.difference) <= allowed:
         reasons.append(f"{found.difference:.3g} apart, {allowed:.3g} allowed")
@@ -54,4 +54,4 @@ def _compared(case: Case, row: Row, answer: Any, coarse: Any) -> Finding:
         reasons.append(f"order {order:.2f}, at least {row.order:g} expected")
     if not reasons:
         return found
-    return Finding(found.id, DIFFERS, low, high, ours, allowed, order, "; ".join(reasons))
+    return RowResult(found.id, DIFFERS, low, high, ours, allowed, order, "; ".join(reasons))

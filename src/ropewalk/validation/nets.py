@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from ropewalk.theory import membrane
-from ropewalk.validation.case import Case, frequencies
-from ropewalk.validation.row import Row
-from ropewalk.validation.source import Source
+from ropewalk.validation.known_case import KnownCase, frequencies
+from ropewalk.validation.known_number import KnownNumber
+from ropewalk.validation.publication import Publication
 
-RAYLEIGH = Source("Rayleigh, The Theory of Sound I, ch. 9: membranes", "elementary")
+RAYLEIGH = Publication("Rayleigh, The Theory of Sound I, ch. 9: membranes", "elementary")
 SIDES = (4.0, 3.0)
 SHEET = """
 gravity: 0
@@ -52,23 +52,23 @@ def under_the_weight() -> float:
 
 
 CASES = (
-    Case(
+    KnownCase(
         "membrane-frequencies", "Natural frequencies of a rectangular membrane", RAYLEIGH, MEMBRANE + AT_REST,
         (
-            Row("first", "mode (1, 1)", "rad/s", "closed form", lambda: rectangle(1, 1), mode(1),
+            KnownNumber("first", "mode (1, 1)", "rad/s", "closed form", lambda: rectangle(1, 1), mode(1),
                 "second order of 16 x 16 cells", relative=8e-3, order=1.8),
-            Row("second", "mode (2, 1)", "rad/s", "closed form", lambda: rectangle(2, 1), mode(2),
+            KnownNumber("second", "mode (2, 1)", "rad/s", "closed form", lambda: rectangle(2, 1), mode(2),
                 "second order of 16 x 16 cells", relative=2e-2, order=1.8),
         ),
         fault=("nets.net.mass=0.32",), answer=frequencies, coarser=("nets.net.cells=[8, 8]",),
     ),
-    Case(
+    KnownCase(
         "net-deflection", "A small weight at a node of a taut net",
-        Source("taut strings crossing each other, a finite double sum, derived in "
+        Publication("taut strings crossing each other, a finite double sum, derived in "
                "ropewalk.theory.membrane", "elementary"),
         NET + AT_NODE + AT_REST,
         (
-            Row("depth", "deflection of the node", "m", "closed form", under_the_weight,
+            KnownNumber("depth", "deflection of the node", "m", "closed form", under_the_weight,
                 lambda r: -float(np.min(r.position.sel(axis="z").to_numpy()[-1])),
                 "stretch by the weight, squares of slopes of 1e-5", relative=1e-4),
         ),

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from ropewalk.scenario.examples import examples
-from ropewalk.validation.case import Case
-from ropewalk.validation.row import Row
-from ropewalk.validation.source import Source
+from ropewalk.validation.known_case import KnownCase
+from ropewalk.validation.known_number import KnownNumber
+from ropewalk.validation.publication import Publication
 
-EN50318 = Source(
+EN50318 = Publication(
     "EN 50318:2002, annex A, the ranges of the reference model, as public secondary sources and comparisons of "
     "programs "
     "give them; the standard itself is not open",
@@ -43,12 +43,12 @@ def collected(result: Any, name: str) -> float:
     return float(getattr(found, name)) * {"uplift": 1e3, "loss": 100.0}.get(name, 1.0)
 
 
-def box(name: str, column: int) -> Row:
+def box(name: str, column: int) -> KnownNumber:
     """A row whose reference is a range."""
     what, unit, *ranges, fault = RANGES[name]
     inside: Any = ranges[column]
     reason = "within the range"
-    return Row(
+    return KnownNumber(
         name, what, unit, "published range", lambda: inside, lambda r: collected(r, name), reason, fault=fault
     )  # fmt: skip
 
@@ -68,30 +68,31 @@ def tension_in_the_middle(result: Any) -> float:
 
 CASES = (
     *(
-        Case(
+        KnownCase(
             f"overhead-en50318-{speed}", f"The reference model of EN 50318:2002 at {speed} km/h", EN50318,
             lambda speed=speed: examples()[f"en50318-2002-{speed}"],  # type: ignore[misc]
             tuple(box(name, column) for name in RANGES), fault=PUSHED,
         )
         for column, speed in enumerate((250, 300))
     ),
-    Case(
+    KnownCase(
         "overhead-missing-dropper", "The contact wire sags where a dropper is missing, worn by 10 %",
-        Source("a string under its weight, q L^2/(8 T)", "elementary"),
+        Publication("a string under its weight, q L^2/(8 T)", "elementary"),
         lambda: examples()["overhead-line-missing-dropper"],
         (
-            Row("sag", "sag in the gap of 13 m at rest", "m", "closed form",
+            KnownNumber("sag", "sag in the gap of 13 m at rest", "m", "closed form",
                 lambda: 0.9 * 1.35 * 9.81 * 13.0**2 / (8.0 * 20e3), sag_in_the_gap,
                 "the bending stiffness rounds the ends of the gap off", absolute=6e-4),
         ),
         settings=("run.until=0.05 s",), fault=("overhead_lines.line.contact_wire.tension=18 kN",),
     ),
-    Case(
+    KnownCase(
         "overhead-cold", "A line with fixed terminations becomes 30 K colder",
-        Source("a level wire that may not shorten: T + EA alpha dT", "elementary"),
+        Publication("a level wire that may not shorten: T + EA alpha dT", "elementary"),
         lambda: examples()["overhead-line-cold"],
         (
-            Row("tension", "tension of the contact wire", "N", "closed form", lambda: 10e3 + 12e6 * 1.7e-5 * 30.0,
+            KnownNumber("tension", "tension of the contact wire", "N", "closed form",
+                lambda: 10e3 + 12e6 * 1.7e-5 * 30.0,
                 tension_in_the_middle, "the messenger, which sags less, pulls it up a little", absolute=60.0),
         ),
         settings=("run.until=0.05 s",), fault=("overhead_lines.line.condition.temperature_rise=-33",),

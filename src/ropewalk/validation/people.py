@@ -10,9 +10,9 @@ from ropewalk.model import Crowd
 from ropewalk.scenario.examples import examples
 from ropewalk.theory import gait
 from ropewalk.theory.lateral_balance import sway_growth
-from ropewalk.validation.case import Case
-from ropewalk.validation.row import Row
-from ropewalk.validation.source import Source
+from ropewalk.validation.known_case import KnownCase
+from ropewalk.validation.known_number import KnownNumber
+from ropewalk.validation.publication import Publication
 
 WEIGHT = 75.0 * 9.81
 STEPS = """
@@ -54,46 +54,46 @@ def growth_by_theory() -> float:
     people = Crowd(on="deck", number=60).people(60.0)
     return sway_growth(
         1.1, damping_rate=4.0 * np.pi * 0.007 * 1.1, modal_mass=0.5 * 900.0 * 60.0, leg_length=1.17,
-        mass=[person.mass for person in people], step_time=[1.0 / person.frequency for person in people],
+        mass=[one.mass for one in people], step_time=[1.0 / one.frequency for one in people],
     ).real  # fmt: skip
 
 
-BACHMANN = Source(
+BACHMANN = Publication(
     "H. Bachmann and W. Ammann, Vibrations in Structures, IABSE Structural Engineering Documents 3e, 1987"
 )
-YOUNG = Source("P. Young, Improved floor vibration prediction methodologies, Arup Vibration Seminar, 2001")
+YOUNG = Publication("P. Young, Improved floor vibration prediction methodologies, Arup Vibration Seminar, 2001")
 
 CASES = (
-    Case(
+    KnownCase(
         "walking-bachmann", "The force of a walker by Bachmann, two steps a second", BACHMANN, steps("bachmann", 2.0),
         (
-            Row("first", "first harmonic over the weight", "", "published number", lambda: 0.4,
+            KnownNumber("first", "first harmonic over the weight", "", "published number", lambda: 0.4,
                 lambda r: harmonic(r, 1), "the feet together give the sum exactly; outputs of ten "
                                           "steps", absolute=1e-3),
-            Row("second", "second harmonic over the weight", "", "published number", lambda: 0.1,
+            KnownNumber("second", "second harmonic over the weight", "", "published number", lambda: 0.1,
                 lambda r: harmonic(r, 2), "as above", absolute=1e-3),
         ),
         fault=("loads.walker.mass=77",), quick=True,
     ),
-    Case(
+    KnownCase(
         "walking-young", "The force of a walker by Young, 1.8 steps a second", YOUNG, steps("young", 1.8),
         (
-            Row("first", "first harmonic over the weight, 0.41 (f - 0.95)", "", "published number",
+            KnownNumber("first", "first harmonic over the weight, 0.41 (f - 0.95)", "", "published number",
                 lambda: 0.41 * (1.8 - 0.95), lambda r: harmonic(r, 1), "as above", absolute=1e-3),
-            Row("second", "second harmonic over the weight, 0.069 + 0.0056 * 2 f", "", "published number",
+            KnownNumber("second", "second harmonic over the weight, 0.069 + 0.0056 * 2 f", "", "published number",
                 lambda: factor(gait.young, 1.8, 2), lambda r: harmonic(r, 2), "as above", absolute=1e-3),
         ),
         fault=("loads.walker.mass=77",),
     ),
-    Case(
+    KnownCase(
         "crowd-lock-in", "Sixty people sway a footbridge of 1.1 Hz",
-        Source("J. H. G. Macdonald, Lateral excitation of bridges by balancing pedestrians, Proc. R. Soc. A 465 "
+        Publication("J. H. G. Macdonald, Lateral excitation of bridges by balancing pedestrians, Proc. R. Soc. A 465 "
                "(2009), "
                "1055-1073, for the pendulum; its growth rate in ropewalk.theory.lateral_balance",
                "title, author, volume and pages"),
         lambda: examples()["footbridge-lock-in"],
         (
-            Row("growth", "growth rate of the sway", "1/s", "closed form", growth_by_theory, growth,
+            KnownNumber("growth", "growth rate of the sway", "1/s", "closed form", growth_by_theory, growth,
                 "the forces of the gait itself are still felt 10 s after the start", absolute=6e-3),
         ),
         fault=("lines.deck.damping.ratio=1.2 %",),

@@ -10,10 +10,10 @@ from ropewalk.scenario import loads
 from ropewalk.scenario.examples import examples
 from ropewalk.theory import beam
 from ropewalk.theory.beam_vehicle import Vehicle
-from ropewalk.validation.case import Case, answered
+from ropewalk.validation.known_case import KnownCase, answered
+from ropewalk.validation.known_number import KnownNumber
 from ropewalk.validation.measured import deepest
-from ropewalk.validation.row import Row
-from ropewalk.validation.source import Source
+from ropewalk.validation.publication import Publication
 
 G = 9.81
 
@@ -92,27 +92,29 @@ def by_exudyn(measure: Any) -> float:
 
 
 CASES = (
-    Case(
+    KnownCase(
         "program-uvec", "A coach computed by UVEC crosses a railway bridge of 30 m",
-        Source("UVEC 1.1, a package of Deltares for vehicles on tracks; the number by 12 modes with linear contacts",
+        Publication("UVEC 1.1, a package of Deltares for vehicles on tracks; the number by 12 modes with linear "
+                    "contacts",
                "its entry in the package index"),
         lambda: examples()["uvec-on-bridge"],
         (
-            Row("deflection", "largest deflection at midspan", "m", "series", bridge_under_the_coach,
+            KnownNumber("deflection", "largest deflection at midspan", "m", "series", bridge_under_the_coach,
                 lambda r: deepest(r, 15.0), "48 links and steps of 1 ms: 0.2 %", absolute=1.5e-5),
         ),
         fault=("lines.bridge.bending_stiffness=54 GN*m^2",), needs="UVEC",
     ),
-    Case(
+    KnownCase(
         "program-exudyn", "A trolley on a track rope: kind vehicle against Exudyn",
-        Source("J. Gerstmayr, Exudyn - a C++-based Python package for flexible multibody systems, Multibody Syst. Dyn. "
+        Publication("J. Gerstmayr, Exudyn - a C++-based Python package for flexible multibody systems, Multibody "
+                    "Syst. Dyn. "
                "(2023); run beside ours", "author, year and the repository jgerstmayr/EXUDYN; the title from memory"),
         OWN,
         (
-            Row("force", "largest force of a "
+            KnownNumber("force", "largest force of a "
                          "wheel", "N", "other program", lambda: by_exudyn(largest_force), largest_force,
                 "exchange every 0.5 ms; 2.4e-3 of the forces seen", relative=5e-3),
-            Row("depth", "deepest place of the rope", "m", "other program", lambda: by_exudyn(lowest), lowest,
+            KnownNumber("depth", "deepest place of the rope", "m", "other program", lambda: by_exudyn(lowest), lowest,
                 "exchange every 0.5 ms; 6e-4 of the depth seen", relative=2e-3),
         ),
         fault=("loads.trolley.bodies.body.mass=310",), needs="exudyn",

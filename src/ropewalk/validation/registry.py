@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from ropewalk.validation import beams, bridges, cables, nets, overhead_lines, people, programs, strings, wheels
-from ropewalk.validation.case import Case
+from ropewalk.validation import (
+    beams,
+    bridges,
+    cables,
+    nets,
+    overhead_lines,
+    people,
+    programs,
+    taut_string,
+    waves,
+    wheels,
+)
+from ropewalk.validation.known_case import KnownCase
 
-GROUPS: dict[str, tuple[Case, ...]] = {
-    "Taut strings": strings.CASES,
+GROUPS: dict[str, tuple[KnownCase, ...]] = {
+    "Taut strings": (*taut_string.CASES, *waves.CASES),
     "Cables and highlines": cables.CASES,
     "Saddles, sheaves, friction, pendulums": wheels.CASES,
     "Beams": beams.CASES,

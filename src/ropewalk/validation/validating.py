@@ -8,17 +8,17 @@ from fnmatch import fnmatchcase
 
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.sweeps.pool import DIED, cores, each
-from ropewalk.validation.case import Case
-from ropewalk.validation.finding import FAILED, Finding
 from ropewalk.validation.judging import judged
+from ropewalk.validation.known_case import KnownCase
+from ropewalk.validation.known_number import KnownNumber
 from ropewalk.validation.registry import CASES
-from ropewalk.validation.row import Row
+from ropewalk.validation.row_result import FAILED, RowResult
 
 Task = tuple[str, tuple[str, ...]]
 """A case and its rows, by their names."""
 
 
-def chosen(only: Sequence[str] = (), quick: bool = False) -> list[tuple[Case, Row]]:
+def chosen(only: Sequence[str] = (), quick: bool = False) -> list[tuple[KnownCase, KnownNumber]]:
     """Rows whose names, CASE.ROW, one of the patterns fits (* and ? as in names of files), or all.
 
     Args:
@@ -39,7 +39,7 @@ def chosen(only: Sequence[str] = (), quick: bool = False) -> list[tuple[Case, Ro
     ]  # fmt: skip
 
 
-def fits(pattern: str, case: Case, row: Row) -> bool:
+def fits(pattern: str, case: KnownCase, row: KnownNumber) -> bool:
     """Whether a pattern means a row, by the name of its case or its own."""
     return fnmatchcase(case.id, pattern) or fnmatchcase(f"{case.id}.{row.name}", pattern)
 
@@ -50,7 +50,7 @@ def validate(
     quick: bool = False,
     workers: int | None = None,
     progress: Callable[[str, float], None] | None = None,
-) -> list[Finding]:
+) -> list[RowResult]:
     """Compute what is known from elsewhere, and compare.
 
     Args:
@@ -71,16 +71,16 @@ def validate(
         names[case.id] = (*names.get(case.id, ()), row.name)
     ahead = sorted(names.items(), key=lambda task: CASES[task[0]].quick)  # long ones first: none is left to the end
     processes = cores() if workers is None else workers
-    found = dict[str, Finding]()
-    nothing = list[Finding]()
+    found = dict[str, RowResult]()
+    nothing = list[RowResult]()
     with closing(each(ahead, _task, min(processes, len(ahead)), nothing)) as answers:
         for done, (task, findings) in enumerate(answers, start=1):
-            lost = [Finding(f"{task[0]}.{name}", FAILED, reason=DIED) for name in task[1]]
+            lost = [RowResult(f"{task[0]}.{name}", FAILED, reason=DIED) for name in task[1]]
             found |= {finding.id: finding for finding in findings or lost}
             if progress is not None:
                 progress("validating", done / len(ahead))
     return [found[f"{case.id}.{row.name}"] for case, row in rows]
 
 
-def _task(task: Task) -> list[Finding]:
+def _task(task: Task) -> list[RowResult]:
     return judged(CASES[task[0]], task[1])

@@ -8,16 +8,16 @@ import numpy as np
 
 from ropewalk.theory import friction
 from ropewalk.theory.rope import elastic_catenary
-from ropewalk.validation.case import Case
-from ropewalk.validation.row import Row
-from ropewalk.validation.source import Source
+from ropewalk.validation.known_case import KnownCase
+from ropewalk.validation.known_number import KnownNumber
+from ropewalk.validation.publication import Publication
 
-CAPSTAN = Source(
+CAPSTAN = Publication(
     "L. Euler, Remarques sur l'effet du frottement dans l'equilibre, 1762; J. A. Eytelwein, 1808: T2/T1 = exp(mu "
     "angle)",
-    "elementary; the titles from memory",
+    "the formula is elementary; the titles from memory",
 )
-ENERGY = Source("conservation of energy", "elementary")
+ENERGY = Publication("conservation of energy", "elementary")
 EA, CROWN = 1e6, 3.0
 
 
@@ -136,83 +136,85 @@ def wide_swing(swing: float) -> float:
     return float(4.0 * np.sqrt(2.0 / 9.81) * ellipk(np.sin(0.5 * swing) ** 2))
 
 
-PENDULUM = Source("Chr. Huygens, 1673, and A.-M. Legendre's complete elliptic integral", "elementary")
+PENDULUM = Publication("Chr. Huygens, 1673, and A.-M. Legendre's complete elliptic integral", "elementary")
 
 CASES = (
-    Case(
+    KnownCase(
         "saddle-friction", "A rope is drawn over a saddle with friction", CAPSTAN,
         DRAWN + "run: {kind: dynamic, until: 1.2, every: 0.02}\n",
         (
-            Row("coefficient", "ln(T2/T1) over the angle", "", "closed form", lambda: 0.3, log_ratio_over_angle,
+            KnownNumber("coefficient", "ln(T2/T1) over the angle", "", "closed form", lambda: 0.3, log_ratio_over_angle,
                 "drag of 2/s along both spans adds up to 0.5 %", relative=1.5e-2),
         ),
         fault=("lines.rope.saddles.tower.friction=0.32",),
     ),
-    Case(
+    KnownCase(
         "saddle-tension", "A heavy rope rests on a smooth saddle",
-        Source("T + T^2/(2 EA) - w z is the same all along a smooth rope; statics of ropes", "elementary"),
+        Publication("T + T^2/(2 EA) - w z is the same all along a smooth rope; statics of ropes", "elementary"),
         tramway() + "run: {kind: equilibrium}\n",
         (
-            Row("spread", "spread of T + T^2/(2 EA) - w z over its mean", "", "closed form", lambda: 0.0,
+            KnownNumber("spread", "spread of T + T^2/(2 EA) - w z over its mean", "", "closed form", lambda: 0.0,
                 tension_by_height, "links of 0.2 m on an arc", absolute=2e-3),
         ),
         fault=("gravity=0",),
     ),
-    Case(
+    KnownCase(
         "saddle-bead", "A light bead slides over the saddle by its energy", ENERGY, tramway() + BEAD,
         (
-            Row("energy", "smallest over largest energy per mass", "", "closed form", lambda: 1.0, speed_by_height,
+            KnownNumber("energy", "smallest over largest energy per mass", "", "closed form",
+                lambda: 1.0, speed_by_height,
                 "the rope takes 1e-4 of it as it is set down; differences over 20 ms", absolute=4e-4),
-            Row("crown", "greatest height", "m", "closed form", lambda: CROWN,
+            KnownNumber("crown", "greatest height", "m", "closed form", lambda: CROWN,
                 lambda r: float(r.contact_position.to_numpy()[:, 0, 1].max()), "outputs every 10 ms", absolute=1e-3),
         ),
         fault=("loads.bead.travel.friction=0.02", "lines.rope.saddles.tower.at=[10, 2.99]"),
     ),
-    Case(
+    KnownCase(
         "sheave-bisector", "A light rope runs over a sheave without friction",
-        Source("statics: one tension, a support force along the bisector", "elementary"), SHEAVE,
+        Publication("statics: one tension, a support force along the bisector", "elementary"), SHEAVE,
         (
-            Row("tension", "tension", "N", "closed "
-                                           "form", lambda: TENSION, lambda r: float(r.tension.to_numpy()[0].mean()),
+            KnownNumber("tension", "tension", "N", "closed form", lambda: TENSION,
+                lambda r: float(r.tension.to_numpy()[0].mean()),
                 "the rope weighs 0.1 mN", relative=1e-5),
-            Row("support", "upward force of the sheave on the rope", "N", "closed form", lambda: float(SUPPORT[1]),
+            KnownNumber("support", "upward force of the sheave on the rope", "N", "closed form",
+                lambda: float(SUPPORT[1]),
                 lambda r: float(r.reaction.sel(support="rope.wheel", axis="z")[0]), "as above", relative=1e-5),
         ),
         fault=("lines.rope.length=13.01",), quick=True,
     ),
-    Case(
+    KnownCase(
         "foot-friction", "A foot stands on a tightrope, 6 m from its end", CAPSTAN, TIGHTROPE,
         (
-            Row("coefficient", "friction that keeps it there", "", "closed form", foot,
+            KnownNumber("coefficient", "friction that keeps it there", "", "closed form", foot,
                 lambda r: float(r.contact_friction.to_numpy()[-1].ravel()[0]), "second order of 200 links",
                 absolute=2e-6, relative=2e-4),
         ),
         fault=("lines.rope.length=29.95",), quick=True,
     ),
-    Case(
+    KnownCase(
         "pendulum-small", "A payload swings below a trolley that is kept in its place", PENDULUM,
         hanging("speed: 0", 2e3, 0.02),
         (
-            Row("period", "period, 2 pi sqrt(l/g)", "s", "closed "
-                                                         "form", lambda: 2.0 * np.pi * float(np.sqrt(2.0 / 9.81)),
+            KnownNumber("period", "period, 2 pi sqrt(l/g)", "s", "closed form",
+                lambda: 2.0 * np.pi * float(np.sqrt(2.0 / 9.81)),
                 period, "the line gives by 0.1 mm", relative=2e-4),
         ),
         fault=("loads.crab.payload.length=2.01",), quick=True,
     ),
-    Case(
+    KnownCase(
         "pendulum-wide", "The same with a swing of 1.2 rad", PENDULUM, hanging("speed: 0", 2e3, 1.2),
         (
-            Row("period", "period, 4 sqrt(l/g) K", "s", "closed form", lambda: wide_swing(1.2), period,
+            KnownNumber("period", "period, 4 sqrt(l/g) K", "s", "closed form", lambda: wide_swing(1.2), period,
                 "the line gives by 0.1 mm", relative=2e-4),
         ),
         fault=("loads.crab.payload.length=2.01",),
     ),
-    Case(
+    KnownCase(
         "pendulum-free-trolley", "A payload swings below a trolley of 300 kg that rolls",
-        Source("motion about the common centre of mass: 2 pi sqrt(l M/(g (M + m)))", "elementary"),
+        Publication("motion about the common centre of mass: 2 pi sqrt(l M/(g (M + m)))", "elementary"),
         hanging("kind: free", 300.0, 0.05),
         (
-            Row("period", "period", "s", "closed form",
+            KnownNumber("period", "period", "s", "closed form",
                 lambda: 2.0 * np.pi * float(np.sqrt(2.0 * 300.0 / (9.81 * 400.0))), period,
                 "the swing of 0.05 rad lengthens it by 2e-4, the sag of the line more", relative=1e-3),
         ),

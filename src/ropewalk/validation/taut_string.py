@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from ropewalk.theory import chain, selfsimilar, string, whirl
-from ropewalk.validation.case import Case, frequencies
+from ropewalk.validation.known_case import KnownCase, frequencies
+from ropewalk.validation.known_number import KnownNumber
 from ropewalk.validation.measured import contact_depth, contact_force, deflection
-from ropewalk.validation.row import Row
-from ropewalk.validation.source import Source
+from ropewalk.validation.publication import Publication
 
-FRYBA = Source(
+FRYBA = Publication(
     "L. Fryba, Vibration of Solids and Structures under Moving Loads, 3rd ed., Thomas Telford, 1999, ch. 18 (its "
     "series, "
     "summed)",
@@ -50,14 +50,14 @@ def deflected(alpha: float, passages: float, place: float = 0.5) -> float:
     return float(string.moving_force(place * LENGTH, t, force=1e-6, speed=alpha * WAVE, **UNIT))
 
 
-def force_case(name: str, what: str, alpha: float, passages: float, **more: float) -> Case:
+def force_case(name: str, what: str, alpha: float, passages: float, **more: float) -> KnownCase:
     """The middle of the string at one instant."""
-    row = Row(
+    row = KnownNumber(
         "middle", "deflection of the middle", "m", "closed form", lambda: deflected(alpha, passages),
         lambda result: deflection(result, 0.5 * LENGTH), "the kink at the load is smeared over one of 200 links",
         relative=more.get("relative", 2e-3),
     )  # fmt: skip
-    return Case(
+    return KnownCase(
         name, what, FRYBA, force(alpha, passages), (row,), quick=True, fault=("lines.string.mass=1.05",),
     )  # fmt: skip
 
@@ -120,15 +120,15 @@ def whirls_per_second(result: object) -> float:
 
 
 CASES = (
-    Case(
+    KnownCase(
         "string-frequencies", "Natural frequencies of a taut string",
-        Source("Rayleigh, The Theory of Sound I, ch. 6, and J.-L. Lagrange's loaded string; f = n/(2 L) sqrt(P/m)",
+        Publication("Rayleigh, The Theory of Sound I, ch. 6, and J.-L. Lagrange's loaded string; f = n/(2 L) sqrt(P/m)",
                "elementary"),
         LINE.format(length=LENGTH, elements=100) + "run: {kind: equilibrium}\n",
         (
-            Row("first", "first frequency", "rad/s", "closed form", lambda: np.pi * WAVE / LENGTH,
+            KnownNumber("first", "first frequency", "rad/s", "closed form", lambda: np.pi * WAVE / LENGTH,
                 lambda s: s.lowest_frequency, "second order of 100 links: (pi/100)^2/24", relative=6e-5, order=1.9),
-            Row("highest", "highest frequency of the chain of 100 links", "rad/s", "closed form",
+            KnownNumber("of-the-chain", "the same of a chain of 100 links", "rad/s", "closed form",
                 lambda: float(chain.transverse_frequencies(links=100, length=LENGTH, axial_stiffness=1e3, mass=1.0,
                                                            stretch=STRETCH)[0]),
                 lambda s: s.lowest_frequency, "the chain is solved exactly (Lagrange's loaded string)", relative=1e-7),
@@ -139,47 +139,49 @@ CASES = (
     force_case("string-force-reflected", "The same after it has left: waves come back from both supports", 0.5, 1.6),
     force_case("string-force-near-critical", "A force at 0.85 of the wave speed", 0.85, 0.75),
     force_case("string-force-fast", "A force that is twice as fast as the waves", 2.0, 0.75),
-    Case(
+    KnownCase(
         "string-mass", "A mass as heavy as the string passes it at half the wave speed",
-        Source("C. E. Smith, Motions of a stretched string carrying a moving mass particle, J. Appl. Mech. 31 (1964); "
+        Publication("C. E. Smith, Motions of a stretched string carrying a moving mass particle, J. Appl. Mech. 31 "
+                    "(1964); "
                "B. Dyniewicz and C. I. Bajer, Paradox of a particle's trajectory moving on a string, Arch. Appl. Mech. "
                "79 (2009); solved here by the delay equation of the contact force",
                "title and abstract of the second; the first from memory"),
         passing(MASS),
         (
-            Row("depth", "depth of the mass in the middle", "m", "closed form",
+            KnownNumber("depth", "depth of the mass in the middle", "m", "closed form",
                 lambda: float(mass_passage(at(0.5, 0.5)).deflection), lambda r: contact_depth(r, at(0.5, 0.5)),
                 "200 links, of the second order; the support bears a part of the load on the first "
                 "link", relative=5e-4),
-            Row("depth-late", "depth at 0.8 of the way", "m", "closed form",
+            KnownNumber("depth-late", "depth at 0.8 of the way", "m", "closed form",
                 lambda: float(mass_passage(at(0.8, 0.5)).deflection), lambda r: contact_depth(r, at(0.8, 0.5)),
                 "as above", relative=5e-4),
-            Row("force", "contact force at 0.6 of the way", "N", "closed form",
+            KnownNumber("force", "contact force at 0.6 of the way", "N", "closed form",
                 lambda: float(mass_passage(at(0.6, 0.5)).contact_force), lambda r: contact_force(r, at(0.6, 0.5)),
                 "as above", relative=5e-4),
         ),
         fault=("loads.load.mass=1.2",), quick=True,
     ),
-    Case(
+    KnownCase(
         "string-oscillator", "A mass on a spring passes a string at half the wave speed",
-        Source("L. Fryba (1999), ch. 18, for the string; the coupling solved here by the delay equation of the contact "
+        Publication("L. Fryba (1999), ch. 18, for the string; the coupling solved here by the delay equation of the "
+                    "contact "
                "force", "imprint of the book; the chapter from memory"),
         passing(OSCILLATOR),
         (
-            Row("depth", "depth of the contact in the middle", "m", "closed form",
+            KnownNumber("depth", "depth of the contact in the middle", "m", "closed form",
                 lambda: float(string.moving_oscillator(at(0.5, 0.5), sprung_mass=1.0, stiffness=5.0, speed=0.5 * WAVE,
                                                        gravity=WEIGHT, **UNIT).deflection),
                 lambda r: contact_depth(r, at(0.5, 0.5)), "200 links", relative=5e-4),
-            Row("force", "contact force at 0.8 of the way", "N", "closed form",
+            KnownNumber("force", "contact force at 0.8 of the way", "N", "closed form",
                 lambda: float(string.moving_oscillator(at(0.8, 0.5), sprung_mass=1.0, stiffness=5.0, speed=0.5 * WAVE,
                                                        gravity=WEIGHT, **UNIT).contact_force),
                 lambda r: contact_force(r, at(0.8, 0.5)), "200 links", relative=5e-4),
         ),
         fault=("loads.load.stiffness=[[7, -7], [-7, 7]]",),
     ),
-    Case(
+    KnownCase(
         "string-self-similar", "A force is switched on and travels along a string that it stretches: nonlinear waves",
-        Source("J. D. Cole, C. B. Dougherty and J. H. Huth, Constant-strain waves in strings, J. Appl. Mech. 20 "
+        Publication("J. D. Cole, C. B. Dougherty and J. H. Huth, Constant-strain waves in strings, J. Appl. Mech. 20 "
                "(1953), "
                "and H. A. Rakhmatulin (1945), for the jump conditions; the moving force derived here"),
         f"""
@@ -191,16 +193,16 @@ loads:
 run: {{kind: dynamic, until: 0.95, every: 0.01}}
 """,
         (
-            Row("rate", "velocity of the force across the string", "m/s", "closed form",
+            KnownNumber("rate", "velocity of the force across the string", "m/s", "closed form",
                 lambda: abs(float(selfsimilar.moving_force(force=0.01, speed=SPEED, axial_stiffness=1.0, mass=1.0,
                                                            prestrain=0.05).contact_velocity[1])),
                 rate_of_contact, "384 links, of the first order", relative=5e-3),
         ),
         fault=("lines.string.axial_stiffness=1.1",), quick=True,
     ),
-    Case(
+    KnownCase(
         "string-whirl", "A taut string whirls in a circle of large radius",
-        Source("G. F. Carrier, On the non-linear vibration problem of the elastic string, Q. Appl. Math. 3 (1945)",
+        Publication("G. F. Carrier, On the non-linear vibration problem of the elastic string, Q. Appl. Math. 3 (1945)",
                "author, journal and result, in his note of 1949 there; volume from memory"),
         """
 gravity: 0
@@ -213,7 +215,7 @@ run:
   start: {kind: mode, number: 1, amplitude: 50 mm, direction: [0, 1], whirl: true}
 """,
         (
-            Row("frequency", "turns per second of a circle of 50 mm on 1 m", "Hz", "closed form",
+            KnownNumber("frequency", "turns per second of a circle of 50 mm on 1 m", "Hz", "closed form",
                 lambda: float(whirl.whirl_frequency(0.05, length=1.0, tension=100.0, mass=0.01 / 1.01,
                                                     axial_stiffness=1e4)) / (2.0 * np.pi),
                 whirls_per_second, "the theory leaves out squares of the slope, 2e-4; 60 links, 3e-4", relative=8e-4),

@@ -10,7 +10,7 @@ Kind = Literal["closed form", "series", "published number", "published range", "
 
 
 @dataclass(frozen=True)
-class Row:
+class KnownNumber:
     """A number of a case.
 
     Args:

@@ -10,7 +10,7 @@ AGREES, DIFFERS, FAILED, MISSING = "agrees", "differs", "failed", "not computed"
 
 
 @dataclass(frozen=True)
-class Finding:
+class RowResult:
     """Both numbers and the verdict.
 
     Args:

@@ -10,8 +10,8 @@ from typing import Any
 from ropewalk.model import Scenario
 from ropewalk.scenario import loads
 from ropewalk.simulate import simulate, spectrum_of
-from ropewalk.validation.row import Row
-from ropewalk.validation.source import Source
+from ropewalk.validation.known_number import KnownNumber
+from ropewalk.validation.publication import Publication
 
 
 def answered(scenario: Scenario) -> Any:
@@ -34,7 +34,7 @@ def frequencies(scenario: Scenario) -> Any:
 
 
 @dataclass(frozen=True)
-class Case:
+class KnownCase:
     """What is computed once for all of its rows.
 
     Args:
@@ -54,9 +54,9 @@ class Case:
 
     id: str
     what: str
-    source: Source
+    source: Publication
     scenario: str | Callable[[], str]
-    rows: tuple[Row, ...]
+    rows: tuple[KnownNumber, ...]
     fault: tuple[str, ...]
     settings: tuple[str, ...] = ()
     answer: Callable[[Scenario], Any] = answered
