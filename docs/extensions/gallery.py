@@ -1,7 +1,7 @@
 """The gallery: a page for every file of examples/, with its head comment, its picture and what a run prints.
 
 Pictures are made by running the examples. They are kept in build/gallery by the contents of the example and of the
-program, so that a second build makes only those that have changed. ROPEWALK_PICTURES=none builds pages without them.
+program, so that a second build makes only those that have changed. ROPEWALK_PICTURES=none makes none.
 """
 
 from __future__ import annotations
