@@ -1,7 +1,7 @@
 """The gallery: a page for every file of examples/, with its head comment, its picture and what a run prints.
 
 Pictures are made by running the examples. They are kept in build/gallery by the contents of the example and of the
-program, so that a second build makes only those that have changed. ROPEWALK_PICTURES=none builds pages without them.
+program, so that a second build makes only those that have changed. ROPEWALK_PICTURES=none makes none.
 """
 
 from __future__ import annotations
@@ -105,7 +105,8 @@ def page(example: Example) -> str:
     show = f"ropewalk show {example.name}.nc -o {example.name}.png"
     also = [f"ropewalk {word} examples/{example.name}.yaml" for word in example.more]
     printed = example.kept(".txt")
-    parts = [f"# {markdown(example.title)}", markdown(example.comment)]
+    head = "---\norphan: true\n---"  # all examples in the navigation of every page would take half the time of a build
+    parts = [head, "[Gallery](index.md)", f"# {markdown(example.title)}", markdown(example.comment)]
     if example.kept(".png").is_file():
         parts += [f"```{{figure}} pictures/{example.name}.png\n:figclass: gallery-picture\n:alt: {example.title}\n```"]
     elif printed.is_file():
@@ -126,8 +127,6 @@ def index(examples: list[Example]) -> str:
         if here:
             cards = "\n".join(map(card, here))
             parts += [f"## {title}", f"::::{{grid}} 1 2 3 3\n:gutter: 2\n\n{cards}\n::::"]
-    names = "\n".join(example.name for example in examples)
-    parts += [f"```{{toctree}}\n:hidden:\n\n{names}\n```"]
     return "\n\n".join(parts) + "\n"
 
 

@@ -1,4 +1,4 @@
-"""Draws moving-force.png, the picture of the README, from the result of `make demo`."""
+"""Draws moving-force.png and .gif, the pictures of the site and of the README, from the result of `make demo`."""
 
 from __future__ import annotations
 
@@ -16,3 +16,4 @@ if __name__ == "__main__":
     fig = Figure(figsize=(7.2, 2.3), dpi=110, layout="constrained")
     shapes(result, fig.add_subplot())
     fig.savefig(HERE / "moving-force.png", pil_kwargs={"optimize": True}, metadata={"Software": None})
+    ropewalk.film(result, HERE / "moving-force.gif", size="640x360")

@@ -114,6 +114,10 @@ def test_formulas_are_set(site: Path) -> None:
     assert "\\" not in "".join(re.findall(r"<math.*?</math>", text, flags=re.DOTALL))
 
 
+def test_the_citation_names_this_version() -> None:
+    assert f"\nversion: {ropewalk.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize("page", MARKDOWN, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_links_of_pages_lead_to_files_of_the_repository(page: Path) -> None:
     """As they are read without the site."""
