@@ -196,6 +196,9 @@ def check_carriages(parts: Any) -> Iterator[Finding]:
     for name, load in parts.loads.items():
         if not isinstance(load, Carriage):
             continue
+        if load.on in parts.nets or load.on in parts.overhead:
+            yield Finding(("loads", name, "on"), "a carriage rolls on one of lines", load.on, "name one of lines")
+            continue
         line = parts.lines.get(load.on)
         first, last = load.starts()[0].start, load.starts()[-1].start
         if line is not None and (first <= 0.0 or last >= (line.length or line.distance)):
