@@ -166,8 +166,8 @@ def _hoists(parts: Parts) -> Iterator[Finding]:
             continue
         path = ("loads", name, "payload", "hoist")
         if isinstance(parts.run, Dynamic):
-            pieces = course(load.payload.hoist, 0.0, parts.run.until)
-            most = max(piece.place(piece.begin + piece.duration) for piece in pieces)
+            stretches = course(load.payload.hoist, 0.0, parts.run.until)
+            most = max(piece.place(piece.begin + piece.duration) for piece in stretches)
             if most >= LEAST_ROPE * load.payload.length:
                 wrong = f"takes in {most:.4g} m of a rope of {load.payload.length:g} m until {parts.run.until:g} s"
                 yield Finding(path, wrong, remedy="let it stop before, give more length, or end the run before")

@@ -38,13 +38,13 @@ from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
 from ropewalk.system.cuts import Cuts, runs_ahead_of_cuts
+from ropewalk.system.doubts import doubt_saddles, doubt_struts, doubt_wheels, warn_of_slack_hauling_ropes
 from ropewalk.system.feet import steps_by_table
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.hold_forces import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
 from ropewalk.system.methods import first_damper, shaken
-from ropewalk.system.remarks import doubt_saddles, doubt_struts, doubt_wheels, remark_slack_hauling_ropes
 from ropewalk.system.rest import about_rest, at_rest, least, tensions
 from ropewalk.system.segments import mass_of
 from ropewalk.system.spline import WIDTH
@@ -418,7 +418,7 @@ class SystemMotion:
         doubt_saddles(self._scenario, self.run_info, frames, self.layout.node_line)
         if self._carriages.rounds:
             doubt_wheels(self._scenario, self.run_info, frames, self.loading.wheels)
-            remark_slack_hauling_ropes(self._scenario, self.run_info, frames, self.loading.wheels)
+            warn_of_slack_hauling_ropes(self._scenario, self.run_info, frames, self.loading.wheels)
         self._ask_friction(frames, at.contacts)
         return frames
 

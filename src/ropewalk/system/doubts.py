@@ -1,4 +1,4 @@
-"""What is remarked of motions: what must not be trusted, and why."""
+"""What must not be trusted of motions, and why."""
 
 from __future__ import annotations
 
@@ -51,10 +51,10 @@ def doubt_wheels(scenario: Scenario, run_info: RunInfo, frames: Frames, wheels: 
             )  # fmt: skip
 
 
-def remark_slack_hauling_ropes(
+def warn_of_slack_hauling_ropes(
     scenario: Scenario, run_info: RunInfo, frames: Frames, wheels: Sequence[ContactPoint]
 ) -> None:  # fmt: skip
-    """Remark hauling ropes that are slack: they only pull, and nothing holds their carriages back on the other side."""
+    """Warn of hauling ropes that are slack: they only pull, and nothing holds carriages back on the other side."""
     for name, load in scenario.loads.items():
         if not isinstance(load, Carriage) or load.haul is None:
             continue
