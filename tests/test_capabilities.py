@@ -21,7 +21,7 @@ from ropewalk.model.capabilities import Capabilities
 HOUSE = Path(ropewalk.__file__).parent
 SAYS_SO = re.compile(r"not implemented|\bnot know\b|\b(not|are|is) known\b|\bknows?\b[^.;]* only\b|\bknown only\b")
 # Physics, input and advice that use such words of other things than features of the program.
-OTHERWISE = {"results", "theory", "compare", "cosim", "external", "paper"}
+OTHERWISE = {"results", "theory", "compare", "cosim", "external", "paper", "validation"}
 ROPE = {"start": [0, 0], "end": [20, 0], "tension": 1e4, "mass": 1, "axial_stiffness": 1e6}
 WINDY = {
     "lines": {"a": {**ROPE, "wind_drag": 0.1}}, "wind": {"direction": [1, 0], "speed": 1},

@@ -13,6 +13,7 @@ import xarray as xr
 import example_routes as routes
 import footbridge_routes as footbridges
 import overhead_routes as overhead
+import ropeway_routes as ropeways
 import train_routes as trains
 import vehicle_routes as vehicles
 from ropewalk.results.contact_statistics import contact_statistics
@@ -434,6 +435,53 @@ KNOWN = {
         # T + T^2/(2 EA) - w z, at rest the same on both sides of the saddle; links of 1 m on its arc of 1.3 m.
         Known("tension by height over the saddle, N", tension_by_height, 0.0, 120.0, ("run.until=0.1 s",)),
         Known("audit, part of the energy", audit, 0.0, 1e-4, ("loads.cabin.travel.from=100 m", "run.until=2 s")),
+    ],
+    "ropeway-soft-stop.yaml": [
+        # By energy; the pivot gives way by a part of 1e-3, and peaks are seen every 50 ms. The speed across the hanger
+        # is that along the rope times 0.995.
+        Known(
+            "sway after a stop at once, rad",
+            lambda r: ropeways.sway_after(r, "at once", 1.0),
+            ropeways.sway_of_a_stop(1.99, 4.0),
+            0.004,
+        ),
+        Known("sway after two steps, rad", lambda r: ropeways.sway_after(r, "in two steps", 3.1), 0.0, 0.01),
+    ],
+    "ropeway-jig-back.yaml": [
+        # Slopes by hand, 1/3 +- (W/4 + 60 w/2)/H with H = 474 kN and 3 % more under load: the mean of what 1.5 t at
+        # 3/4 and 1.1 t at 1/4 of the span need.
+        Known(
+            "pull of the hauling rope at rest, N",
+            lambda r: ropeways.pull_at_rest(r, "full"),
+            ropeways.pull_on_slopes(),
+            25.0,
+        ),
+        # What the one goes the other comes, but for what the rope and the rails stretch by.
+        Known("ways of both over each other", lambda r: ropeways.way(r, "full") / ropeways.way(r, "empty"), 1.0, 3e-3),
+        Known("audit, part of the energy", audit, 0.0, 1e-3),
+    ],
+    "ropeway-tramway.yaml": [
+        # Frictionless wheels and, at rest, saddles leave it as it is; links of 0.8 m on an arc of 1.5 m.
+        Known("tension by height, N", ropeways.tension_over_the_saddle, 0.0, 400.0, ("run.until=0.1 s",)),
+        Known(
+            "weight on rope and hauling rope, N",
+            lambda r: ropeways.weight_on_wheels(r, "car"),
+            4e3 * 9.81,
+            4.0,
+            ("run.until=0.1 s",),
+        ),
+        Known(
+            "largest over least wheel load",
+            lambda r: ropeways.largest_over_least_wheel_load(r, "car"),
+            1.0,
+            0.015,
+            ("run.until=0.1 s",),
+        ),
+    ],
+    "cable-crane-hoist.yaml": [
+        # m g times what is taken in, and 2 % for what swings: the rope pulls more, and the energy of the sway grows.
+        Known("work of the hoist, J", ropeways.work_of_the_hoist, 3000.0 * 9.81 * 8.0, 6e3),
+        Known("sway grows by", ropeways.growth_of_the_sway, (20.0 / 12.0) ** 0.75, 0.1),
     ],
     "bridge-damage.yaml": [
         # 14 modes of 96 Hermite elements (tests/stepped_beams.py); 48 links are of the second order at steps, 0.01 %.

@@ -124,6 +124,21 @@ BASES: dict[str, Tree] = {
         {**TAUT, "end_support": {"kind": "moving", "displacement": shaken()}},
         load("trolley", free(), payload=_HUNG, air_drag=0.1, lift_off=True, force=[20.0, -20.0]),
     ),
+    "carriage": one(
+        SPATIAL, load("carriage", free(speed=0.0, start=8.0), lift_off=True, haul={
+            "to": "end", "speed": {"time": [0.0, UNTIL], "value": [5.0, 4.0]}, "axial_stiffness": 1e5}),
+        moves(start={"with_loads": True}),
+    ),
+    "two carriages": {
+        "lines": {"rope": {**TAUT, "end": [20.0, 5.0]}, "other": {**TAUT, "start": [0.0, 3.0], "end": [20.0, 8.0]}},
+        "loads": {
+            "load": load("carriage", free(speed=0.0, start=8.0),
+                         haul={"over_to": "back", "axial_stiffness": 1e5, "axial_damping": 1e3}),
+            "back": load("carriage", free(speed=0.0, start=8.0), on="other", cabin=None),
+        },
+        "run": moves(start={"with_loads": True}),
+    },
+    "hoisted": one(TAUT, load("trolley", way(start=8.0), payload={**_HUNG, "hoist": 1.0})),
     "vehicle": one(
         {**TAUT, "law": {"kind": "tension_only"}}, load("vehicle", way(), lift_off=True),
         moves(start={"with_loads": True})

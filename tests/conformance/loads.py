@@ -121,12 +121,18 @@ def pantograph(s: Structure, **more: Any) -> Tree:
 
 def load(s: Structure, kind: str, moved: Tree | None = None, **more: Any) -> Tree:
     """A load of a kind or variant on a structure, travelling as said (default: along it, at constant speed)."""
-    tree, own = KINDS[kind](s), moved if moved is not None else travel(s)
+    tree = KINDS[kind](s)
+    own = moved if moved is not None else travel(s, **({"kind": "free"} if kind == "carriage" else {}))
     if tree["kind"] in ("axles", "train"):
         own = {key: own[key] for key in ("speed", "from", "measured") if key in own}
     if tree["kind"] not in ("footsteps", "crowd", "walker", "stepper"):
         tree["travel"] = own
     return {**tree, "on": s.on, **more}
+
+
+def carriage(s: Structure, **more: Any) -> Tree:
+    cabin = {"mass": 0.6 * s.mass, "hanger": 2.0, "inertia": 0.1 * s.mass, "damping": 0.2 * s.mass}
+    return {"kind": "carriage", "mass": 0.4 * s.mass, "rockers": [0.3, 0.8], "cabin": cabin, **more}
 
 
 KINDS: dict[str, Any] = {
@@ -142,6 +148,7 @@ KINDS: dict[str, Any] = {
     "oscillator": oscillator,
     "light oscillator": lambda s: oscillator(s, 0.0),
     "trolley": trolley,
+    "carriage": carriage,
     "vehicle": vehicle,
     "train": train,
     "light vehicle": lambda s: vehicle(s, 0.0),

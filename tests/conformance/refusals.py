@@ -53,6 +53,7 @@ _PATTERNS = {
         "nothing rubs on inextensible lines": rf"\.contact: {_NOT} inextensible",
         "only clamped contacts in networks": rf"\.contact: {_NOT} (joined|nets)",
         "crowds walk on lines, neither on nets nor on overhead lines": r"a crowd walks on one of lines",
+        "carriages roll on lines, neither on nets nor on overhead lines": r"a carriage rolls on one of lines",
         "nothing goes to the side on overhead lines": rf"\.(lateral|balance): {_NOT} overhead",
         "nothing goes to the side on nets": rf"\.(lateral|balance): {_NOT} nets",
         "lines with bending stiffness and networks do not whirl":

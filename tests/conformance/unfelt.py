@@ -18,6 +18,8 @@ NEVER: dict[str, str] = {
     "PantographTravel.at_end": "no pantograph of the bases comes to the end; what would pass it is refused",
     "Matrices.lift_off": "nothing leaves the line in the bases that have it",
     "Trolley.lift_off": "nothing leaves the line in the bases that have it",
+    "Cabin.floor": "is for the clearance, which summaries tell; tests/system/test_carriages.py has",
+    "Haul.mass": "weighs at the drive, of which summaries tell; tests/system/test_carriages.py has",
     "FmuTravel.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
     "FreeTravel.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
     "Stepper.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
@@ -28,9 +30,13 @@ NEVER: dict[str, str] = {
 """Keys that change no number in any base, by nature or because the bases are too small for it."""
 
 UNFELT: Reasons = {
+    "Haul.mass": {"weighs at the drive, of which summaries tell": ("carriage", "two carriages")},
     "Dynamic.method": {
         "auto has chosen an explicit method already, that of Verlet": (
             "plain",
+            "carriage",
+            "two carriages",
+            "hoisted",
             "rough",
             "crowd",
             "shoe",
@@ -290,7 +296,7 @@ UNFELT: Reasons = {
         ),
     },
     "Trolley.lift_off": {
-        "the load stays on the line, or has no reason to leave it": ("trolley",),
+        "the load stays on the line, or has no reason to leave it": ("trolley", "hoisted"),
     },
     "Vehicle.lift_off": {
         "the load stays on the line, or has no reason to leave it": (

@@ -11,7 +11,7 @@ from ropewalk.linear.chord import Chord, chords
 from ropewalk.linear.field import Field
 from ropewalk.mechanics.chain import FRICTIONLESS, REFUSE, Array
 from ropewalk.mechanics.moving_contact import speed_at
-from ropewalk.mechanics.multibody_system import Body
+from ropewalk.mechanics.vehicle_matrices import Body
 from ropewalk.model.load import GivenForces
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, Contacts, RunInfo

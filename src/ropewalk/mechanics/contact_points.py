@@ -12,9 +12,10 @@ from typing import Any
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.footfall import Footfall, outwards
 from ropewalk.model.axles import Axles
+from ropewalk.model.carriage import Carriage
 from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
-from ropewalk.model.history import ForceTable
+from ropewalk.model.history import DriveTable, ForceTable, beginning
 from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
@@ -92,6 +93,15 @@ def _wheels(name: str, load: AnyLoad, gravity: float, line: Line | None) -> Iter
             name, "", load.on, places[0].measured, places[0].start, **_travel(load.travel), force=load.force,
             mass=load.mass, air_drag=load.air_drag, lift=_lift(load),
         )  # fmt: skip
+    elif isinstance(load, Carriage):
+        for i, place in enumerate(places):
+            course = _travel(_shared(load, drives=i == load.count // 2))
+            if load.haul is not None and load.haul.speed is not None:
+                course["speed"] = load.haul.speed
+            yield ContactPoint(
+                name, place.label, load.on, place.measured, place.start, **course, mass=load.of_wheel,
+                lift=int(load.lift_off),
+            )  # fmt: skip
     elif isinstance(load, Oscillator):
         soft = load.contact_stiffness is not None
         yield ContactPoint(
@@ -180,6 +190,27 @@ def _travel(travel: Travel | FreeTravel) -> dict[str, Any]:
         "speed": travel.driver.speed if travel.driver is not None else travel.speed, "at_end": travel.at_end,
         "margin": travel.margin, "friction": travel.friction, "friction_model": travel.friction_model, "free": travel,
     }  # fmt: skip
+
+
+def _shared(load: Carriage, *, drives: bool) -> FreeTravel:
+    """The travel of one wheel of a carriage: its share of what acts along the line; a driver acts at one of them."""
+    travel, n = load.travel, load.count
+    drive: Any = travel.drive
+    if isinstance(drive, DriveTable):
+        shared: Any = drive.model_copy(update={"value": tuple(force / n for force in drive.value)})
+    else:
+        shared = (lambda t: drive(t) / n) if callable(drive) else drive / n
+    found: dict[str, Any] = {
+        "drive": shared,
+        "viscous": travel.viscous / n,
+        "driver": travel.driver if drives else None,
+    }
+    if (brake := travel.brake) is not None:
+        all_of = {"force": brake.force, "rate": brake.rate, "stiffness": brake.stiffness}
+        found["brake"] = brake.model_copy(update={key: own / n for key, own in all_of.items() if own is not None})
+    if load.haul is not None and load.haul.speed is not None:
+        found["speed"] = beginning(load.haul.speed) * (1.0 if load.haul.to == "end" else -1.0)
+    return travel.model_copy(update=found)
 
 
 def _lift(load: MovingMass | Trolley | Oscillator | Vehicle | Matrices) -> int:

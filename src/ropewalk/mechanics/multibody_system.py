@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,11 +24,14 @@ from ropewalk.mechanics.bodies import (
     Bodies,
     without_vehicles,
 )
+from ropewalk.mechanics.carriage_masses import carriage
 from ropewalk.mechanics.chain import Array, Strands
 from ropewalk.mechanics.compiled import records
 from ropewalk.mechanics.contact_points import ContactPoint
 from ropewalk.mechanics.footfall import outwards
 from ropewalk.mechanics.proximity import shares_links
+from ropewalk.mechanics.vehicle_matrices import Body, VehicleMatrices
+from ropewalk.model.carriage import Carriage
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import AnyLoad, ExternalModel, GivenForces
 from ropewalk.model.matrices import Matrices
@@ -54,17 +57,6 @@ STRETCH = 1e-3
 
 
 @dataclass(frozen=True)
-class Body:
-    """A body of a load, as results show it: where its place is found."""
-
-    name: str
-    wheel: int  # where what has no coordinate of its own is: above this wheel,
-    ahead: float  # m, and so far ahead of it
-    coordinates: tuple[int, ...]  # (axis,) number of the coordinate, or -1
-    mass: float  # kg
-
-
-@dataclass(frozen=True)
 class MultibodySystem:
     """All that has a mass, at the beginning."""
 
@@ -73,32 +65,6 @@ class MultibodySystem:
     interface_coordinates: Mapping[
         str, tuple[int, ...]
     ]  # of external loads: coordinates that stand for their contacts, in order
-
-
-@dataclass
-class _Vehicle:
-    """A vehicle while it is put together: u = (coordinates, places of wheels)."""
-
-    coordinates: int
-    locations: list[tuple[int, int]]  # wheel and axis of each place
-    M: Array
-    C: Array
-    K: Array
-    load: Array
-    drag: dict[int, float] = field(default_factory=dict)  # kg/m, by coordinate
-    tethers: list[dict[str, Any]] = field(default_factory=list)
-    buffers: list[dict[str, Any]] = field(default_factory=list)
-
-    @staticmethod
-    def of(coordinates: int, locations: list[tuple[int, int]]) -> _Vehicle:
-        size = coordinates + len(locations)
-        block = np.zeros((size, size))
-        return _Vehicle(coordinates, locations, block, block.copy(), block.copy(), np.zeros(size))
-
-    def join(self, row: Array, stiffness: float, damping: float) -> None:
-        """Add a spring and a damper whose elongation is row @ u."""
-        self.K += stiffness * np.outer(row, row)
-        self.C += damping * np.outer(row, row)
 
 
 def multibody_system_of(
@@ -119,7 +85,7 @@ def multibody_system_of(
     """
     dim = len(axes)
     bodies = without_vehicles(len(wheels))
-    vehicles: list[_Vehicle] = []
+    vehicles: list[VehicleMatrices] = []
     displayed: list[Body] = []
     interface_coordinates: dict[str, tuple[int, ...]] = {}
     for name, load in scenario.loads.items():
@@ -209,7 +175,7 @@ def _fit_to_mesh(
     wheels: Sequence[ContactPoint],
     strands: Strands,
     lines: list[str],
-    vehicles: list[_Vehicle],
+    vehicles: list[VehicleMatrices],
     close: set[int],
 ) -> None:  # fmt: skip
     for k, (record, wheel) in enumerate(zip(bodies.wheels, wheels, strict=True)):
@@ -241,12 +207,12 @@ def _fit_to_mesh(
                 record["brake_end"] = length - brake.within
 
 
-def _bear(vehicles: list[_Vehicle], k: int, force: Array) -> None:
+def _bear(vehicles: list[VehicleMatrices], k: int, force: Array) -> None:
     """Let a force in N on wheel k, (axis,), bear the weight of what it borrows."""
     locations = {location for vehicle in vehicles for location in vehicle.locations}
     own = [(k, axis) for axis in range(force.size) if (k, axis) not in locations and force[axis]]
     if own:
-        vehicles.append(_Vehicle.of(0, own))
+        vehicles.append(VehicleMatrices.of(0, own))
     for vehicle in vehicles:
         for j, (number, axis) in enumerate(vehicle.locations):
             if number == k:
@@ -265,7 +231,7 @@ def _with_drives(bodies: Bodies, wheels: Sequence[ContactPoint], until: float) -
     )
 
 
-def _with_vehicles(bodies: Bodies, vehicles: list[_Vehicle]) -> Bodies:
+def _with_vehicles(bodies: Bodies, vehicles: list[VehicleMatrices]) -> Bodies:
     size = max((v.load.size for v in vehicles), default=1)
     places = max((len(v.locations) for v in vehicles), default=1) or 1
     count = len(vehicles)
@@ -301,7 +267,7 @@ def _records(kind: np.dtype[Any], rows: list[dict[str, Any]]) -> Any:
 
 def _vehicle(
     name: str, load: AnyLoad, on: list[int], dim: int, first: int, gravity: float, axes: tuple[str, ...]
-) -> tuple[_Vehicle | None, list[Body]]:
+) -> tuple[VehicleMatrices | None, list[Body]]:
     """The vehicle above the wheels `on` of a load, if there is one, and what of it results show."""
     numbers = tuple(range(first, first + dim))
     if isinstance(load, Oscillator):
@@ -318,6 +284,8 @@ def _vehicle(
         vehicle = _particle(payload.mass, dim, gravity, payload.air_drag)
         vehicle.tethers.append(tether)
         return vehicle, [Body(f"{name}.payload", on[0], 0.0, numbers, payload.mass)]
+    if isinstance(load, Carriage):
+        return carriage(name, load, on, dim, first, gravity)
     if isinstance(load, Walker):
         vehicle = _particle(load.mass, dim, gravity, 0.0)
         for foot in on:
@@ -329,7 +297,7 @@ def _vehicle(
             )  # fmt: skip
         return vehicle, [Body(name, on[0], 0.0, numbers, load.mass)]
     if isinstance(load, Footsteps) and load.balance is not None:  # a body that moves to the side alone
-        vehicle = _Vehicle.of(1, [])
+        vehicle = VehicleMatrices.of(1, [])
         vehicle.M[:] = load.mass
         return vehicle, []
     if isinstance(load, Vehicle):
@@ -341,11 +309,11 @@ def _vehicle(
     return None, []
 
 
-def _interface(load: ExternalModel, on: list[int], dim: int) -> _Vehicle | None:
+def _interface(load: ExternalModel, on: list[int], dim: int) -> VehicleMatrices | None:
     """Springs and dampers between the contacts of an external load and heights that its owner alone moves."""
     if not (load.exchange.stiffness or load.exchange.damping):
         return None
-    vehicle = _Vehicle.of(len(on), [(k, dim - 1) for k in on])
+    vehicle = VehicleMatrices.of(len(on), [(k, dim - 1) for k in on])
     for i in range(len(on)):
         vehicle.M[i, i] = FIRM
         row = np.zeros(2 * len(on))
@@ -354,8 +322,8 @@ def _interface(load: ExternalModel, on: list[int], dim: int) -> _Vehicle | None:
     return vehicle
 
 
-def _particle(mass: float, dim: int, gravity: float, drag: float) -> _Vehicle:
-    vehicle = _Vehicle.of(dim, [])
+def _particle(mass: float, dim: int, gravity: float, drag: float) -> VehicleMatrices:
+    vehicle = VehicleMatrices.of(dim, [])
     vehicle.M[:] = mass * np.eye(dim)
     vehicle.load[-1] = -mass * gravity
     if drag:
@@ -363,13 +331,13 @@ def _particle(mass: float, dim: int, gravity: float, drag: float) -> _Vehicle:
     return vehicle
 
 
-def _balancing(walker: _Vehicle, on: list[int], left: Array) -> _Vehicle:
+def _balancing(walker: VehicleMatrices, on: list[int], left: Array) -> VehicleMatrices:
     """A person in space whose legs do not act to the side, where controllers/balance.py keeps her upright.
 
     One more coordinate is the offset of the foot that bears from the line. Nothing moves it but a step.
     """
     dim = walker.coordinates
-    vehicle = _Vehicle.of(dim + 1, [(k, int(a)) for k in on for a in np.flatnonzero(left)])
+    vehicle = VehicleMatrices.of(dim + 1, [(k, int(a)) for k in on for a in np.flatnonzero(left)])
     vehicle.M[:dim, :dim], vehicle.M[dim, dim] = walker.M, FIRM
     vehicle.load[:dim] = walker.load
     across = np.append(left, 0.0)
@@ -377,13 +345,15 @@ def _balancing(walker: _Vehicle, on: list[int], left: Array) -> _Vehicle:
     return vehicle
 
 
-def _oscillator(load: Oscillator, wheel: int, dim: int, first: int, gravity: float, axes: tuple[str, ...]) -> _Vehicle:
+def _oscillator(
+    load: Oscillator, wheel: int, dim: int, first: int, gravity: float, axes: tuple[str, ...]
+) -> VehicleMatrices:
     k, c = (
         components(value, axes) if isinstance(value, tuple) else np.full(dim, value)
         for value in (load.stiffness, load.damping)
     )
     if load.contact_stiffness is not None:  # up and down only: mass, wheel, and the buffer below it
-        vehicle = _Vehicle.of(2, [])
+        vehicle = VehicleMatrices.of(2, [])
         vehicle.M[:] = np.diag([load.mass, load.wheel_mass])
         vehicle.join(np.array([1.0, -1.0]), float(k[-1]), float(c[-1]))
         vehicle.load[:] = -gravity * np.diag(vehicle.M)
@@ -391,7 +361,7 @@ def _oscillator(load: Oscillator, wheel: int, dim: int, first: int, gravity: flo
             {"wheel": wheel, "coordinate": first + 1, "stiffness": load.contact_stiffness, "side": _side(load.side)}
         )
         return vehicle
-    vehicle = _Vehicle.of(dim, [(wheel, a) for a in range(dim)])
+    vehicle = VehicleMatrices.of(dim, [(wheel, a) for a in range(dim)])
     for a in range(dim):
         vehicle.M[a, a] = load.mass
         row = np.zeros(2 * dim)
@@ -409,7 +379,7 @@ def _side(side: str) -> int:
 
 def _sprung(
     name: str, load: Vehicle, on: list[int], dim: int, first: int, gravity: float
-) -> tuple[_Vehicle | None, list[Body]]:
+) -> tuple[VehicleMatrices | None, list[Body]]:
     """Bodies on springs: heights, pitches, and the heights of wheels with a soft contact; rigid wheels are places."""
     own = load.gravity if load.gravity is not None else gravity
     index: dict[tuple[str, str], int] = {}
@@ -428,7 +398,7 @@ def _sprung(
             locations.append((k, dim - 1))
     if not coordinates and own == gravity:
         return None, []
-    vehicle = _Vehicle.of(coordinates, locations)
+    vehicle = VehicleMatrices.of(coordinates, locations)
     displayed = []
     for j, wheel in enumerate(w for w in load.wheels.values() if w.contact_stiffness is None):
         vehicle.load[coordinates + j] = -wheel.mass * (own - gravity)  # with that of the scenario all wheels weigh
@@ -462,13 +432,13 @@ def _sprung(
 
 def _given(
     name: str, load: Matrices, on: list[int], dim: int, first: int, gravity: float
-) -> tuple[_Vehicle | None, list[Body]]:
+) -> tuple[VehicleMatrices | None, list[Body]]:
     """A vehicle given by matrices: the coordinates of its wheels put last, their own mass left to the wheels."""
     followers = [load.coordinates.index(wheel.coordinate) for wheel in load.wheels.values()]
     own = [i for i in range(len(load.coordinates)) if i not in followers]
     order = np.array([*own, *followers])
     pick = np.ix_(order, order)
-    vehicle = _Vehicle.of(len(own), [(k, dim - 1) for k in on])
+    vehicle = VehicleMatrices.of(len(own), [(k, dim - 1) for k in on])
     M = np.array(load.mass)
     if np.linalg.eigvalsh(M).min() < -1e-9 * max(float(np.abs(M).max()), 1e-300):
         raise RopewalkError(f"load {name}: the mass matrix has a negative eigenvalue; check its signs")

@@ -2,6 +2,7 @@
 
 from ropewalk.model.axles import Axles, Coaches, TrainTravel
 from ropewalk.model.balance import Balance
+from ropewalk.model.carriage import Cabin, Carriage, Haul
 from ropewalk.model.condition import Condition
 from ropewalk.model.crowd import Crowd
 from ropewalk.model.cut import Cut
@@ -58,7 +59,9 @@ __all__ = [
     "Balance",
     "Ballast",
     "Brake",
+    "Cabin",
     "CableEdge",
+    "Carriage",
     "ClampedEdge",
     "Coaches",
     "Condition",
@@ -85,6 +88,7 @@ __all__ = [
     "Guided",
     "Hangers",
     "Harmonic",
+    "Haul",
     "Hooke",
     "Inextensible",
     "InnerElastic",

@@ -11,6 +11,8 @@ from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Finding
 from ropewalk.model.axles import Axles
 from ropewalk.model.beginning import check_beginning
+from ropewalk.model.carriage import Carriage, check_carriages
+from ropewalk.model.course import course
 from ropewalk.model.crowd import is_one_of_many
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
@@ -42,6 +44,8 @@ _Loaded = MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices |
 LARGEST_RESULT = 5e7
 """Nodes times output frames: about 10 GB of result, beyond what is wanted on purpose."""
 
+LEAST_ROPE = 0.99
+"""Part of the rope of a payload that may be taken in."""
 _ACROSS = 0.1  # cosine between line and rail: what moves further across the line than this does not set its tension
 
 
@@ -65,9 +69,11 @@ def check(parts: Parts) -> list[Finding]:
             meetings,
             check_crossing,
             check_outputs,
+            check_carriages,
             _steered,
             _unfelt,
             _weights,
+            _hoists,
             _counterweights,
             _path,
             _rest,
@@ -151,6 +157,24 @@ def _weights(parts: Parts) -> Iterator[Finding]:
             wrong = "is missing, without a weight there is no default"
             remedy = "add stiffness (of the payload's rope, in N/m), or give gravity"
             yield Finding(("loads", name, "payload", "stiffness"), wrong, remedy=remedy)
+
+
+def _hoists(parts: Parts) -> Iterator[Finding]:
+    """Ropes of payloads that would be taken in to nothing, or where nothing moves."""
+    for name, load in parts.loads.items():
+        if not isinstance(load, Trolley) or callable(load.payload.hoist) or load.payload.hoist == 0.0:
+            continue
+        path = ("loads", name, "payload", "hoist")
+        if isinstance(parts.run, Dynamic):
+            stretches = course(load.payload.hoist, 0.0, parts.run.until)
+            most = max(piece.place(piece.begin + piece.duration) for piece in stretches)
+            if most >= LEAST_ROPE * load.payload.length:
+                wrong = f"takes in {most:.4g} m of a rope of {load.payload.length:g} m until {parts.run.until:g} s"
+                yield Finding(path, wrong, remedy="let it stop before, give more length, or end the run before")
+        elif parts.run is not None:
+            yield Finding(
+                path, "a rope is taken in while time goes on", remedy="ask for kind: dynamic, or leave it out"
+            )
 
 
 def _counterweights(parts: Parts) -> Iterator[Finding]:
@@ -238,7 +262,9 @@ def _size(parts: Parts) -> Iterator[Finding]:
         frames, key = float(run.positions), ("run", "positions")
     else:
         return
-    contacts = sum(len(load.starts()) if isinstance(load, Axles | Vehicle) else 1 for load in parts.loads.values())
+    contacts = sum(
+        len(load.starts()) if isinstance(load, Axles | Carriage | Vehicle) else 1 for load in parts.loads.values()
+    )
     nodes = contacts + sum(line.elements + 1 for line in parts.lines.values() if line is not None)
     nodes += sum(int(2.0 * line.length / line.element) for line in parts.overhead.values() if line is not None)
     if frames * nodes > LARGEST_RESULT:

@@ -147,6 +147,17 @@ DisplacementHistory = Annotated[
 ]
 
 
+def beginning(speed: Any) -> float:
+    """Value in m/s of a history of a speed at time 0."""
+    if isinstance(speed, SpeedTable):
+        times, values = speed.time, speed.value
+        i = max((i for i, t in enumerate(times) if t <= 0.0), default=-1)
+        if i < 0 or i == len(times) - 1:
+            return values[max(i, 0)]
+        return values[i] - times[i] * (values[i + 1] - values[i]) / (times[i + 1] - times[i])
+    return float(speed(0.0) if callable(speed) else speed)
+
+
 def rows(history: Any) -> tuple[tuple[float, ...], ...]:
     """List the vectors of a history of forces or displacements; none of a callable."""
     if callable(history):

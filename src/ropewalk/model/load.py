@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, Variants, report
 from ropewalk.model.axles import Axles
+from ropewalk.model.carriage import Carriage
 from ropewalk.model.contact import FrictionModel
 from ropewalk.model.crowd import Crowd
 from ropewalk.model.fmu import Fmu
@@ -86,9 +87,9 @@ class MovingForce(Declaration):
 
 GivenForces = MovingForce | Axles
 """The loads that are nothing but given forces which travel as prescribed."""
-Travelling = MovingForce | Axles | MovingMass | Oscillator | Trolley | Vehicle | Train | Matrices
+Travelling = MovingForce | Axles | MovingMass | Oscillator | Trolley | Carriage | Vehicle | Train | Matrices
 """The loads that have a travel; the others have a gait or a will of their own."""
-Rolling = MovingMass | Oscillator | Trolley | Vehicle | Train | Matrices
+Rolling = MovingMass | Oscillator | Trolley | Carriage | Vehicle | Train | Matrices
 """The loads with wheels, which follow a profile."""
 ExternalModel = Stepper | Fmu
 """The loads that are external models."""
@@ -99,6 +100,7 @@ Load = Annotated[
     | MovingMass
     | Oscillator
     | Trolley
+    | Carriage
     | Vehicle
     | Train
     | Matrices

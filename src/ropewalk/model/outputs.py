@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 from pydantic import Field
@@ -11,7 +12,7 @@ from pydantic import Field
 from ropewalk import hooks
 from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Declaration, Finding
-from ropewalk.model.quantity import Frequency, Name, Offset
+from ropewalk.model.quantity import Frequency, Name, Offset, Way
 from ropewalk.model.run import Dynamic, Linear, Quasistatic
 
 
@@ -34,6 +35,10 @@ class Outputs(Declaration):
         default=30.0, description="of the filter of accelerations (Butterworth, fourth order, forwards and backwards)"
     )
     places: dict[Name, LinePlace] = Field(default_factory=dict, description="places along lines, by name")
+    ground: Way | None = Field(
+        default=None,
+        description="points [x, z] of the ground, by rising x, of which results tell the clearance",
+    )
     impact: bool = Field(
         default=False,
         description="also let the loads cross without inertia (kind: quasistatic), and give the static part of each "
@@ -41,8 +46,21 @@ class Outputs(Declaration):
     )
 
 
+def _ground(points: Way | None) -> Iterator[Finding]:
+    path = ("outputs", "ground")
+    if points is None:
+        return
+    if any(len(point) != 2 for point in points):
+        yield Finding(path, "has points that are not [x, z]", remedy="write two numbers for each point")
+    elif len(points) == 1:
+        yield Finding(path, "is a single point", remedy="write two or more")
+    elif any(b[0] <= a[0] for a, b in pairwise(points)):
+        yield Finding(path, "goes back along x", remedy="sort its points by x, each once")
+
+
 def check_outputs(parts: Any) -> Iterator[Finding]:
-    """Find places that are on no line, and static parts that cannot be had."""
+    """Find places that are on no line, ground that goes back, and static parts that cannot be had."""
+    yield from _ground(parts.outputs.ground)
     for name, place in parts.outputs.places.items():
         path: tuple[str, ...] = ("outputs", "places", name)
         if place.on not in parts.lines:

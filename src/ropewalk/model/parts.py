@@ -101,13 +101,24 @@ class Parts:
     def is_for_the_system(self) -> bool:
         """Whether there is what no other engine knows."""
         kinds = self.has_profile, self.has_segments, self.has_saddles, self.has_cut, self.has_sprung_brake
-        return any(kinds) or bool(self.tracks)
+        return any(kinds) or self.has_carriages or self.has_hoists or bool(self.tracks)
 
     @property
     def has_sprung_brake(self) -> bool:
         """Whether a brake has another force than a constant one."""
         brakes = (getattr(getattr(load, "travel", None), "brake", None) for load in self.loads.values())
         return any(brake is not None and not brake.is_blocks for brake in brakes)
+
+    @property
+    def has_carriages(self) -> bool:
+        """Whether there are carriages."""
+        return any(getattr(load, "kind", "") == "carriage" for load in self.loads.values())
+
+    @property
+    def has_hoists(self) -> bool:
+        """Whether ropes of payloads are taken in."""
+        hoists = (getattr(getattr(load, "payload", None), "hoist", 0.0) for load in self.loads.values())
+        return any(callable(hoist) or hoist != 0.0 for hoist in hoists)
 
     @property
     def is_auto(self) -> bool:

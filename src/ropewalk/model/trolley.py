@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.contact import LIFT_OFF, SIDE, Side, one_sided
-from ropewalk.model.history import ForceHistory, rows
+from ropewalk.model.history import ForceHistory, SpeedHistory, rows
 from ropewalk.model.quantity import (
     AirDrag,
     Angle,
@@ -35,6 +35,11 @@ class Payload(Declaration):
         default=None, description="of its rope (default: so stiff that the weight stretches it by 1 mm)"
     )
     damping: Viscosity = Field(default=0.0, description="of its rope, while it pulls")
+    hoist: SpeedHistory = Field(
+        default=0.0,
+        description="speed at which its rope is taken in, in unstrained length, a constant or a table {time, value}; "
+        "negative: let out; its stiffness goes with one over its length",
+    )
     swing: Angle = Field(default=0.0, description="angle from the vertical at the start, towards +x")
     at: Displacement | None = Field(
         default=None, description="place at the start relative to the trolley, [x, z] or [x, y, z], instead of swing"

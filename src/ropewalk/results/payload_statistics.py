@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ropewalk.mechanics.assembly import speed_table
+from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.trolley import Trolley
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
@@ -72,8 +74,9 @@ def _pull(scenario: Scenario | None, load: str, span: Array, path: Array) -> Arr
     if scenario is None or not isinstance(declared, Trolley):
         return None
     rope, length = declared.payload, np.linalg.norm(span, axis=1)
-    stiffness = rope.stiffness or rope.mass * scenario.gravity / STRETCH
-    pull = stiffness * (length - rope.length)
+    slack = rope.length - Travelled(*speed_table(rope.hoist, float(path[-1]))).at(path)  # what has been taken in
+    stiffness = (rope.stiffness or rope.mass * scenario.gravity / STRETCH) * rope.length / slack
+    pull = stiffness * (length - slack)
     if rope.damping and path.size > 2:
-        pull += rope.damping * np.gradient(length, path, edge_order=2)
-    return np.where(length > rope.length, np.maximum(pull, 0.0), np.where(np.isfinite(length), 0.0, np.nan))
+        pull += rope.damping * np.gradient(length - slack, path, edge_order=2)
+    return np.where(length > slack, np.maximum(pull, 0.0), np.where(np.isfinite(length), 0.0, np.nan))

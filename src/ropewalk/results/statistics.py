@@ -20,6 +20,7 @@ from ropewalk.results.nets import net_names
 from ropewalk.results.payload_statistics import payload_summary
 from ropewalk.results.peaks import impulses
 from ropewalk.results.people import crowd_summary
+from ropewalk.results.ropeway import ropeway_summary
 from ropewalk.results.trains import train_summary
 
 if TYPE_CHECKING:
@@ -66,6 +67,7 @@ def summary(dataset: xr.Dataset) -> Summary:
         "trains": trains,
         "crowds": crowds,
         "payloads": payload_summary(dataset),
+        **ropeway_summary(dataset),
         **contact_summary(dataset),
         "exchanges": exchange_summary(dataset),
         "energy": _energy(dataset),

@@ -107,6 +107,16 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
         yield "load on the line, mean", say(crowd["load"]["mean"], "N"), f"at most {say(crowd['load']['max'], 'N')}"
     for name, payload in found["payloads"].items():
         yield from _payload_rows(name, payload, column(payload))
+    for name, carriage in found["carriages"].items():
+        yield from _carriage_rows(name, carriage, column(carriage))
+    for name, saddle in found["saddles"].items():
+        say, angle = column(saddle), saddle["deflection"]
+        yield f"Saddle {name}", "", ""
+        yield "deflection of the rope", say.span(angle["min"]["value"], angle["max"]["value"], "rad"), ""
+    if found["clearance"]:
+        yield "Clearance of the ground", "", ""
+    for name, least in found["clearance"].items():
+        yield name, column(least)(least["value"], "m"), "  ".join((f"at x = {_metres(least['x'])} m", *_when(least)))
     for name, line in found["overhead_lines"].items():
         uplifts = [{"value": support["uplift"], "unit": "m"} for support in line["supports"].values()]
         yield from _overhead_rows(name, line, column(line["largest_dropper_force"], *uplifts))
@@ -386,6 +396,23 @@ def _payload_rows(name: str, payload: Summary, say: Column) -> Iterator[Row]:
     if pull is not None:
         sentence = f"slack at {number(100 * slack, 2)} % of the output instants" if slack else ""
         yield "largest pull of its rope", say(pull["value"], "N"), "  ".join((*_when(pull), *filter(None, [sentence])))
+
+
+def _carriage_rows(name: str, carriage: Summary, say: Column) -> Iterator[Row]:
+    yield f"Carriage {name}", "", ""
+    for key, what in (("max", "largest wheel load"), ("min", "least wheel load")):
+        if (entry := carriage["wheel_load"]) is not None:
+            yield what, say(entry[key]["value"], "N"), "  ".join((f"wheel {entry[key]['of']}", *_when(entry[key])))
+    if (least := carriage["tension_ratio"]) is not None:
+        where = "  ".join((f"wheel {least['of']}", *_when(least)))
+        yield "least tension over wheel load", number(least["value"], 3), where
+    for key, what in (("sway", "sway along the line"), ("side_sway", "sway to the side")):
+        if (entry := carriage.get(key)) is not None:
+            yield what, say.span(entry["min"]["value"], entry["max"]["value"], "rad"), ""
+    for key, what in (("pull", "pull of the hauling rope"), ("drive_tension", "tension at the drive")):
+        if (entry := carriage.get(key)) is not None:
+            when = f"largest at {''.join(_when(entry['max']))}"
+            yield what, say.span(entry["min"]["value"], entry["max"]["value"], "N"), when
 
 
 def _exchange_rows(name: str, exchange: Summary, say: Column) -> Iterator[Row]:

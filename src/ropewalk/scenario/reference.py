@@ -26,6 +26,7 @@ SECTIONS = {
     "Supports": ("support", "saddle"),
     "Supports between the ends of a line": ("inner_support",),
     "Loads": ("load", "mass", "oscillator", "trolley", "vehicle"),
+    "Ropeways": ("carriage",),
     "Trains": ("axles", "train"),
     "Loads given by matrices": ("matrices",),
     "Loads that walk": ("footsteps", "walker", "balance"),

@@ -25,6 +25,8 @@ from ropewalk.model.travel import FreeTravel
 from ropewalk.system import friction
 from ropewalk.system.assembled import Assembled
 from ropewalk.system.bodies import BLOWN, BodyArrays
+from ropewalk.system.carriage_assembly import with_carriages
+from ropewalk.system.carriages import Carriages
 from ropewalk.system.constrained import lent, nearly
 from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
 from ropewalk.system.feet import is_led, steps_by_table, with_steps
@@ -334,7 +336,8 @@ def contacts_of(
         load[at[:own]] = contacts["load"][locations[0][0] if locations else hangs[0]]
     bodies = _bodies(parts, mass, force, owner, load, len(names))
     bodies = bodies._replace(
-        tethers=_tethers(multibody_system, contacts, places), blown=_blown(multibody_system, contacts, heavy, places)
+        tethers=_tethers(multibody_system, contacts, places),
+        blown=_blown(multibody_system, contacts, heavy, places),
     )
     for k in heavy:
         own = contacts[k]["first"] + np.arange(dim)
@@ -342,7 +345,7 @@ def contacts_of(
         above = [bodies.K[p, i, i] for p, n in enumerate(bodies.size) for i in range(n) if bodies.at[p, i] in own]
         stiffest = max([*above, *bodies.tethers["stiffness"][bodies.tethers["contact"] == k]], default=0.0)
         contacts[k]["least"] = FIRM / stiffest if stiffest > 0.0 else 0.0
-    return contacts, tables, bodies
+    return contacts, tables, with_carriages(scenario, loading, contacts, bodies, places)
 
 
 def _only_presses(load: AnyLoad) -> bool:
@@ -423,5 +426,5 @@ def _bodies(
         mass, per_mass, force, owner[:, 0].copy(), owner[:, 1].copy(), alone, size, at, M, C, K,
         np.zeros((2, len(parts), most, most)), weightless, np.zeros((most, most)), np.zeros(most), np.zeros(mass.size),
         np.zeros(mass.size), load.astype(np.int64), np.zeros(loads, dtype=np.int64), records(0, TETHER),
-        records(0, BLOWN),
+        records(0, BLOWN), np.zeros(0), np.zeros(0), np.zeros(0), Carriages.nothing(),
     )  # fmt: skip

@@ -15,10 +15,11 @@ from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.multibody_system import FIRM
+from ropewalk.system.carriages import Carriages, add_bar_forces, roll, taken_by_bars
 from ropewalk.system.contacts import AWAY, FORCE, FREE, GONE, ON, find_kinks, stiffen
 from ropewalk.system.profile import height_at
 from ropewalk.system.spline import WIDTH
-from ropewalk.system.structure import IN_BODIES, RESTRAINED, STRUCK
+from ropewalk.system.structure import DRIVEN, IN_BODIES, RESTRAINED, STRUCK
 from ropewalk.system.tethers import bear, hang
 
 # Rounds of Newton's method for contacts without mass, and the part of a link to which their places are found.
@@ -60,6 +61,10 @@ class BodyArrays(NamedTuple):
     gone: Integers  # (load,) STAYS, LEAVES or GONE_FOR_GOOD
     tethers: Records
     blown: Records
+    hoist_time: Array  # s, speeds at which ropes of payloads are taken in
+    hoist_value: Array  # m/s
+    hoist_path: Array  # m, since time zero
+    carriages: Carriages
 
 
 def with_step(bodies: BodyArrays, dt: float) -> BodyArrays:
@@ -188,6 +193,8 @@ def kick(structure, contacts, bodies, state, h, half):
             if contacts[k].frictionless == 1:
                 f[c] += contacts[k].hold * structure.runs.ahead[contacts[k].run, bodies.axis[c]]
     hang(contacts, bodies, state)
+    if roll(bodies.carriages):
+        add_bar_forces(bodies.carriages, u, w, f, state.r.shape[0])
     for p in range(bodies.size.size):
         n, lost = bodies.size[p], 0.0
         stage = bodies.gone[bodies.load[bodies.at[p, 0]]]
@@ -230,6 +237,11 @@ def kick(structure, contacts, bodies, state, h, half):
             for a in range(state.r.shape[0]):
                 rate = 0.5 * (w[first + a] + old[first + a] - w[own + a] - old[own + a])
                 state.work[IN_BODIES] += h * bodies.tethers[e].damper * bodies.tethers[e].span[a] * rate
+            winch = h * bodies.tethers[e].damper * bodies.tethers[e].grows
+            state.work[IN_BODIES] -= winch
+            state.work[DRIVEN] -= winch
+    if roll(bodies.carriages):
+        state.work[IN_BODIES] += h * taken_by_bars(bodies.carriages, w, old, state.r.shape[0])
     _slow(bodies, state, h)
     for i in range(bodies.gone.size):
         if bodies.gone[i] == LEAVES:

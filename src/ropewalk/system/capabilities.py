@@ -354,6 +354,7 @@ MOTION = Capabilities(
             "mass",
             "oscillator",
             "trolley",
+            "carriage",
             "vehicle",
             "train",
             "matrices",

@@ -101,6 +101,7 @@ CONTACT = np.dtype(
         ("d", *_VECTOR),  # m
         ("lent", _REAL),  # kg, of what has no mass on an inextensible line, which lends it; 0: it has its own
         ("given", *_VECTOR),  # N, given force
+        ("hauled", *_VECTOR),  # N, what a hauling rope adds to it
         ("hold", _REAL),  # N, horizontal force that holds it across its line
         ("N", *_VECTOR),  # N on the line
         ("tension", _REAL),  # N, mean of the links below

@@ -259,6 +259,7 @@ class FrameBuilder:
         way = way / np.linalg.norm(way, axis=1)[:, None]
         hold[gripped] = (force[gripped] * way).sum(axis=1)[:, None] * way  # what the line is gripped with
         both = beside(own, runs, tension.ravel(), instant * tension.shape[1])
+        hold += own["hauled"][:, :dim]
         seen.position[on], seen.force[on], seen.hold[on] = own["place"][:, :dim], force, hold
         seen.friction[on] = FrictionDemand.of(own, self.assembled.structure, s, both, dim).needed(own)
         seen.xi[on], seen.speed[on], seen.in_air[on] = s, own["measured"], own["flown"]
@@ -283,7 +284,7 @@ class FrameBuilder:
         return out[0], out[1]
 
     def _energy(self, at: SystemNote, *, still: bool) -> Array:
-        structure, bodies = self.assembled.structure, self.bodies
+        structure, bodies, dim = self.assembled.structure, self.bodies, at.r.shape[1]
         nodes, restrained = structure.nodes, structure.restraints
         first, elastic = restrained.node[restrained.first], at.elastic
         r, v, square = at.r[:, :, first], at.v[:, :, first], (at.v**2).sum(axis=1)
@@ -313,6 +314,8 @@ class FrameBuilder:
             rate, u = np.where(firm, 0.0, at.w[:, own]), at.u[:, own]  # only its owner moves what is firm
             moving, potential = moving + 0.5 * _squares(rate, M), potential + 0.5 * _squares(u, K)
         potential = potential + _of_tethers(at)
+        if bodies.carriages.bars.size:
+            potential = potential + [bodies.carriages.energy(u, dim) for u in at.u]
         if still:
             return energies(elastic=elastic, gravitational=-weight, load_potential=potential)
         work = at.work.T

@@ -15,6 +15,7 @@ from ropewalk.mechanics.chain import HORIZONTAL, Array
 from ropewalk.mechanics.compiled import lean, records
 from ropewalk.system.bodies import BodyArrays, ground
 from ropewalk.system.cables import stretch_all
+from ropewalk.system.carriages import Carriages
 from ropewalk.system.contacts import AWAY, BODY, CONTACT, FORCE, ON
 from ropewalk.system.structure import WORKS, Buffers, Structure, SystemState
 from ropewalk.system.travel import Tables, place
@@ -75,6 +76,7 @@ class LoadedStructure:
             Tables(none, none, none, none, np.zeros((dim, 0)), none, none) if carried is None else carried.tables
         )
         self._tethers = [] if carried is None else list(carried.bodies.tethers)
+        self._carriages = Carriages.nothing() if carried is None else carried.bodies.carriages
         self.state = SystemState(
             np.zeros(1), rest.copy(), np.zeros_like(rest), np.zeros(count), np.zeros(count),
             np.zeros(self.contacts.size), np.zeros(WORKS),
@@ -113,6 +115,12 @@ class LoadedStructure:
             fall = np.zeros(dim)
             fall[-1] = -tether["length"] + self.weight[below[-1]] / tether["stiffness"]
             u[below] = u[above] + (before[below] - before[above] if was_on[tether["contact"]] else fall)
+        for bar in self._carriages.bars:
+            if bar["frame"] >= 0:
+                wheels, cabin = self._carriages.ends(bar)
+                below = int(cabin[0]) + np.arange(dim)
+                u[below] = u[wheels[:, None] + np.arange(dim)].mean(axis=0)
+                u[below[-1]] -= bar["length"] - self.weight[below[-1]] / bar["stiffness"]
 
     def stand_as(self, state: SystemState, contacts: Any) -> None:
         """Let everything stand where it is in a state of motion."""
@@ -147,6 +155,9 @@ class LoadedStructure:
         for tether in self._tethers:
             both = np.concatenate(self._ends(tether))
             out[np.ix_(both, both)] = 1.0
+        for bar in self._carriages.bars:
+            both = (np.concatenate(self._carriages.ends(bar))[:, None] + np.arange(self.rest.shape[0])).ravel()
+            out[np.ix_(both, both)] = 1.0
         return out.tocsc()
 
     def energy(self, u: Array) -> float:
@@ -158,7 +169,7 @@ class LoadedStructure:
             above, below = self._ends(tether)
             longer = max(float(np.linalg.norm(u[below] - u[above])) - tether["length"], 0.0)
             total += 0.5 * float(tether["stiffness"]) * longer**2
-        return total
+        return total + self._carriages.energy(u, self.rest.shape[0])
 
     def _at(self, k: int) -> Any:
         return int(self.contacts[k]["first"]) + np.arange(self.rest.shape[0])
@@ -182,7 +193,7 @@ class LoadedStructure:
             pull = tether["stiffness"] * max(length - tether["length"], 0.0) * way / length
             out[above] += pull
             out[below] -= pull
-        return out
+        return out + self._carriages.forces(u, self.rest.shape[0])
 
     def stiffness(self, u: Array) -> sparse.csc_matrix:
         """Second derivatives of the energy, (coordinate, coordinate) N/m."""
@@ -198,6 +209,8 @@ class LoadedStructure:
                 for one, other, sign in ((above, above, 1.0), (below, below, 1.0), (above, below, -1.0)):
                     K[np.ix_(one, other)] += sign * k
                 K[np.ix_(below, above)] -= k
+        if self._carriages.bars.size:
+            K += sparse.lil_matrix(self._carriages.stiffness(u, self.rest.shape[0]))
         return K.tocsc()
 
     def masses(self) -> sparse.csc_matrix:
@@ -221,6 +234,8 @@ class LoadedStructure:
             if length > tether["length"]:
                 at, gap = np.concatenate([above, below]), np.concatenate([-way, way]) / length
                 C[np.ix_(at, at)] += tether["damping"] * np.outer(gap, gap)
+        if self._carriages.bars.size:
+            C += sparse.lil_matrix(self._carriages.damping(u, self.rest.shape[0]))
         return C.tocsc()
 
 

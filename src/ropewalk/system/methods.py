@@ -74,6 +74,8 @@ def _not_smooth(parts: Parts) -> Iterator[tuple[str, str]]:
         yield "lines over saddles", "end the line at the saddle"
     if parts.has_profile:  # splines of the third degree, and the ground that moves wheels
         yield "a profile", "leave profile out"
+    if parts.has_hoists:  # springs that change in time
+        yield "a payload whose rope is taken in", "leave hoist out"
     for load in parts.loads.values():
         if load is None:
             continue

@@ -12,6 +12,7 @@ from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.bodies import LEAVES, STAYS, approach, arrive, balance, drift, ground, kick
 from ropewalk.system.cables import add_internal_forces, add_wind_forces, energy_of, guess, stretch_all
+from ropewalk.system.carriages import haul, roll
 from ropewalk.system.constraints import draw, is_too_long, note_kick
 from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, add_contact_forces, bend
 from ropewalk.system.friction import NOT, rub
@@ -29,7 +30,7 @@ from ropewalk.system.sheaves import (
 )
 from ropewalk.system.structure import CARRIED, DAMPED, DRIVEN, LOADED, MOVED, RESTRAINED, RUBBED, STRUCK
 from ropewalk.system.surfaces import add_surface_forces, damp_surfaces, distribute_forces, follow, is_damped, stored_in
-from ropewalk.system.tethers import gap, grow
+from ropewalk.system.tethers import gap, grow, hoist
 from ropewalk.system.ties import add_tie_forces, are_damped, damp_ties, stored_in_ties, tie_up
 from ropewalk.system.travel import fade, locate, pressed_energy
 
@@ -71,6 +72,8 @@ def _look(structure, buffers, contacts, tables, bodies, state, table, out, dt, s
             if contacts[k].kind == BODY and contacts[k].state == AWAY:
                 ground(structure, contacts, state, k)
         return 0.0, 0.0, 0.0
+    if roll(bodies.carriages):
+        haul(bodies.carriages, structure, buffers, contacts, tables, state, since)
     if since > 0.0:
         state.work[STRUCK] += fade(buffers, contacts, since)
     if steps != GIVEN:
@@ -412,6 +415,7 @@ def advance(structure, buffers, contacts, tables, bodies, state, table, out, A, 
             state.work[DRIVEN] += grow(contacts, bodies, state, since)
             _drift(structure, state, since)
             drift(bodies, state, since)
+            state.work[DRIVEN] += hoist(bodies, contacts, state, since)
             state.t[0] = begin + (step + (gone if stage < stages - 1 else 1.0)) * dt
             if exist(structure.sheaves):
                 runs_out = not pass_nodes(structure.sheaves, structure, state.r, state.v, state.work)

@@ -33,10 +33,12 @@ from ropewalk.system import motion
 from ropewalk.system.asking import FAILED, Asking
 from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
 from ropewalk.system.beginning import begin_elsewhere
+from ropewalk.system.carriages_at_rest import CarriagesAtRest
 from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
 from ropewalk.system.cuts import Cuts, runs_ahead_of_cuts
+from ropewalk.system.doubts import doubt_saddles, doubt_struts, doubt_wheels, warn_of_slack_hauling_ropes
 from ropewalk.system.feet import steps_by_table
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.hold_forces import on_friction
@@ -62,8 +64,6 @@ RKN6_SAFETY = 0.9
 
 # Tension over axial stiffness from which on a line without bending stiffness is slack.
 _LIMP = 1e-12
-# Part of the largest tension with which an inextensible line may be pushed together.
-_PUSHED = 0.1
 
 _ENDS = {
     motion.NOT_FINITE: ("diverged", "positions stopped being numbers; take a smaller run.step"),
@@ -135,8 +135,16 @@ class SystemMotion:
         self._slipped = np.zeros(self.contacts.size, dtype=np.int64)  # 1: it has been said that friction is not enough
         kinds = loading.loads.contact
         self._may_slip = ((kinds == CLAMPED) & (self.contacts["friction"] > 0.0)) | (kinds == COULOMB)
+        self._carriages = CarriagesAtRest(scenario, loading, self.contacts, self.bodies, dim)
+        if self._carriages.rounds:
+            self._space_wheels()
         if asked.start.with_loads:
-            self._settle()
+            bearing = self._settle(self.rest)
+            for _ in range(self._carriages.rounds):  # they stand on slopes that they make
+                self._carriages.roll(bearing)
+                self._advance(0.0, motion.LOCATE)
+                self._carriages.hold()
+                bearing = self._settle(self.state.r)
         elif asked.start.kind != "rest" and not past:
             begin_elsewhere(
                 self.structure, self.state, asked.start, self._builder.node, self.layout.node_line,
@@ -249,7 +257,7 @@ class SystemMotion:
         """The step in s that tensions of inextensible lines allow that bear what is there at the beginning."""
         if (tight := self._buffers.tight) is None:
             return float("inf")
-        potential, pull = self._bearing(), self._buffers.tension
+        potential, pull = self._bearing(self.rest), self._buffers.tension
         with (
             suppress(EquilibriumError),
             np.errstate(all="ignore"),
@@ -275,26 +283,36 @@ class SystemMotion:
             self._A, self._b, self._method,
         )  # fmt: skip
 
-    def _bearing(self) -> SystemPotential:
-        """Potential energy of lines and of the loads where they begin, with kinks as in motion."""
+    def _bearing(self, near: Array) -> SystemPotential:
+        """Potential energy of lines near a shape and of the loads where they begin, with kinks as in motion."""
         carried = Carried(self.contacts, self.tables, self.bodies)
         loaded = LoadedStructure(self.structure, self.rest, carried, as_moving=True)
-        loaded.stand(0.0, self.rest)
+        loaded.stand(0.0, near)
         return SystemPotential(self.structure, loaded, float(np.ptp(self.rest, axis=1).max()))
 
-    def _settle(self) -> None:
-        """Let lines and loads rest together, with kinks as in the steps to come.
+    def _settle(self, near: Array) -> Any:
+        """Let lines near a shape and loads rest together, with kinks as in the steps to come; gives contacts there.
 
         Raises:
             EquilibriumError: there is no such rest.
         """
         if self.times.size > 1 and self._gives_way:
             self.contacts["step"] = self._in_steps(1)[1]
-        potential = self._bearing()
-        r, u = potential.put(least(potential, potential.taken()))
+        potential = self._bearing(near)
+        shape = least(potential, potential.taken())
+        potential.forces(shape)
+        r, u = potential.put(shape)
         self.state.r[:], self.state.u[:] = r, u[: potential.loaded.own]
         if self._buffers.tight is not None:
             self._buffers.tension[:] = potential.buffers.tension
+        return potential.loaded.contacts
+
+    def _space_wheels(self) -> None:
+        """Let wheels of carriages stand as far apart as rockers have them, and hauling ropes hold them there."""
+        self._advance(0.0, motion.LOCATE)
+        self._carriages.space()
+        self._advance(0.0, motion.LOCATE)
+        self._carriages.hold()
 
     def _stand(self, *, with_loads: bool) -> None:
         """Let bodies move along with the line; where they do not rest on it, with springs without force but weights."""
@@ -323,6 +341,9 @@ class SystemMotion:
             state.w[first : first + axes] = state.w[above : above + axes]
         if with_loads:
             state.u[:] = resting
+        if self._carriages.rounds:
+            self._carriages.hang(state.u, state.w)
+            self._carriages.pay_out(self.structure, self._buffers)
         self.contacts["comes"] = 0
         self._look()
         self._buffers.before[:] = self._buffers.strain
@@ -386,7 +407,7 @@ class SystemMotion:
         if t == 0.0:
             self._buffers.react(self.structure.restraints)
         self._ask_turned(t)
-        self._doubt_struts(t)
+        doubt_struts(self.assembled, self._buffers, self.run_info, t)
         return SystemNote.of(self.state, self._buffers, self.contacts, self.bodies, elastic)
 
     def frames(self, notes: Sequence[SystemNote]) -> Frames:
@@ -394,6 +415,10 @@ class SystemMotion:
         at = SystemNote.together(notes)
         frames = self._builder.build(at)
         self._doubt_speeds(at.t, at.contacts)
+        doubt_saddles(self._scenario, self.run_info, frames, self.layout.node_line)
+        if self._carriages.rounds:
+            doubt_wheels(self._scenario, self.run_info, frames, self.loading.wheels)
+            warn_of_slack_hauling_ropes(self._scenario, self.run_info, frames, self.loading.wheels)
         self._ask_friction(frames, at.contacts)
         return frames
 
@@ -436,23 +461,6 @@ class SystemMotion:
             if found and not self._slipped[k]:
                 self._slipped[k] = 1
                 self.run_info.warnings.append(f"at t = {frames.path[i]:.4g} s, {found}")
-
-    def _doubt_struts(self, t: float) -> None:
-        """Doubt inextensible lines that are pushed together: there they are bars, which fold as the mesh lets them."""
-        if self.structure.taut is None:
-            return
-        assert self._buffers.tight is not None
-        pull, rigid = self._buffers.tension, self._buffers.tight.h > 0.0
-        for s, name in enumerate(self.assembled.line):
-            first, n = int(self.structure.runs.first[s]), int(self.structure.runs.links[s])
-            own, key = pull[first : first + n], f"lines.{name}.law"
-            if not rigid[first] or float(own.min()) >= -_PUSHED * float(np.abs(pull[rigid]).max()):
-                continue
-            if all(doubt.key != key for doubt in self.run_info.doubts):
-                self.run_info.doubt(
-                    f"line {name} is pushed together at t = {t:.4g} s, and folds as its elements let it",
-                    "it is inextensible, and slack there", key, "give it an axial_stiffness with law: tension_only",
-                )  # fmt: skip
 
     def _doubt(self, name: str, load: str, speed: float, t: float) -> None:
         if any(doubt.key == f"loads.{load}.travel.speed" for doubt in self.run_info.doubts):

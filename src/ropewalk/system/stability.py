@@ -156,11 +156,36 @@ def _of_bodies(contacts: Any, bodies: BodyArrays) -> list[float]:
             square = float(np.abs(np.linalg.eigvals(light @ K[np.ix_(heavy, heavy)])).max())
             rate = 0.5 * float(np.abs(np.linalg.eigvals(light @ C[np.ix_(heavy, heavy)])).max())
             steps.append(2.0 / max(math.hypot(math.sqrt(max(square, 0.0)), rate) + rate, 1e-300))
+    if bodies.carriages.bars.size:
+        steps.extend(_of_carriages(contacts, bodies))
     for tether in bodies.tethers:  # at its end, and at the contact with no more than the mass of its own
         mobility = float(bodies.per_mass[int(tether["first"])] + contacts[tether["contact"]]["light"])
-        pulled, taken = math.sqrt(float(tether["stiffness"]) * mobility), 0.5 * float(tether["damping"]) * mobility
+        stiffer = float(tether["length"] / tether["shortest"])  # when it has been taken in
+        pulled, taken = (
+            math.sqrt(stiffer * float(tether["stiffness"]) * mobility),
+            0.5 * float(tether["damping"]) * mobility,
+        )
         steps.append(2.0 / pulled * (math.hypot(1.0, taken / pulled) - taken / pulled))
     return steps
+
+
+def _of_carriages(contacts: Any, bodies: BodyArrays) -> Iterator[float]:
+    """Stable steps of bars and hauling ropes, s: those of all carriages together, by sums that are bounds."""
+    count, dim = bodies.mass.size, int(bodies.axis.max()) + 1
+    inverse = np.diag(bodies.per_mass)
+    for p, n in enumerate(bodies.size):
+        own = bodies.at[p, :n]
+        if np.diag(bodies.M[p, :n, :n]).min() > 0.0:
+            inverse[np.ix_(own, own)] = np.linalg.inv(bodies.M[p, :n, :n])
+    square, rate = bodies.carriages.bounds(inverse, dim)
+    for haul in bodies.carriages.hauls:
+        for first, wheels in ((haul["first"], haul["wheels"]), (haul["other"], haul["others"])):
+            if first >= 0:  # it pulls at the mean of its wheels
+                pulled = np.zeros(count)
+                pulled[contacts["first"][first : first + wheels]] = 1.0 / wheels
+                light = float(pulled @ inverse @ pulled) / float(haul["length"])
+                square, rate = square + float(haul["stiffness"]) * light, rate + float(haul["damping"]) * light
+    yield _stable(square, rate)
 
 
 def _at_sheaves(structure: Structure, r: Array) -> Iterator[tuple[float, float]]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ropewalk.mechanics.bodies import PULLS, PUSHES, STANDS, SWINGS
 from ropewalk.mechanics.compiled import lean, lean_inner
+from ropewalk.mechanics.moving_contact import look_up_integral
 from ropewalk.mechanics.vehicles import TOUCHING
 from ropewalk.system.spline import WIDTH, share
 
@@ -23,6 +24,11 @@ TETHER = np.dtype(
         ("length", _REAL),  # m
         ("full", _REAL),  # m, length that it grows to
         ("growth", _REAL),  # m/s, while it does
+        ("hoist_first", _CODE),  # where the table of the speed begins at which it is taken in
+        ("hoist_count", _CODE),  # its entries; 0: it is not taken in
+        ("begin", _REAL),  # m, its length at time zero
+        ("shortest", _REAL),  # m, that it will be
+        ("grows", _REAL),  # m/s, by which it has become longer in the last step
         ("stiffness", _REAL),  # N/m
         ("damping", _REAL),  # N s/m, while it pulls or pushes
         ("way", _CODE),  # PULLS or PUSHES
@@ -69,7 +75,7 @@ def pull(contacts, bodies, state, e, rate):
     if T[e].on == 0 or (T[e].way == PULLS and longer <= 0.0) or (T[e].way == PUSHES and longer >= sure):
         return
     spring = T[e].stiffness * longer
-    T[e].damper = T[e].damping * along / max(T[e].long, 1e-300)
+    T[e].damper = T[e].damping * (along / max(T[e].long, 1e-300) - T[e].grows)
     T[e].force = spring + T[e].damper
     if T[e].force * T[e].way < 0.0:
         T[e].force, T[e].damper = 0.0, -spring
@@ -133,6 +139,33 @@ def grow(contacts, bodies, state, dt):
             before, after = max(length - bodies.tethers[e].long, 0.0), max(new - bodies.tethers[e].long, 0.0)
             work += 0.5 * bodies.tethers[e].stiffness * (after * after - before * before)
             bodies.tethers[e].length = new
+    return work
+
+
+@lean_inner
+def hoist(bodies, contacts, state, dt):
+    """Take in ropes of payloads after a drift for a time in s, whose stiffness EA/L goes with 1 / length.
+
+    Returns:
+        The work of it, J: EA (e + e^2/2) is what the energy EA L e^2/2 changes by with the length L, e: strain, at the
+        mean of the places before and behind the drift, as kicks have it.
+    """
+    work, T = 0.0, bodies.tethers
+    for e in range(T.size):
+        if T[e].hoist_count == 0:
+            continue
+        gone = look_up_integral(
+            bodies.hoist_time, bodies.hoist_value, bodies.hoist_path, T[e].hoist_first, T[e].hoist_count,
+            state.t[0] + dt,
+        )  # fmt: skip
+        square, old, new = 0.0, T[e].length, T[e].begin - gone
+        for a in range(state.r.shape[0]):
+            square += (state.u[T[e].first + a] - state.u[contacts[T[e].contact].first + a]) ** 2
+        before, after = max(T[e].long / old - 1.0, 0.0), max(np.sqrt(square) / new - 1.0, 0.0)
+        pulls = before * (1.0 + 0.5 * before) + after * (1.0 + 0.5 * after)
+        work += 0.5 * T[e].stiffness * old * pulls * (old - new)
+        T[e].grows = (new - old) / dt
+        T[e].length, T[e].stiffness = new, T[e].stiffness * old / new
     return work
 
 

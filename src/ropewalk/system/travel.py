@@ -51,10 +51,11 @@ def give(tables, contacts, k, t, axes):
         contacts[k].given[a] = look_up(
             tables.force_time, tables.force_value[a], contacts[k].force_first, contacts[k].force_count, t
         )
+        contacts[k].given[a] += contacts[k].hauled[a]
 
 
 @inlined
-def _travelled(tables, contacts, k, t):
+def travelled(tables, contacts, k, t):
     """What contact k has travelled since time zero as its speed is measured, m."""
     return look_up_integral(
         tables.speed_time, tables.speed_value, tables.speed_path, contacts[k].speed_first, contacts[k].speed_count, t
@@ -87,7 +88,7 @@ def locate(structure, buffers, contacts, tables, state, table, out, since):
                 contacts[k].speed, contacts[k].flown = (s - old) / since, contacts[k].flown + since
             if contacts[k].measure != SLIP:  # it goes on from where it lands
                 landed = _measured(structure, buffers, contacts, state, k, s)
-                contacts[k].begin = landed - _travelled(tables, contacts, k, t)
+                contacts[k].begin = landed - travelled(tables, contacts, k, t)
         elif contacts[k].travel == FREE:
             s = old
             if since > 0.0 and was == ON:
@@ -288,12 +289,12 @@ def _find(structure, buffers, contacts, state, k, wanted):
 def _prescribed(structure, buffers, contacts, tables, state, k, speed, since):
     """Place of contact k at time t as its travel prescribes; notes its speed along the line."""
     t, old = state.t[0], state.s[k]
-    wanted = contacts[k].begin + _travelled(tables, contacts, k, t)
+    wanted = contacts[k].begin + travelled(tables, contacts, k, t)
     if contacts[k].measure == MATERIAL:
         contacts[k].speed = speed
         return wanted
     if contacts[k].measure == SLIP and (contacts[k].been == 1 or since > 0.0):
-        way = _travelled(tables, contacts, k, t) - _travelled(tables, contacts, k, t - since)
+        way = travelled(tables, contacts, k, t) - travelled(tables, contacts, k, t - since)
         stretch, before = 1.0, contacts[k].stretch
         if contacts[k].state == ON:
             stretch = 0.0

@@ -1,0 +1,181 @@
+"""What an engineer of ropeways reads: wheel loads, sway of cabins, hauling ropes, saddles, clearance of the ground."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ropewalk.model.carriage import Carriage
+from ropewalk.results.contact_statistics import scenario_of
+from ropewalk.results.contract import path_name
+from ropewalk.results.frame import Array
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ropewalk.model import Scenario
+
+# Part of the angle h/R by which links turn on a groove, from which on a node is taken to lie there.
+TURNS = 0.1
+
+Summary = dict[str, Any]
+
+
+def ropeway_summary(dataset: xr.Dataset) -> dict[str, Any]:
+    """Give what ropeways are judged by, over the output instants, under `carriages`, `saddles` and `clearance`.
+
+    For each carriage: `wheel_load`, the largest and the least force of a wheel across its rope, N, positive if it
+    presses; `tension_ratio`, the least tension of the rope over the load of a wheel on it; `sway` and `side_sway`, the
+    largest angles of the hanger from the vertical along the line and to the side, rad; `pull` of its hauling rope at
+    the carriage and `drive_tension` at the drive, largest and least, N. For each saddle: `deflection`, the largest and
+    the least angle by which the rope turns over it, rad, 0 where it has lifted. `clearance`: the least height over the
+    ground of `outputs.ground` of lines and of floors of cabins, m.
+
+    Args:
+        dataset: a result.
+    """
+    scenario, name = scenario_of(dataset), path_name(dataset)
+    if scenario is None or not dataset.sizes[name]:
+        return {"carriages": {}, "saddles": {}, "clearance": {}}
+    carriages = {load: own for load, own in scenario.loads.items() if isinstance(own, Carriage)}
+    return {
+        "carriages": {load: _carriage(dataset, scenario, load, own) for load, own in carriages.items()},
+        "saddles": _saddles(dataset, scenario),
+        "clearance": _clearance(dataset, scenario, carriages),
+    }
+
+
+def _both(values: Array, unit: str, dataset: xr.Dataset, of: list[str] | None = None) -> Summary | None:
+    """The largest and the least of values (instant,) or (instant, which), with when and of what; NaN is left out."""
+    if not np.isfinite(values).any():
+        return None
+    name = path_name(dataset)
+    path = dataset[name].values
+    found: Summary = {"unit": unit}
+    for key, pick in (("max", np.nanargmax), ("min", np.nanargmin)):
+        i = np.unravel_index(int(pick(values)), values.shape)
+        own: Summary = {"value": float(values[i]), "unit": unit, name: float(path[i[0]])}
+        found[key] = own | ({"of": of[int(i[1])]} if of is not None and len(i) > 1 else {})
+    return found
+
+
+def _carriage(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage) -> Summary:
+    names = dataset["load"].values.tolist()
+    wheels = [k for k, contact in enumerate(names) if contact.partition(".")[0] == name]
+    across = wheel_loads(dataset, wheels)
+    tension = dataset["contact_tension"].values[:, wheels].min(axis=2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.where(across > 0.0, tension / across, np.nan)
+    of = [names[k].partition(".")[2] for k in wheels]
+    least = _both(ratio, "1", dataset, of)
+    found: Summary = {
+        "wheel_load": _both(across, "N", dataset, of),
+        "tension_ratio": None if least is None else least["min"],
+    }
+    bodies = dataset["body"].values.tolist()
+    if load.cabin is not None:
+        cabin = dataset["body_position"].values[:, bodies.index(f"{name}.cabin")]
+        hanger = cabin - dataset["contact_position"].values[:, wheels].mean(axis=1)
+        found["sway"] = _both(np.arctan2(hanger[:, 0], -hanger[:, -1]), "rad", dataset)
+        if hanger.shape[1] == 3:
+            found["side_sway"] = _both(np.arctan2(hanger[:, 1], -hanger[:, 2]), "rad", dataset)
+    ends = [name, *(other for other, own in _carriages(scenario) if own.haul and own.haul.over_to == name)]
+    haul = next((own.haul for other, own in _carriages(scenario) if other in ends and own.haul), None)
+    if haul is not None:
+        pull = np.linalg.norm(dataset["hold_force"].values[:, wheels].sum(axis=1), axis=1)
+        line = dataset["position"].values[:, dataset["line"].values == load.on]
+        at_drive = line[:, -1 if haul.to == "end" else 0, -1]
+        height = at_drive - dataset["contact_position"].values[:, wheels, -1].mean(axis=1)
+        found["pull"] = _both(pull, "N", dataset)
+        found["drive_tension"] = _both(pull + haul.mass * scenario.gravity * height, "N", dataset)
+    return found
+
+
+def _carriages(scenario: Scenario) -> list[tuple[str, Carriage]]:
+    return [(name, load) for name, load in scenario.loads.items() if isinstance(load, Carriage)]
+
+
+def wheel_loads(dataset: xr.Dataset, wheels: list[int]) -> Array:
+    """Forces of some contacts across their lines, (instant, contact) N, positive downwards: what wheels bear.
+
+    Across is across the chord of the two nodes around the link that a wheel is on.
+    """
+    force, xi = dataset["contact_force"].values[:, wheels], dataset["contact_xi"].values[:, wheels]
+    lines, station = dataset["line"].values, dataset["xi"].values
+    out = np.full(xi.shape, np.nan)
+    for j, k in enumerate(wheels):
+        own = np.flatnonzero(lines == _line_of(dataset, k))
+        here = np.nan_to_num(xi[:, j])
+        i = np.clip(np.searchsorted(station[own], here, side="right") - 1, 0, own.size - 2)
+        instants = np.arange(here.size)
+        place = dataset["position"].values
+        chord = place[instants, own[np.minimum(i + 2, own.size - 1)]] - place[instants, own[np.maximum(i - 1, 0)]]
+        along = chord / np.linalg.norm(chord, axis=1)[:, None]
+        part = force[:, j] - (force[:, j] * along).sum(axis=1)[:, None] * along
+        out[:, j] = np.where(part[:, -1] <= 0.0, 1.0, -1.0) * np.linalg.norm(part, axis=1)
+    return out
+
+
+def _line_of(dataset: xr.Dataset, k: int) -> str:
+    scenario = scenario_of(dataset)
+    assert scenario is not None
+    return scenario.loads[str(dataset["load"].values[k]).partition(".")[0]].on
+
+
+def _saddles(dataset: xr.Dataset, scenario: Scenario) -> dict[str, Summary]:
+    found: dict[str, Summary] = {}
+    for name, line in scenario.lines.items():
+        place = dataset["position"].values[:, dataset["line"].values == name]
+        for saddle, own in line.saddles.items():
+            found[f"{name}.{saddle}"] = {"deflection": _both(deflection(place, own.at[0], own.radius), "rad", dataset)}
+    return found
+
+
+def deflection(place: Array, x: float, radius: float) -> Array:
+    """Angles by which a rope turns over a saddle, (instant,) rad: between its links next to those that lie there.
+
+    Args:
+        place: (instant, node, axis) m.
+        x: of the crown of the saddle, m.
+        radius: of its groove, m.
+    """
+    links = np.diff(place, axis=1)
+    length = np.linalg.norm(links, axis=2)
+    slope = np.arctan2(links[:, :, -1], np.linalg.norm(links[:, :, :-1], axis=2))
+    turn = slope[:, :-1] - slope[:, 1:]  # at inner nodes, positive over a saddle
+    lies = turn > TURNS * 0.5 * (length[:, 1:] + length[:, :-1]) / radius
+    out = np.zeros(place.shape[0])
+    for i in range(place.shape[0]):
+        near = np.flatnonzero(lies[i] & (np.abs(place[i, 1:-1, 0] - x) < radius))
+        if near.size:
+            crown = int(near[np.argmin(np.abs(place[i, 1 + near, 0] - x))])
+            first = last = crown
+            while first > 0 and lies[i, first - 1]:
+                first -= 1
+            while last < lies.shape[1] - 1 and lies[i, last + 1]:
+                last += 1
+            out[i] = slope[i, first] - slope[i, last + 1]
+    return out
+
+
+def _clearance(dataset: xr.Dataset, scenario: Scenario, carriages: dict[str, Carriage]) -> dict[str, Summary]:
+    if not scenario.outputs.ground:
+        return {}
+    x, z = np.array(scenario.outputs.ground).T
+    found: dict[str, Summary] = {}
+
+    def note(name: str, place: Array, below: float) -> None:
+        """Of places (instant, point, axis) in m whose lowest point is so far below."""
+        height = place[..., -1] - below - np.interp(place[..., 0], x, z, left=np.nan, right=np.nan)
+        if (both := _both(height, "m", dataset)) is not None:
+            i = np.unravel_index(int(np.nanargmin(height)), height.shape)
+            found[name] = both["min"] | {"x": float(place[(*i, 0)])}
+
+    for name in scenario.lines:
+        note(name, dataset["position"].values[:, dataset["line"].values == name], 0.0)
+    bodies = dataset["body"].values.tolist()
+    for name, load in carriages.items():
+        if load.cabin is not None:
+            note(f"{name}.cabin", dataset["body_position"].values[:, [bodies.index(f"{name}.cabin")]], load.cabin.floor)
+    return found

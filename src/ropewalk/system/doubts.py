@@ -1,0 +1,84 @@
+"""What must not be trusted of motions, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ropewalk.mechanics.contact_points import ContactPoint
+from ropewalk.model.carriage import Carriage
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import RunInfo
+from ropewalk.results.frames import Frames
+from ropewalk.system.assembled import Assembled
+from ropewalk.system.structure import Buffers
+
+# Part of the largest tension with which an inextensible line may be pushed together.
+_PUSHED = 0.1
+
+
+def doubt_saddles(scenario: Scenario, run_info: RunInfo, frames: Frames, line: Sequence[str]) -> None:
+    """Doubt lines that pass below a saddle from the beginning: there rest was found on the wrong side of it."""
+    for name, own in scenario.lines.items():
+        if not own.saddles:
+            continue
+        place = frames.of["position"][0, np.array([one == name for one in line])]
+        for saddle, body in own.saddles.items():
+            key = f"lines.{name}.saddles.{saddle}"
+            near = np.abs(place[:, 0] - body.at[0]) < body.radius
+            low = near.any() and place[near, -1].max() < body.at[-1] - body.radius
+            if low and all(doubt.key != key for doubt in run_info.doubts):
+                cause = "its rest was sought from a line that is too long"
+                run_info.doubt(
+                    f"line {name} passes below saddle {saddle}", cause, key,
+                    f"give lines.{name} less length, at most that of the straight way over its saddles",
+                )  # fmt: skip
+
+
+def doubt_wheels(scenario: Scenario, run_info: RunInfo, frames: Frames, wheels: Sequence[ContactPoint]) -> None:
+    """Doubt carriages whose wheels would leave the rope, where nothing lets them."""
+    for k, wheel in enumerate(wheels):
+        load, key = scenario.loads[wheel.load], f"loads.{wheel.load}.lift_off"
+        if not isinstance(load, Carriage) or load.lift_off or any(doubt.key == key for doubt in run_info.doubts):
+            continue
+        lifts = frames.of["contact_force"][:, k, -1] > 0.0
+        if lifts.any():
+            t = float(frames.path[int(np.argmax(lifts))])
+            run_info.doubt(
+                f"wheel {wheel.part} of {wheel.load} would leave its rope at t = {t:.4g} s",
+                "it is drawn down there, as if there were a rail above it", key, "write lift_off: true",
+            )  # fmt: skip
+
+
+def warn_of_slack_hauling_ropes(
+    scenario: Scenario, run_info: RunInfo, frames: Frames, wheels: Sequence[ContactPoint]
+) -> None:  # fmt: skip
+    """Warn of hauling ropes that are slack: they only pull, and nothing holds carriages back on the other side."""
+    for name, load in scenario.loads.items():
+        if not isinstance(load, Carriage) or load.haul is None:
+            continue
+        own = [k for k, wheel in enumerate(wheels) if wheel.load == name]
+        slack = np.linalg.norm(frames.of["hold_force"][:, own].sum(axis=1), axis=1) == 0.0
+        text = f"the hauling rope of {name} is slack at t = "
+        if slack.any() and not any(warning.startswith(text) for warning in run_info.warnings):
+            run_info.warnings.append(f"{text}{frames.path[int(np.argmax(slack))]:.4g} s: {name} runs by itself then")
+
+
+def doubt_struts(assembled: Assembled, buffers: Buffers, run_info: RunInfo, t: float) -> None:
+    """Doubt inextensible lines that are pushed together: there they are bars, which fold as the mesh lets them."""
+    structure = assembled.structure
+    if structure.taut is None:
+        return
+    assert buffers.tight is not None
+    pull, rigid = buffers.tension, buffers.tight.h > 0.0
+    for s, name in enumerate(assembled.line):
+        first, n = int(structure.runs.first[s]), int(structure.runs.links[s])
+        own, key = pull[first : first + n], f"lines.{name}.law"
+        if not rigid[first] or float(own.min()) >= -_PUSHED * float(np.abs(pull[rigid]).max()):
+            continue
+        if all(doubt.key != key for doubt in run_info.doubts):
+            run_info.doubt(
+                f"line {name} is pushed together at t = {t:.4g} s, and folds as its elements let it",
+                "it is inextensible, and slack there", key, "give it an axial_stiffness with law: tension_only",
+            )  # fmt: skip

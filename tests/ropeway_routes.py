@@ -1,0 +1,79 @@
+"""Numbers of examples of ropeways and cable cranes, read from their results."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from ropewalk.results.ropeway import wheel_loads
+from ropewalk.results.statistics import summary
+
+
+def wheels_of(result: xr.Dataset, name: str) -> list[int]:
+    return [k for k, load in enumerate(result["load"].values) if str(load).partition(".")[0] == name]
+
+
+def sway(result: xr.Dataset, name: str) -> np.ndarray:
+    """Angle of the hanger from the vertical, towards +x, rad."""
+    cabin = result.body_position.values[:, result.body.values.tolist().index(f"{name}.cabin")]
+    away = cabin - result.contact_position.values[:, wheels_of(result, name)].mean(axis=1)
+    return np.asarray(np.arctan2(away[:, 0], -away[:, -1]))
+
+
+def sway_after(result: xr.Dataset, name: str, time: float) -> float:
+    return float(np.abs(sway(result, name)[result.time.values > time]).max())
+
+
+def sway_of_a_stop(speed: float, hanger: float, gravity: float = 9.81) -> float:
+    """Largest angle of a pendulum whose pivot stops at once, by energy, rad."""
+    return float(2.0 * np.arcsin(speed / (2.0 * np.sqrt(gravity * hanger))))
+
+
+def pull_at_rest(result: xr.Dataset, name: str) -> float:
+    return float(np.linalg.norm(result.hold_force.values[0, wheels_of(result, name)].sum(axis=0)))
+
+
+def largest_over_least_wheel_load(result: xr.Dataset, name: str) -> float:
+    loads = wheel_loads(result, wheels_of(result, name))[0]
+    return float(loads.max() / loads.min())
+
+
+def weight_on_wheels(result: xr.Dataset, name: str) -> float:
+    """What the rope bears of a carriage across it and along it, and the hauling rope, at rest: its weight, N."""
+    own = wheels_of(result, name)
+    return float(result.hold_force.values[0, own, -1].sum() - result.contact_force.values[0, own, -1].sum())
+
+
+def way(result: xr.Dataset, name: str) -> float:
+    """What a carriage has gone until the end, along its line as it is, m."""
+    place = result.contact_position.values[:, wheels_of(result, name)].mean(axis=1)
+    return float(np.linalg.norm(np.diff(place, axis=0), axis=1).sum())
+
+
+def pull_on_slopes(gravity: float = 9.81) -> float:
+    """Mean of what both carriages of examples/ropeway-jig-back.yaml need on the slopes that they stand on, N."""
+    level = 120.0 / np.hypot(120.0, 40.0)
+    H, w = 500e3 * level * 1.03, 8.0 * gravity / level
+    needed = 0.0
+    for mass, side in ((1500.0, 1.0), (1100.0, -1.0)):
+        slope = 1.0 / 3.0 + side * (mass * gravity / 4.0 + 30.0 * w) / H
+        needed += 0.5 * mass * gravity * float(np.sin(np.arctan(slope)))
+    return needed
+
+
+def work_of_the_hoist(result: xr.Dataset) -> float:
+    return float(summary(result)["energy"]["final"]["drive_work"])
+
+
+def growth_of_the_sway(result: xr.Dataset) -> float:
+    """Largest angle of the rope after it has been taken in over that before."""
+    away = result.body_position.values[:, 0] - result.contact_position.values[:, 0]
+    angle, time = np.abs(np.arctan2(away[:, 0], -away[:, -1])), result.time.values
+    return float(angle[time > 22.0].max() / angle[(time > 2.0) & (time < 5.0)].max())
+
+
+def tension_over_the_saddle(result: xr.Dataset) -> float:
+    """Change of T + T^2/(2 EA) - w z of examples/ropeway-tramway.yaml from before its saddle to the end, at rest, N."""
+    T, x, z = result.tension.values[0], result.position.values[0, :, 0], result.position.values[0, :, -1]
+    same = T + T**2 / (2.0 * 220e6) - 11.7 * 9.81 * 0.5 * (z[1:] + z[:-1])
+    return float(same[np.searchsorted(x, 70.0)] - same[-1])
