@@ -54,6 +54,8 @@ RIGHT = {
     "travel: {kind: free, at_end: leave}",
     "a trolley whose payload falls": "kind: trolley, on: rope, mass: 1, payload: {mass: 80, length: 3, at: [0, 0, 2], "
     "stiffness: 1 kN/m, damping: 3, air_drag: 0.2}, travel: {speed: 0, from: 20}",
+    "a carriage": "kind: carriage, on: rope, mass: 1.4 t, wheel_mass: 80, rockers: [0.8 m], haul: {to: end, speed: -2, "
+    "axial_stiffness: 20 MN}, cabin: {mass: 660, hanger: 5 m, inertia: 600}, travel: {kind: free, from: 20}",
     "a vehicle": CAR,
     "matrices": PAIR,
     "matrices with weights": f"{PAIR}, damping: [[1, 0], [0, 0]], weight: [981 N, 49.05 N], lift_off: true",
@@ -264,7 +266,7 @@ def test_every_load_says_where_it_stands() -> None:
         ("f", "horizontal", 3.0),
         ("r", "horizontal", 1.0),
     ]
-    several = ("a vehicle", "an FMU with all keys")
+    several = ("a carriage", "a vehicle", "an FMU with all keys")
     assert all(len(found) == 1 for name, found in places.items() if name not in several)
 
 
