@@ -38,6 +38,7 @@ UNFELT: Reasons = {
             "two carriages",
             "hoisted",
             "rough",
+            "train of vehicles",
             "crowd",
             "shoe",
             "steps",

@@ -20,8 +20,6 @@ def check_settings(parts: Parts) -> Iterator[Finding]:
         return
     if not (parts.has_bending_stiffness or parts.is_network):
         yield from _accuracy(parts, run)
-    if parts.has_bending_stiffness and not parts.is_network:
-        return
     if run.start.with_loads and all(isinstance(load, ExternalModel) for load in parts.loads.values()):
         wrong = "with_loads needs loads" if parts.loads else "there are no loads"
         yield Finding(("run", "start", "with_loads"), wrong, "true", "leave it out")
