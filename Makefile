@@ -19,11 +19,9 @@ INSTALL = $(PIP) install $(if $(CONSTRAINTS),-c $(CONSTRAINTS))
 TESTFLAGS ?= -n 2 --dist loadfile
 # What is tested as on another machine: all that searches and solves, for there the last bits decide where it ends; of
 # the motions a part. Not how things are read, drawn and told.
-SOLVE := rest chain_against_closed_forms coupled_equilibrium inextensible supports_at_rest slow_motion minimum \
-  bodies_in_slow_motion path_following friction_of_contacts self_similar_contact symmetric spectrum
-WIRES := equilibrium_of_wires loads_at_rest_on_wires small_motion_of_slack_lines spectrum_of_wires spline_of_wires \
-  doubts_of_stiff_lines first_state_of_loads
-WEBS := networks sheaves membranes fabric surface wind
+SOLVE := rest chain_against_closed_forms coupled_equilibrium inextensible supports_at_rest minimum path_following spectrum
+WIRES := equilibrium_of_wires spectrum_of_wires doubts_of_stiff_lines
+WEBS := networks wind
 ELSEWHERE ?= --ignore=tests/mechanics/test_kernel_cache.py tests/theory tests/mechanics $(SOLVE:%=tests/solve/test_%.py) $(WIRES:%=tests/wires/test_%.py) \
   $(WEBS:%=tests/networks/test_%.py)
 
