@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from continuous_beams import mode_of_two_spans, wave_numbers
 from ropewalk.theory import beam, foundation, locus
 from ropewalk.theory.beam_crossing import Crossing
-from ropewalk.theory.beam_vehicle import Vehicle, oscillator, rigid_body
+from ropewalk.theory.beam_vehicle import oscillator, rigid_body
 from ropewalk.theory.rope import elastic_catenary
 
 G = 9.81
@@ -107,38 +107,6 @@ def endless_track_under_two_axles() -> float:
     axle = (6000.0 + 1800.0) * G
     x = np.linspace(-10.0, 5.0, 3001)
     return float(foundation.several_loads(x, forces=[axle] * 2, places=[0.0, -2.5], speed=290.0 / 3.6, **TRACK).max())
-
-
-def bridge_under_a_coach() -> float:
-    """Largest deflection at midspan of the bridge of uvec-on-bridge.yaml, by 12 modes, m.
-
-    Ten coordinates of the coach downwards, and the far ends of four contact springs of the stiffness that the contacts
-    have at rest: F = (y/G)^p, dF/dy = p F^(1 - 1/p) / G.
-    """
-    static = G * (1.6e3 + 0.5 * (5.6e3 + 0.5 * 44e3))
-    contact = 1.5 * static ** (1.0 / 3.0) / 9e-7
-    mass = np.diag([44e3, 1.9e6, *(2 * [5.6e3, 7.5e3, 1.6e3, 1.6e3]), 0.0, 0.0, 0.0, 0.0])
-    damping, stiffness, axles = np.zeros((14, 14)), np.zeros((14, 14)), []
-    for b, far in enumerate((8.75, -8.75)):
-        bogie = 2 + 4 * b
-        joints = [((0, 1, bogie), (1.0, far, -1.0), 0.86e6, 40e3)]
-        for w, near in enumerate((1.25, -1.25)):
-            wheel = bogie + 2 + w
-            joints += [((bogie, bogie + 1, wheel), (1.0, near, -1.0), 2.4e6, 48e3),
-                       ((wheel, 10 + 2 * b + w), (1.0, -1.0), contact, 0.0)]  # fmt: skip
-            axles.append(10.0 - far - near)
-        for coordinates, signs, k, c in joints:
-            apart = np.zeros(14)
-            apart[list(coordinates)] = signs
-            stiffness += k * np.outer(apart, apart)
-            damping += c * np.outer(apart, apart)
-    coach = Vehicle(mass, damping, stiffness, np.array(axles), np.full(4, static))
-    t = np.linspace(0.0, 1.2, 601)
-    crossing = beam.moving_vehicle(
-        t, vehicle=coach, speed=50.0, length=30.0, bending_stiffness=52.5e9, mass=10e3, damping=10e3, modes=12,
-        tolerance=1e-3,
-    )  # fmt: skip
-    return float(crossing.beam_deflection(15.0).max())
 
 
 def deck_under_a_vehicle(x: float, modes: int = 12) -> float:

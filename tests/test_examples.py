@@ -23,6 +23,7 @@ from ropewalk.simulate import simulate
 from ropewalk.theory import friction
 from ropewalk.theory.highline import stand
 from ropewalk.theory.rope import RestingRope, elastic_catenary
+from ropewalk.validation.programs import bridge_under_the_coach
 from rough_bridge import over_its_modes
 
 # Ten coaches of examples/bridge-articulated-train.yaml on eleven shared bogies over five modes, m.
@@ -541,7 +542,7 @@ KNOWN = {
     ],
     "uvec-on-bridge.yaml": [
         # By 12 modes, with the tangents of the Hertzian contacts. 48 elements, steps of 1 ms: 0.2 %.
-        Known("deflection at midspan, m", deflection_at_midspan, routes.bridge_under_a_coach(), 1.5e-5),
+        Known("deflection at midspan, m", deflection_at_midspan, bridge_under_the_coach(), 1.5e-5),
     ],
     "exudyn-vehicle.yaml": [
         # That of kind: vehicle with the same data (tests/external/test_exudyn_vehicle.py).

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import gc
 import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numba
@@ -127,6 +127,15 @@ def records(count: int, kind: np.dtype[Any]) -> Any:
     """
     empty = np.zeros(count, kind)
     return empty.view(np.recarray) if config.DISABLE_JIT else empty
+
+
+def filled_records(kind: np.dtype[Any], rows: Sequence[Mapping[str, Any]]) -> Any:
+    """Records, (row,), with the fields that each row names."""
+    filled = records(len(rows), kind)
+    for record, row in zip(filled, rows, strict=True):
+        for name, value in row.items():
+            record[name] = value
+    return filled
 
 
 def entry_of(dispatcher: Any, arguments: Sequence[Any]) -> Callable[..., Any]:

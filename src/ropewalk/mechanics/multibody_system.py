@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -26,7 +25,7 @@ from ropewalk.mechanics.bodies import (
 )
 from ropewalk.mechanics.carriage_masses import carriage
 from ropewalk.mechanics.chain import Array, Strands
-from ropewalk.mechanics.compiled import records
+from ropewalk.mechanics.compiled import filled_records, records
 from ropewalk.mechanics.contact_points import ContactPoint
 from ropewalk.mechanics.footfall import outwards
 from ropewalk.mechanics.proximity import shares_links
@@ -251,18 +250,10 @@ def _with_vehicles(bodies: Bodies, vehicles: list[VehicleMatrices]) -> Bodies:
         first += v.coordinates
     return bodies._replace(
         vehicles=rows, wheel=wheel, axis=axis, M=M, C=C, K=K, load=load, coordinates=coordinates,
-        tethers=_records(TETHER, [t for v in vehicles for t in v.tethers]),
-        buffers=_records(BUFFER, [b for v in vehicles for b in v.buffers]),
+        tethers=filled_records(TETHER, [t for v in vehicles for t in v.tethers]),
+        buffers=filled_records(BUFFER, [b for v in vehicles for b in v.buffers]),
         A=np.zeros((size, size + 2)), b=np.zeros(size),
     )  # fmt: skip
-
-
-def _records(kind: np.dtype[Any], rows: list[dict[str, Any]]) -> Any:
-    filled = records(len(rows), kind)
-    for record, row in zip(filled, rows, strict=True):
-        for name, value in row.items():
-            record[name] = value
-    return filled
 
 
 def _vehicle(

@@ -8,7 +8,7 @@ import numpy as np
 
 from ropewalk.mechanics.assembly import speed_table
 from ropewalk.mechanics.chain import Array, Integers
-from ropewalk.mechanics.compiled import records
+from ropewalk.mechanics.compiled import filled_records
 from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.multibody_system import STRETCH
 from ropewalk.mechanics.travelled import Travelled
@@ -65,7 +65,7 @@ def with_carriages(
     if not bars:
         return bodies
     return bodies._replace(
-        carriages=Carriages(_filled(BAR, bars), np.array(points, dtype=np.int64), _filled(HAUL, hauls))
+        carriages=Carriages(filled_records(BAR, bars), np.array(points, dtype=np.int64), filled_records(HAUL, hauls))
     )
 
 
@@ -105,14 +105,6 @@ def _bar(points: list[int], upper: list[int], lower: list[int], length: float, k
         "upper": first, "uppers": len(upper), "lower": first + len(upper), "lowers": len(lower), "length": length,
         "stiffness": k, "damping": c, "frame": -1,
     }  # fmt: skip
-
-
-def _filled(kind: np.dtype[Any], rows: list[dict[str, Any]]) -> Any:
-    found = records(len(rows), kind)
-    for record, row in zip(found, rows, strict=True):
-        for key, value in row.items():
-            record[key] = value
-    return found
 
 
 def _note_mobility(contacts: Any, bodies: BodyArrays, on: list[int], wheels: list[int]) -> None:
