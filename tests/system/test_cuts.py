@@ -32,7 +32,11 @@ def hanging(spare: float) -> dict[str, Any]:
 def test_a_backup_catches_as_a_mass_falls_on_a_slack_spring() -> None:
     """F = m g (1 + sqrt(1 + 2 k h/(m g))) above k = EA/L, h from where it hung; lines of 0.1 % of the mass."""
     spare = 1.0
-    run = simulate(Scenario.model_validate(hanging(spare)))
+    tree = hanging(spare)
+    # Undamped light links that go slack and taut meet the kink of the law at any phase of a step: near the largest
+    # stable step the last bits decide how much energy that makes, and whether the run is to be trusted.
+    tree["run"]["step"] = 1e-4
+    run = simulate(Scenario.model_validate(tree))
     assert run.attrs["outcome"] == "completed"
     joint = run.position.where(run.line == "backup", drop=True).isel(node=-1).sel(axis="z").to_numpy()
     stretched = 60.0 * G / 1e5 * 10.0
@@ -44,8 +48,8 @@ def test_a_backup_catches_as_a_mass_falls_on_a_slack_spring() -> None:
     falling = (t > 0.1) & (t < 0.4)  # 0.05 s + sqrt(2 h/g) = 0.49 s
     expected = joint[0] - 0.5 * G * (t[falling] - 0.05) ** 2
     assert joint[falling] == pytest.approx(expected, abs=0.004)  # the recoil of 10 g of rope pushes on 60 kg
-    # what whips about goes slack and taut, and nothing damps it: there steps see the kink of the law
-    assert float(abs(run.energy.sel(form="imbalance")).max()) < 0.004 * 60.0 * G * -joint.min()
+    # 0.9e-4 to 1.2e-4 for spares of 0.999 to 1.001 m, of first order in the step and above
+    assert float(abs(run.energy.sel(form="imbalance")).max()) < 2e-4 * 60.0 * G * -joint.min()
 
 
 def test_what_is_cut_is_in_one_piece_before_and_in_two_after() -> None:
