@@ -34,7 +34,7 @@ def pull_at_rest(result: xr.Dataset, name: str) -> float:
 
 
 def largest_over_least_wheel_load(result: xr.Dataset, name: str) -> float:
-    loads = wheel_loads(result, wheels_of(result, name))[0]
+    loads = wheel_loads(result, name)[0]
     return float(loads.max() / loads.min())
 
 

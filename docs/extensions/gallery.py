@@ -23,6 +23,7 @@ from sphinx.application import Sphinx
 from sphinx.util import logging
 
 import ropewalk
+from ropewalk.scenario.examples import title_of
 
 ROOT = Path(__file__).parent.parent.parent
 EXAMPLES = ROOT / "examples"
@@ -84,9 +85,8 @@ def read(path: Path) -> Example:
     lines = text.splitlines()
     head = [line for line in lines[: next(i for i, line in enumerate(lines) if line.startswith("lines:") or
             re.match(r"\w+:\s*$|gravity:", line))] if line.startswith("#")]  # fmt: skip
-    title = next(line.partition(":")[2].strip().strip("\"'") for line in lines if line.startswith("title:"))
     more = tuple(word for word in ("sweep", "design", "fit") if any(line.startswith(f"{word}:") for line in lines))
-    return Example(path.stem, title, " ".join(line.lstrip("# ").rstrip() for line in head), text, more)
+    return Example(path.stem, title_of(text), " ".join(line.lstrip("# ").rstrip() for line in head), text, more)
 
 
 def markdown(comment: str) -> str:

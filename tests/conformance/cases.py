@@ -50,8 +50,7 @@ def loads() -> Iterator[Case]:
     for s in STRUCTURES:
         yield Case("loads", "none", s.name, "none", scenario(s))
         for kind in KINDS:
-            if s.name in ON_FEW.get(kind, (s.name,)):
-                yield Case("loads", "one", s.name, kind, scenario(s, _one(load(s, kind))))
+            yield Case("loads", "one", s.name, kind, scenario(s, _one(load(s, kind))))
         for row, pair in PAIRS.items():
             trees = {
                 f"load {k}": load(s, kind, travel(s, **{"from": s.start + k * 0.13 * s.length}))
@@ -60,8 +59,6 @@ def loads() -> Iterator[Case]:
             yield Case("loads", row, s.name, " and ".join(pair), scenario(s, trees))
 
 
-ON_FEW = {"carriage": ("string", "spatial", "tension_only", "beam", "beam-linearised", "overhead", "net")}
-"""Loads that are asked for on some structures alone."""
 PAIRS = {"two alike": ("mass", "mass"), "two": ("force", "mass"), "two bodies": ("oscillator", "vehicle")}
 
 

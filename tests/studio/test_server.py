@@ -9,7 +9,6 @@ import socket
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -173,18 +172,37 @@ def test_what_is_saved_is_what_was_written_unless_the_file_has_changed(page: Pag
     assert "is there already" in page.ask("save", name="rope.yaml", text=changed, stamp=None)["error"]
 
 
-def begun(page: Page, text: str, name: str) -> dict[str, Any]:
-    """Begin a run; returns with its first frames."""
-    return next(head for head, _ in page.messages(page.send("run", text=text, name=name)) if head["event"] == "frames")
+def begun(page: Page, text: str, file: Path) -> None:
+    """Begin a run; returns when its file holds instants. What is not read would hold the run up."""
+    for head, _ in page.messages(page.send("run", text=text, name=file.with_suffix(".yaml").name)):
+        if head["event"] == "frames":
+            with ropewalk.open_result(file) as found:
+                if found.sizes["time"]:
+                    return
+    raise AssertionError(f"{file} was over before it held anything")
 
 
-def ended(file: Path, outcome: str) -> bool:
+def holds(file: Path, outcome: str = "interrupted") -> bool:
+    """Whether a result comes to hold instants, with an outcome; one that is being written is interrupted so far."""
     until = time.monotonic() + 60.0  # other tests may keep the processors busy
     while time.monotonic() < until:
         time.sleep(0.2)
         with ropewalk.open_result(file) as found:
             if found.attrs["outcome"] == outcome and found.sizes["time"]:
                 return True
+    return False
+
+
+def stands(file: Path) -> bool:
+    """Whether a result comes to grow no more: nobody writes it."""
+    before, until = -1, time.monotonic() + 60.0
+    while time.monotonic() < until:
+        with ropewalk.open_result(file) as found:
+            now = found.sizes["time"]
+        if now == before:
+            return True
+        before = now
+        time.sleep(3.0)  # it is synchronised every second or so
     return False
 
 
@@ -196,18 +214,18 @@ def test_a_run_is_stopped_by_its_page_and_when_that_closes(server: Server, folde
                 one.send("stop")
             last = head
         assert last["outcome"] == "interrupted"
-        begun(other, LONG, "left.yaml")
-    assert ended(folder / "left.nc", "interrupted")
+        begun(other, LONG, folder / "left.nc")
+    assert holds(folder / "left.nc")
+    assert stands(folder / "left.nc")
 
 
 def test_a_killed_server_leaves_results_whole_and_another_one_goes_on(folder: Path) -> None:
     with serving(folder) as first:
         page = Page(first)
-        begun(page, LONG, "killed.yaml")
-        time.sleep(1.5)  # a synchronisation of the file
+        begun(page, LONG, folder / "killed.nc")
         first.end(signal.SIGKILL)
         page.socket.close()
-    assert ended(folder / "killed.nc", "interrupted")
+    assert holds(folder / "killed.nc")
     with serving(folder, "--port", str(first.port)) as second, (page := Page(second)).socket:
         assert "killed.nc" in page.ask("hello")["results"]
         assert page.ask("result", name="killed.nc")["outcome"] == "interrupted"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.model.carriage import Carriage
-from ropewalk.results.contact_statistics import scenario_of
+from ropewalk.results.contact_statistics import contacts_by_load, scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
 
@@ -61,13 +61,12 @@ def _both(values: Array, unit: str, dataset: xr.Dataset, of: list[str] | None = 
 
 
 def _carriage(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage) -> Summary:
-    names = dataset["load"].values.tolist()
-    wheels = [k for k, contact in enumerate(names) if contact.partition(".")[0] == name]
-    across = wheel_loads(dataset, wheels)
+    wheels = contacts_by_load(dataset, Carriage)[name]
+    across = wheel_loads(dataset, name)
     tension = dataset["contact_tension"].values[:, wheels].min(axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(across > 0.0, tension / across, np.nan)
-    of = [names[k].partition(".")[2] for k in wheels]
+    of = [str(contact).partition(".")[2] for contact in dataset["load"].values[wheels]]
     least = _both(ratio, "1", dataset, of)
     found: Summary = {
         "wheel_load": _both(across, "N", dataset, of),
@@ -96,31 +95,24 @@ def _carriages(scenario: Scenario) -> list[tuple[str, Carriage]]:
     return [(name, load) for name, load in scenario.loads.items() if isinstance(load, Carriage)]
 
 
-def wheel_loads(dataset: xr.Dataset, wheels: list[int]) -> Array:
-    """Forces of some contacts across their lines, (instant, contact) N, positive downwards: what wheels bear.
+def wheel_loads(dataset: xr.Dataset, name: str) -> Array:
+    """Forces of a carriage's wheels across their line, (instant, wheel) N, positive downwards: what they bear.
 
     Across is across the chord of the two nodes around the link that a wheel is on.
     """
+    scenario, wheels = scenario_of(dataset), contacts_by_load(dataset, Carriage)[name]
+    assert scenario is not None
     force, xi = dataset["contact_force"].values[:, wheels], dataset["contact_xi"].values[:, wheels]
-    lines, station = dataset["line"].values, dataset["xi"].values
-    out = np.full(xi.shape, np.nan)
-    for j, k in enumerate(wheels):
-        own = np.flatnonzero(lines == _line_of(dataset, k))
-        here = np.nan_to_num(xi[:, j])
-        i = np.clip(np.searchsorted(station[own], here, side="right") - 1, 0, own.size - 2)
-        instants = np.arange(here.size)
-        place = dataset["position"].values
-        chord = place[instants, own[np.minimum(i + 2, own.size - 1)]] - place[instants, own[np.maximum(i - 1, 0)]]
+    own = np.flatnonzero(dataset["line"].values == scenario.loads[name].on)
+    station, place = dataset["xi"].values[own], dataset["position"].values[:, own]
+    instants, out = np.arange(xi.shape[0]), np.full(xi.shape, np.nan)
+    for j in range(xi.shape[1]):
+        i = np.clip(np.searchsorted(station, np.nan_to_num(xi[:, j]), side="right") - 1, 0, own.size - 2)
+        chord = place[instants, np.minimum(i + 2, own.size - 1)] - place[instants, np.maximum(i - 1, 0)]
         along = chord / np.linalg.norm(chord, axis=1)[:, None]
         part = force[:, j] - (force[:, j] * along).sum(axis=1)[:, None] * along
         out[:, j] = np.where(part[:, -1] <= 0.0, 1.0, -1.0) * np.linalg.norm(part, axis=1)
     return out
-
-
-def _line_of(dataset: xr.Dataset, k: int) -> str:
-    scenario = scenario_of(dataset)
-    assert scenario is not None
-    return scenario.loads[str(dataset["load"].values[k]).partition(".")[0]].on
 
 
 def _saddles(dataset: xr.Dataset, scenario: Scenario) -> dict[str, Summary]:

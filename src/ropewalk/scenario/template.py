@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
-import re
 
 from ropewalk.errors import Problem, ScenarioError, did_you_mean
-from ropewalk.scenario.examples import examples
+from ropewalk.scenario.examples import TITLE, examples, title_of
 
 _TEMPLATE = """\
 # A scenario of ropewalk: lines, the loads that travel on them, and what is asked.
@@ -64,13 +63,12 @@ TRADES = {
     "string": "whirling-string",
 }
 """Templates by trade, each one of the examples that come with the package."""
-_TITLE = re.compile(r"^title:.*$", re.MULTILINE)
 
 
 def trades() -> dict[str, str]:
     """Names of all templates, and what each is about."""
-    titles = {trade: _TITLE.search(examples().get(example, "")) for trade, example in TRADES.items()}
-    known = {trade: found[0].removeprefix("title:").strip() for trade, found in titles.items() if found}
+    titles = {trade: title_of(examples().get(example, "")) for trade, example in TRADES.items()}
+    known = {trade: title for trade, title in titles.items() if title}
     return {FIRST: "A force travels along a slack rope: every key of a first file", **known}
 
 
@@ -91,4 +89,4 @@ def template(name: str = "Moving force on a slack rope", trade: str = FIRST) -> 
     quoted = json.dumps(title or "untitled", ensure_ascii=False)
     if trade == FIRST:
         return _TEMPLATE.replace("@TITLE@", quoted)
-    return _TITLE.sub(lambda _: f"title: {quoted}", examples()[TRADES[trade]], count=1)
+    return TITLE.sub(lambda _: f"title: {quoted}", examples()[TRADES[trade]], count=1)

@@ -5,9 +5,7 @@ from __future__ import annotations
 import re
 from functools import cache
 
-from ropewalk.scenario.examples import examples
-
-_TITLE = re.compile(r"^title: *(.+?) *(#.*)?$", re.MULTILINE)
+from ropewalk.scenario.examples import examples, title_of
 
 
 @cache
@@ -16,6 +14,5 @@ def templates() -> tuple[dict[str, str], ...]:
     found = []
     for name, text in examples().items():
         if not re.search(r"kind: *(stepper|fmu)", text):
-            title = _TITLE.search(text)
-            found.append({"name": f"{name}.yaml", "title": title[1] if title else name, "text": text})
+            found.append({"name": f"{name}.yaml", "title": title_of(text) or name, "text": text})
     return tuple(found)

@@ -79,7 +79,12 @@ def shortest(scenario: Scenario, load: Carriage, haul: Haul) -> float:
     if isinstance(scenario.run, Dynamic):
         until = scenario.run.until
     gone = Travelled(*speed_table(haul.speed, until))
-    return max(there - float(gone.at(np.linspace(0.0, until, _INSTANTS)).max()), _LEAST * there)
+    return max(there - _most(gone, until), _LEAST * there)
+
+
+def _most(taken_in: Travelled, until: float) -> float:
+    """The most that is taken in of a rope until a time in s, m."""
+    return float(taken_in.at(np.linspace(0.0, until, _INSTANTS)).max())
 
 
 def _ahead(scenario: Scenario, load: Carriage, haul: Haul) -> float:
@@ -133,7 +138,7 @@ def _with_hoists(scenario: Scenario, loading: Loading, bodies: BodyArrays) -> Bo
         t, v = speed_table(load.payload.hoist, until)
         tether["hoist_first"], tether["hoist_count"] = sum(own.size for own in time), t.size
         gone = Travelled(t, v)
-        tether["shortest"] = tether["length"] - max(float(gone.at(np.linspace(0.0, until, _INSTANTS)).max()), 0.0)
+        tether["shortest"] = tether["length"] - max(_most(gone, until), 0.0)
         time, value, path = [*time, t], [*value, v], [*path, gone.path]
     none = np.zeros(0)
     return bodies._replace(
