@@ -211,6 +211,38 @@ def test_imports_run_downwards_only() -> None:
     assert [problem for path in modules() for problem in upward(path)] == []
 
 
+# What draws itself when it is asked to knows its picture, which knows it.
+DRAW_THEMSELVES = {("compare.adequacy", "compare.map_figure"), ("compare.result", "compare.figure")}
+
+
+def circles(imports: dict[str, set[str]]) -> list[set[str]]:
+    """Modules that reach themselves through others, in sets that reach each other."""
+    reached = {name: set(found) for name, found in imports.items()}
+    for middle in imports:
+        for found in reached.values():
+            if middle in found:
+                found |= reached[middle]
+    return [{other for other in reached[name] if name in reached.get(other, ())} for name in imports
+            if name in reached[name]]  # fmt: skip
+
+
+def test_no_files_import_each_other() -> None:
+    """Not for types or lazily either."""
+    packages = {path.parent for path in HOUSE.rglob("__init__.py")}
+    names = {path: ".".join(path.relative_to(HOUSE).with_suffix("").parts) for path in modules()
+             if path.parent in packages and path.name != "__init__.py"}  # fmt: skip
+    imports = {name: imported_modules(path) & set(names.values()) for path, name in names.items()}
+    for one, other in DRAW_THEMSELVES:
+        assert other in imports[one]
+        imports[one].discard(other)
+    assert circles(imports) == []
+
+
+def test_a_circle_is_seen() -> None:
+    found = circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"a"}})
+    assert found == [{"b", "c"}, {"b", "c"}]
+
+
 @pytest.mark.parametrize(
     ("where", "source"),
     [

@@ -55,7 +55,7 @@ def test_nothing_else_says_what_is_not_implemented() -> None:
     found = [
         f"{path.relative_to(HOUSE)}:{line}: {words}"
         for path in sorted(HOUSE.rglob("*.py"))
-        if path.name != "capabilities.py" and path.relative_to(HOUSE).parts[0] not in OTHERWISE
+        if path.name not in ("capabilities.py", "missing.py") and path.relative_to(HOUSE).parts[0] not in OTHERWISE
         for line, words in sentences(path.read_text(encoding="utf-8"))
         if SAYS_SO.search(words)
     ]

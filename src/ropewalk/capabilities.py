@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 from ropewalk.linear import capabilities as linear
 from ropewalk.model._base import Finding
 from ropewalk.model.axles import Axles
-from ropewalk.model.capabilities import Capabilities, missing, refusal
+from ropewalk.model.capabilities import Capabilities, refusal
 from ropewalk.model.crowd import Crowd, is_one_of_many
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
+from ropewalk.model.missing import missing
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic, Equilibrium, Linear

@@ -81,7 +81,7 @@ def simulate(
         with Recorder(run.layout, asked, run_info, file, run=run) as recorder:
             return record(run, recorder, run_info, watch, progress, seen)
 
-    if is_asked_for(scenario):
+    if is_asked_for(scenario.parts):
         from ropewalk.meshes import choosing  # lazy: most runs are on one mesh
 
         return choosing.result_of(scenario, run_of, recorded)

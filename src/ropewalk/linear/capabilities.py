@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import OF_LINEAR_THEORY, Capabilities, missing
+from ropewalk.model.capabilities import OF_LINEAR_THEORY, Capabilities
 from ropewalk.model.history import SpeedTable, rows
 from ropewalk.model.line import Line
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
+from ropewalk.model.missing import missing
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
 from ropewalk.model.places import reach

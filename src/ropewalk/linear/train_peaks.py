@@ -70,7 +70,11 @@ def peaks(
         return None
     cut_off = scenario.outputs.cut_off
     even = evenly_fine(times, cut_off)
-    if scenario.outputs.impact or is_asked_for(scenario) or (not even and any(q == "acceleration" for _, q in asked)):
+    if (
+        scenario.outputs.impact
+        or is_asked_for(scenario.parts)
+        or (not even and any(q == "acceleration" for _, q in asked))
+    ):
         return None
     text = "\n".join(
         [repr(scenario.gravity), *(name + line.model_dump_json() for name, line in scenario.lines.items())]

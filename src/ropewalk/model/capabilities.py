@@ -8,6 +8,7 @@ from typing import Any
 
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.model._base import Declaration, Finding, Path
+from ropewalk.model.missing import missing
 from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import unit_of
 
@@ -69,11 +70,6 @@ class Capabilities:
             known = type(owner).model_fields[inner[-1]]
             remedy = self.instead.get(key) or (f"write {_or(values)}" if isinstance(value, str) else "leave it out")
             yield missing((*path, *inner), self.what, _displayed(value, unit_of(known)), remedy)
-
-
-def missing(path: Path, what: str, given: str = "", remedy: str = "", *, feature: str = "") -> Finding:
-    """Say that a key, or a feature that it asks for, is not implemented for what an engine computes."""
-    return Finding(path, f"{feature} is not implemented for {what}".strip(), given, remedy)
 
 
 def without_retardation(what: str, remedy: str) -> Callable[[Parts], Iterator[Finding]]:

@@ -13,6 +13,7 @@ from ropewalk.model.axles import Axles
 from ropewalk.model.beginning import check_beginning
 from ropewalk.model.carriage import Carriage, check_carriages
 from ropewalk.model.course import course
+from ropewalk.model.crossing import check_crossing, crossed
 from ropewalk.model.crowd import is_one_of_many
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
@@ -36,7 +37,6 @@ from ropewalk.model.support import Guided
 from ropewalk.model.track import check_tracks
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.trolley import Trolley
-from ropewalk.model.until import check_crossing, crossed
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 

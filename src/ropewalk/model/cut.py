@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
 
 from pydantic import Field
 
 from ropewalk.model._base import Declaration, Finding
 from ropewalk.model.quantity import PositiveLength, PositiveTime
-
-if TYPE_CHECKING:
-    from ropewalk.model.line import Line
 
 
 class Cut(Declaration):
@@ -24,11 +20,18 @@ class Cut(Declaration):
     time: PositiveTime = Field(description="when")
 
 
-def check_cut(cut: Cut, line: Line) -> Iterator[Finding]:
-    """Find what does not fit of the cut of a line to the rest of it."""
-    if line.length is not None and cut.at >= line.length * (1.0 - 1e-9):
-        wrong = f"is not between the ends of the line ({line.length:g} m long)"
+def check_cut(cut: Cut, length: float | None, distance: float, supports: Mapping[str, float]) -> Iterator[Finding]:
+    """Find what does not fit of the cut of a line to the rest of it.
+
+    Args:
+        cut: of the line.
+        length: of the line, unstrained, in m; None: it follows from a tension.
+        distance: of its ends in m.
+        supports: where inner supports hold it, in m from its start, by name.
+    """
+    if length is not None and cut.at >= length * (1.0 - 1e-9):
+        wrong = f"is not between the ends of the line ({length:g} m long)"
         yield Finding(("cut", "at"), wrong, f"{cut.at:g} m", "stay within its length")
-    for name, support in line.supports.items():
-        if abs(cut.at - support.at) <= 1e-9 * (line.length or line.distance):
+    for name, at in supports.items():
+        if abs(cut.at - at) <= 1e-9 * (length or distance):
             yield Finding(("cut", "at"), f"inner support {name} is there", f"{cut.at:g} m", "cut beside it")

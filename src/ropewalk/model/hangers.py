@@ -10,10 +10,10 @@ from pydantic import Field, model_validator
 
 from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.capabilities import missing
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import TensionOnly
 from ropewalk.model.line import Line, spatial
+from ropewalk.model.missing import missing
 from ropewalk.model.quantity import Count, Lengths, MassPerLength, PositiveForce, Station
 
 _SAME = 1e-9  # of a length

@@ -100,7 +100,9 @@ class Line(Declaration):
     def _consistent(self) -> Self:
         given = {name for name in type(self).model_fields if getattr(self, name) is not None}
         own = (*self._geometry(), *self._clamped(), *self._inner(), *self._damped())
-        own += () if self.cut is None else tuple(check_cut(self.cut, self))
+        if self.cut is not None:
+            places = {name: support.at for name, support in self.supports.items()}
+            own += tuple(check_cut(self.cut, self.length, self.distance, places))
         own += tuple(check_segments(self.segments, self.length or self.distance, bends=bool(self.bending_stiffness)))
         report("line", [*contradictions(given, self.law.kind), *own])
         return self

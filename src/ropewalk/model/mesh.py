@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from ropewalk.model._base import Finding
 from ropewalk.model.load import ExternalModel
@@ -12,19 +11,16 @@ from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import AUTO, Auto
 from ropewalk.model.run import Dynamic, Linear, Quasistatic
 
-if TYPE_CHECKING:
-    from ropewalk.model.scenario import Scenario
-
 PARTS = 4
 """How many times the elements of the coarsest mesh the finest has: the number has to be divided by it."""
 FEWEST, OF_BEAMS = 2, 5
 """Links, or cells, of the coarsest mesh; of lines with bending stiffness, whose splines go through six nodes."""
 
 
-def is_asked_for(scenario: Scenario) -> bool:
+def is_asked_for(parts: Parts) -> bool:
     """Whether a scenario asks for the error of its mesh, or for a mesh."""
-    run = scenario.run
-    return not isinstance(run, Linear) and (run.mesh_error or scenario.parts.is_auto)
+    run = parts.run
+    return run is not None and not isinstance(run, Linear) and (run.mesh_error or parts.is_auto)
 
 
 def check_mesh(parts: Parts) -> Iterator[Finding]:

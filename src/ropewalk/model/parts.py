@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 from ropewalk.model.joint import Joint
 from ropewalk.model.law import Inextensible
@@ -15,10 +14,8 @@ from ropewalk.model.outputs import Outputs
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.quantity import Auto
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic
+from ropewalk.model.track import Track
 from ropewalk.model.wind import Wind
-
-if TYPE_CHECKING:
-    from ropewalk.model.track import Track  # which asks what is implemented of parts
 
 
 @dataclass(frozen=True)

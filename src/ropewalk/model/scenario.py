@@ -9,13 +9,14 @@ from typing import Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.capabilities import missing
 from ropewalk.model.consistency import check
+from ropewalk.model.crossing import crossed
 from ropewalk.model.hangers import Hangers, check_hangers, guessed
 from ropewalk.model.joint import Joint
 from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, Load, assembled
 from ropewalk.model.mesh import is_asked_for
+from ropewalk.model.missing import missing
 from ropewalk.model.net import AnyNet
 from ropewalk.model.outputs import Outputs
 from ropewalk.model.overhead import CONTACT_WIRE, OverheadLine
@@ -26,7 +27,6 @@ from ropewalk.model.run import Dynamic, Run
 from ropewalk.model.space import leaving
 from ropewalk.model.sweep import Sweep
 from ropewalk.model.track import Track
-from ropewalk.model.until import crossed
 from ropewalk.model.wind import Wind
 
 
@@ -66,7 +66,7 @@ class Scenario(Declaration):
 
     def _refined(self) -> Iterator[Finding]:
         """What changes meshes, of which hangers keep theirs."""
-        if self.hangers and is_asked_for(self):
+        if self.hangers and is_asked_for(self.parts):
             remedy = "write the hangers as lines, or leave it out"
             yield missing(
                 ("run",), "rows of hangers", remedy=remedy, feature="the error of the mesh, or elements: auto,"

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.quantity import BedStiffness, BendingStiffness, MassPerLength, Offset, PositiveLength, Share
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from ropewalk.model.line import Line
 
 _GIVEN = ("mass", "bending_stiffness", "foundation", "damage")
 
@@ -78,34 +72,3 @@ def check_segments(segments: Mapping[str, Segment], length: float, *, bends: boo
         if second.start < first.end - near:
             wrong, remedy = f"begins within segment {one}", "let it begin where that one ends, or later"
             yield Finding(("segments", other, "from"), wrong, f"{second.start:g} m", remedy)
-
-
-def mean_along(
-    line: Line, key: str, station: NDArray[np.float64], of: Callable[[float], float] = float
-) -> NDArray[np.float64]:
-    """Mean over the half links beside each node of what a line has along it, or of a function of that.
-
-    Args:
-        line: with or without segments.
-        key: mass, bending_stiffness or foundation.
-        station: (node,) m, evenly spaced from the start to the end.
-        of: of the value, for example its inverse.
-    """
-    usual = float(getattr(line, key))
-    half = 0.5 * (station[1] - station[0])
-    low, high = np.maximum(station - half, station[0]), np.minimum(station + half, station[-1])
-    out = np.full(station.size, of(usual))
-    for segment in line.segments.values():
-        inside = np.maximum(np.minimum(high, segment.end) - np.maximum(low, segment.start), 0.0) / (high - low)
-        out += inside * (of(segment.value(key, usual)) - of(usual))
-    return out
-
-
-def bending_along(line: Line, station: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Bending stiffness at nodes in N m^2, (node,): what is there turns by the moment as both half links do together.
-
-    Args:
-        line: with bending stiffness.
-        station: (node,) m, evenly spaced from the start to the end.
-    """
-    return 1.0 / mean_along(line, "bending_stiffness", station, lambda EI: 1.0 / EI)

@@ -9,8 +9,8 @@ from pydantic import Field
 
 from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Declaration, Finding
-from ropewalk.model.capabilities import missing
 from ropewalk.model.line import Line, spatial
+from ropewalk.model.missing import missing
 from ropewalk.model.quantity import Mass, Offset, PositiveLength, PositiveMass, PositiveStiffness, Viscosity
 
 _SAME = 1e-9  # of a length

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import Capabilities, missing
+from ropewalk.model.capabilities import Capabilities
+from ropewalk.model.missing import missing
 from ropewalk.model.parts import Parts
 
 _NETWORKS = "joined lines, sheaves, ropes on inner supports and lines in wind, at rest or quasi-static"

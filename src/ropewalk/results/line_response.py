@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ropewalk.mechanics.along_lines import bending_along
 from ropewalk.model.line import spatial
-from ropewalk.model.segment import bending_along
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import CURVATURE, STATIC, path_name
 from ropewalk.results.frame import SPLINE, Array

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import Capabilities, missing, without_retardation
+from ropewalk.model.capabilities import Capabilities, without_retardation
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import ExternalModel, MovingForce
+from ropewalk.model.missing import missing
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic
 from ropewalk.model.support import Elastic, Guided, Support, stands_still

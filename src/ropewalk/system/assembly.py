@@ -31,14 +31,13 @@ from ropewalk.system.constrained import lent, nearly
 from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
 from ropewalk.system.feet import is_led, steps_by_table, with_steps
 from ropewalk.system.friction import NOT, STANDS
-from ropewalk.system.inertia import Inertia
 from ropewalk.system.overhead_lines import overhead_lines_of
 from ropewalk.system.profile import Profiles
 from ropewalk.system.restraints import restraints_of
 from ropewalk.system.saddles import laid_over_saddles, saddles_of
 from ropewalk.system.sections import sections_of, sheaves_of
 from ropewalk.system.segments import Segments
-from ropewalk.system.structure import About, Lines, Nodes, Restraints, Runs, Structure, WindField
+from ropewalk.system.structure import About, Inertia, Lines, Nodes, Restraints, Runs, Structure, WindField
 from ropewalk.system.surface_paths import Nets
 from ropewalk.system.tethers import TETHER
 from ropewalk.system.tracks import on_ends, with_tracks

@@ -6,13 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import (
-    OF_LINEAR_THEORY,
-    Capabilities,
-    missing,
-    supported_by_tension,
-    without_retardation,
-)
+from ropewalk.model.capabilities import OF_LINEAR_THEORY, Capabilities, supported_by_tension, without_retardation
 from ropewalk.model.division import links_of_line
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import rows
@@ -22,6 +16,7 @@ from ropewalk.model.line import Line
 from ropewalk.model.load import RUBBING, ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
+from ropewalk.model.missing import missing
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic, Linear, Quasistatic

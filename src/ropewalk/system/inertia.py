@@ -9,48 +9,16 @@ Where a line has turned by the angle a since, a link is as stiff as 1/f + sin^2 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import lean_inner
 from ropewalk.results.frame import RunInfo
-from ropewalk.results.frames import summed
-
-if TYPE_CHECKING:
-    from ropewalk.system.structure import Structure
-
+from ropewalk.system.structure import Inertia, Structure
 
 # Part of the inertia of a line across its chord, by which it may be too large: twice that of frequencies.
 MUCH = 0.05
-
-
-class Inertia(NamedTuple):
-    """By what nodes are heavier along their lines; no entries: by nothing."""
-
-    factor: float
-    along: Array  # (axis, node) unit vectors; zero: it is held, or the same in all directions
-    restrained: Array  # (holding, axis, axis) kg, what that adds to what a holding moves, within its free directions
-
-    @staticmethod
-    def nothing(axes: int) -> Inertia:
-        """Of nodes that are as heavy along their lines as across."""
-        return Inertia(1.0, np.zeros((axes, 0)), np.zeros((0, axes, axes)))
-
-    def kinetic(self, mass: Array, v: Array, restrained: Array) -> Array:
-        """What it adds to the kinetic energy, (instant,) J.
-
-        Args:
-            mass: (node,) kg.
-            v: (instant, axis, node) m/s.
-            restrained: (instant, axis, restraint) m/s.
-        """
-        if not self.along.size:
-            return np.zeros(len(v))
-        along = (self.along * v).sum(axis=1)
-        more = summed(restrained[:, :, None] * self.restrained.transpose(1, 2, 0) * restrained[:, None])
-        return np.asarray(0.5 * ((self.factor - 1.0) * summed(mass * along**2) + more))
 
 
 def tangents(structure: Structure, r: Array) -> Array:

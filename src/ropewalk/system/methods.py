@@ -12,10 +12,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import missing
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel, GivenForces
 from ropewalk.model.mass import MovingMass
+from ropewalk.model.missing import missing
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic
 from ropewalk.model.scenario import Scenario

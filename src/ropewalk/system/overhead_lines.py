@@ -21,9 +21,8 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.model.scenario import Scenario
 from ropewalk.overhead.section import CONTACT, Section, in_space, section_of
 from ropewalk.system.assembled import Assembled, Attached
-from ropewalk.system.inertia import Inertia
 from ropewalk.system.profile import Profiles
-from ropewalk.system.structure import About, Lines, Nodes, Restraints, Runs, Structure, WindField
+from ropewalk.system.structure import About, Inertia, Lines, Nodes, Restraints, Runs, Structure, WindField
 from ropewalk.system.ties import Point, Tie, ties_of
 from ropewalk.wires.plan import Hold, Spot, Wire
 from ropewalk.wires.plan import WireTie as Planned

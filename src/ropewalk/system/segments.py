@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ropewalk.mechanics.along_lines import bending_along, mean_along
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.model.line import Line
-from ropewalk.model.segment import bending_along, mean_along
 
 _SAME = 1e-12  # of a bending stiffness
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import records
-from ropewalk.system.inertia import Inertia
+from ropewalk.results.frames import summed
 from ropewalk.system.profile import Profiles
 from ropewalk.system.saddles import Saddles
 from ropewalk.system.segments import Segments
@@ -110,6 +110,33 @@ class About(NamedTuple):
     def nothing(axes: int) -> About:
         """Of what moves with all geometry."""
         return About(np.zeros((2, axes, 0)), records(0, REST))
+
+
+class Inertia(NamedTuple):
+    """By what nodes are heavier along their lines; no entries: by nothing."""
+
+    factor: float
+    along: Array  # (axis, node) unit vectors; zero: it is held, or the same in all directions
+    restrained: Array  # (holding, axis, axis) kg, what that adds to what a holding moves, within its free directions
+
+    @staticmethod
+    def nothing(axes: int) -> Inertia:
+        """Of nodes that are as heavy along their lines as across."""
+        return Inertia(1.0, np.zeros((axes, 0)), np.zeros((0, axes, axes)))
+
+    def kinetic(self, mass: Array, v: Array, restrained: Array) -> Array:
+        """What it adds to the kinetic energy, (instant,) J.
+
+        Args:
+            mass: (node,) kg.
+            v: (instant, axis, node) m/s.
+            restrained: (instant, axis, restraint) m/s.
+        """
+        if not self.along.size:
+            return np.zeros(len(v))
+        along = (self.along * v).sum(axis=1)
+        more = summed(restrained[:, :, None] * self.restrained.transpose(1, 2, 0) * restrained[:, None])
+        return np.asarray(0.5 * ((self.factor - 1.0) * summed(mass * along**2) + more))
 
 
 class Sheaves(NamedTuple):

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import Capabilities, missing, supported_by_tension
+from ropewalk.model.capabilities import Capabilities, supported_by_tension
 from ropewalk.model.history import rows
 from ropewalk.model.load import ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
+from ropewalk.model.missing import missing
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, common_interval, every_of
