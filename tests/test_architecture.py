@@ -22,8 +22,7 @@ LAYERS = (
     ("theory",), ("mechanics",), ("external",),
     ("controllers",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("networks",), ("system",),
     ("capabilities",), ("chains", "wiring"), ("meshes",), ("impact",), ("simulate",), ("decouple",), ("coupling",),
-    ("scenario",), ("resuming",), ("console",), ("options",),
-    ("line_commands", "many", "calculating", "serving", "validating"), ("cli", "__main__"),
+    ("scenario",), ("resuming",), ("cli",), ("__main__",),
 )  # fmt: skip
 # Extensions above the layers may look at everything; one not named here must be given its place first.
 ABOVE = ("calc", "compare", "paper", "sweeps", "designs", "cosim", "studio", "warming", "foreign", "validation")

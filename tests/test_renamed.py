@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import ropewalk
 from ropewalk import theory
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.renamed import with_old_arguments
 
 

@@ -13,7 +13,7 @@ from pydantic import BaseModel
 from sphinx.application import Sphinx
 
 import ropewalk
-from ropewalk.cli import app as command_line
+from ropewalk.cli.app import app as command_line
 from ropewalk.scenario.reference import SECTIONS, declarations
 
 ROOT = Path(__file__).parent.parent.parent

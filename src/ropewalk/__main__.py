@@ -13,7 +13,7 @@ def main() -> None:
     listen()
     warnings.showwarning = _warn
     try:
-        from ropewalk.cli import app
+        from ropewalk.cli.app import app
 
         app()
     except SystemExit as end:

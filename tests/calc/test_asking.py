@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from ropewalk import calc
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.errors import ScenarioError
 
 WRONG: list[tuple[dict[str, Any], tuple[str, ...]]] = [

@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import standin
 
 import ropewalk
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.scenario import template
 
 

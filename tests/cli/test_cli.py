@@ -216,7 +216,7 @@ def test_spectrum_prints_a_list_or_json(call, scenario):
 )
 def test_help_imports_nothing_heavy(arguments, allowed):
     code = (
-        "import sys\nfrom ropewalk.cli import app\n"
+        "import sys\nfrom ropewalk.cli.app import app\n"
         f"try:\n    app({arguments!r})\nfinally:\n    print(*sys.modules, file=sys.stderr)"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=30)

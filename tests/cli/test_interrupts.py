@@ -169,7 +169,7 @@ except KeyboardInterrupt:
 def test_an_interrupt_that_others_swallow_ends_the_command(tmp_path):
     run = listening(
         """
-import ropewalk.cli
+import ropewalk.cli.app
 
 def swallow():
     try:
@@ -177,7 +177,7 @@ def swallow():
     except KeyboardInterrupt:
         sys.exit(0)
 
-ropewalk.cli.app = swallow
+ropewalk.cli.app.app = swallow
 line.main()
 """,
         tmp_path,

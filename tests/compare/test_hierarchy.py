@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ropewalk import Scenario
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.compare import MODELS, QUANTITIES, distances, model_hierarchy
 from ropewalk.compare.stretches import reach_of
 from ropewalk.compare.trace import FLOOR, Difference, Trace, difference

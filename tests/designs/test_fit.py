@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import design_cases as cases
 import ropewalk
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.errors import RopewalkError, ScenarioError
 
 MASS = "lines.string.mass"

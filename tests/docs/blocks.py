@@ -15,7 +15,7 @@ from typing import Any
 
 from typer.testing import CliRunner
 
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 
 FENCE = re.compile(r"^```(?:\{code-block\} )?(\w+)\n((?::\w+:[^\n]*\n)*)(.*?)^```$", re.MULTILINE | re.DOTALL)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")

@@ -17,7 +17,7 @@ import pytest
 import typer.main
 
 import ropewalk
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 
 ROOT = Path(__file__).parent.parent.parent
 DOCS = ROOT / "docs"

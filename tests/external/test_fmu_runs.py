@@ -16,7 +16,7 @@ pytest.importorskip("fmpy", reason="FMUs need FMPy")
 
 from external.fmus import MOODS, c_fmu
 from ropewalk import Scenario, simulate
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 
 FILE = """\
 lines:

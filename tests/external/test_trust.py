@@ -15,7 +15,7 @@ import pytest
 from typer.testing import CliRunner
 
 from ropewalk.checkpoint import CheckpointError, to_bytes
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.external import archive, isolation
 from ropewalk.external.models import refuse_code

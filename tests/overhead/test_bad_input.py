@@ -10,7 +10,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from overhead_cases import EN_2002, formed, rested
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.errors import RopewalkError
 from ropewalk.model import Scenario
 from ropewalk.results import open_result

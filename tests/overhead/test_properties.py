@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from overhead_assembly import Hermite
 from overhead_cases import EN_2002, formed
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.errors import EquilibriumError
 from ropewalk.model import Scenario
 from ropewalk.overhead.properties import doppler_factor, elasticity_of, reflection, wave_speed, wind_deflection

@@ -421,7 +421,7 @@ def test_a_report_of_any_result_has_its_table_and_its_figure(make):
 def test_the_command_line_writes_reports(result, tmp_path, monkeypatch):
     from typer.testing import CliRunner
 
-    from ropewalk.cli import app
+    from ropewalk.cli.app import app
 
     monkeypatch.chdir(tmp_path)
     result.to_netcdf("out.nc")

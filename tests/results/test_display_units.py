@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.errors import Refused
 from ropewalk.results import DisplayUnits, Recorder, summary, tables, text
 from ropewalk.results.display_units import Column, number

@@ -11,7 +11,7 @@ import travelling_wave as wave
 from matplotlib.colors import to_hex
 from typer.testing import CliRunner
 
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.errors import Refused
 from ropewalk.results import DisplayUnits, ResultError, figure, figure_data, film
 from ropewalk.results.animation import Stage, tempo

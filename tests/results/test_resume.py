@@ -20,7 +20,7 @@ from typer.testing import CliRunner
 
 import ropewalk
 from resume_cases import KINDS, case
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.model import Scenario
 from ropewalk.results import ResultError, frames, open_result, recorder, slots
 from ropewalk.results.checksums import CHECKED, FRAMES, HEAD, NONE

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.results import ResultError, summary, tables, write_tables
 
 UNIT = r"^.+ \[(1|m|m/s|s|N|N/m|J|W)\]$"

@@ -13,7 +13,7 @@ import pytest
 import spatial_cases as cases
 from typer.testing import CliRunner
 
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.results import ResultError, export
 
 FEW = np.linspace(0.0, 2.0, 5)

@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 from typer.testing import CliRunner
 
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.model import Scenario
 from ropewalk.scenario import dump
 from ropewalk.simulate import spectrum_of

@@ -15,7 +15,7 @@ import pytest
 from typer.testing import CliRunner
 
 import sweep_cases as cases
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 
 RUNNER = CliRunner()
 OVER = ["--over", "lines.rope.length=10.5:10.7:0.1 m"]

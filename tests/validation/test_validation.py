@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.validation.judging import judged
 from ropewalk.validation.page import as_dict, html, markdown
 from ropewalk.validation.registry import CASES, GROUPS

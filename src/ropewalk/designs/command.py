@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ropewalk.console import DOUBTFUL, STOPPED_EARLY, fail, print_columns, print_json, say
+from ropewalk.cli.console import DOUBTFUL, STOPPED_EARLY, fail, print_columns, print_json, say
 from ropewalk.designs.designing import design
 from ropewalk.designs.fitting import Fit, fit
 from ropewalk.designs.result import Design

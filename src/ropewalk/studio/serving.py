@@ -10,7 +10,7 @@ import webbrowser
 
 import uvicorn
 
-from ropewalk.console import fail, say
+from ropewalk.cli.console import fail, say
 from ropewalk.studio.server import Settings, Studio
 
 __all__ = ["Settings", "serve"]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from ropewalk.console import DOUBTFUL, STOPPED_EARLY, fail, print_json, say
+from ropewalk.cli.console import DOUBTFUL, STOPPED_EARLY, fail, print_json, say
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
 from ropewalk.model import Scenario

@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from ropewalk.console import DOUBTFUL, STOPPED_EARLY, fail, print_columns, print_json, say, write_text
+from ropewalk.cli.console import DOUBTFUL, STOPPED_EARLY, fail, print_columns, print_json, say, write_text
 from ropewalk.results import ResultError
 from ropewalk.validation.page import as_dict, html, markdown, number, reference_of
 from ropewalk.validation.row_result import AGREES, DIFFERS, FAILED, MISSING, RowResult

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from ropewalk.console import (
+from ropewalk.cli.console import (
     FIGURE_SUFFIXES,
     check_picture,
     load_scenario,
@@ -19,7 +19,7 @@ from ropewalk.console import (
     save_figure,
     say,
 )
-from ropewalk.options import Cluster, Derive, Json, NoCode, Picture, Quiet, ScenarioFile, Settings, Store, Workers
+from ropewalk.cli.options import Cluster, Derive, Json, NoCode, Picture, Quiet, ScenarioFile, Settings, Store, Workers
 
 
 def adequacy(

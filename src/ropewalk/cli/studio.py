@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from ropewalk.console import fail, reported
+from ropewalk.cli.console import fail, reported
 
 
 def studio(

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ropewalk.console import display_units, print_columns, print_json, reported
+from ropewalk.cli.console import display_units, print_columns, print_json, reported
 
 
 def calc(

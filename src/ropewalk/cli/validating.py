@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from ropewalk.console import progress_of_many, reported
-from ropewalk.options import Quiet, Workers
+from ropewalk.cli.console import progress_of_many, reported
+from ropewalk.cli.options import Quiet, Workers
 
 
 def validate(

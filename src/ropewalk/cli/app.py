@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import ropewalk
-from ropewalk import many
-from ropewalk.calculating import calc
-from ropewalk.console import (
+from ropewalk.cli import many
+from ropewalk.cli.calculating import calc
+from ropewalk.cli.console import (
     FIGURE_SUFFIXES,
     FILM_SUFFIXES,
     TABLE_SUFFIXES,
@@ -37,10 +37,10 @@ from ropewalk.console import (
     say,
     show_in,
 )
-from ropewalk.line_commands import elasticity
-from ropewalk.options import Json, NoCode, Picture, Quiet, ScenarioFile, Settings, Units, Workers
-from ropewalk.serving import studio
-from ropewalk.validating import validate
+from ropewalk.cli.lines import elasticity
+from ropewalk.cli.options import Json, NoCode, Picture, Quiet, ScenarioFile, Settings, Units, Workers
+from ropewalk.cli.studio import studio
+from ropewalk.cli.validating import validate
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ropewalk.console import fail, load_scenario, print_columns, print_json, quantity_of, reported
-from ropewalk.options import Json, ScenarioFile, Settings
+from ropewalk.cli.console import fail, load_scenario, print_columns, print_json, quantity_of, reported
+from ropewalk.cli.options import Json, ScenarioFile, Settings
 
 
 def elasticity(
