@@ -190,6 +190,12 @@ def test_schema_is_json_on_stdout(call):
     assert json.loads(call("schema").stdout)["properties"]["lines"]
 
 
+def test_the_list_of_commands_says_of_each_what_it_does_in_a_whole_sentence(call):
+    listed = call("--help").stdout.partition("Commands:")[2].strip().splitlines()
+    assert len(listed) >= 20
+    assert [line for line in listed if not line.endswith(".") or line.endswith("...")] == []
+
+
 def test_version(call):
     assert call("--version").stdout == f"ropewalk {ropewalk.__version__}\n"
 

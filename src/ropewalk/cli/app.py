@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer(
     name="ropewalk",
-    help="What travels along slender flexible structures: forces on strings and ropes, computed from a file.",
+    help="What travels along slender flexible structures: loads on ropes, beams, overhead lines and nets.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,  # rich takes longer to import than the rest together
@@ -84,7 +84,7 @@ def new(
         str, typer.Option("--template", "-t", metavar="TEMPLATE", help="What to begin with, as ropeway or highline.")
     ] = "rope",
 ) -> None:
-    """Write a first scenario, with comments, as NAME.yaml; without NAME list the templates."""
+    """Write a first scenario, or list the templates. NAME.yaml has comments in the words of its trade."""
     with reported():
         from ropewalk.scenario.template import template, trades
 
@@ -131,7 +131,7 @@ def run(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Compute a scenario, write the result, and print what an engineer asks first."""
+    """Compute a scenario; write the result, print a summary."""
     target = output if output is not None else Path(f"{file.stem}.nc")
     with reported(target):
         from ropewalk.results import check_target
@@ -170,7 +170,7 @@ def resume(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Go on with a run that was interrupted or killed, or is to be longer, in its result file."""
+    """Go on with a run that was interrupted, or is to be longer. The result file goes on, too."""
     with reported(result):
         end = None if until is None else quantity_of(until, "s")
         displayed = display_units(units)
@@ -218,7 +218,7 @@ def show(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Print the summary of a result, or make a figure, a film, a report, tables or an export for ParaView of it."""
+    """Print the summary of a result, or draw, film or export it. The suffix says what."""
     with reported():
         if (many := import_module("ropewalk.sweeps.writing").read(result)) is not None:
             import_module("ropewalk.sweeps.command").tell(many, [output] if output else [], as_json, quiet)
@@ -280,7 +280,7 @@ def spectrum(
     settings: Settings = None,
     as_json: Json = False,
 ) -> None:
-    """Compute the frequencies and damping of the small motions, which decide the method; draw the modes."""
+    """Compute natural frequencies and damping; draw the modes. They decide the method."""
     with reported():
         check_picture(output, FIGURE_SUFFIXES)
         found = import_module("ropewalk.simulate").spectrum_of(load_scenario(file, settings, no_code), at=at)
@@ -295,7 +295,7 @@ def spectrum(
 
 @app.command()
 def feedback(file: ScenarioFile, no_code: NoCode = False, settings: Settings = None, as_json: Json = False) -> None:
-    """Compare a run with that of the forces its loads exert on rigid ground: does the coupling matter?"""
+    """Compare a run with that of its loads on rigid ground. Does the coupling matter?"""
     with reported():
         found = import_module("ropewalk.coupling").feedback(load_scenario(file, settings, no_code))
         if as_json:
@@ -319,7 +319,7 @@ def compare(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Compare simpler models, from the linear theory upwards, with the full one: is one of them good enough?"""
+    """Compare simpler models with the full one. Is one of them, from the linear theory upwards, good enough?"""
     with reported():
         check_picture(output, FIGURE_SUFFIXES)
         scenario = load_scenario(file, settings, no_code)
@@ -366,7 +366,7 @@ def export(
     settings: Settings = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write a line with its supports, or a vehicle, as an FMU for co-simulation (FMI 2.0)."""
+    """Write a line or a vehicle as an FMU for co-simulation. A line comes with its supports; FMI 2.0."""
     with reported():
         what = [name for name in (line, load) if name is not None]
         if len(what) != 1:
@@ -396,7 +396,7 @@ def warm_up(
     settings: Settings = None,
     quiet: Quiet = False,
 ) -> None:
-    """Compile ahead of the first run, for images and clusters: what a scenario needs, or what most do."""
+    """Compile ahead of the first run, for images and clusters. What a scenario needs, or what most do."""
     with reported():
         warming = import_module("ropewalk.warming")
         groups = warming.COMMON if file is None else warming.alone(str(file), load_scenario(file, settings, no_code))

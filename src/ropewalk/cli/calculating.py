@@ -28,7 +28,7 @@ def calc(
     ] = "engineering",
     as_json: Annotated[bool, typer.Option("--json", help="Print the answer as JSON, in SI.")] = False,
 ) -> None:
-    """Answer from closed forms: given any sufficient set of quantities, the others."""
+    """Answer from closed forms, in a second. Given any sufficient set of quantities, the others."""
     with reported():
         displayed, command = display_units(units), import_module("ropewalk.calc.command")
         if name is None:

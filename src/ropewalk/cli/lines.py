@@ -21,7 +21,7 @@ def elasticity(
     settings: Settings = None,
     as_json: Json = False,
 ) -> None:
-    """Tell of overhead lines: elasticity, wave speeds, reflection, Doppler factor, amplification, blow-off."""
+    """Elasticity and wave speeds of overhead lines. Also reflection, Doppler factor, amplification and blow-off."""
     with reported():
         scenario = load_scenario(file, settings)
         if not scenario.overhead_lines:

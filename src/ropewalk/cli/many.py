@@ -39,7 +39,7 @@ def adequacy(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Map where in a plane of two parameters a simpler model is good enough; go on where a map was stopped."""
+    """Map where in a plane of two parameters a model suffices. Goes on where a map was stopped."""
     with reported(), progress_of_many(quiet) as progress:
         check_picture(output, FIGURE_SUFFIXES)
         model = rung or model
@@ -85,7 +85,7 @@ def sweep(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a scenario many times with other values, on all cores; go on where a sweep was stopped."""
+    """Run a scenario many times with other values. On all cores; goes on where a sweep was stopped."""
     with reported():
         package, outputs = import_module("ropewalk.sweeps.command"), output or []
         package.check_outputs(outputs)
@@ -143,7 +143,7 @@ def design(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find the values with which a quantity is as small or large as limits allow; go on where a search was stopped."""
+    """Find the best values within limits. Goes on where a search was stopped."""
     with reported():
         package, outputs = import_module("ropewalk.designs.command"), output or []
         package.check_outputs(outputs, file)
@@ -176,7 +176,7 @@ def fit(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find unknown values of a scenario from measured ones, with their intervals."""
+    """Find unknown values from measured ones. With their intervals."""
     with reported():
         package = import_module("ropewalk.designs.command")
         if output is not None:

@@ -28,7 +28,7 @@ def studio(
     pages: Annotated[int, typer.Option("--pages", metavar="N", help="How many pages may compute at once.")] = 4,
     seconds: Annotated[float, typer.Option("--seconds", metavar="S", help="Longest time of a run.")] = 3600.0,
 ) -> None:
-    """See, drag, run and share structures on a page in the browser, served to this machine only."""
+    """See, drag, run and share structures in the browser. Served to this machine only."""
     with reported():
         folder, name = Path.cwd() if file is None else file.absolute().parent, "" if file is None else file.name
         if not folder.is_dir():

@@ -27,7 +27,7 @@ def validate(
     as_json: Annotated[bool, typer.Option("--json", help="Print the rows as JSON.")] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Compute what is known from books, standards and other programs, and compare.
+    """Compare with books, standards and other programs. All that is known there is computed, and judged.
 
     Exit codes: 0 all rows that were computed agree, 3 one could not be computed, 4 one differs.
     """
