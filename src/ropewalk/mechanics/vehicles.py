@@ -17,6 +17,7 @@ import numpy as np
 from ropewalk.mechanics.bodies import AWAY, BOTH, INSIDE, LOCATED, MOVING_WITH, PARKED, PULLS, PUSHES, WAITING
 from ropewalk.mechanics.chain import HOLD_WORK, LOAD_DAMPING, OFF, SHARED
 from ropewalk.mechanics.compiled import lean_inner
+from ropewalk.mechanics.elimination import solve_definite
 from ropewalk.mechanics.moving_contact import force_at, location_of
 
 # A tether that is longer or shorter than its length by less than this part of it touches: ten thousand roundings.
@@ -156,22 +157,6 @@ def _tethers(state, bodies, kick):
 
 
 @lean_inner
-def _solve(A, b, n):
-    """Solve A x = b in place by elimination: the matrices are small and positive definite."""
-    for i in range(n):
-        for j in range(i + 1, n):
-            factor = A[j, i] / A[i, i]
-            if factor != 0.0:
-                for c in range(i, n):
-                    A[j, c] -= factor * A[i, c]
-                b[j] -= factor * b[i]
-    for i in range(n - 1, -1, -1):
-        for j in range(i + 1, n):
-            b[i] -= A[i, j] * b[j]
-        b[i] /= A[i, i]
-
-
-@lean_inner
 def _kick_vehicle(state, bodies, v, kick, lead):
     """New velocities of the coordinates of vehicle v, and the impulses that its wheels get."""
     first, n, wheels = bodies.vehicles[v].first, bodies.vehicles[v].coordinates, bodies.vehicles[v].wheels
@@ -222,7 +207,7 @@ def _kick_vehicle(state, bodies, v, kick, lead):
                     for j in range(size):
                         A[i, j] = 1.0 if i == j else 0.0
                     b[i] = 0.0
-        _solve(A, b, size)
+        solve_definite(A, b, size)
     if damped:
         lost = 0.0
         for i in range(size):

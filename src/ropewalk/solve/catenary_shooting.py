@@ -19,6 +19,7 @@ import numpy as np
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import inner, kernel
+from ropewalk.mechanics.elimination import solve_definite
 
 
 @inner
@@ -99,16 +100,7 @@ def _newton_step(matrix, grad, step):
     for a in range(dim):
         matrix[a, a] += 1e-15 * trace
         step[a] = -grad[a]
-    for a in range(dim):
-        for b in range(a + 1, dim):
-            ratio = matrix[b, a] / matrix[a, a]
-            for c in range(a, dim):
-                matrix[b, c] -= ratio * matrix[a, c]
-            step[b] -= ratio * step[a]
-    for a in range(dim - 1, -1, -1):
-        for c in range(a + 1, dim):
-            step[a] -= matrix[a, c] * step[c]
-        step[a] /= matrix[a, a]
+    solve_definite(matrix, step, dim)
 
 
 @inner

@@ -14,6 +14,7 @@ import numpy as np
 from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import inlined, lean_inner
+from ropewalk.mechanics.elimination import solve
 from ropewalk.mechanics.multibody_system import FIRM
 from ropewalk.system.carriages import Carriages, add_bar_forces, roll, taken_by_bars
 from ropewalk.system.contacts import AWAY, FORCE, FREE, GONE, ON, find_kinks, stiffen
@@ -78,29 +79,6 @@ def with_step(bodies: BodyArrays, dt: float) -> BodyArrays:
 
 
 @lean_inner
-def _solve(A, b, n):
-    """Solve A x = b in place, by elimination with pivoting."""
-    for c in range(n):
-        pivot = c
-        for i in range(c + 1, n):
-            if abs(A[i, c]) > abs(A[pivot, c]):
-                pivot = i
-        if pivot != c:
-            for j in range(c, n):
-                A[c, j], A[pivot, j] = A[pivot, j], A[c, j]
-            b[c], b[pivot] = b[pivot], b[c]
-        for i in range(c + 1, n):
-            factor = A[i, c] / A[c, c]
-            for j in range(c, n):
-                A[i, j] -= factor * A[c, j]
-            b[i] -= factor * b[c]
-    for c in range(n - 1, -1, -1):
-        for j in range(c + 1, n):
-            b[c] -= A[c, j] * b[j]
-        b[c] /= A[c, c]
-
-
-@lean_inner
 def _balance(structure, buffers, contacts, bodies, state, table, out, p, rate):
     """Balance one part, beside the kinks of others as they are; returns whether some of its contacts share links."""
     A, b, n, shares_links = bodies.A, bodies.b, bodies.size[p], False
@@ -133,7 +111,7 @@ def _balance(structure, buffers, contacts, bodies, state, table, out, p, rate):
                         b[i] += stiff * state.u[d]
                 b[i] -= contacts[k].moving * contacts[k].d[a]
                 bear(contacts, bodies, state, A, b, p, i, rate)
-        _solve(A, b, n)
+        solve(A, b, n)
         most = 0.0
         for i in range(n):
             c = bodies.at[p, i]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
+from ropewalk.mechanics.elimination import solve_definite
 from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.bodies import LEAVES, STAYS, approach, arrive, balance, drift, ground, kick
 from ropewalk.system.cables import add_internal_forces, add_wind_forces, energy_of, guess, stretch_all
@@ -196,7 +197,7 @@ def _kick_restraints(structure, buffers, state, h, dt, A, b):
             for a in range(axes):
                 for c in range(axes):
                     A[a, c] += structure.inertia.restrained[e, a, c]
-        _cramer(A, b, axes)
+        solve_definite(A, b, axes)
         lost = 0.0
         for a in range(axes):
             rate_a, way = v[a, first] + 0.5 * b[a], 0.0
@@ -222,21 +223,6 @@ def _kick_restraints(structure, buffers, state, h, dt, A, b):
         for i in range(restrained.first[e], restrained.first[e] + restrained.nodes[e]):
             for a in range(axes):
                 v[a, restrained.node[i]] += b[a]
-
-
-@inlined
-def _cramer(A, b, n):
-    """Solve A x = b of two or three unknowns, in place; A is positive definite."""
-    for c in range(n):
-        for i in range(c + 1, n):
-            factor = A[i, c] / A[c, c]
-            for j in range(c, n):
-                A[i, j] -= factor * A[c, j]
-            b[i] -= factor * b[c]
-    for c in range(n - 1, -1, -1):
-        for j in range(c + 1, n):
-            b[c] -= A[c, j] * b[j]
-        b[c] /= A[c, c]
 
 
 @inlined
