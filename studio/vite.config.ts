@@ -1,9 +1,9 @@
 import { defineConfig, type Plugin } from "vite";
 
-/** One page with its script and style inside and a place for data: `ropewalk.studio.share` fills it. */
-function onePage(): Plugin {
+/** Takes script and style out of a build, which then consists of what is made of them. */
+function inOneFile(made: (script: string, style: string) => { fileName: string; source: string }): Plugin {
   return {
-    name: "one-page",
+    name: "one-file",
     enforce: "post", // when the style is there
     generateBundle(_, bundle) {
       let script = "";
@@ -13,33 +13,48 @@ function onePage(): Plugin {
         else if (name.endsWith(".css")) style += file.source;
         delete bundle[name];
       }
-      const policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
-      const source = [
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">',
-        '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        `<meta http-equiv="Content-Security-Policy" content="${policy}">`,
-        `<title>ropewalk</title><style>${style}</style></head><body class="shared">`,
-        '<script type="application/json" id="data">"ropewalk-data"</script>',
-        `<script type="module">${script.replaceAll("</script", "<\\/script")}</script></body></html>`,
-      ].join("\n");
-      this.emitFile({ type: "asset", fileName: "share.html", source });
+      this.emitFile({ type: "asset", ...made(script, style) });
     },
   };
 }
 
+/** One page with its script and style inside and a place for data: `ropewalk.studio.share` fills it. */
+function onePage(script: string, style: string): { fileName: string; source: string } {
+  const policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
+  const source = [
+    '<!doctype html><html lang="en"><head><meta charset="utf-8">',
+    '<meta name="viewport" content="width=device-width, initial-scale=1">',
+    `<meta http-equiv="Content-Security-Policy" content="${policy}">`,
+    `<title>ropewalk</title><style>${style}</style></head><body class="shared">`,
+    '<script type="application/json" id="data">"ropewalk-data"</script>',
+    `<script type="module">${script.replaceAll("</script", "<\\/script")}</script></body></html>`,
+  ].join("\n");
+  return { fileName: "share.html", source };
+}
+
+/** One module with its style inside, for notebooks: `ropewalk.studio.widget` hands it over. */
+function oneModule(script: string, style: string): { fileName: string; source: string } {
+  return { fileName: "widget.js", source: script.replace(/(["'`])ropewalk-style\1/, () => JSON.stringify(style)) };
+}
+
+const PAGE = "../src/ropewalk/studio/page";
+const SINGLE = { share: onePage, widget: oneModule };
+
 export default defineConfig(({ mode }) => {
-  const page = "../src/ropewalk/studio/page";
-  const share = mode === "share";
+  const single = mode === "share" || mode === "widget" ? mode : undefined;
   return {
     base: "./",
-    plugins: share ? [onePage()] : [],
+    plugins: single ? [inOneFile(SINGLE[single])] : [],
     build: {
-      outDir: share ? `${page}/share` : page,
+      outDir: single ? `${PAGE}/${single}` : PAGE,
       emptyOutDir: true,
       cssCodeSplit: false,
       modulePreload: false,
       chunkSizeWarningLimit: 1500,
-      rollupOptions: { input: share ? "src/share.ts" : "index.html" },
+      rollupOptions: {
+        input: single ? `src/${single}.ts` : "index.html",
+        preserveEntrySignatures: single === "widget" ? "strict" : undefined,
+      },
     },
   };
 });

@@ -63,11 +63,12 @@ export class Film {
 
   /** The last frame at an instant or before it. */
   at(path: number): number {
+    const rounded = Math.fround(path + 1e-9); // as the instants are
     let low = 0;
     let high = this.count - 1;
     while (low < high) {
       const middle = (low + high + 1) >> 1;
-      if (this.path[middle] <= path + 1e-9) low = middle;
+      if (this.path[middle] <= rounded) low = middle;
       else high = middle - 1;
     }
     return low;

@@ -34,9 +34,18 @@ export class Stage {
   private scale: [number, number, number, number] = [1, 0, 1, 0];
   private due = false;
 
+  private closing = new AbortController();
+
   constructor(readonly canvas: HTMLCanvasElement) {
     new ResizeObserver(() => this.draw()).observe(canvas);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
+    const { signal } = this.closing;
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw(), { signal });
+  }
+
+  /** Let go of what outlives the canvas. */
+  close(): void {
+    this.closing.abort();
+    this.show(undefined);
   }
 
   show(scene: Scene | undefined, view?: View): void {

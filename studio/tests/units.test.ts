@@ -37,6 +37,9 @@ test("a film gives the last frame at an instant, whatever came at once", () => {
   expect(film.at(-1)).toBe(0);
   expect(film.frame(200).tension[0]).toBe(-199);
   expect(film.range("tension")).toEqual([-298, 1]);
+  const tenths = new Film({ layout: {}, total: 3 });
+  tenths.add({ path: { shape: [3], values: Float32Array.of(0, 0.1, 0.2) } });
+  expect(tenths.at(0.1)).toBe(1); // 0.1 as a 32-bit float is a little more
 });
 
 test("of what is wanted while an answer is on its way, only the latest is asked", async () => {
