@@ -9,7 +9,8 @@ function inOneFile(made: (script: string, style: string) => { fileName: string; 
       let script = "";
       let style = "";
       for (const [name, file] of Object.entries(bundle)) {
-        if (file.type === "chunk") script += file.code;
+        if (file.type === "chunk")
+          script += file.code.replaceAll("__VITE_PRELOAD__", "void 0"); // all is here
         else if (name.endsWith(".css")) style += file.source;
         delete bundle[name];
       }
@@ -40,20 +41,25 @@ function oneModule(script: string, style: string): { fileName: string; source: s
 const PAGE = "../src/ropewalk/studio/page";
 const SINGLE = { share: onePage, widget: oneModule };
 
+// Modes `share` and `widget` make one file each, for what stays in a plane; with `-space` behind it they can draw in space
+// as well, which needs three.js. The page itself fetches that when something in space is shown.
 export default defineConfig(({ mode }) => {
-  const single = mode === "share" || mode === "widget" ? mode : undefined;
+  const [single, space] = mode.split("-") as [keyof typeof SINGLE, string | undefined];
+  const isSingle = single in SINGLE;
   return {
     base: "./",
-    plugins: single ? [inOneFile(SINGLE[single])] : [],
+    define: { SPACE: JSON.stringify(!isSingle || space !== undefined) },
+    plugins: isSingle ? [inOneFile(SINGLE[single])] : [],
     build: {
-      outDir: single ? `${PAGE}/${single}` : PAGE,
+      outDir: isSingle ? `${PAGE}/${mode}` : PAGE,
       emptyOutDir: true,
       cssCodeSplit: false,
       modulePreload: false,
       chunkSizeWarningLimit: 1500,
       rollupOptions: {
-        input: single ? `src/${single}.ts` : "index.html",
+        input: isSingle ? `src/${single}.ts` : "index.html",
         preserveEntrySignatures: single === "widget" ? "strict" : undefined,
+        output: isSingle ? { codeSplitting: false } : undefined,
       },
     },
   };

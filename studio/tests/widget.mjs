@@ -1,49 +1,14 @@
-// The widget of notebooks in a real browser, as anywidget loads it: node tests/widget.mjs WIDGET.js STATE.json PICTURES
-// The state is that of the Python object, bytes in base64; the model is a stub with what anywidget promises.
-import { readFileSync } from "node:fs";
+// The widget of notebooks in a real browser: node tests/widget.mjs WIDGET.js STATE.json PICTURES
 import { join } from "node:path";
 import { launched, must, watch } from "./chromium.mjs";
+import { shown } from "./stub.mjs";
 
 const [, , file, given, pictures] = process.argv;
 const { context, wrong } = await launched({ width: 1100, height: 760 });
 try {
   const page = await context.newPage();
   watch(page, wrong);
-  await page.setContent('<body style="font: 20px serif; margin: 8px"><h1>My notebook</h1><div id="cell"></div></body>');
-  await page.evaluate(
-    async ({ code, state }) => {
-      document.body.dataset.jpThemeLight = "true";
-      const views = (texts) =>
-        texts.map((text) => {
-          const bytes = Uint8Array.from(`xxx${atob(text)}`, (sign) => sign.charCodeAt(0)); // not at the beginning
-          return new DataView(bytes.buffer, 3);
-        });
-      const values = {
-        ...state,
-        messages: views(state.messages),
-        beside_messages: views(state.beside_messages),
-      };
-      const heard = new Map();
-      const model = {
-        get: (name) => values[name],
-        on: (name, changed) => heard.set(name, changed),
-        off: (name) => heard.delete(name),
-        set: (name, value) => {
-          values[name] = value;
-          heard.get(`change:${name}`)?.();
-        },
-      };
-      const module = await import(URL.createObjectURL(new Blob([code], { type: "text/javascript" })));
-      const el = document.getElementById("cell");
-      globalThis.model = model;
-      globalThis.heard = heard;
-      globalThis.close = await module.default.render({ model, el });
-      el.parentElement.addEventListener("keydown", () => {
-        globalThis.leaked = true;
-      });
-    },
-    { code: readFileSync(file, "utf8"), state: JSON.parse(readFileSync(given, "utf8")) },
-  );
+  await shown(page, file, given);
   const clock = () => page.locator(".clock").evaluate((output) => Number.parseFloat(output.value));
   await page.waitForFunction(
     () => Number.parseFloat(document.getElementById("cell").shadowRoot.querySelector(".clock").value) > 0.02,

@@ -17,7 +17,7 @@ import ropewalk
 from ropewalk.errors import RopewalkError
 from ropewalk.scenario import loads
 from ropewalk.studio import widget
-from ropewalk.studio.share import PAGE
+from ropewalk.studio.share import PAGE, built
 from studio_browser import FRONT, LACKING, NODE
 from studio_server import SHORT, unpacked
 
@@ -44,7 +44,6 @@ def test_the_data_are_inside(result: xr.Dataset) -> None:
 
 
 def test_without_anywidget_it_says_what_to_install(result: xr.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
-    widget._widget.cache_clear()
     monkeypatch.setitem(sys.modules, "anywidget", None)
     with pytest.raises(RopewalkError, match=r"pip install 'ropewalk\[notebook\]'"):
         ropewalk.view(result)
@@ -58,6 +57,13 @@ def test_what_is_no_run_or_too_large_is_refused(result: xr.Dataset, monkeypatch:
     monkeypatch.setattr(widget, "MOST_BYTES", 100)
     with pytest.raises(RopewalkError, match=r"run\.every"):
         ropewalk.view(result)
+
+
+@needs_build
+def test_only_what_is_in_space_takes_what_draws_in_space(result: xr.Dataset) -> None:
+    space = xr.Dataset(coords={"axis": ["x", "y", "z"]})
+    assert built("widget", "widget.js", result) == MODULE
+    assert built("widget", "widget.js", result, space).stat().st_size > 4 * MODULE.stat().st_size
 
 
 @needs_build

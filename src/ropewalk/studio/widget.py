@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ropewalk.errors import RopewalkError
-from ropewalk.studio.share import MOST_BYTES, PAGE
+from ropewalk.studio.share import MOST_BYTES, built
 from ropewalk.studio.streams import of_result, stored
 
 if TYPE_CHECKING:
@@ -28,14 +29,13 @@ def view(result: xr.Dataset, beside: xr.Dataset | None = None, height: int = 620
         RopewalkError: anywidget is not installed, the front end has not been built, a result is too large for a page or
             none of a single run.
     """
-    made = _widget()
+    _need_anywidget()
     messages, ended = _given(result)
     others, other_ended = ([], {}) if beside is None else _given(beside)
     if sum(map(len, [*messages, *others])) > MOST_BYTES:
         raise RopewalkError("this is too large for a notebook; run it with a larger run.every")
-    return made(
-        messages=messages, ended=ended, beside_messages=others, beside_ended=other_ended, height=height
-    )  # fmt: skip
+    made = _widget(built("widget", "widget.js", *(one for one in (result, beside) if one is not None)))
+    return made(messages=messages, ended=ended, beside_messages=others, beside_ended=other_ended, height=height)
 
 
 def _given(result: xr.Dataset) -> tuple[list[bytes], dict[str, Any]]:
@@ -44,19 +44,20 @@ def _given(result: xr.Dataset) -> tuple[list[bytes], dict[str, Any]]:
     return [*of_result(result, {"id": 1})], stored(result)
 
 
-@cache
-def _widget() -> type[Any]:
-    """The class of the widget, which exists only where anywidget does."""
+def _need_anywidget() -> None:
     try:
-        import anywidget
-        import traitlets
+        import anywidget  # noqa: F401
     except ImportError:
         raise RopewalkError(
             "ropewalk.view needs anywidget, which is not installed: pip install 'ropewalk[notebook]'"
         ) from None
-    module = PAGE / "widget" / "widget.js"
-    if not module.is_file():
-        raise RopewalkError("the front end of the studio is not built: run  make studio")
+
+
+@cache
+def _widget(module: Path) -> type[Any]:
+    """The class of the widget, which exists only where anywidget does."""
+    import anywidget
+    import traitlets
 
     class View(anywidget.AnyWidget):
         """What the browser is given: see `Model` in studio/src/widget.ts."""
