@@ -18,6 +18,7 @@ from . import (
     output,
     overhead,
     statics,
+    studio,
     theory,
     throughput,
 )
@@ -30,7 +31,7 @@ def main() -> None:
     parser.add_argument(
         "what", nargs="?", default="all",
         choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies", "overhead", "nets", "cosim",
-                 "crossings", "endurance", "gate", "mesh", "output", "throughput"],
+                 "crossings", "endurance", "gate", "mesh", "output", "studio", "throughput"],
         help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling; "
         "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields; "
         "bodies: masses, walkers, models of one's own, and Exudyn's sliding joint; overhead: against real time; "
@@ -38,11 +39,13 @@ def main() -> None:
         "crossings: all trains at all speeds over a bridge, by modes; "
         "throughput: sweeps beside a plain loop; "
         "endurance: long runs, large lines, large results, checkpoints; "
+        "studio: frames a second in a browser, from the mouse to the rope, memory (--minutes); "
         "output: what output instants and first runs cost, and large results; "
         "mesh: errors of meshes beside what is told of them; "
         "gate: one problem, two schemes for contacts, one exact answer (only rows whose names contain --row)",
     )  # fmt: skip
     parser.add_argument("--row", action="append", default=[], help="part of the names of rows of gate")
+    parser.add_argument("--minutes", type=float, default=5.0, help="that a film plays for studio")
     asked = parser.parse_args()
     what = asked.what
     if what in ("all", "continuum"):
@@ -67,6 +70,8 @@ def main() -> None:
         endurance.main()
     if what in ("all", "output"):
         output.main()
+    if what in ("all", "studio"):
+        studio.main(asked.minutes)
     if what in ("all", "throughput"):
         throughput.main()
     if what in ("all", "gate"):

@@ -1,45 +1,66 @@
 import { defineConfig, type Plugin } from "vite";
 
-/** One page with its script and style inside and a place for data: `ropewalk.studio.share` fills it. */
-function onePage(): Plugin {
+/** Takes script and style out of a build, which then consists of what is made of them. */
+function inOneFile(made: (script: string, style: string) => { fileName: string; source: string }): Plugin {
   return {
-    name: "one-page",
+    name: "one-file",
     enforce: "post", // when the style is there
     generateBundle(_, bundle) {
       let script = "";
       let style = "";
       for (const [name, file] of Object.entries(bundle)) {
-        if (file.type === "chunk") script += file.code;
+        if (file.type === "chunk")
+          script += file.code.replaceAll("__VITE_PRELOAD__", "void 0"); // all is here
         else if (name.endsWith(".css")) style += file.source;
         delete bundle[name];
       }
-      const policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
-      const source = [
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">',
-        '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        `<meta http-equiv="Content-Security-Policy" content="${policy}">`,
-        `<title>ropewalk</title><style>${style}</style></head><body class="shared">`,
-        '<script type="application/json" id="data">"ropewalk-data"</script>',
-        `<script type="module">${script.replaceAll("</script", "<\\/script")}</script></body></html>`,
-      ].join("\n");
-      this.emitFile({ type: "asset", fileName: "share.html", source });
+      this.emitFile({ type: "asset", ...made(script, style) });
     },
   };
 }
 
+/** One page with its script and style inside and a place for data: `ropewalk.studio.share` fills it. */
+function onePage(script: string, style: string): { fileName: string; source: string } {
+  const policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
+  const source = [
+    '<!doctype html><html lang="en"><head><meta charset="utf-8">',
+    '<meta name="viewport" content="width=device-width, initial-scale=1">',
+    `<meta http-equiv="Content-Security-Policy" content="${policy}">`,
+    `<title>ropewalk</title><style>${style}</style></head><body class="shared">`,
+    '<script type="application/json" id="data">"ropewalk-data"</script>',
+    `<script type="module">${script.replaceAll("</script", "<\\/script")}</script></body></html>`,
+  ].join("\n");
+  return { fileName: "share.html", source };
+}
+
+/** One module with its style inside, for notebooks: `ropewalk.studio.widget` hands it over. */
+function oneModule(script: string, style: string): { fileName: string; source: string } {
+  return { fileName: "widget.js", source: script.replace(/(["'`])ropewalk-style\1/, () => JSON.stringify(style)) };
+}
+
+const PAGE = "../src/ropewalk/studio/page";
+const SINGLE = { share: onePage, widget: oneModule };
+
+// Modes `share` and `widget` make one file each, for what stays in a plane; with `-space` behind it they can draw in space
+// as well, which needs three.js. The page itself fetches that when something in space is shown.
 export default defineConfig(({ mode }) => {
-  const page = "../src/ropewalk/studio/page";
-  const share = mode === "share";
+  const [single, space] = mode.split("-") as [keyof typeof SINGLE, string | undefined];
+  const isSingle = single in SINGLE;
   return {
     base: "./",
-    plugins: share ? [onePage()] : [],
+    define: { SPACE: JSON.stringify(!isSingle || space !== undefined) },
+    plugins: isSingle ? [inOneFile(SINGLE[single])] : [],
     build: {
-      outDir: share ? `${page}/share` : page,
+      outDir: isSingle ? `${PAGE}/${mode}` : PAGE,
       emptyOutDir: true,
       cssCodeSplit: false,
       modulePreload: false,
       chunkSizeWarningLimit: 1500,
-      rollupOptions: { input: share ? "src/share.ts" : "index.html" },
+      rollupOptions: {
+        input: isSingle ? `src/${single}.ts` : "index.html",
+        preserveEntrySignatures: single === "widget" ? "strict" : undefined,
+        output: isSingle ? { codeSplitting: false } : undefined,
+      },
     },
   };
 });

@@ -26,7 +26,8 @@ what is asked   `Dynamic` (from a `Start`), `Quasistatic`, `Equilibrium`, `Linea
 files           `load` and `save` a scenario, `open_result`; `export_fmu` writes a line or a vehicle as an FMU
 answers         `simulate`, `resume`, `spectrum`; `feedback` gives a `Comparison` with a run `without_feedback`,
                 `model_hierarchy` a `ModelHierarchy` of simpler models, `adequacy` an `AdequacyMap` over two `Axis`es;
-                `summary`, `tables`, `figure` and `film` of a result, paths of contacts `extrapolated` from two meshes;
+                `summary`, `tables`, `figure`, `film` of a result, in notebooks `view`; paths of contacts `extrapolated`
+                from two meshes;
                 `contact_statistics` and `html_report` of overhead lines
 many runs       `sweep` gives one dataset over what varies (`Sweep`), `sweep_figure` and `sweep_table` are of it;
                 `design` gives the `Design` that limits allow, `fit` the `Fit` of unknown values to measured ones,
@@ -84,6 +85,7 @@ if TYPE_CHECKING:
     from ropewalk.scenario import save as save
     from ropewalk.simulate import simulate as simulate
     from ropewalk.simulate import spectrum_of as spectrum  # noqa: F401
+    from ropewalk.studio.widget import view as view
     from ropewalk.sweeps.dataset import sweep_table as sweep_table
     from ropewalk.sweeps.figure import sweep_figure as sweep_figure
     from ropewalk.sweeps.sweeping import sweep as sweep
@@ -125,6 +127,7 @@ _HOME = {
     "sweep_figure": "sweeps.figure",
     "sweep_table": "sweeps.dataset",
     "tables": "results",
+    "view": "studio.widget",
     "without_feedback": "decouple",
 }
 _PACKAGES = ("calc", "theory")

@@ -42,8 +42,8 @@ export class Drag {
   private pose?: Pose;
   private view?: View;
   private grabbed = ""; // "load", or the name of a support
-  private latest = new Latest<Pose>((pose) => this.ask(pose));
-  /** For measurements: when the last pointer moved that has been answered, and how long that took, in ms. */
+  private latest = new Latest<{ pose: Pose; since: number }>(({ pose, since }) => this.ask(pose, since));
+  /** For measurements: how long it took from what was done by hand to its picture, in ms. */
   readonly delays: number[] = [];
 
   constructor(
@@ -86,7 +86,7 @@ export class Drag {
     const { start, end } = load.line;
     this.pose = { load: load.name, x: start[0] + 0.3 * (end[0] - start[0]), contact: contact || "clamped", line: {} };
     this.panel();
-    this.latest.want({ ...this.pose });
+    this.latest.want({ pose: this.pose, since: performance.now() });
   }
 
   /** Move the load by a part of the span. */
@@ -98,11 +98,11 @@ export class Drag {
   private want(change: Partial<Pose>): void {
     if (!this.pose) return;
     this.pose = { ...this.pose, ...change };
-    this.latest.want(this.pose);
+    this.latest.want({ pose: this.pose, since: performance.now() });
   }
 
-  private async ask(pose: Pose): Promise<void> {
-    const since = performance.now();
+  /** Ask, and show the answer with the next frame; the next question does not wait for that. */
+  private async ask(pose: Pose, since: number): Promise<void> {
     const { head, arrays } = await this.server.ask("pose", { pose });
     if (!this.load || this.pose?.load !== pose.load) return;
     if (head.error || head.problems) {
@@ -116,9 +116,10 @@ export class Drag {
     this.fit(scene);
     this.stage.show(scene, this.view);
     this.told.shown(scene);
-    await new Promise((painted) => requestAnimationFrame(painted));
-    this.delays.push(performance.now() - since);
-    if (this.delays.length > 2000) this.delays.shift();
+    requestAnimationFrame(() => {
+      this.delays.push(performance.now() - since);
+      if (this.delays.length > 2000) this.delays.shift();
+    });
   }
 
   private room(scene: Scene): View {

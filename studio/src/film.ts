@@ -14,6 +14,17 @@ export interface Layout {
 /** The numbers of one instant, by their names. */
 export type Frame = Record<string, Float32Array>;
 
+/** What a structure is coloured by: tensions of links in N; of nets, the larger of both directions, in N/m. */
+export function tensionsOf(layout: Layout, frame: Frame): { values: Float32Array; unit: string } {
+  const { tension, cell_tension } = frame;
+  if (tension?.length || !cell_tension) return { values: tension ?? new Float32Array(0), unit: "N" };
+  const values = new Float32Array(layout.cells.length);
+  const each = cell_tension.length / values.length;
+  for (let k = 0; k < values.length; k++)
+    values[k] = cell_tension.subarray(k * each, (k + 1) * each).reduce((a, b) => Math.max(a, b));
+  return { values, unit: "N/m" };
+}
+
 interface Track {
   each: number;
   values: Float32Array<ArrayBuffer>;
@@ -63,11 +74,12 @@ export class Film {
 
   /** The last frame at an instant or before it. */
   at(path: number): number {
+    const rounded = Math.fround(path + 1e-9); // as the instants are
     let low = 0;
     let high = this.count - 1;
     while (low < high) {
       const middle = (low + high + 1) >> 1;
-      if (this.path[middle] <= path + 1e-9) low = middle;
+      if (this.path[middle] <= rounded) low = middle;
       else high = middle - 1;
     }
     return low;
@@ -80,6 +92,10 @@ export class Film {
   /** A number of every frame. */
   series(of: (frame: Frame) => number): number[] {
     return Array.from({ length: this.count }, (_, i) => of(this.frame(i)));
+  }
+
+  has(name: string): boolean {
+    return this.tracks.has(name);
   }
 
   /** The smallest and the largest of some numbers over all frames; of positions by axis. */

@@ -1,4 +1,4 @@
-import type { Film, Frame } from "./film";
+import { type Film, type Frame, type Layout, tensionsOf } from "./film";
 import type { Plots } from "./plots";
 import type { Stage, View } from "./stage";
 import { written } from "./units";
@@ -167,7 +167,7 @@ export class Player {
       const beside = this.beside?.count
         ? { layout: this.beside.layout, frame: this.beside.frame(this.beside.at(this.now)) }
         : undefined;
-      this.stage.show({ layout: film.layout, frame, beside, rest: film.frame(0) }, this.view);
+      this.stage.show({ layout: film.layout, frame, beside, rest: film.frame(0), orbits: true }, this.view);
       this.shown(film, frame);
     }
     this.plots.update(film, this.beside);
@@ -188,17 +188,24 @@ export function viewOf(film: Film, beside?: Film): View {
   const [a, b] = [z[0] - 0.05 * w, z[1] + 0.05 * w];
   const most = (name: string) => Math.max(...films.map((f) => Math.max(...f.range(name).map(Math.abs))));
   const force = film.layout.loads.length ? most("contact_force") : most("reaction");
-  return { x: [x[0] - 0.02 * w, x[1] + 0.02 * w], z: [a, b], tension: range("tension", 0, 1), force };
+  return {
+    x: [x[0] - 0.02 * w, x[1] + 0.02 * w],
+    z: [a, b],
+    tension: range(film.has("tension") ? "tension" : "cell_tension", 0, 1),
+    force,
+  };
 }
 
 /** The numbers of a frame that one asks for first, as rows. */
-export function numbersOf(film: { layout: { axes: string[]; loads: string[] } }, frame: Frame): [string, string][] {
+export function numbersOf(film: { layout: Layout }, frame: Frame): [string, string][] {
   const axes = film.layout.axes.length;
-  const high = frame.tension.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY);
-  const low = frame.tension.reduce((a, b) => Math.min(a, b), Number.POSITIVE_INFINITY);
+  const { unit } = tensionsOf(film.layout, frame);
+  const values = (unit === "N" ? frame.tension : frame.cell_tension) ?? new Float32Array(0); // of nets, both directions
+  const high = values.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY);
+  const low = values.reduce((a, b) => Math.min(a, b), Number.POSITIVE_INFINITY);
   const rows: [string, string][] = [
-    ["largest tension", written(high, "N")],
-    ["smallest tension", written(low, "N")],
+    ["largest tension", written(high, unit)],
+    ["smallest tension", written(low, unit)],
   ];
   film.layout.loads.slice(0, 4).forEach((name, k) => {
     const behind = frame.contact_tension?.[2 * k];

@@ -1,6 +1,6 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import type { Film } from "./film";
+import { type Film, tensionsOf } from "./film";
 
 const KEY = "ropewalk";
 
@@ -146,9 +146,15 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
     });
     path.push({ name, colour: tints[k], values: film.series((f) => f.contact_position[k * axes + axes - 1]) });
   }
-  const most = film.series((f) => f.tension.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY) / 1000);
+  const unit = film.has("tension") ? "kN" : "kN/m";
+  const most = film.series(
+    (f) => tensionsOf(film.layout, f).values.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY) / 1000,
+  );
   const found = [
-    { title: "largest tension (kN)", curves: [{ name: `${prefix}tension`, colour: colour("--accent"), values: most }] },
+    {
+      title: `largest tension (${unit})`,
+      curves: [{ name: `${prefix}tension`, colour: colour("--accent"), values: most }],
+    },
   ];
   if (many) {
     found.push(

@@ -1,5 +1,6 @@
 import { stepOf, steps } from "./colours";
-import type { Frame, Layout } from "./film";
+import { type Frame, type Layout, tensionsOf } from "./film";
+import type { Space } from "./space";
 import { ticks, written } from "./units";
 
 export interface Scene {
@@ -7,6 +8,7 @@ export interface Scene {
   frame: Frame;
   ghost?: Float32Array;
   beside?: { layout: Layout; frame: Frame }; // another run, drawn faintly
+  orbits?: boolean; // in space, by a camera that goes around it
   rest?: Frame; // what displacements are measured from where they are exaggerated
 }
 
@@ -34,15 +36,46 @@ export class Stage {
   private scale: [number, number, number, number] = [1, 0, 1, 0];
   private due = false;
 
+  private closing = new AbortController();
+  private space?: Space | null; // null: it is on its way, or there is none
+
   constructor(readonly canvas: HTMLCanvasElement) {
     new ResizeObserver(() => this.draw()).observe(canvas);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
+    const { signal } = this.closing;
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw(), { signal });
+  }
+
+  /** Let go of what outlives the canvas. */
+  close(): void {
+    this.closing.abort();
+    this.space?.close();
+    this.space = null;
+    this.show(undefined);
   }
 
   show(scene: Scene | undefined, view?: View): void {
     this.scene = scene;
     if (view) this.view = view;
+    if (this.orbits && this.space === undefined) this.open();
     this.draw();
+  }
+
+  private get orbits(): boolean {
+    return this.scene?.orbits === true && this.scene.layout.axes.length === 3;
+  }
+
+  /** Fetch what draws in space; where the browser cannot, the oblique picture stays. */
+  private async open(): Promise<void> {
+    this.space = null;
+    if (!SPACE || !document.createElement("canvas").getContext("webgl2")) return;
+    const { Space } = await import("./space");
+    if (!this.closing.signal.aborted) this.space = new Space(this.canvas, () => this.draw());
+    this.draw();
+  }
+
+  /** The camera that is in use. */
+  private get camera(): Space | undefined {
+    return this.orbits ? (this.space ?? undefined) : undefined;
   }
 
   draw(): void {
@@ -64,6 +97,14 @@ export class Stage {
   private at(position: Float32Array, i: number, rest?: Float32Array): [number, number] {
     const [sx, ox, sz, oz] = this.scale;
     const axes = this.scene?.layout.axes.length ?? 2;
+    if (this.camera) {
+      const k = rest ? this.choices.exaggeration : 1;
+      const [x, y, w] = [0, 1, 2].map((a) => {
+        const p = position[3 * i + a];
+        return rest && k !== 1 ? rest[3 * i + a] + k * (p - rest[3 * i + a]) : p;
+      });
+      return this.camera.pixel([x, y, w], this.canvas.clientWidth, this.canvas.clientHeight);
+    }
     const [x, z] = this.flat(position, i * axes, axes, rest);
     return [ox + sx * x, oz + sz * z];
   }
@@ -125,20 +166,54 @@ export class Stage {
     ink.font = `12px ${style.fontFamily}`;
     ink.lineJoin = ink.lineCap = "round";
     this.fit(width, height);
+    if (this.space && !this.camera) this.space.isShown = false;
     if (!scene) return;
-    this.axes(ink, width, height, colour);
+    if (this.camera) this.inSpace(this.camera, ink, scene, colour);
+    else this.axes(ink, width, height, colour);
     if (scene.ghost?.length)
       this.line(ink, scene.ghost, 0, scene.ghost.length / scene.layout.axes.length, colour("--ghost"), [7, 5]);
     if (scene.beside) {
-      for (const [, first, count] of scene.beside.layout.nodes)
+      for (const [, first, count] of this.camera ? [] : scene.beside.layout.nodes)
         this.line(ink, scene.beside.frame.position, first, count, colour("--beside"), [], 2);
       this.marks(ink, scene.beside.frame, colour("--beside"));
     }
-    this.links(ink, scene, colour);
+    if (!this.camera) this.links(ink, scene, colour);
     this.supports(ink, scene, colour);
     this.marks(ink, scene.frame, colour("--load"));
     if (this.choices.arrows) this.forces(ink, scene, colour);
     this.key(ink, width, colour);
+  }
+
+  private inSpace(camera: Space, ink: CanvasRenderingContext2D, scene: Scene, colour: (name: string) => string): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const k = this.choices.exaggeration;
+    const rest = scene.rest?.position;
+    const larger = (p: Float32Array) => (rest && k !== 1 ? p.map((value, i) => rest[i] + k * (value - rest[i])) : p);
+    const { layout, frame, beside } = scene;
+    camera.draw(
+      {
+        layout,
+        frame,
+        position: larger(frame.position),
+        tension: this.view.tension,
+        floor: this.view.z[0],
+        beside: beside && { layout: beside.layout, position: beside.frame.position },
+      },
+      width,
+      height,
+      colour,
+    );
+    const { ways, floor } = camera.axes();
+    const [x, y] = [52, height - 46];
+    for (const [name, right, up] of ways) {
+      const size = Math.hypot(right, up);
+      if (size < 0.1) continue;
+      this.arrow(ink, [x, y], [right / size, -up / size], 32 * size, colour("--faint"));
+      ink.textAlign = "center";
+      ink.fillText(name, x + 42 * right, y - 42 * up + 4);
+    }
+    ink.textAlign = "left";
+    ink.fillText(floor, 110, height - 16);
   }
 
   private line(
@@ -248,10 +323,16 @@ export class Stage {
     const one = (at: [number, number], force: number[], name: string, stroke: string) => {
       const size = Math.hypot(...force);
       if (!(size > 0) || Number.isNaN(at[0])) return;
-      const length = Math.min(Math.max(size * longest, 14), 100);
-      const flat = Math.hypot(force[own[0]], force[own[1]]) || 1;
-      const way = [force[own[0]] / flat, -force[own[1]] / flat];
-      this.arrow(ink, at, [way[0], way[1]], length, stroke);
+      const seen = this.camera?.axes().ways;
+      const [right, up] = [1, 2].map((a) =>
+        seen ? force.reduce((sum, f, k) => sum + f * (seen[k][a] as number), 0) : force[own[a - 1]],
+      );
+      const flat = Math.hypot(right, up) || 1;
+      const way = [right / flat, -up / flat];
+      const along = seen ? flat / size : 1; // what of it is not along the line of sight
+      const length = Math.max(along * Math.min(Math.max(size * longest, 14), 100), 14);
+      if (along > 0.2) this.arrow(ink, at, [way[0], way[1]], length, stroke);
+      else this.ring(ink, at, stroke);
       ink.fillStyle = stroke;
       ink.textAlign = way[0] < -0.3 ? "right" : way[0] > 0.3 ? "left" : "center";
       const [x, z] = [at[0] + way[0] * (length + 8), at[1] + way[1] * (length + 8)];
@@ -277,6 +358,15 @@ export class Stage {
     if (layout.supports.length > 12) return;
     for (const [, node, k] of this.supportNodes())
       one(this.at(frame.position, node, rest), vector(frame.reaction, k), "", colour("--faint"));
+  }
+
+  /** A force that points at who looks, or away. */
+  private ring(ink: CanvasRenderingContext2D, [x, z]: [number, number], stroke: string): void {
+    ink.strokeStyle = stroke;
+    ink.lineWidth = 2;
+    ink.beginPath();
+    ink.arc(x, z, 11, 0, 2 * Math.PI);
+    ink.stroke();
   }
 
   private arrow(
@@ -334,16 +424,17 @@ export class Stage {
   private key(ink: CanvasRenderingContext2D, width: number, colour: (name: string) => string): void {
     const names = steps(colour("--dark") === "1");
     const [low, high] = this.view.tension;
-    const [w, right] = [150, width - 26];
+    const unit = this.scene ? tensionsOf(this.scene.layout, this.scene.frame).unit : "N";
+    const [w, right] = [unit === "N" ? 150 : 190, width - 26];
     for (let k = 0; k < w; k++) {
       ink.fillStyle = names[Math.floor((k / w) * names.length)];
       ink.fillRect(right - w + k, 22, 1.5, 8);
     }
     ink.fillStyle = colour("--ink");
     ink.textAlign = "left";
-    ink.fillText(`tension  ${written(low, "N")}`, right - w, 16);
+    ink.fillText(`tension  ${written(low, unit)}`, right - w, 16);
     ink.textAlign = "right";
-    ink.fillText(written(high, "N"), right, 16);
+    ink.fillText(written(high, unit), right, 16);
     ink.textAlign = "left";
     if (this.scene?.ghost?.length) {
       ink.setLineDash([7, 5]);

@@ -1,37 +1,19 @@
 // The studio in a real browser: node tests/browser.mjs ADDRESS FOLDER PICTURES; ends with an error at the first surprise.
-import { existsSync, mkdtempSync, readFileSync } from "node:fs";
+import { mkdtempSync, readFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { chromium } from "playwright-core";
+import { launched, must, watch } from "./chromium.mjs";
 
 const [, , address, folder, pictures] = process.argv;
-const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
-const flags =
-  "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync";
-const wrong = [];
-
-function must(is, what) {
-  if (!is) throw new Error(what);
-}
-
-const context = await chromium.launchPersistentContext(mkdtempSync(join(tmpdir(), "studio-")), {
-  executablePath,
-  headless: true,
-  args: flags.split(" "),
-  viewport: { width: 1280, height: 720 },
-});
+const { context, wrong } = await launched();
 context.on("request", (request) => {
-  const { protocol, hostname } = new URL(request.url());
-  if (!["data:", "blob:", "file:"].includes(protocol) && hostname !== "127.0.0.1") wrong.push(`asked ${request.url()}`);
+  if (/assets\/space/.test(request.url())) wrong.push("three.js is fetched for what stays in a plane");
 });
 
 async function opened(url) {
   const page = await context.newPage();
   page.setDefaultTimeout(90_000);
-  page.on("pageerror", (error) => wrong.push(`page error: ${error.message}`));
-  page.on("console", (said) => {
-    if (said.type() === "error" && !/WebSocket connection/.test(said.text())) wrong.push(`console: ${said.text()}`);
-  });
+  watch(page, wrong);
   page.on("dialog", (dialog) => dialog.accept());
   await page.goto(url);
   return page;

@@ -1,7 +1,8 @@
 import { expect, test } from "vitest";
 import { Latest } from "../src/connection";
-import { Film } from "../src/film";
+import { Film, tensionsOf } from "../src/film";
 import { unpacked } from "../src/messages";
+import { boxOf, turned } from "../src/orbit";
 import { completions, type Schema } from "../src/schema";
 import { ticks, written } from "../src/units";
 
@@ -37,6 +38,9 @@ test("a film gives the last frame at an instant, whatever came at once", () => {
   expect(film.at(-1)).toBe(0);
   expect(film.frame(200).tension[0]).toBe(-199);
   expect(film.range("tension")).toEqual([-298, 1]);
+  const tenths = new Film({ layout: {}, total: 3 });
+  tenths.add({ path: { shape: [3], values: Float32Array.of(0, 0.1, 0.2) } });
+  expect(tenths.at(0.1)).toBe(1); // 0.1 as a 32-bit float is a little more
 });
 
 test("of what is wanted while an answer is on its way, only the latest is asked", async () => {
@@ -70,6 +74,33 @@ test("completion knows the block and the key", () => {
   expect(labels("")).toEqual(["lines", "run"]);
   expect(labels("lines:\n  rope:\n    ")).toEqual(["mass", "length"]);
   expect(labels("run:\n  kind: ")).toEqual(["dynamic", "equilibrium"]);
+});
+
+test("a camera goes around what it looks at, at the same distance, and never over its head", () => {
+  const [x, y, z] = turned([3, 0, 0], Math.PI / 2, -Math.PI / 6);
+  expect([x, y, z]).toEqual([
+    expect.closeTo(0, 12),
+    expect.closeTo(3 * Math.cos(Math.PI / 6), 12),
+    expect.closeTo(1.5, 12),
+  ]);
+  const up = turned([0, 1, 1], 0, -3);
+  expect(Math.hypot(...up)).toBeCloseTo(Math.SQRT2, 12);
+  expect(up[2]).toBeLessThan(Math.SQRT2);
+  expect(boxOf(Float32Array.of(1, 2, 3, -1, 5, 0))).toEqual([
+    [-1, 2, 0],
+    [1, 5, 3],
+  ]);
+});
+
+test("nets are coloured by the larger tension of both directions, lines by theirs", () => {
+  const layout = { cells: [1, 2].map((i) => [0, i, i + 1]) } as never;
+  const net = tensionsOf(layout, { cell_tension: Float32Array.of(5, 7, 9, 2) });
+  expect([[...net.values], net.unit]).toEqual([[7, 9], "N/m"]);
+  const tension = Float32Array.of(1);
+  expect(tensionsOf(layout, { tension, cell_tension: Float32Array.of(5, 7, 9, 2) })).toEqual({
+    values: tension,
+    unit: "N",
+  });
 });
 
 test("numbers have three digits and a unit", () => {

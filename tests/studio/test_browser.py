@@ -3,25 +3,16 @@
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 import subprocess
 from pathlib import Path
 
 import pytest
 
+from studio_browser import FRONT, LACKING, NODE
 from studio_server import SHORT, serving
 
 pytest.importorskip("uvicorn")
-FRONT = Path(__file__).parents[2] / "studio"
-BROWSERS = ("/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome")
-NODE = shutil.which("node")
-LACKING = (
-    "there is no Chromium" if not any(Path(one).exists() for one in BROWSERS)
-    else "there is no Node" if NODE is None
-    else "the front end is not built: make studio" if not (FRONT / "node_modules" / "playwright-core").is_dir()
-    else ""
-)  # fmt: skip
 
 
 @pytest.mark.skipif(bool(LACKING), reason=LACKING)

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 DISPLAYED = (
-    "position", "tension", "contact_position", "contact_force", "hold_force", "contact_tension", "contact_friction",
-    "contact_xi", "reaction", "body_position", "energy",
+    "position", "tension", "cell_tension", "contact_position", "contact_force", "hold_force", "contact_tension",
+    "contact_friction", "contact_xi", "reaction", "body_position", "energy",
 )  # fmt: skip
 MOST_BYTES = 150_000_000  # of one result on a page; of more, every second frame is shown, or every third
 _BLOCK_BYTES = 2_000_000

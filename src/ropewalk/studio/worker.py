@@ -150,7 +150,8 @@ class ComputingProcess:
         pose = self._dragging.posed(self._asked(asked))
         self._xi = pose.xi
         linear = np.zeros(0) if pose.linear is None else pose.linear
-        arrays = {name: np.asarray(getattr(pose.frame, name)) for name in DISPLAYED}
+        given = {name: getattr(pose.frame, name) for name in DISPLAYED}
+        arrays = {name: np.asarray(array) for name, array in given.items() if array is not None}
         head = {"id": asked["id"], "layout": described(pose.layout), "xi": pose.xi, "warnings": pose.warnings}
         return packed(head, {**arrays, "ghost": linear})
 

@@ -1,0 +1,84 @@
+import { Film } from "./film";
+import type { Message } from "./messages";
+import { element, numbersOf, Player } from "./player";
+import { Plots } from "./plots";
+import { Stage } from "./stage";
+import "./style.css";
+
+/** A run as a page or a notebook is given it: the messages of `ropewalk.studio.streams.of_result`, and how it ended. */
+export interface Run {
+  messages: Message[];
+  ended: Record<string, unknown>;
+}
+
+export function filmOf(run: Run): Film {
+  const film = new Film(run.messages[0].head);
+  for (const message of run.messages.slice(1)) film.add(message.arrays);
+  return film;
+}
+
+/** Shows a run that is over, and perhaps another one faintly over it, without a server. */
+export class Viewer {
+  readonly parts: HTMLElement[];
+  private stage: Stage;
+  private player: Player;
+
+  constructor(run: Run, beside?: Run) {
+    const { title, outcome, summary, doubts } = run.ended;
+    const canvas = element("canvas", { tabindex: "0", role: "img", "aria-label": `Film of ${title}` });
+    const plotted = element("div", { class: "plots" });
+    const numbers = element("dl", { class: "numbers" });
+    this.stage = new Stage(canvas);
+    const plots = new Plots(plotted, (path) => this.player.go(path));
+    this.player = new Player(this.stage, plots);
+    this.player.isOver = true;
+    this.player.shown = (shown, frame) => {
+      numbers.replaceChildren(
+        ...numbersOf(shown, frame).flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]),
+      );
+    };
+    const distrusted = [
+      ...((doubts as string[]) ?? []),
+      ...((beside?.ended.doubts as string[]) ?? []).map((text) => `${beside?.ended.title}: ${text}`),
+    ];
+    const over = beside ? [element("span", { class: "hint" }, `faint: ${beside.ended.title}`)] : [];
+    this.parts = [
+      element(
+        "header",
+        {},
+        element("h1", {}, String(title)),
+        element("span", { class: "outcome" }, String(outcome)),
+        ...over,
+      ),
+      element(
+        "main",
+        {},
+        element("section", { class: "stage" }, canvas, this.player.bar, plotted),
+        element(
+          "aside",
+          {},
+          ...distrusted.map((text) => element("p", { class: "doubt" }, text)),
+          numbers,
+          element("pre", { class: "summary" }, String(summary)),
+        ),
+      ),
+    ];
+    this.player.load(filmOf(run), beside && filmOf(beside));
+  }
+
+  /** Play by space, step by arrow keys; true if the key meant something. */
+  key(event: KeyboardEvent): boolean {
+    if (event.target instanceof HTMLSelectElement || event.target instanceof HTMLButtonElement) return false;
+    if (event.key === " ") this.player.toggle();
+    else if (event.key === "ArrowRight") this.player.step(1);
+    else if (event.key === "ArrowLeft") this.player.step(-1);
+    else return false;
+    event.preventDefault();
+    return true;
+  }
+
+  close(): void {
+    this.player.leave();
+    this.stage.close();
+  }
+}
