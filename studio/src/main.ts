@@ -2,6 +2,7 @@ import { Connection } from "./connection";
 import { Drag } from "./drag";
 import { Editor, type Problem } from "./editor";
 import { Film } from "./film";
+import { Form } from "./form";
 import { Lesson, type Step } from "./lesson";
 import { element, numbersOf, Player } from "./player";
 import { Plots } from "./plots";
@@ -44,14 +45,16 @@ const written = element("div", { class: "editor" });
 const problems = element("ul", { class: "problems", "aria-label": "Mistakes", "aria-live": "polite" });
 const values = element("div", { class: "values" });
 const lessons = element("div");
+const filled = element("div");
 
 const tabs = {
   values: element("div", { class: "tab" }, values, element("h2", {}, "Numbers"), numbers),
+  form: element("div", { class: "tab", hidden: "" }, filled),
   text: element("div", { class: "tab text", hidden: "" }, written, problems),
   result: element("div", { class: "tab", hidden: "" }, said, exports, summary),
   lesson: element("div", { class: "tab", hidden: "" }, lessons),
 };
-const names = { values: "Values", text: "Text", result: "Result", lesson: "Lesson" };
+const names = { values: "Values", form: "Form", text: "Text", result: "Result", lesson: "Lesson" };
 const bar = element("div", { class: "tabs", role: "tablist" });
 const buttons = new Map<string, HTMLButtonElement>();
 for (const [key, tab] of Object.entries(tabs)) {
@@ -68,27 +71,14 @@ function show(key: string): void {
     tab.hidden = name !== key;
     buttons.get(name)?.setAttribute("aria-selected", `${name === key}`);
   }
+  if (key === "form") form.show(editor.text);
 }
 
 const stage = new Stage(canvas);
 const plots = new Plots(plotted, (path) => player.go(path));
 const player = new Player(stage, plots);
 document.body.append(
-  element(
-    "header",
-    {},
-    element("h1", {}, "ropewalk studio"),
-    open,
-    save,
-    saveAs,
-    drag,
-    run,
-    stop,
-    keep,
-    element("span", { class: "spring" }),
-    status,
-    theme,
-  ),
+  element("header", {}, element("h1", {}, "ropewalk studio"), open, save, saveAs, drag, run, stop, keep, status, theme),
   element(
     "main",
     {},
@@ -115,8 +105,14 @@ const server = new Connection(`${location.href.replace(/^http/, "ws").replace(/[
 });
 const editor = new Editor(written, () => {
   mark();
+  if (!tabs.form.hidden) form.show(editor.text);
   clearTimeout(checking);
   checking = setTimeout(check, 300);
+});
+const form = new Form(filled, {
+  change: (text) => editor.change(text),
+  undo: () => editor.undo(),
+  redo: () => editor.redo(),
 });
 const dragging = new Drag(server, stage, canvas, values, {
   shown: (scene) => numbersShown(scene),
@@ -152,7 +148,10 @@ async function greet(): Promise<void> {
   templates = head.templates as Template[];
   list(head);
   lesson.learn(head.lesson as Step[]);
-  server.ask("schema").then((message) => editor.learn(message.head.schema as Schema));
+  server.ask("schema").then((message) => {
+    editor.learn(message.head.schema as Schema);
+    form.learn(message.head.schema as Schema);
+  });
   if (editor.text) {
     prepare(); // the server had gone: what is on the page stays
     return;
@@ -210,6 +209,7 @@ function begun(name: string, stamp: string, text: string): void {
   editor.text = text;
   beside = undefined;
   mark();
+  if (!tabs.form.hidden) form.show(text);
   check();
   prepare();
 }
@@ -237,6 +237,7 @@ async function check(): Promise<boolean> {
   const { head } = await server.ask("check", { text: editor.text, name: file.name || "scenario.yaml" });
   const found = (head.problems as Problem[]) ?? [{ line: 1, key: "", message: String(head.error) }];
   editor.show(found);
+  form.tell(found);
   problems.replaceChildren(
     ...(found.length
       ? found.map((problem) => {
@@ -364,6 +365,7 @@ async function begin(step: Step): Promise<void> {
   clean = step.scenario;
   beside = undefined;
   editor.text = clean;
+  if (!tabs.form.hidden) form.show(clean);
   mark();
   if (step.do === "drag") return prepare(step.contact);
   dragging.leave();

@@ -61,7 +61,7 @@ try {
   const dragged = Number.parseFloat(await page.locator('dt:text-is("walker: place x, z") + dd').textContent());
   must(dragged > 12 && dragged < 18, `the load was dragged to ${dragged} m`);
   must((await number(page, "walker: friction needed")) !== before, "friction does not follow the load");
-  await page.getByLabel("Contact").selectOption("frictionless");
+  await page.getByLabel("Contact", { exact: true }).selectOption("frictionless");
   await page.waitForFunction(
     () =>
       [...document.querySelectorAll("dt")].find((d) => /hold force/.test(d.textContent))?.nextSibling.textContent !==
@@ -90,6 +90,32 @@ try {
   await page.locator(".cm-lint-marker-error").waitFor();
   await look(page, "mistake");
   await page.keyboard.press("Control+z");
+  await page.getByText("No mistakes.").waitFor();
+
+  // the form: a value changes where it stands in the text, mistakes are told at their fields, undo is that of the text
+  const text = async () => (await page.locator(".cm-line").allTextContents()).join("\n");
+  await page.getByRole("tab", { name: "Form" }).click();
+  const form = page.locator(".form");
+  await form.getByLabel("mass", { exact: true }).fill("2 kgx");
+  await page.keyboard.press("Tab");
+  await form.locator(".field", { hasText: "unknown unit kgx" }).getByLabel("mass").waitFor();
+  must(
+    await form.getByLabel("axial_stiffness", { exact: true }).evaluate((input) => input === document.activeElement),
+    "focus is lost",
+  );
+  await look(page, "form");
+  await page.keyboard.press("Control+z");
+  await form.locator(".error").waitFor({ state: "detached" });
+  must((await form.getByLabel("mass", { exact: true }).inputValue()) === "1 kg/m", "the form has not been undone");
+  await form.getByLabel("Name of another one of loads").fill("cart");
+  await page.keyboard.press("Enter");
+  await form.getByLabel("Kind of cart").selectOption("mass");
+  await form.locator(".block .block", { hasText: "cart" }).locator(".error").first().waitFor();
+  await page.getByRole("tab", { name: "Text" }).click();
+  must(/# stays.* walker:.* cart:\n {4}kind: mass\nrun:/s.test(await text()), `the form has written ${await text()}`);
+  await page.getByRole("tab", { name: "Form" }).click();
+  await form.getByLabel("Remove loads cart").click();
+  await page.getByRole("tab", { name: "Text" }).click();
   await page.getByText("No mistakes.").waitFor();
 
   // save, reload
