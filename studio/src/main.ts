@@ -1,6 +1,8 @@
+import type { Sweep } from "./cases";
 import { Connection } from "./connection";
 import { Drag } from "./drag";
 import { Editor, type Problem } from "./editor";
+import { links, OF_RUNS } from "./exports";
 import { Film } from "./film";
 import { Form } from "./form";
 import { Lesson, type Step } from "./lesson";
@@ -8,6 +10,7 @@ import { element, numbersOf, Player } from "./player";
 import { Plots } from "./plots";
 import type { Schema } from "./schema";
 import { Stage } from "./stage";
+import { SweepTab } from "./sweep";
 import "./style.css";
 
 interface Template {
@@ -46,15 +49,18 @@ const problems = element("ul", { class: "problems", "aria-label": "Mistakes", "a
 const values = element("div", { class: "values" });
 const lessons = element("div");
 const filled = element("div");
+const swept = element("div");
+const computeSweep = element("button", { type: "button" }, "Compute the sweep");
 
 const tabs = {
   values: element("div", { class: "tab" }, values, element("h2", {}, "Numbers"), numbers),
   form: element("div", { class: "tab", hidden: "" }, filled),
   text: element("div", { class: "tab text", hidden: "" }, written, problems),
   result: element("div", { class: "tab", hidden: "" }, said, exports, summary),
+  sweep: element("div", { class: "tab", hidden: "" }, swept),
   lesson: element("div", { class: "tab", hidden: "" }, lessons),
 };
-const names = { values: "Values", form: "Form", text: "Text", result: "Result", lesson: "Lesson" };
+const names = { values: "Values", form: "Form", text: "Text", result: "Result", sweep: "Sweep", lesson: "Lesson" };
 const bar = element("div", { class: "tabs", role: "tablist" });
 const buttons = new Map<string, HTMLButtonElement>();
 for (const [key, tab] of Object.entries(tabs)) {
@@ -118,6 +124,15 @@ const dragging = new Drag(server, stage, canvas, values, {
   shown: (scene) => numbersShown(scene),
   failed: (why) => tell(why, true),
   released: (pose) => compute("release", { pose }),
+});
+const sweeps = new SweepTab(swept, server, computeSweep, {
+  tell,
+  see: (text) => compute("run", { text, name: "case.yaml", unkept: true }),
+  open: (text) => {
+    if (editor.text !== clean && !confirm("The text has changes that are not saved. Open another one?")) return;
+    begun("", "", text);
+    show("text");
+  },
 });
 const lesson = new Lesson(lessons, async (step) => begin(step));
 
@@ -341,14 +356,7 @@ function ended(head: Record<string, unknown>): void {
   if (head.advice) said.prepend(element("p", { class: "hint" }, String(head.advice)));
   summary.textContent = String(head.summary);
   if (!head.file) return;
-  const address = (kind: string) => `export?name=${encodeURIComponent(String(head.file))}&as=${kind}`;
-  for (const [kind, text] of [
-    ["page", "Page to share"],
-    ["report", "Report"],
-    ["png", "Figure"],
-    ["csv", "Table"],
-  ])
-    exports.append(element("a", { href: address(kind), download: "", class: "export", "data-kind": kind }, text));
+  exports.append(...links(String(head.file), OF_RUNS));
 }
 
 async function result(name: string): Promise<void> {
@@ -356,9 +364,36 @@ async function result(name: string): Promise<void> {
   dragging.leave();
   player.isOver = true;
   const { head } = await server.ask("result", { name }, (message) => heard(message, beside));
+  if (head.sweep) return sweepFound(head);
   ended(head);
   show("result");
 }
+
+function sweepFound(head: Record<string, unknown>): void {
+  const sweep = head.sweep as Sweep;
+  tell(`${sweep.outcome}; sweep in ${head.file}`, sweep.outcome !== "completed");
+  sweeps.show(String(head.file), sweep);
+  show("sweep");
+}
+
+computeSweep.onclick = async () => {
+  if (running) return tell("a run is under way; stop it first", true);
+  running = true;
+  stop.disabled = false;
+  run.disabled = computeSweep.disabled = true;
+  tell("computing the first case");
+  const given = { text: editor.text, name: file.name || "scenario.yaml" };
+  const { head } = await server.ask("sweep", given, (message) => {
+    if (running) tell(`computing: ${message.head.done} of ${message.head.total} cases`);
+  });
+  running = false;
+  stop.disabled = true;
+  run.disabled = computeSweep.disabled = false;
+  if (head.sweep) sweepFound(head);
+  else tell(String((head.problems as Problem[] | undefined)?.[0]?.message ?? head.error), true);
+  const files = (await server.ask("files")).head;
+  if (!files.error) list(files);
+};
 
 async function begin(step: Step): Promise<void> {
   file = { name: "", stamp: "" };
@@ -383,6 +418,9 @@ theme.onclick = () => {
   const dark = getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
   document.documentElement.dataset.theme = dark ? "light" : "dark";
   stage.draw();
+  plots.clear();
+  player.more();
+  sweeps.draw();
 };
 addEventListener("keydown", (event) => {
   const control = event.ctrlKey || event.metaKey;
