@@ -94,6 +94,20 @@ export class Form {
     }
   }
 
+  /** Go to the field of a key, which is begun where it is not written; or to what it would be in. */
+  goTo(key: string): void {
+    const path = key.split(".");
+    this.begun.add(joined(path));
+    this.show(this.source.text);
+    const rows = [...this.rows.values()].filter(({ field }) => field.path.length);
+    const within = rows.filter(({ field }) => `${key}.`.startsWith(`${field.path.join(".")}.`));
+    const row = within.sort((a, b) => b.field.path.length - a.field.path.length)[0];
+    if (joined(row?.field.path ?? []) !== joined(path)) this.begun.delete(joined(path));
+    for (let at: HTMLElement | null = row?.element ?? null; at && at !== this.fields; at = at.parentElement)
+      if (at instanceof HTMLDetailsElement) at.open = true;
+    row?.element.querySelector<HTMLElement>("input, select, summary")?.focus();
+  }
+
   private isWritten(key: string): boolean {
     const path = key.split("\n");
     return path[path.length - 1] === ""

@@ -1,3 +1,4 @@
+import type { Doubt } from "./doubts";
 import { Film } from "./film";
 import { type Message, unpacked } from "./messages";
 import { element, numbersOf, Player } from "./player";
@@ -29,7 +30,9 @@ player.shown = (shown, frame) => {
     ...numbersOf(shown, frame).flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]),
   );
 };
-const doubts = (given.ended.doubts as string[]) ?? [];
+const doubts = (given.ended.doubts as Doubt[]) ?? [];
+stage.doubted = doubts.map((doubt) => doubt.key);
+player.mark(doubts);
 document.title = String(given.ended.title);
 document.body.append(
   element(
@@ -45,7 +48,7 @@ document.body.append(
     element(
       "aside",
       {},
-      ...doubts.map((text) => element("p", { class: "doubt" }, text)),
+      ...doubts.map(({ text }) => element("p", { class: "doubt" }, text)),
       numbers,
       element("pre", { class: "summary" }, String(given.ended.summary)),
     ),

@@ -28,6 +28,8 @@ const MARGIN = { left: 96, right: 96, top: 60, bottom: 40 };
 
 /** Draws a structure with its loads on a canvas. */
 export class Stage {
+  /** Keys of the scenario that doubts name: their loads and lines are marked. */
+  doubted: string[] = [];
   choices: Choices = { exaggeration: 1, arrows: true, turn: 0.5 };
   private scene?: Scene;
   private view: View = { x: [0, 1], z: [-1, 1], tension: [0, 1], force: 1 };
@@ -138,7 +140,34 @@ export class Stage {
     this.supports(ink, scene, colour);
     this.marks(ink, scene.frame, colour("--load"));
     if (this.choices.arrows) this.forces(ink, scene, colour);
+    this.alerts(ink, scene, colour);
     this.key(ink, width, colour);
+  }
+
+  private alerts(
+    ink: CanvasRenderingContext2D,
+    { layout, frame, rest }: Scene,
+    colour: (name: string) => string,
+  ): void {
+    const isNamed = (kind: string, name: string) =>
+      this.doubted.some((key) => `${key}.`.startsWith(`${kind}.${name}.`) || `${kind}.${name}.`.startsWith(`${key}.`));
+    const places: [number, number][] = [];
+    layout.loads.forEach((name, k) => {
+      if (isNamed("loads", name)) places.push(this.at(frame.contact_position, k));
+    });
+    for (const [name, first, count] of layout.nodes)
+      if (isNamed("lines", name)) places.push(this.at(frame.position, first + (count >> 1), rest?.position));
+    ink.textAlign = "center";
+    for (const [x, z] of places) {
+      if (Number.isNaN(x)) continue;
+      ink.beginPath();
+      ink.arc(x, z - 20, 9, 0, 2 * Math.PI);
+      ink.fillStyle = colour("--bad");
+      ink.fill();
+      ink.fillStyle = colour("--panel");
+      ink.fillText("!", x, z - 16);
+    }
+    ink.textAlign = "left";
   }
 
   private line(

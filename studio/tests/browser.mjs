@@ -1,5 +1,5 @@
 // The studio in a real browser: node tests/browser.mjs ADDRESS FOLDER PICTURES; ends with an error at the first surprise.
-import { existsSync, mkdtempSync, readFileSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium } from "playwright-core";
@@ -41,6 +41,10 @@ const number = async (page, name) => {
   const text = await page.locator(`dt:text-is("${name}") + dd`).first().textContent();
   return Number.parseFloat(text.replace("−", "-"));
 };
+const SWEEP = `sweep:
+  over: {lines.rope.length: [20 m, 20.5 m], loads.walker.travel.from: [5 m, 8 m]}
+  record: [largest_sag]
+`;
 const poses = (page) => page.waitForFunction(() => globalThis.ropewalkDelays?.length > 0);
 
 try {
@@ -154,6 +158,34 @@ try {
   must(wide > 600, `the shared page has no style: its picture is ${wide} pixels wide`);
   await look(offline, "shared");
   await offline.close();
+
+  // a sweep: computed, a case picked by keyboard and seen; its doubt leads to its instant and to its key
+  const swept = readFileSync(join(folder, "rope.yaml"), "utf8").replace("0.3 s", "20 ms") + SWEEP;
+  writeFileSync(join(folder, "swept.yaml"), swept);
+  await page.reload();
+  await poses(page);
+  await page.getByLabel("Open", { exact: true }).selectOption("file:swept.yaml");
+  await page.getByRole("tab", { name: "Sweep" }).click();
+  await page.getByRole("button", { name: "Compute the sweep" }).click();
+  await page.locator(".map .cell").nth(3).waitFor();
+  await page.locator(".map").focus();
+  await page.keyboard.press("ArrowUp");
+  await page.keyboard.press("Enter");
+  await page.locator(".status").getByText("doubtful").waitFor();
+  await look(page, "sweep");
+  await page.getByRole("tab", { name: "Result" }).click();
+  await page.getByRole("button", { name: /^Go to 0\.01/ }).click();
+  await page.waitForFunction(() => document.querySelector(".clock").value === "0.010 s");
+  must((await page.locator(".marks .alert").count()) > 0, "the doubt is not marked in time");
+  await page.getByRole("button", { name: "Keep beside" }).click();
+  await page.getByRole("button", { name: /^Show run\.step/ }).click();
+  must(await form.getByLabel("step", { exact: true }).evaluate((input) => input === document.activeElement), "no step");
+  await page.getByRole("tab", { name: "Sweep" }).click();
+  await page.locator(".map .cell").last().click();
+  await page.getByRole("button", { name: "See this run" }).click();
+  await page.locator(".compared td").first().waitFor({ state: "attached" });
+  await page.getByRole("tab", { name: "Result" }).click();
+  await look(page, "compared");
 
   // two pages; in the dark; the lesson
   const other = await opened(address);

@@ -30,7 +30,7 @@ from ropewalk.studio.templates import templates
 
 CHECK_SECONDS = 20.0
 _MOST_PAGES = 24
-_COMPUTED = ("prepare", "pose", "release", "run", "result", "sweep", "case")  # what the worker of a page does
+_COMPUTED = ("prepare", "pose", "release", "run", "result", "sweep", "case", "models")  # what the worker of a page does
 _KINDS = {"page": "text/html", "report": "text/html", "png": "image/png", "svg": "image/svg+xml",
           "pdf": "application/pdf", "csv": "text/csv", "gif": "image/gif", "mp4": "video/mp4",
           "xlsx": "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"}  # fmt: skip
@@ -195,7 +195,7 @@ class PageConnection:
         if do in _COMPUTED:
             if self._process is None or not self._process.is_alive:
                 self._process = studio.pool.lease()
-            within = studio.settings.seconds if do in ("run", "release", "sweep") else 60.0 * 10
+            within = studio.settings.seconds if do in ("run", "release", "sweep", "models") else 60.0 * 10
             return await self._process.ask(asked, self._send, within=within)
         if do == "check":
             return await studio.pool.check(asked, within=CHECK_SECONDS)

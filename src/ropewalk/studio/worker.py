@@ -244,6 +244,21 @@ class ComputingProcess:
         write(found, file)
         return {"file": file.name, "sweep": described(found)}
 
+    def _do_models(self, asked: Answer) -> Answer:
+        """Simpler models beside the full one, as `ropewalk compare` shows them."""
+        import io
+
+        from ropewalk.compare import model_hierarchy
+
+        def progress(model: str, done: float) -> None:
+            self._send(asked["ticket"], False, {"id": asked["id"], "event": "model", "model": model, "done": done})
+            self._stop_if_asked(done)
+
+        found, picture = model_hierarchy(self._scenario(asked), progress=progress), io.StringIO()
+        found.figure().savefig(picture, format="svg")
+        tables = [found.table(), [("assumptions", "measured"), *found.assumptions.table()]]
+        return {"title": found.title, "tables": tables, "verdict": found.verdict, "picture": picture.getvalue()}
+
     def _do_case(self, asked: Answer) -> Answer:
         """The scenario of one case of a sweep."""
         from ropewalk.studio.folder import RESULTS, Folder
