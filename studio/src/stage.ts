@@ -28,6 +28,8 @@ const MARGIN = { left: 96, right: 96, top: 60, bottom: 40 };
 
 /** Draws a structure with its loads on a canvas. */
 export class Stage {
+  /** What is written where nothing is shown. */
+  hint = "";
   /** Keys of the scenario that doubts name: their loads and lines are marked. */
   doubted: string[] = [];
   choices: Choices = { exaggeration: 1, arrows: true, turn: 0.5 };
@@ -127,7 +129,13 @@ export class Stage {
     ink.font = `12px ${style.fontFamily}`;
     ink.lineJoin = ink.lineCap = "round";
     this.fit(width, height);
-    if (!scene) return;
+    if (!scene) {
+      ink.fillStyle = colour("--faint");
+      ink.textAlign = "center";
+      ink.fillText(this.hint, width / 2, height / 2);
+      ink.textAlign = "left";
+      return;
+    }
     this.axes(ink, width, height, colour);
     if (scene.ghost?.length)
       this.line(ink, scene.ghost, 0, scene.ghost.length / scene.layout.axes.length, colour("--ghost"), [7, 5]);
@@ -286,7 +294,7 @@ export class Stage {
       const [x, z] = [at[0] + way[0] * (length + 8), at[1] + way[1] * (length + 8)];
       const wide = ink.measureText(`${name}${written(size, "N")}`).width;
       const inside = way[0] < -0.3 ? Math.max(x, wide + 4) : Math.min(x, this.canvas.clientWidth - wide - 4);
-      ink.fillText(`${name}${written(size, "N")}`, inside, z + (way[1] > 0.3 ? 10 : 0));
+      ink.fillText(`${name}${written(size, "N")}`, inside, z + (way[1] > 0.3 ? 10 : name ? -12 : 0));
       ink.textAlign = "left";
     };
     const vector = (values: Float32Array | undefined, k: number) =>
@@ -370,9 +378,10 @@ export class Stage {
     }
     ink.fillStyle = colour("--ink");
     ink.textAlign = "left";
-    ink.fillText(`tension  ${written(low, "N")}`, right - w, 16);
+    ink.fillText(written(low, "N"), right - w, 16);
     ink.textAlign = "right";
     ink.fillText(written(high, "N"), right, 16);
+    ink.fillText("tension", right - w - 8, 30);
     ink.textAlign = "left";
     if (this.scene?.ghost?.length) {
       ink.setLineDash([7, 5]);

@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 
 import ropewalk
+from ropewalk.results.frame import Doubt
 from ropewalk.scenario import loads
+from ropewalk.studio.streams import remark_of
 from studio_server import LONG, SHORT, Page, Server, got, serving
 
 pytest.importorskip("uvicorn")
@@ -211,6 +213,22 @@ def test_a_film_and_a_workbook_are_exported(page: Page, server: Server, folder: 
     for kind, begins in (("gif", b"GIF8"), ("xlsx", b"PK"), ("svg", b"<?xml")):
         status, body = got(server, f"/{server.token}/export?name=small.nc&as={kind}")
         assert (status, body[: len(begins)]) == (200, begins)
+
+
+def test_simpler_models_are_compared_as_on_the_command_line(page: Page) -> None:
+    text = SHORT.replace("until: 0.3 s", "until: 20 ms").replace("elements: 50", "elements: 20")
+    answer = page.ask("models", text=text, name="rope.yaml")
+    assert answer["verdict"] == ropewalk.model_hierarchy(loads(text)).verdict
+    assert [table[0][-1] for table in answer["tables"]] == ["full", "measured"]
+    assert "<svg" in answer["picture"]
+
+
+def test_doubts_are_told_with_their_instant_and_key() -> None:
+    doubt = Doubt("wheel a (b) lifts at t = 1.2e-05 s", "a hop between t = 0 and 3 s (as it is)", "loads.w.x", "look")
+    assert remark_of(str(doubt)) == {"text": str(doubt), "time": 1.2e-05, "key": "loads.w.x"}
+    assert remark_of(str(Doubt("no audit", "none is known", "", "look"))) == {
+        "text": "no audit; likely cause: none is known; look", "time": None, "key": "",
+    }  # fmt: skip
 
 
 def begun(page: Page, text: str, file: Path) -> None:
