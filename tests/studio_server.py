@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import http.client
 import json
 import os
 import re
@@ -69,6 +70,19 @@ def serving(folder: Path, *options: str, token: str = "") -> Iterator[Server]:
     finally:
         if server.process.poll() is None:
             server.end()
+
+
+def got(server: Server, path: str, **headers: str) -> tuple[int, bytes]:
+    """The status and the body of an answer."""
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60.0)
+    connection.putrequest("GET", path, skip_host="Host" in headers)
+    for name, value in headers.items():
+        connection.putheader(name, value)
+    connection.endheaders()
+    answer = connection.getresponse()
+    found = answer.status, answer.read()
+    connection.close()
+    return found
 
 
 def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -65,6 +65,7 @@ export class Drag {
     this.loads = head.loads as Load[];
     this.take(this.loads[0], contact);
     if (!this.load) {
+      this.stage.hint = "Run shows this scenario.";
       this.stage.show(undefined);
       const why = "Nothing here can be dragged: forces and masses on lines can. Run it instead.";
       this.place.replaceChildren(element("p", { class: "hint" }, why));

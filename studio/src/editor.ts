@@ -1,10 +1,11 @@
 import { autocompletion, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
-import { indentWithTab } from "@codemirror/commands";
+import { indentWithTab, isolateHistory, redo, undo } from "@codemirror/commands";
 import { yaml } from "@codemirror/lang-yaml";
 import { type Diagnostic, lintGutter, setDiagnostics } from "@codemirror/lint";
 import { EditorState } from "@codemirror/state";
 import { EditorView, keymap } from "@codemirror/view";
 import { basicSetup } from "codemirror";
+import { difference } from "./edits";
 import { completions, type Schema } from "./schema";
 
 export interface Problem {
@@ -52,6 +53,23 @@ export class Editor {
 
   set text(text: string) {
     this.view.setState(this.state(text));
+  }
+
+  /** The text as it is after a change by other means than typing; one step for `undo`. */
+  change(text: string): void {
+    this.view.dispatch({
+      changes: difference(this.text, text),
+      annotations: isolateHistory.of("full"),
+      userEvent: "input.form",
+    });
+  }
+
+  undo(): void {
+    undo(this.view);
+  }
+
+  redo(): void {
+    redo(this.view);
   }
 
   show(problems: Problem[]): void {

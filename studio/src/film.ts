@@ -36,6 +36,8 @@ export class Film {
   energies: string[];
   total: number;
   count = 0;
+  title = "";
+  numbers: Record<string, [number, string]> = {}; // of its summary, when it has ended
   path: Float32Array<ArrayBuffer> = new Float32Array(64);
   private tracks = new Map<string, Track>();
   private changed = 0;

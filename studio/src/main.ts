@@ -1,12 +1,18 @@
+import type { Sweep } from "./cases";
+import { besides, type Models, models } from "./compare";
 import { Connection } from "./connection";
+import { type Doubt, listed } from "./doubts";
 import { Drag } from "./drag";
 import { Editor, type Problem } from "./editor";
+import { links, OF_RUNS } from "./exports";
 import { Film } from "./film";
+import { Form } from "./form";
 import { Lesson, type Step } from "./lesson";
 import { element, numbersOf, Player } from "./player";
 import { Plots } from "./plots";
 import type { Schema } from "./schema";
 import { Stage } from "./stage";
+import { SweepTab } from "./sweep";
 import "./style.css";
 
 interface Template {
@@ -40,18 +46,29 @@ const numbers = element("dl", { class: "numbers", "aria-live": "off" });
 const said = element("div");
 const summary = element("pre", { class: "summary" });
 const exports = element("div", { class: "row" });
+const compared = element("div");
+const compareModels = element(
+  "button",
+  { type: "button", title: "Runs simpler models of the scenario, from the linear theory upwards: is one good enough?" },
+  "Compare with simpler models",
+);
 const written = element("div", { class: "editor" });
 const problems = element("ul", { class: "problems", "aria-label": "Mistakes", "aria-live": "polite" });
 const values = element("div", { class: "values" });
 const lessons = element("div");
+const filled = element("div");
+const swept = element("div");
+const computeSweep = element("button", { type: "button" }, "Compute the sweep");
 
 const tabs = {
   values: element("div", { class: "tab" }, values, element("h2", {}, "Numbers"), numbers),
+  form: element("div", { class: "tab", hidden: "" }, filled),
   text: element("div", { class: "tab text", hidden: "" }, written, problems),
-  result: element("div", { class: "tab", hidden: "" }, said, exports, summary),
+  result: element("div", { class: "tab", hidden: "" }, said, exports, summary, compareModels, compared),
+  sweep: element("div", { class: "tab", hidden: "" }, swept),
   lesson: element("div", { class: "tab", hidden: "" }, lessons),
 };
-const names = { values: "Values", text: "Text", result: "Result", lesson: "Lesson" };
+const names = { values: "Values", form: "Form", text: "Text", result: "Result", sweep: "Sweep", lesson: "Lesson" };
 const bar = element("div", { class: "tabs", role: "tablist" });
 const buttons = new Map<string, HTMLButtonElement>();
 for (const [key, tab] of Object.entries(tabs)) {
@@ -68,27 +85,14 @@ function show(key: string): void {
     tab.hidden = name !== key;
     buttons.get(name)?.setAttribute("aria-selected", `${name === key}`);
   }
+  if (key === "form") form.show(editor.text);
 }
 
 const stage = new Stage(canvas);
 const plots = new Plots(plotted, (path) => player.go(path));
 const player = new Player(stage, plots);
 document.body.append(
-  element(
-    "header",
-    {},
-    element("h1", {}, "ropewalk studio"),
-    open,
-    save,
-    saveAs,
-    drag,
-    run,
-    stop,
-    keep,
-    element("span", { class: "spring" }),
-    status,
-    theme,
-  ),
+  element("header", {}, element("h1", {}, "ropewalk studio"), open, save, saveAs, drag, run, stop, keep, status, theme),
   element(
     "main",
     {},
@@ -108,6 +112,9 @@ let beside: Film | undefined;
 let running = false;
 let checking = 0;
 let templates: Template[] = [];
+let mistakes: Problem[] = [];
+let doubtful: Doubt[] = [];
+let toldOf = ""; // the doubts and notes that are shown
 
 const server = new Connection(`${location.href.replace(/^http/, "ws").replace(/[#?].*$/, "")}socket`, (connected) => {
   tell(connected ? "" : "the server has gone; looking for it", !connected);
@@ -115,13 +122,28 @@ const server = new Connection(`${location.href.replace(/^http/, "ws").replace(/[
 });
 const editor = new Editor(written, () => {
   mark();
+  if (!tabs.form.hidden) form.show(editor.text);
   clearTimeout(checking);
   checking = setTimeout(check, 300);
+});
+const form = new Form(filled, {
+  change: (text) => editor.change(text),
+  undo: () => editor.undo(),
+  redo: () => editor.redo(),
 });
 const dragging = new Drag(server, stage, canvas, values, {
   shown: (scene) => numbersShown(scene),
   failed: (why) => tell(why, true),
   released: (pose) => compute("release", { pose }),
+});
+const sweeps = new SweepTab(swept, server, computeSweep, {
+  tell,
+  see: (text) => compute("run", { text, name: "case.yaml", unkept: true }),
+  open: (text) => {
+    if (editor.text !== clean && !confirm("The text has changes that are not saved. Open another one?")) return;
+    begun("", "", text);
+    show("text");
+  },
 });
 const lesson = new Lesson(lessons, async (step) => begin(step));
 
@@ -152,7 +174,10 @@ async function greet(): Promise<void> {
   templates = head.templates as Template[];
   list(head);
   lesson.learn(head.lesson as Step[]);
-  server.ask("schema").then((message) => editor.learn(message.head.schema as Schema));
+  server.ask("schema").then((message) => {
+    editor.learn(message.head.schema as Schema);
+    form.learn(message.head.schema as Schema);
+  });
   if (editor.text) {
     prepare(); // the server had gone: what is on the page stays
     return;
@@ -209,7 +234,9 @@ function begun(name: string, stamp: string, text: string): void {
   clean = text;
   editor.text = text;
   beside = undefined;
+  doubts({});
   mark();
+  if (!tabs.form.hidden) form.show(text);
   check();
   prepare();
 }
@@ -237,6 +264,8 @@ async function check(): Promise<boolean> {
   const { head } = await server.ask("check", { text: editor.text, name: file.name || "scenario.yaml" });
   const found = (head.problems as Problem[]) ?? [{ line: 1, key: "", message: String(head.error) }];
   editor.show(found);
+  mistakes = found;
+  remarked();
   problems.replaceChildren(
     ...(found.length
       ? found.map((problem) => {
@@ -256,6 +285,7 @@ async function prepare(contact = ""): Promise<void> {
   halt();
   player.leave();
   player.bar.hidden = true;
+  stage.doubted = [];
   const { head } = await server.ask("prepare", { text: editor.text, name: file.name || "scenario.yaml" });
   if (head.problems) return tell("the scenario has mistakes: see Text", true);
   if (head.error) return tell(String(head.error), true);
@@ -284,9 +314,10 @@ async function compute(what: string, given: object, withBeside = beside): Promis
   running = true;
   stop.disabled = false;
   run.disabled = true;
-  said.replaceChildren();
+  doubts({});
   exports.replaceChildren();
   summary.textContent = "";
+  compared.replaceChildren();
   tell("computing");
   player.isOver = false;
   film = undefined;
@@ -314,17 +345,32 @@ function heard(message: { head: Record<string, unknown>; arrays: Parameters<Film
   } else if (film) {
     film.add(arrays);
     player.more();
-    const told = head.run as { warnings: string[]; doubts: string[] } | undefined;
+    const told = head.run as { warnings: string[]; doubts: Doubt[] } | undefined;
     if (told) doubts(told);
     if (running) tell(`computing: ${Math.round((100 * film.count) / Math.max(film.total, 1))} %`);
   }
 }
 
-function doubts(told: { warnings?: string[]; doubts?: string[] }): void {
-  said.replaceChildren(
-    ...(told.doubts ?? []).map((text) => element("p", { class: "doubt" }, `Not to be trusted: ${text}`)),
-    ...(told.warnings ?? []).map((text) => element("p", { class: "hint" }, `Note: ${text}`)),
-  );
+function doubts(told: { warnings?: string[]; doubts?: Doubt[] }): void {
+  const now = JSON.stringify([told.doubts, told.warnings]);
+  if (now === toldOf) return;
+  toldOf = now;
+  doubtful = told.doubts ?? [];
+  stage.doubted = doubtful.map((doubt) => doubt.key);
+  player.mark(doubtful);
+  remarked();
+  said.replaceChildren(...listed(doubtful, told.warnings ?? [], { go: (time) => player.stop(time), open: openKey }));
+}
+
+function openKey(key: string): void {
+  show("form");
+  form.goTo(key);
+}
+
+/** What the form tells at its fields: mistakes, and doubts about the run that is shown. */
+function remarked(): void {
+  const keyed = doubtful.filter((doubt) => doubt.key);
+  form.tell([...mistakes, ...keyed.map(({ key, text }) => ({ key, message: text, isDoubt: true }))]);
 }
 
 function ended(head: Record<string, unknown>): void {
@@ -336,34 +382,76 @@ function ended(head: Record<string, unknown>): void {
   if (head.error) return tell(String(head.error), true);
   const outcome = String(head.outcome);
   tell(head.file ? `${outcome}; result in ${head.file}` : outcome, !["completed", "interrupted"].includes(outcome));
-  doubts(head as { warnings: string[]; doubts: string[] });
+  doubts(head as { warnings: string[]; doubts: Doubt[] });
   if (head.advice) said.prepend(element("p", { class: "hint" }, String(head.advice)));
   summary.textContent = String(head.summary);
+  if (film) {
+    film.title = String(head.title);
+    film.numbers = head.numbers as Film["numbers"];
+    const other = player.other;
+    if (other) compared.replaceChildren(besides(film.numbers, other.numbers, film.title, other.title));
+  }
   if (!head.file) return;
-  const address = (kind: string) => `export?name=${encodeURIComponent(String(head.file))}&as=${kind}`;
-  for (const [kind, text] of [
-    ["page", "Page to share"],
-    ["report", "Report"],
-    ["png", "Figure"],
-    ["csv", "Table"],
-  ])
-    exports.append(element("a", { href: address(kind), download: "", class: "export", "data-kind": kind }, text));
+  exports.append(...links(String(head.file), OF_RUNS));
 }
 
 async function result(name: string): Promise<void> {
   if (running) return tell("a run is under way; stop it first", true);
   dragging.leave();
   player.isOver = true;
+  doubts({});
   const { head } = await server.ask("result", { name }, (message) => heard(message, beside));
+  if (head.sweep) return sweepFound(head);
   ended(head);
   show("result");
 }
+
+function sweepFound(head: Record<string, unknown>): void {
+  const sweep = head.sweep as Sweep;
+  tell(`${sweep.outcome}; sweep in ${head.file}`, sweep.outcome !== "completed");
+  sweeps.show(String(head.file), sweep);
+  show("sweep");
+}
+
+/** Have something computed that takes its time, and hear how far it is. */
+async function computed(what: string, told: (head: Record<string, unknown>) => string) {
+  if (running) return void tell("a run is under way; stop it first", true);
+  running = true;
+  stop.disabled = false;
+  run.disabled = computeSweep.disabled = compareModels.disabled = true;
+  tell("computing");
+  const given = { text: editor.text, name: file.name || "scenario.yaml" };
+  const { head } = await server.ask(what, given, (message) => {
+    if (running) tell(told(message.head));
+  });
+  running = false;
+  stop.disabled = true;
+  run.disabled = computeSweep.disabled = compareModels.disabled = false;
+  const wrong = (head.problems as Problem[] | undefined)?.[0]?.message ?? head.error;
+  if (wrong) return void tell(String(wrong), true);
+  return head;
+}
+
+compareModels.onclick = async () => {
+  const head = await computed("models", ({ model, done }) => `${model}: ${Math.round(100 * Number(done))} %`);
+  if (!head) return;
+  tell(`models of ${head.title} compared`);
+  compared.replaceChildren(models(head as unknown as Models));
+};
+
+computeSweep.onclick = async () => {
+  const head = await computed("sweep", ({ done, total }) => `computing: ${done} of ${total} cases`);
+  if (head) sweepFound(head);
+  const files = (await server.ask("files")).head;
+  if (!files.error) list(files);
+};
 
 async function begin(step: Step): Promise<void> {
   file = { name: "", stamp: "" };
   clean = step.scenario;
   beside = undefined;
   editor.text = clean;
+  if (!tabs.form.hidden) form.show(clean);
   mark();
   if (step.do === "drag") return prepare(step.contact);
   dragging.leave();
@@ -381,6 +469,9 @@ theme.onclick = () => {
   const dark = getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
   document.documentElement.dataset.theme = dark ? "light" : "dark";
   stage.draw();
+  plots.clear();
+  player.more();
+  sweeps.draw();
 };
 addEventListener("keydown", (event) => {
   const control = event.ctrlKey || event.metaKey;

@@ -1,3 +1,4 @@
+import type { Doubt } from "./doubts";
 import { type Film, type Frame, type Layout, tensionsOf } from "./film";
 import type { Plots } from "./plots";
 import type { Stage, View } from "./stage";
@@ -38,6 +39,9 @@ export class Player {
     value: "0",
     "aria-label": "Time",
   });
+  private doubts: Doubt[] = [];
+  private placed = ""; // for which end and how many doubts the marks stand where they are
+  private marks = element("span", { class: "marks" });
   private clock = element("output", { class: "clock" }, "0 s");
   private pace = element("select", { title: "Speed", "aria-label": "Speed" });
   private larger = element("select", { title: "Exaggeration of displacements", "aria-label": "Exaggeration" });
@@ -57,7 +61,7 @@ export class Player {
       "div",
       { class: "player", role: "group", "aria-label": "Film" },
       this.play,
-      this.slider,
+      element("span", { class: "line" }, this.slider, this.marks),
       this.clock,
       this.pace,
       this.larger,
@@ -77,6 +81,38 @@ export class Player {
     };
   }
 
+  /** The run that is drawn beside. */
+  get other(): Film | undefined {
+    return this.beside;
+  }
+
+  /** Mark the instants of doubts on the slider. */
+  mark(doubts: Doubt[]): void {
+    this.doubts = doubts;
+    this.seen = -1;
+    this.refresh();
+  }
+
+  private place(film: Film): void {
+    const timed =
+      film.layout.path === "time" ? this.doubts.filter((one) => (one.time ?? film.end + 1) <= film.end) : [];
+    const marks = timed.map((one) => {
+      const time = one.time ?? 0;
+      const about = { title: `${one.text}`, "aria-label": `Doubt at ${time} s` };
+      const mark = element("button", { type: "button", class: "alert", ...about }, "!");
+      mark.style.left = `calc(8px + ${time / Math.max(film.end, 1e-9)} * (100% - 16px))`;
+      mark.onclick = () => this.stop(time);
+      return mark;
+    });
+    this.marks.replaceChildren(...marks);
+  }
+
+  /** Stand still at an instant. */
+  stop(path: number): void {
+    this.playing = false;
+    this.go(path);
+  }
+
   get isActive(): boolean {
     return this.film !== undefined;
   }
@@ -88,6 +124,8 @@ export class Player {
     this.view = undefined;
     this.now = 0;
     this.seen = -1;
+    this.doubts = [];
+    this.placed = "";
     this.plots.clear();
     this.playing = true;
     this.last = performance.now();
@@ -156,6 +194,11 @@ export class Player {
     this.play.setAttribute("aria-label", this.playing ? "Pause" : "Play");
     this.slider.max = `${film.end}`;
     this.slider.valueAsNumber = this.now;
+    const placed = `${film.end} ${this.doubts.length}`;
+    if (placed !== this.placed) {
+      this.placed = placed;
+      this.place(film);
+    }
     const unit = film.layout.path === "time" ? "s" : "m";
     this.clock.value = `${this.now.toFixed(3)} ${unit}`;
     const i = film.at(this.now);

@@ -70,6 +70,7 @@ export class Plots {
       this.version = version;
       const label = film.layout.path === "time" ? "t (s)" : "path (m)";
       this.plots = groups.map((group) => this.made(group.title, label, group.curves, colour));
+      this.resize(); // now that all are there
     }
     this.plots.forEach((plot, g) => {
       plot.setData([

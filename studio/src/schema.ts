@@ -2,13 +2,17 @@
 export interface Schema {
   $ref?: string;
   $defs?: Record<string, Schema>;
-  type?: string;
+  type?: string | string[];
   properties?: Record<string, Schema>;
   additionalProperties?: Schema | boolean;
   anyOf?: Schema[];
   oneOf?: Schema[];
   enum?: string[];
   const?: string;
+  required?: string[];
+  items?: Schema;
+  minItems?: number;
+  maxItems?: number;
   description?: string;
   unit?: string;
   default?: unknown;
@@ -80,7 +84,8 @@ function kindOf(lines: string[], indent: number): string | undefined {
   return undefined;
 }
 
-function variants(root: Schema, schema: Schema | undefined): Schema[] {
+/** What a value may be, references followed. */
+export function variants(root: Schema, schema: Schema | undefined): Schema[] {
   if (!schema) return [];
   if (schema.$ref) return variants(root, root.$defs?.[schema.$ref.split("/").pop() ?? ""]);
   const some = schema.anyOf ?? schema.oneOf;

@@ -30,6 +30,10 @@ const MARGIN = { left: 96, right: 96, top: 60, bottom: 40 };
 
 /** Draws a structure with its loads on a canvas. */
 export class Stage {
+  /** What is written where nothing is shown. */
+  hint = "";
+  /** Keys of the scenario that doubts name: their loads and lines are marked. */
+  doubted: string[] = [];
   choices: Choices = { exaggeration: 1, arrows: true, turn: 0.5 };
   private scene?: Scene;
   private view: View = { x: [0, 1], z: [-1, 1], tension: [0, 1], force: 1 };
@@ -167,7 +171,13 @@ export class Stage {
     ink.lineJoin = ink.lineCap = "round";
     this.fit(width, height);
     if (this.space && !this.camera) this.space.isShown = false;
-    if (!scene) return;
+    if (!scene) {
+      ink.fillStyle = colour("--faint");
+      ink.textAlign = "center";
+      ink.fillText(this.hint, width / 2, height / 2);
+      ink.textAlign = "left";
+      return;
+    }
     if (this.camera) this.inSpace(this.camera, ink, scene, colour);
     else this.axes(ink, width, height, colour);
     if (scene.ghost?.length)
@@ -181,6 +191,7 @@ export class Stage {
     this.supports(ink, scene, colour);
     this.marks(ink, scene.frame, colour("--load"));
     if (this.choices.arrows) this.forces(ink, scene, colour);
+    this.alerts(ink, scene, colour);
     this.key(ink, width, colour);
   }
 
@@ -214,6 +225,32 @@ export class Stage {
     }
     ink.textAlign = "left";
     ink.fillText(floor, 110, height - 16);
+  }
+
+  private alerts(
+    ink: CanvasRenderingContext2D,
+    { layout, frame, rest }: Scene,
+    colour: (name: string) => string,
+  ): void {
+    const isNamed = (kind: string, name: string) =>
+      this.doubted.some((key) => `${key}.`.startsWith(`${kind}.${name}.`) || `${kind}.${name}.`.startsWith(`${key}.`));
+    const places: [number, number][] = [];
+    layout.loads.forEach((name, k) => {
+      if (isNamed("loads", name)) places.push(this.at(frame.contact_position, k));
+    });
+    for (const [name, first, count] of layout.nodes)
+      if (isNamed("lines", name)) places.push(this.at(frame.position, first + (count >> 1), rest?.position));
+    ink.textAlign = "center";
+    for (const [x, z] of places) {
+      if (Number.isNaN(x)) continue;
+      ink.beginPath();
+      ink.arc(x, z - 20, 9, 0, 2 * Math.PI);
+      ink.fillStyle = colour("--bad");
+      ink.fill();
+      ink.fillStyle = colour("--panel");
+      ink.fillText("!", x, z - 16);
+    }
+    ink.textAlign = "left";
   }
 
   private line(
@@ -338,7 +375,7 @@ export class Stage {
       const [x, z] = [at[0] + way[0] * (length + 8), at[1] + way[1] * (length + 8)];
       const wide = ink.measureText(`${name}${written(size, "N")}`).width;
       const inside = way[0] < -0.3 ? Math.max(x, wide + 4) : Math.min(x, this.canvas.clientWidth - wide - 4);
-      ink.fillText(`${name}${written(size, "N")}`, inside, z + (way[1] > 0.3 ? 10 : 0));
+      ink.fillText(`${name}${written(size, "N")}`, inside, z + (way[1] > 0.3 ? 10 : name ? -12 : 0));
       ink.textAlign = "left";
     };
     const vector = (values: Float32Array | undefined, k: number) =>
@@ -432,9 +469,10 @@ export class Stage {
     }
     ink.fillStyle = colour("--ink");
     ink.textAlign = "left";
-    ink.fillText(`tension  ${written(low, unit)}`, right - w, 16);
+    ink.fillText(written(low, unit), right - w, 16);
     ink.textAlign = "right";
     ink.fillText(written(high, unit), right, 16);
+    ink.fillText("tension", right - w - 8, 30);
     ink.textAlign = "left";
     if (this.scene?.ghost?.length) {
       ink.setLineDash([7, 5]);

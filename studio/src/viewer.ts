@@ -1,3 +1,4 @@
+import type { Doubt } from "./doubts";
 import { Film } from "./film";
 import type { Message } from "./messages";
 import { element, numbersOf, Player } from "./player";
@@ -37,9 +38,12 @@ export class Viewer {
         ...numbersOf(shown, frame).flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]),
       );
     };
+    const own = (doubts as Doubt[]) ?? [];
+    this.stage.doubted = own.map(({ key }) => key);
+    this.player.mark(own);
     const distrusted = [
-      ...((doubts as string[]) ?? []),
-      ...((beside?.ended.doubts as string[]) ?? []).map((text) => `${beside?.ended.title}: ${text}`),
+      ...own.map(({ text }) => text),
+      ...((beside?.ended.doubts as Doubt[]) ?? []).map(({ text }) => `${beside?.ended.title}: ${text}`),
     ];
     const over = beside ? [element("span", { class: "hint" }, `faint: ${beside.ended.title}`)] : [];
     this.parts = [

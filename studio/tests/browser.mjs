@@ -1,5 +1,5 @@
 // The studio in a real browser: node tests/browser.mjs ADDRESS FOLDER PICTURES; ends with an error at the first surprise.
-import { mkdtempSync, readFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { launched, must, watch } from "./chromium.mjs";
@@ -23,6 +23,10 @@ const number = async (page, name) => {
   const text = await page.locator(`dt:text-is("${name}") + dd`).first().textContent();
   return Number.parseFloat(text.replace("−", "-"));
 };
+const SWEEP = `sweep:
+  over: {lines.rope.length: [20 m, 20.5 m], loads.walker.travel.from: [5 m, 8 m]}
+  record: [largest_sag]
+`;
 const poses = (page) => page.waitForFunction(() => globalThis.ropewalkDelays?.length > 0);
 
 try {
@@ -43,7 +47,7 @@ try {
   const dragged = Number.parseFloat(await page.locator('dt:text-is("walker: place x, z") + dd').textContent());
   must(dragged > 12 && dragged < 18, `the load was dragged to ${dragged} m`);
   must((await number(page, "walker: friction needed")) !== before, "friction does not follow the load");
-  await page.getByLabel("Contact").selectOption("frictionless");
+  await page.getByLabel("Contact", { exact: true }).selectOption("frictionless");
   await page.waitForFunction(
     () =>
       [...document.querySelectorAll("dt")].find((d) => /hold force/.test(d.textContent))?.nextSibling.textContent !==
@@ -72,6 +76,32 @@ try {
   await page.locator(".cm-lint-marker-error").waitFor();
   await look(page, "mistake");
   await page.keyboard.press("Control+z");
+  await page.getByText("No mistakes.").waitFor();
+
+  // the form: a value changes where it stands in the text, mistakes are told at their fields, undo is that of the text
+  const text = async () => (await page.locator(".cm-line").allTextContents()).join("\n");
+  await page.getByRole("tab", { name: "Form" }).click();
+  const form = page.locator(".form");
+  await form.getByLabel("mass", { exact: true }).fill("2 kgx");
+  await page.keyboard.press("Tab");
+  await form.locator(".field", { hasText: "unknown unit kgx" }).getByLabel("mass").waitFor();
+  must(
+    await form.getByLabel("axial_stiffness", { exact: true }).evaluate((input) => input === document.activeElement),
+    "focus is lost",
+  );
+  await look(page, "form");
+  await page.keyboard.press("Control+z");
+  await form.locator(".error").waitFor({ state: "detached" });
+  must((await form.getByLabel("mass", { exact: true }).inputValue()) === "1 kg/m", "the form has not been undone");
+  await form.getByLabel("Name of another one of loads").fill("cart");
+  await page.keyboard.press("Enter");
+  await form.getByLabel("Kind of cart").selectOption("mass");
+  await form.locator(".block .block", { hasText: "cart" }).locator(".error").first().waitFor();
+  await page.getByRole("tab", { name: "Text" }).click();
+  must(/# stays.* walker:.* cart:\n {4}kind: mass\nrun:/s.test(await text()), `the form has written ${await text()}`);
+  await page.getByRole("tab", { name: "Form" }).click();
+  await form.getByLabel("Remove loads cart").click();
+  await page.getByRole("tab", { name: "Text" }).click();
   await page.getByText("No mistakes.").waitFor();
 
   // save, reload
@@ -110,6 +140,34 @@ try {
   must(wide > 600, `the shared page has no style: its picture is ${wide} pixels wide`);
   await look(offline, "shared");
   await offline.close();
+
+  // a sweep: computed, a case picked by keyboard and seen; its doubt leads to its instant and to its key
+  const swept = readFileSync(join(folder, "rope.yaml"), "utf8").replace("0.3 s", "20 ms") + SWEEP;
+  writeFileSync(join(folder, "swept.yaml"), swept);
+  await page.reload();
+  await poses(page);
+  await page.getByLabel("Open", { exact: true }).selectOption("file:swept.yaml");
+  await page.getByRole("tab", { name: "Sweep" }).click();
+  await page.getByRole("button", { name: "Compute the sweep" }).click();
+  await page.locator(".map .cell").nth(3).waitFor();
+  await page.locator(".map").focus();
+  await page.keyboard.press("ArrowUp");
+  await page.keyboard.press("Enter");
+  await page.locator(".status").getByText("doubtful").waitFor();
+  await look(page, "sweep");
+  await page.getByRole("tab", { name: "Result" }).click();
+  await page.getByRole("button", { name: /^Go to 0\.01/ }).click();
+  await page.waitForFunction(() => document.querySelector(".clock").value === "0.010 s");
+  must((await page.locator(".marks .alert").count()) > 0, "the doubt is not marked in time");
+  await page.getByRole("button", { name: "Keep beside" }).click();
+  await page.getByRole("button", { name: /^Show run\.step/ }).click();
+  must(await form.getByLabel("step", { exact: true }).evaluate((input) => input === document.activeElement), "no step");
+  await page.getByRole("tab", { name: "Sweep" }).click();
+  await page.locator(".map .cell").last().click();
+  await page.getByRole("button", { name: "See this run" }).click();
+  await page.locator(".compared td").first().waitFor({ state: "attached" });
+  await page.getByRole("tab", { name: "Result" }).click();
+  await look(page, "compared");
 
   // two pages; in the dark; the lesson
   const other = await opened(address);

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import http.client
 import os
 import signal
 import socket
@@ -14,12 +13,24 @@ import numpy as np
 import pytest
 
 import ropewalk
+from ropewalk.results.frame import Doubt
 from ropewalk.scenario import loads
-from studio_server import LONG, SHORT, Page, Server, serving
+from ropewalk.studio.streams import remark_of
+from studio_server import LONG, SHORT, Page, Server, got, serving
 
 pytest.importorskip("uvicorn")
 CODE = SHORT.replace("    kind: force\n", "    kind: stepper\n    model: evil.py:Evil\n").replace(
     "    force: [0 N, -800 N]\n    travel: {speed: 10 m/s, measured: slip, from: 0 m}\n", "    every: 1 ms\n"
+)
+SWEPT = (
+    SHORT.replace("until: 0.3 s", "until: 20 ms")
+    + """\
+sweep:
+  over:
+    loads.walker.travel.speed: [2 m/s, 3 m/s]
+    lines.rope.length: [20 m, 20.5 m]
+  record: [largest_sag]
+"""
 )
 
 
@@ -45,18 +56,6 @@ def page(server: Server) -> Iterator[Page]:
     found = Page(server)
     with found.socket:
         yield found
-
-
-def got(server: Server, path: str, **headers: str) -> tuple[int, bytes]:
-    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=20.0)
-    connection.putrequest("GET", path, skip_host="Host" in headers)
-    for name, value in headers.items():
-        connection.putheader(name, value)
-    connection.endheaders()
-    answer = connection.getresponse()
-    found = answer.status, answer.read()
-    connection.close()
-    return found
 
 
 def test_only_who_knows_the_token_and_comes_from_here_is_served(server: Server) -> None:
@@ -170,6 +169,66 @@ def test_what_is_saved_is_what_was_written_unless_the_file_has_changed(page: Pag
     assert "has changed on disk" in page.ask("save", name="mine.yaml", text=changed, stamp=saved["stamp"])["error"]
     assert (folder / "mine.yaml").read_text() == "title: of somebody else\n"
     assert "is there already" in page.ask("save", name="rope.yaml", text=changed, stamp=None)["error"]
+
+
+def test_a_sweep_is_the_one_of_the_command_line_and_each_case_can_be_seen(
+    page: Page, server: Server, folder: Path
+) -> None:
+    events = [head for head, _ in page.messages(page.send("sweep", text=SWEPT, name="swept.yaml"))]
+    assert [event["done"] for event in events[:-1]] == [0, 1, 2, 3, 4]
+    answer = events[-1]["sweep"]
+    assert page.ask("result", name="swept.sweep.nc")["sweep"] == answer
+    columns = {one["name"]: one["values"] for one in (*answer["parameters"], *answer["quantities"])}
+    expected = ropewalk.sweep(loads(SWEPT), workers=0)
+    assert columns["speed"] == [2.0, 2.0, 3.0, 3.0]
+    assert columns["length"] == [20.0, 20.5, 20.0, 20.5]
+    np.testing.assert_allclose(columns["largest_sag"], expected["largest_sag"].values.ravel(), rtol=1e-9)
+    case = page.ask("case", name="swept.sweep.nc", row=1)
+    found = loads(case["text"])
+    assert (found.title, found.lines["rope"].length) == ("A slack rope, speed 2 m/s, length 20.5 m", 20.5)
+    status, table = got(server, f"/{server.token}/export?name=swept.sweep.nc&as=csv")
+    assert (status, len(table.splitlines())) == (200, 5)
+    assert got(server, f"/{server.token}/export?name=swept.sweep.nc&as=gif")[0] == 400
+
+
+@pytest.mark.parametrize(
+    ("values", "wrong"),
+    [
+        ("run.start: ['{kind: result, file: ../other.nc}']", "lies outside of the folder of the studio"),
+        ("run.start: [{kind: result, file: ../other.nc}]", "lies outside of the folder of the studio"),
+        ("loads.walker: [{kind: stepper, model: 'evil.py:Evil', on: rope, every: 1 ms}]",
+         "is code of somebody, which the studio does not run"),
+        ("lines.rope.elements: [50, 60000]", "is too much here"),
+    ],
+)  # fmt: skip
+def test_no_case_of_a_sweep_does_what_a_scenario_may_not(page: Page, folder: Path, values: str, wrong: str) -> None:
+    text = SWEPT.replace("loads.walker.travel.speed: [2 m/s, 3 m/s]", values)
+    assert [problem["wrong"] for problem in page.ask("sweep", text=text, name="bad.yaml")["problems"]] == [wrong]
+    assert not (folder / "ran").exists()
+    assert not (folder / "bad.sweep.nc").exists()
+
+
+def test_a_film_and_a_workbook_are_exported(page: Page, server: Server, folder: Path) -> None:
+    ropewalk.simulate(loads(SHORT.replace("0.3 s", "20 ms")), file=folder / "small.nc")
+    for kind, begins in (("gif", b"GIF8"), ("xlsx", b"PK"), ("svg", b"<?xml")):
+        status, body = got(server, f"/{server.token}/export?name=small.nc&as={kind}")
+        assert (status, body[: len(begins)]) == (200, begins)
+
+
+def test_simpler_models_are_compared_as_on_the_command_line(page: Page) -> None:
+    text = SHORT.replace("until: 0.3 s", "until: 20 ms").replace("elements: 50", "elements: 20")
+    answer = page.ask("models", text=text, name="rope.yaml")
+    assert answer["verdict"] == ropewalk.model_hierarchy(loads(text)).verdict
+    assert [table[0][-1] for table in answer["tables"]] == ["full", "measured"]
+    assert "<svg" in answer["picture"]
+
+
+def test_doubts_are_told_with_their_instant_and_key() -> None:
+    doubt = Doubt("wheel a (b) lifts at t = 1.2e-05 s", "a hop between t = 0 and 3 s (as it is)", "loads.w.x", "look")
+    assert remark_of(str(doubt)) == {"text": str(doubt), "time": 1.2e-05, "key": "loads.w.x"}
+    assert remark_of(str(Doubt("no audit", "none is known", "", "look"))) == {
+        "text": "no audit; likely cause: none is known; look", "time": None, "key": "",
+    }  # fmt: skip
 
 
 def begun(page: Page, text: str, file: Path) -> None:

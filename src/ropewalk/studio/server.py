@@ -30,9 +30,10 @@ from ropewalk.studio.templates import templates
 
 CHECK_SECONDS = 20.0
 _MOST_PAGES = 24
-_COMPUTED = ("prepare", "pose", "release", "run", "result")  # what the worker of a page does
+_COMPUTED = ("prepare", "pose", "release", "run", "result", "sweep", "case", "models")  # what the worker of a page does
 _KINDS = {"page": "text/html", "report": "text/html", "png": "image/png", "svg": "image/svg+xml",
-          "pdf": "application/pdf", "csv": "text/csv"}  # fmt: skip
+          "pdf": "application/pdf", "csv": "text/csv", "gif": "image/gif", "mp4": "video/mp4",
+          "xlsx": "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -83,12 +84,20 @@ class Studio:
         return FileResponse(PAGE / "index.html")
 
     async def _export(self, request: Request) -> Response:
-        """A result as a file: /export?name=NAME.nc&as=page|report|png|svg|pdf|csv."""
+        """A result as a file: /export?name=NAME.nc&as=page|report|png|svg|pdf|csv|xlsx|gif|mp4."""
         name, kind = request.query_params.get("name", ""), request.query_params.get("as", "")
         if kind not in _KINDS:
             return PlainTextResponse(f"as: write one of {', '.join(_KINDS)}", 400)
         try:
-            found = await self.pool.check({"id": 0, "do": "export", "name": name, "as": kind}, within=120.0)
+            asked = {"id": 0, "do": "export", "name": name, "as": kind}
+            if kind in ("gif", "mp4"):  # what takes long must not keep checks waiting
+                process = self.pool.lease()
+                try:
+                    found = await process.ask(asked, within=600.0)
+                finally:
+                    await self.pool.give_back(process)
+            else:
+                found = await self.pool.check(asked, within=120.0)
         except RopewalkError as error:
             return PlainTextResponse(str(error), 500)
         if isinstance(found, str):
@@ -186,7 +195,7 @@ class PageConnection:
         if do in _COMPUTED:
             if self._process is None or not self._process.is_alive:
                 self._process = studio.pool.lease()
-            within = studio.settings.seconds if do in ("run", "release") else 60.0 * 10
+            within = studio.settings.seconds if do in ("run", "release", "sweep", "models") else 60.0 * 10
             return await self._process.ask(asked, self._send, within=within)
         if do == "check":
             return await studio.pool.check(asked, within=CHECK_SECONDS)

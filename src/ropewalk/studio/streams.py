@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -21,13 +22,25 @@ DISPLAYED = (
 )  # fmt: skip
 MOST_BYTES = 150_000_000  # of one result on a page; of more, every second frame is shown, or every third
 _BLOCK_BYTES = 2_000_000
+_INSTANT = re.compile(r"\bt = (\d[\d.]*(?:e[+-]?\d+)?) s\b")
+_KEY = re.compile(r"; likely cause: .*\(([a-z_]+(?:\.[^()]+)?)\); ")
+
+
+def remark_of(doubt: str) -> dict[str, Any]:
+    """A reason not to trust a run, with the instant and the key of the scenario that it names.
+
+    Args:
+        doubt: as results keep it, see `Doubt`.
+    """
+    instant, key = _INSTANT.search(doubt), _KEY.search(doubt)
+    return {"text": doubt, "time": float(instant[1]) if instant else None, "key": key[1] if key else ""}
 
 
 def state_of_run(run_info: RunInfo) -> dict[str, Any]:
     """How a run goes."""
     return {
         "outcome": run_info.outcome, "advice": run_info.advice, "method": run_info.method, "reason": run_info.reason,
-        "doubts": [str(doubt) for doubt in run_info.doubts], "warnings": list(run_info.warnings),
+        "doubts": [remark_of(str(doubt)) for doubt in run_info.doubts], "warnings": list(run_info.warnings),
     }  # fmt: skip
 
 
@@ -81,11 +94,13 @@ def of_result(dataset: xr.Dataset, head: dict[str, Any]) -> Iterator[bytes]:
 
 def stored(dataset: xr.Dataset) -> dict[str, Any]:
     """How the run of a result has ended, as a page shows it."""
-    from ropewalk.results import summary, text
+    from ropewalk.results import named_numbers, summary, text
 
     found = summary(dataset)
+    numbers = {name: [value, unit] for name, (value, unit) in named_numbers(dataset).items() if value is not None}
     ending = {key: found[key] for key in ("title", "outcome", "advice", "doubts", "warnings")}
-    return {"event": "ended", "summary": text(found), **ending}
+    ending["doubts"] = [remark_of(str(doubt)) for doubt in ending["doubts"]]
+    return {"event": "ended", "summary": text(found), "numbers": numbers, **ending}
 
 
 def _layout_of(dataset: xr.Dataset) -> Layout:

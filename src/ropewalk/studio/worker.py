@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ropewalk.studio.poses import Asked, Dragging
 
 MOST_NODES = 50_000  # of a scenario in the studio
+EXPORTS = ("png", "svg", "pdf", "csv", "xlsx", "gif", "mp4")
 Answer = dict[str, Any]
 
 
@@ -86,12 +87,17 @@ class ComputingProcess:
 
     def _scenario(self, asked: Answer) -> Scenario:
         """The scenario of a text, refused where it runs code, leaves the folder or is huge."""
-        from ropewalk.errors import Problem, ScenarioError
-        from ropewalk.external.models import refuse_code
         from ropewalk.scenario import loads
-        from ropewalk.studio.folder import check_inside
 
         scenario = loads(str(asked["text"]), str(asked.get("name") or "scenario.yaml"))
+        self._allow(scenario)
+        return scenario
+
+    def _allow(self, scenario: Scenario) -> None:
+        from ropewalk.errors import Problem, ScenarioError
+        from ropewalk.external.models import refuse_code
+        from ropewalk.studio.folder import check_inside
+
         if not self._allow_code:
             try:
                 refuse_code(scenario.loads)
@@ -106,7 +112,6 @@ class ComputingProcess:
             if isinstance(elements := getattr(line, "elements", None), int) and elements > MOST_NODES:
                 remedy = f"write at most {MOST_NODES}, or run it from the command line"
                 raise ScenarioError([Problem(f"lines.{name}.elements", "is too much here", str(elements), remedy)])
-        return scenario
 
     def _do_check(self, asked: Answer) -> Answer:
         """Every mistake in a text."""
@@ -200,38 +205,101 @@ class ComputingProcess:
             self._waiting.append(asked)
 
     def _do_result(self, asked: Answer) -> Answer:
-        """A result that is there, as if it had just been computed."""
+        """A result that is there, as if it had just been computed; of a sweep, its cases."""
         from ropewalk.results import open_result
         from ropewalk.studio.folder import RESULTS, Folder
         from ropewalk.studio.streams import of_result, stored
+        from ropewalk.studio.sweeps import described
+        from ropewalk.sweeps.writing import read
 
         file, number = Folder(self._folder).file(str(asked["name"]), RESULTS), asked["id"]
+        if (many := read(file)) is not None:
+            return {"file": file.name, "sweep": described(many)}
         ticket = asked["ticket"]
         with open_result(file) as dataset:
             for message in of_result(dataset, {"id": number}):
                 self._send(ticket, False, message)
             return {"file": file.name, **stored(dataset)}
 
+    def _do_sweep(self, asked: Answer) -> Answer:
+        """The sweep of a scenario, as `ropewalk sweep` does it, into FILE.sweep.nc and FILE.sweep.jsonl."""
+        from ropewalk.results import ResultError
+        from ropewalk.studio.folder import RESULTS, Folder
+        from ropewalk.studio.sweeps import checked_plan, described
+        from ropewalk.sweeps.plan import asked as wished
+        from ropewalk.sweeps.sweeping import sweep
+        from ropewalk.sweeps.writing import read, write
+
+        scenario, folder = self._scenario(asked), Folder(self._folder)
+        stem = Path(str(asked.get("name") or "scenario.yaml")).stem
+        file, store = folder.file(f"{stem}.sweep.nc", RESULTS), folder.file(f"{stem}.sweep.jsonl", (".jsonl",))
+        if file.exists() and read(file) is None:
+            raise ResultError(f"{file.name}: is there already and is no sweep; it is left alone")
+        checked_plan(scenario, wished(scenario, None), self._allow, self._folder)
+
+        def progress(done: int, total: int) -> None:
+            self._send(asked["ticket"], False, {"id": asked["id"], "event": "cases", "done": done, "total": total})
+            self._stop_if_asked(0.0)
+
+        found = sweep(scenario, store=store, workers=0, progress=progress)
+        write(found, file)
+        return {"file": file.name, "sweep": described(found)}
+
+    def _do_models(self, asked: Answer) -> Answer:
+        """Simpler models beside the full one, as `ropewalk compare` shows them."""
+        import io
+
+        from ropewalk.compare import model_hierarchy
+
+        def progress(model: str, done: float) -> None:
+            self._send(asked["ticket"], False, {"id": asked["id"], "event": "model", "model": model, "done": done})
+            self._stop_if_asked(done)
+
+        found, picture = model_hierarchy(self._scenario(asked), progress=progress), io.StringIO()
+        found.figure().savefig(picture, format="svg")
+        tables = [found.table(), [("assumptions", "measured"), *found.assumptions.table()]]
+        return {"title": found.title, "tables": tables, "verdict": found.verdict, "picture": picture.getvalue()}
+
+    def _do_case(self, asked: Answer) -> Answer:
+        """The scenario of one case of a sweep."""
+        from ropewalk.studio.folder import RESULTS, Folder
+        from ropewalk.studio.sweeps import case_of
+        from ropewalk.sweeps.writing import read
+
+        file = Folder(self._folder).file(str(asked["name"]), RESULTS)
+        if (many := read(file)) is None:
+            return {"error": f"{file.name}: is no sweep"}
+        return case_of(many, int(asked["row"]), self._allow, self._folder)
+
     def _do_export(self, asked: Answer) -> Answer | bytes:
-        """A result as a figure, a table, a report, or a page that needs no server."""
-        from ropewalk.results import figure, html_report, open_result, write_tables
+        """A result as a figure, film, table, report, or a page that needs no server; a sweep as figure or table."""
+        from ropewalk.results import figure, film, html_report, open_result, write_tables
         from ropewalk.studio.folder import RESULTS, Folder
         from ropewalk.studio.share import shared
+        from ropewalk.sweeps.writing import read, write
 
         file, kind = Folder(self._folder).file(str(asked["name"]), RESULTS), str(asked["as"])
-        with open_result(file) as dataset, tempfile.TemporaryDirectory() as place:
+        with tempfile.TemporaryDirectory() as place:
             made = Path(place) / f"{file.stem}.{kind}"
-            if kind == "page":
-                return shared(dataset).encode()
-            if kind == "report":
-                return html_report(dataset).encode()
-            if kind in ("png", "svg", "pdf"):
-                figure(dataset).savefig(made)
-            elif kind == "csv":
-                made = write_tables(dataset, made)[0]
-            else:
-                return {"error": f"{kind}: results are exported as page, report, png, svg, pdf or csv"}
-            return made.read_bytes()
+            if (many := read(file)) is not None:
+                if kind not in ("png", "svg", "pdf", "csv", "xlsx"):
+                    return {"error": f"{kind}: sweeps are exported as png, svg, pdf, csv or xlsx"}
+                write(many, made)
+                return made.read_bytes()
+            with open_result(file) as dataset:
+                if kind == "page":
+                    return shared(dataset).encode()
+                if kind == "report":
+                    return html_report(dataset).encode()
+                if kind in ("png", "svg", "pdf"):
+                    figure(dataset).savefig(made)
+                elif kind in ("csv", "xlsx"):
+                    made = write_tables(dataset, made)[0]
+                elif kind in ("gif", "mp4"):
+                    film(dataset, made)
+                else:
+                    return {"error": f"{kind}: results are exported as page, report, {', '.join(EXPORTS)}"}
+                return made.read_bytes()
 
 
 def problems_of(error: Any) -> list[Answer]:

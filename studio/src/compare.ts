@@ -1,0 +1,63 @@
+import { told } from "./cases";
+import { element } from "./player";
+
+/** Numbers of a run by their names, with their units. */
+export type Numbers = Record<string, [number, string]>;
+
+/** Simpler models beside the full one, as `ropewalk compare` finds them. */
+export interface Models {
+  title: string;
+  tables: string[][][];
+  verdict: string;
+  picture: string; // SVG
+}
+
+/** What two runs have in common and differ in: name, the one, the other, and by how much of the other. */
+export function differences(now: Numbers, beside: Numbers): [string, string, string, string][] {
+  const found: [string, string, string, string][] = [];
+  for (const [name, [value, unit]] of Object.entries(now)) {
+    const other = beside[name];
+    if (!other || other[1] !== unit) continue;
+    const size = Math.max(Math.abs(value), Math.abs(other[0]));
+    if (!(Math.abs(value - other[0]) > 1e-6 * size)) continue;
+    const part = other[0] ? `${told(Number(((100 * (value - other[0])) / Math.abs(other[0])).toPrecision(3)))} %` : "–";
+    found.push([name, told(value, unit), told(other[0], unit), part]);
+  }
+  return found;
+}
+
+/** Two runs beside each other, in numbers. */
+export function besides(now: Numbers, beside: Numbers, title: string, other: string): HTMLElement {
+  const titles = title === other ? ["this run", "beside"] : [title, other];
+  const rows = differences(now, beside);
+  const inside = rows.length
+    ? tableOf([["quantity", ...titles, "difference"], ...rows])
+    : element("p", { class: "hint" }, "No number differs by more than a millionth.");
+  return element("section", { class: "compared" }, element("h2", {}, "This run, and the one beside it"), inside);
+}
+
+/** What comes of simpler models. */
+export function models(found: Models): HTMLElement {
+  const picture = element("img", { alt: `Simpler models of ${found.title}`, class: "figure" });
+  picture.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(found.picture)}`;
+  return element(
+    "section",
+    { class: "compared" },
+    element("h2", {}, "Simpler models"),
+    element("p", { class: "verdict" }, found.verdict),
+    picture,
+    ...found.tables.map(tableOf),
+  );
+}
+
+function tableOf([head, ...rows]: string[][]): HTMLElement {
+  const made = element("table");
+  const line = (cells: string[], tag: "th" | "td") =>
+    element(
+      "tr",
+      {},
+      ...cells.map((text, i) => element(i ? tag : "th", i && tag === "td" ? {} : { scope: "col" }, text)),
+    );
+  made.append(element("thead", {}, line(head, "th")), element("tbody", {}, ...rows.map((row) => line(row, "td"))));
+  return element("div", { class: "scroll", tabindex: "0" }, made);
+}

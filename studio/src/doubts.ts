@@ -1,0 +1,33 @@
+import { element } from "./player";
+
+/** A reason not to trust a run, as `ropewalk.studio.streams` tells it: when, and which key of the scenario is to blame. */
+export interface Doubt {
+  text: string;
+  time: number | null; // s
+  key: string;
+}
+
+/** What doubts lead to. */
+export interface Ways {
+  go: (time: number) => void;
+  open: (key: string) => void;
+}
+
+/** Doubts and notes of a run as a list, with ways to when and where they arise. */
+export function listed(doubts: Doubt[], notes: string[], ways: Ways): HTMLElement[] {
+  return [
+    ...doubts.map((doubt) => {
+      const made = element("p", { class: "doubt" }, `Not to be trusted: ${doubt.text} `);
+      const way = (text: string, go: () => void) => {
+        const button = element("button", { type: "button" }, text);
+        button.onclick = go;
+        made.append(button, " ");
+      };
+      const { time, key } = doubt;
+      if (time !== null) way(`Go to ${time} s`, () => ways.go(time));
+      if (key) way(`Show ${key}`, () => ways.open(key));
+      return made;
+    }),
+    ...notes.map((text) => element("p", { class: "hint" }, `Note: ${text}`)),
+  ];
+}

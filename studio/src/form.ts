@@ -1,0 +1,401 @@
+import { Source } from "./edits";
+import { type Field, fieldsOf, joined } from "./fields";
+import { element } from "./player";
+import type { Schema } from "./schema";
+
+/** Something to be told at the key to which it belongs. */
+export interface Remark {
+  key: string;
+  message: string;
+  isDoubt?: boolean;
+}
+
+interface Row {
+  element: HTMLElement;
+  remarks: HTMLElement;
+  field: Field;
+  update: (field: Field) => void;
+}
+
+/** What a form does to the text. */
+export interface Actions {
+  change: (text: string) => void;
+  undo: () => void;
+  redo: () => void;
+}
+
+let count = 0; // of rows made, for names that labels refer to
+
+/** The scenario as a form, beside its text: both show the same, and a change here changes that one place there. */
+export class Form {
+  private schema?: Schema;
+  private source = new Source("");
+  private begun = new Set<string>();
+  private rows = new Map<string, Row>();
+  private remarks: Remark[] = [];
+  private wrong = element("p", { class: "error", role: "alert", hidden: "" });
+  private fields = element("fieldset", { class: "form" });
+  private names = element("datalist", { id: "form-lines" });
+
+  constructor(
+    place: HTMLElement,
+    private act: Actions,
+  ) {
+    const undo = element("button", { type: "button", title: "Undo (Ctrl+Z), also what was typed in the text" }, "Undo");
+    const redo = element("button", { type: "button", title: "Redo (Ctrl+Y)" }, "Redo");
+    undo.onclick = () => act.undo();
+    redo.onclick = () => act.redo();
+    place.append(element("div", { class: "row" }, undo, redo), this.wrong, this.names, this.fields);
+    place.addEventListener("keydown", (event) => this.pressed(event));
+  }
+
+  learn(schema: Schema): void {
+    this.schema = schema;
+    this.show(this.source.text);
+  }
+
+  /** Show another text. */
+  show(text: string): void {
+    this.source = new Source(text);
+    const { wrong } = this.source;
+    this.wrong.hidden = !wrong;
+    this.wrong.textContent = `The text cannot be read (${wrong}). Mend it under Text, or undo.`;
+    this.fields.disabled = Boolean(wrong);
+    if (wrong || !this.schema) return;
+    for (const key of this.begun) if (this.isWritten(key)) this.begun.delete(key);
+    const lines = ["lines", "overhead_lines", "nets"].flatMap((key) => this.source.keys([key]));
+    this.names.replaceChildren(...lines.map((value) => element("option", { value })));
+    const root = fieldsOf(this.schema, this.source, this.begun);
+    const used = new Set<string>();
+    settle(this.fields, [...root.fields.map((one) => this.row(one, used)), this.adder(root, used)]);
+    for (const key of this.rows.keys()) if (!used.has(key)) this.rows.delete(key);
+    this.tell(this.remarks);
+  }
+
+  /** Mistakes and doubts at their fields. */
+  tell(remarks: Remark[]): void {
+    this.remarks = remarks;
+    const rows = [...this.rows.values()].filter((row) => row.field.path.length);
+    for (const row of rows) {
+      row.remarks.replaceChildren();
+      for (const input of inputsOf(row)) input.removeAttribute("aria-invalid");
+    }
+    for (const remark of remarks) {
+      const within = rows.filter(({ field }) => `${remark.key}.`.startsWith(`${field.path.join(".")}.`));
+      const row = within.sort((a, b) => b.field.path.length - a.field.path.length)[0];
+      if (!row) continue;
+      const told = remark.message.startsWith(`${remark.key}: `)
+        ? remark.message.slice(remark.key.length + 2)
+        : remark.message;
+      row.remarks.append(element("p", { class: remark.isDoubt ? "doubt" : "error" }, told));
+      if (!remark.isDoubt) for (const input of inputsOf(row)) input.setAttribute("aria-invalid", "true");
+      for (let at = row.element.parentElement; at && at !== this.fields; at = at.parentElement)
+        if (at instanceof HTMLDetailsElement) at.open = true;
+    }
+  }
+
+  /** Go to the field of a key, which is begun where it is not written; or to what it would be in. */
+  goTo(key: string): void {
+    const path = key.split(".");
+    this.begun.add(joined(path));
+    this.show(this.source.text);
+    const rows = [...this.rows.values()].filter(({ field }) => field.path.length);
+    const within = rows.filter(({ field }) => `${key}.`.startsWith(`${field.path.join(".")}.`));
+    const row = within.sort((a, b) => b.field.path.length - a.field.path.length)[0];
+    if (joined(row?.field.path ?? []) !== joined(path)) this.begun.delete(joined(path));
+    for (let at: HTMLElement | null = row?.element ?? null; at && at !== this.fields; at = at.parentElement)
+      if (at instanceof HTMLDetailsElement) at.open = true;
+    row?.element.querySelector<HTMLElement>("input, select, summary")?.focus();
+  }
+
+  private isWritten(key: string): boolean {
+    const path = key.split("\n");
+    return path[path.length - 1] === ""
+      ? this.source.kind(path.slice(0, -1)) === "block"
+      : this.source.kind(path) !== "nothing";
+  }
+
+  private change(make: () => string): void {
+    try {
+      const text = make();
+      const { wrong } = new Source(text);
+      if (wrong) throw new Error(wrong);
+      this.act.change(text);
+    } catch (error) {
+      this.wrong.hidden = false;
+      this.wrong.textContent = `This cannot be: ${(error as Error).message}.`;
+    }
+  }
+
+  private begin(path: readonly string[], goTo = path): void {
+    this.begun.add(joined(path));
+    this.show(this.source.text);
+    const row = [...this.rows.values()].find(({ field }) => joined(field.path) === joined(goTo));
+    row?.element.querySelector<HTMLElement>("input, select")?.focus();
+  }
+
+  private remove(field: Field): void {
+    for (const key of this.begun) if (`${key}\n`.startsWith(`${joined(field.path)}\n`)) this.begun.delete(key);
+    if (field.isThere) this.change(() => this.source.remove(field.path));
+    else this.show(this.source.text);
+  }
+
+  private row(field: Field, used: Set<string>): HTMLElement {
+    const { path, shape, kinds, words, components, isRequired, canBeBlock } = field;
+    const key = [joined(path), shape, kinds, words, components.length, isRequired, canBeBlock].join("|");
+    used.add(key);
+    let row = this.rows.get(key);
+    if (!row) {
+      row = shape === "block" || shape === "names" ? this.section(field) : this.line(field);
+      this.rows.set(key, row);
+    }
+    row.field = field;
+    row.update(field);
+    if (shape === "block" || shape === "names") {
+      const inside = row.element.querySelector<HTMLElement>(":scope > .inside");
+      if (inside) settle(inside, [...field.fields.map((one) => this.row(one, used)), this.adder(field, used)]);
+    }
+    return row.element;
+  }
+
+  /** A block: its kind, its fields, and what it may have besides. */
+  private section(field: Field): Row {
+    const inside = element("div", { class: "inside" });
+    const title = element("span", { class: "name" }, field.name);
+    const told = element("span", { class: "kind" });
+    const tools = element("div", { class: "row tools" });
+    const remarks = element("div", { class: "remarks", role: "status" });
+    const about = element("p", { class: "help" }, field.about);
+    const open = field.path.length < 4 || !field.isThere ? { open: "" } : {};
+    const made = element(
+      "details",
+      { class: "block", ...open },
+      element("summary", { title: field.about }, title, told),
+      tools,
+      remarks,
+      about,
+      inside,
+    );
+    const row: Row = { element: made, remarks, field, update: () => {} };
+    let kind: HTMLSelectElement | undefined;
+    if (field.kinds.length) {
+      kind = element("select", { "aria-label": `Kind of ${field.name}` });
+      const choose = kind;
+      kind.append(element("option", { value: "" }, "choose a kind"));
+      kind.append(...field.kinds.map((value) => element("option", { value }, value)));
+      kind.onchange = () => this.change(() => this.withKind(row.field, choose.value));
+      tools.append(kind);
+    }
+    if (field.canBeBlock) tools.append(this.button("One value", `${field.name} as one value`, () => this.single(row)));
+    if (isName(field)) {
+      tools.append(this.button("Rename", `Rename ${field.name}`, () => this.renamed(row.field)));
+    }
+    const remove = this.button("Remove", `Remove ${field.path.join(" ")}`, () => this.remove(row.field));
+    if (!field.isRequired) tools.append(remove);
+    row.update = (now) => {
+      told.textContent = now.kind;
+      remove.hidden = now.shape === "names" && now.fields.length > 0; // the names can be removed one by one
+      if (kind) kind.value = now.kind;
+    };
+    return row;
+  }
+
+  /** One value. */
+  private line(field: Field): Row {
+    const id = `form-${++count}`;
+    const label = element(
+      "label",
+      { for: id, title: field.about, class: field.isRequired ? "required" : "" },
+      field.name,
+    );
+    const help = element("p", { class: "help", id: `${id}-help` }, helpOf(field));
+    const remarks = element("div", { class: "remarks", role: "status", id: `${id}-remarks` });
+    const about = { "aria-describedby": `${id}-help ${id}-remarks` };
+    const required = field.isRequired ? { "aria-required": "true" } : {};
+    const row: Row = { element: label, remarks, field, update: () => {} };
+    const inputs: (HTMLInputElement | HTMLSelectElement)[] = [];
+    const places = field.shape === "vector" ? field.places : [""];
+    places.forEach((place, i) => {
+      const named = { id: i ? `${id}-${i}` : id, ...(place ? { "aria-label": `${field.name} ${axis(place)}` } : {}) };
+      if (field.shape === "choice") {
+        const select = element("select", { ...named, ...about, ...required });
+        select.append(...["", ...field.words].map((word) => element("option", { value: word }, word || "–")));
+        inputs.push(select);
+      } else {
+        const list = field.name === "on" ? "form-lines" : field.words.length ? `${id}-words` : undefined;
+        const preset = field.shape === "vector" ? axis(place) : field.preset;
+        const text = { type: "text", autocomplete: "off", spellcheck: "false", placeholder: preset, list };
+        inputs.push(element("input", { ...named, ...about, ...required, ...text }));
+      }
+    });
+    for (const [i, input] of inputs.entries()) input.onchange = () => this.entered(row.field, inputs, i);
+    const box = element("div", { class: "entry" }, ...inputs);
+    if (field.words.length && field.shape !== "choice") {
+      const words = element("datalist", { id: `${id}-words` });
+      words.append(...field.words.map((value) => element("option", { value })));
+      box.append(words);
+    }
+    if (field.unit)
+      box.append(element("span", { class: "unit", title: "SI unit; write any other, as 5 km/h" }, field.unit));
+    if (field.canBeBlock) box.append(this.button("Table", `${field.name} as a table`, () => this.table(row.field)));
+    if (!field.isRequired) {
+      const drop = this.button("×", `Remove ${field.name}`, () => this.remove(row.field));
+      drop.classList.add("drop");
+      box.append(drop);
+    }
+    row.element = element("div", { class: "field" }, label, box, help, remarks);
+    row.update = (now) => {
+      inputs.forEach((input, i) => {
+        const value = now.shape === "vector" ? now.components[i] : now.value;
+        if (input.dataset.value !== value) input.value = value;
+        input.dataset.value = value;
+        if (now.shape === "locked" && input instanceof HTMLInputElement) input.readOnly = true;
+      });
+    };
+    return row;
+  }
+
+  private entered(field: Field, inputs: (HTMLInputElement | HTMLSelectElement)[], i: number): void {
+    const values = inputs.map((input) => input.value.trim());
+    const value = values[i];
+    const { path, shape } = field;
+    if (value === inputs[i].dataset.value) return;
+    if (shape === "vector") {
+      if (field.isThere && value) this.change(() => this.source.set([...path, `${i}`], value));
+      else if (field.isThere) inputs[i].value = field.components[i];
+      else if (values.every(Boolean)) this.change(() => this.source.set(path, `[${values.join(", ")}]`, { raw: true }));
+    } else if (!value) {
+      if (field.isRequired) this.begun.add(joined(path)); // so that its row stays
+      if (field.isThere) this.change(() => this.source.remove(path));
+    } else if (shape === "list") {
+      this.change(() => this.source.set(path, value.startsWith("[") ? value : `[${value}]`, { raw: true }));
+    } else {
+      const raw = !field.isWords && /^[[{]/.test(value);
+      this.change(() => this.source.set(path, value, { raw, words: field.isWords }));
+    }
+  }
+
+  /** The text with another kind of a block, without the keys that this kind does not have. */
+  private withKind(field: Field, kind: string): string {
+    if (!kind) return this.source.remove([...field.path, "kind"]);
+    let text = this.source.set([...field.path, "kind"], kind);
+    for (const key of this.source.keys(field.path))
+      if (!field.keysOf[kind]?.includes(key)) text = new Source(text).remove([...field.path, key]);
+    return text;
+  }
+
+  private table(field: Field): void {
+    this.begin([...field.path, ""], field.path);
+  }
+
+  private single(row: Row): void {
+    const { path, isThere } = row.field;
+    this.begun.delete(joined([...path, ""]));
+    this.begun.add(joined(path));
+    if (isThere && this.source.kind(path) === "block") this.change(() => this.source.remove(path));
+    else this.show(this.source.text);
+  }
+
+  private renamed(field: Field): void {
+    const name = prompt(`Another name for ${field.name}`, field.name)?.trim();
+    if (name && name !== field.name) this.change(() => this.source.rename(field.path, name));
+  }
+
+  /** What a block may have besides, or a name that is to come. */
+  private adder(field: Field, used: Set<string>): HTMLElement {
+    const key = `${joined(field.path)}|add`;
+    used.add(key);
+    let row = this.rows.get(key);
+    if (!row) {
+      row = field.shape === "names" ? this.namer(field) : this.chooser(field);
+      this.rows.set(key, row);
+    }
+    row.field = { ...field, path: [] };
+    row.update(field);
+    return row.element;
+  }
+
+  private namer(field: Field): Row {
+    const { path } = field;
+    const input = element("input", {
+      type: "text",
+      "aria-label": `Name of another one of ${field.name}`,
+      placeholder: "name",
+    });
+    const add = () => {
+      const name = input.value.trim();
+      if (!name || this.source.keys(path).includes(name)) return input.focus();
+      input.value = "";
+      this.begin([...path, name]);
+    };
+    input.onkeydown = (event) => {
+      if (event.key === "Enter") add();
+    };
+    const made = element("div", { class: "row add" }, input, this.button("Add", `Add to ${field.name}`, add));
+    return { element: made, remarks: made, field, update: () => {} };
+  }
+
+  private chooser(field: Field): Row {
+    const { path } = field;
+    const where = field.name || "the scenario";
+    const select = element("select", { "aria-label": `Add a key to ${where}` });
+    select.onchange = () => {
+      const name = select.value;
+      select.value = "";
+      if (name) this.begin([...path, name]);
+    };
+    const made = element("div", { class: "row add" }, select);
+    const update = ({ more }: Field) => {
+      made.hidden = !more.length;
+      const told = more.map(({ name, about }) => element("option", { value: name, title: about }, name));
+      select.replaceChildren(element("option", { value: "" }, `Add to ${where}…`), ...told);
+    };
+    return { element: made, remarks: made, field, update };
+  }
+
+  private button(text: string, label: string, act: () => void): HTMLButtonElement {
+    const made = element("button", { type: "button", "aria-label": label, title: label }, text);
+    made.onclick = act;
+    return made;
+  }
+
+  private pressed(event: KeyboardEvent): void {
+    if (!(event.ctrlKey || event.metaKey) || !["z", "y", "Z"].includes(event.key)) return;
+    const { target } = event;
+    if (target instanceof HTMLInputElement && target.value !== (target.dataset.value ?? "")) return; // its own undo
+    event.preventDefault();
+    if (event.key === "z") this.act.undo();
+    else this.act.redo();
+  }
+}
+
+function axis(place: string): string {
+  return /^\d$/.test(place) ? `${Number(place) + 1}` : place;
+}
+
+function isName(field: Field): boolean {
+  return field.isThere && field.path.length === 2 && !field.isRequired && field.path[0].endsWith("s");
+}
+
+function helpOf(field: Field): string {
+  const locked =
+    field.shape === "locked" ? "It is written over several lines or elsewhere: change it under Text. " : "";
+  const preset = field.preset && !field.isThere ? ` (${field.preset} where nothing is written)` : "";
+  return `${locked}${field.about}${preset}`;
+}
+
+function inputsOf(row: Row): NodeListOf<HTMLElement> {
+  return row.element.querySelectorAll<HTMLElement>(":scope > .entry > input, :scope > .entry > select");
+}
+
+/** Children in this order; those that stay are not touched, so that they keep the focus. */
+function settle(parent: HTMLElement, wanted: HTMLElement[]): void {
+  let at = parent.firstElementChild;
+  const kept = new Set<Element>(wanted);
+  for (const one of [...parent.children]) if (!kept.has(one)) one.remove();
+  at = parent.firstElementChild;
+  for (const one of wanted) {
+    if (one === at) at = at.nextElementSibling;
+    else parent.insertBefore(one, at);
+  }
+}

@@ -1,0 +1,57 @@
+import type { Sweep } from "./cases";
+import type { Connection } from "./connection";
+import { links, OF_SWEEPS } from "./exports";
+import { SweepMap } from "./map";
+import { element } from "./player";
+
+/** What a sweep needs of the page around it. */
+export interface Page {
+  tell: (text: string, bad?: boolean) => void;
+  see: (text: string, title: string) => void; // compute a scenario and show it
+  open: (text: string) => void; // put a scenario into the editor
+}
+
+/** Sweeps in the page: computed here or opened, as a map whose cases can be seen. */
+export class SweepTab {
+  private exports = element("div", { class: "row" });
+  private shown = element("div");
+  private map: SweepMap;
+  private file = "";
+  private hint = element(
+    "p",
+    { class: "hint" },
+    "Computes all cases of the block  sweep  of the scenario, and keeps them in the folder. Or open a sweep that is there.",
+  );
+
+  constructor(
+    place: HTMLElement,
+    private server: Connection,
+    compute: HTMLElement,
+    private page: Page,
+  ) {
+    this.map = new SweepMap(this.shown, {
+      see: (row) => this.fetched(row, page.see),
+      open: (row) => this.fetched(row, page.open),
+    });
+    place.append(element("div", { class: "row" }, compute), this.hint, this.exports, this.shown);
+  }
+
+  show(file: string, sweep: Sweep): void {
+    this.file = file;
+    this.hint.hidden = true;
+    this.exports.replaceChildren(...links(file, OF_SWEEPS));
+    this.map.show(sweep);
+  }
+
+  /** Light has become dark. */
+  draw(): void {
+    this.map.draw();
+  }
+
+  private async fetched(row: number, then: (text: string, title: string) => void): Promise<void> {
+    const { head } = await this.server.ask("case", { name: this.file, row });
+    const wrong = (head.problems as { message: string }[] | undefined)?.[0]?.message ?? head.error;
+    if (wrong) this.page.tell(String(wrong), true);
+    else then(String(head.text), String(head.title));
+  }
+}
