@@ -20,6 +20,7 @@ from ropewalk.model.division import links_of_line
 from ropewalk.model.line import spatial
 from ropewalk.model.load import AnyLoad, ExternalModel
 from ropewalk.model.overhead import OverheadLine
+from ropewalk.model.overlap import course_of
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic, Quasistatic
 from ropewalk.model.run import Start as Beginning
@@ -82,8 +83,10 @@ def task_of(scenario: Scenario) -> WireTask:
     for name, load in scenario.loads.items():
         number, on = len(prescribed_motions), numbers[load.on]
         if isinstance(load, Pantograph):
-            prescribed_motions.append(_pantograph(name, load, sections[load.on], on, until, slow=slow))
-            contacts.append(name)
+            course = course_of(scenario.overhead_lines, load.on)
+            under = {numbers[key]: course[key] for key in sorted(course, key=lambda key: key != load.on)}
+            prescribed_motions.append(_pantograph(name, load, sections[load.on], under, until, slow=slow))
+            contacts += [name, *(f"{name}.{key}" for key in course if key != load.on)]
             displayed += _masses(name, load, number)
             continue
         if isinstance(load, ExternalModel):
@@ -175,7 +178,7 @@ def _unseen(name: str, line: OverheadLine) -> Iterator[str]:
 
 
 def _pantograph(
-    name: str, load: Pantograph, section: Section, wire: int, until: float, *, slow: bool
+    name: str, load: Pantograph, section: Section, wires: Mapping[int, float], until: float, *, slow: bool
 ) -> PrescribedMotion:
     """The prescribed motion of a pantograph; `slow`: it presses with all of its force from the beginning."""
     course, start = Travelled(*speed_table(load.travel.speed, until)), load.travel.start
@@ -187,7 +190,7 @@ def _pantograph(
     push = replace(push, ramp=0.0) if slow else push
     rough = _rough(name, load)
     first = start_of(load, section.mesh(), section.rest, CONTACT, float(rough(np.array([start]))[0]))
-    moving_load = moving_load_of(name, load, wire)
+    moving_load = moving_load_of(name, load, wires)
 
     def pushed(times: Array) -> Array:
         return push(times, course.speed(times))

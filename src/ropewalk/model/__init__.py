@@ -29,7 +29,6 @@ from ropewalk.model.overhead import (
     MessengerSupports,
     MessengerWire,
     OverheadLine,
-    Spans,
     SteadyArms,
     StitchWire,
 )
@@ -39,6 +38,7 @@ from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, Run, S
 from ropewalk.model.saddle import Saddle
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.segment import Segment
+from ropewalk.model.spans import Spans
 from ropewalk.model.spread import FrequencySpread, LengthSpread, MassSpread
 from ropewalk.model.stepper import Stepper
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support

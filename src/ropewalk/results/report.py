@@ -150,6 +150,10 @@ def _of_line(line: OverheadLine) -> Iterator[Cells]:
     if line.stitch_wire is not None:
         yield "stitch wire", f"{line.stitch_wire.length:g} m, {_of_wire(line.stitch_wire)}"
     yield "system height", f"{line.system_height:g} m"
+    if line.heights is not None:
+        yield "heights of registration", f"{_several([1e3 * rise for rise in line.heights])} mm"
+    if line.overlap is not None:
+        yield "overlaps with", line.overlap
     yield "largest pre-sag", f"{1e3 * max((sag for row in line.sags for sag in row), default=0.0):g} mm"
     d = line.droppers
     counts = [len(row) for row in line.dropper_places]
