@@ -180,6 +180,8 @@ OTHER: dict[str, Any] = {
     "OverheadLine.messenger_wire": {"mass": 1.5},
     "OverheadLine.droppers": {"per_span": 4},
     "OverheadLine.pre_sag": 0.02,
+    "OverheadLine.heights": lambda value, _: [0.31, 0.12, 0, 0] if value and value[0] else [0, 0, 0.12, 0.31],
+    "OverheadLine.overlap": lambda value, _: Patch(overlap=None) if value else None,
     "OverheadLine.steady_arms": {"mass": 1.0},
     "OverheadLine.messenger_supports": {"stiffness": 1e6},
     "OverheadLine.stitch_wire": lambda value, _: {"length": 16.0 if value is None else 9.0},

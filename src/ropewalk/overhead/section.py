@@ -255,7 +255,7 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
             hangers.append(Hanger(f"{name}.{span + 1}.{i}", Spot(CONTACT, x), high, height, aside))
     arms = line.steady_arms
     masses += [PointMass(Spot(CONTACT, s), arms.moving_mass) for s in inner]
-    levels = [] if arms.free else [(Spot(CONTACT, s), z0 + risen(s)) for s in inner]
+    levels = [] if arms.free else [(Spot(CONTACT, s), z0) for s in inner]
     levels += [(Spot(MESSENGER, s), top + risen(s)) for s in inner]
     d = line.droppers
     dropper = Dropper(
