@@ -24,14 +24,12 @@ from ropewalk.model.net import AnyNet, CableEdge, ClampedEdge, Membrane, Net, So
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.outputs import LinePlace, Outputs
 from ropewalk.model.overhead import (
-    ContactWire,
     Droppers,
     MessengerSupports,
-    MessengerWire,
     OverheadLine,
     SteadyArms,
-    StitchWire,
 )
+from ropewalk.model.overhead_wire import ContactWire, MessengerWire, StitchWire
 from ropewalk.model.pantograph import Pantograph, PantographTravel
 from ropewalk.model.profile import Profile
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, Run, Start

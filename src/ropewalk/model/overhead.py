@@ -12,21 +12,19 @@ from pydantic import Field, model_validator
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.condition import Condition
 from ropewalk.model.limits import Limits
+from ropewalk.model.overhead_wire import ContactWire, MessengerWire, StitchWire
 from ropewalk.model.quantity import (
-    BendingStiffness,
     Count,
     Heights,
     LengthRows,
     LinearMass,
     Mass,
-    MassPerLength,
     Places,
     Point,
     PositiveForce,
     PositiveLength,
     PositiveStiffness,
-    Rate,
-    Retardation,
+    Radii,
     Sags,
     Staggers,
     Stiffness,
@@ -40,49 +38,10 @@ FEWEST_ELEMENTS = 16
 """In the shortest span: fewer show neither the droppers nor a wave."""
 STEEPEST = 0.05
 """Slope of a contact wire between two supports; those that trains run below stay under 1 : 100."""
+TIGHTEST = 0.5
+"""Length of a span over the radius of its curve."""
 _DROPPERS_PER_SPAN = 9
 _STEADY_ARM_MASS = 0.333  # kg: a third of an arm of 1 kg, as a hinged rod moves with the wire at its end
-
-
-class OverheadWire(Declaration):
-    """A wire of an overhead line, at constant tension at rest."""
-
-    mass: MassPerLength = Field(description="per length")
-    tension: PositiveForce = Field(description="along the line, at rest")
-    bending_stiffness: BendingStiffness = Field(default=0.0, description="EI")
-    axial_stiffness: PositiveForce = Field(default=17e6, description="EA; not used by linearised motion")
-    drag: Rate = Field(default=0.0, description="alpha of Rayleigh damping: force -drag * mass * velocity")
-    retardation: Retardation = Field(default=0.0, description="beta of Rayleigh damping, in proportion to stiffness")
-
-
-class ContactWire(OverheadWire):
-    """The wire that pantographs touch; what is not given is that of the EN 50318 reference models."""
-
-    mass: MassPerLength = Field(default=1.35, description="per length")
-    tension: PositiveForce = Field(default=20e3, description="along the line, at rest")
-    bending_stiffness: BendingStiffness = Field(default=195.0, description="EI")
-
-
-class MessengerWire(OverheadWire):
-    """The wire that carries the contact wire; what is not given is that of the EN 50318:2002 reference model."""
-
-    mass: MassPerLength = Field(default=1.07, description="per length")
-    tension: PositiveForce = Field(default=16e3, description="along the line, at rest")
-    bending_stiffness: BendingStiffness = Field(default=131.7, description="EI")
-    axial_stiffness: PositiveForce = Field(default=14e6, description="EA; not used by linearised motion")
-
-
-class StitchWire(OverheadWire):
-    """An auxiliary wire, clamped to the messenger on both sides of each support; droppers below it hang from it.
-
-    The messenger counts with its full tension there, although the stitch wire takes over a part of it.
-    """
-
-    length: PositiveLength = Field(default=14.0, description="from clamp to clamp, half on each side of a support")
-    mass: MassPerLength = Field(default=0.31, description="per length")
-    tension: PositiveForce = Field(default=2.5e3, description="along the line, at rest")
-    axial_stiffness: PositiveForce = Field(default=4e6, description="EA")
-    clamp: Mass = Field(default=0.0, description="mass of each clamp on the messenger")
 
 
 class Droppers(Declaration):
@@ -240,6 +199,11 @@ class OverheadLine(Declaration):
         description="heights of registration: how much higher than `start` the contact wire is at each support with "
         "both ends; in between it rises evenly, and the messenger with it (default: 0)",
     )
+    radius: Radii | None = Field(
+        default=None,
+        description="of the track in plan view, one value, or a list for all spans: positive where it turns left "
+        "(y > 0), 0 where it is straight; staggers count from its middle (default: straight)",
+    )
     overlap: str | None = Field(
         default=None,
         description="name of the overhead line that begins beside the last spans of this one: pantographs press on "
@@ -323,6 +287,13 @@ class OverheadLine(Declaration):
     def registered(self) -> tuple[float, ...]:
         """How much higher than at the start the contact wire is wanted at all supports with both ends, m."""
         return (0.0,) * (len(self.span_lengths) + 1) if self.heights is None else self.heights
+
+    @property
+    def curvatures(self) -> tuple[float, ...]:
+        """Curvature of the track in each span, positive to the left, 1/m."""
+        radius, count = self.radius, len(self.span_lengths)
+        radii = radius if isinstance(radius, tuple) else (radius or 0.0,) * count
+        return tuple(1.0 / r if r else 0.0 for r in radii)
 
     @property
     def dropper_lengths(self) -> list[tuple[float, ...]] | None:
@@ -438,6 +409,7 @@ class OverheadLine(Declaration):
         if self.messenger_supports.stagger == "straight" and stagger is None:
             wrong, remedy = "the contact wire is straight, too", "give steady_arms a stagger, or leave this out"
             yield Finding(("messenger_supports", "stagger"), wrong, "straight", remedy)
+        yield from self._curve()
         if stitch is None:
             return
         if len(lengths) == 1:
@@ -458,6 +430,27 @@ class OverheadLine(Declaration):
                 wrong = "no dropper hangs from the stitch wire on one side of a support"
                 remedy = "make it longer, or put droppers closer to the supports"
                 yield Finding(("stitch_wire", "length"), wrong, f"{stitch.length:g} m", remedy)
+
+    def _curve(self) -> Iterator[Finding]:
+        """Curves whose radii do not go with the spans, or without arms that bear them."""
+        lengths, path = self.span_lengths, ("radius",)
+        if self.radius is None:
+            return
+        if isinstance(self.radius, tuple) and len(self.radius) != len(lengths):
+            given, remedy = f"{len(self.radius)} values for {len(lengths)} spans", f"give {len(lengths)} values, or one"
+            yield Finding(path, "does not go with the spans", given, remedy)
+            return
+        tight = [abs(k) * length for k, length in zip(self.curvatures, lengths, strict=True)]
+        if max(tight) > TIGHTEST:
+            span = tight.index(max(tight))
+            given, least = f"{1.0 / abs(self.curvatures[span]):g} m in span {span + 1}", lengths[span] / TIGHTEST
+            yield Finding(path, "the curve is too tight for its spans", given, f"write {least:g} m or more")
+        elif self.steady_arms.stagger is None:
+            wrong, remedy = "steady arms bear the wire on a curve", "give steady_arms a stagger, for each support"
+            yield Finding(path, wrong, remedy=remedy)
+        elif self.messenger_supports.stagger == "straight":
+            wrong, remedy = "a straight messenger does not follow a curve", "leave messenger_supports.stagger out"
+            yield Finding(path, wrong, remedy=remedy)
 
 
 def stations_of(line: OverheadLine) -> list[float]:

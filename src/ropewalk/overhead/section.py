@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.model.overhead import OverheadLine, OverheadWire, stations_of
+from ropewalk.model.overhead import OverheadLine, stations_of
+from ropewalk.model.overhead_wire import OverheadWire
 from ropewalk.overhead.condition import in_condition
 from ropewalk.overhead.forming import (
     Dropper,
@@ -28,6 +29,7 @@ from ropewalk.overhead.forming import (
     form_by_lengths,
     soft_holds,
 )
+from ropewalk.overhead.lateral import radial_forces
 from ropewalk.wires.mesh import Mesh, clamped_at, mesh_of
 from ropewalk.wires.plan import Array, EndKind, Hold, PointMass, Spot, Wire, WirePlan, WireTie
 from ropewalk.wires.rest import WiresAtRest, rest_of, rows
@@ -318,7 +320,7 @@ def _finished(
             z = height if np.isinf(stiffness[2]) else height + float(force) / stiffness[2]
             place = x_of(line, spot.station), 0.0, z
             own.append(Hold(f"{name}.support.{number + 1}", spot, stiffness, damping, place))
-    arms = _arms(name, line, form, spots, lift, stagger) if line.staggers is not None else ()
+    arms = _arms(name, line, form, spots, lift) if line.staggers is not None else ()
     if not arms and not line.steady_arms.free:
         for i, spot in enumerate(spots):
             own.append(Hold(f"{name}.arm.{i + 1}", spot, (0.0, 0.0, 0.0), force=(0.0, 0.0, float(lift[i]))))
@@ -362,13 +364,10 @@ def _changed(name: str, line: OverheadLine, fitted: Section) -> Section:
     return replace(changed, pull=pull, slack=tuple(n for n, F in zip(changed.droppers, pull, strict=True) if F <= 0.0))
 
 
-def _arms(
-    name: str, line: OverheadLine, form: Form, spots: list[Spot], lift: Array, stagger: Array
-) -> tuple[WireTie, ...]:
+def _arms(name: str, line: OverheadLine, form: Form, spots: list[Spot], lift: Array) -> tuple[WireTie, ...]:
     """Steady arms that pull the contact wire aside as its kinks in plan view demand, and up by `lift` in N."""
     tension, spans = line.contact_wire.tension, np.array(line.span_lengths)
-    slope = np.diff(stagger) / spans
-    aside, yields = tension * (slope[:-1] - slope[1:]), tension * (1.0 / spans[:-1] + 1.0 / spans[1:])
+    aside, yields = radial_forces(line), tension * (1.0 / spans[:-1] + 1.0 / spans[1:])
     local, low = clamped_at(form.mesh.strands, spots).local, form.heights(spots)
     found = []
     for i, spot in enumerate(spots):
