@@ -181,6 +181,7 @@ OTHER: dict[str, Any] = {
     "OverheadLine.droppers": {"per_span": 4},
     "OverheadLine.pre_sag": 0.02,
     "OverheadLine.heights": lambda value, _: [0.31, 0.12, 0, 0] if value and value[0] else [0, 0, 0.12, 0.31],
+    "OverheadLine.radius": Patch(radius=800.0, steady_arms={"stagger": [0.2] * 4}),
     "OverheadLine.overlap": lambda value, _: Patch(overlap=None) if value else None,
     "OverheadLine.steady_arms": {"mass": 1.0},
     "OverheadLine.messenger_supports": {"stiffness": 1e6},

@@ -175,8 +175,8 @@ class ContactStage:
         self._posts = list(zip(posts, (line, rise, force), strict=True))
         touched = [w for w in self._wires if w.endswith(".contact")]
         self._curves = {w: self._curve(line, style.INK, 1.8 if w in touched else 1.2) for w in self._wires}
-        carrying = [w for w in self._wires if w.endswith(".messenger")]
-        self._rises = {w: self._curve(rise, style.FAINT, 0.9) for w in carrying}
+        above = [w for w in self._wires if w.endswith(".messenger")]
+        self._rises = {w: self._curve(rise, style.FAINT, 0.9) for w in above}
         self._rises |= {w: self._curve(rise, style.INK, 1.8) for w in touched}
         self._droppers = self._add(line, LineCollection([], linewidths=style.sized(1.2)))
         self._pantographs = []
