@@ -101,16 +101,19 @@ def push_of(pantograph: Pantograph, level: float, lift: float = 0.0) -> Pantogra
     )  # fmt: skip
 
 
-def start_of(pantograph: Pantograph, mesh: Mesh, rest: WiresAtRest, wire: int = CONTACT, rough: float = 0.0) -> Array:
+def start_of(
+    pantograph: Pantograph, mesh: Mesh, rest: WiresAtRest, wire: int = CONTACT, rough: float = 0.0, ahead: float = 0.0
+) -> Array:
     """First heights of all masses in m: the head just touches the wire, and no spring between masses is pressed.
 
     Args:
         rough: m, irregularity there.
+        ahead: m, by which the wire begins ahead of the pantograph's line.
 
     Raises:
         RopewalkError: it starts off the line.
     """
-    station, length = pantograph.travel.start, mesh.plan.wires[wire].length
+    station, length = pantograph.travel.start - ahead, mesh.plan.wires[wire].length
     if not 0.0 <= station <= length:
         raise RopewalkError(
             f"the pantograph starts at {station:g} m, off the overhead line of {length:g} m; "

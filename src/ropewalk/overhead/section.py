@@ -71,6 +71,11 @@ class Section:
         return self.plan.wires[CONTACT].start[2] - (float(self.registered[0]) if self.registered.size else 0.0)
 
     @property
+    def length(self) -> float:
+        """Length of the contact wire between its ends, m."""
+        return self.plan.wires[CONTACT].length
+
+    @property
     def is_level(self) -> NDArray[np.bool_]:
         """Which spans have both supports at that height, (span,)."""
         rise = self.registered if self.registered.size else np.zeros(self.supports.size)
@@ -257,7 +262,7 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
             hangers.append(Hanger(f"{name}.{span + 1}.{i}", Spot(CONTACT, x), high, height, aside))
     arms = line.steady_arms
     masses += [PointMass(Spot(CONTACT, s), arms.moving_mass) for s in inner]
-    levels = [] if arms.free else [(Spot(CONTACT, s), z0) for s in inner]
+    levels = [] if arms.free else [(Spot(CONTACT, s), z0 + risen(s)) for s in inner]
     levels += [(Spot(MESSENGER, s), top + risen(s)) for s in inner]
     d = line.droppers
     dropper = Dropper(
