@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from ropewalk.results.contact_statistics import contact_statistics
+from ropewalk.results.contact_statistics import contact_statistics, samples
 from ropewalk.results.statistics import summary
 
 
@@ -18,8 +18,9 @@ def static_force(
     by its height over the supports. The wire starts at z = 0. What is not said is that of EN 50318:2002.
     """
     found = contact_statistics(result)[name]
-    k = result["load"].values.tolist().index(name)
-    station, height = (result[f"sampled_{key}"].values[..., k].ravel() for key in ("station", "height"))
+    flat = samples(result)
+    k = flat["load"].values.tolist().index(name)
+    station, height = (flat[key].values[:, k] for key in ("station", "height"))
     here = (station >= found.first) & (station <= found.last)
     lowest = float(height[here].mean()) + found.mean * sum(1.0 / k for k in springs)
     return found.mean + base * lowest

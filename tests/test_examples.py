@@ -304,6 +304,13 @@ KNOWN = {
         Known("limits that the rear one breaks", lambda r: overhead.failures(r, "rear"), 2.0, 0.0),
         Known("audit, part of the energy", audit, 0.0, 0.04),
     ],
+    "overhead-line-overlap.yaml": [
+        # Along both lines, of which now the one and now the other bears the head.
+        Known("static force by the balance of means, N", lambda r: overhead.static_force(r, "front"), 100.0, 0.5),
+        Known("limits that the front one breaks", lambda r: overhead.failures(r, "front"), 0.0, 0.0),
+        Known("limits that the rear one breaks", lambda r: overhead.failures(r, "rear"), 2.0, 0.0),
+        Known("audit, part of the energy", audit, 0.0, 0.02),
+    ],
     "overhead-line-missing-dropper.yaml": [
         # A string of 13 m under its weight, 0.9 * 1.35 kg/m at 20 kN: q L^2 / (8 T). Bending rounds its ends off.
         Known(

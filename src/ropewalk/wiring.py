@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -20,6 +20,7 @@ from ropewalk.model.division import links_of_line
 from ropewalk.model.line import spatial
 from ropewalk.model.load import AnyLoad, ExternalModel
 from ropewalk.model.overhead import OverheadLine
+from ropewalk.model.overlap import course_of
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic, Quasistatic
 from ropewalk.model.run import Start as Beginning
@@ -82,8 +83,10 @@ def task_of(scenario: Scenario) -> WireTask:
     for name, load in scenario.loads.items():
         number, on = len(prescribed_motions), numbers[load.on]
         if isinstance(load, Pantograph):
-            prescribed_motions.append(_pantograph(name, load, sections[load.on], on, until, slow=slow))
-            contacts.append(name)
+            course = course_of(scenario.overhead_lines, load.on)
+            under = {key: (sections[key], numbers[key], course[key]) for key in (load.on, *course)}
+            prescribed_motions.append(_pantograph(name, load, list(under.values()), until, slow=slow))
+            contacts += [name, *(f"{name}.{key}" for key in course if key != load.on)]
             displayed += _masses(name, load, number)
             continue
         if isinstance(load, ExternalModel):
@@ -175,9 +178,19 @@ def _unseen(name: str, line: OverheadLine) -> Iterator[str]:
 
 
 def _pantograph(
-    name: str, load: Pantograph, section: Section, wire: int, until: float, *, slow: bool
+    name: str, load: Pantograph, under: Sequence[tuple[Section, int, float]], until: float, *, slow: bool
 ) -> PrescribedMotion:
-    """The prescribed motion of a pantograph; `slow`: it presses with all of its force from the beginning."""
+    """The prescribed motion of a pantograph.
+
+    Args:
+        name: of the load.
+        load: as declared.
+        under: the sections that it is under, its own first, the number of the contact wire of each, and how far ahead
+            of the first it begins, m.
+        until: s, end of the run.
+        slow: whether it presses with all of its force from the beginning.
+    """
+    section = under[0][0]
     course, start = Travelled(*speed_table(load.travel.speed, until)), load.travel.start
     lift = 0.0
     if load.wanted_mean is not None:
@@ -186,8 +199,11 @@ def _pantograph(
     push = push_of(load, section.level, lift)
     push = replace(push, ramp=0.0) if slow else push
     rough = _rough(name, load)
-    first = start_of(load, section.mesh(), section.rest, CONTACT, float(rough(np.array([start]))[0]))
-    moving_load = moving_load_of(name, load, wire)
+    at = float(rough(np.array([start]))[0])
+    above = [each for each in under if 0.0 <= start - each[2] <= each[0].length] or under[:1]
+    firsts = [start_of(load, own.mesh(), own.rest, CONTACT, at, ahead) for own, _, ahead in above]
+    first = min(firsts, key=lambda heights: float(heights[-1]))  # of several wires it touches the lowest
+    moving_load = moving_load_of(name, load, {wire: ahead for _, wire, ahead in under})
 
     def pushed(times: Array) -> Array:
         return push(times, course.speed(times))

@@ -75,6 +75,13 @@ def section(line: Tree, load: Tree, **run: Any) -> Tree:
     }  # fmt: skip
 
 
+def overlap(line: Tree, load: Tree, **run: Any) -> Tree:
+    """A scenario of two overhead lines, the second of which begins 20 m from the start of the first."""
+    tree = section(line, load, **run)
+    tree["overhead_lines"]["next"] = {**SPANS, "start": [20.0, 0.0], "heights": [0.3, 0.12, 0.0, 0.0]}
+    return tree
+
+
 _DOWN = [0.0, -50.0 * DOWN]
 _HUNG: Tree = {"mass": 35.0, "length": 2.0, "swing": "10 deg", "stiffness": 35e3, "damping": 100.0, "air_drag": 0.1}
 _ELASTIC: Tree = {"kind": "elastic", "stiffness": "100 kN/m", "damping": 500.0, "mass": 5.0}
@@ -221,8 +228,9 @@ BASES: dict[str, Tree] = {
     ),
     "stiff rest": one(STIFF, None, {"kind": "equilibrium"}),
     # Overhead lines.
-    "pantograph": section(
-        {**SPANS, "element": 0.5, "condition": {"wear": 0.1, "temperature_rise": 10.0},
+    "pantograph": overlap(
+        {**SPANS, "element": 0.5, "heights": [0.0, 0.0, 0.12, 0.3], "overlap": "next",
+         "condition": {"wear": 0.1, "temperature_rise": 10.0},
          "stitch_wire": {"length": 8.0, "retardation": 1e-4},
          "messenger_supports": {"stiffness": "500 kN/m"}},
         {"kind": "pantograph", "model": "en50318-2002", "travel": way(30.0, 55.0, at_end="leave")},

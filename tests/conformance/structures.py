@@ -81,6 +81,13 @@ OVERHEAD: Tree = {
     "contact_wire": {"drag": 0.05}, "messenger_wire": {"drag": 0.05},
 }  # fmt: skip
 
+_CURVE: Tree = {"radius": 2000.0, "steady_arms": {"stagger": [0.2] * 4}}
+OVERLAP: Tree = {
+    "section": {**OVERHEAD, **_CURVE, "heights": [0.0, 0.0, 0.1, 0.4], "overlap": "next"},
+    "next": {**OVERHEAD, **_CURVE, "heights": [0.4, 0.1, 0.0, 0.0], "start": [40.0, 0.0]},
+}
+"""Both contact wires are beside each other from 40 to 120 m, and cross at 80 m."""
+
 _STEPS: Tree = {
     "haunch": {"from": 0.0, "to": 5.0, "bending_stiffness": "4 GN*m^2", "mass": 2500.0},
     "damage": {"from": 12.0, "to": 13.0, "damage": "30 %"},
@@ -179,6 +186,10 @@ STRUCTURES: tuple[Structure, ...] = (
     Structure(
         "staggered", "overhead line, staggered",
         {"overhead_lines": {"section": {**OVERHEAD, "steady_arms": {"stagger": "200 mm"}}}}, **_SPANS,
+    ),
+    Structure(
+        "overlap", "overhead lines that overlap on a curve, linearised", {"overhead_lines": OVERLAP}, run=_LINEARISED,
+        **_SPANS,
     ),
     Structure(
         "joined", "rope hung from another",

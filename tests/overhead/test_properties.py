@@ -16,7 +16,8 @@ from overhead_cases import EN_2002, formed
 from ropewalk.cli.app import app
 from ropewalk.errors import EquilibriumError
 from ropewalk.model import Scenario
-from ropewalk.overhead.properties import doppler_factor, elasticity_of, reflection, wave_speed, wind_deflection
+from ropewalk.overhead.lateral import wind_deflection
+from ropewalk.overhead.properties import doppler_factor, elasticity_of, reflection, wave_speed
 from ropewalk.simulate import simulate
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "en50318-2002-250.yaml"

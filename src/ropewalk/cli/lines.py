@@ -65,4 +65,9 @@ def _rows(name: str, found: dict[str, Any]) -> list[tuple[str, ...]]:
     load, value = found["wind_deflection"]["load"], found["wind_deflection"]["value"]
     if load or value:
         rows.append((f"contact wire aside under {load:g} N/m", f"at most {1e3 * value:.0f} mm"))
+    forces, strip = [abs(force) for force in found["arms"].values()], found["strip"]
+    if any(forces):
+        rows.append(("pull of steady arms aside", f"{min(forces):.0f} to {max(forces):.0f} N"))
+        for begin, end, share in zip(strip["edges"], strip["edges"][1:], strip["share"], strict=False):
+            rows.append((f"way on the head from {1e3 * begin:.0f} to {1e3 * end:.0f} mm", f"{100 * share:.1f} %"))
     return rows

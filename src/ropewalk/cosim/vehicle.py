@@ -119,7 +119,8 @@ def alone(scenario: Scenario, name: str, *, contact_stiffness: float | None = No
     until = run.until if isinstance(run, Dynamic) else 1.0
     lone = scenario.model_copy(update={"loads": {name: load}})
     if isinstance(load, Pantograph) or load.on in scenario.overhead_lines:
-        (prescribed_motion,) = task_of(lone).prescribed_motions
+        apart = {key: line.model_copy(update={"overlap": None}) for key, line in lone.overhead_lines.items()}
+        (prescribed_motion,) = task_of(lone.model_copy(update={"overhead_lines": apart})).prescribed_motions
     else:
         line = scenario.lines.get(load.on) or _level(scenario.nets[load.on], load)
         lone = lone.model_copy(update={"lines": {load.on: line}, "nets": {}, "hangers": {}, "tracks": {}})

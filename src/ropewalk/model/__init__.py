@@ -24,21 +24,19 @@ from ropewalk.model.net import AnyNet, CableEdge, ClampedEdge, Membrane, Net, So
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.outputs import LinePlace, Outputs
 from ropewalk.model.overhead import (
-    ContactWire,
     Droppers,
     MessengerSupports,
-    MessengerWire,
     OverheadLine,
-    Spans,
     SteadyArms,
-    StitchWire,
 )
+from ropewalk.model.overhead_wire import ContactWire, MessengerWire, StitchWire
 from ropewalk.model.pantograph import Pantograph, PantographTravel
 from ropewalk.model.profile import Profile
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, Run, Start
 from ropewalk.model.saddle import Saddle
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.segment import Segment
+from ropewalk.model.spans import Spans
 from ropewalk.model.spread import FrequencySpread, LengthSpread, MassSpread
 from ropewalk.model.stepper import Stepper
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support

@@ -25,6 +25,7 @@ from ropewalk.model.matrices import Matrices
 from ropewalk.model.mesh import check_mesh
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.outputs import check_outputs
+from ropewalk.model.overlap import check_overlaps
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.people import of_crowds
@@ -59,6 +60,7 @@ def check(parts: Parts) -> list[Finding]:
             _something,
             _unknown_lines,
             check_overhead,
+            check_overlaps,
             check_joints,
             check_tracks,
             check_settings,

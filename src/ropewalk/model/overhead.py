@@ -3,33 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from itertools import accumulate
+from collections.abc import Iterator
+from itertools import accumulate, pairwise
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdapter, model_validator
-from pydantic_core import core_schema
+from pydantic import Field, model_validator
 
-from ropewalk.errors import Refused
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.condition import Condition
 from ropewalk.model.limits import Limits
+from ropewalk.model.overhead_wire import ContactWire, MessengerWire, StitchWire
 from ropewalk.model.quantity import (
-    BendingStiffness,
     Count,
+    Heights,
     LengthRows,
-    Lengths,
     LinearMass,
     Mass,
-    MassPerLength,
     Places,
     Point,
     PositiveForce,
     PositiveLength,
     PositiveStiffness,
-    Rate,
-    Retardation,
+    Radii,
     Sags,
     Staggers,
     Stiffness,
@@ -37,104 +32,16 @@ from ropewalk.model.quantity import (
     Viscosities,
     Viscosity,
 )
+from ropewalk.model.spans import MOST_SPANS, FirstAndLast, ListOrSpans, Spans
 
-MOST_SPANS = 2000
 FEWEST_ELEMENTS = 16
 """In the shortest span: fewer show neither the droppers nor a wave."""
+STEEPEST = 0.05
+"""Slope of a contact wire between two supports; those that trains run below stay under 1 : 100."""
+TIGHTEST = 0.5
+"""Length of a span over the radius of its curve."""
 _DROPPERS_PER_SPAN = 9
 _STEADY_ARM_MASS = 0.333  # kg: a third of an arm of 1 kg, as a hinged rod moves with the wire at its end
-
-
-class OverheadWire(Declaration):
-    """A wire of an overhead line, at constant tension at rest."""
-
-    mass: MassPerLength = Field(description="per length")
-    tension: PositiveForce = Field(description="along the line, at rest")
-    bending_stiffness: BendingStiffness = Field(default=0.0, description="EI")
-    axial_stiffness: PositiveForce = Field(default=17e6, description="EA; not used by linearised motion")
-    drag: Rate = Field(default=0.0, description="alpha of Rayleigh damping: force -drag * mass * velocity")
-    retardation: Retardation = Field(default=0.0, description="beta of Rayleigh damping, in proportion to stiffness")
-
-
-class ContactWire(OverheadWire):
-    """The wire that pantographs touch; what is not given is that of the EN 50318 reference models."""
-
-    mass: MassPerLength = Field(default=1.35, description="per length")
-    tension: PositiveForce = Field(default=20e3, description="along the line, at rest")
-    bending_stiffness: BendingStiffness = Field(default=195.0, description="EI")
-
-
-class MessengerWire(OverheadWire):
-    """The wire that carries the contact wire; what is not given is that of the EN 50318:2002 reference model."""
-
-    mass: MassPerLength = Field(default=1.07, description="per length")
-    tension: PositiveForce = Field(default=16e3, description="along the line, at rest")
-    bending_stiffness: BendingStiffness = Field(default=131.7, description="EI")
-    axial_stiffness: PositiveForce = Field(default=14e6, description="EA; not used by linearised motion")
-
-
-class StitchWire(OverheadWire):
-    """An auxiliary wire, clamped to the messenger on both sides of each support; droppers below it hang from it.
-
-    The messenger counts with its full tension there, although the stitch wire takes over a part of it.
-    """
-
-    length: PositiveLength = Field(default=14.0, description="from clamp to clamp, half on each side of a support")
-    mass: MassPerLength = Field(default=0.31, description="per length")
-    tension: PositiveForce = Field(default=2.5e3, description="along the line, at rest")
-    axial_stiffness: PositiveForce = Field(default=4e6, description="EA")
-    clamp: Mass = Field(default=0.0, description="mass of each clamp on the messenger")
-
-
-class Spans(Declaration):
-    """Spans of one length."""
-
-    count: Annotated[int, Count(1, MOST_SPANS)] = Field(description="number of spans")
-    length: PositiveLength = Field(description="of each span, from support to support")
-
-
-@dataclass(frozen=True)
-class _ListOrSpans:
-    """Annotation: a list of lengths, or a block {count, length}."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        lengths: TypeAdapter[Any] = TypeAdapter(Lengths)
-
-        def read(value: Any, _: Any) -> Any:
-            if isinstance(value, Spans | Mapping):
-                return Spans.model_validate(value)
-            if not isinstance(value, list | tuple) and not hasattr(value, "tolist"):
-                raise Refused("expected spans", "write {count: 10, length: 60 m}, or a list of all lengths")
-            return lengths.validate_python(value)
-
-        def write(value: Any, info: core_schema.SerializationInfo) -> Any:
-            mode: Literal["json", "python"] = "json" if info.mode_is_json() else "python"
-            return value.model_dump(mode=mode) if isinstance(value, Spans) else lengths.dump_python(value, mode=mode)
-
-        return core_schema.no_info_wrap_validator_function(
-            read,
-            core_schema.union_schema([handler.generate_schema(Lengths), handler.generate_schema(Spans)]),
-            serialization=core_schema.plain_serializer_function_ser_schema(write, info_arg=True),
-        )
-
-
-@dataclass(frozen=True)
-class _FirstAndLast:
-    """Annotation: two counts, the numbers of the first and the last span."""
-
-    def read(self, value: object) -> tuple[int, int]:
-        entries = value.tolist() if hasattr(value, "tolist") else value
-        if not isinstance(entries, list | tuple) or len(entries) != 2:
-            raise Refused("expected two numbers", "write [first, last], counted from 1, for example [5, 6]")
-        first, last = (Count(1, MOST_SPANS).read(entry) for entry in entries)
-        return first, last
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        one = {"type": "integer", "minimum": 1, "maximum": MOST_SPANS}
-        return {"type": "array", "items": one, "minItems": 2, "maxItems": 2}
 
 
 class Droppers(Declaration):
@@ -279,7 +186,7 @@ CONTACT_WIRE = "contact"
 class OverheadLine(Declaration):
     """One section of overhead line along x: a contact wire that hangs by droppers from a messenger wire."""
 
-    spans: Annotated[tuple[float, ...] | Spans, _ListOrSpans()] = Field(
+    spans: Annotated[tuple[float, ...] | Spans, ListOrSpans()] = Field(
         description="{count, length}, or a list of the lengths of all spans, in order"
     )
     start: Point = Field(default=(0.0, 0.0), description="where the contact wire begins; the line runs along x")
@@ -287,6 +194,21 @@ class OverheadLine(Declaration):
     messenger_wire: MessengerWire = Field(default=MessengerWire(), description="the wire that carries it")
     droppers: Droppers = Field(default=Droppers(), description="what hangs the one from the other")
     system_height: PositiveLength = Field(default=1.2, description="of the messenger over the contact wire at supports")
+    heights: Heights | None = Field(
+        default=None,
+        description="heights of registration: how much higher than `start` the contact wire is at each support with "
+        "both ends; in between it rises evenly, and the messenger with it (default: 0)",
+    )
+    radius: Radii | None = Field(
+        default=None,
+        description="of the track in plan view, one value, or a list for all spans: positive where it turns left "
+        "(y > 0), 0 where it is straight; staggers count from its middle (default: straight)",
+    )
+    overlap: str | None = Field(
+        default=None,
+        description="name of the overhead line that begins beside the last spans of this one: pantographs press on "
+        "both contact wires and go over",
+    )
     pre_sag: Sags | None = Field(
         default=None,
         description="how much lower than at the supports the contact wire is: at each dropper of a span, one such list "
@@ -303,7 +225,7 @@ class OverheadLine(Declaration):
         "does not tell them apart",
     )
     element: PositiveLength = Field(default=0.25, description="wanted length of the links of all wires")
-    analysed_spans: Annotated[tuple[int, int], _FirstAndLast()] | None = Field(
+    analysed_spans: Annotated[tuple[int, int], FirstAndLast()] | None = Field(
         default=None,
         description="first and last span, counted from 1, that statistics speak of (default: all but a quarter of the "
         "spans, rounded up, at either end)",
@@ -360,6 +282,18 @@ class OverheadLine(Declaration):
             middle, half = 0.5 * (places[0] + places[-1]), 0.5 * (places[-1] - places[0])
             found.append(tuple(sag * (1.0 - ((x - middle) / half) ** 2) if half else sag for x in places))
         return found
+
+    @property
+    def registered(self) -> tuple[float, ...]:
+        """How much higher than at the start the contact wire is wanted at all supports with both ends, m."""
+        return (0.0,) * (len(self.span_lengths) + 1) if self.heights is None else self.heights
+
+    @property
+    def curvatures(self) -> tuple[float, ...]:
+        """Curvature of the track in each span, positive to the left, 1/m."""
+        radius, count = self.radius, len(self.span_lengths)
+        radii = radius if isinstance(radius, tuple) else (radius or 0.0,) * count
+        return tuple(1.0 / r if r else 0.0 for r in radii)
 
     @property
     def dropper_lengths(self) -> list[tuple[float, ...]] | None:
@@ -463,9 +397,19 @@ class OverheadLine(Declaration):
             wrong, given = "does not go with the supports", f"{len(stagger)} values for {len(lengths)} spans"
             remedy = f"give {len(lengths) + 1} values, both ends included, or one for alternating sides"
             yield Finding(("steady_arms", "stagger"), wrong, given, remedy)
+        if self.heights is not None and len(self.heights) != len(lengths) + 1:
+            wrong, given = "do not go with the supports", f"{len(self.heights)} values for {len(lengths)} spans"
+            yield Finding(("heights",), wrong, given, f"give {len(lengths) + 1} values, both ends included")
+        elif self.heights is not None:
+            steep = [abs(b - a) / length for (a, b), length in zip(pairwise(self.heights), lengths, strict=True)]
+            if max(steep) > STEEPEST:
+                span = steep.index(max(steep)) + 1
+                given, remedy = f"1 : {1.0 / max(steep):.3g} in span {span}", "write heights that differ less"
+                yield Finding(("heights",), f"steeper than 1 : {1.0 / STEEPEST:g}", given, remedy)
         if self.messenger_supports.stagger == "straight" and stagger is None:
             wrong, remedy = "the contact wire is straight, too", "give steady_arms a stagger, or leave this out"
             yield Finding(("messenger_supports", "stagger"), wrong, "straight", remedy)
+        yield from self._curve()
         if stitch is None:
             return
         if len(lengths) == 1:
@@ -486,6 +430,27 @@ class OverheadLine(Declaration):
                 wrong = "no dropper hangs from the stitch wire on one side of a support"
                 remedy = "make it longer, or put droppers closer to the supports"
                 yield Finding(("stitch_wire", "length"), wrong, f"{stitch.length:g} m", remedy)
+
+    def _curve(self) -> Iterator[Finding]:
+        """Curves whose radii do not go with the spans, or without arms that bear them."""
+        lengths, path = self.span_lengths, ("radius",)
+        if self.radius is None:
+            return
+        if isinstance(self.radius, tuple) and len(self.radius) != len(lengths):
+            given, remedy = f"{len(self.radius)} values for {len(lengths)} spans", f"give {len(lengths)} values, or one"
+            yield Finding(path, "does not go with the spans", given, remedy)
+            return
+        tight = [abs(k) * length for k, length in zip(self.curvatures, lengths, strict=True)]
+        if max(tight) > TIGHTEST:
+            span = tight.index(max(tight))
+            given, least = f"{1.0 / abs(self.curvatures[span]):g} m in span {span + 1}", lengths[span] / TIGHTEST
+            yield Finding(path, "the curve is too tight for its spans", given, f"write {least:g} m or more")
+        elif self.steady_arms.stagger is None:
+            wrong, remedy = "steady arms bear the wire on a curve", "give steady_arms a stagger, for each support"
+            yield Finding(path, wrong, remedy=remedy)
+        elif self.messenger_supports.stagger == "straight":
+            wrong, remedy = "a straight messenger does not follow a curve", "leave messenger_supports.stagger out"
+            yield Finding(path, wrong, remedy=remedy)
 
 
 def stations_of(line: OverheadLine) -> list[float]:

@@ -17,6 +17,7 @@ from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, MovingForce, Travelling
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.overhead import OverheadLine
+from ropewalk.model.overlap import reach_of
 from ropewalk.model.pantograph import Pantograph, PantographTravel
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Linear
@@ -58,7 +59,8 @@ def travels(parts: Parts) -> Iterator[Finding]:
             wrong, given, remedy = wrong_start
             yield Finding(("loads", name, *_start_key(load)), wrong, given, remedy)
         elif isinstance(parts.run, Dynamic):
-            yield from _passing(name, load, load.on, overhead, parts.run.until)
+            ends = reach_of(parts.overhead, load.on) if isinstance(load, Pantograph) else (0.0, overhead.length)
+            yield from _passing(name, load, load.on, overhead, parts.run.until, ends)
     for name, load, on, line in parts.complete():
         places = load.starts()
         measured = places[0].measured
@@ -201,19 +203,27 @@ def _beyond(line: Line | OverheadLine, place: Place, gravity: float | None) -> f
     return longest if place.start > 1.5 * longest else None
 
 
-def _passing(name: str, load: AnyLoad, on: str, line: Line | OverheadLine, until: float) -> Iterator[Finding]:
+def _passing(
+    name: str,
+    load: AnyLoad,
+    on: str,
+    line: Line | OverheadLine,
+    until: float,
+    between: tuple[float, float] | None = None,
+) -> Iterator[Finding]:
+    """What passes an end of its line; `between`: stations in m, if not its own."""
     travel = _prescribed(load)
     if isinstance(load, Footsteps) and isinstance(line, Line):
         yield from _stepping_off(name, load, on, line, until)
     if travel is None or callable(travel.speed) or travel.at_end != "refuse":
         return
-    limit = reach(line, travel.measured)
+    begin, limit = between or (0.0, reach(line, travel.measured))
     clearance = margin(load, line) if travel.measured == "material" else 0.0  # elsewhere its size is not known
     slack = 1e-9 * (limit or 1.0)
     ends: list[tuple[str, float | None]] = []
     for place in load.starts():
         way = course(travel.speed, place.start, until)
-        ends.append(("start", first_at_most(way, min(clearance, place.start) - slack)))
+        ends.append(("start", first_at_most(way, begin + min(clearance, place.start) - slack)))
         if limit is not None:
             last = max(limit - clearance, place.start) if clearance else limit
             ends.append(("end", first_at_most([p.mirrored() for p in way], -last - slack)))

@@ -357,6 +357,8 @@ LengthRows = Annotated[tuple[float, ...] | tuple[tuple[float, ...], ...], Listed
 Sags = Annotated[
     float | tuple[float, ...] | tuple[tuple[float, ...], ...], Listed("m", "not negative", one=True, nested=True)
 ]
+Heights = Annotated[tuple[float, ...], Listed("m")]
+Radii = Annotated[float | tuple[float, ...], Listed("m", one=True)]
 Staggers = Annotated[float | tuple[float, ...], Listed("m", one=True)]
 Frequencies = Annotated[tuple[float, ...], Listed("Hz", "positive")]
 Stations = Annotated[tuple[float, ...], Listed("m", "not negative")]

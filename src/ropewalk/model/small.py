@@ -26,6 +26,11 @@ def check_overhead(parts: Parts) -> Iterator[Finding]:
         if isinstance(load, Pantograph) and load.on in parts.lines:
             remedy = f"name one of overhead_lines: {', '.join(parts.overhead) or 'there are none'}"
             yield Finding(("loads", name, "on"), "a pantograph runs under an overhead line", repr(load.on), remedy)
+    nonlinear = isinstance(parts.run, Dynamic) and parts.run.geometry == "nonlinear"
+    for name, line in parts.overhead.items():
+        if nonlinear and line is not None and line.radius is not None:
+            wrong, remedy = "nonlinear motion on curves is not implemented", "write run.geometry: linearised"
+            yield Finding(("overhead_lines", name, "radius"), wrong, remedy=remedy)
     if parts.gravity == 0.0 and parts.overhead and not isinstance(parts.run, Linear):
         yield Finding(("gravity",), "an overhead line hangs by its weight", "0 m/s^2", "leave gravity out")
 

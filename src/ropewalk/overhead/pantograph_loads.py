@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -13,6 +15,8 @@ from ropewalk.overhead.section import CONTACT, Section, elasticity
 from ropewalk.wires.mesh import Mesh, places_of
 from ropewalk.wires.plan import Array, Contact, Spot, TravellingLoad
 from ropewalk.wires.rest import WiresAtRest, rows
+
+_ITS_OWN = MappingProxyType({CONTACT: 0.0})
 
 
 @dataclass(frozen=True)
@@ -56,25 +60,29 @@ class PantographForces:
         return np.full_like(speed, self.target)
 
 
-def moving_load_of(name: str, pantograph: Pantograph, wire: int = CONTACT) -> TravellingLoad:
-    """A pantograph below a wire: it pushes, and may lose contact.
+def moving_load_of(name: str, pantograph: Pantograph, wires: Mapping[int, float] = _ITS_OWN) -> TravellingLoad:
+    """A pantograph below contact wires: its head pushes each of them, and may lose contact.
 
     Args:
         name: of the load.
         pantograph: as declared.
-        wire: number of the contact wire in the plan.
+        wires: numbers of the contact wires in the plan, and how far ahead of its line's start each begins, m.
     """
     parts = pantograph.parts
     size = len(parts.masses)
     # Spring and damper i stand between masses i - 1 and i, those of the base on the roof.
     apart = np.eye(size) - np.eye(size, k=-1)
-    contact = Contact(
-        wire, (0.0,) * (size - 1) + (1.0,), stiffness=pantograph.contact_stiffness, damping=pantograph.contact_damping,
-        below=True, lifts_off=True,
+    head = (0.0,) * (size - 1) + (1.0,)
+    contacts = tuple(
+        Contact(
+            wire, head, behind=ahead, stiffness=pantograph.contact_stiffness, damping=pantograph.contact_damping,
+            below=True, lifts_off=True,
+        )
+        for wire, ahead in wires.items()
     )  # fmt: skip
     return TravellingLoad(
         name, np.diag(parts.masses), apart.T @ np.diag(parts.damping) @ apart,
-        apart.T @ np.diag(parts.stiffness) @ apart, (contact,),
+        apart.T @ np.diag(parts.stiffness) @ apart, contacts,
     )  # fmt: skip
 
 
@@ -93,16 +101,19 @@ def push_of(pantograph: Pantograph, level: float, lift: float = 0.0) -> Pantogra
     )  # fmt: skip
 
 
-def start_of(pantograph: Pantograph, mesh: Mesh, rest: WiresAtRest, wire: int = CONTACT, rough: float = 0.0) -> Array:
+def start_of(
+    pantograph: Pantograph, mesh: Mesh, rest: WiresAtRest, wire: int = CONTACT, rough: float = 0.0, ahead: float = 0.0
+) -> Array:
     """First heights of all masses in m: the head just touches the wire, and no spring between masses is pressed.
 
     Args:
         rough: m, irregularity there.
+        ahead: m, by which the wire begins ahead of the pantograph's line.
 
     Raises:
         RopewalkError: it starts off the line.
     """
-    station, length = pantograph.travel.start, mesh.plan.wires[wire].length
+    station, length = pantograph.travel.start - ahead, mesh.plan.wires[wire].length
     if not 0.0 <= station <= length:
         raise RopewalkError(
             f"the pantograph starts at {station:g} m, off the overhead line of {length:g} m; "
@@ -128,5 +139,7 @@ def expected_lift(section: Section, force: float, points: int = 9) -> float:
     _, rise = elasticity(section, force, stations=stations)
     mesh = section.mesh()
     along = np.arange(first, last, section.element)
+    level = section.is_level[np.searchsorted(section.supports, along, side="right") - 1]
+    along = along[level] if level.any() else along  # where the wire rises out of reach another one is pressed
     heights = rows(places_of(mesh.strands, [Spot(CONTACT, float(x)) for x in along]), mesh.nodes)
     return float((heights @ section.rest.position[2]).mean()) - section.level + force * float(rise.mean())

@@ -21,6 +21,7 @@ import numpy as np
 from ropewalk.errors import EquilibriumError
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.scenario import Scenario
+from ropewalk.overhead.lateral import blown_off, on_the_strip, radial_forces
 from ropewalk.overhead.section import CONTACT, MESSENGER, Section, elasticity, section_of
 from ropewalk.wires.plan import Array, Wire
 
@@ -93,26 +94,6 @@ def doppler_factor(contact: Wire, speed: float) -> float:
     return (c - abs(speed)) / (c + abs(speed))
 
 
-def wind_deflection(span: float, begin: float, end: float, tension: float, load: float) -> float:
-    """Largest distance from the track's middle of a wire between two supports under an even load sideways, m.
-
-    A string: y = b1 + (b2 - b1) x / L + q x (L - x) / (2 T), and the same for the other direction of the load.
-
-    Args:
-        span: L, m.
-        begin: where the first support holds it, b1, m.
-        end: where the second one does, b2, m.
-        tension: T, N.
-        load: q, N/m.
-    """
-    largest = max(abs(begin), abs(end))
-    for q in (load, -load):
-        x = 0.5 * span + (end - begin) / span * tension / q if q else 0.0
-        if 0.0 < x < span:
-            largest = max(largest, abs(begin + (end - begin) * x / span + q * x * (span - x) / (2.0 * tension)))
-    return largest
-
-
 def properties(
     scenario: Scenario, force: float = 100.0, span: int | None = None, load: float = 0.0
 ) -> dict[str, dict[str, Any]]:
@@ -135,8 +116,7 @@ def properties(
             if isinstance(p, Pantograph) and p.on == name and isinstance(p.travel.speed, float)
         }
         factors = {key: doppler_factor(contact, v) for key, v in speeds.items()}
-        aside = line.staggers or (0.0,) * (len(line.span_lengths) + 1)
-        spans = zip(line.span_lengths, aside[:-1], aside[1:], strict=True)
+        edges, share = on_the_strip(line)
         out[name] = {
             "elasticity": {
                 "force": force, "station": found.station.tolist(), "value": found.value.tolist(),
@@ -149,9 +129,8 @@ def properties(
                 key: {"speed": speeds[key], "doppler": D, "amplification": r / D if D > 0.0 else None}
                 for key, D in factors.items()
             },
-            "wind_deflection": {
-                "load": load,
-                "value": max(wind_deflection(L, b1, b2, contact.tension, load) for L, b1, b2 in spans),
-            },
+            "wind_deflection": {"load": load, "value": blown_off(line, load)},
+            "strip": {"edges": edges.tolist(), "share": share.tolist()},
+            "arms": {f"{name}.arm.{i}": float(F) for i, F in enumerate(radial_forces(line), start=1)},
         }  # fmt: skip
     return out

@@ -7,14 +7,17 @@ is kept beside it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.model.overhead import OverheadLine, OverheadWire, stations_of
+from ropewalk.model.overhead import OverheadLine, stations_of
+from ropewalk.model.overhead_wire import OverheadWire
 from ropewalk.overhead.condition import in_condition
 from ropewalk.overhead.forming import (
     Dropper,
@@ -26,6 +29,7 @@ from ropewalk.overhead.forming import (
     form_by_lengths,
     soft_holds,
 )
+from ropewalk.overhead.lateral import radial_forces
 from ropewalk.wires.mesh import Mesh, clamped_at, mesh_of
 from ropewalk.wires.plan import Array, EndKind, Hold, PointMass, Spot, Wire, WirePlan, WireTie
 from ropewalk.wires.rest import WiresAtRest, rest_of, rows
@@ -59,11 +63,23 @@ class Section:
         default_factory=lambda: np.zeros(0)
     )  # (span + 1,) m, how far aside the contact wire is at supports
     straight_messenger: bool = False  # whether the messenger does not go aside with it
+    registered: Array = field(default_factory=lambda: np.zeros(0))  # (span + 1,) m over the level, at supports
 
     @property
     def level(self) -> float:
-        """Height of the contact wire at its ends, m."""
-        return self.plan.wires[CONTACT].start[2]
+        """Height of the contact wire that counts as level, m: at its first end, less the rise there."""
+        return self.plan.wires[CONTACT].start[2] - (float(self.registered[0]) if self.registered.size else 0.0)
+
+    @property
+    def length(self) -> float:
+        """Length of the contact wire between its ends, m."""
+        return self.plan.wires[CONTACT].length
+
+    @property
+    def is_level(self) -> NDArray[np.bool_]:
+        """Which spans have both supports at that height, (span,)."""
+        rise = self.registered if self.registered.size else np.zeros(self.supports.size)
+        return np.asarray((rise[:-1] == 0.0) & (rise[1:] == 0.0))
 
     def mesh(self, element: float | None = None) -> Mesh:
         """Divide it, at the length of links that it was formed with."""
@@ -206,12 +222,17 @@ def elasticity(
 
 def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagger: Array) -> FormFindingTask:
     """What is wanted, in terms of wires."""
-    x0, z0, end = line.start[0], line.start[-1], float(supports[-1])
+    z0, end = line.start[-1], float(supports[-1])
     kind: EndKind = "free" if line.ends == "weights" else "pinned"
     top = z0 + line.system_height
+    rise = np.array(line.registered)
+
+    def risen(station: float) -> float:
+        return float(np.interp(station, supports, rise))
+
     wires = [
-        _wire(f"{name}.contact", line.contact_wire, (x0, z0), end, kind),
-        _wire(f"{name}.messenger", line.messenger_wire, (x0, top), end, kind),
+        _wire(f"{name}.contact", line.contact_wire, line, (0.0, end), (z0 + rise[0], z0 + rise[-1]), kind),
+        _wire(f"{name}.messenger", line.messenger_wire, line, (0.0, end), (top + rise[0], top + rise[-1]), kind),
     ]
     weighted = [hold for i, wire in enumerate(wires) if kind == "free" for hold in _tensioned(i, wire)]
     inner, links, masses = [float(s) for s in supports[1:-1]], [], []
@@ -219,8 +240,8 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
     if stitch is not None:
         reach = 0.5 * stitch.length - line.element
         for i, s in enumerate(inner, start=1):
-            own, at = f"{name}.stitch.{i}", (x0 + s - reach, top - 0.5)
-            wires.append(_wire(own, stitch, at, 2.0 * reach, "free"))
+            own, ends = f"{name}.stitch.{i}", (s - reach, s + reach)
+            wires.append(_wire(own, stitch, line, ends, (top - 0.5 + risen(s),) * 2, "free"))
             stiffness = min(stitch.axial_stiffness / line.element, _SOFT_LINK)
             for side, station, along in (("a", 0.0, -line.element), ("b", 2.0 * reach, line.element)):
                 clamp = Spot(MESSENGER, s - reach + station + along)
@@ -231,17 +252,18 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
     for span, (places, sags) in enumerate(zip(line.dropper_places, line.sags, strict=True)):
         for i, (place, sag) in enumerate(zip(places, sags, strict=True), start=1):
             x = float(supports[span]) + place
+            height = z0 + risen(x) - sag
             high = Spot(MESSENGER, x)
             for number in (span - 1, span) if stitch is not None else ():
                 if 0 <= number < len(inner) and abs(x - inner[number]) < reach:
                     high = Spot(2 + number, x - inner[number] + reach)
             straight = line.messenger_supports.stagger == "straight"
             aside = -float(np.interp(x, supports, stagger)) if straight else 0.0
-            hangers.append(Hanger(f"{name}.{span + 1}.{i}", Spot(CONTACT, x), high, z0 - sag, aside))
+            hangers.append(Hanger(f"{name}.{span + 1}.{i}", Spot(CONTACT, x), high, height, aside))
     arms = line.steady_arms
     masses += [PointMass(Spot(CONTACT, s), arms.moving_mass) for s in inner]
-    levels = [] if arms.free else [(Spot(CONTACT, s), z0) for s in inner]
-    levels += [(Spot(MESSENGER, s), top) for s in inner]
+    levels = [] if arms.free else [(Spot(CONTACT, s), z0 + risen(s)) for s in inner]
+    levels += [(Spot(MESSENGER, s), top + risen(s)) for s in inner]
     d = line.droppers
     dropper = Dropper(
         d.stiffness, d.pushes, d.damping, d.mass or 0.0, d.mass_per_length or 0.0, (d.contact_clamp, d.messenger_clamp)
@@ -265,19 +287,31 @@ def _tensioned(number: int, wire: Wire) -> Iterator[Hold]:
         yield Hold(f"{wire.name}.{side}", Spot(number, station), slides, place=place, force=force)
 
 
-def _wire(name: str, wire: OverheadWire, start: tuple[float, float], length: float, end: EndKind) -> Wire:
-    x, z = start
+def _wire(name: str, wire: OverheadWire, line: OverheadLine, along: _Pair, height: _Pair, end: EndKind) -> Wire:
+    """A wire between two stations; where these are unequally high, it is as long as they are apart, and inclined."""
+    x = (x_of(line, along[0]), x_of(line, along[0]) + _level_length(along[1] - along[0], height[1] - height[0]))
     return Wire(
-        name, (x, 0.0, z), (x + length, 0.0, z), wire.tension, wire.mass, wire.bending_stiffness, wire.axial_stiffness,
-        wire.drag, wire.retardation, ends=(end, end),
+        name, (x[0], 0.0, height[0]), (x[1], 0.0, height[1]), wire.tension, wire.mass, wire.bending_stiffness,
+        wire.axial_stiffness, wire.drag, wire.retardation, ends=(end, end),
     )  # fmt: skip
+
+
+def x_of(line: OverheadLine, station: float) -> float:
+    """Where a station of a line is along x, m: stations count along the wires, which may be inclined as a whole."""
+    rise = line.registered[-1] - line.registered[0]
+    return line.start[0] + station * (_level_length(line.length, rise) / line.length)
+
+
+def _level_length(length: float, rise: float) -> float:
+    """Level part of a length, m; exactly that length, where nothing rises."""
+    return math.sqrt(length**2 - rise**2) if rise else length
 
 
 def _finished(
     name: str, line: OverheadLine, task: FormFindingTask, form: Form, supports: Array, stagger: Array
 ) -> Section:
     """Hold the line by what holds it in fact, with the forces that it takes."""
-    x0, inner = line.start[0], supports[1:-1]
+    inner = supports[1:-1]
     stiffness, damping = _three(line.messenger_supports.stiffness, np.inf), _three(line.messenger_supports.damping, 0.0)
     if line.messenger_supports.swings:
         stiffness, damping = (0.0, *stiffness[1:]), (0.0, *damping[1:])
@@ -289,9 +323,9 @@ def _finished(
             lift[number] = force
         else:
             z = height if np.isinf(stiffness[2]) else height + float(force) / stiffness[2]
-            place = x0 + spot.station, 0.0, z
+            place = x_of(line, spot.station), 0.0, z
             own.append(Hold(f"{name}.support.{number + 1}", spot, stiffness, damping, place))
-    arms = _arms(name, line, form, spots, lift, stagger) if line.staggers is not None else ()
+    arms = _arms(name, line, form, spots, lift) if line.staggers is not None else ()
     if not arms and not line.steady_arms.free:
         for i, spot in enumerate(spots):
             own.append(Hold(f"{name}.arm.{i + 1}", spot, (0.0, 0.0, 0.0), force=(0.0, 0.0, float(lift[i]))))
@@ -314,6 +348,7 @@ def _finished(
         side=line.start[1] if len(line.start) == 3 else 0.0,
         stagger=stagger,
         straight_messenger=line.messenger_supports.stagger == "straight",
+        registered=np.array(line.registered),
     )  # fmt: skip
 
 
@@ -334,17 +369,14 @@ def _changed(name: str, line: OverheadLine, fitted: Section) -> Section:
     return replace(changed, pull=pull, slack=tuple(n for n, F in zip(changed.droppers, pull, strict=True) if F <= 0.0))
 
 
-def _arms(
-    name: str, line: OverheadLine, form: Form, spots: list[Spot], lift: Array, stagger: Array
-) -> tuple[WireTie, ...]:
+def _arms(name: str, line: OverheadLine, form: Form, spots: list[Spot], lift: Array) -> tuple[WireTie, ...]:
     """Steady arms that pull the contact wire aside as its kinks in plan view demand, and up by `lift` in N."""
     tension, spans = line.contact_wire.tension, np.array(line.span_lengths)
-    slope = np.diff(stagger) / spans
-    aside, yields = tension * (slope[:-1] - slope[1:]), tension * (1.0 / spans[:-1] + 1.0 / spans[1:])
+    aside, yields = radial_forces(line), tension * (1.0 / spans[:-1] + 1.0 / spans[1:])
     local, low = clamped_at(form.mesh.strands, spots).local, form.heights(spots)
     found = []
     for i, spot in enumerate(spots):
-        at, force = (line.start[0] + spot.station, float(low[i])), (float(aside[i]), float(lift[i]))
+        at, force = (x_of(line, spot.station), float(low[i])), (float(aside[i]), float(lift[i]))
         found.append(_arm(f"{name}.arm.{i + 1}", line, spot, at, force, (1.0 / float(yields[i]), float(local[i]))))
     return tuple(found)
 

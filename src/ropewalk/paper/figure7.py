@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.model import Dynamic, Scenario
-from ropewalk.model.overhead import ContactWire, Droppers, MessengerWire, OverheadLine, Spans, SteadyArms
+from ropewalk.model.overhead import Droppers, OverheadLine, SteadyArms
+from ropewalk.model.overhead_wire import ContactWire, MessengerWire
 from ropewalk.model.pantograph import Pantograph, PantographTravel
 from ropewalk.model.run import Geometry
+from ropewalk.model.spans import Spans
 from ropewalk.results.contact_statistics import (
     CUTOFF,
     analysed_stations,

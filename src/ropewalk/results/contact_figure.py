@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.ticker import PercentFormatter
 
+from ropewalk.model.overlap import analysed_of, course_of, reach_of
 from ropewalk.results import style
 from ropewalk.results.contact_statistics import (
     BETWEEN,
@@ -29,6 +30,7 @@ from ropewalk.results.contact_statistics import (
     scenario_of,
 )
 from ropewalk.results.contact_summary import limits_of
+from ropewalk.results.course import courses, transitions
 from ropewalk.results.frame import Array
 from ropewalk.results.limits import Judgement
 from ropewalk.results.table import ROUND_OFF
@@ -61,6 +63,7 @@ class _LoadHistory:
     force: Array  # N, filtered
     height: Array  # m
     judgement: Judgement | None  # beside the limits of its line
+    shares: dict[str, Array] = field(default_factory=dict)  # N as computed, of each line, while it goes over
 
 
 def is_of_overhead_line(dataset: xr.Dataset) -> bool:
@@ -75,14 +78,24 @@ class Collection:
     histories: tuple[_LoadHistory, ...]
     lines: dict[str, LineStatistics]  # those with pantographs
     line: OverheadLine | None  # the first of them, as declared
+    limits: tuple[float, float] | None = None  # m, stations between which statistics are made
+    ends: tuple[float, float] | None = None  # m, stations between which there is a contact wire
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> Collection:
         """Take a result with pantographs and samples apart."""
         histories = _histories(dataset)
-        names = {history.found.line for history in histories}
-        lines = {name: found for name, found in line_statistics(dataset).items() if not names - {""} or name in names}
-        return cls(tuple(histories), lines, _declared(scenario_of(dataset), next(iter(lines), "")))
+        names, scenario = {history.found.line for history in histories}, scenario_of(dataset)
+        every = line_statistics(dataset)
+        if scenario is None or not names & scenario.overhead_lines.keys():
+            lines = {name: found for name, found in every.items() if not names - {""} or name in names}
+            return cls(tuple(histories), lines, _declared(scenario, next(iter(lines), "")))
+        own = next(name for name in every if name in names)
+        ahead = {key: value for name in names for key, value in course_of(scenario.overhead_lines, name).items()}
+        ahead |= course_of(scenario.overhead_lines, own)  # stations of all count from the start of the first line
+        lines = {name: _ahead(found, ahead[name]) for name, found in every.items() if name in ahead}
+        limits, ends = (of(scenario.overhead_lines, own) for of in (analysed_of, reach_of))
+        return cls(tuple(histories), lines, scenario.overhead_lines[own], limits, ends)
 
     @property
     def panels(self) -> list[str]:
@@ -113,10 +126,17 @@ class Collection:
         for found in self.lines.values():
             for support in found.supports.values():
                 ax.axvline(support.station, color=style.FAINT, linewidth=0.6, linestyle=(0, (2, 2)), zorder=0)
-        limits = analysed_stations(self.line)
+        limits = self.limits or analysed_stations(self.line)
         if all(map(math.isfinite, limits)):
             ax.axvspan(*limits, **_SHADE)
-        ax.set_xlim(*_reach(self.histories, self.line))
+        ax.set_xlim(*(self.ends or _reach(self.histories)))
+
+
+def _ahead(found: LineStatistics, ahead: float) -> LineStatistics:
+    """A line whose stations count from a point so many metres before its start."""
+    supports = {name: replace(one, station=one.station + ahead) for name, one in found.supports.items()}
+    droppers = {name: replace(one, station=one.station + ahead) for name, one in found.droppers.items()}
+    return LineStatistics(supports, droppers)
 
 
 def _declared(scenario: Scenario | None, name: str) -> OverheadLine | None:
@@ -128,21 +148,28 @@ def _histories(dataset: xr.Dataset) -> list[_LoadHistory]:
     interval = interval_of(flat)
     names, out = flat["load"].values.tolist(), []
     every = contact_statistics(dataset)
-    judgements = limits_of(dataset, scenario_of(dataset), every)
+    scenario = scenario_of(dataset)
+    judgements, several = limits_of(dataset, scenario, every), courses(scenario, names)
+    going_over = transitions(scenario, flat)
     for i, (name, found) in enumerate(every.items()):
         k = names.index(name)
         station, raw, height = (flat[key].values[:, k] for key in ("station", "force", "height"))
         raw, height = (np.where(np.isfinite(station), values, np.nan) for values in (raw, height))
         colour = style.CYCLE[i % len(style.CYCLE)]
-        force = filtered(raw, interval)
-        out.append(_LoadHistory(name, colour, found, interval, station, raw, force, height, judgements.get(name)))
+        both = np.zeros(station.size, dtype=np.bool_)
+        for passed in going_over.get(name, ()):
+            low, high = sorted((passed["first"], passed["last"]))
+            both |= (station >= low) & (station <= high)
+        shares = {line: np.where(both, flat["share"].values[:, j], np.nan)
+                  for j, (line, _) in several.get(name, {}).items()}  # fmt: skip
+        known = interval, station, raw, filtered(raw, interval), height
+        out.append(_LoadHistory(name, colour, found, *known, judgements.get(name), shares))
     return out
 
 
-def _reach(histories: Sequence[_LoadHistory], line: OverheadLine | None) -> tuple[float, float]:
+def _reach(histories: Sequence[_LoadHistory]) -> tuple[float, float]:
     stations = np.concatenate([history.station[np.isfinite(history.station)] for history in histories])
-    ends = (0.0, line.length) if line is not None else (stations.min(), stations.max())
-    return float(ends[0]), float(ends[1])
+    return float(stations.min()), float(stations.max())
 
 
 def _force(ax: Axes, history: _LoadHistory, *, alone: bool) -> None:
@@ -152,6 +179,9 @@ def _force(ax: Axes, history: _LoadHistory, *, alone: bool) -> None:
     bold: dict[str, Any] = {"color": history.colour, "linewidth": style.LINE}
     ax.plot(history.station[some], history.force[some], **bold, label=f"up to {CUTOFF:g} Hz")
     found = history.found
+    for i, (line, share) in enumerate(history.shares.items()):
+        mine: dict[str, Any] = {"color": style.CYCLE[-1 - i], "linewidth": style.THIN}
+        ax.plot(history.station[some], share[some], **mine, label=f"of it on {line}")
     if math.isfinite(found.mean):
         ends = [found.first, found.last]
         level: dict[str, Any] = {"color": style.BLACK, "linewidth": style.LINE}

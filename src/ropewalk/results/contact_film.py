@@ -10,6 +10,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ropewalk.model.overlap import course_of
 from ropewalk.results import style
 from ropewalk.results.axis_units import show_units
 from ropewalk.results.contact_statistics import (
@@ -67,19 +68,27 @@ class ContactStage:
         self._contacts = list(every)
         self._names = [loads[k] for k in self._contacts]
         first = self._first_line(every[self._contacts[0]])
-        self._wires = self._nodes_of(first)
-        self._x0 = float(dataset["position"][0].values[self._wires["contact"][0], 0])
+        scenario = scenario_of(dataset)
+        known = scenario is not None and first in scenario.overhead_lines
+        self._ahead = course_of(scenario.overhead_lines, first) if scenario is not None and known else {first: 0.0}
+        self._wires = {f"{line}.{wire}": nodes for line in self._ahead for wire, nodes in self._nodes_of(line).items()}
+        self._x0 = float(dataset["position"][0].values[self._wires[f"{first}.contact"][0], 0])
         self._rest: Array = dataset["position"][0].values[:, -1]
-        self._set_ties(first)
+        self._set_ties()
         lines = line_statistics(dataset, ties=False)
-        known = lines[first].supports.values() if first in lines else ()
-        self._supports = np.array([support.station for support in known])
+        stations = (
+            support.station + ahead
+            for line, ahead in self._ahead.items()
+            for support in (lines[line].supports.values() if line in lines else ())
+        )
+        self._supports = np.array(sorted(stations))
         self._bodies: Array = dataset["body_position"].values[frames][..., [0, -1]]
         bodies = dataset["body"].values.tolist()
         self._own = [[i for i, b in enumerate(bodies) if b.rpartition(".")[0] == name] for name in self._names]
-        self._stations = self._filled(dataset["contact_xi"].values[frames][:, self._contacts])
         self._set_forces()
         last = np.clip(np.searchsorted(self._instant, self._time + 1e-9, side="right") - 1, 0, None)
+        xi = dataset["contact_xi"].values[frames][:, self._contacts]
+        self._stations = self._filled(np.where(np.isfinite(xi), xi, self._along[last]))
         self._meter = Meter(self._names, self._force[last], units)
         self._set_up(
             pixels or (WIDTH, HEIGHT), units or DisplayUnits.read(None), str(dataset.attrs.get("title", "")), timing
@@ -115,17 +124,21 @@ class ContactStage:
         wires = dict.fromkeys(n for n in names.tolist() if n.startswith(f"{line}."))
         return {wire.removeprefix(f"{line}."): np.flatnonzero(names == wire) for wire in wires}
 
-    def _set_ties(self, line: str) -> None:
-        """Droppers of the line: their number, station, and the wire that each hangs from."""
+    def _set_ties(self) -> None:
+        """Droppers of the lines: their number, station, and the wires that each hangs from and holds."""
         ties = self._dataset["tie"].values.tolist() if "tie" in self._dataset.coords else []
-        kept = [k for k, name in enumerate(ties) if name.startswith(f"{line}.") and ".arm." not in name]
-        self._ties = np.array(kept, dtype=np.intp)
-        self._tie_station = self._dataset["tie_station"].values[self._ties] if kept else np.zeros(0)
+        kept = {k: line for k, name in enumerate(ties) if ".arm." not in name
+                if (line := name.partition(".")[0]) in self._ahead}  # fmt: skip
+        self._ties = np.array(list(kept), dtype=np.intp)
+        station = self._dataset["tie_station"].values[self._ties] if kept else np.zeros(0)
+        self._tie_station = station + np.array([self._ahead[line] for line in kept.values()])
         x = self._dataset["position"][0].values[:, 0] - self._x0
-        self._from = np.full(self._ties.size, "messenger", dtype=object)
+        self._of = np.array([f"{line}.contact" for line in kept.values()], dtype=object)
+        self._from = np.array([f"{line}.messenger" for line in kept.values()], dtype=object)
         for name, nodes in self._wires.items():
-            if name.startswith("stitch."):
-                self._from[(self._tie_station >= x[nodes[0]]) & (self._tie_station <= x[nodes[-1]])] = name
+            if (line := name.partition(".stitch.")[0]) != name:
+                inside = (self._tie_station >= x[nodes[0]]) & (self._tie_station <= x[nodes[-1]])
+                self._from[inside & (self._of == f"{line}.contact")] = name
 
     def _filled(self, station: Array) -> Array:
         """Stations, the last known one after a pantograph has left."""
@@ -160,12 +173,11 @@ class ContactStage:
         self._artists: list[tuple[Any, Any]] = []
         posts = [self._add(panel, LineCollection([], **_SUPPORT)) for panel in (line, rise, force)]
         self._posts = list(zip(posts, (line, rise, force), strict=True))
-        widths = {"contact": 1.8}
-        self._curves = {w: self._curve(line, style.INK, widths.get(w, 1.2)) for w in self._wires}
-        self._rises = {
-            w: self._curve(rise, style.INK if w == "contact" else style.FAINT, widths.get(w, 0.9))
-            for w in ("messenger", "contact")
-        }
+        touched = [w for w in self._wires if w.endswith(".contact")]
+        self._curves = {w: self._curve(line, style.INK, 1.8 if w in touched else 1.2) for w in self._wires}
+        above = [w for w in self._wires if w.endswith(".messenger")]
+        self._rises = {w: self._curve(rise, style.FAINT, 0.9) for w in above}
+        self._rises |= {w: self._curve(rise, style.INK, 1.8) for w in touched}
         self._droppers = self._add(line, LineCollection([], linewidths=style.sized(1.2)))
         self._pantographs = []
         for i in range(len(self._contacts)):
@@ -221,7 +233,8 @@ class ContactStage:
 
     def _risen(self) -> tuple[float, float]:
         """Least and largest rise of the contact wire in view, m, of some of the frames."""
-        nodes, low, high = self._wires["contact"], 0.0, 0.01
+        nodes = np.concatenate([nodes for w, nodes in self._wires.items() if w.endswith(".contact")])
+        low, high = 0.0, 0.01
         for k in style.thinned(len(self), 40):
             z = self._dataset["position"][int(self._frames[k])].values
             near = np.abs(z[nodes, 0] - self._x0 - self._stations[k, 0]) < AROUND
@@ -264,10 +277,11 @@ class ContactStage:
         near = np.abs(self._tie_station - here) < AROUND
         pull = self._dataset["tie_force"][frame].values[self._ties[near]] if near.any() else np.zeros(0)
         at, high = self._tie_station[near] - here, np.full(int(near.sum()), np.nan)
-        low = np.interp(at, x[self._wires["contact"]], z[self._wires["contact"]])
-        for wire in dict.fromkeys(self._from[near].tolist()):
-            chosen, nodes = self._from[near] == wire, self._wires[wire]
-            high[chosen] = np.interp(at[chosen], x[nodes], z[nodes])
+        low = high.copy()
+        for end, wires in ((low, self._of[near]), (high, self._from[near])):
+            for wire in dict.fromkeys(wires.tolist()):
+                chosen, nodes = wires == wire, self._wires[wire]
+                end[chosen] = np.interp(at[chosen], x[nodes], z[nodes])
         ends = np.stack([np.stack([at, low], axis=1), np.stack([at, high], axis=1)], axis=1)
         self._droppers.set_segments(list(ends))
         self._droppers.set_color([style.RED if force <= 0.0 else style.GREEN for force in pull])

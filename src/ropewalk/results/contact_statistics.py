@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ropewalk.results.course import together
 from ropewalk.results.frame import Array
 
 if TYPE_CHECKING:
@@ -149,7 +150,9 @@ def samples(dataset: xr.Dataset) -> xr.Dataset:
 
     Returns:
         `time` in s, `station` in m, `force` in N, `height` in m (instant, contact), `tie_force` in N (instant, tie),
-        and `uplift` in m (instant, watched); the latter two where the result has them.
+        and `uplift` in m (instant, watched); the latter two where the result has them. A pantograph below lines that
+        overlap has its first contact for all of them: the force is that of its head, stations go on, and `share` in N
+        (instant, contact) is what each of the wires has of it.
     """
     import xarray as xr
 
@@ -159,6 +162,11 @@ def samples(dataset: xr.Dataset) -> xr.Dataset:
         for short, name in _SAMPLED.items()
         if name in dataset
     }
+    if {"station", "force", "height"} <= out.keys():
+        dims = out["force"][0]
+        plain = {key: out[key][1] for key in ("station", "force", "height")}
+        merged = together(scenario_of(dataset), dataset["load"].values.tolist(), plain)
+        out |= {key: (dims, values, out.get(key, out["force"])[2]) for key, values in merged.items()}
     names = [n for n in ("load", "tie", "tie_station", "watched", "watched_station") if n in dataset.coords]
     coordinates: dict[str, Any] = {n: dataset[n].variable for n in names}
     coordinates["time"] = ("instant", time, dataset["time"].attrs)
@@ -274,6 +282,8 @@ def contact_statistics(dataset: xr.Dataset) -> dict[str, ContactStatistics]:
     """Statistics of every pantograph of a result with samples, by name; none where it has no samples."""
     if not has_samples(dataset):
         return {}
+    from ropewalk.model.overlap import analysed_of, course_of
+
     scenario = scenario_of(dataset)
     every = pantographs(dataset, scenario)
     if not every:
@@ -285,28 +295,43 @@ def contact_statistics(dataset: xr.Dataset) -> dict[str, ContactStatistics]:
     for k, pantograph in every.items():
         name = lines[k]
         line = scenario.overhead_lines[name] if scenario is not None and name in scenario.overhead_lines else None
-        limits = analysed_stations(line)
-        uplift = _own_uplift(flat, name, limits, k, [j for j in every if lines[j] == name])
+        limits, course = analysed_stations(line), {name: 0.0}
+        if scenario is not None and line is not None:
+            limits, course = analysed_of(scenario.overhead_lines, name), course_of(scenario.overhead_lines, name)
+        ahead = {j: course[lines[j]] for j in every if lines[j] in course}
+        uplift = _own_uplift(flat, course, limits, k, ahead)
         found[names[k]] = _of_contact(flat.isel(contact=k), name, limits, pantograph, uplift)
     return found
 
 
-def _own_uplift(flat: xr.Dataset, line: str, limits: tuple[float, float], k: int, together: list[int]) -> float:
-    """The largest rise in m of an analysed support while contact k is the closest of those together on its line."""
+def _own_uplift(
+    flat: xr.Dataset, course: dict[str, float], limits: tuple[float, float], k: int, ahead: dict[int, float]
+) -> float:
+    """The largest rise in m of an analysed support while contact k is the closest of those on its lines.
+
+    Args:
+        flat: samples.
+        course: how far ahead of the line of the contact each of its lines begins, m.
+        limits: stations, m.
+        k: the contact.
+        ahead: the contacts of all pantographs there, and the same of their own lines, m.
+    """
     if "uplift" not in flat:
         return math.nan
-    labels, places = flat["watched"].values.tolist(), flat["watched_station"].values
-    here = [
-        w
-        for w, label in enumerate(labels)
-        if label.startswith(f"{line}.support." if line else "") and limits[0] <= places[w] <= limits[1]
-    ]
-    station, rise = flat["station"].values[:, together], flat["uplift"].values
+    labels, places = flat["watched"].values.tolist(), flat["watched_station"].values.copy()
+    here = []
+    for w, label in enumerate(labels):
+        line = label.partition(".support.")[0] if next(iter(course)) else ""
+        places[w] += course.get(line, 0.0)
+        if line in course and limits[0] <= places[w] <= limits[1]:
+            here.append(w)
+    others = list(ahead)
+    station, rise = flat["station"].values[:, others] + list(ahead.values()), flat["uplift"].values
     largest = math.nan
     for w in here:
         away = np.abs(station - places[w])
         away[np.isnan(away)] = np.inf  # who is off the line lifts nothing
-        mine = (away.argmin(axis=1) == together.index(k)) & np.isfinite(away.min(axis=1))
+        mine = (away.argmin(axis=1) == others.index(k)) & np.isfinite(away.min(axis=1))
         largest = float(np.fmax(largest, _largest(rise[mine, w])))
     return largest
 

@@ -18,9 +18,11 @@ from ropewalk.results.contact_statistics import (
     contact_statistics,
     has_samples,
     line_statistics,
+    samples,
     scenario_of,
 )
 from ropewalk.results.contract import doubts_of
+from ropewalk.results.course import transitions
 from ropewalk.results.limits import FAIL, UNKNOWN, Judgement, judged
 
 if TYPE_CHECKING:
@@ -43,9 +45,11 @@ def contact_summary(dataset: xr.Dataset) -> Summary:
     scenario = scenario_of(dataset)
     every = contact_statistics(dataset)
     judgements = limits_of(dataset, scenario, every)
+    passed = transitions(scenario, samples(dataset.drop_vars("sampled_tie_force", errors="ignore"))) if every else {}
     return {
         "pantographs": {
-            name: _pantograph(scenario, name, found, judgements.get(name)) for name, found in every.items()
+            name: _pantograph(scenario, name, found, judgements.get(name), passed.get(name))
+            for name, found in every.items()
         },
         "overhead_lines": {name: _line(found) for name, found in line_statistics(dataset).items()} if every else {},
     }
@@ -73,11 +77,17 @@ def limits_of(
     return out
 
 
-def _pantograph(scenario: Scenario | None, name: str, found: ContactStatistics, judgement: Judgement | None) -> Summary:
+def _pantograph(
+    scenario: Scenario | None,
+    name: str,
+    found: ContactStatistics,
+    judgement: Judgement | None,
+    passed: list[Summary] | None,
+) -> Summary:
     values = {key: {"value": getattr(found, key), "unit": unit} for key, unit in UNITS.items()}
     spans = None
     if scenario is not None and found.line in scenario.overhead_lines:
-        spans = list(scenario.overhead_lines[found.line].analysed)
+        spans = list(scenario.overhead_lines[found.line].analysed) if passed is None else None
     return {
         "line": found.line,
         "analysed_spans": spans,
@@ -92,6 +102,7 @@ def _pantograph(scenario: Scenario | None, name: str, found: ContactStatistics, 
         **values,
         "acceptance": _acceptance(acceptance_of(scenario, name, found)),
         "limits": _limits(judgement),
+        "overlaps": passed or [],
     }
 
 

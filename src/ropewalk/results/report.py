@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ropewalk.model import Scenario
-    from ropewalk.model.overhead import OverheadLine, OverheadWire
+    from ropewalk.model.overhead import OverheadLine
+    from ropewalk.model.overhead_wire import OverheadWire
     from ropewalk.model.pantograph import Pantograph
 
 DPI = 110
@@ -150,6 +151,10 @@ def _of_line(line: OverheadLine) -> Iterator[Cells]:
     if line.stitch_wire is not None:
         yield "stitch wire", f"{line.stitch_wire.length:g} m, {_of_wire(line.stitch_wire)}"
     yield "system height", f"{line.system_height:g} m"
+    if line.heights is not None:
+        yield "heights of registration", f"{_several([1e3 * rise for rise in line.heights])} mm"
+    if line.overlap is not None:
+        yield "overlaps with", line.overlap
     yield "largest pre-sag", f"{1e3 * max((sag for row in line.sags for sag in row), default=0.0):g} mm"
     d = line.droppers
     counts = [len(row) for row in line.dropper_places]
@@ -164,6 +169,8 @@ def _of_line(line: OverheadLine) -> Iterator[Cells]:
     yield "steady arms", f"{arms.moving_mass:.4g} kg moving with the wire{', hanging free' if arms.free else ', level'}"
     if line.staggers is not None:
         yield "stagger", f"{_range([1e3 * aside for aside in line.staggers])} mm"
+    if line.radius is not None:
+        yield "radius of the track", f"{_several(line.radius)} m (positive: to the left; 0: straight)"
     if (own := line.condition) is not None:
         gone = ", ".join(f"{span}.{number}" for span, number in own.missing_droppers) or "none"
         yield "since fitting", f"missing droppers: {gone}; wear {100 * own.wear:g} %; {own.temperature_rise:+g} K"

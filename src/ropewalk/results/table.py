@@ -96,7 +96,7 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
     for name, contact in found["contacts"].items():
         if name in found["pantographs"]:
             yield from _pantograph_rows(name, found["pantographs"][name], column(found["pantographs"][name]))
-        else:
+        elif name.partition(".")[0] not in found["pantographs"]:  # of lines that overlap, shares of the former
             yield from _contact_rows(name, contact, column(contact["force"], contact["hold_force"]), largest)
     for name, train in found["trains"].items():
         yield from _train_rows(name, train, column(train["load"]))
@@ -248,6 +248,14 @@ def _pantograph_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
     yield "range of contact heights", say(value["height_range"], "m", 3), heights
     if value["uplift"] is not None:
         yield uplift
+    for passed in found["overlaps"]:
+        both = f"on both wires from {number(passed['first'])} to {number(passed['last'])} m"
+        sentence = f"{both}, {say(passed['together'], 's', 3)} in all"
+        yield (
+            f"from {passed['from_line']} to {passed['to_line']}",
+            say(passed["last"] - passed["first"], "m", 3),
+            sentence,
+        )
     if found["acceptance"] is not None:
         yield from _acceptance_rows(found["acceptance"])
     if found["limits"] is not None:

@@ -34,7 +34,7 @@ SECTIONS = {
     "Loads of your own": ("stepper", "fmu", "exchange"),
     "Travel": ("travel",),
     "Tables": ("history",),
-    "Overhead lines": ("overhead", "condition", "limits", "pantograph"),
+    "Overhead lines": ("overhead_wire", "spans", "overhead", "condition", "limits", "pantograph"),
     "Runs": ("run",),
     "What results tell of lines": ("outputs",),
     "Many runs": ("sweep",),

@@ -55,6 +55,7 @@ TRADES = {
     "tightrope": "tightrope",
     "net": "trampoline-net",
     "overhead-line": "overhead-line-limits",
+    "overlap": "overhead-line-overlap",
     "bridge": "bridge-biggs",
     "train": "bridge-hslm",
     "continuous-bridge": "continuous-bridge",

@@ -66,10 +66,12 @@ class WireStatics:
         if not self.task.prescribed_motions:
             raise EquilibriumError("quasi-static runs need a load that travels")
         prescribed_motion = self.task.prescribed_motions[0]
-        length = self.task.plan.wires[prescribed_motion.moving_load.contacts[0].wire].length
-        behind = [contact.behind for contact in prescribed_motion.moving_load.contacts]
+        wires, contacts = self.task.plan.wires, prescribed_motion.moving_load.contacts
+        behind = [contact.behind for contact in contacts]
+        length = wires[contacts[0].wire].length
+        last = max(wires[contact.wire].length + contact.behind for contact in contacts) - length
         return schedule(
-            prescribed_motion.moving_load.name, prescribed_motion.place, length, last=max(behind), first=min(behind)
+            prescribed_motion.moving_load.name, prescribed_motion.place, length, last=last, first=min(behind)
         )
 
     def _places(self, found: Borne) -> Array:
