@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from typer.testing import CliRunner
 
 from overhead_cases import EN_2002, formed, rested
-from ropewalk.cli import app
+from ropewalk.cli.app import app
 from ropewalk.model import Scenario
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.overhead.lateral import aside_of, blown_off, on_the_strip, radial_forces
