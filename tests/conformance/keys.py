@@ -35,7 +35,7 @@ ENGINES = {
     "Line.sheaves", "Line.supports",
 }  # fmt: skip
 """Keys that ask for another engine: what it does not know is refused by its own name."""
-PART = 19
+PART = 38
 """One in so many changes is in the sample; with this one, none needs kernels of its own (nets beside saddles)."""
 SAME = 1e-10
 """Part of the largest value of a variable by which it may differ and be the same."""

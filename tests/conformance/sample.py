@@ -15,7 +15,7 @@ SLOW = ("adequacy", "compare", "show")
 """Tools that take seconds: once each."""
 HEAVY = ("loads / one / inextensible / train",)
 """Cases that take half a minute."""
-PART = 8
+PART = 16
 """One in so many pairs is in the sample; `make matrix` computes all."""
 
 
