@@ -1,4 +1,7 @@
-"""Writes docs/reference.md and docs/theory.md, the lists of the public names:  python docs/make_reference.py"""
+"""Writes what is generated of the reference:  python docs/make_reference.py
+
+docs/reference.md and docs/theory.md, the lists of the public names, and the keys on the pages of the scenario file.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from typing import Any
 
 import ropewalk
 from ropewalk import theory
-from ropewalk.scenario.reference import SECTIONS, declarations
+from ropewalk.scenario.reference import PAGES, SECTIONS, declarations, refreshed
 
 PAGE = Path(__file__).with_name("reference.md")
 THEORY = Path(__file__).with_name("theory.md")
@@ -33,6 +36,7 @@ FUNCTIONS = {
         "extrapolated",
         "figure",
         "film",
+        "view",
         "contact_statistics",
         "html_report",
     ),
@@ -131,4 +135,7 @@ def has_words(home: ModuleType, name: str) -> bool:
 if __name__ == "__main__":
     PAGE.write_text(page(), encoding="utf-8")
     THEORY.write_text(theory_page(), encoding="utf-8")
-    print(f"{PAGE.name} and {THEORY.name} written")
+    for name in PAGES:
+        keys = PAGE.parent / name
+        keys.write_text(refreshed(keys.read_text(encoding="utf-8"), name), encoding="utf-8")
+    print(f"{PAGE.name}, {THEORY.name} and {', '.join(PAGES)} written")

@@ -14,7 +14,7 @@ from sphinx.application import Sphinx
 
 import ropewalk
 from ropewalk.cli.app import app as command_line
-from ropewalk.scenario.reference import SECTIONS, declarations
+from ropewalk.scenario.reference import SECTIONS, declarations, placed
 
 ROOT = Path(__file__).parent.parent.parent
 CODE = re.compile(r"(?<![`:\w])`([^`]+)`(?!`)")
@@ -58,9 +58,10 @@ def plain(text: str) -> str:
 def names() -> str:
     """All public names: declarations, then functions and results, with their docstrings."""
     sections = {title: declarations(modules) for title, modules in SECTIONS.items()}
+    home = placed()
     lines = ["## What is declared", "", "Fields are the keys of the file, listed in its reference.", ""]
     for title, listed in sections.items():
-        keys = ", ".join(f"[{name}](scenario.md#{name.lower()})" for name in listed)
+        keys = ", ".join(f"[{name}]({home[name]}#{name.lower()})" for name in listed)
         lines += [f"### {title}", "", f"Keys: {keys}.", "", "```{eval-rst}"]
         lines += [*(f".. autoclass:: ropewalk.{name}\n" for name in listed), "```", ""]
     lines += ["## What is called, and what it answers", ""]

@@ -1,6 +1,6 @@
 """The code blocks of a page of the documentation, and how they are done: as a reader would, one after the other.
 
-A yaml block with a `:caption:` is a file of that name; every line of a `shell` block is a command; a `python` block
+A block with a `:caption:` is a file of that name; every line of a `shell` block is a command; a `python` block
 goes on where the one before ended; a `text` block after commands is an extract of what they print. Blocks of any other
 kind (`console`: what sets up a machine or takes long) are read only.
 """
@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import re
 import shlex
+import subprocess
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -52,7 +54,7 @@ def follow(page: Path, folder: Path) -> None:
     printed, names = "", dict[str, Any]({"__name__": "page"})
     for block in blocks(page):
         where = f"{page.name}:{block.line}"
-        if block.language == "yaml" and block.caption:
+        if block.caption:
             (folder / block.caption).write_text(block.text, encoding="utf-8")
         elif block.language == "shell":
             printed = "".join(command(line, where) for line in joined(block.text))
@@ -72,6 +74,10 @@ def command(line: str, where: str) -> str:
     """What a command prints; it must end as the page says, with exit code 0 if it does not say."""
     wanted = CODE.search(line)
     program, *arguments = shlex.split(CODE.sub("", line))
+    if program == "pythonfmu":
+        return subprocess.run(
+            [sys.executable, "-m", program, *arguments], check=True, capture_output=True, text=True
+        ).stdout
     assert program == "ropewalk", f"{where}: {line}"
     found = CliRunner().invoke(app, arguments)
     assert found.exit_code == int(wanted[1] if wanted else 0), f"{where}: {line}\n{found.output}"

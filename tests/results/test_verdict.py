@@ -273,6 +273,14 @@ def test_a_load_that_is_set_down_at_once_is_remarked() -> None:
     assert not _runs({**load, "travel": {"speed": 10.0}}).warnings
 
 
+def test_a_payload_that_falls_into_its_slack_rope_is_not_remarked() -> None:
+    """What swings from it is what was asked for; hanging on a taut one it is set down as others are."""
+    payload = {"mass": 1.0, "length": 1.5}
+    load = {"kind": "trolley", "mass": 0.1, "travel": {"speed": 1.0, "from": 5.0}}
+    assert not _runs({**load, "payload": {**payload, "at": [0.3, 0.0]}}).warnings
+    assert any("set down suddenly" in remark for remark in _runs({**load, "payload": payload}).warnings)
+
+
 def test_a_mass_without_gravity_is_doubtful() -> None:
     load = {"kind": "mass", "mass": 1.0, "on": "string", "travel": {"speed": 10.0, "from": 5.0}}
     tree = {

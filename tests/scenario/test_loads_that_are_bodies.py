@@ -389,8 +389,8 @@ def test_a_load_that_is_wrong_keeps_the_others_from_nothing() -> None:
 
 
 def test_the_loads_of_the_page_load() -> None:
-    page = (Path(__file__).parents[2] / "docs" / "scenario.md").read_text(encoding="utf-8")
-    block = page.split("### Loads that are bodies")[1].split("```yaml\n")[1].split("```")[0]
+    page = (Path(__file__).parents[2] / "docs" / "file" / "loads.md").read_text(encoding="utf-8")
+    block = page.split("## Loads that are bodies")[1].split("```yaml\n")[1].split("```")[0]
     text = FILE.partition("loads:")[0] + block + f"run: {DYNAMIC}\n"
     assert {load.kind for load in loads(text).loads.values()} == {"mass", "trolley", "vehicle", "footsteps", "walker"}
 

@@ -1,25 +1,51 @@
-"""The schema and the reference page say the same as the declarations."""
+"""The schema and the pages of the reference say the same as the declarations."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from ropewalk.model import Line, Travel
 from ropewalk.scenario import json_schema, loads, reference
-from ropewalk.scenario.reference import MARK, refreshed
+from ropewalk.scenario.reference import FIRST, MARK, PAGES, SECTIONS, refreshed
 
-PAGE = Path(__file__).parents[2] / "docs" / "scenario.md"
+DOCS = Path(__file__).parents[2] / "docs"
 
 
-def test_the_committed_page_is_the_generated_one() -> None:
-    page = PAGE.read_text(encoding="utf-8")
+@pytest.mark.parametrize("name", PAGES)
+def test_a_committed_page_is_the_generated_one(name: str) -> None:
+    page = (DOCS / name).read_text(encoding="utf-8")
     assert MARK in page
-    assert page == refreshed(page), "write refreshed(page) into docs/scenario.md"
+    assert page == refreshed(page, name), "run  python docs/make_reference.py"
 
 
-def test_the_hand_written_example_of_the_page_loads() -> None:
-    example = PAGE.read_text(encoding="utf-8").split("```yaml\n")[1].split("```")[0]
+def test_every_page_and_every_heading_has_its_place() -> None:
+    """Each heading on one page, each page linked from the first one, with a figure of its own."""
+    assert sorted(heading for headings in PAGES.values() for heading in headings) == sorted(SECTIONS)
+    assert {f"file/{path.name}" for path in (DOCS / "file").iterdir()} == PAGES.keys() - {FIRST}
+    first = (DOCS / FIRST).read_text(encoding="utf-8")
+    for name in PAGES.keys() - {FIRST}:
+        picture = f"images/{name.removesuffix('md')}svg"
+        assert f"({name})" in first
+        assert f"](../{picture})" in (DOCS / name).read_text(encoding="utf-8")
+        assert (DOCS / picture).is_file()
+
+
+@pytest.mark.parametrize("name", sorted(PAGES.keys() - {FIRST}))
+def test_the_words_of_a_figure_are_keys_of_its_page(name: str) -> None:
+    """What is set in the type of keys: keys, kinds, or words that are explained on the page in that type."""
+    page = (DOCS / name).read_text(encoding="utf-8")
+    drawn = re.findall(r"monospace[^>]*>([^<]+)<", (DOCS / "images" / f"{name.removesuffix('md')}svg").read_text())
+    known = set(re.findall(r"\w+", " ".join(re.findall(r"```.*?```|`[^`\n]+`", page, flags=re.DOTALL))))
+    assert drawn
+    assert set(re.findall(r"[a-z_]{2,}", " ".join(drawn))) <= known
+
+
+def test_the_hand_written_example_of_the_first_page_loads() -> None:
+    example = (DOCS / FIRST).read_text(encoding="utf-8").split("```yaml\n")[1].split("```")[0]
     assert loads(example).lines["rope"].length == 20.0
 
 
@@ -54,8 +80,7 @@ def test_no_reference_in_the_schema_leads_nowhere() -> None:
     assert {ref.rsplit("/", 1)[1] for ref in references(schema)} <= set(schema["$defs"])
 
 
-def test_the_page_names_every_key() -> None:
-    page = reference()
-    for model in (Line, Travel):
+def test_the_pages_name_every_key() -> None:
+    for model, page in ((Line, "file/lines.md"), (Travel, "file/travel.md")):
         for name, field in model.model_fields.items():
-            assert f"| `{field.alias or name}`" in page
+            assert name == "kind" or f"| `{field.alias or name}`" in reference(page)

@@ -84,6 +84,8 @@ def test_quantities_are_those_of_the_summary_and_of_the_series(result, name, val
         ("sigma pantographs.front", "no such quantity"),
         ("mean man.force.*", "may be man.force.x or man.force.z"),
         ("max rope", "no such quantity"),
+        ("max strain of what is carried by somebody", "known with such a word: .*strain"),
+        ("impact factor of rope", "write outputs: {impact: true}"),
     ],
 )
 def test_an_unknown_quantity_is_refused(result, name, wrong):

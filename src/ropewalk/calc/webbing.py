@@ -96,7 +96,7 @@ highline = Calculator(
         CalcValue("sway_frequency", "Hz", "to the side"),
         CalcValue("surge_frequency", "Hz", "along the line"),
         depth("fall_sag", "greatest depth in a fall, of webbing's middle; no loss, no stretch of the leash"),
-        force("fall_tension", "greatest tension in a fall, likewise: an upper bound"),
+        force("fall_tension", "greatest tension in a fall, likewise; mass of webbing and waves can add some per cent"),
         force("fall_force", "greatest pull of the leash, likewise"),
     ),
     {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
@@ -16,7 +17,7 @@ from ropewalk.results.frames import Frames
 from ropewalk.results.peaks import beside, lonely
 
 if TYPE_CHECKING:
-    from ropewalk.model import Scenario
+    from ropewalk.model import AnyLoad, Scenario
 
 AUDITED = ENERGY_FORMS.index(AUDIT)
 IMBALANCE = 0.05  # of the energy turned over: beyond it a run is doubtful
@@ -253,7 +254,7 @@ class Watch:
             return
         for name in dict.fromkeys(self.loads):
             load = self.scenario.loads.get(name)
-            if load is None or load.on in self.scenario.nets or load.kind in _UNREMARKED:
+            if load is None or load.on in self.scenario.nets or load.kind in _UNREMARKED or _falls(load):
                 continue
             on, k = self.scenario.carrier_of(load), self.loads.index(name)
             state, xi = (float(values[k]) for values in self._at_start)
@@ -268,6 +269,13 @@ class Watch:
                     f"load {name} is set down suddenly at t = 0, {xi:.4g} m along {load.on}: what swings from that is "
                     f"part of the answer; {rest}"
                 )
+
+
+def _falls(load: AnyLoad) -> bool:
+    """Whether nearly all that a load weighs hangs on a rope that is slack at first: to fall is what it is there for."""
+    if load.kind != "trolley" or load.payload is None or load.payload.at is None:
+        return False
+    return load.mass < load.payload.mass and math.hypot(*load.payload.at) < load.payload.length
 
 
 def _alone(values: Array, i: int, when: float) -> str:

@@ -1,10 +1,12 @@
-"""The reference of the scenario file, made from the schema's own descriptions."""
+"""The reference of the scenario file, page by page, made from the schema's own descriptions."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from importlib import import_module
+from posixpath import dirname, relpath
 from types import ModuleType
 from typing import Any
 
@@ -13,7 +15,7 @@ from ropewalk.scenario.schema import json_schema
 from ropewalk.units import written
 
 MARK = "<!-- Generated from the schema by ropewalk.scenario.reference: do not edit below this line. -->"
-"""What separates the hand-written part of the page from the generated one."""
+"""What separates the hand-written part of a page from the generated one."""
 
 SECTIONS = {
     "The file": ("scenario",),
@@ -41,6 +43,25 @@ SECTIONS = {
 }
 """Headings with the modules of `ropewalk.model` whose declarations stand below them."""
 
+FIRST = "scenario.md"
+PAGES = {
+    FIRST: ("The file",),
+    "file/lines.md": ("A line", "Laws"),
+    "file/supports.md": ("Supports", "Supports between the ends of a line"),
+    "file/loads.md": ("Loads", "Loads given by matrices"),
+    "file/travel.md": ("Travel", "Tables"),
+    "file/trains.md": ("Trains",),
+    "file/tracks.md": ("Rails, sleepers and ballast",),
+    "file/ropeways.md": ("Ropeways",),
+    "file/people.md": ("Loads that walk", "Crowds"),
+    "file/own.md": ("Loads of your own",),
+    "file/networks.md": ("What lines are joined by", "Wind"),
+    "file/nets.md": ("Nets and membranes",),
+    "file/overhead-lines.md": ("Overhead lines",),
+    "file/runs.md": ("Runs", "What results tell of lines", "Many runs"),
+}
+"""Pages of docs/ with the headings on them; the first one has what no other has."""
+
 
 def declarations(modules: Iterable[str]) -> list[str]:
     """The declarations of some modules of `ropewalk.model`, in the order in which they are written there."""
@@ -53,28 +74,42 @@ def is_from(home: ModuleType, name: str) -> bool:
     return bool(vars(home)[name].__module__ == home.__name__)
 
 
-def reference() -> str:
-    """Write the reference of all keys of the scenario file as Markdown."""
+def placed() -> dict[str, str]:
+    """All declarations, in the order of the reference, with the page of each."""
+    home = {heading: page for page, headings in PAGES.items() for heading in headings}
+    names = {name: home.get(heading, FIRST) for heading, modules in SECTIONS.items() for name in declarations(modules)}
+    return names | {name: FIRST for name in ("Scenario", *json_schema()["$defs"]) if name not in names}
+
+
+def reference(page: str) -> str:
+    """Write the keys of all blocks of one page as Markdown."""
     schema = json_schema()
-    blocks = {"Scenario": schema, **schema["$defs"]}
-    sections = [(heading, declarations(modules)) for heading, modules in SECTIONS.items()]
-    named = [name for _, names in sections for name in names]
-    sections.append(("Further blocks", [name for name in blocks if name not in named]))
-    rows = [MARK, "", "# Reference", "", "Required keys are marked with *.", ""]
-    for heading, names in sections:
-        if names:
-            rows += [f"## {heading}", ""]
-        for name in names:
-            rows += _block(name, blocks[name])
+    blocks, home = {"Scenario": schema, **schema["$defs"]}, placed()
+    rows = [MARK, "", "## Keys", "", "Required keys are marked with *.", ""]
+    for name in home:
+        if home[name] == page:
+            rows += _block(name, blocks[name], _Links(page, home))
     return "\n".join(rows).rstrip() + "\n"
 
 
-def refreshed(page: str) -> str:
+def refreshed(text: str, page: str = FIRST) -> str:
     """Write a page anew: its hand-written part as it is, the reference generated."""
-    return page.partition(MARK)[0] + reference()
+    return text.partition(MARK)[0] + reference(page)
 
 
-def _block(name: str, block: dict[str, Any]) -> list[str]:
+@dataclass(frozen=True)
+class _Links:
+    """From one page to the blocks of all of them."""
+
+    page: str
+    home: dict[str, str]
+
+    def to(self, name: str) -> str:
+        there = "" if self.home[name] == self.page else relpath(self.home[name], dirname(self.page) or ".")
+        return f"[{name}]({there}#{name.lower()})"
+
+
+def _block(name: str, block: dict[str, Any], links: _Links) -> list[str]:
     kind = block["properties"].get("kind", {}).get("const")
     title = [f"### {name}", ""]
     if kind:
@@ -88,7 +123,7 @@ def _block(name: str, block: dict[str, Any]) -> list[str]:
         for key, value in properties.items():
             star = " *" if key in required else ""
             meaning = _cell(value.get("description", ""))
-            rows.append(f"| `{key}`{star} | {_value(value)} | {_default(value)} | {meaning} |")
+            rows.append(f"| `{key}`{star} | {_value(value, links)} | {_default(value)} | {meaning} |")
         rows.append("")
     return rows
 
@@ -97,13 +132,12 @@ def _cell(text: str) -> str:
     return " ".join(text.split()).replace("|", "\\|") if text.count("\n\n") == 0 else text
 
 
-def _value(schema: dict[str, Any]) -> str:
+def _value(schema: dict[str, Any], links: _Links) -> str:
     options = schema.get("oneOf") or schema.get("anyOf")
     if options:
-        return " or ".join(dict.fromkeys(_value(option) for option in options))
+        return " or ".join(dict.fromkeys(_value(option, links) for option in options))
     if "$ref" in schema:
-        name = schema["$ref"].rsplit("/", 1)[1]
-        return f"[{name}](#{name.lower()})"
+        return links.to(schema["$ref"].rsplit("/", 1)[1])
     if "enum" in schema:
         return ", ".join(f"`{word}`" for word in schema["enum"])
     if "unit" in schema:
@@ -111,12 +145,12 @@ def _value(schema: dict[str, Any]) -> str:
         return ("number" if schema["unit"] == "dimensionless" else schema["unit"]) + bound
     kind = schema.get("type")
     if kind == "array" and "prefixItems" in schema:
-        return f"{len(schema['prefixItems'])} of: {_value(schema['prefixItems'][0])}"
+        return f"{len(schema['prefixItems'])} of: {_value(schema['prefixItems'][0], links)}"
     if kind == "array":
-        return f"list of {_value(schema['items'])}"
+        return f"list of {_value(schema['items'], links)}"
     if kind == "object":
         inner = schema.get("additionalProperties")
-        return f"names, each with {_value(inner)}" if isinstance(inner, dict) else "names, each with a value"
+        return f"names, each with {_value(inner, links)}" if isinstance(inner, dict) else "names, each with a value"
     if kind == "integer":
         return f"{schema['minimum']} to {schema['maximum']}"
     return {"string": "text", "boolean": "true or false"}.get(str(kind), str(kind))

@@ -56,7 +56,7 @@ LESSON: tuple[dict[str, Any], ...] = (
         "which moving loads have been computed for a century.",
         "scenario": _ROPE.format(
             title="A taut string", span="20", how="tension: 8 kN", mass="0.5", force="200"
-        ).replace("100 kN", "10 MN"),
+        ).replace("100 kN", "1 MN"),
         "do": "drag", "contact": "clamped",
     },
     {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fnmatch
+import re
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -31,6 +32,7 @@ _AFTER = {
 }  # fmt: skip
 _INTERVAL = "interval of "
 _OF_ALL = {"contact_force": "contacts.*.force.magnitude"}
+_NONE = "a run of this kind has no such quantity"
 _FORM = "write a name of the summary, or max, min, mean or std of one or of a column of the table of series"
 
 
@@ -76,9 +78,11 @@ class _Result:
             raise ScenarioError(problems)
         return found
 
-    def one(self, name: str) -> tuple[float | None, str]:
+    def one(self, asked: str) -> tuple[float | None, str]:
         """The value of one name."""
-        name = _spoken(name)
+        name = _spoken(asked)
+        if name != asked and not _among(self.numbers, [name]) and not self._has_static_parts():
+            raise _unknown(asked, "this run has no static parts", "write outputs: {impact: true}")
         if name.startswith(_INTERVAL):
             return self._interval(name)
         measure, _, what = name.strip().partition(" ")
@@ -89,7 +93,7 @@ class _Result:
         if len(keys) > 1:
             raise _unknown(name, f"may be {' or '.join(keys[:4])}", "write more of the name")
         if not keys:
-            raise _unknown(name, "a run of this kind has no such quantity", did_you_mean(name, self._names(), _FORM))
+            raise _unknown(name, _NONE, _remedy(name, self._names()))
         return self.numbers[keys[0]]
 
     def _reduced(self, name: str, measure: str, what: str) -> tuple[float | None, str]:
@@ -101,7 +105,7 @@ class _Result:
         columns = [] if keys else _among(self.series, [what])
         if not keys and not columns:
             known = [f"{measure} {known}" for known in self._names(measure)]
-            raise _unknown(name, "a run of this kind has no such quantity", did_you_mean(name, known, _FORM))
+            raise _unknown(name, _NONE, _remedy(name, [*known, *self.numbers]))
         if len(keys) + len(columns) > 1 and ("*" not in what or measure not in _BEFORE):
             found = " or ".join((keys or columns)[:4])
             raise _unknown(name, f"may be {found}", "write more of the name, or * in it for max and min of all")
@@ -134,6 +138,9 @@ class _Result:
         if frames >= LEAST_FRAMES and any(".acceleration." in key and self.numbers[key][0] is None for key in keys):
             remedy = "write a run.every of a quarter of the period of outputs.cut_off, 8 ms for 30 Hz, or less"
             raise _unknown(name, "output instants are too far apart for it", remedy)
+
+    def _has_static_parts(self) -> bool:
+        return any(name.endswith(".static") for name in self.numbers)
 
     def _names(self, measure: str = "") -> list[str]:
         """What can be asked for: of a measure without the word for it."""
@@ -169,6 +176,14 @@ def _among(known: Any, wanted: Sequence[str]) -> list[str]:
         if found:
             return found
     return []
+
+
+def _remedy(name: str, known: Sequence[str]) -> str:
+    """What to write for a name that is not known: the nearest one, or those that hold one of its words."""
+    words = [word for word in re.split(r"[\s.]+", name) if word not in _MEASURES and len(word) > 2]
+    alike = [other for other in known if any(word in other for word in words)]
+    some = f"known with such a word: {', '.join(alike[:4])}{', ...' if len(alike) > 4 else ''}; " if alike else ""
+    return did_you_mean(name, known, f"{some}{_FORM}")
 
 
 def _unknown(name: str, wrong: str, remedy: str) -> ScenarioError:

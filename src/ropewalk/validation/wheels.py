@@ -136,6 +136,37 @@ def wide_swing(swing: float) -> float:
     return float(4.0 * np.sqrt(2.0 / 9.81) * ellipk(np.sin(0.5 * swing) ** 2))
 
 
+FALL = """
+lines: {rope: {start: [0, 0], end: [10, 0], tension: 1.0e+8, mass: 1000, axial_stiffness: 1.0e+10, elements: 10}}
+loads:
+  person:
+    kind: trolley
+    on: rope
+    mass: 1
+    payload: {mass: 70, length: 1.5, stiffness: 8.0e+3, at: [0.001, 0]}
+    travel: {speed: 0, from: 5}
+run: {kind: dynamic, until: 0.8, every: 0.002}
+"""
+PULL = 70.0 * 9.81 * (1.0 + float(np.sqrt(1.0 + 2.0 * 8e3 * 1.5 / (70.0 * 9.81))))
+ZIP = """
+lines: {line: {start: [0, 0], end: [100, -10], tension: 2.0e+6, mass: 0.1, axial_stiffness: 1.0e+8, elements: 40}}
+loads: {pulley: {kind: mass, on: line, mass: 50, travel: {kind: free, from: 5, friction: 0.03}}}
+run: {kind: dynamic, until: 8, every: 0.1, start: {with_loads: true}}
+"""
+
+
+def leash(result: Any) -> float:
+    """Largest length of the rope between trolley and payload, m."""
+    z = result.contact_position.to_numpy()[:, 0, -1] - result.body_position.to_numpy()[:, 0, -1]
+    return float(z.max())
+
+
+def slid(result: Any) -> float:
+    """How far the contact has come, m."""
+    place = result.contact_position.to_numpy()[:, 0]
+    return float(np.hypot(*(place[-1] - place[0])))
+
+
 PENDULUM = Publication("Chr. Huygens, 1673, and A.-M. Legendre's complete elliptic integral", "elementary")
 
 CASES = (
@@ -219,5 +250,28 @@ CASES = (
                 "the swing of 0.05 rad lengthens it by 2e-4, the sag of the line more", relative=1e-3),
         ),
         fault=("loads.crab.payload.length=2.02",),
+    ),
+    KnownCase(
+        "leash-fall", "A person falls 1.5 m into a leash without losses",
+        Publication("conservation of energy: m g (1 + sqrt(1 + 2 k h/(m g)))", "elementary"),
+        FALL,
+        (
+            KnownNumber("length", "largest length of the leash", "m", "closed form", lambda: 1.5 + PULL / 8e3, leash,
+                "the line gives by 0.1 mm, instants of 2 ms", relative=2e-4),
+            KnownNumber("force", "largest force on the line, with the trolley's weight", "N", "closed form",
+                lambda: PULL + 9.81, lambda r: float(-r.contact_force.sel(axis="z").min()),
+                "the line swings under the pull", relative=2e-3),
+        ),
+        fault=("loads.person.payload.stiffness=8200",), quick=True,
+    ),
+    KnownCase(
+        "zip-line", "A pulley slides down a taut line of 10 % with a coefficient of friction of 0.03",
+        Publication("a body on an inclined plane: s = g (sin - mu cos) t^2/2", "elementary"), ZIP,
+        (
+            KnownNumber("way", "way in 8 s", "m", "closed form",
+                lambda: 0.5 * 9.81 * (10.0 - 0.03 * 100.0) / float(np.hypot(100.0, 10.0)) * 64.0, slid,
+                "the line sags by 6 mm under the pulley", relative=1e-3),
+        ),
+        fault=("loads.pulley.travel.friction=0.031",), quick=True,
     ),
 )  # fmt: skip
