@@ -66,8 +66,10 @@ def checked_plan(scenario: Scenario, sweep: Sweep, allow: Callable[[Scenario], N
     allow(scenario)
     for parameter in parameters_of(sweep.over):
         for level in parameter.levels:
-            value = YAML(typ="safe", pure=True).load(level) if isinstance(level, str) else level
-            check_inside({parameter.key.rpartition(".")[2]: value}, folder)
+            tree = YAML(typ="safe", pure=True).load(level) if isinstance(level, str) else level
+            for part in reversed(parameter.key.split(".")):
+                tree = {part: tree}
+            check_inside(tree, folder)  # before a file is read to see what is in it
     plan = Plan.of(scenario, sweep)
     if len(plan.rows) > MOST_CASES:
         remedy = "compute it on the command line"
