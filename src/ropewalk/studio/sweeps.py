@@ -102,8 +102,8 @@ def case_of(dataset: xr.Dataset, row: int, allow: Callable[[Scenario], None], fo
     if found.case is None:
         raise RopewalkError(f"this case is no scenario: {found.refused}")
     names = dict(zip(plan.sweep.over, plan.names, strict=True))
-    told = (setting.partition("=") for setting in found.settings)
-    short = [f"{names[key]} {_LONG.sub(_rounded, value)}" for key, _, value in told if key in names]
+    pairs = (setting.partition("=") for setting in found.settings)
+    short = [f"{names[key]} {_LONG.sub(_rounded, value)}" for key, _, value in pairs if key in names]
     title = ", ".join([plan.scenario.title, *short])
     settings = "".join(f"# {setting}\n" for setting in found.settings)
     text = dump(found.case.scenario.model_copy(update={"title": title}))
