@@ -57,7 +57,7 @@ class Server:
 
     def end(self, number: int = signal.SIGTERM) -> None:
         self.process.send_signal(number)
-        self.process.wait(20.0)
+        self.process.wait(60.0)  # a worker that has just begun is waited for
         assert self.process.stderr is not None
         self.process.stderr.close()
 

@@ -187,10 +187,12 @@ try {
   if (process.stdin.isTTY !== true && process.env.STUDIO_RESTARTS) {
     console.log("KILL");
     await page.getByText("the server has gone").waitFor();
+    await look(page, "gone");
     console.log("START");
     await page.waitForFunction(() => !/has gone/.test(document.querySelector(".status").textContent));
     await page.getByRole("button", { name: "Drag the load" }).click();
     await page.locator('dt:text-is("walker: friction needed")').waitFor();
+    await look(page, "again");
   }
   must(wrong.length === 0, wrong.join("\n"));
   console.log("all as it should be");

@@ -14,8 +14,9 @@ import pytest
 
 import ropewalk
 from ropewalk.results.frame import Doubt
-from ropewalk.scenario import loads
+from ropewalk.scenario import ScenarioError, loads
 from ropewalk.studio.streams import remark_of
+from ropewalk.studio.sweeps import checked_plan
 from studio_server import LONG, SHORT, Page, Server, got, serving
 
 pytest.importorskip("uvicorn")
@@ -206,6 +207,17 @@ def test_no_case_of_a_sweep_does_what_a_scenario_may_not(page: Page, folder: Pat
     assert [problem["wrong"] for problem in page.ask("sweep", text=text, name="bad.yaml")["problems"]] == [wrong]
     assert not (folder / "ran").exists()
     assert not (folder / "bad.sweep.nc").exists()
+
+
+def test_no_case_of_a_sweep_reads_elsewhere(tmp_path: Path) -> None:
+    """Not even to see whether a file is still the same: what a case may be is not asked here."""
+    text = SWEPT.replace(
+        "loads.walker.travel.speed: [2 m/s, 3 m/s]", "run.start: ['{kind: result, file: ../other.nc}']"
+    )
+    scenario = loads(text)
+    assert scenario.sweep is not None
+    with pytest.raises(ScenarioError, match=r"run\.start\.file: lies outside of the folder"):
+        checked_plan(scenario, scenario.sweep, lambda _: None, tmp_path)
 
 
 def test_a_film_and_a_workbook_are_exported(page: Page, server: Server, folder: Path) -> None:

@@ -66,8 +66,10 @@ def checked_plan(scenario: Scenario, sweep: Sweep, allow: Callable[[Scenario], N
     allow(scenario)
     for parameter in parameters_of(sweep.over):
         for level in parameter.levels:
-            value = YAML(typ="safe", pure=True).load(level) if isinstance(level, str) else level
-            check_inside({parameter.key.rpartition(".")[2]: value}, folder)
+            tree = YAML(typ="safe", pure=True).load(level) if isinstance(level, str) else level
+            for part in reversed(parameter.key.split(".")):
+                tree = {part: tree}
+            check_inside(tree, folder)  # before a file is read to see what is in it
     plan = Plan.of(scenario, sweep)
     if len(plan.rows) > MOST_CASES:
         remedy = "compute it on the command line"
@@ -100,8 +102,8 @@ def case_of(dataset: xr.Dataset, row: int, allow: Callable[[Scenario], None], fo
     if found.case is None:
         raise RopewalkError(f"this case is no scenario: {found.refused}")
     names = dict(zip(plan.sweep.over, plan.names, strict=True))
-    told = (setting.partition("=") for setting in found.settings)
-    short = [f"{names[key]} {_LONG.sub(_rounded, value)}" for key, _, value in told if key in names]
+    pairs = (setting.partition("=") for setting in found.settings)
+    short = [f"{names[key]} {_LONG.sub(_rounded, value)}" for key, _, value in pairs if key in names]
     title = ", ".join([plan.scenario.title, *short])
     settings = "".join(f"# {setting}\n" for setting in found.settings)
     text = dump(found.case.scenario.model_copy(update={"title": title}))
