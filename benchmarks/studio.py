@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -104,7 +104,9 @@ def serving(folder: Path) -> Iterator[tuple[str, int]]:
         yield found[0], process.pid
     finally:
         process.terminate()
-        process.wait(20.0)
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(60.0)
+        process.kill()
 
 
 def processor_time(root: int) -> float:
