@@ -75,7 +75,7 @@ class Dragging:
         self.scenario = scenario
         self._line: tuple[Any, Any] = (None, None)  # what was asked of a line, and that line
         self._chord: tuple[Any, Chord | None] = (None, None)
-        self._checked: tuple[Any, Any] = (None, None)  # what was asked but the place, and that scenario
+        self._checked: tuple[Any, Any] = (None, None)  # what was asked but the place; that scenario and its load
         self._last: tuple[float, float, float] | None = None  # xi, x where that led, and dx/dxi
 
     def posed(self, asked: Asked) -> Pose:
@@ -146,8 +146,7 @@ class Dragging:
         return self._line[1]
 
     def _at(self, asked: Asked, on: str, line: Any, xi: float) -> tuple[Frame, Layout, RunInfo]:
-        scenario = self._still(asked, on, line)
-        load = scenario.loads[asked.load]
+        scenario, load = self._still(asked, on, line)
         travel = load.travel.model_copy(update={"start": xi})
         moved = {**scenario.loads, asked.load: load.model_copy(update={"travel": travel})}
         scenario = scenario.model_copy(update={"loads": moved})
@@ -155,18 +154,20 @@ class Dragging:
         run = run_of(scenario, run_info)
         return next(iter(run.blocks()))[0], run.layout, run_info
 
-    def _still(self, asked: Asked, on: str, line: Any) -> Scenario:
+    def _still(self, asked: Asked, on: str, line: Any) -> tuple[Scenario, MovingForce]:
         """The dragged load as a force on its line, checked once for all places: checks took a third of an answer."""
         key = asked.load, asked.contact, self._force(asked), repr(line)
         if self._checked[0] != key:
             contact: Any = asked.contact
             travel = Travel.model_validate({"speed": 1.0, "measured": "material", "from": 0.5 * line.distance})
             load = MovingForce(on=on, force=self._force(asked), contact=contact, travel=travel)
-            self._checked = key, Scenario(
+            scenario = Scenario(
                 gravity=self.scenario.gravity, lines={**self.scenario.lines, on: line},
                 loads={**self.scenario.loads, asked.load: load}, joints=self.scenario.joints, run=Equilibrium(),
             )  # fmt: skip
-        return self._checked[1]
+            self._checked = key, (scenario, load)
+        found: tuple[Scenario, MovingForce] = self._checked[1]
+        return found
 
     @staticmethod
     def _contact(layout: Layout, load: str) -> int:
