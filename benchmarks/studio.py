@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -104,7 +104,9 @@ def serving(folder: Path) -> Iterator[tuple[str, int]]:
         yield found[0], process.pid
     finally:
         process.terminate()
-        process.wait(20.0)
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(60.0)
+        process.kill()
 
 
 def processor_time(root: int) -> float:
@@ -144,17 +146,22 @@ def films(folder: Path) -> None:
 def drags(folder: Path) -> None:
     """Print equilibria a second under a mouse that moves 60 times a second, and what they cost."""
     print(f"\nA load dragged by the mouse for {DRAG:g} s; ms from the mouse to the picture; first paint, median of 5")
-    print("  links  equilibria/s  of moves/s  median    95 %   server, of a core  first paint")
+    print("  links  equilibria/s  of moves/s  median  95 %  CPU of an equilibrium: server  browser  first paint")
     for links in LINKS:
         (folder / "rope.yaml").write_text(ROPE % links)
-        marks = list[float]()
+        marks = list[tuple[float, float]]()
         with serving(folder) as (address, pid):
-            found = measured("drag", address, DRAG, lambda _: marks.append(processor_time(pid)))  # noqa: B023
+            found = measured(
+                "drag",
+                address,
+                DRAG,
+                lambda own: marks.append((processor_time(pid), processor_time(own))),  # noqa: B023
+            )
         seconds, delays = found["ms"] / 1e3, np.array(found["delays"])
         half, most = np.percentile(delays, [50, 95])
-        rates = f"{delays.size / seconds:12.1f}  {found['moves'] / seconds:10.1f}"
-        share = 100 * (marks[1] - marks[0]) / seconds
-        print(f"  {links:5d}  {rates}  {half:6.0f}  {most:6.0f}  {share:16.0f} %  {np.median(found['paints']):8.0f} ms")
+        server, browser = (1e3 * (after - before) / delays.size for before, after in zip(*marks, strict=True))
+        rates = f"{delays.size / seconds:12.1f}  {found['moves'] / seconds:10.1f}  {half:6.0f}  {most:4.0f}"
+        print(f"  {links:5d}  {rates}  {server:26.1f} ms  {browser:4.1f} ms  {np.median(found['paints']):8.0f} ms")
 
 
 def memory(folder: Path, minutes: float) -> None:
