@@ -76,9 +76,9 @@ def section(line: Tree, load: Tree, **run: Any) -> Tree:
 
 
 def overlap(line: Tree, load: Tree, **run: Any) -> Tree:
-    """A scenario of two overhead lines, the second of which begins 20 m from the start of the first."""
+    """A scenario of two overhead lines, the second of which begins half a metre from the start of the first."""
     tree = section(line, load, **run)
-    tree["overhead_lines"]["next"] = {**SPANS, "start": [20.0, 0.0], "heights": [0.3, 0.12, 0.0, 0.0]}
+    tree["overhead_lines"]["next"] = {**SPANS, "start": [0.5, 0.0], "heights": [0.3, 0.12, 0.0, 0.0]}
     return tree
 
 

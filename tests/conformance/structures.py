@@ -83,8 +83,8 @@ OVERHEAD: Tree = {
 
 _CURVE: Tree = {"radius": 2000.0, "steady_arms": {"stagger": [0.2] * 4}}
 OVERLAP: Tree = {
-    "section": {**OVERHEAD, **_CURVE, "heights": [0.0, 0.0, 0.1, 0.4], "overlap": "next"},
-    "next": {**OVERHEAD, **_CURVE, "heights": [0.4, 0.1, 0.0, 0.0], "start": [40.0, 0.0]},
+    "section": {**OVERHEAD, **_CURVE, "heights": [0.0, 0.0, 0.02, 0.4], "overlap": "next"},
+    "next": {**OVERHEAD, **_CURVE, "heights": [0.4, 0.02, 0.0, 0.0], "start": [40.0, 0.0]},
 }
 """Both contact wires are beside each other from 40 to 120 m, and cross at 80 m."""
 
