@@ -570,6 +570,15 @@ KNOWN = {
         Known("tension at rest, N", lambda r: float(r.tension[0].max()), routes.highline_tension(), 25.0, CUT_SOON),
         Known("audit, part of the energy", audit, 0.0, 2e-3, CUT_SOON),
     ],
+    "highline-bounce.yaml": [
+        # Small bounces on webbing as stiff as where nothing slips: they still are 0.5 m wide, frames 50 ms apart.
+        Known(
+            "frequency over that of two pieces", lambda r: routes.bounces(r) / routes.bounces_without_slip(r), 1.0, 0.02
+        ),
+        # Printed by slacktivity.com for wider bounces, from 1.6 to 3.6 kN: see docs/notes/highlines.md.
+        Known("frequency, Hz", routes.bounces, 0.35, 0.02),
+        Known("audit, part of the energy", audit, 0.0, 1e-4),
+    ],
     "leash-fall.yaml": [
         # Without damping she would go 4.6 cm deeper.
         Known(

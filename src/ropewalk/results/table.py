@@ -28,6 +28,7 @@ ENERGY_LABELS = {
     "load_potential": "potential, of the loads",
     "load_damping": "dissipated in loads and air",
     "friction": "dissipated by friction",
+    "hysteresis": "dissipated by hysteresis",
     "drive_work": "work of drives",
 }
 
