@@ -479,6 +479,10 @@ KNOWN = {
             ("run.until=0.1 s",),
         ),
     ],
+    "cable-crane-two-ropes.yaml": [
+        # Polygons of 40 links instead of catenaries.
+        Known("part of the first rope", ropeways.share_of_the_first_rope, ropeways.share_by_catenaries(), 1e-4),
+    ],
     "cable-crane-hoist.yaml": [
         # m g times what is taken in, and 2 % for what swings: the rope pulls more, and the energy of the sway grows.
         Known("work of the hoist, J", ropeways.work_of_the_hoist, 3000.0 * 9.81 * 8.0, 6e3),
