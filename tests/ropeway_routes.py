@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-
 from scipy.optimize import brentq
 
 from ropewalk.results.ropeway import wheel_loads
