@@ -55,6 +55,24 @@ def highline_tension() -> float:
     return float(np.hypot(*bare.start_reaction))
 
 
+def bounces(result: xr.Dataset) -> float:
+    """Frequency of the last bounces of highline-bounce.yaml in Hz, by its turns."""
+    t, z = result.time.to_numpy(), result.contact_position.to_numpy()[:, 0, -1]
+    turns = np.flatnonzero((z[1:-1] - z[:-2]) * (z[2:] - z[1:-1]) <= 0.0) + 1
+    return 2.0 / float(t[turns[-1]] - t[turns[-5]])
+
+
+def bounces_without_slip(result: xr.Dataset) -> float:
+    """The same of a mass on two straight pieces without weight, as stiff as what does not slip, where it stands, Hz."""
+    z, mass, length = result.contact_position.to_numpy()[:, 0, -1], 57.0, 63.0 / (1.0 + 1500.0 / 55.6e3)
+    turns = z[np.flatnonzero((z[1:-1] - z[:-2]) * (z[2:] - z[1:-1]) <= 0.0) + 1]
+    depth = -0.5 * float(turns[-1] + turns[-2])
+    half = math.hypot(31.5, depth)
+    tension, stiffness = 0.5 * mass * G * half / depth, 0.9 * 1e4 / 0.18 + 55.6e3
+    up = stiffness / (0.5 * length) * (depth / half) ** 2 + tension / half * (31.5 / half) ** 2
+    return math.sqrt(2.0 * up / (mass + 0.06 * length / 3.0)) / (2.0 * math.pi)
+
+
 def deepest_without_losses() -> float:
     """Lowest place of a person of 70 kg who falls into the leash of leash-fall.yaml, if no energy got lost, m.
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from scipy.optimize import brentq
 
 from ropewalk.results.ropeway import wheel_loads
 from ropewalk.results.statistics import summary
+from ropewalk.theory.rope import RestingRope, elastic_catenary
 
 
 def wheels_of(result: xr.Dataset, name: str) -> list[int]:
@@ -77,3 +79,29 @@ def tension_over_the_saddle(result: xr.Dataset) -> float:
     T, x, z = result.tension.values[0], result.position.values[0, :, 0], result.position.values[0, :, -1]
     same = T + T**2 / (2.0 * 220e6) - 11.7 * 9.81 * 0.5 * (z[1:] + z[:-1])
     return float(same[np.searchsorted(x, 70.0)] - same[-1])
+
+
+def share_of_the_first_rope(result: xr.Dataset, gravity: float = 9.81) -> float:
+    """Part of the crab that the first rope of examples/cable-crane-two-ropes.yaml bears, by what it pulls up with."""
+    place, lines = result.position.values[0], result.line.values
+    pull, of = result.tension.values[0], result.link_line.values
+    up = 0.0
+    for name in ("new ahead", "new behind"):
+        way = np.diff(place[lines == name][-2:], axis=0)[0]  # the last link ends at the crab
+        up -= pull[of == name][-1] * way[-1] / np.linalg.norm(way)
+    return float((up - 1.255 * 12.0 * gravity * 2.0) / (8e3 * gravity))
+
+
+def share_by_catenaries(gravity: float = 9.81) -> float:
+    """The same of two elastic catenaries that sag alike under what each bears of the crab in the middle."""
+    weight = 8e3 * gravity
+
+    def rope(load: float, stiffness: float) -> RestingRope:
+        return elastic_catenary(
+            span=200.0, length=200.8, weight=12.0 * gravity, axial_stiffness=stiffness, loads=[(100.4, (0.0, -load))]
+        )
+
+    def gap(load: float) -> float:
+        return float(rope(load, 220e6).load_positions[0, 1] - rope(weight - load, 110e6).load_positions[0, 1])
+
+    return float(brentq(gap, 0.3 * weight, 0.9 * weight)) / weight

@@ -486,6 +486,10 @@ KNOWN = {
             ("run.until=0.1 s",),
         ),
     ],
+    "cable-crane-two-ropes.yaml": [
+        # Polygons of 40 links instead of catenaries.
+        Known("part of the first rope", ropeways.share_of_the_first_rope, ropeways.share_by_catenaries(), 1e-4),
+    ],
     "cable-crane-hoist.yaml": [
         # m g times what is taken in, and 2 % for what swings: the rope pulls more, and the energy of the sway grows.
         Known("work of the hoist, J", ropeways.work_of_the_hoist, 3000.0 * 9.81 * 8.0, 6e3),
@@ -576,6 +580,15 @@ KNOWN = {
         # The elastic catenary with the loops' mass spread over it; they hang on it at six places, and pull a little.
         Known("tension at rest, N", lambda r: float(r.tension[0].max()), routes.highline_tension(), 25.0, CUT_SOON),
         Known("audit, part of the energy", audit, 0.0, 2e-3, CUT_SOON),
+    ],
+    "highline-bounce.yaml": [
+        # Small bounces on webbing as stiff as where nothing slips: they still are 0.5 m wide, frames 50 ms apart.
+        Known(
+            "frequency over that of two pieces", lambda r: routes.bounces(r) / routes.bounces_without_slip(r), 1.0, 0.02
+        ),
+        # Printed by slacktivity.com for wider bounces, from 1.6 to 3.6 kN: see docs/notes/highlines.md.
+        Known("frequency, Hz", routes.bounces, 0.35, 0.02),
+        Known("audit, part of the energy", audit, 0.0, 1e-4),
     ],
     "leash-fall.yaml": [
         # Without damping she would go 4.6 cm deeper.

@@ -17,7 +17,8 @@ loads           `MovingForce`, `MovingMass`, `Oscillator`, `Trolley` with its `P
 overhead lines  `OverheadLine` of `ContactWire`, `MessengerWire`, `StitchWire`, `Droppers`, `SteadyArms`,
                 `MessengerSupports`, `Spans`, `Condition` and `Limits`; `Pantograph` with its `PantographTravel`
 travel          `Travel` as prescribed, `FreeTravel` with `Driver` and `Brake`
-axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `Tabulated`, `Inextensible`
+axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `Tabulated`, `Webbing`, `Inextensible`;
+                `Hysteresis`, what unloading gives back less
 cuts            `Cut` of a line that fails
 supports        `Fixed`, `Elastic`, `Guided`, `Moving`; `Joined` to a `Joint`, a line or a net; `Sheave`s on the way;
                 between the ends `InnerFixed`, `InnerElastic`, `InnerGuided`, `InnerMoving`

@@ -191,6 +191,9 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
     for found in () if at_rest else _moves_otherwise(scenario):
         raise refusal(found)
     for name, line in scenario.lines.items():
+        if line.hysteresis is not None:
+            remedy, feature = "leave hysteresis out", "hysteresis"
+            raise refusal(missing(("lines", name, "hysteresis"), "spectra", "a block", remedy, feature=feature))
         for saddle, own in line.saddles.items():
             if own.friction:
                 path, remedy = ("lines", name, "saddles", saddle, "friction"), "leave friction out"

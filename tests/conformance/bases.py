@@ -221,6 +221,20 @@ BASES: dict[str, Tree] = {
         load("mass", way()),
     ),
     "cut": one({**LONG, "cut": {"at": 15.0, "time": 0.3 * UNTIL}}, load("mass", way())),
+    "webbing": one(
+        {**TAUT, "tension": "2 kN", "axial_stiffness": None, "law": {"kind": "webbing", "name": "halfMarathon"},
+         "hysteresis": {"ratio": 0.7, "stiffness": "60 kN"}},
+        load("mass", way()),
+    ),
+    "measured webbing": one(
+        {**TAUT, "tension": "2 kN", "axial_stiffness": None,
+         "hysteresis": {"unloading": [0, 4e3, 20e3], "stiffness": 1e5},
+         "law": {"kind": "table", "strain": [0, 0.03, 0.1], "tension": [0, 6e3, 25e3]}},
+        load("mass", way()),
+    ),
+    "stretch": one(
+        {**TAUT, "axial_stiffness": None, "law": {"kind": "webbing", "stretch": "4 %"}}, load("mass", way())
+    ),
     "steps": one(
         {**BEAM, "segments": {"plates": {"from": 4.0, "to": 9.0, "bending_stiffness": "3 GN*m^2", "mass": 2400.0},
                               "damage": {"from": 11.0, "to": 13.0, "damage": 0.4, "foundation": "2 MN/m^2"}}},

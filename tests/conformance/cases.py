@@ -65,7 +65,8 @@ PAIRS = {"two alike": ("mass", "mass"), "two": ("force", "mass"), "two bodies": 
 CORE = [
     s for s in STRUCTURES
     if not s.twin and s.name not in ("damped", "piola", "polynomial", "tabulated", "inclined-stiff", "beam-damped",
-                                     "bed", "gale", "awning", "slack-stiff-linearised", "staggered", "track", "cut")
+                                     "bed", "gale", "awning", "slack-stiff-linearised", "staggered", "track", "cut",
+                                     "hysteresis")
 ]  # fmt: skip
 """Structures for tables of which the others would tell nothing new."""
 

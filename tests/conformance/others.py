@@ -44,7 +44,8 @@ def _length(value: float | None, _: Tree) -> Patch:
 
 
 def _law(value: Any, block: Tree) -> Any:
-    law = {"kind": "tension_only" if value.kind in ("inextensible", "second_piola_kirchhoff", "polynomial", "table")
+    law = {"kind": "tension_only" if value.kind in ("inextensible", "second_piola_kirchhoff", "polynomial", "table",
+                                                   "webbing")
            else "second_piola_kirchhoff"}  # fmt: skip
     return Patch(law=law, axial_stiffness=block.get("axial_stiffness", 2e6))
 
@@ -138,6 +139,11 @@ OTHER: dict[str, Any] = {
         {"part": {"from": 5.0, "to": 9.0, "mass": 2.0 * float(block["mass"])}}),
     "Line.cut": lambda value, _: {"at": 0.5 * value.at, "time": value.time} if value else None,
     "Cut.at": lambda value, _: 0.8 * value,
+    "Line.hysteresis": lambda value, _: Patch(hysteresis=None) if value else None,
+    "Hysteresis.ratio": lambda value, _: 0.9 if value else None,
+    "Hysteresis.unloading": lambda value, _: [0.9 * tension for tension in value] if value else None,
+    "Webbing.stretch": lambda value, _: 1.1 * value if value else None,
+    "Webbing.name": lambda value, _: "pinkTube" if value else None,
     "Cut.time": lambda value, _: 0.5 * value,
     "Brake.force": lambda value, block: 2.0 * value if value else 60.0,
     "Brake.rate": lambda value, _: 2.0 * value if value else 20.0,

@@ -73,6 +73,7 @@ _PATTERNS = {
         "feedback on single ropes only": rf"{_NOT} a run without feedback",
         "the implicit method needs forces that do not jump": rf"implicit with .* {_NOT}",
         "no friction on saddles without inertia, nor in spectra": rf"friction on saddles (without inertia )?{_NOT}",
+        "hysteresis needs the history of strain": rf"(hysteresis {_NOT}|: {_NOT} lines with hysteresis)",
         "no linear theory over saddles": rf"\.saddles: {_NOT} lines over saddles",
         "walkers on profiles on beams alone": rf"on a profile {_NOT}",
         "no linear theory in wind that blows": rf"wind {_NOT} kind: linear",

@@ -158,6 +158,11 @@ STRUCTURES: tuple[Structure, ...] = (
     ),
     Structure("cut", "slack rope that is cut", rope(slack(cut={"at": 15.0, "time": 0.2})), **_SLOW),
     Structure(
+        "hysteresis", "slack webbing with hysteresis",
+        rope(slack(law={"kind": "webbing", "stretch": 0.04}, axial_stiffness=None, axial_damping=None,
+                   hysteresis={"ratio": 0.8, "stiffness": "250 kN"})), **_SLOW,
+    ),
+    Structure(
         "inextensible", "inextensible rope",
         rope(slack(law={"kind": "inextensible"}, axial_stiffness=None, axial_damping=None)), **_SLOW,
     ),

@@ -199,6 +199,9 @@ UNFELT: Reasons = {
     },
     "MovingMass.lift_off": {
         "the load stays on the line, or has no reason to leave it": (
+            "webbing",
+            "measured webbing",
+            "stretch",
             "free mass",
             "mass",
             "outline",
@@ -256,6 +259,9 @@ UNFELT: Reasons = {
     },
     "Travel.at_end": {
         "nothing comes to an end of the line": (
+            "webbing",
+            "measured webbing",
+            "stretch",
             "plain",
             "shoe",
             "steps",

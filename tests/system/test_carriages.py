@@ -68,6 +68,7 @@ def test_all_wheels_bear_alike_and_together_the_weight(rockers: list[float]) -> 
     assert found["wheel_load"]["min"]["value"] == pytest.approx(500.0 * G / loads.size, rel=1e-4)
     # By 3e-3 tighter than without the carriage: two halves that are longer by d^2/l each, d = 37 mm.
     assert found["tension_ratio"]["value"] == pytest.approx(2e6 / (500.0 * G / loads.size), rel=5e-4)
+    assert found["transverse_ratio"]["value"] == pytest.approx(2e6 / (500.0 * G), rel=5e-4)
 
 
 def test_clearance_is_the_least_height_of_the_floor_over_the_ground() -> None:

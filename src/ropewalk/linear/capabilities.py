@@ -123,7 +123,7 @@ def mass_inside(name: str, start: float) -> Finding:
 CAPABILITIES = Capabilities(
     _LINEAR,
     only={
-        "lines.law.kind": ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table"),
+        "lines.law.kind": ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table", "webbing"),
         "lines.start_support.clamped": (False,),
         "lines.end_support.clamped": (False,),
         **OF_LINEAR_THEORY,

@@ -33,7 +33,16 @@ from ropewalk.mechanics.footfall import Footfall
 from ropewalk.mechanics.law import CUBIC, NO_FLOOR, RIGID, SERIES, TABLE
 from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.history import DisplacementTable, DriveTable, ForceTable, SpeedTable
-from ropewalk.model.law import Hooke, Inextensible, Law, Polynomial, SecondPiolaKirchhoff, Tabulated, TensionOnly
+from ropewalk.model.law import (
+    Hooke,
+    Inextensible,
+    Law,
+    Polynomial,
+    SecondPiolaKirchhoff,
+    Tabulated,
+    TensionOnly,
+    Webbing,
+)
 from ropewalk.model.line import spatial
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Elastic, Guided, Support
@@ -53,6 +62,8 @@ def pack(law: Law, axial_stiffness: float | None) -> Array:
         if len(c) <= 3:
             return np.array([CUBIC, NO_FLOOR, *c, *(0.0,) * (3 - len(c))])
         return np.array([SERIES, len(c), *c], dtype=float)
+    if isinstance(law, Webbing):
+        return np.array([CUBIC, 0.0, law.axial_stiffness, 0.0, 0.0])
     if isinstance(law, Inextensible):
         return np.array([RIGID, 0.0, 0.0, 0.0, 0.0])
     if axial_stiffness is None:

@@ -12,9 +12,19 @@ from ropewalk.model.fmu import Fmu, FmuContact, FmuTravel
 from ropewalk.model.footsteps import Footsteps, Harmonic
 from ropewalk.model.hangers import Hangers
 from ropewalk.model.history import DisplacementTable, DriveTable, ForceTable, SpeedTable
+from ropewalk.model.hysteresis import Hysteresis
 from ropewalk.model.inner_support import InnerElastic, InnerFixed, InnerGuided, InnerMoving
 from ropewalk.model.joint import Joined, Joint, Sheave
-from ropewalk.model.law import Hooke, Inextensible, Law, Polynomial, SecondPiolaKirchhoff, Tabulated, TensionOnly
+from ropewalk.model.law import (
+    Hooke,
+    Inextensible,
+    Law,
+    Polynomial,
+    SecondPiolaKirchhoff,
+    Tabulated,
+    TensionOnly,
+    Webbing,
+)
 from ropewalk.model.limits import Limits
 from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, Load, MovingForce, Travelling
@@ -88,6 +98,7 @@ __all__ = [
     "Harmonic",
     "Haul",
     "Hooke",
+    "Hysteresis",
     "Inextensible",
     "InnerElastic",
     "InnerFixed",
@@ -152,6 +163,7 @@ __all__ = [
     "Trolley",
     "Vehicle",
     "Walker",
+    "Webbing",
     "Wheel",
     "Wind",
 ]

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, Variants, report
-from ropewalk.model.quantity import TableForce, TableStrain
+from ropewalk.model.quantity import Factor, TableForce, TableStrain
 
 
 class Hooke(Declaration):
@@ -75,13 +75,47 @@ class Tabulated(Declaration):
         return self
 
 
+WEBBINGS = {"pinkTube": 0.18, "halfMarathon": 0.04}
+"""Stretch of webbings at 10 kN as slacktivity.com prints it on the page "Forces in Highlining"."""
+REFERENCE_TENSION = 10e3  # N, tension at which riggers tell how far webbing stretches
+
+
+class Webbing(Declaration):
+    """T = 10 kN eps/stretch where eps > 0, told as riggers do; without `axial_stiffness` beside it.
+
+    By `name`: pinkTube 18 %, halfMarathon 4 % (slacktivity.com, Forces in Highlining). Others by their `stretch`.
+    """
+
+    kind: Literal["webbing"] = "webbing"
+    stretch: Factor | None = Field(default=None, description="strain at 10 kN (0.18 or 18 %)")
+    name: Literal["pinkTube", "halfMarathon"] | None = Field(default=None, description="of a webbing that is known")
+
+    @model_validator(mode="after")
+    def _known(self) -> Self:
+        findings = []
+        if self.stretch is None and self.name is None:
+            remedy = f"add stretch, for example 18 %, or a name: {', '.join(WEBBINGS)}"
+            findings.append(Finding((), "the stretch at 10 kN is not known", remedy=remedy))
+        if self.stretch is not None and self.name is not None:
+            findings.append(Finding(("stretch",), "stretch and name exclude each other", remedy="give one of them"))
+        report("webbing", findings)
+        return self
+
+    @property
+    def axial_stiffness(self) -> float:
+        """EA in N."""
+        return REFERENCE_TENSION / (self.stretch if self.name is None else WEBBINGS[self.name])  # type: ignore[operator]
+
+
 class Inextensible(Declaration):
     """eps = 0 wherever the line pulls: the tension is what keeps it so. Lines without bending stiffness."""
 
     kind: Literal["inextensible"] = "inextensible"
 
 
-Law = Annotated[Hooke | TensionOnly | SecondPiolaKirchhoff | Polynomial | Tabulated | Inextensible, Variants("law")]
+Law = Annotated[
+    Hooke | TensionOnly | SecondPiolaKirchhoff | Polynomial | Tabulated | Webbing | Inextensible, Variants("law")
+]
 """Any axial law."""
 
-LAWS_WITH_OWN_STIFFNESS = (Polynomial, Tabulated, Inextensible)
+LAWS_WITH_OWN_STIFFNESS = (Polynomial, Tabulated, Webbing, Inextensible)

@@ -13,6 +13,7 @@ from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.cut import Cut, check_cut
 from ropewalk.model.damping import Damping
 from ropewalk.model.history import rows
+from ropewalk.model.hysteresis import Hysteresis, check_hysteresis
 from ropewalk.model.inner_support import InnerSupport
 from ropewalk.model.joint import Joined, Sheave
 from ropewalk.model.law import LAWS_WITH_OWN_STIFFNESS, Hooke, Inextensible, Law
@@ -62,6 +63,9 @@ class Line(Declaration):
     )
     law: Law = Field(default=Hooke(), description="tension as a function of strain")
     axial_damping: AxialDamping = Field(default=0.0, description="Kelvin-Voigt c: T = T(eps) + c eps_t")
+    hysteresis: Hysteresis | None = Field(
+        default=None, description="what unloading gives back less than loading has taken; in motions"
+    )
     bending_stiffness: BendingStiffness = Field(default=0.0, description="EI; used by kind: linear and dynamic")
     foundation: BedStiffness = Field(
         default=0.0, description="of an elastic bed, per length; used by kind: linear and dynamic"
@@ -103,6 +107,8 @@ class Line(Declaration):
         if self.cut is not None:
             places = {name: support.at for name, support in self.supports.items()}
             own += tuple(check_cut(self.cut, self.length, self.distance, places))
+        if self.hysteresis is not None:
+            own += tuple(check_hysteresis(self.hysteresis, self.law, self.axial_stiffness))
         own += tuple(check_segments(self.segments, self.length or self.distance, bends=bool(self.bending_stiffness)))
         report("line", [*contradictions(given, self.law.kind), *own])
         return self

@@ -95,10 +95,15 @@ class Parts:
         return any(line is not None and line.cut is not None for line in self.lines.values())
 
     @property
+    def has_hysteresis(self) -> bool:
+        """Whether a line gives back less than it has taken."""
+        return any(line is not None and line.hysteresis is not None for line in self.lines.values())
+
+    @property
     def is_for_the_system(self) -> bool:
         """Whether there is what no other engine knows."""
         kinds = self.has_profile, self.has_segments, self.has_saddles, self.has_cut, self.has_sprung_brake
-        return any(kinds) or self.has_carriages or self.has_hoists or bool(self.tracks)
+        return self.has_hysteresis or any(kinds) or self.has_carriages or self.has_hoists or bool(self.tracks)
 
     @property
     def has_sprung_brake(self) -> bool:

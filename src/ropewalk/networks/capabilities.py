@@ -29,7 +29,7 @@ AT_REST = Capabilities(
     _NETWORKS,
     only={
         "run.kind": ("quasistatic", "equilibrium"),
-        "lines.law.kind": ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table"),
+        "lines.law.kind": ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table", "webbing"),
         "lines.bending_stiffness": (0.0,),
         "lines.foundation": (0.0,),
         "loads.kind": ("force", "mass"),

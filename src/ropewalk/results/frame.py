@@ -27,6 +27,7 @@ ENERGY_FORMS = (
     "load_potential",  # of the loads: of their weights, zero at z = 0, and stored in their springs
     "load_damping",  # dissipated in dampers of the loads and by drag of the air, since the start
     "friction",  # lost to friction and brakes along the lines, since the start
+    "hysteresis",  # lost in lines whose unloading gives back less than loading has taken, since the start
     "drive_work",  # done by drives and drivers since the start
     "imbalance",  # what the audit misses: zero for an exact solution
 )

@@ -26,11 +26,12 @@ def ropeway_summary(dataset: xr.Dataset) -> dict[str, Any]:
     """Give what ropeways are judged by, over the output instants, under `carriages`, `saddles` and `clearance`.
 
     For each carriage: `wheel_load`, the largest and the least force of a wheel across its rope, N, positive if it
-    presses; `tension_ratio`, the least tension of the rope over the load of a wheel on it; `sway` and `side_sway`, the
-    largest angles of the hanger from the vertical along the line and to the side, rad; `pull` of its hauling rope at
-    the carriage and `drive_tension` at the drive, largest and least, N. For each saddle: `deflection`, the largest and
-    the least angle by which the rope turns over it, rad, 0 where it has lifted. `clearance`: the least height over the
-    ground of `outputs.ground` of lines and of floors of cabins, m.
+    presses; `tension_ratio`, the least tension of the rope over the load of a wheel on it; `transverse_ratio`, over
+    the force of all wheels of it together; `sway` and `side_sway`, the largest angles of the hanger from the vertical
+    along the line and to the side, rad; `pull` of its hauling rope at the carriage and `drive_tension` at the drive,
+    largest and least, N. For each saddle: `deflection`, the largest and the least angle by which the rope turns over
+    it, rad, 0 where it has lifted. `clearance`: the least height over the ground of `outputs.ground` of lines and of
+    floors of cabins, m.
 
     Args:
         dataset: a result.
@@ -66,11 +67,14 @@ def _carriage(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage
     tension = dataset["contact_tension"].values[:, wheels].min(axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(across > 0.0, tension / across, np.nan)
+        whole = across.sum(axis=1)  # NaN while a wheel is off the line
+        transverse = _both(np.where(whole > 0.0, tension.min(axis=1) / whole, np.nan), "1", dataset)
     of = [str(contact).partition(".")[2] for contact in dataset["load"].values[wheels]]
     least = _both(ratio, "1", dataset, of)
     found: Summary = {
         "wheel_load": _both(across, "N", dataset, of),
         "tension_ratio": None if least is None else least["min"],
+        "transverse_ratio": None if transverse is None else transverse["min"],
     }
     bodies = dataset["body"].values.tolist()
     if load.cabin is not None:

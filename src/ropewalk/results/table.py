@@ -28,6 +28,7 @@ ENERGY_LABELS = {
     "load_potential": "potential, of the loads",
     "load_damping": "dissipated in loads and air",
     "friction": "dissipated by friction",
+    "hysteresis": "dissipated by hysteresis",
     "drive_work": "work of drives",
 }
 
@@ -414,6 +415,8 @@ def _carriage_rows(name: str, carriage: Summary, say: Column) -> Iterator[Row]:
     if (least := carriage["tension_ratio"]) is not None:
         where = "  ".join((f"wheel {least['of']}", *_when(least)))
         yield "least tension over wheel load", number(least["value"], 3), where
+    if (least := carriage["transverse_ratio"]) is not None:
+        yield "least tension over transverse force", number(least["value"], 3), "  ".join(_when(least))
     for key, what in (("sway", "sway along the line"), ("side_sway", "sway to the side")):
         if (entry := carriage.get(key)) is not None:
             yield what, say.span(entry["min"]["value"], entry["max"]["value"], "rad"), ""

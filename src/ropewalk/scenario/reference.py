@@ -24,7 +24,7 @@ SECTIONS = {
     "Rails, sleepers and ballast": ("track",),
     "Nets and membranes": ("net",),
     "Wind": ("wind",),
-    "Laws": ("law",),
+    "Laws": ("law", "hysteresis"),
     "Supports": ("support", "saddle"),
     "Supports between the ends of a line": ("inner_support",),
     "Loads": ("load", "mass", "oscillator", "trolley", "vehicle"),

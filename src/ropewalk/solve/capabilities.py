@@ -69,7 +69,7 @@ MOTION = Capabilities(
         "run.geometry": ("nonlinear",),
         "run.sample": (None,),
         "run.axial_inertia": (1.0,),
-        "lines.law.kind": ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table"),
+        "lines.law.kind": ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table", "webbing"),
         "loads.contact": ("clamped", "frictionless"),
     },
     instead={

@@ -31,6 +31,7 @@ from ropewalk.system.constrained import lent, nearly
 from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
 from ropewalk.system.feet import is_led, steps_by_table, with_steps
 from ropewalk.system.friction import NOT, STANDS
+from ropewalk.system.hysteresis import packed_of
 from ropewalk.system.overhead_lines import overhead_lines_of
 from ropewalk.system.profile import Profiles
 from ropewalk.system.restraints import restraints_of
@@ -61,6 +62,7 @@ class _Cable(NamedTuple):
     width: float = 0.0  # m
     ends: tuple[Array, Array] | None = None  # (axis,) m
     clamped: tuple[bool, bool] = (False, False)
+    hysteresis: Array = np.zeros(1)
 
     @staticmethod
     def of(line: Line, axes: tuple[str, ...]) -> _Cable:
@@ -71,7 +73,7 @@ class _Cable(NamedTuple):
         return _Cable(
             pack(line.law, line.axial_stiffness), line.mass, line.alpha, line.axial_damping,
             line.bending_stiffness or 0.0, line.foundation or 0.0, line.wind_drag,
-            (components(line.start, axes), components(line.end, axes)), (one, other),
+            (components(line.start, axes), components(line.end, axes)), (one, other), packed_of(line),
         )  # fmt: skip
 
 
@@ -164,6 +166,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     if nets is not None:
         nets.lump(mass, lag)
     width = max((cable.law.size for cable in own), default=1)
+    lags = max((cable.hysteresis.size for cable in own), default=1)
     runs = Runs(
         np.array(first, dtype=np.int64), np.array(links, dtype=np.int64), np.array(h),
         np.array([cable.mass for cable in own]),
@@ -173,6 +176,7 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
         np.zeros((len(links), 2, 2)),
         np.array([float(name in scenario.lines) for name, *_ in sections] + [0.0] * len(ways)),
         np.array([0.0] * len(sections) + [way.firm for way in ways]), np.tile(np.eye(dim)[0], (len(links), 1)),
+        np.array([np.pad(one.hysteresis, (0, lags - one.hysteresis.size)) for one in own]).reshape(len(own), lags),
     )  # fmt: skip
     restraints = restraints_of(scenario, laid, sections, original, gravity, until, axes, nets)
     light = np.divide(1.0, mass, out=np.zeros(n), where=mass > 0.0)

@@ -23,6 +23,7 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.compliance import ARC, SHORT_ARC, SMOOTH
+from ropewalk.system.hysteresis import let_off, stored_in_hysteresis
 from ropewalk.system.inertia import hold_back
 from ropewalk.system.segments import bed_at, stiffness_at, stiffness_within, vary
 from ropewalk.system.sheaves import add_wind_over, exist
@@ -241,9 +242,9 @@ def add_internal_forces(structure, buffers, r, dt):
         dt: s, since strains were looked at before; 0: nothing has moved since.
 
     Returns:
-        Power that Kelvin-Voigt damping takes, W.
+        Power that Kelvin-Voigt damping takes, W, and what hysteresis has lost since strains were looked at before, J.
     """
-    runs, about, last, lost, s = structure.runs, structure.about, r.shape[0] - 1, 0.0, 0
+    runs, about, last, lost, rubbed, s = structure.runs, structure.about, r.shape[0] - 1, 0.0, 0.0, 0
     small = about.links.size > 0
     while s < runs.first.size:
         end = _alike(structure, s)
@@ -255,6 +256,9 @@ def add_internal_forces(structure, buffers, r, dt):
         else:
             _tensions(runs.law[s], buffers.strain, buffers.tension, begin, n)
         for j in range(s, end + 1):
+            if runs.hysteresis[j, 0] > 0.0:
+                rubbed += let_off(runs.hysteresis[j], h, buffers.strain, buffers.lag, buffers.tension, runs.first[j],
+                                  runs.links[j], dt)  # fmt: skip
             if runs.damping[j] > 0.0:
                 lost += _add_drag(runs.damping[j], h, buffers.strain, buffers.before, buffers.rate, buffers.tension,
                                 runs.first[j],
@@ -291,7 +295,7 @@ def add_internal_forces(structure, buffers, r, dt):
                     k = part * h * bed_at(structure.segments, runs, j, i)
                     buffers.force[last, i] -= k * (r[last, i] - structure.nodes.level[i])
         s = end + 1
-    return lost
+    return lost, rubbed
 
 
 @lean_inner
@@ -324,6 +328,8 @@ def energy_of(structure, buffers, r):
                 total += _stored_little(structure, buffers, r, i, s)
             else:
                 total += h * law.stored(runs.law[s], buffers.strain[i])
+            if runs.hysteresis[s, 0] > 0.0:
+                total += h * stored_in_hysteresis(runs.hysteresis[s], buffers.strain[i], buffers.lag[0, i])
         if runs.bending[s] > 0.0:
             stiff, segments = 0.5 / h**3, structure.segments
             for a in range(last + 1):

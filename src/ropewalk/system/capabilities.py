@@ -38,6 +38,8 @@ def _only_lines(parts: Parts) -> Iterator[Finding]:
             yield from _of_segments(name, line)
         if line is not None and line.cut is not None:
             yield from _of_cuts(name, line, run)
+        if line is not None and line.hysteresis is not None:
+            yield from _of_hysteresis(name, line, run)
         if line is not None and line.sheaves:
             yield from _over_sheaves(name, line, parts)
         if line is not None and line.saddles:
@@ -135,6 +137,22 @@ def _of_cuts(name: str, line: Line, run: object) -> Iterator[Finding]:
     if run.start.kind == "result":
         remedy = "start at rest, or from a mode"
         yield missing(path, "runs that begin from a result", "a block", remedy, feature="a cut")
+    if run.geometry == "linearised":
+        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
+    yield from _by_steps(run, what)
+
+
+def _of_hysteresis(name: str, line: Line, run: object) -> Iterator[Finding]:
+    """Equilibria are on the curve of loading; elsewhere it is the history of strain that decides."""
+    path, what = ("lines", name, "hysteresis"), "lines with hysteresis"
+    if line.sheaves:
+        yield missing(("lines", name, "sheaves"), what, remedy="end the line at the sheave, or leave hysteresis out")
+    if isinstance(run, Quasistatic | Linear):
+        yield missing(path, "all but motions and equilibria", "a block", _DYNAMIC, feature="hysteresis")
+    if not isinstance(run, Dynamic):
+        return
+    if run.start.kind == "result":  # which does not hold how far its links have been let off
+        yield missing(path, "runs that begin from a result", "a block", "start at rest", feature="hysteresis")
     if run.geometry == "linearised":
         yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
     yield from _by_steps(run, what)
@@ -331,7 +349,7 @@ def _of_tracks(parts: Parts) -> Iterator[Finding]:
 
 
 _LINEAR, _DYNAMIC = "kind: linear", "ask for kind: dynamic"
-_LAWS = ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table")
+_LAWS = ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table", "webbing")
 _MORE = (
     _accuracy, _only_lines, _over_profiles, _overhead, _inextensible, _in_a_window, _joined_between_nodes, _of_loads,
     _of_tracks, _on_nets, supported_by_tension, of_methods,

@@ -190,7 +190,7 @@ def _tension_under(structure, buffers, contacts, k, kink):
             square = buffers.length[contacts[k].link[j]] ** 2 + 2.0 * (q * kink + contacts[k].beside[j])
             length = np.sqrt(square)
             strain = length / contacts[k].h[j] - 1.0
-            own = h * law.tension(p, strain) / length
+            own = h * (law.tension(p, strain) - buffers.lag[0, contacts[k].link[j]]) / length
             T += q * own
             slope += q * q * (law.tangent(p, strain) * h / contacts[k].h[j] - own) / square
     return T, slope

@@ -25,6 +25,7 @@ from ropewalk.system.structure import (
     DAMPED,
     DRIVEN,
     IN_BODIES,
+    LAGGED,
     LOADED,
     MOVED,
     RESTRAINED,
@@ -324,7 +325,7 @@ class FrameBuilder:
             load_potential=potential, line_damping=work[DAMPED], load_work=work[LOADED],
             hold_work=work[RESTRAINED] + 2.0 * swept, support_work=work[MOVED] + moved_by,
             load_damping=work[IN_BODIES], contact_dissipation=work[STRUCK] - work[CARRIED] + swept,
-            friction=work[RUBBED], drive_work=work[DRIVEN],
+            friction=work[RUBBED], drive_work=work[DRIVEN], hysteresis=work[LAGGED],
         )  # fmt: skip
 
 

@@ -67,7 +67,7 @@ def _pressed(structure, buffers, contacts, state, table, out, k, hold):
         for j in range(3):
             link, q = contacts[k].link[j], contacts[k].part[j]
             longer = np.sqrt(buffers.length[link] ** 2 + 2.0 * max(q, 0.0) * contacts[k].kink)
-            own = law.tension(structure.runs.law[run], longer / contacts[k].h[j] - 1.0)
+            own = law.tension(structure.runs.law[run], longer / contacts[k].h[j] - 1.0) - buffers.lag[0, link]
             T += q * own
             stretch += q * longer / contacts[k].h[j]
             turned += contacts[k].change[j] / h * contacts[k].kink / max(longer, 1e-300) * own

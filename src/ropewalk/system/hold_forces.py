@@ -69,7 +69,8 @@ class FrictionDemand(NamedTuple):
         inside, on_net = (s > 0.0) & (s < structure.lines.length[contacts["line"]]), runs.firm[run] > 0.0
         square = (way * way).sum(axis=1)
         on_line = 1.0 + law.strains(runs.law[run], 0.5 * pull)
-        along = -contacts["push"] / np.where(on_net, np.sqrt(square), on_line)
+        lags = runs.hysteresis[run, 0] > 0.0  # its strain is no function of its tension
+        along = -contacts["push"] / np.where(on_net | lags, np.sqrt(square), on_line)
         part = (N * way).sum(axis=1) / np.where(square > 0.0, square, 1.0)
         across = np.linalg.norm(N - part[:, None] * way, axis=1)
         whole = pull + 2.0 * bending_of(structure, contacts) / runs.h[run] ** 2

@@ -29,7 +29,7 @@ from ropewalk.system.sheaves import (
     stored_at,
     stretch_over,
 )
-from ropewalk.system.structure import CARRIED, DAMPED, DRIVEN, LOADED, MOVED, RESTRAINED, RUBBED, STRUCK
+from ropewalk.system.structure import CARRIED, DAMPED, DRIVEN, LAGGED, LOADED, MOVED, RESTRAINED, RUBBED, STRUCK
 from ropewalk.system.surfaces import add_surface_forces, damp_surfaces, distribute_forces, follow, is_damped, stored_in
 from ropewalk.system.tethers import gap, grow, hoist
 from ropewalk.system.ties import add_tie_forces, are_damped, damp_ties, stored_in_ties, tie_up
@@ -101,7 +101,8 @@ def _look(structure, buffers, contacts, tables, bodies, state, table, out, dt, s
                     stored += 0.5 * contacts[k].d[a] ** 2 * contacts[k].firm
                 if contacts[k].travel == FREE and contacts[k].spring > 0.0:
                     stored += pressed_energy(contacts, k, state.s[k])
-    lost, blown = add_internal_forces(structure, buffers, state.r, since), 0.0
+    (lost, rubbed), blown = add_internal_forces(structure, buffers, state.r, since), 0.0
+    state.work[LAGGED] += rubbed
     add_contact_forces(structure, buffers, contacts, state, table, out)
     distribute_forces(structure.surfaces, buffers.force)
     add_surface_forces(structure.surfaces, state.r, buffers.force)

@@ -123,7 +123,7 @@ def _as_runs(runs: Sequence[_WireRun], axes: int) -> Runs:
         np.array([run.first for run in runs], dtype=np.int64), np.array([run.links for run in runs], dtype=np.int64),
         np.array([run.h for run in runs]), column("mass"), np.array(laws), np.zeros(n), column("bending_stiffness"),
         np.zeros(n), np.zeros(n), np.zeros((n, 2), dtype=np.int64), np.zeros((n, 2, axes)), np.zeros((n, 2, 2)),
-        np.ones(n), np.zeros(n), np.eye(axes)[:1].repeat(n, axis=0),
+        np.ones(n), np.zeros(n), np.eye(axes)[:1].repeat(n, axis=0), np.zeros((n, 1)),
     )  # fmt: skip
 
 

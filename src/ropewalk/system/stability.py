@@ -97,7 +97,7 @@ def _strained(structure: Structure, r: Array, s: int) -> tuple[Array, Array]:
     part = slice(runs.first[s], runs.first[s] + runs.links[s] + 1)
     length = np.sqrt((np.diff(r[:, part], axis=1) ** 2).sum(axis=0))
     strain = np.concatenate([length / runs.h[s] - 1.0, [0.0]])
-    return law.tangents(runs.law[s], strain), law.tensions(runs.law[s], strain)
+    return law.tangents(runs.law[s], strain) + runs.hysteresis[s, 0], law.tensions(runs.law[s], strain)
 
 
 def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list[tuple[float, float]]:

@@ -41,6 +41,7 @@ class Runs(NamedTuple):
     arcs: Array  # 1: links are arcs; 0: chords, as the edges of the cells beside them
     firm: Array  # N/m, stiffness of contacts on a way on a net; 0: it is a cable
     ahead: Array  # (run, axis) unit vector, level, along which a horizontal force holds contacts
+    hysteresis: Array  # (run, parameter) see hysteresis.py; 0 first: none
 
 
 class Nodes(NamedTuple):
@@ -241,6 +242,7 @@ class Buffers(NamedTuple):
     pull: Array  # N/m, tension over length; of what is linearised, at rest
     moment: Array  # N, of one component
     path: Array  # m, length of a line up to each of its nodes
+    lag: Array  # (2, node) N, by which hysteresis has tensions below the curve of loading; strain at the last look
     bent: Array  # (axis, node) m, second difference
     force: Array  # (axis, node) N
     air: Array  # (axis, node) N, of the wind
@@ -252,7 +254,7 @@ class Buffers(NamedTuple):
     def of(structure: Structure, axes: int) -> Buffers:
         """Room of the right size."""
         n, restrained = structure.nodes.mass.size, structure.restraints.mass.size
-        sizes = [(n,)] * 9 + [(axes, n)] * 4 + [(restrained, axes)]
+        sizes = [(n,)] * 9 + [(2, n)] + [(axes, n)] * 4 + [(restrained, axes)]
         parts: list[Any] = [*(np.zeros(size) for size in sizes), Tight.of(structure, axes)]
         buffers = Buffers(*parts)
         if structure.taut is not None:
@@ -282,5 +284,5 @@ class SystemState(NamedTuple):
 
 
 # Entries of `work`.
-DAMPED, LOADED, RESTRAINED, MOVED, IN_BODIES, STRUCK, CARRIED, RUBBED, DRIVEN = range(9)
-WORKS = 9
+DAMPED, LOADED, RESTRAINED, MOVED, IN_BODIES, STRUCK, CARRIED, RUBBED, DRIVEN, LAGGED = range(10)
+WORKS = 10
