@@ -329,7 +329,7 @@ def _among(
 
     def factorised(R: Array) -> Solve:
         yielding = hanging(R)[1]
-        return lambda gap: np.linalg.solve(yielding, gap)
+        return lambda gap: np.asarray(np.linalg.solve(yielding, gap), dtype=np.float64)
 
     return hanging(rests.settle(found, lambda R: hanging(R)[0], factorised))[2]
 
