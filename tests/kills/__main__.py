@@ -1,4 +1,8 @@
-"""Kill commands at random moments, in the folder of tests: `python -m kills COUNT [SEED]`; tells what went wrong."""
+"""Kill at random moments, in the folder of tests; tells what went wrong.
+
+`python -m kills COUNT [SEED]` kills commands, `python -m kills cluster COUNT [SEED]` workers, schedulers and commands
+of sweeps on a Dask cluster.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,11 @@ from collections import Counter
 from pathlib import Path
 from random import Random
 
+from kills import cluster
 from kills.commands import SCENARIOS, lasting, trial
+
+KILLS = 8
+"""In a sweep."""
 
 
 def main(count: int, seed: int) -> int:
@@ -29,5 +37,28 @@ def main(count: int, seed: int) -> int:
     return int(wrong > 0)
 
 
+def on_a_cluster(count: int, seed: int) -> int:
+    """As many kills during sweeps on a cluster; 1 if one of these is not what it is without."""
+    chance, wrong, done, sweeps = Random(seed), 0, Counter[str](), 0
+    with tempfile.TemporaryDirectory() as folder:
+        right = cluster.whole(Path(folder) / "whole")
+        one = cluster.Cluster(Path(folder) / "cluster")
+        try:
+            while done.total() < count:
+                killed, found = cluster.trial(Path(folder) / str(sweeps), one, chance, KILLS)
+                done, sweeps = done + killed, sweeps + 1
+                wrong += found != right
+                print(
+                    f"sweep {sweeps}: killed {dict(killed)}; {'' if found == right else found or 'differs'}", flush=True
+                )
+        finally:
+            one.close()
+    print(f"seed {seed}: {done.total()} kills ({dict(done)}) during {sweeps} sweeps, {wrong} of them wrong")
+    return int(wrong > 0)
+
+
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 0))
+    words = sys.argv[1:]
+    call = on_a_cluster if words[0] == "cluster" else main
+    numbers = [int(word) for word in words if word != "cluster"]
+    sys.exit(call(numbers[0], numbers[1] if len(numbers) > 1 else 0))

@@ -12,6 +12,7 @@ import ropewalk
 import sweep_cases as cases
 from ropewalk.errors import ScenarioError
 from ropewalk.model import Sweep
+from ropewalk.results import named_numbers
 from ropewalk.sweeps import sweeping
 from ropewalk.sweeps.case import Case, computed
 from ropewalk.sweeps.quantities import measured
@@ -74,6 +75,24 @@ def test_each_case_is_the_run_with_its_values(counted):
 )
 def test_quantities_are_those_of_the_summary_and_of_the_series(result, name, value):
     assert measured(result, [name])[name][0] == pytest.approx(float(value(result)), rel=1e-12)
+
+
+def test_only_what_is_asked_for_is_looked_up_in_results_alike(result, monkeypatch):
+    names = ["max tension", "min contact_force", "mean man.force.z"]
+    whole = measured(result, names)
+    looked = []
+
+    def noted(dataset, only=None):
+        looked.append(only)
+        return named_numbers(dataset, only)
+
+    monkeypatch.setattr("ropewalk.sweeps.quantities.named_numbers", noted)
+    assert measured(result, names) == whole
+    assert looked == [{"largest_tension", "contacts"}]
+    few = named_numbers(result, {"largest_tension"})
+    assert {name.partition(".")[0] for name in few} == {"largest_tension"}
+    assert few.items() <= named_numbers(result).items()
+    assert named_numbers(result, {"what only some have"}) == named_numbers(result)
 
 
 @pytest.mark.parametrize(

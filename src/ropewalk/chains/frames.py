@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from ropewalk.chains import many_frames as many
 from ropewalk.chains.load_states import (
     StrandPoints,
     contact_state,
@@ -47,6 +49,7 @@ from ropewalk.mechanics.law import stored_total, tensions
 from ropewalk.mechanics.moving_contact import force_at, link_of, part_of, speed_at
 from ropewalk.results.audit import Audit
 from ropewalk.results.frame import MOVES, STICKS, Contacts, Frame, Layout, uniform
+from ropewalk.results.frames import Frames
 from ropewalk.solve.ends import drives_at, ends_of
 from ropewalk.solve.hold_forces import coefficient_used
 from ropewalk.solve.start import PreparedRun, onward
@@ -195,6 +198,8 @@ class ChainFrameBuilder:
 
     def __init__(self, setting: PreparedRun, bodies: Bodies | None = None) -> None:
         self.setting, self.bodies = setting, bodies
+        # Whether frames of many instants are built at once: supports do not move, and nothing has a mass of its own.
+        self.together = bodies is None and ends_of(setting.strands, setting.supports) is None
         self._weightless = bodies is not None and are_weightless(bodies)
         self._audit = Audit()
         self._work: Array | None = None  # at the first frame, J
@@ -278,6 +283,29 @@ class ChainFrameBuilder:
             reaction=reaction,
             energy=self._audit.of(**_of_lines(setting, state, segments.elastic, w), **of_loads, **self._works(state)),
         )
+
+    def build_many(self, notes: Sequence[ChainState]) -> Frames:
+        """The frames of some states that follow one another, see `many_frames.py`."""
+        setting, states = self.setting, many.ManyStates.of(notes)
+        links, (r, w) = many.ManyLinks.of(setting, states), many.material_nodes(setting, states)
+        since, impulse = np.append(self._restrained[0], states.t), np.vstack([self._restrained[1], states.hold])
+        step, pushed = np.diff(since)[:, None], np.diff(impulse, axis=0)
+        mean_hold = np.where(step > 0.0, pushed / np.where(step > 0.0, step, 1.0), 0.0)
+        self._restrained = float(since[-1]), impulse[-1].copy()
+        self._work = states.work[0].copy() if self._work is None else self._work
+        works = {form: states.work[:, at] - self._work[at] for form, at in _WORKS.items()}
+        reaction = many.reactions(setting, links)
+        seen = many.contacts(setting, states, links, mean_hold, reaction)
+        nothing = np.zeros((len(notes), 0, r.shape[1]))
+        return Frames(
+            states.t,
+            {
+                "position": r.swapaxes(1, 2), "velocity": w.swapaxes(1, 2),
+                "tension": many.links_only(setting, links.T), "strain": many.links_only(setting, links.eps),
+                **seen.fields(), "body_position": nothing, "body_velocity": nothing, "reaction": reaction,
+                "energy": self._audit.of(**many.energies_of_lines(setting, states, links.elastic, w), **works),
+            },
+        )  # fmt: skip
 
     def _of_body(
         self, state: ChainState, bodies: Bodies, segments: _Segments, k: int, mean_hold: float, reaction: Array

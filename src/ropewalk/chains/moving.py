@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
+from typing import Any
 
 from ropewalk.chains.beginning import initial_state
 from ropewalk.chains.frames import ChainFrameBuilder, layout_of
-from ropewalk.checkpoint import Tree
+from ropewalk.checkpoint import Tree, copied
 from ropewalk.controllers.assembly import controllers_of
 from ropewalk.controllers.partner import Partner
 from ropewalk.external.cosimulation_master import begun
 from ropewalk.mechanics.bodies import are_weightless
-from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.chain import Array, ChainState
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.exchanges import external_in
@@ -108,22 +109,32 @@ class Chain:
         outcome, advice = progress.ending()
         return Ending(outcome, f"stopped at t = {state.t[0]:.6g} s: {advice}")
 
-    def note(self) -> Frame | None:
-        """The present frame; none where nothing of the motion can be trusted any more."""
+    def note(self) -> Frame | tuple[ChainState, bool] | None:
+        """The present frame, or what it is made of and whether the motion goes on; none where nothing of it can be
+        trusted any more."""
         status, begins = self.progress.status, self.state.t[0] <= 0.0
         if status == RUNNING or (status in (END_OF_LINE, MET, STOPPED) and not begins):
+            if self._builder.together:
+                return copied(self.state), status == RUNNING
             frame = self._builder.build(self.state)
-            self._remark(frame)
+            if status == RUNNING:
+                self._remark(frame)
             return frame
         return None
 
-    def frames(self, notes: Sequence[Frame]) -> Frames:
+    def frames(self, notes: Sequence[Any]) -> Frames:
         """The frames of some notes."""
-        return Frames.together(notes)
+        if not self._builder.together:
+            return Frames.together(notes)
+        frames = self._builder.build_many([state for state, _ in notes])
+        for frame, (_, goes_on) in zip(frames, notes, strict=True):
+            if goes_on:
+                self._remark(frame)
+        return frames
 
     def _remark(self, frame: Frame) -> None:
         """Note what one should know of a frame of the motion."""
-        if self.progress.status != RUNNING or frame.path <= 0.0:
+        if frame.path <= 0.0:
             return
         setting, run_info, bodies = self.setting, self.run_info, self.bodies
         self._warned = self._warned or _warn_of_compression(setting, frame, run_info)

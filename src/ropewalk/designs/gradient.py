@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ropewalk.capabilities import ROPES, WIRES, engine_of
 from ropewalk.designs.evaluation import Evaluation
-from ropewalk.designs.variables import Space, Variable, number_of
-from ropewalk.errors import Refused, RopewalkError, did_you_mean
-from ropewalk.model import Dynamic, Scenario
-from ropewalk.sweeps.case import FINE
+from ropewalk.designs.variables import Space, Variable
+from ropewalk.errors import Refused, RopewalkError, ScenarioError, did_you_mean
+from ropewalk.mechanics.chain import Array
+from ropewalk.model import Dynamic, Linear, Quasistatic, Scenario
+from ropewalk.model.load import MovingForce
+from ropewalk.model.mesh import is_asked_for
+from ropewalk.solve.sensitivity import NotBesideError, Rests
+from ropewalk.sweeps.case import FINE, Case, check_record, run
 from ropewalk.sweeps.keys import leaves, short_names, unit_at
 from ropewalk.sweeps.parameters import refuse
+from ropewalk.sweeps.quantities import Measured
 from ropewalk.sweeps.store import Store
 from ropewalk.units import to_si
 
@@ -24,6 +31,23 @@ if TYPE_CHECKING:
 
 STILL, MOVING = 1e-3, 1e-2
 """Steps of rest and linear theory, and of motions, whose extremes jump from one output instant to another."""
+DIRECT = (1e-4, 1e-3, 1e-5, 1e-6)
+"""Steps of what is differentiated directly, or follows from closed forms, where there is no error of solving: the first
+one, a larger one where rounding is felt, smaller ones where equilibria change too much with that."""
+CLOSE = 1e-8
+"""Error over the derivative that is close enough."""
+_HALVED = {"direct": 2, "differences": 1}  # times: a second time where that costs little, for a close error
+_ROUNDING = 64.0 * np.finfo(np.float64).eps  # of a quantity
+
+
+@dataclass(frozen=True)
+class _Found:
+    """Derivatives (quantity, key), and what the runs that they come of say."""
+
+    slopes: Array
+    errors: Array
+    units: list[str]  # of the quantities
+    doubts: list[str]
 
 
 def gradient(
@@ -37,20 +61,25 @@ def gradient(
 ) -> xr.Dataset:
     """Differentiate quantities of a run with respect to numbers of its scenario.
 
-    Central differences over a step and over half of it, and what both together say of a step of zero (L. F.
-    Richardson, 1911): its error is of the fourth order in the step. Four runs for each key, side by side.
+    Equilibria, and what is quasi-static, are solved once. Beside them they follow from the residual of the changed
+    equations and the factorised stiffness, one substitution for each (direct differentiation, see
+    `solve/sensitivity.py`): the route is "direct". Motions, and rests that do not follow (links that do not pull, loads
+    that slip or whose places are searched for on their way, wind, tensions of joined lines), are run beside:
+    "differences". Both are differenced over a step and over half of it, and what both together say of a step of zero
+    (L. F. Richardson, 1911) is told.
 
     Args:
         scenario: where.
         of: quantities, as `record` of a sweep has them.
         to: keys, with a number other than 0 at each.
-        step: as a part of the value at each key (default: 0.001, of motions 0.01).
-        store: file of JSON lines for the finished cases, shared with sweeps.
-        workers: processes (default: one for each core).
+        step: as a part of the value at each key, of differences (default: 0.001, of motions 0.01).
+        store: file of JSON lines for finished cases of differences, shared with sweeps.
+        workers: processes for differences (default: one for each core).
 
     Returns:
-        `gradient` and `error` over `quantity` and `key`, in SI units: d(quantity)/d(key). The error is what the half
-        step has changed: it also feels roundness and roughness, and is no bound.
+        `gradient` and `error` over `quantity` and `key`, in SI units: d(quantity)/d(key). The error is what half the
+        step has changed (of the direct route, half of both) and rounding: it also feels roundness and roughness, and is
+        no bound. The attribute `route` is "direct" or "differences", and `why` says why it is not direct.
 
     Raises:
         ScenarioError: a quantity or a key is unknown, or a key has no number.
@@ -60,38 +89,165 @@ def gradient(
 
     names = [part.strip() for part in of.split(",")] if isinstance(of, str) else list(of)
     keys = [to] if isinstance(to, str) else list(to)
-    step = (MOVING if isinstance(scenario.run, Dynamic) else STILL) if step is None else step
-    if not 0.0 < step < 0.5:
-        refuse("step", "is a part of the value at each key", f"{step:g}", "write for example 0.001")
-    space = _beside(scenario, keys, step)
-    points = []
-    for k in range(len(keys)):
-        for part in (0.0, 0.25, 0.75, 1.0):
-            point = space.own.copy()
-            point[k] = part
-            points.append(point)
-    with Store(None if store is None else Path(store)) as kept:
-        runs = Evaluation(scenario, space, {}, names, kept, workers)
-        found = runs.together(points)
-    for one in found:
-        if one.outcome.outcome not in FINE:
-            raise RopewalkError(f"there is no gradient: with {', '.join(one.settings)} {one.outcome.reason}")
-    slopes, errors = np.zeros((len(names), len(keys))), np.zeros((len(names), len(keys)))
-    for j, name in enumerate(names):
-        for k, variable in enumerate(space.variables):
-            low, near_low, near_high, high = (number_of(run.outcome, name) for run in found[4 * k : 4 * k + 4])
-            width = variable.high - variable.low
-            whole, half = (high - low) / width, (near_high - near_low) / (0.5 * width)
-            slopes[j, k], errors[j, k] = (4.0 * half - whole) / 3.0, abs(half - whole)
-    units = [next((run.outcome.values[name][1] for run in found), "") for name in names]
+    wanted = (MOVING if isinstance(scenario.run, Dynamic) else STILL) if step is None else step
+    if not 0.0 < wanted < 0.5:
+        refuse("step", "is a part of the value at each key", f"{wanted:g}", "write for example 0.001")
+    route, why = "direct", hinders(scenario) if step is None else "a step is given"
+    if not why:
+        try:
+            found = _direct(scenario, keys, names)
+        except NotBesideError as error:
+            why = str(error)
+    if why:
+        route, found = "differences", _by_runs(scenario, keys, wanted, names, store, workers)
+    units = [unit_at(tree_of(scenario), key) for key in keys]
     coordinates: dict[str, Any] = {
-        "quantity": names, "key": keys, "quantity_units": ("quantity", units), "key_units": ("key", list(space.units)),
+        "quantity": names, "key": keys, "quantity_units": ("quantity", found.units), "key_units": ("key", units),
     }  # fmt: skip
     dims = ("quantity", "key")
-    doubtful = sorted({doubt for run in found for doubt in run.outcome.doubts})
-    return xr.Dataset(
-        {"gradient": (dims, slopes), "error": (dims, errors)}, coordinates, {"step": step, "doubts": doubtful}
-    )
+    about = {"route": route, "why": why, "doubts": found.doubts} | ({"step": wanted} if why else {})
+    return xr.Dataset({"gradient": (dims, found.slopes), "error": (dims, found.errors)}, coordinates, about)
+
+
+def hinders(scenario: Scenario) -> str:
+    """Why a run is not differentiated directly, as far as its scenario tells; empty if nothing does."""
+    run, engine = scenario.run, engine_of(scenario)
+    if isinstance(run, Dynamic):
+        return "a motion"
+    if is_asked_for(scenario):
+        return "a mesh that is chosen"
+    if any(getattr(load, "contact", "clamped") != "clamped" for load in scenario.loads.values()):
+        return "loads that slip"
+    ways = (load.travel.measured for load in scenario.loads.values() if isinstance(load, MovingForce))
+    if isinstance(run, Quasistatic) and engine is ROPES and any(way != "material" for way in ways):
+        return "places that are searched for on the way"
+    if engine is ROPES or isinstance(run, Linear):
+        return ""
+    if scenario.wind is not None and not scenario.wind.is_calm:
+        return "wind"
+    if engine is not WIRES and any(line.length is None for line in scenario.lines.values()):
+        return "tensions of joined lines"
+    return ""
+
+
+def _direct(scenario: Scenario, keys: Sequence[str], names: Sequence[str]) -> _Found:
+    """The derivatives where equilibria follow from those of the scenario.
+
+    Raises:
+        NotBesideError: they do not.
+        ScenarioError: a quantity is unknown.
+        RopewalkError: a run has no value.
+    """
+    spaces, rests = {step: _beside(scenario, keys, step) for step in DIRECT}, Rests()
+    slopes, errors = np.zeros((len(names), len(keys))), np.full((len(names), len(keys)), np.inf)
+    doubts = set[str]()
+    with Store(None) as nothing:
+        evaluations = {step: Evaluation(scenario, space, {}, names, nothing) for step, space in spaces.items()}
+        case = Case.of(evaluations[DIRECT[0]].scenario_at(()), tuple(names))
+        check_record(case)
+
+        def look(case: Case, settings: Sequence[str]) -> Measured:
+            try:
+                with rests.running(again=bool(settings)):
+                    found = run(case)
+            except ScenarioError:
+                raise
+            except RopewalkError as error:
+                raise _none(settings, str(error)) from None
+            if found.outcome not in FINE:
+                raise _none(settings, found.reason)
+            doubts.update(found.doubts)
+            return found.values
+
+        def beside(k: int, step: float) -> list[Measured]:
+            out = []
+            for part in _parts("direct"):
+                settings = evaluations[step].settings(_point(spaces[step], k, part))
+                out.append(look(Case.of(evaluations[step].scenario_at(settings), case.record), settings))
+            return out
+
+        own = look(case, ())
+        for k in range(len(keys)):
+            too_much: NotBesideError | None = None
+            for step in DIRECT:
+                if too_much is None and (errors[:, k] <= CLOSE * np.abs(slopes[:, k])).all():
+                    break
+                try:
+                    found = beside(k, step)
+                except NotBesideError as problem:
+                    too_much = too_much or problem
+                    continue
+                for j, name in enumerate(names):
+                    slope, error = _extrapolated(found, name, spaces[step].variables[k], "direct")
+                    if error < errors[j, k] or not np.isfinite(slope):
+                        slopes[j, k], errors[j, k] = slope, error
+            if too_much is not None and not np.isfinite(errors[:, k]).all():
+                raise too_much
+    return _Found(slopes, errors, [own[name][1] for name in names], sorted(doubts))
+
+
+def _by_runs(
+    scenario: Scenario, keys: Sequence[str], step: float, names: Sequence[str],
+    store: str | os.PathLike[str] | None, workers: int | None,
+) -> _Found:  # fmt: skip
+    """The derivatives by runs beside the scenario.
+
+    Raises:
+        ScenarioError: a quantity is unknown.
+        RopewalkError: a run has no value.
+    """
+    space, parts = _beside(scenario, keys, step), _parts("differences")
+    points = [_point(space, k, part) for k in range(len(keys)) for part in parts]
+    with Store(None if store is None else Path(store)) as kept:
+        runs = Evaluation(scenario, space, {}, names, kept, workers).together(points)
+    for one in runs:
+        if one.outcome.outcome not in FINE:
+            raise _none(one.settings, one.outcome.reason)
+    values = [one.outcome.values for one in runs]
+    found = np.array([
+        [_extrapolated(values[len(parts) * k :][: len(parts)], name, variable, "differences") for name in names]
+        for k, variable in enumerate(space.variables)
+    ])  # fmt: skip
+    units = [next((one[name][1] for one in values), "") for name in names]
+    doubts = sorted({doubt for one in runs for doubt in one.outcome.doubts})
+    return _Found(found[:, :, 0].T, found[:, :, 1].T, units, doubts)
+
+
+def _parts(route: str) -> list[float]:
+    """Parts of the way between the ends of the whole step, below and above, for each of its halves."""
+    return [0.5 + side * 0.5**k for k in range(_HALVED[route] + 1) for side in (-0.5, 0.5)]
+
+
+def _extrapolated(found: Sequence[Measured], name: str, variable: Variable, route: str) -> tuple[float, float]:
+    """A derivative from quantities at `_parts`, and its error."""
+    values = np.array([_number(one, name) for one in found]).reshape(-1, 2)
+    width = variable.high - variable.low
+    quotients = (values[:, 1] - values[:, 0]) / (width * 0.5 ** np.arange(len(values)))
+    without = (4.0 * quotients[1:] - quotients[:-1]) / 3.0  # the second order in the step
+    better = without if route == "direct" else quotients
+    rounding = _ROUNDING * float(np.abs(values).max()) / width
+    return float(without[0]), abs(float(better[1] - better[0])) + rounding
+
+
+def _point(space: Space, k: int, part: float) -> Array:
+    point = space.own.copy()
+    point[k] = part
+    return point
+
+
+def _none(settings: Sequence[str], reason: str) -> RopewalkError:
+    beside = f"with {', '.join(settings)} " if settings else ""
+    return RopewalkError(f"there is no gradient: {beside}{reason}")
+
+
+def tree_of(scenario: Scenario) -> dict[str, Any]:
+    """All keys of a scenario with their values."""
+    return scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
+
+
+def _number(values: Measured, name: str) -> float:
+    value = values[name][0]
+    return float("nan") if value is None else value
 
 
 def _beside(scenario: Scenario, keys: Sequence[str], step: float) -> Space:
@@ -100,7 +256,7 @@ def _beside(scenario: Scenario, keys: Sequence[str], step: float) -> Space:
     Raises:
         ScenarioError: a key is unknown or has no number.
     """
-    tree = scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
+    tree = tree_of(scenario)
     stands = dict(leaves(tree))
     variables, units = [], []
     for key in keys:

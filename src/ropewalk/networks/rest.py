@@ -105,7 +105,7 @@ class _NetworkShape:
         self.potential, self.network = potential, potential.network
         self.size, self.is_symmetric = size_of(start), not potential.rubs
         self.energy, self.out_of_balance = potential.energy, potential.out_of_balance
-        self.stiffness, self.pattern = potential.stiffness, potential.pattern
+        self.stiffness, self.pattern, self.free = potential.stiffness, potential.pattern, potential.free
         self._slip = slip_of(self.network)
 
     def stability(self, r: Array) -> tuple[sparse.csc_matrix, Integers]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Collection, Iterator
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,7 @@ BLOCK_BYTES = 64e6  # a large result is read in pieces of this size
 Summary = dict[str, Any]
 
 
-def summary(dataset: xr.Dataset) -> Summary:
+def summary(dataset: xr.Dataset, only: Collection[str] | None = None) -> Summary:
     """Give the few numbers that describe a result; NaN (a load off its line) is left out, absent values are None.
 
     Every quantity is `{value, unit, ...}` with the place (`line`, `xi` in m, and where that is then: `x`, in space also
@@ -40,42 +40,90 @@ def summary(dataset: xr.Dataset) -> Summary:
 
     Args:
         dataset: a result, in memory or lazy.
+        only: entries that are wanted; others may be missing (default: all).
     """
-    name = path_name(dataset)
-    trains, crowds = train_summary(dataset), crowd_summary(dataset)
-    many = {*trains, *crowds}
-    loads = [pair for pair in enumerate(dataset["load"].values.tolist()) if pair[1].partition(".")[0] not in many]
-    supports = enumerate(dataset["support"].values.tolist())
-    found: Summary = {
-        "title": dataset.attrs.get("title", ""),
-        "outcome": dataset.attrs.get("outcome", ""),
-        "advice": dataset.attrs.get("advice", ""),
-        "doubts": list(doubts_of(dataset)),
-        "warnings": [text for text in str(dataset.attrs.get("warnings", "")).splitlines() if text],
-        "frames": dataset.sizes[name],
-        "simulated": _simulated(dataset),
-        "largest_tension": _extreme(dataset, "tension", np.nanmax),
-        "smallest_tension": _extreme(dataset, "tension", np.nanmin),
-        "largest_strain": _extreme(dataset, "strain", np.nanmax),
-        "smallest_strain": _extreme(dataset, "strain", np.nanmin),
-        "largest_sag": _furthest(dataset, sag),
-        "largest_sideways": _furthest(dataset, _aside) if "y" in dataset["axis"].values else None,
-        "lines": response_summary(dataset),
-        "nets": net_summary(dataset, blocks(dataset)),
-        "supports": {label: _vector(dataset, dataset["reaction"][:, k]) for k, label in supports},
-        "contacts": {label: _contact(dataset, k) for k, label in loads},
-        "trains": trains,
-        "crowds": crowds,
-        "payloads": payload_summary(dataset),
-        **ropeway_summary(dataset),
-        **contact_summary(dataset),
-        "exchanges": exchange_summary(dataset),
-        "energy": _energy(dataset),
-        "mesh": _mesh(dataset),
-        "method": _method(dataset),
-    }
+    entries = _entries(cast("xr.Dataset", _Looked(dataset)))
+    whole = only is None or not entries.keys() >= set(only)
+    wanted = [key for key in entries if whole or key in (only or ())]
+    found: Summary = {}
+    for key in wanted:
+        if key in _SPREAD:
+            found |= entries[key]()
+        else:
+            found[key] = entries[key]()
     plain: Summary = _plain(found)
     return plain
+
+
+_SPREAD = ("of ropeways", "of contacts")  # entries that are several
+
+
+def _entries(dataset: xr.Dataset) -> dict[str, Callable[[], Any]]:
+    """The parts of a summary in their order, each to be found when it is asked for."""
+    name = path_name(dataset)
+
+    def of_loads() -> Summary:
+        many = {*train_summary(dataset), *crowd_summary(dataset)}
+        loads = enumerate(dataset["load"].values.tolist())
+        return {label: _contact(dataset, k) for k, label in loads if label.partition(".")[0] not in many}
+
+    def of_supports() -> Summary:
+        supports = enumerate(dataset["support"].values.tolist())
+        return {label: _vector(dataset, dataset["reaction"][:, k]) for k, label in supports}
+
+    warnings = str(dataset.attrs.get("warnings", "")).splitlines()
+    return {
+        "title": lambda: dataset.attrs.get("title", ""),
+        "outcome": lambda: dataset.attrs.get("outcome", ""),
+        "advice": lambda: dataset.attrs.get("advice", ""),
+        "doubts": lambda: list(doubts_of(dataset)),
+        "warnings": lambda: [text for text in warnings if text],
+        "frames": lambda: dataset.sizes[name],
+        "simulated": lambda: _simulated(dataset),
+        "largest_tension": lambda: _extreme(dataset, "tension", np.nanmax),
+        "smallest_tension": lambda: _extreme(dataset, "tension", np.nanmin),
+        "largest_strain": lambda: _extreme(dataset, "strain", np.nanmax),
+        "smallest_strain": lambda: _extreme(dataset, "strain", np.nanmin),
+        "largest_sag": lambda: _furthest(dataset, sag),
+        "largest_sideways": lambda: _furthest(dataset, _aside) if "y" in dataset["axis"].values else None,
+        "lines": lambda: response_summary(dataset),
+        "nets": lambda: net_summary(dataset, blocks(dataset)),
+        "supports": of_supports,
+        "contacts": of_loads,
+        "trains": lambda: train_summary(dataset),
+        "crowds": lambda: crowd_summary(dataset),
+        "payloads": lambda: payload_summary(dataset),
+        "of ropeways": lambda: ropeway_summary(dataset),
+        "of contacts": lambda: contact_summary(dataset),
+        "exchanges": lambda: exchange_summary(dataset),
+        "energy": lambda: _energy(dataset),
+        "mesh": lambda: _mesh(dataset),
+        "method": lambda: _method(dataset),
+    }
+
+
+class _Looked:
+    """A dataset whose variables are put together once: that takes longer than to look at those of a small result."""
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self._dataset = dataset
+        self._known = dict[Any, Any]()
+
+    def __getitem__(self, name: Any) -> Any:
+        if not isinstance(name, str):
+            return self._dataset[name]
+        if name not in self._known:
+            self._known[name] = self._dataset[name]
+        return self._known[name]
+
+    def __contains__(self, name: Any) -> bool:
+        return name in self._dataset
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self._dataset)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._dataset, name)
 
 
 def blocks(dataset: xr.Dataset) -> Iterator[xr.Dataset]:
@@ -83,6 +131,9 @@ def blocks(dataset: xr.Dataset) -> Iterator[xr.Dataset]:
     name = path_name(dataset)
     frames = dataset.sizes[name]
     rows = max(1, int(BLOCK_BYTES // max(dataset.nbytes / max(frames, 1), 1)))
+    if 0 < frames <= rows:
+        yield dataset
+        return
     for first in range(0, frames, rows):
         yield dataset.isel({name: slice(first, first + rows)})
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -108,9 +108,14 @@ def series_table(dataset: xr.Dataset) -> pd.DataFrame:
     return _series(dataset, _chosen(dataset, None, None))
 
 
-def named_numbers(dataset: xr.Dataset) -> dict[str, tuple[float | None, str]]:
-    """The numbers of a summary by the names that they have in tables, with their units; absent ones are None."""
-    rows = _rows("", summary(dataset), "1")
+def named_numbers(dataset: xr.Dataset, only: Collection[str] | None = None) -> dict[str, tuple[float | None, str]]:
+    """The numbers of a summary by the names that they have in tables, with their units; absent ones are None.
+
+    Args:
+        dataset: a result.
+        only: entries of the summary that are wanted; others may be missing (default: all).
+    """
+    rows = _rows("", summary(dataset, only), "1")
     return {row["quantity"]: (row["value"], row["unit"]) for row in rows if "text" not in row}
 
 

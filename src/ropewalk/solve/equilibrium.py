@@ -15,6 +15,7 @@ from ropewalk.mechanics.stiffness import strand_blocks
 from ropewalk.solve.banded import factorise, substitute
 from ropewalk.solve.catenary_shooting import hang, p_scale, pulls
 from ropewalk.solve.end_conditions import LENT, EndConditions
+from ropewalk.solve.sensitivity import NotBesideError, Rests, Solve, present
 
 Array = NDArray[np.float64]
 
@@ -294,6 +295,61 @@ def at_rest(p: Array, ell: Array, f: Array, restrained: EndConditions, guess: Ar
     Raises:
         EquilibriumError: there is no rest shape, or more than one.
     """
+    rests, follows = present(), ell.size == 1 and restrained.is_fast and p[0] != law.RIGID
+    if rests is not None and not follows:
+        return _among(rests, p, ell, f, restrained, guess)
+    return _solved(p, ell, f, restrained, guess)
+
+
+def _among(
+    rests: Rests, p: Array, ell: Array, f: Array, restrained: EndConditions, guess: Array | None
+) -> StrandAtRest:
+    """The same as one of the equilibria of a run, or beside them: the gap as a function of the first force.
+
+    Raises:
+        NotBesideError: links do not pull, or nothing holds an end along its rail.
+    """
+    loads, length = f.copy(), float(ell.sum())
+    loads[:, 0] += restrained.force[0]
+    loads[:, -1] += restrained.force[1]
+    soft, loose = restrained.compliance(_scale(p, loads) / length)
+    if loose.any():
+        raise NotBesideError("nothing holds an end along its rail")
+
+    def hanging(R: Array) -> tuple[Array, Array, StrandAtRest]:
+        return _hanging(p, ell, loads, restrained.place, soft, R)
+
+    def found() -> Array:
+        rest = _solved(p, ell, f, restrained, guess)
+        gap, _, shape = hanging(rest.first_force)
+        pull = np.sqrt((shape.pull**2).sum(axis=0))
+        if not (pull.min() > 1e-6 * pull.max() and np.abs(gap).max() <= 1e-9 * length):
+            raise NotBesideError("some links do not pull")
+        return rest.first_force
+
+    def factorised(R: Array) -> Solve:
+        yielding = hanging(R)[1]
+        return lambda gap: np.asarray(np.linalg.solve(yielding, gap), dtype=np.float64)
+
+    return hanging(rests.settle(found, lambda R: hanging(R)[0], factorised))[2]
+
+
+def _hanging(p: Array, ell: Array, f: Array, place: Array, soft: Array, R: Array) -> tuple[Array, Array, StrandAtRest]:
+    """The gap (axis,) in m that a first force leaves, by how much each of its parts closes it in m/N, and the shape."""
+    pull = R[:, None] - np.concatenate([np.zeros((R.size, 1)), np.cumsum(f[:, 1:-1], axis=1)], axis=1)
+    size = np.sqrt((pull * pull).sum(axis=0))
+    strain = law.strains(np.tile(p, (size.size, 1)), size)
+    along, across = ell / law.tangents(p, strain), ell * (1.0 + strain) / size
+    way = pull / size
+    yielding = across.sum() * np.eye(R.size) + (way * (along - across)) @ way.T + soft.sum(axis=0)
+    begin = place[0] + soft[0] @ (R + f[:, 0])
+    end = place[1] + soft[1] @ (f[:, -1] - pull[:, -1])
+    r = np.concatenate([begin[:, None], begin[:, None] + np.cumsum(across * pull, axis=1)], axis=1)
+    return end - r[:, -1], yielding, StrandAtRest(r, R, pull, strain, 0.0)
+
+
+def _solved(p: Array, ell: Array, f: Array, restrained: EndConditions, guess: Array | None) -> StrandAtRest:
+    """The same, solved for."""
     n, inner = ell.size, f
     if n == 1 and restrained.is_fast and p[0] != law.RIGID:
         r = np.array(restrained.place.T)

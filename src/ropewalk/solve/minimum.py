@@ -12,6 +12,7 @@ import scipy.sparse.linalg
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.solve.sensitivity import NotBesideError, Rests, Solve, by_factors, present
 from ropewalk.solve.symmetric import IndefiniteError, Solver, Way, modes
 
 _FULL_STEPS, _MOST_STEPS = 40, 2000
@@ -38,6 +39,10 @@ class Potential(Protocol):
     @property
     def size(self) -> float:
         """Extent of the structure, m."""
+
+    @property
+    def free(self) -> sparse.spmatrix:
+        """The unit movements of the unknowns, (entry of a shape, unknown), at right angles to each other."""
 
     @property
     def is_symmetric(self) -> bool:
@@ -89,6 +94,37 @@ def settle(potential: Potential, start: Array, way: Way = "auto") -> Array:
     """
     if potential.out_of_balance(start).size == 0:
         return start.copy()
+    rests = present()
+    return _settle(potential, start, way) if rests is None else _among(rests, potential, start, way)
+
+
+def _among(rests: Rests, potential: Potential, start: Array, way: Way) -> Array:
+    """The same as one of the equilibria of a run, or beside them; unknowns are the way from the start.
+
+    Raises:
+        NotBesideError: see `Rests.settle`.
+    """
+
+    def found() -> Array:
+        shape = _settle(potential, start, way)
+        moved = np.asarray(potential.free.T @ (shape - start).ravel())
+        if not np.abs(potential.moved(start, moved) - shape).max() <= _CLOSE * potential.size:
+            raise NotBesideError("the structure is another one at rest than where it began")
+        return moved
+
+    def out(moved: Array) -> Array:
+        return potential.out_of_balance(potential.moved(start, moved))
+
+    def factorised(moved: Array) -> Solve:
+        return by_factors(potential.stiffness(potential.moved(start, moved)))
+
+    shape = potential.moved(start, rests.settle(found, out, factorised))
+    potential.out_of_balance(shape)  # and all that is noted of it
+    return shape
+
+
+def _settle(potential: Potential, start: Array, way: Way) -> Array:
+    """The same, solved for."""
     found = _minimum(potential, start, way)
     if found is not None:
         return found

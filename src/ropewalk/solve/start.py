@@ -38,6 +38,7 @@ from ropewalk.solve.ends import location_ends
 from ropewalk.solve.equilibrium import at_rest
 from ropewalk.solve.hold_forces import StrandContacts
 from ropewalk.solve.loaded_equilibrium import NOTHING, LoadedStrand, contacts_on, stand
+from ropewalk.solve.sensitivity import present
 
 # Parts of a length by which shorter ones are tried, at first; and of the distance of the ends, below which none is.
 _SHORTER, _SHORTEST = 1e-3, 1e-3
@@ -130,6 +131,7 @@ def setting_of(scenario: Scenario, until: float) -> PreparedRun:
 def _length_for_tension(scenario: Scenario, name: str, line: Line) -> float:
     """Unstrained length for which the mean tension at rest is the given one."""
     assert line.tension is not None
+    wanted = line.tension
 
     def mean_tension(length: float) -> float:
         strands = strands_of(lone, {name: length})
@@ -144,25 +146,32 @@ def _length_for_tension(scenario: Scenario, name: str, line: Line) -> float:
         raise EquilibriumError(f"line {name}: the axial law never reaches the tension of {line.tension:g} N")
     if scenario.gravity == 0.0 and restrained.is_fast:
         return stretched
-    # Weight adds sag, so that the length lies above that of the straight line; supports that yield bring it below. More
-    # length is less tension.
-    low = high = stretched * (1.0 + 1e-9) if law[0] == RIGID else stretched
-    shorter = _SHORTER
-    while not restrained.is_fast and mean_tension(low) < line.tension:
-        low, shorter = low * (1.0 - shorter), min(2.0 * shorter, 0.5)
-        if low < _SHORTEST * line.distance:
-            raise EquilibriumError(f"line {name}: its supports yield to less than {line.tension:g} N; give length")
-    while mean_tension(high) > line.tension:
-        high *= 1.1
-        if high > 1e3 * line.distance:
-            raise EquilibriumError(
-                f"line {name}: a mean tension of {line.tension:g} N is too little for its weight; give more, or length"
-            )
-    if low == high:
-        return low
-    from scipy.optimize import brentq  # lazy: where lengths are given it would be a quarter of the start
 
-    return float(brentq(lambda x: mean_tension(x) - line.tension, low, high, xtol=1e-15 * high, rtol=1e-15))
+    def miss(x: float) -> float:
+        return mean_tension(x) - wanted
+
+    def search() -> float:
+        """Weight adds sag, so that the length lies above that of the straight line; supports that yield bring it below.
+        More length is less tension."""
+        low = high = stretched * (1.0 + 1e-9) if law[0] == RIGID else stretched
+        shorter = _SHORTER
+        while not restrained.is_fast and miss(low) < 0.0:
+            low, shorter = low * (1.0 - shorter), min(2.0 * shorter, 0.5)
+            if low < _SHORTEST * line.distance:
+                raise EquilibriumError(f"line {name}: its supports yield to less than {wanted:g} N; give length")
+        while miss(high) > 0.0:
+            high *= 1.1
+            if high > 1e3 * line.distance:
+                what = f"a mean tension of {wanted:g} N is too little for its weight"
+                raise EquilibriumError(f"line {name}: {what}; give more, or length")
+        if low == high:
+            return low
+        from scipy.optimize import brentq  # lazy: where lengths are given it would be a quarter of the start
+
+        return float(brentq(miss, low, high, xtol=1e-15 * high, rtol=1e-15))
+
+    rests = present()
+    return search() if rests is None else rests.root(search, miss)
 
 
 def _place(

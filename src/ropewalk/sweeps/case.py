@@ -7,7 +7,7 @@ import json
 import os
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -83,24 +83,31 @@ class Outcome:
 
 def computed(case: Case) -> Outcome:
     """Compute a case; whatever goes wrong is its outcome."""
-    from ropewalk.simulate import simulate
-
     began = time.perf_counter()
     try:
-        if (found := by_modes(case.scenario, case.record)) is not None:
-            return Outcome("completed", found, seconds=time.perf_counter() - began)
-        with simulate(case.scenario) as result:
-            outcome = str(result.attrs["outcome"])
-            doubts = tuple(doubts_of(result))
-            if outcome in FINE:
-                values = measured(result, case.record)
-                return Outcome(outcome, values, doubts, seconds=time.perf_counter() - began)
-            reason = f"{outcome}; {result.attrs['advice']}".rstrip("; ")
+        found = run(case)
     except RopewalkError as error:
-        reason = "; ".join(str(error).splitlines())
+        found = Outcome(FAILED, {}, reason="; ".join(str(error).splitlines()))
     except Exception as error:  # a fault in one case does not take the others with it
-        reason = f"a fault of ropewalk: {type(error).__name__}: {error}"
-    return Outcome(FAILED, {}, (), reason, time.perf_counter() - began)
+        found = Outcome(FAILED, {}, reason=f"a fault of ropewalk: {type(error).__name__}: {error}")
+    return replace(found, seconds=time.perf_counter() - began)
+
+
+def run(case: Case) -> Outcome:
+    """Compute a case.
+
+    Raises:
+        RopewalkError: it has no result at all.
+    """
+    from ropewalk.simulate import simulate
+
+    if (found := by_modes(case.scenario, case.record)) is not None:
+        return Outcome("completed", found)
+    with simulate(case.scenario) as result:
+        outcome, doubts = str(result.attrs["outcome"]), tuple(doubts_of(result))
+        if outcome in FINE:
+            return Outcome(outcome, measured(result, case.record), doubts)
+        return Outcome(FAILED, {}, reason=f"{outcome}; {result.attrs['advice']}".rstrip("; "))
 
 
 def check_record(case: Case) -> None:

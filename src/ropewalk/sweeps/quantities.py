@@ -14,6 +14,7 @@ from ropewalk.errors import Problem, ScenarioError, did_you_mean
 from ropewalk.mechanics.chain import Array
 from ropewalk.results import named_numbers, series_table
 from ropewalk.results.batch_means import half_width
+from ropewalk.results.contract import PATHS
 from ropewalk.results.line_response import LEAST as LEAST_FRAMES
 from ropewalk.sweeps.keys import ends_with
 
@@ -46,14 +47,43 @@ def measured(dataset: xr.Dataset, names: Sequence[str]) -> Measured:
     Raises:
         ScenarioError: a result of this kind has no such quantities; with all that are unknown.
     """
-    return _Result(dataset).all(names)
+    alike = (tuple(names), *_structure(dataset))
+    if alike in _WANTED:
+        try:
+            return _Result(dataset, _WANTED[alike]).all(names)
+        except ScenarioError:
+            del _WANTED[alike]  # its summary has other numbers
+    result = _Result(dataset)
+    found = result.all(names)
+    if len(_WANTED) == _MOST:
+        _WANTED.clear()
+    _WANTED[alike] = frozenset(name.partition(".")[0] for name in result.used)
+    return found
+
+
+_WANTED = dict[tuple[Any, ...], frozenset[str]]()
+"""Entries of summaries that were needed, by names and structures of results: a summary takes longer than small runs."""
+_MOST = 64
+
+
+def _structure(dataset: xr.Dataset) -> tuple[Any, ...]:
+    """What results have in common whose summaries have the same names."""
+    sizes = tuple((str(name), size) for name, size in dataset.sizes.items() if name not in PATHS)
+    labels = (tuple(dict.fromkeys(dataset[name].values.tolist())) for name in ("line", "load", "support"))
+    return (sizes, *labels, *(name in dataset.sizes for name in PATHS))
 
 
 class _Result:
-    """The numbers of a result by their names."""
+    """The numbers of a result by their names; `used` are those that were asked for.
 
-    def __init__(self, dataset: xr.Dataset) -> None:
-        self.numbers = named_numbers(dataset)
+    Args:
+        dataset: a result.
+        only: entries of its summary that are looked at (default: all).
+    """
+
+    def __init__(self, dataset: xr.Dataset, only: frozenset[str] | None = None) -> None:
+        self.numbers = named_numbers(dataset, only)
+        self.used = set[str]()
         self._dataset = dataset
 
     @cached_property
@@ -94,6 +124,7 @@ class _Result:
             raise _unknown(name, f"may be {' or '.join(keys[:4])}", "write more of the name")
         if not keys:
             raise _unknown(name, _NONE, _remedy(name, self._names()))
+        self.used.add(keys[0])
         return self.numbers[keys[0]]
 
     def _reduced(self, name: str, measure: str, what: str) -> tuple[float | None, str]:
@@ -109,6 +140,7 @@ class _Result:
         if len(keys) + len(columns) > 1 and ("*" not in what or measure not in _BEFORE):
             found = " or ".join((keys or columns)[:4])
             raise _unknown(name, f"may be {found}", "write more of the name, or * in it for max and min of all")
+        self.used.update(keys)
         if keys:
             self._refuse_coarse(name, keys)
             if len(keys) == 1:  # it is such a measure by itself

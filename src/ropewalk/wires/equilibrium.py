@@ -264,6 +264,7 @@ class _WireShape:
         self.potential = potential
         self.size = float(max(wire.length for wire in potential.mesh.plan.wires))
         self._free = np.flatnonzero(movable(potential.mesh, space=space))
+        self.free = sparse.identity(3 * potential.nodes, format="csc")[:, self._free]
         self.energy = potential.energy
 
     def out_of_balance(self, r: Array) -> Array:
