@@ -114,7 +114,7 @@ def hinders(scenario: Scenario) -> str:
     run, engine = scenario.run, engine_of(scenario)
     if isinstance(run, Dynamic):
         return "a motion"
-    if is_asked_for(scenario):
+    if is_asked_for(scenario.parts):
         return "a mesh that is chosen"
     if any(getattr(load, "contact", "clamped") != "clamped" for load in scenario.loads.values()):
         return "loads that slip"
