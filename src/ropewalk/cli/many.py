@@ -72,7 +72,9 @@ def sweep(
     ] = None,
     combine: Annotated[
         str | None,
-        typer.Option("--combine", help="grid (default), zip, latin_hypercube, sobol, random, morris or saltelli."),
+        typer.Option(
+            "--combine", help="grid (default), zip, one_at_a_time, latin_hypercube, sobol, random, morris or saltelli."
+        ),
     ] = None,
     count: Annotated[int | None, typer.Option("--count", help="Number of cases that are drawn, or of groups.")] = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of drawing.")] = None,

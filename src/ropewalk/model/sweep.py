@@ -9,7 +9,8 @@ from pydantic import Field, model_validator
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.quantity import Count
 
-Combine = Literal["grid", "zip", "latin_hypercube", "sobol", "random", "morris", "saltelli"]
+Combine = Literal["grid", "zip", "one_at_a_time", "latin_hypercube", "sobol", "random", "morris", "saltelli"]
+ONE_AT_A_TIME = "one_at_a_time"
 FOR_EFFECTS = ("morris", "saltelli")
 """Ways to draw cases from which the effects of parameters follow."""
 DRAWN = ("latin_hypercube", "sobol", "random", *FOR_EFFECTS)
@@ -30,8 +31,9 @@ class Sweep(Declaration):
     )
     combine: Combine = Field(
         default="grid",
-        description="each value with each, the first with the first, or `count` cases drawn from distributions; morris "
-        "and saltelli draw `count` groups of cases that tell how much each parameter matters",
+        description="each value with each, the first with the first, each while all others are as they are written, "
+        "or `count` cases drawn from distributions; morris and saltelli draw `count` groups of cases that tell how much "
+        "each parameter matters",
     )
     count: Annotated[int, Count(1, 1_000_000)] | None = Field(
         default=None, description="number of cases that are drawn"

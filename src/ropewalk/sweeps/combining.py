@@ -3,31 +3,39 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from ropewalk.model.sweep import DRAWN, FOR_EFFECTS
+from ropewalk.model.sweep import DRAWN, FOR_EFFECTS, ONE_AT_A_TIME
 from ropewalk.sweeps.parameters import Parameter, refuse
 
 MOST = 1_000_000
 """The most cases of a sweep."""
 
 
-def combined(parameters: Sequence[Parameter], how: str, count: int | None, seed: int) -> list[tuple[Any, ...]]:
+def combined(
+    parameters: Sequence[Parameter],
+    how: str,
+    count: int | None,
+    seed: int,
+    written: Mapping[str, Any] = MappingProxyType({}),
+) -> list[tuple[Any, ...]]:
     """The values of all parameters, case by case; of a grid the last parameter changes first.
 
     Args:
         parameters: with values, or distributions to draw from.
-        how: grid, zip, latin_hypercube, sobol, random, or as `sensitivity.py` needs it. A Latin
+        how: grid, zip, one_at_a_time, latin_hypercube, sobol, random, or as `sensitivity.py` needs it. A Latin
             hypercube (McKay, Beckman and Conover, Technometrics 21, 1979) has one value in each of `count` equally
             likely intervals of every parameter, a scrambled Sobol sequence (Owen, Journal of Complexity 14, 1998) is
             even in all of them together, best for a power of two. Of random and Sobol cases the first ones stay where
             there are to be more.
         count: of cases that are drawn.
         seed: of drawing.
+        written: single values of the scenario, by key, from which one_at_a_time goes out.
 
     Raises:
         ScenarioError: a distribution stands in a grid, lists that go together differ in length, or there are too many.
@@ -55,10 +63,26 @@ def combined(parameters: Sequence[Parameter], how: str, count: int | None, seed:
                 "change the lists, or write grid",
             )
         return list(zip(*levels, strict=True))
+    if how == ONE_AT_A_TIME:
+        return _one_at_a_time(parameters, written)
     total = math.prod(len(values) for values in levels)
     if total > MOST:
         refuse("sweep.over", f"the grid has more than {MOST} cases", str(total), "take fewer values, or draw cases")
     return list(product(*levels))
+
+
+def _one_at_a_time(parameters: Sequence[Parameter], written: Mapping[str, Any]) -> list[tuple[Any, ...]]:
+    """The scenario as it is, and with each value of each parameter in it.
+
+    Raises:
+        ScenarioError: a parameter is no single value of the scenario.
+    """
+    for parameter in parameters:
+        if parameter.key not in written:
+            wrong = "is no single value that the scenario has, which one_at_a_time goes out from"
+            refuse(parameter.key, wrong, "", "write the value into the scenario, or combine: grid")
+    usual = tuple(written[parameter.key] for parameter in parameters)
+    return [usual, *((*usual[:k], value, *usual[k + 1 :]) for k, p in enumerate(parameters) for value in p.levels)]
 
 
 def _for_effects(parameters: Sequence[Parameter], how: str, count: int, seed: int) -> np.ndarray[Any, Any]:

@@ -9,16 +9,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import ropewalk
-from ropewalk.model.sweep import FOR_EFFECTS
+from ropewalk.model.sweep import FOR_EFFECTS, ONE_AT_A_TIME
 from ropewalk.scenario import dump
 from ropewalk.sweeps.case import MISSING, Outcome
 from ropewalk.sweeps.plan import Plan
+from ropewalk.sweeps.swings import SWINGS, swings
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
 KIND = "sweep"
+_OVER = ("quantity", "parameter")
 
 
 def dataset_of(plan: Plan, done: Mapping[str, Outcome], outcome: str) -> xr.Dataset:
@@ -51,7 +53,7 @@ def dataset_of(plan: Plan, done: Mapping[str, Outcome], outcome: str) -> xr.Data
         numbers = [np.nan if value is None else value for value, _ in pairs]
         variables[name] = over(numbers, **({"units": unit} if unit else {}))
     about_effects = {}
-    if plan.sweep.combine in FOR_EFFECTS:
+    if plan.sweep.combine in (ONE_AT_A_TIME, *FOR_EFFECTS):
         about_effects = {"parameter": list(plan.names), "quantity": list(plan.sweep.record)}
         variables |= _effects(plan, {name: variables[name][1] for name in plan.sweep.record})
     variables["outcome"] = over([one.outcome for one in found])
@@ -69,24 +71,24 @@ def dataset_of(plan: Plan, done: Mapping[str, Outcome], outcome: str) -> xr.Data
 
 def _effects(plan: Plan, values: Mapping[str, Any]) -> dict[str, Any]:
     """How much each parameter matters for each quantity."""
+    if plan.sweep.combine == ONE_AT_A_TIME:
+        between = swings([len(p.levels) for p in plan.parameters], values)
+        return {name: (_OVER, between[name], {"long_name": meaning}) for name, meaning in SWINGS.items()}
     from ropewalk.sweeps.sensitivity import EFFECTS, effects, points  # lazy: its library takes seconds to import
 
     how, count, seed = plan.sweep.combine, plan.sweep.count, plan.sweep.seed
     assert count is not None
     found = effects(how, points(len(plan.parameters), how, count, seed), values, seed)
-    return {
-        name: (("quantity", "parameter"), found[name], {"long_name": meaning})
-        for name, (_, meaning) in EFFECTS[how].items()
-    }
+    return {name: (_OVER, found[name], {"long_name": meaning}) for name, (_, meaning) in EFFECTS[how].items()}
 
 
 def effects_table(dataset: xr.Dataset) -> pd.DataFrame | None:
     """How much each parameter matters: one row for each quantity and parameter; None if the sweep does not tell.
 
     Args:
-        dataset: from `sweep` with combine morris or saltelli.
+        dataset: from `sweep` with combine one_at_a_time, morris or saltelli.
     """
-    names = [name for name in dataset.data_vars if dataset[name].dims == ("quantity", "parameter")]
+    names = [name for name in dataset.data_vars if dataset[name].dims == _OVER]
     return dataset[names].to_dataframe().reset_index() if names else None
 
 

@@ -1,4 +1,4 @@
-"""Figures of sweeps: curves over one parameter, maps or families of curves over two, clouds of drawn cases."""
+"""Figures of sweeps: curves over one parameter, maps or families over two, clouds of drawn cases, tornado diagrams."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from ropewalk.errors import did_you_mean
 from ropewalk.results import style
 from ropewalk.sweeps.dataset import counted, named
 from ropewalk.sweeps.parameters import refuse
+from ropewalk.sweeps.swings import SWINGS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,7 +33,8 @@ def sweep_figure(dataset: xr.Dataset, quantities: Sequence[str] | None = None) -
     """Draw a sweep: a panel for each quantity, with doubtful cases in rings and those without a value as crosses.
 
     Over one parameter curves; over two maps with contours, or families of curves where one of them has few values or
-    no numbers; over more families; of cases that were drawn or zipped, points over each parameter.
+    no numbers; over more families; of cases that were drawn or zipped, points over each parameter; of parameters one at
+    a time a tornado: bars between what they let a quantity swing, the longest on top.
 
     Args:
         dataset: from `sweep`, or a part of it.
@@ -47,7 +49,11 @@ def sweep_figure(dataset: xr.Dataset, quantities: Sequence[str] | None = None) -
             refuse("quantity", "there is no such quantity", repr(name), did_you_mean(name, known))
     chosen = list(quantities or known)
     varied = [name for name in named(dataset, "parameters") if dataset[name].size > 1] or named(dataset, "parameters")
-    if "case" in dataset.dims:
+    if set(SWINGS) <= set(dataset.data_vars):
+        figure, panels = _panels(dataset, len(chosen), 1, height=1.0 + 0.45 * len(named(dataset, "parameters")))
+        for ax, quantity in zip(panels[:, 0], chosen, strict=True):
+            _tornado(ax, dataset, quantity)
+    elif "case" in dataset.dims:
         figure, panels = _panels(dataset, len(chosen), len(varied))
         for row, quantity in zip(panels, chosen, strict=True):
             for ax, name in zip(row, varied, strict=True):
@@ -184,6 +190,67 @@ def _map(figure: Figure, ax: Axes, dataset: xr.Dataset, quantity: str, varied: l
         ax.set_yscale("log")
     ax.grid(visible=False)
     style.legend(ax)
+
+
+def _tornado(ax: Axes, dataset: xr.Dataset, quantity: str) -> None:
+    """Bars from the value of the scenario as it is to those of the cases in which one parameter is another."""
+    values, outcome = np.asarray(dataset[quantity].values, dtype=np.float64), dataset["outcome"].values
+    between = dataset.sel(quantity=quantity)
+    widths = np.nan_to_num(between["largest"].values - between["least"].values)
+    order = np.argsort(widths, kind="stable")  # the longest on top
+    names = [str(name) for name in between["parameter"].values]
+    for row, k in enumerate(order):
+        own = dataset[names[k]].values
+        others = np.flatnonzero(own != own[0])
+        lines = {"left": values[0], "height": 0.6, "edgecolor": "white", "linewidth": 0.5}
+        for i in (i for i in _outermost(own, others) if np.isfinite(values[i])):
+            lower = bool(own[i] < own[0])
+            label = "_" if _has(ax, _SIDES[lower]) else _SIDES[lower]
+            ax.barh(row, values[i] - values[0], color=style.BLUE if lower else style.RED, label=label, **lines)
+        inner = np.setdiff1d(others, _outermost(own, others))
+        ax.plot(values[inner], np.full(inner.size, row), "|", color="white", markersize=6.0, zorder=3)
+        for is_left, place, align in ((True, -3, "right"), (False, 3, "left")):
+            beside = [
+                i for i in _outermost(own, others) if np.isfinite(values[i]) and (values[i] < values[0]) == is_left
+            ]
+            if beside:
+                end = (min if is_left else max)(values[i] for i in beside)
+                text = ", ".join(_value(dataset, names[k], i) for i in beside)
+                ax.annotate(text, (end, row), (place, 0), textcoords="offset points", va="center", ha=align,
+                            fontsize=style.NOTE, color=style.INK)  # fmt: skip
+        doubtful = others[(outcome[others] == "doubtful") & np.isfinite(values[others])]
+        if doubtful.size:
+            label = "_doubtful" if _has(ax, "doubtful") else "doubtful"
+            ax.scatter(values[doubtful], np.full(doubtful.size, row), **DOUBTFUL, label=label)
+        without = int((~np.isfinite(values[others])).sum())
+        if without:
+            foot, label = ax.get_yaxis_transform(), "_no value" if _has(ax, "no value") else "no value"
+            ax.scatter(np.full(without, 0.99), np.full(without, row), **FAILED, transform=foot, label=label)
+    if np.isfinite(values[0]):
+        ax.axvline(values[0], color=style.INK, linewidth=style.THIN, zorder=3)
+    style.dress(ax, "", _label(dataset, quantity), "")
+    ax.set_yticks(
+        range(len(names)), [f"{_label(dataset, names[k])}\nscenario: {_value(dataset, names[k], 0)}" for k in order]
+    )
+    ax.margins(x=0.15)
+    ax.grid(visible=False, axis="y")
+    style.legend(ax)
+
+
+_SIDES = {True: "smaller than in the scenario", False: "larger"}
+
+
+def _outermost(own: NDArray[Any], others: NDArray[Any]) -> list[int]:
+    """The cases of a parameter with its smallest and its largest value, each if it is beyond what the scenario has."""
+    if not others.size or own.dtype.kind != "f":
+        return [int(i) for i in others]
+    ends = others[np.argmin(own[others])], others[np.argmax(own[others])]
+    return [int(i) for i, beyond in zip(ends, (own[ends[0]] < own[0], own[ends[1]] > own[0]), strict=True) if beyond]
+
+
+def _value(dataset: xr.Dataset, name: str, case: int) -> str:
+    value = dataset[name].values[case]
+    return f"{value:g}" if _is_numeric(dataset[name]) else str(value)
 
 
 def _cloud(ax: Axes, dataset: xr.Dataset, quantity: str, name: str) -> None:

@@ -64,9 +64,9 @@ class Plan:
         for k, key in enumerate(keys):
             if touched := overlap([key], keys[:k]):
                 refuse(touched[0], "is set twice", "", "leave one of the two keys out")
-        points = combined(parameters, sweep.combine, sweep.count, sweep.seed)
-        make = varying(dump(scenario), "the sweep")
         written = dict(leaves(_tree(scenario)))
+        points = combined(parameters, sweep.combine, sweep.count, sweep.seed, written)
+        make = varying(dump(scenario), "the sweep")
         rows, first = [], None
         for point in points:
             given = dict(zip(sweep.over, point, strict=True))

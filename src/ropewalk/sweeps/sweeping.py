@@ -47,7 +47,7 @@ def sweep(
         over: what varies: by keys such as "loads.train.travel.speed" a list of values or text, "100:350:5 km/h".
         record: quantities that are kept, as a list or with commas: "max tension, sigma pantographs.front".
         derived: values that follow from others, by key: {"run.until": "bridge.length / speed + 2 s"}.
-        combine: grid (each value with each), zip, or count cases by latin_hypercube, sobol or random.
+        combine: grid (each value with each), zip, one_at_a_time, or count cases by latin_hypercube, sobol or random.
         count: of cases that are drawn.
         seed: of drawing.
         store: file of JSON lines for the finished cases; what is in it is not computed again.
