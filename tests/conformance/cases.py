@@ -215,7 +215,7 @@ RUNNING = ("none", "force", "mass", "vehicle")
 
 def asked() -> Iterator[Case]:
     """Every kind of run of every structure, without and with loads."""
-    for s in (*CORE, BY_NAME["track"]):
+    for s in (*CORE, BY_NAME["track"], BY_NAME["hysteresis"]):
         kinds = ("none", "pantograph") if s.family == "overhead" else RUNNING
         for row, run in runs(s):
             for kind in kinds:

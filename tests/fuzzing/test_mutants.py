@@ -15,6 +15,13 @@ lines: {b: {start: [0, 0], end: [0, 0], length: 1, mass: 1, bending_stiffness: 1
 loads: {m: {kind: oscillator, on: b, mass: 1, stiffness: 1, travel: {speed: 1}}}
 run: {kind: dynamic, until: 0.1, geometry: linearised}
 """,
+    "hangers from a line that goes straight up": """
+lines:
+  cable: {start: [0, 5], end: [0, 9], length: 5, mass: 1, axial_stiffness: 1e6}
+  deck: {start: [0, 0], end: [9, 0], length: 9, mass: 1, bending_stiffness: 1e6, axial_stiffness: 1e8}
+hangers: {row: {from: cable, to: deck, count: 2, mass: 1, axial_stiffness: 1e6}}
+run: {kind: dynamic, until: 0.1}
+""",
     "ends that are as good as one place": """
 lines: {r: {start: [0, 0], end: [4e-11, 0], tension: 1 kN, mass: 1, axial_stiffness: 1e5}}
 run: {kind: dynamic, until: 0.1}

@@ -113,7 +113,7 @@ def test_nonlinear_motion_on_curves_is_refused() -> None:
         "overhead_lines": {"line": LINE | {"radius": 800, "steady_arms": SAME}},
         "run": {"kind": "dynamic", "until": 1},
     }
-    with pytest.raises(ValidationError, match=r"on curves is not implemented; write run.geometry: linearised"):
+    with pytest.raises(ValidationError, match=r"is not implemented for curves; write run.geometry: linearised"):
         Scenario.model_validate(tree)
 
 

@@ -223,5 +223,5 @@ def test_a_pantograph_passes_the_end_of_the_last_line() -> None:
 def test_irregularities_are_those_of_one_wire() -> None:
     tree = scenario().model_dump(mode="json")
     tree["loads"]["head"]["irregularity"] = "rough.csv"
-    with pytest.raises(ValidationError, match="irregularities of contact wires that overlap are not implemented"):
+    with pytest.raises(ValidationError, match="irregularity is not implemented for contact wires that overlap"):
         Scenario.model_validate(tree)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ropewalk.model import Scenario
-from ropewalk.results.frame import Frame, Layout, RunInfo
+from ropewalk.results.frame import ENERGY_FORMS, Frame, Layout, RunInfo
 
 SPAN, SAG, FORCE, SPEED, UNTIL = 19.5, 2.5, 800.0, 10.0, 1.8
 
@@ -80,6 +80,7 @@ def _frame(plan: Layout, x: np.ndarray, time: float) -> Frame:
     gravity = 9.81 * 20.0 * float(np.mean(z))
     elastic = 40.0 + 30.0 * np.sin(np.pi * at / SPAN)
     work = kinetic + gravity + elastic + 10 * time - 20 * time
+    known = kinetic, elastic, gravity, 10 * time, work, 20 * time
     return Frame(
         path=time,
         position=vector(len(x), x, z),
@@ -99,5 +100,5 @@ def _frame(plan: Layout, x: np.ndarray, time: float) -> Frame:
         contact_speed=np.full(contacts, SPEED) * off,
         contact_tension=np.full((contacts, 2), [1620.0, 1380.0]) * off,
         reaction=vector(2, [-tension[0], tension[-1]], [300.0, 400.0 + 100 * time]),
-        energy=np.array([kinetic, elastic, gravity, 10 * time, work, 20 * time, *np.zeros(7), 0.02 * np.sin(9 * time)]),
+        energy=np.array([*known, *np.zeros(len(ENERGY_FORMS) - len(known) - 1), 0.02 * np.sin(9 * time)]),
     )

@@ -135,6 +135,8 @@ def guessed(name: str, row: Hangers, lines: Mapping[str, Line | None], gravity: 
     (x0, y0, z0), (x1, y1, z1) = spatial(above.start), spatial(above.end)
     (u0, v0, w0), (u1, v1, w1) = spatial(below.start), spatial(below.end)
     span, length = math.hypot(x1 - x0, y1 - y0), unstrained(below)
+    if span == 0.0:
+        return dict.fromkeys(_names(name, row, length))
     weight = gravity * (above.mass + below.mass * length / span)
     sag = 0.1 * span
     for _ in range(50):  # of what stretches and hangs

@@ -35,7 +35,7 @@ class Hysteresis(Declaration):
 
     def _contradictions(self) -> Iterator[Finding]:
         if self.ratio is None and self.unloading is None:
-            yield Finding((), "the curve of unloading is not known", remedy="add ratio, for example 0.8, or unloading")
+            yield Finding((), "there is no curve of unloading", remedy="add ratio, for example 0.8, or unloading")
         if self.ratio is not None and self.unloading is not None:
             yield Finding(("ratio",), "ratio and unloading exclude each other", remedy="give one of them")
         if self.ratio is not None and self.ratio >= 1.0:

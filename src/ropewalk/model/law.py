@@ -88,14 +88,16 @@ class Webbing(Declaration):
 
     kind: Literal["webbing"] = "webbing"
     stretch: Factor | None = Field(default=None, description="strain at 10 kN (0.18 or 18 %)")
-    name: Literal["pinkTube", "halfMarathon"] | None = Field(default=None, description="of a webbing that is known")
+    name: Literal["pinkTube", "halfMarathon"] | None = Field(
+        default=None, description="of a webbing on the market, instead of its stretch"
+    )
 
     @model_validator(mode="after")
     def _known(self) -> Self:
         findings = []
         if self.stretch is None and self.name is None:
             remedy = f"add stretch, for example 18 %, or a name: {', '.join(WEBBINGS)}"
-            findings.append(Finding((), "the stretch at 10 kN is not known", remedy=remedy))
+            findings.append(Finding((), "there is no stretch at 10 kN", remedy=remedy))
         if self.stretch is not None and self.name is not None:
             findings.append(Finding(("stretch",), "stretch and name exclude each other", remedy="give one of them"))
         report("webbing", findings)

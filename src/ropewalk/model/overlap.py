@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Finding
+from ropewalk.model.missing import missing
 from ropewalk.model.overhead import OverheadLine, stations_of
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
@@ -83,8 +84,8 @@ def check_overlaps(parts: Parts) -> Iterator[Finding]:
         if not isinstance(load, Pantograph) or load.irregularity is None or load.on not in parts.overhead:
             continue
         if len(course_of(parts.overhead, load.on)) > 1:
-            wrong, remedy = "irregularities of contact wires that overlap are not implemented", "leave irregularity out"
-            yield Finding(("loads", name, "irregularity"), wrong, load.irregularity, remedy)
+            path, what = ("loads", name, "irregularity"), "contact wires that overlap"
+            yield missing(path, what, load.irregularity, "leave it out", feature="irregularity")
 
 
 def _beside(name: str, line: OverheadLine, follower: str, other: OverheadLine) -> Iterator[Finding]:

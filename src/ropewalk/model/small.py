@@ -9,6 +9,7 @@ from ropewalk.model._base import Finding
 from ropewalk.model.history import rows
 from ropewalk.model.inner_support import InnerSupport
 from ropewalk.model.line import SHORTEST, Line
+from ropewalk.model.missing import missing
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Linear
@@ -29,8 +30,8 @@ def check_overhead(parts: Parts) -> Iterator[Finding]:
     nonlinear = isinstance(parts.run, Dynamic) and parts.run.geometry == "nonlinear"
     for name, line in parts.overhead.items():
         if nonlinear and line is not None and line.radius is not None:
-            wrong, remedy = "nonlinear motion on curves is not implemented", "write run.geometry: linearised"
-            yield Finding(("overhead_lines", name, "radius"), wrong, remedy=remedy)
+            path, remedy = ("overhead_lines", name, "radius"), "write run.geometry: linearised"
+            yield missing(path, "curves", remedy=remedy, feature="nonlinear motion")
     if parts.gravity == 0.0 and parts.overhead and not isinstance(parts.run, Linear):
         yield Finding(("gravity",), "an overhead line hangs by its weight", "0 m/s^2", "leave gravity out")
 

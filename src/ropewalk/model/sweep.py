@@ -31,8 +31,8 @@ class Sweep(Declaration):
     )
     combine: Combine = Field(
         default="grid",
-        description="each value with each, the first with the first, each while all others are as they are written, "
-        "or `count` cases drawn from distributions; morris and saltelli draw `count` groups of cases that tell how much "
+        description="each value with each, the first with the first, each while all others stay as written, or "
+        "`count` cases drawn from distributions; morris and saltelli draw `count` groups of cases that tell how much "
         "each parameter matters",
     )
     count: Annotated[int, Count(1, 1_000_000)] | None = Field(
