@@ -78,7 +78,13 @@ def section(line: Tree, load: Tree, **run: Any) -> Tree:
 def overlap(line: Tree, load: Tree, **run: Any) -> Tree:
     """A scenario of two overhead lines, the second of which begins half a metre from the start of the first."""
     tree = section(line, load, **run)
-    tree["overhead_lines"]["next"] = {**SPANS, "start": [0.5, 0.0], "heights": [0.3, 0.12, 0.0, 0.0]}
+    tree["overhead_lines"]["next"] = {
+        **SPANS,
+        "start": [0.5, 0.0],
+        "heights": [0.3, 0.12, 0.0, 0.0],
+        "messenger_supports": {"stiffness": "500 kN/m"},
+    }
+    tree["run"]["until"] = 0.6  # the head has to rise to the wires
     return tree
 
 
@@ -247,7 +253,7 @@ BASES: dict[str, Tree] = {
          "condition": {"wear": 0.1, "temperature_rise": 10.0},
          "stitch_wire": {"length": 8.0, "retardation": 1e-4},
          "messenger_supports": {"stiffness": "500 kN/m"}},
-        {"kind": "pantograph", "model": "en50318-2002", "travel": way(30.0, 55.0, at_end="leave")},
+        {"kind": "pantograph", "model": "en50318-2002", "travel": way(15.0, 24.0)},
         geometry="linearised",
     ),
     "staggered": section(

@@ -30,10 +30,15 @@ NEVER: dict[str, str] = {
 """Keys that change no number in any base, by nature or because the bases are too small for it."""
 
 UNFELT: Reasons = {
+    "Droppers.pushes": {"no dropper of the other line slackens": ("pantograph",)},
+    "Line.law": {"its hysteresis stays, which does not go with such a law": ("webbing", "measured webbing")},
     "Haul.mass": {"weighs at the drive, of which summaries tell": ("carriage", "two carriages")},
     "Dynamic.method": {
         "auto has chosen an explicit method already, that of Verlet": (
             "plain",
+            "webbing",
+            "measured webbing",
+            "stretch",
             "carriage",
             "two carriages",
             "hoisted",
@@ -194,9 +199,6 @@ UNFELT: Reasons = {
             "staggered",
         ),
     },
-    "MessengerSupports.stiffness": {
-        "the waves of the load come to no support before the run ends": ("pantograph",),
-    },
     "MovingMass.lift_off": {
         "the load stays on the line, or has no reason to leave it": (
             "webbing",
@@ -230,14 +232,11 @@ UNFELT: Reasons = {
             "staggered",
         ),
     },
-    "OverheadLine.messenger_supports": {
-        "the waves of the load come to no support before the run ends": ("pantograph",),
-    },
     "Pantograph.model": {
         "the one of the base is the published one": ("staggered",),
     },
     "PantographTravel.at_end": {
-        "nothing comes to an end of the line": ("staggered",),
+        "nothing comes to an end of the line": ("pantograph", "staggered"),
     },
     "Scenario.gravity": {
         "without its weight, or with less of it, there is no rest to begin from": (

@@ -101,7 +101,7 @@ def _beside(name: str, line: OverheadLine, follower: str, other: OverheadLine) -
         (name, end, height_at(line, end) - height_at(other, end)),
         (follower, begin, height_at(other, begin) - height_at(line, begin)),
     ):
-        if above < CLEAR:
+        if above < CLEAR * (1.0 - 1e-9):
             where = "last" if own == name else "first"
             wrong = f"the contact wire ends at x = {x:g} m within reach of pantographs"
             given = f"{above:.3g} m above the other one"
