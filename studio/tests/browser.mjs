@@ -2,7 +2,7 @@
 import { mkdtempSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { launched, must, watch } from "./chromium.mjs";
+import { check, launched, must, watch } from "./chromium.mjs";
 
 const [, , address, folder, pictures] = process.argv;
 const { context, wrong } = await launched();
@@ -29,7 +29,7 @@ const SWEEP = `sweep:
 `;
 const poses = (page) => page.waitForFunction(() => globalThis.ropewalkDelays?.length > 0);
 
-try {
+await check({ context, wrong }, async () => {
   // open
   const page = await opened(address);
   await poses(page);
@@ -194,11 +194,4 @@ try {
     await page.locator('dt:text-is("walker: friction needed")').waitFor();
     await look(page, "again");
   }
-  must(wrong.length === 0, wrong.join("\n"));
-  console.log("all as it should be");
-} catch (error) {
-  console.log(`${error.message}\n${wrong.join("\n")}`);
-  process.exitCode = 1;
-} finally {
-  await context.close();
-}
+});

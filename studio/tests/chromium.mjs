@@ -36,3 +36,17 @@ export function watch(page, wrong) {
     if (said.type() === "error" && !/WebSocket connection/.test(said.text())) wrong.push(`console: ${said.text()}`);
   });
 }
+
+/** Take the steps of a check and say how they ended, by the exit code as well. */
+export async function check({ context, wrong }, steps) {
+  try {
+    await steps();
+    must(wrong.length === 0, wrong.join("\n"));
+    console.log("all as it should be");
+  } catch (error) {
+    console.log(`${error.message}\n${wrong.join("\n")}`);
+    process.exitCode = 1;
+  } finally {
+    await context.close();
+  }
+}

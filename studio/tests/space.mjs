@@ -1,6 +1,6 @@
 // A net of 6 m x 4 m that sags by 1 m, and ropes, in space: node tests/space.mjs WIDGET.js NET.json ROPES.json PICTURES
 import { join } from "node:path";
-import { launched, must, watch } from "./chromium.mjs";
+import { check, launched, must, watch } from "./chromium.mjs";
 import { shown } from "./stub.mjs";
 
 const [, , module, net, ropes, pictures] = process.argv;
@@ -30,7 +30,7 @@ async function drawn() {
   });
 }
 
-try {
+await check({ context, wrong }, async () => {
   watch(page, wrong);
   await page.addInitScript(() => {
     const made = HTMLCanvasElement.prototype.getContext; // so that what has been drawn can be read later
@@ -91,11 +91,4 @@ try {
   await page.getByLabel("Time", { exact: true }).fill("1");
   must((await drawn()).count > 500, "there are no ropes");
   await look("ropes");
-  must(wrong.length === 0, wrong.join("\n"));
-  console.log("all as it should be");
-} catch (error) {
-  console.log(`${error.message}\n${wrong.join("\n")}`);
-  process.exitCode = 1;
-} finally {
-  await context.close();
-}
+});

@@ -1,11 +1,11 @@
 // The widget of notebooks in a real browser: node tests/widget.mjs WIDGET.js STATE.json PICTURES
 import { join } from "node:path";
-import { launched, must, watch } from "./chromium.mjs";
+import { check, launched, must, watch } from "./chromium.mjs";
 import { shown } from "./stub.mjs";
 
 const [, , file, given, pictures] = process.argv;
 const { context, wrong } = await launched({ width: 1100, height: 760 });
-try {
+await check({ context, wrong }, async () => {
   const page = await context.newPage();
   watch(page, wrong);
   await shown(page, file, given);
@@ -56,11 +56,4 @@ try {
   if (pictures) await page.screenshot({ path: join(pictures, "widget-dark.png") });
   await page.evaluate(() => globalThis.close());
   must((await page.evaluate(() => globalThis.heard.size)) === 0, "a closed widget still listens");
-  must(wrong.length === 0, wrong.join("\n"));
-  console.log("all as it should be");
-} catch (error) {
-  console.log(`${error.message}\n${wrong.join("\n")}`);
-  process.exitCode = 1;
-} finally {
-  await context.close();
-}
+});

@@ -14,6 +14,7 @@ import numpy as np
 from ropewalk.compare.ratios import RATIOS, SYMBOLS, Changes, Pair
 from ropewalk.errors import Problem, ScenarioError, did_you_mean
 from ropewalk.model import Scenario
+from ropewalk.scenario import tree_of
 from ropewalk.sweeps.keys import unit_at
 
 Scale = Literal["linear", "log"]
@@ -104,7 +105,7 @@ class Axis:
         if self.is_ratio:
             pair = Pair.of(scenario, self.key, self.load, self.line)
             return replace(self, load=pair.load, line=pair.line)
-        written = scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
+        written = tree_of(scenario)
         return self if self.unit else replace(self, unit=unit_at(written, self.key))
 
     def changes(self, scenario: Scenario, value: float) -> Changes:

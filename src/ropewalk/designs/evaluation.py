@@ -10,7 +10,7 @@ from ropewalk.designs.variables import Space
 from ropewalk.errors import Refused, RopewalkError
 from ropewalk.mechanics.chain import Array
 from ropewalk.model import Scenario
-from ropewalk.scenario import dump, varying
+from ropewalk.scenario import dump, tree_of, varying
 from ropewalk.sweeps.case import FAILED, Case, Outcome, check_record
 from ropewalk.sweeps.expressions import resolved
 from ropewalk.sweeps.keys import leaves
@@ -52,7 +52,7 @@ class Evaluation:
         self._derived, self._workers, self._cluster = dict(derived), workers, cluster
         self._progress = progress
         self._make = varying(dump(scenario), "the design")
-        self._written = dict(leaves(scenario.model_dump(mode="json", by_alias=True, exclude_none=True)))
+        self._written = dict(leaves(tree_of(scenario)))
         self._lost = dict[str, Outcome]()
         self._known = dict[bytes, Evaluated]()
         self._checked = False

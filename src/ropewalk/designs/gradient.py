@@ -18,6 +18,7 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.model import Dynamic, Linear, Quasistatic, Scenario
 from ropewalk.model.load import MovingForce
 from ropewalk.model.mesh import is_asked_for
+from ropewalk.scenario import tree_of
 from ropewalk.solve.sensitivity import NotBesideError, Rests
 from ropewalk.sweeps.case import FINE, Case, check_record, run
 from ropewalk.sweeps.keys import leaves, short_names, unit_at
@@ -238,11 +239,6 @@ def _point(space: Space, k: int, part: float) -> Array:
 def _none(settings: Sequence[str], reason: str) -> RopewalkError:
     beside = f"with {', '.join(settings)} " if settings else ""
     return RopewalkError(f"there is no gradient: {beside}{reason}")
-
-
-def tree_of(scenario: Scenario) -> dict[str, Any]:
-    """All keys of a scenario with their values."""
-    return scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
 
 
 def _number(values: Measured, name: str) -> float:

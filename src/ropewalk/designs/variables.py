@@ -11,6 +11,7 @@ import numpy as np
 from ropewalk.errors import Refused
 from ropewalk.mechanics.chain import Array
 from ropewalk.model import Scenario
+from ropewalk.scenario import tree_of
 from ropewalk.sweeps.case import Outcome
 from ropewalk.sweeps.keys import leaves, short_names, unit_at
 from ropewalk.sweeps.parameters import quantity, read_all, refuse, written
@@ -104,7 +105,7 @@ class Space:
             ScenarioError: as `variables_of`.
         """
         variables = variables_of(vary)
-        tree = scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
+        tree = tree_of(scenario)
         units = tuple(unit_at(tree, variable.key) for variable in variables)
         stands = dict(leaves(tree))
         own = np.full(len(variables), 0.5)

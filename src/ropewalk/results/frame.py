@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -149,6 +150,15 @@ class Doubt:
     def __str__(self) -> str:
         key = f" ({self.key})" if self.key else ""
         return f"{self.what}; likely cause: {self.cause}{key}; {self.remedy}"
+
+    @staticmethod
+    def key_in(text: str) -> str:
+        """The key that a doubt is to blame on, from the text that results keep of it; empty where there is none."""
+        found = _BLAMED.search(text)
+        return found[1] if found else ""
+
+
+_BLAMED = re.compile(r"; likely cause: .*\(([a-z_]+(?:\.[^()]+)?)\); ")
 
 
 SPLINE = "fourth order"

@@ -8,7 +8,7 @@ from ropewalk.scenario.loading import load, loads, varying
 from ropewalk.scenario.reference import reference
 from ropewalk.scenario.schema import json_schema
 from ropewalk.scenario.template import template
-from ropewalk.scenario.writing import dump, save
+from ropewalk.scenario.writing import dump, save, tree_of
 
 __all__ = [
     "Problem",
@@ -20,5 +20,6 @@ __all__ = [
     "reference",
     "save",
     "template",
+    "tree_of",
     "varying",
 ]

@@ -29,8 +29,12 @@ def dump(scenario: Scenario) -> str:
     ]
     if problems:
         raise ScenarioError(problems)
-    tree = scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
-    return "\n".join(_block(tree, "")) + "\n"
+    return "\n".join(_block(tree_of(scenario), "")) + "\n"
+
+
+def tree_of(scenario: Scenario) -> dict[str, Any]:
+    """All that a file says of a scenario, with units and defaults, in blocks and lists."""
+    return scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
 
 
 def save(scenario: Scenario, path: str | os.PathLike[str]) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.results.contract import path_name
-from ropewalk.results.frame import ENERGY_FORMS, Array, Layout, RunInfo
+from ropewalk.results.frame import ENERGY_FORMS, Array, Doubt, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.studio.messages import described, packed
 
@@ -23,7 +23,6 @@ DISPLAYED = (
 MOST_BYTES = 150_000_000  # of one result on a page; of more, every second frame is shown, or every third
 _BLOCK_BYTES = 2_000_000
 _INSTANT = re.compile(r"\bt = (\d[\d.]*(?:e[+-]?\d+)?) s\b")
-_KEY = re.compile(r"; likely cause: .*\(([a-z_]+(?:\.[^()]+)?)\); ")
 
 
 def remark_of(doubt: str) -> dict[str, Any]:
@@ -32,8 +31,8 @@ def remark_of(doubt: str) -> dict[str, Any]:
     Args:
         doubt: as results keep it, see `Doubt`.
     """
-    instant, key = _INSTANT.search(doubt), _KEY.search(doubt)
-    return {"text": doubt, "time": float(instant[1]) if instant else None, "key": key[1] if key else ""}
+    instant = _INSTANT.search(doubt)
+    return {"text": doubt, "time": float(instant[1]) if instant else None, "key": Doubt.key_in(doubt)}
 
 
 def state_of_run(run_info: RunInfo) -> dict[str, Any]:

@@ -16,7 +16,7 @@ import ropewalk
 from ropewalk.errors import RopewalkError
 from ropewalk.model import Dynamic, Linear, Quasistatic, Scenario
 from ropewalk.results.contract import doubts_of
-from ropewalk.scenario import dump
+from ropewalk.scenario import dump, tree_of
 from ropewalk.sweeps.by_modes import by_modes
 from ropewalk.sweeps.keys import leaves
 from ropewalk.sweeps.quantities import Measured, measured
@@ -136,7 +136,7 @@ def check_record(case: Case) -> None:
 
 def _files_in(scenario: Scenario) -> Iterator[str]:
     """Contents of the files that a scenario names, as hashes: models of others, and results to start from."""
-    tree = scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
+    tree = tree_of(scenario)
     for key, value in leaves(tree):
         if isinstance(value, str) and key.rpartition(".")[2] in ("file", "model"):
             for name in (value, value.rpartition(":")[0]):

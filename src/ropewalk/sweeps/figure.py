@@ -194,58 +194,57 @@ def _map(figure: Figure, ax: Axes, dataset: xr.Dataset, quantity: str, varied: l
 
 def _tornado(ax: Axes, dataset: xr.Dataset, quantity: str) -> None:
     """Bars from the value of the scenario as it is to those of the cases in which one parameter is another."""
-    values, outcome = np.asarray(dataset[quantity].values, dtype=np.float64), dataset["outcome"].values
-    between = dataset.sel(quantity=quantity)
-    widths = np.nan_to_num(between["largest"].values - between["least"].values)
-    order = np.argsort(widths, kind="stable")  # the longest on top
-    names = [str(name) for name in between["parameter"].values]
-    for row, k in enumerate(order):
-        own = dataset[names[k]].values
-        others = np.flatnonzero(own != own[0])
-        lines = {"left": values[0], "height": 0.6, "edgecolor": "white", "linewidth": 0.5}
-        for i in (i for i in _outermost(own, others) if np.isfinite(values[i])):
-            lower = bool(own[i] < own[0])
-            label = "_" if _has(ax, _SIDES[lower]) else _SIDES[lower]
-            ax.barh(row, values[i] - values[0], color=style.BLUE if lower else style.RED, label=label, **lines)
-        inner = np.setdiff1d(others, _outermost(own, others))
-        ax.plot(values[inner], np.full(inner.size, row), "|", color="white", markersize=6.0, zorder=3)
-        for is_left, place, align in ((True, -3, "right"), (False, 3, "left")):
-            beside = [
-                i for i in _outermost(own, others) if np.isfinite(values[i]) and (values[i] < values[0]) == is_left
-            ]
-            if beside:
-                end = (min if is_left else max)(values[i] for i in beside)
-                text = ", ".join(_value(dataset, names[k], i) for i in beside)
-                ax.annotate(text, (end, row), (place, 0), textcoords="offset points", va="center", ha=align,
-                            fontsize=style.NOTE, color=style.INK)  # fmt: skip
-        doubtful = others[(outcome[others] == "doubtful") & np.isfinite(values[others])]
-        if doubtful.size:
-            label = "_doubtful" if _has(ax, "doubtful") else "doubtful"
-            ax.scatter(values[doubtful], np.full(doubtful.size, row), **DOUBTFUL, label=label)
-        without = int((~np.isfinite(values[others])).sum())
-        if without:
-            foot, label = ax.get_yaxis_transform(), "_no value" if _has(ax, "no value") else "no value"
-            ax.scatter(np.full(without, 0.99), np.full(without, row), **FAILED, transform=foot, label=label)
-    if np.isfinite(values[0]):
-        ax.axvline(values[0], color=style.INK, linewidth=style.THIN, zorder=3)
+    usual, between = float(dataset[quantity].values[0]), dataset.sel(quantity=quantity)
+    order = np.argsort(np.nan_to_num(between["largest"] - between["least"]), kind="stable")  # the longest on top
+    names = [str(between["parameter"].values[k]) for k in order]
+    for row, name in enumerate(names):
+        _bars(ax, dataset, quantity, name, row)
+    if np.isfinite(usual):
+        ax.axvline(usual, color=style.INK, linewidth=style.THIN, zorder=3)
     style.dress(ax, "", _label(dataset, quantity), "")
-    ax.set_yticks(
-        range(len(names)), [f"{_label(dataset, names[k])}\nscenario: {_value(dataset, names[k], 0)}" for k in order]
-    )
+    labels = [f"{_label(dataset, name)}\nscenario: {_value(dataset, name, 0)}" for name in names]
+    ax.set_yticks(range(len(names)), labels)
     ax.margins(x=0.15)
     ax.grid(visible=False, axis="y")
     style.legend(ax)
 
 
-_SIDES = {True: "smaller than in the scenario", False: "larger"}
+def _bars(ax: Axes, dataset: xr.Dataset, quantity: str, name: str, row: int) -> None:
+    """The row of one parameter: bars to its smallest and largest value, ticks at the others; rings and crosses."""
+    values, own = np.asarray(dataset[quantity].values, dtype=np.float64), dataset[name].values
+    others = np.flatnonzero(own != own[0])
+    known = others[np.isfinite(values[others])]
+    ends = _outermost(own, known)
+    for i in ends:
+        label, colour = ("another", style.GREEN)
+        if _is_numeric(dataset[name]):
+            label, colour = ("smaller than in the scenario", style.BLUE) if own[i] < own[0] else ("larger", style.RED)
+        once = f"_{label}" if _has(ax, label) else label
+        ax.barh(row, values[i] - values[0], left=values[0], height=0.6, edgecolor="white", linewidth=0.5, color=colour,
+                label=once)  # fmt: skip
+    for side, beside in (("right", values[ends] < values[0]), ("left", values[ends] >= values[0])):
+        if beside.any():
+            end = values[ends][beside].min() if side == "right" else values[ends][beside].max()
+            text = ", ".join(_value(dataset, name, i) for i in ends[beside])
+            ax.annotate(text, (end, row), (-3 if side == "right" else 3, 0), textcoords="offset points", va="center",
+                        ha=side, fontsize=style.NOTE, color=style.INK)  # fmt: skip
+    inner = np.setdiff1d(known, ends)
+    ax.plot(values[inner], np.full(inner.size, row), "|", color="white", markersize=6.0, zorder=3)
+    doubtful = known[dataset["outcome"].values[known] == "doubtful"]
+    if doubtful.size:
+        label = "_doubtful" if _has(ax, "doubtful") else "doubtful"
+        ax.scatter(values[doubtful], np.full(doubtful.size, row), **DOUBTFUL, label=label)
+    if known.size < others.size:
+        label = "_no value" if _has(ax, "no value") else "no value"
+        ax.scatter([0.99], [row], **FAILED, transform=ax.get_yaxis_transform(), label=label)
 
 
-def _outermost(own: NDArray[Any], others: NDArray[Any]) -> list[int]:
-    """The cases of a parameter with its smallest and its largest value, each if it is beyond what the scenario has."""
-    if not others.size or own.dtype.kind != "f":
-        return [int(i) for i in others]
-    ends = others[np.argmin(own[others])], others[np.argmax(own[others])]
-    return [int(i) for i, beyond in zip(ends, (own[ends[0]] < own[0], own[ends[1]] > own[0]), strict=True) if beyond]
+def _outermost(own: NDArray[Any], known: NDArray[Any]) -> NDArray[Any]:
+    """The cases with the smallest and the largest value, each if it is beyond that of the scenario; of words all."""
+    if not known.size or own.dtype.kind != "f":
+        return known
+    ends = np.array([known[np.argmin(own[known])], known[np.argmax(own[known])]])
+    return ends[[own[ends[0]] < own[0], own[ends[1]] > own[0]]]
 
 
 def _value(dataset: xr.Dataset, name: str, case: int) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ropewalk.errors import Refused, RopewalkError, ScenarioError
 from ropewalk.model import Scenario, Sweep
-from ropewalk.scenario import dump, varying
+from ropewalk.scenario import dump, tree_of, varying
 from ropewalk.sweeps.case import Case, Outcome
 from ropewalk.sweeps.combining import combined
 from ropewalk.sweeps.expressions import resolved
@@ -64,7 +64,7 @@ class Plan:
         for k, key in enumerate(keys):
             if touched := overlap([key], keys[:k]):
                 refuse(touched[0], "is set twice", "", "leave one of the two keys out")
-        written = dict(leaves(_tree(scenario)))
+        written = dict(leaves(tree_of(scenario)))
         points = combined(parameters, sweep.combine, sweep.count, sweep.seed, written)
         make = varying(dump(scenario), "the sweep")
         rows, first = [], None
@@ -95,7 +95,7 @@ class Plan:
         """Values of a parameter as an array, and their unit: of a grid its levels, else one for each case."""
         parameter = self.parameters[k]
         values = parameter.levels if self.is_grid else [row.values[k] for row in self.rows]
-        found = numbers(values, unit_at(_tree(self.scenario), parameter.key))
+        found = numbers(values, unit_at(tree_of(self.scenario), parameter.key))
         if found is None:
             return np.array([setting("", value)[1:] for value in values], dtype=object), ""
         return np.array(found[0]), found[1]
@@ -135,7 +135,3 @@ def asked(
         return Sweep(**tree)
     except ScenarioError as error:
         raise ScenarioError([replace(p, key=f"sweep.{p.key}", file="") for p in error.problems]) from None
-
-
-def _tree(scenario: Scenario) -> dict[str, Any]:
-    return scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
