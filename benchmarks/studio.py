@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import os
 import re
@@ -17,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from ropewalk.results.frame import Layout
-from ropewalk.studio.messages import described, packed
-from ropewalk.studio.share import PAGE
+from ropewalk.studio.share import PAGE, filled
+from ropewalk.studio.streams import film
 
 FRONT = Path(__file__).parents[1] / "studio"
 NODES = (200, 500, 1000, 5000)
@@ -38,13 +37,10 @@ run: {kind: dynamic, until: 0.3 s, every: 10 ms}
 
 def page(layout: Layout, file: Path, **arrays: Any) -> Path:
     """A shared page of frames that nobody has computed: how fast they are shown does not depend on that."""
-    head = {"event": "layout", "layout": described(layout), "energies": [], "total": FRAMES, "step": 1}
-    path = np.arange(FRAMES) / 60.0
-    given = {"path": path, **{name: np.asarray(array, dtype=float) for name, array in arrays.items()}}
-    messages = [base64.b64encode(m).decode() for m in (packed(head, {}), packed({"event": "frames"}, given))]
+    given = {name: np.asarray(array, dtype=float) for name, array in arrays.items()}
+    template = PAGE / ("share-space" if len(layout.axes) == 3 else "share") / "share.html"
     ended = {"title": file.stem, "outcome": "completed", "summary": "", "doubts": []}
-    template = (PAGE / ("share-space" if len(layout.axes) == 3 else "share") / "share.html").read_text(encoding="utf-8")
-    file.write_text(template.replace('"ropewalk-data"', json.dumps({"messages": messages, "ended": ended}), 1))
+    file.write_text(filled(template, film(layout, np.arange(FRAMES) / 60.0, given, {}), ended))
     return file
 
 
