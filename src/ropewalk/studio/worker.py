@@ -123,7 +123,7 @@ class ComputingProcess:
 
     def _do_prepare(self, asked: Answer) -> Answer:
         """A scenario made ready for dragging, with what can be changed by hand."""
-        from ropewalk.studio.poses import Dragging, draggable, force_of
+        from ropewalk.studio.poses import KEYS, Dragging, draggable, force_of
 
         scenario = self._scenario(asked)
         self._dragging = Dragging(scenario)
@@ -131,7 +131,7 @@ class ComputingProcess:
         for name in draggable(scenario):
             load = scenario.loads[name]
             line = scenario.lines[load.on]
-            kept = {key: getattr(line, key) for key in ("start", "end", "length", "tension", "mass")}
+            kept = {key: getattr(line, key) for key in KEYS}
             found.append({"name": name, "on": load.on, "force": force_of(scenario, name), "line": kept})
         return {"title": scenario.title, "loads": found, "gravity": scenario.gravity}
 
@@ -139,11 +139,9 @@ class ComputingProcess:
         from ropewalk.studio.poses import Asked
 
         given = asked["pose"]
-        weight = given.get("weight")
-        return Asked(
-            str(given["load"]), float(given["x"]), str(given.get("contact", "clamped")),
-            None if weight is None else float(weight), dict(given.get("line", {})),
-        )  # fmt: skip
+        weight, wind = (None if (value := given.get(key)) is None else float(value) for key in ("weight", "wind"))
+        contact = str(given.get("contact", "clamped"))
+        return Asked(str(given["load"]), float(given["x"]), contact, weight, wind, dict(given.get("line", {})))
 
     def _do_pose(self, asked: Answer) -> Answer | bytes:
         """The equilibrium with the load under the pointer."""
