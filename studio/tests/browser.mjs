@@ -50,6 +50,11 @@ const doubted = (page) =>
         if ([0, 1, 2].every((k) => data[i + k] === bad[k])) found.push(((i / 4) % width) / width);
       return { count: found.length, right: found.reduce((a, b) => a + b, 0) / found.length };
     });
+/** Wait until the rope has followed all that was done by hand. */
+const settled = async (page) => {
+  const answers = () => page.evaluate(() => globalThis.ropewalkDelays.length);
+  for (let seen = -1; seen !== (await answers()); await page.waitForTimeout(400)) seen = await answers();
+};
 const poses = (page) => page.waitForFunction(() => globalThis.ropewalkDelays?.length > 0);
 
 await check({ context, wrong }, async () => {
@@ -74,14 +79,17 @@ await check({ context, wrong }, async () => {
   const pull = () => page.locator('dt:text-is("largest tension") + dd').textContent();
   const pullIsnt = (old) =>
     page.waitForFunction((old) => document.querySelector(".numbers dd").textContent !== old, old);
+  await settled(page);
   const calm = await pull();
   await page.getByLabel("width in wind (m)").fill("0.1");
   await page.getByLabel("wind (m/s)", { exact: true }).fill("40");
   await pullIsnt(calm);
+  await settled(page);
   await look(page, "wind");
   const windy = await pull();
   await page.getByLabel("wind (m/s)", { exact: true }).fill("0");
   await pullIsnt(windy);
+  await settled(page);
   must((await pull()) === calm, `calm again, the tension is ${await pull()} instead of ${calm}`);
 
   await page.getByLabel("Contact", { exact: true }).selectOption("frictionless");

@@ -1,0 +1,30 @@
+import { launched } from "./chromium.mjs";
+const [, , address, pics] = process.argv;
+const { context, wrong } = await launched({ width: 1280, height: 1000 });
+const page = await context.newPage();
+page.setDefaultTimeout(240_000);
+const said = [];
+page.on("pageerror", (e) => said.push(`page error: ${e.message}`));
+page.on("console", (m) => m.type() === "error" && said.push(m.text()));
+try {
+  await page.goto(address);
+  await page.locator(".jp-Notebook .jp-CodeCell").first().waitFor();
+  await page.screenshot({ path: `${pics}/jupyter-0.png` });
+  await page.waitForTimeout(8000);
+  const no = page.getByRole("button", { name: "No", exact: true }); if (await no.count()) await no.first().click();
+  await page.locator(".jp-Notebook .jp-CodeCell .cm-content").first().click();
+  await page.keyboard.press("Control+Enter");
+  await page.waitForFunction(() => { const host = [...document.querySelectorAll(".jp-OutputArea *")].find((e) => e.shadowRoot); return host && Number.parseFloat(host.shadowRoot.querySelector(".clock")?.value) > 0.2; });
+  await page.waitForTimeout(1500);
+  await page.screenshot({ path: `${pics}/jupyter-1.png` });
+  await page.getByLabel("Time", { exact: true }).fill("0.8");
+  await page.locator(".jp-OutputArea canvas").first().focus();
+  await page.keyboard.press("ArrowRight");
+  await page.waitForTimeout(500);
+  console.log("clock", await page.evaluate(() => [...document.querySelectorAll(".jp-OutputArea *")].find((e) => e.shadowRoot).shadowRoot.querySelector(".clock").value));
+  await page.screenshot({ path: `${pics}/jupyter-2.png` });
+  await page.evaluate(() => { document.body.dataset.x = "1"; });
+  console.log("outside requests", wrong);
+} catch (e) { console.log(e.message); await page.screenshot({ path: `${pics}/jupyter-bad.png` }); }
+console.log(said.slice(0, 12).join("\n"));
+await context.close();
