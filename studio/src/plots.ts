@@ -46,7 +46,7 @@ export class Plots {
   /** Draw anew if frames have come. */
   update(film: Film, beside?: Film): void {
     const version = film.version + 1e6 * (beside?.version ?? 0);
-    if (version === this.version || film.count < 2) return;
+    if (version === this.version || film.count < 2 || !this.place.isConnected) return; // colours come with the page
     this.version = version;
     const x = Array.from(film.path.subarray(0, film.count));
     const style = getComputedStyle(this.place);

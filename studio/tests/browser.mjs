@@ -80,7 +80,9 @@ await check({ context, wrong }, async () => {
   await settled(page);
   const calm = await number(page, "largest tension");
   await page.getByLabel("width in wind (m)").fill("0.1");
+  const told = await page.locator(".numbers dd").first().textContent();
   await wind.fill("40");
+  await page.waitForFunction((old) => document.querySelector(".numbers dd").textContent !== old, told);
   await settled(page);
   await look(page, "wind");
   const windy = await number(page, "largest tension");
