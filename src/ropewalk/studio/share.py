@@ -51,7 +51,7 @@ def filled(template: Path, messages: Iterable[bytes], ended: dict[str, Any]) -> 
         messages: of the run, see `of_result`.
         ended: how it ended, see `stored`.
     """
-    told = json.dumps(ended).replace("<", "\\u003c")  # nothing in it ends the element that it stands in
-    blocks = [told, *(base64.b64encode(message).decode() for message in messages)]
+    ending = json.dumps(ended).replace("<", "\\u003c")  # nothing in it ends the element that it stands in
+    blocks = [ending, *(base64.b64encode(message).decode() for message in messages)]
     data = "\n".join(f'<script type="text/plain">{block}</script><script>ropewalk()</script>' for block in blocks)
     return template.read_text(encoding="utf-8").replace("<!--ropewalk-data-->", data, 1)
