@@ -232,6 +232,8 @@ await check({ context, wrong }, async () => {
   await page.getByLabel("Time", { exact: true }).fill("0.4");
   await page.waitForTimeout(200);
   must((await doubted(page)).right > mark.right + 0.2, "the mark does not go with the load");
+  await page.reload();
+  await poses(page);
 
   // two pages; in the dark; the lesson
   const other = await opened(address);
