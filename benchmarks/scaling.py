@@ -1,9 +1,9 @@
 """Weak scaling of a sweep to more processes than there are cores, by simulation with measured costs.
 
 The model is that of `ropewalk/sweeps/pool.py`: one process reads all scenarios, sends chunks of cases to others that
-are free, one chunk each, and takes their answers, one thing after another; every other process first imports what it needs,
-and then computes what it gets. Each has a core. Memory, disks, and what is done once for a sweep are not in the model,
-and nobody has compared it with a machine of eight cores.
+are free, one chunk each, and takes their answers, one thing after another; every other process first imports what it
+needs, and then computes what it gets. Each has a core. Memory, disks, and what is done once for a sweep are not in the
+model, and nobody has compared it with a machine of eight cores.
 """
 
 from __future__ import annotations
