@@ -46,7 +46,7 @@ def test_an_interrupt_ends_the_processes_whatever_they_do():
 
 
 def test_brief_tasks_are_sent_together(monkeypatch):
-    """200 of them one by one are 200 sendings; in chunks of 16 some 14, and a few more while their time is not known."""
+    """200 of them one by one are 200 sendings; in chunks of 16 some 14, and a few while their time is not known."""
     sent = []
     submit = pool._submit
     monkeypatch.setattr(pool, "_submit", lambda *words: sent.append(words) or submit(*words))
