@@ -58,8 +58,10 @@ def _of_linear_theory(parts: Parts) -> Engine:
     """Closed forms of lines by themselves; modes of what is joined, held or a surface, or where there are none."""
     if parts.overhead:
         return LINEAR
-    joined = parts.is_network or parts.is_supported
-    return SUPERPOSED if joined or _refused(SUPERPOSED, parts) < _refused(LINEAR, parts) else LINEAR
+    if parts.is_network or parts.is_supported:
+        return SUPERPOSED
+    refused = _refused(LINEAR, parts)
+    return SUPERPOSED if refused and _refused(SUPERPOSED, parts) < refused else LINEAR
 
 
 def is_system_linearised(scenario: Scenario) -> bool:
