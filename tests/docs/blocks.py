@@ -1,9 +1,10 @@
 """The code blocks of a page of the documentation, and how they are done: as a reader would, one after the other.
 
-A block with a `:caption:` is a file of that name; every line of a `shell` block is a command; a `python` block goes on
-where the one before ended; a `text` block after commands or Python is an extract of what they print; any other `yaml`
-block is a scenario, or a part that is put into one, and is checked. Of a `console` block (what sets up a machine, takes
-long or never ends) commands are parsed, and not run. What a page takes for granted stands in `surroundings.py`.
+A block with a `:caption:` is a file of that name, or what changes in it; every line of a `shell` block is a command; a
+`python` block goes on where the one before ended; a `text` block after commands or Python is an extract of what they
+print; any other `yaml` block is a scenario, or a part that is put into one, and is checked. Of a `console` block (what
+sets up a machine, takes long or never ends) commands are parsed, and not run. What a page takes for granted stands in
+`surroundings.py`.
 """
 
 from __future__ import annotations
@@ -107,8 +108,10 @@ def follow(page: Path, folder: Path, around: Surroundings) -> None:
         for old, new in around.shorter.items():
             text = text.replace(old, new)
         caption = block.caption or block.of(around.captions)
+        of = block.of(around.parts)
         if caption:
-            (folder / caption).write_text(text, encoding="utf-8")
+            whole = json.dumps(put(YAML().load(base_text(of.base, folder)), [], YAML().load(text))) if of else text
+            (folder / caption).write_text(whole, encoding="utf-8")
         elif block.language == "shell":
             printed = "".join(command(line, where) for line in joined(text))
         elif block.language == "console":
@@ -121,7 +124,7 @@ def follow(page: Path, folder: Path, around: Surroundings) -> None:
                 exec(compile(text, where, "exec"), names)
             printed = caught.getvalue()
         elif block.language == "yaml":
-            part(text, block.of(around.parts), folder, where)
+            part(text, of, folder, where)
         elif block.language == "text" and printed and not block.of(around.unseen):
             missing = [line for line in text.splitlines() if line.strip() and not stands_in(line, printed)]
             assert not missing, f"{where}: not printed: {missing}\n{printed}"

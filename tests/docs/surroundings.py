@@ -60,7 +60,15 @@ run: {kind: dynamic, until: 1 s, every: 50 ms}
 """
 WALK = """\
 lines:
-  rope: {start: [0 m, 0 m], end: [19.5 m, 0 m], length: 20 m, mass: 1 kg/m, axial_stiffness: 100 kN, elements: 20}
+  rope:
+    start: [0 m, 0 m]
+    end: [19.5 m, 0 m]
+    length: 20 m
+    mass: 1 kg/m
+    axial_stiffness: 100 kN
+    axial_damping: 1 kN*s
+    law: {kind: tension_only}
+    elements: 20
 loads:
   walker: {kind: force, on: rope, force: [0 N, -800 N], travel: {speed: 10 m/s}}
 run: {kind: dynamic, until: 1.5 s, every: 50 ms}
@@ -88,6 +96,18 @@ lines:
 run: {kind: equilibrium}
 """
 MEASURED = "quantity, value, deviation\nfrequency 1, 2.08 Hz, 0.01 Hz\nfrequency 2, 4.14 Hz, 0.01 Hz\n"
+TWO_SPANS = """\
+overhead_lines:
+  line:
+    spans: {count: 2, length: 55 m}
+    contact_wire: {mass: 1.07 kg/m, tension: 15 kN}
+    messenger_wire: {mass: 0.6 kg/m, tension: 10 kN}
+    droppers: {per_span: 7}
+    system_height: 1.4 m
+    analysed_spans: [1, 2]
+loads: {front: {kind: pantograph, on: line, model: en50318-2002, static_force: 100 N, travel: {speed: 20 m/s}}}
+run: {kind: dynamic, geometry: linearised, until: 1 s, every: 50 ms}
+"""
 NETWORK = """\
 lines:
   left: {mass: 1 kg/m, axial_stiffness: 1 MN, elements: 54}
@@ -163,16 +183,17 @@ PARTS = {
     "highlines.md": {"law:": Part(WEBBING, "lines.main")},
     "overhead-lines.md": {
         "overhead_lines:": Part("overhead-line-overlap"),
-        "radius:": OVERHEAD,
+        "radius:": Part(TWO_SPANS, "overhead_lines.line"),
         "ends:": OVERHEAD,
-        "irregularity:": OVERHEAD,
+        "irregularity:": Part("overhead-line-limits", "loads.front"),
         "limits:": OVERHEAD,
         "sweep:": Part("overhead-line-limits"),
-        "loads:": Part("overhead-line-limits"),
+        "loads:": Part(TWO_SPANS.replace("count: 2", "count: 10")),
     },
     "ropeways.md": {"loads:": Part(TRACK_ROPE)},
     "steppers.md": {"loads:": Part(HIGHLINE), "every:": Part(HIGHLINE + STEPPER, "loads.her")},
     "sweep.md": {"sweep:": Part("rope.yaml")},
+    "tutorials/own-fmu.md": {"loads:": Part("bridge.yaml")},
 }
 """What parts of scenarios are parts of, by how the block begins."""
 
