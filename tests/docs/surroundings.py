@@ -197,14 +197,13 @@ PARTS = {
 }
 """What parts of scenarios are parts of, by how the block begins."""
 
+COARSE = '["loads.walker.friction=null", "loads.walker.travel.speed=5", "lines.rope.elements=20", "run.positions=21"]'
 SHORTER = {
     "adequacy.md": {
         "0.1:0.9:9": "0.1:0.9:2", "0.003:0.3:9:log": "0.003:0.3:2:log",
         "0.1, 0.9, 9": "0.1, 0.9, 2", "0.003, 0.3, 9": "0.003, 0.3, 2",
     },
-    "compare.md": {
-        '["loads.walker.friction=null"]': '["loads.walker.friction=null", "lines.rope.elements=20", "run.positions=21", "loads.walker.travel.speed=5"]'
-    },
+    "compare.md": {'["loads.walker.friction=null"]': COARSE},
     "overhead-lines.md": {"until: 5.9 s": "until: 0.1 s"},
     "steppers.md": {'until="10 s"': 'until="1 s"'},
     "sweep.md": {"2:10:1 m/s": "2:10:8 m/s", "--count 128": "--count 2"},
