@@ -200,8 +200,8 @@ PARTS = {
 COARSE = '["loads.walker.friction=null", "loads.walker.travel.speed=5", "lines.rope.elements=20", "run.positions=21"]'
 SHORTER = {
     "adequacy.md": {
-        "0.1:0.9:9": "0.1:0.9:2", "0.003:0.3:9:log": "0.003:0.3:2:log",
-        "0.1, 0.9, 9": "0.1, 0.9, 2", "0.003, 0.3, 9": "0.003, 0.3, 2",
+        "0.1:0.9:9": "0.3:0.5:2", "0.003:0.3:9:log": "0.03:0.3:2:log",
+        "0.1, 0.9, 9": "0.3, 0.5, 2", "0.003, 0.3, 9": "0.03, 0.3, 2",
     },
     "compare.md": {'["loads.walker.friction=null"]': COARSE},
     "overhead-lines.md": {"until: 5.9 s": "until: 0.1 s"},
