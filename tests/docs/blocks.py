@@ -168,7 +168,7 @@ def parse(line: str, where: str) -> None:
         if not arguments or arguments[0] == "COMMAND":
             return
         name, called, arguments = COMMANDS.resolve_command(above, arguments)
-        assert called
+        assert called, f"{where}: no such command: {line}"
         context = called.make_context(name, [], resilient_parsing=True)
         left = called.make_parser(context).parse_args(arguments)[1]
     except click.UsageError as error:
