@@ -322,6 +322,11 @@ KNOWN = {
         Known("static force by the balance of means, N", lambda r: overhead.static_force(r, "pantograph"), 110.0, 0.5),
         Known("audit, part of the energy", audit, 0.0, 0.01),
     ],
+    "overhead-line-dropper-failure.yaml": [
+        Known("pull of the dropper once it has failed, N", overhead.pull_after_failure, 0.0, 0.0),
+        Known("static force by the balance of means, N", lambda r: overhead.static_force(r, "front"), 110.0, 0.5),
+        Known("audit, part of the energy", audit, 0.0, 0.01),
+    ],
     "overhead-line-dc.yaml": [
         # Three masses: 110 N and 0.012 (160 km/h)^2 are in balance with the means of force and height.
         Known(

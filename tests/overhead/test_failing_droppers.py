@@ -93,7 +93,7 @@ def test_a_dropper_is_torn_where_the_whole_line_first_exceeds_its_strength(geome
     assert strong.tie.values[which] in ("line.2.4", "line.2.6")
     time, force = (float(messages[1].split()[i]) for i in (3, -2))
     assert time == pytest.approx(before, abs=1.5e-3)
-    assert strength < force < strength + 5.0  # what a millisecond adds at most
+    assert strength < force < strength + 2.5  # what a millisecond adds
     assert strong.attrs["warnings"].count("failed") == 1
     assert imbalance(torn) < 0.05 * float(torn.energy.sel(form="kinetic").max())
 
