@@ -495,6 +495,18 @@ KNOWN = {
         # Polygons of 40 links instead of catenaries.
         Known("part of the first rope", ropeways.share_of_the_first_rope, ropeways.share_by_catenaries(), 1e-4),
     ],
+    "cable-crane-yarding.yaml": [
+        Known(
+            "depth of the carriage beside that of a shallow rope at 60 kN",
+            lambda r: ropeways.depth_of_the_carriage(r) / ropeways.depth_at_its_tension(r),
+            1.0,
+            2e-3,
+            ("run.until=10 s",),
+        ),
+        # Dead band and damper leave it between 60 + 1 kN, where it begins to pay out, and 60 + 1 + 4 * 0.5 kN.
+        Known("largest pull of the winch, N", ropeways.largest_pull_of_the_winch, 62e3, 1e3, ("run.until=10 s",)),
+        Known("audit, part of the energy", audit, 0.0, 1e-6, ("run.until=10 s",)),
+    ],
     "cable-crane-hoist.yaml": [
         # m g times what is taken in, and 2 % for what swings: the rope pulls more, and the energy of the sway grows.
         Known("work of the hoist, J", ropeways.work_of_the_hoist, 3000.0 * 9.81 * 8.0, 6e3),

@@ -273,6 +273,11 @@ BASES: dict[str, Tree] = {
         }},
         load("force", way()),
     ),
+    "winch": one(
+        {**LONG, "end_support": {"kind": "guided", "along": [1.0, 0.0], "force": "5 kN", "damping": 2e3,
+                                 "winch": {"speed_limit": 0.05, "dead_band": 20.0}}},
+        load("force", way()),
+    ),
     # Webs.
     "joined": {"lines": {"rope": TAUT, "hanger": _HANGER}, "loads": {"load": load("mass", way(), air_drag=0.0)},
                "run": moves()},
