@@ -11,6 +11,7 @@ NEVER: dict[str, str] = {
     "OverheadLine.analysed_spans": "says what statistics speak of, which are made from a result later",
     "Stepper.from": "is handed to a model that asks for it; the model of the bases says itself where it presses",
     "InnerFixed.clamped": "an inner support lets the line turn, and says so where it is to be clamped",
+    "InnerGuided.winch": "a winch pulls at an end of a line, and is refused between its ends",
     "Sheave.to": "the joint of the base hangs on its sheave alone, and is refused without it",
     "Exchange.warn": "no exchange of the bases makes energy that could be warned of",
     "FmuContact.gives": "the FMU of the bases gives a force; what it would need to give its motion is refused",

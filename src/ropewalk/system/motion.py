@@ -34,6 +34,7 @@ from ropewalk.system.surfaces import add_surface_forces, damp_surfaces, distribu
 from ropewalk.system.tethers import gap, grow, hoist
 from ropewalk.system.ties import add_tie_forces, are_damped, damp_ties, stored_in_ties, tie_up
 from ropewalk.system.travel import fade, locate, pressed_energy
+from ropewalk.system.winches import LIMIT, kick_winch
 
 RUNNING, NOT_FINITE, AT_END, ASKED, AT_SHEAVE, LINE_OUT, TOO_LONG = 0, 1, 2, 3, 4, 5, 6
 GIVEN, SETTLE, LOCATE, LOOK = -3, -2, -1, 0  # instead of a number of steps
@@ -163,6 +164,9 @@ def _kick_restraints(structure, buffers, state, h, dt, A, b):
             rank += restrained.free[e, a, a]
         for a in range(axes):
             buffers.reaction[e, a] = restrained.force[e, a] - b[a]
+        if restrained.winch[e, LIMIT] > 0.0:
+            kick_winch(restrained, v, buffers.reaction, state.work, e, b, M, drag, h)
+            continue
         if rank == 0.0:
             if moves:  # places half a kick before and after
                 for a in range(axes):

@@ -81,6 +81,7 @@ class Restraints(NamedTuple):
     entries: Integers
     time: Array  # s
     moved: Array  # (axis, entry) m
+    winch: Array  # (restraint, 2) m/s and N, fastest speed and dead band of what runs along a rail; zeros: no winch
 
     def members(self, e: int) -> Integers:
         """Nodes of a holding."""
