@@ -138,3 +138,20 @@ def test_a_full_disk_costs_no_run(program):
     found = ran(program)
     assert found.stdout == "16 0\n"
     assert found.stderr.count("RuntimeWarning: compiled kernels cannot be kept in") == 1
+
+
+def test_processes_that_keep_kernels_at_once_do_not_mix_them_up(tmp_path, monkeypatch):
+    """Both have looked into the index before either has written to it; what gets lost is compiled again."""
+    one, other, third = (kernel_cache._Files(str(tmp_path), "kernel", 1) for _ in range(3))
+    save_data = one._save_data
+
+    def late(name, data):
+        other.save("float64", "code for float64")
+        save_data(name, data)
+
+    monkeypatch.setattr(other, "_load_index", dict)
+    monkeypatch.setattr(one, "_save_data", late)
+    one.save("int64", "code for int64")
+    kinds = ("int64", "float64")
+    assert all(third.load(kind) in (None, f"code for {kind}") for kind in kinds)
+    assert any(third.load(kind) is not None for kind in kinds)
