@@ -198,8 +198,8 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
             raise refusal(missing(("lines", name, "hysteresis"), "spectra", "a block", remedy, feature=feature))
         for key, end in line.ends():
             if getattr(end, "winch", None) is not None:
-                path, remedy = ("lines", name, key, "winch"), "leave winch out"
-                raise refusal(missing(path, "spectra", "a block", remedy, feature="a winch"))
+                where, remedy = ("lines", name, key, "winch"), "leave winch out"
+                raise refusal(missing(where, "spectra", "a block", remedy, feature="a winch"))
         for saddle, own in line.saddles.items():
             if own.friction:
                 path, remedy = ("lines", name, "saddles", saddle, "friction"), "leave friction out"

@@ -40,9 +40,8 @@ def _only_lines(parts: Parts) -> Iterator[Finding]:
             yield from _of_cuts(name, line, run)
         if line is not None and line.hysteresis is not None:
             yield from _of_hysteresis(name, line, run)
-        for key, end in line.ends() if line is not None else ():
-            if getattr(end, "winch", None) is not None:
-                yield from _of_winches(name, key, line, run)
+        if line is not None:
+            yield from _of_winches(name, line, run)
         if line is not None and line.sheaves:
             yield from _over_sheaves(name, line, parts)
         if line is not None and line.saddles:
@@ -148,8 +147,13 @@ def _of_cuts(name: str, line: Line, run: object) -> Iterator[Finding]:
     yield from _by_steps(run, what)
 
 
-def _of_winches(name: str, end: str, line: Line, run: object) -> Iterator[Finding]:
+def _of_winches(name: str, line: Line, run: object) -> Iterator[Finding]:
     """At rest a winch is the force that it is set to; how it gets there only a motion with all geometry shows."""
+    for end in (key for key, support in line.ends() if getattr(support, "winch", None) is not None):
+        yield from _of_winch(name, end, line, run)
+
+
+def _of_winch(name: str, end: str, line: Line, run: object) -> Iterator[Finding]:
     path, what = ("lines", name, end, "winch"), "lines that a winch pulls at"
     if isinstance(line.law, Inextensible):
         yield missing(("lines", name, "law", "kind"), what, "inextensible", "give an axial_stiffness with law hooke")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.checkpoint import Tree
 from ropewalk.results.audit import Audit
@@ -48,14 +49,14 @@ class Then(NamedTuple):
     before: Array
     work: Array
     moved: Array  # (holder, 3) m
-    failed: Array  # (tie,) whether it pulls no more
+    failed: NDArray[np.bool_]  # (tie,) whether it pulls no more
 
     @staticmethod
     def of(motion: LargeMotion | SmallMotion) -> Then:
         """Copies of what is known now."""
         stepping = motion.stepping
         own = (stepping.q, stepping.last, stepping.here, stepping.before, stepping.work, motion.holders.moved)
-        return Then(np.array(motion.both), *(array.copy() for array in own), motion.failed[:, 0] < np.inf)
+        return Then._make([np.array(motion.both), *(array.copy() for array in own), motion.failed[:, 0] < np.inf])
 
     @staticmethod
     def together(thens: Sequence[Then]) -> Then:
@@ -137,7 +138,7 @@ class Energies:
             place[hold, axes] += way * moved
         return place
 
-    def _about_rest(self, motion: SmallMotion, u: Array, displaced: Array, failed: Array) -> Array:
+    def _about_rest(self, motion: SmallMotion, u: Array, displaced: Array, failed: NDArray[np.bool_]) -> Array:
         """Potential energy of small motion, zero at rest, (instant,) J.
 
         Args:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.checkpoint import Tree
 from ropewalk.results.frame import IN_AIR, MOVES, Contacts
@@ -186,7 +187,7 @@ class Pictures:
             )
         return out[0], out[1]
 
-    def reactions(self, hold: Array, tie: Array, r: Array, failed: Array) -> Array:
+    def reactions(self, hold: Array, tie: Array, r: Array, failed: NDArray[np.bool_]) -> Array:
         """Forces of all that holds wires on them, (instant, support, axis) N.
 
         Args:
