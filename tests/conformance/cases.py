@@ -180,9 +180,9 @@ def edged() -> Iterator[Case]:
 
 
 def _supported(s: Structure, name: str, tree: Tree) -> Iterator[tuple[str, Tree]]:
-    """At the end; a counterweight sets the tension, beside a length or, to be refused, beside a tension."""
+    """At the end; a counterweight or a winch sets the tension, beside a length or, to be refused, beside a tension."""
     line = s.line()
-    if name.startswith("counterweight") and "tension" in line:
+    if name.startswith(("counterweight", "winch")) and "tension" in line:
         length = 20.0 * (1.0 - 0.01)
         yield name, {"end_support": tree, "tension": None, "length": length}
         if name == "counterweight":
