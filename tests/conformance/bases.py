@@ -259,7 +259,7 @@ BASES: dict[str, Tree] = {
     "staggered": section(
         {**SPANS, "contact_wire": {"drag": 0.05, "retardation": 1e-4}, "pre_sag": 0.01,
          "steady_arms": {"stagger": "200 mm", "mass_per_length": 0.7}, "analysed_spans": [2, 2],
-         "droppers": {"per_span": 3, "cut": {"droppers": [[2, 1]], "time": 0.1}},
+         "droppers": {"per_span": 3, "cut": {"droppers": [[1, 2]], "time": 0.1}},
          "messenger_supports": {"stiffness": [1e6, 1e6], "damping": 100.0}},
         {**_OWN, "travel": way(30.0, 22.0)},
     ),

@@ -214,7 +214,7 @@ OTHER: dict[str, Any] = {
     "Winch.dead_band": 500.0,
     "Droppers.strength": lambda value, _: 20.0 if value is None else None,
     "Droppers.cut": lambda value, _: {"droppers": [[2, 2]], "time": 0.05} if value is None else None,
-    "DropperCut.droppers": lambda *_: [[2, 3]],
+    "DropperCut.droppers": lambda *_: [[1, 3]],
     "DropperCut.time": 0.05,
     "SteadyArms.mass": Patch(mass=2.0, mass_per_length=None),
     "SteadyArms.mass_per_length": lambda value, _: Patch(mass=None, mass_per_length=2.0 * value if value else 1.0),
