@@ -218,7 +218,9 @@ TOLD = "told of an FMU that is broken so, in tests/external"
 FILM = "a film takes long"
 UNSEEN = {
     "README.md": {"make demo": MACHINE},
-    "benchmarks.md": dict.fromkeys(("Taut nonlinear", "Closed forms", "1010 crossings", "studio:"), RECORDED),
+    "benchmarks.md": dict.fromkeys(
+        ("Taut nonlinear", "Closed forms", "1010 crossings", "studio:", "Co-simulation"), RECORDED
+    ),
     "bridges.md": {"ropewalk sweep": "takes minutes; tests/sweeps have its kind"},
     "compare.md": {
         "$ ropewalk compare my.yaml": OTHERS,
