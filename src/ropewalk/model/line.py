@@ -191,6 +191,11 @@ class Line(Declaration):
         return ("start_support", self.start_support), ("end_support", self.end_support)
 
     @property
+    def winches(self) -> tuple[str, ...]:
+        """The keys of its supports at which a winch pulls."""
+        return tuple(key for key, support in self.ends() if getattr(support, "winch", None) is not None)
+
+    @property
     def is_joined(self) -> bool:
         """Whether it is joined to something, or runs over sheaves or saddles."""
         return bool(self.sheaves or self.saddles) or any(isinstance(support, Joined) for _, support in self.ends())

@@ -102,8 +102,7 @@ class Parts:
     @property
     def has_winch(self) -> bool:
         """Whether a winch pulls at the end of a line."""
-        ends = (end for line in self.lines.values() if line is not None for _, end in line.ends())
-        return any(getattr(end, "winch", None) is not None for end in ends)
+        return any(line is not None and line.winches for line in self.lines.values())
 
     @property
     def is_for_the_system(self) -> bool:

@@ -149,7 +149,7 @@ def _of_cuts(name: str, line: Line, run: object) -> Iterator[Finding]:
 
 def _of_winches(name: str, line: Line, run: object) -> Iterator[Finding]:
     """At rest a winch is the force that it is set to; how it gets there only a motion with all geometry shows."""
-    for end in (key for key, support in line.ends() if getattr(support, "winch", None) is not None):
+    for end in line.winches:
         yield from _of_winch(name, end, line, run)
 
 
