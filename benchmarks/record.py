@@ -46,6 +46,7 @@ TABLES = {
     "cosim": ("An exchange with an FMU", "-m benchmarks cosim"),
     "output": ("Instants of output, first runs, large results", "-m benchmarks output"),
     "throughput": ("Sweeps beside a loop", "-m benchmarks throughput"),
+    "many": ("Many runs in one sweep", "-m benchmarks many --whole"),
     "endurance": ("Long runs, large lines", "-m benchmarks endurance"),
     "gate": ("Two schemes for contacts, one exact answer", "-m benchmarks gate"),
     "studio": ("Moves, films and memory of the studio", "-m benchmarks studio"),

@@ -22,6 +22,7 @@ from ropewalk.checkpoint import Tree
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import compiling, is_kept
+from ropewalk.model.consistency import LARGEST_IN_MEMORY, too_large
 from ropewalk.model.crowd import Crowd
 from ropewalk.model.load import GivenForces, assembled
 from ropewalk.model.mesh import is_asked_for
@@ -75,6 +76,8 @@ def simulate(
         _keep_apart(scenario, file)
         if not overwrite:
             check_own(file, scenario)
+    else:
+        _keep_small(scenario)
     watch = Clock()
 
     def recorded(asked: Scenario, run: Run, run_info: RunInfo) -> xr.Dataset:
@@ -149,6 +152,13 @@ def _keep_apart(scenario: Scenario, file: Path) -> None:
     if Path(run.start.file).exists() and file.samefile(run.start.file):
         remedy = "write the new result elsewhere (-o), or start from a copy"
         raise ScenarioError([Problem("run.start.file", "is the file that the result goes to", str(file), remedy)])
+
+
+def _keep_small(scenario: Scenario) -> None:
+    """Refuse to keep more in memory than fits."""
+    found = too_large(scenario.parts, LARGEST_IN_MEMORY, "write to a file (file=...), ")
+    if problems := [Problem(".".join(map(str, one.path)), one.wrong, one.given, one.remedy) for one in found]:
+        raise ScenarioError(problems)
 
 
 def must_compile(scenario: Scenario) -> str:

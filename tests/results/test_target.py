@@ -138,3 +138,9 @@ def test_strange_names_are_refused(name: str | bytes, why: str, tmp_path: Path) 
     with pytest.raises(RopewalkError, match=why) as message:
         check_target(file)
     str(message.value).encode()
+
+
+def test_more_than_fits_into_memory_asks_for_a_file() -> None:
+    asked = still().model_copy(update={"run": still().run.model_copy(update={"until": 1e7, "every": 0.1})})
+    with pytest.raises(ScenarioError, match=r"5e\+08 node positions .* write to a file \(file=...\), raise run.every"):
+        simulate(asked)

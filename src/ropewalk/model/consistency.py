@@ -42,8 +42,8 @@ from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 
 _Loaded = MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices | Pantograph
-LARGEST_RESULT = 5e7
-"""Nodes times output frames: about 10 GB of result, beyond what is wanted on purpose."""
+LARGEST_RESULT, LARGEST_IN_MEMORY = 2e9, 5e7
+"""Nodes times output frames: beyond what is wanted on purpose, and about 10 GB of what is not written to a file."""
 
 LEAST_ROPE = 0.99
 """Part of the rope of a payload that may be taken in."""
@@ -253,11 +253,23 @@ def _rest(parts: Parts) -> Iterator[Finding]:
 
 def _size(parts: Parts) -> Iterator[Finding]:
     run = parts.run
+    if isinstance(run, Dynamic | Linear) and run.every is not None and run.every > run.until:
+        remedy = f"write at most {run.until:g} s (run.until)"
+        yield Finding(("run", "every"), "longer than the run", f"{run.every:g} s", remedy)
+        return
+    yield from too_large(parts, LARGEST_RESULT)
+
+
+def too_large(parts: Parts, most: float, otherwise: str = "") -> Iterator[Finding]:
+    """Find whether a result would hold more than so many places of nodes.
+
+    Args:
+        parts: of the scenario.
+        most: nodes times frames.
+        otherwise: what else may be done about it.
+    """
+    run = parts.run
     if isinstance(run, Dynamic | Linear):
-        if run.every is not None and run.every > run.until:
-            remedy = f"write at most {run.until:g} s (run.until)"
-            yield Finding(("run", "every"), "longer than the run", f"{run.every:g} s", remedy)
-            return
         frames = 1.0 + run.until / every_of(run)
         key = ("run", "every" if run.every is not None else "until")
     elif isinstance(run, Quasistatic):
@@ -269,9 +281,9 @@ def _size(parts: Parts) -> Iterator[Finding]:
     )
     nodes = contacts + sum(line.elements + 1 for line in parts.lines.values() if line is not None)
     nodes += sum(int(2.0 * line.length / line.element) for line in parts.overhead.values() if line is not None)
-    if frames * nodes > LARGEST_RESULT:
+    if frames * nodes > most:
         number = f"{frames * nodes:.3g} node positions ({frames:.4g} frames of {nodes} nodes)"
         action = "positions" if isinstance(run, Quasistatic) else "every"
         verb = "lower" if isinstance(run, Quasistatic) else "raise"
-        remedy = f"{verb} run.{action} or lower elements: at most {LARGEST_RESULT:g} are kept"
+        remedy = f"{otherwise}{verb} run.{action} or lower elements: at most {most:g} are kept"
         yield Finding(key, f"the result would hold {number}", remedy=remedy)
