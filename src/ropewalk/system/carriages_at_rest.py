@@ -62,7 +62,8 @@ class CarriagesAtRest:
         """
         for load, own in self._each():
             found = at_rest[own]
-            stiff = found["moving"] * (found["along"][:, : self._dim] ** 2).sum(axis=1)
+            own_stiffness = np.where(found["axial_stiffness"] > 0.0, found["axial_stiffness"], found["moving"])
+            stiff = own_stiffness * (found["along"][:, : self._dim] ** 2).sum(axis=1)
             self._begin(own, load, self._contacts["begin"][own] - (found["push"] - found["push"].mean()) / stiff)
 
     def hold(self) -> None:

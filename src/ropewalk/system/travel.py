@@ -23,6 +23,7 @@ from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, goes_on, sit, s
 from ropewalk.system.friction import friction_demand
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import RESTRAINED, STRUCK
+from ropewalk.system.yielding import stiffness_along, turned
 
 # Rounds in which a place is found, the part of a link to which it is, and the most that it moves in a round.
 ROUNDS, CLOSE, FAR = 60, 1e-12, 0.5
@@ -145,7 +146,7 @@ def _even_out(structure, buffers, contacts, state, table, out, k, since):
         push = _resistance(structure, buffers, contacts, state, table, out, k, s, since)[0]
         slope = 0.0
         for a in range(axes):
-            slope += (max(contacts[k].moving, 0.0) + slack) * contacts[k].along[a] * level[a]
+            slope += (stiffness_along(contacts, k) + slack) * contacts[k].along[a] * level[a]
         step = min(max(push / slope, -FAR * h), FAR * h) if slope != 0.0 else 0.0
         gone += step
         for a in range(axes):
@@ -172,6 +173,7 @@ def _straighten(structure, contacts, state, k):
         for a in range(state.r.shape[0]):
             state.work[STRUCK] += 0.5 * contacts[k].firm * contacts[k].d[a] ** 2
     run = contacts[k].run
+    state.work[STRUCK] += 0.5 * contacts[k].axial_stiffness * contacts[k].axial ** 2
     waves = np.sqrt(max(contacts[k].tension, 0.0) / max(structure.runs.rho[run], 1e-300))
     speed = max(abs(contacts[k].speed), waves)
     contacts[k].fade = 4.0 * contacts[k].kink * speed / structure.runs.h[run]
@@ -379,13 +381,15 @@ def _resistance(structure, buffers, contacts, state, table, out, k, s, since):
             c = structure.runs.damping[run] / since
             push += lengthens * c * (length / contacts[k].h[j] - 1.0 - buffers.before[link])
             damper += c * lengthens**2 / contacts[k].h[j]
-    slack = _least_stiffness(structure, contacts, k)
-    for a in range(state.r.shape[0]):
-        d = contacts[k].d[a]
-        push -= (contacts[k].moving + slack) * d * contacts[k].along[a] + 0.5 * d * d * contacts[k].turn
+    slack, axes = _least_stiffness(structure, contacts, k), state.r.shape[0]
+    push += turned(contacts, k, axes)
+    for a in range(axes):
+        ahead = contacts[k].axial * contacts[k].tangent[a]
+        N = contacts[k].moving * contacts[k].d[a] + contacts[k].axial_stiffness * ahead
+        push -= (N + slack * (contacts[k].d[a] + ahead)) * contacts[k].along[a]
         tangent += contacts[k].along[a] ** 2
-        along += contacts[k].moving * d * contacts[k].along[a]
-        square += (contacts[k].moving * d) ** 2
+        along += N * contacts[k].along[a]
+        square += N * N
     contacts[k].stretch = stretch
     normal = np.sqrt(max(square - along * along / tangent, 0.0))
     half = 0.0 if structure.runs.firm[run] > 0.0 else np.pi / 2  # a net does not bend around a contact
@@ -460,7 +464,7 @@ def _slide(structure, buffers, contacts, state, table, out, k, speed, since):
         else:
             low = max(low, s)
         growing = viscous + _eddy(contacts, k, s, stretch * (s - old) / since)[1]
-        slope = max(contacts[k].moving, 0.0) * stretch**2 + growing * stretch**2 / since + damper
+        slope = stiffness_along(contacts, k) * stretch**2 + growing * stretch**2 / since + damper
         slope += _least_stiffness(structure, contacts, k) + contacts[k].spring
         new = min(max(s - miss / slope, s - FAR * h), s + FAR * h)
         if not low <= new <= high:
