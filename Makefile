@@ -15,7 +15,8 @@ FIND_PYTHON = for p in python3 python3.11 python3.12 python3.13; do \
 PYTHON ?= $(shell $(FIND_PYTHON))
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 INSTALL = $(PIP) install $(if $(CONSTRAINTS),-c $(CONSTRAINTS))
-# Kernels are compiled once per worker; files that share kernels stay with one worker, so that little is done twice.
+# Kernels that most tests share are compiled before, side by side; what is left, once per worker. Files that share
+# kernels stay with one worker, so that little is done twice.
 TESTFLAGS ?= -n 2 --dist loadfile
 # What is tested as on another machine: all that searches and solves, for there the last bits decide where it ends; of
 # the motions a part. Not how things are read, drawn and told.
@@ -136,6 +137,7 @@ studio-check: studio-front $(VENV)/.dev
 
 test: $(VENV)/.dev
 	@echo "Running the tests (the first time, some minutes of it go into compiling)"
+	@$(BIN)/ropewalk warm-up --quiet
 	@$(BIN)/python -m pytest $(TESTFLAGS)
 
 fuzz: $(VENV)/.dev

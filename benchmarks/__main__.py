@@ -13,10 +13,12 @@ from . import (
     crossings,
     endurance,
     gate,
+    many,
     mesh,
     nets,
     output,
     overhead,
+    scaling,
     statics,
     studio,
     theory,
@@ -31,13 +33,14 @@ def main() -> None:
     parser.add_argument(
         "what", nargs="?", default="all",
         choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies", "overhead", "nets", "cosim",
-                 "crossings", "endurance", "gate", "mesh", "output", "studio", "throughput"],
+                 "crossings", "endurance", "gate", "many", "mesh", "output", "scaling", "studio", "throughput"],
         help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling; "
         "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields; "
         "bodies: masses, walkers, models of one's own, and Exudyn's sliding joint; overhead: against real time; "
         "nets: a mass on nets of more and more nodes; cosim: what an exchange with an FMU costs; "
         "crossings: all trains at all speeds over a bridge, by modes; "
-        "throughput: sweeps beside a plain loop; "
+        "throughput: sweeps beside a plain loop; scaling: on more processes, simulated; "
+        "many: an overhead line at speeds and tensions, ropes by the thousand (--whole); "
         "endurance: long runs, large lines, large results, checkpoints; "
         "studio: frames a second in a browser, from the mouse to the rope, memory (--minutes); "
         "output: what output instants and first runs cost, and large results; "
@@ -46,6 +49,7 @@ def main() -> None:
     )  # fmt: skip
     parser.add_argument("--row", action="append", default=[], help="part of the names of rows of gate")
     parser.add_argument("--minutes", type=float, default=5.0, help="that a film plays for studio")
+    parser.add_argument("--whole", action="store_true", help="120 overhead lines and 10 000 ropes for many")
     asked = parser.parse_args()
     what = asked.what
     if what in ("all", "continuum"):
@@ -74,6 +78,10 @@ def main() -> None:
         studio.main(asked.minutes)
     if what in ("all", "throughput"):
         throughput.main()
+    if what in ("all", "scaling"):
+        scaling.main()
+    if what in ("all", "many"):
+        many.main(asked.whole)
     if what in ("all", "gate"):
         gate.main(asked.row)
     if what in ("all", "mesh"):

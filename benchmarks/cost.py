@@ -94,7 +94,7 @@ def microseconds(load: dict[str, object], elements: int) -> float:
     """Median CPU time of a step of two joined ropes in us."""
     moving = SystemMotion(joined_ropes(load, elements), RunInfo(), np.linspace(0.0, 0.5, 3))
     system, count = moving._system(), 1000
-    begin, arguments = deepcopy(system.changing()), (*system, moving.run_info.step, count)
+    begin, arguments = deepcopy(system.changing()), (*system.arguments, moving.run_info.step, count)
     go, times = entry_of(motion.advance, arguments), []
     for _ in range(20):
         system.put(begin)

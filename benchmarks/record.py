@@ -48,6 +48,7 @@ TABLES = {
     "throughput": ("Sweeps beside a loop", "-m benchmarks throughput"),
     "endurance": ("Long runs, large lines", "-m benchmarks endurance"),
     "gate": ("Two schemes for contacts, one exact answer", "-m benchmarks gate"),
+    "studio": ("Moves, films and memory of the studio", "-m benchmarks studio"),
     "vbi2d": ("Beside VBI-2D", "-m benchmarks.vbi2d FOLDER"),
     "ttb2d": ("Beside TTB-2D", "-m benchmarks.ttb2d FOLDER"),
 }
@@ -122,15 +123,17 @@ def scatter(texts: list[str]) -> str:
 
 def section(name: str, kept: dict[str, Any]) -> list[str]:
     """A table that is kept."""
-    host, load = kept["machine"], " to ".join(f"{value:.1f}" for value in (min(kept["load"]), max(kept["load"])))
+    host, ends = kept["machine"], {min(kept["load"]), max(kept["load"])}
+    load = " to ".join(f"{value:.1f}" for value in sorted(ends))
+    when = "before and after" if len(kept["load"]) > 1 else "before"
     peers = ", ".join(f"{one} {kept['versions'][one]}" for one in PEERS if kept["versions"][one] != "-")
     ours = ", ".join(f"{one} {kept['versions'][one]}" for one in OURS)
     cpu, wall = (sum(both[k] for both in kept["seconds"]) / len(kept["seconds"]) for k in (0, 1))
     ran = f"`{kept['command']}`, {kept['date']}: {cpu:.0f} s of CPU, {wall:.0f} s on the clock."
     on = (
         f"{host['processor']}, {host['cores']} shared cores, {host['memory']} GB, {host['system']}; load {load} "
-        f"(processes that wanted a core, mean of a minute, before and after); Python {kept['python']}, {ours}; "
-        f"peers installed: {peers or 'none'}."
+        f"(processes that wanted a core, mean of a minute, {when}); Python {kept['python']}, {ours}; "
+        f"{f'peers installed: {peers}' if peers else 'no peer takes part'}."
     )
     title, text = TABLES[name][0], kept["texts"][0]
     return [f"## {title}", "", f"{ran} {scatter(kept['texts'])}", "", "```text", text, "```", "", on, ""]
@@ -172,9 +175,9 @@ the machine and the versions; `make bench` prints all of them on yours, `make pe
 
 **How to read it.** The machine has two cores that others use at the same time. Times are CPU seconds, not those of a
 clock, but what shares caches and memory makes them longer, too: under load they scatter by a third, and only **ratios
-within a table** carry over to another machine. With each table stands how far its numbers moved in a second run.
-Settings of the other packages that are coarser or finer than needed were tried, of ours no more than of theirs; how,
-and what is unfair in which direction, is in [the note on speed](notes/speed.md).
+within a table** carry over to another machine. With each table stands how far its numbers moved in a second run,
+or that there was none. Settings of the other packages that are coarser or finer than needed were tried, of ours no more
+than of theirs; how, and what is unfair in which direction, is in [the note on speed](notes/speed.md).
 """
 
 NOT_RUN = "Each was run on the day on which its numbers were written, or before; machine and conditions are told there."

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import os
 import re
@@ -17,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from ropewalk.results.frame import Layout
-from ropewalk.studio.messages import described, packed
-from ropewalk.studio.share import PAGE
+from ropewalk.studio.share import PAGE, filled
+from ropewalk.studio.streams import film
 
 FRONT = Path(__file__).parents[1] / "studio"
 NODES = (200, 500, 1000, 5000)
@@ -38,13 +37,10 @@ run: {kind: dynamic, until: 0.3 s, every: 10 ms}
 
 def page(layout: Layout, file: Path, **arrays: Any) -> Path:
     """A shared page of frames that nobody has computed: how fast they are shown does not depend on that."""
-    head = {"event": "layout", "layout": described(layout), "energies": [], "total": FRAMES, "step": 1}
-    path = np.arange(FRAMES) / 60.0
-    given = {"path": path, **{name: np.asarray(array, dtype=float) for name, array in arrays.items()}}
-    messages = [base64.b64encode(m).decode() for m in (packed(head, {}), packed({"event": "frames"}, given))]
+    given = {name: np.asarray(array, dtype=float) for name, array in arrays.items()}
+    template = PAGE / ("share-space" if len(layout.axes) == 3 else "share") / "share.html"
     ended = {"title": file.stem, "outcome": "completed", "summary": "", "doubts": []}
-    template = (PAGE / ("share-space" if len(layout.axes) == 3 else "share") / "share.html").read_text(encoding="utf-8")
-    file.write_text(template.replace('"ropewalk-data"', json.dumps({"messages": messages, "ended": ended}), 1))
+    file.write_text(filled(template, film(layout, np.arange(FRAMES) / 60.0, given, {}), ended))
     return file
 
 
@@ -109,21 +105,30 @@ def serving(folder: Path) -> Iterator[tuple[str, int]]:
         process.kill()
 
 
-def processor_time(root: int) -> float:
-    """CPU time of a process and of those that it has begun, s; from Linux's /proc."""
-    parents, times = dict[int, int](), dict[int, float]()
+def family(root: int) -> dict[int, list[str]]:
+    """A process and those that it has begun, and what Linux's /proc tells of each from the number of its parent on."""
+    told, ours = dict[int, list[str]](), {root}
     for entry in Path("/proc").iterdir():
         if entry.name.isdigit():
-            try:
-                told = (entry / "stat").read_text().rpartition(")")[2].split()
-            except OSError:
-                continue
-            parents[int(entry.name)] = int(told[1])
-            times[int(entry.name)] = (int(told[11]) + int(told[12])) / os.sysconf("SC_CLK_TCK")
-    ours = {root}
-    while more := {pid for pid, parent in parents.items() if parent in ours} - ours:
+            with suppress(OSError):
+                told[int(entry.name)] = (entry / "stat").read_text().rpartition(")")[2].split()[1:]
+    while more := {pid for pid, (parent, *_) in told.items() if int(parent) in ours} - ours:
         ours |= more
-    return sum(times.get(pid, 0.0) for pid in ours)
+    return {pid: told[pid] for pid in ours & told.keys()}
+
+
+def processor_time(root: int) -> float:
+    """CPU time of a process and of those that it has begun, s."""
+    return sum(int(told[10]) + int(told[11]) for told in family(root).values()) / os.sysconf("SC_CLK_TCK")
+
+
+def memory_of(root: int) -> float:
+    """Memory of a process and of those that it has begun, what they share counted once, MB."""
+    size = 0
+    for pid in family(root):
+        with suppress(OSError):
+            size += int(re.findall(r"^Pss: +(\d+) kB", Path(f"/proc/{pid}/smaps_rollup").read_text(), re.M)[0])
+    return size / 1e3
 
 
 def films(folder: Path) -> None:
@@ -164,15 +169,33 @@ def drags(folder: Path) -> None:
         print(f"  {links:5d}  {rates}  {server:26.1f} ms  {browser:4.1f} ms  {np.median(found['paints']):8.0f} ms")
 
 
+def growth(what: str, seconds: np.ndarray, size: np.ndarray) -> None:
+    """Print how a memory in MB grows after a fifth of the time."""
+    late = seconds > 0.2 * seconds[-1]
+    fit = np.polyfit(seconds[late], size[late], 1)
+    spread = np.std(size[late] - np.polyval(fit, seconds[late]))
+    ends = f"{size[0]:7.1f} MB, at the end {size[-1]:7.1f} MB"
+    print(f"  {what:8} {ends}, {3600 * fit[0]:+6.2f} MB an hour, scatter {spread:.2f} MB")
+
+
 def memory(folder: Path, minutes: float) -> None:
     """Print how the page's memory grows while a film of 1000 nodes plays again and again."""
     heap = np.array(measured("stay", str(rope(1000, folder / "rope.html")), 60.0 * minutes)["heap"])
-    late = heap[heap[:, 0] > 0.2 * heap[-1, 0]]
-    fit = np.polyfit(late[:, 0], late[:, 1] / 1e6, 1)
-    spread = np.std(late[:, 1] / 1e6 - np.polyval(fit, late[:, 0]))
     print(f"\nA film of 1000 nodes played for {minutes:g} min, heap of the page after its garbage is gone")
-    print(f"  {heap[0, 1] / 1e6:.1f} MB, at the end {heap[-1, 1] / 1e6:.1f} MB, scatter {spread:.2f} MB")
-    print(f"  {3600 * fit[0]:+.2f} MB an hour; {heap[0, 2]:.0f} nodes of the document, at the end {heap[-1, 2]:.0f}")
+    growth("page", heap[:, 0], heap[:, 1] / 1e6)
+    print(f"  {heap[0, 2]:.0f} nodes of the document, at the end {heap[-1, 2]:.0f}")
+
+
+def memory_dragged(folder: Path, minutes: float) -> None:
+    """Print how the memory of page and server grows while a load is dragged for two seconds of twenty."""
+    (folder / "rope.yaml").write_text(ROPE % 200)
+    sizes = list[float]()
+    with serving(folder) as (address, pid):
+        found = measured("linger", address, 60.0 * minutes, lambda _: sizes.append(memory_of(pid)))
+    heap = np.array(found["heap"])
+    print(f"\nA load on 200 links dragged for 2 s of every 20 s, {minutes:g} min; the server with its workers")
+    growth("page", heap[:, 0], heap[:, 1] / 1e6)
+    growth("server", heap[:, 0], np.array(sizes))
 
 
 def main(minutes: float = 5.0) -> None:
@@ -185,4 +208,5 @@ def main(minutes: float = 5.0) -> None:
         drags(Path(place))
         films(Path(place))
         memory(Path(place), minutes)
+        memory_dragged(Path(place), minutes)
     print(f"load {os.getloadavg()[0]:.1f} as it ends")

@@ -27,8 +27,8 @@ function onePage(script: string, style: string): { fileName: string; source: str
     '<meta name="viewport" content="width=device-width, initial-scale=1">',
     `<meta http-equiv="Content-Security-Policy" content="${policy}">`,
     `<title>ropewalk</title><style>${style}</style></head><body class="shared">`,
-    '<script type="application/json" id="data">"ropewalk-data"</script>',
-    `<script type="module">${script.replaceAll("</script", "<\\/script")}</script></body></html>`,
+    `<script>${script.replaceAll("</script", "<\\/script")}</script>`,
+    "<!--ropewalk-data--></body></html>",
   ].join("\n");
   return { fileName: "share.html", source };
 }
@@ -47,7 +47,7 @@ export default defineConfig(({ mode }) => {
   const [single, space] = mode.split("-") as [keyof typeof SINGLE, string | undefined];
   const isSingle = single in SINGLE;
   return {
-    base: "./",
+    base: isSingle ? "/" : "./",
     define: { SPACE: JSON.stringify(!isSingle || space !== undefined) },
     plugins: isSingle ? [inOneFile(SINGLE[single])] : [],
     build: {
@@ -59,7 +59,8 @@ export default defineConfig(({ mode }) => {
       rollupOptions: {
         input: isSingle ? `src/${single}.ts` : "index.html",
         preserveEntrySignatures: single === "widget" ? "strict" : undefined,
-        output: isSingle ? { codeSplitting: false } : undefined,
+        checks: { emptyImportMeta: false, pluginTimings: false }, // of the helper that fetches parts: here are none
+        output: isSingle ? { codeSplitting: false, format: single === "share" ? "iife" : "es" } : undefined,
       },
     },
   };

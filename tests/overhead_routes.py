@@ -39,6 +39,14 @@ def sag_without_a_dropper(result: xr.Dataset, begin: float, end: float) -> float
     return 0.5 * float(low + high) - float(middle)
 
 
+def pull_after_failure(result: xr.Dataset) -> float:
+    """The largest force of dropper line.6.5 from 4.5 s on, N; before it bears its wire."""
+    force = result.tie_force.sel(tie="line.6.5")
+    assert float(force.sel(time=slice(0.0, 4.45)).min()) >= 0.0
+    assert float(force.sel(time=slice(0.0, 4.45)).mean()) > 0.8 * 6.5 * 1.35 * 9.81
+    return float(abs(force.sel(time=slice(4.5, None))).max())
+
+
 def tension_at_first(result: xr.Dataset, line: str) -> float:
     """Tension of a wire in the middle at the first instant, N."""
     own = result.tension.isel(time=0).values[result.link_line.values == line]

@@ -20,6 +20,10 @@ SMALL = {
     "pantograph, large motion": (
         "en50318-2002-250", "run.until=0.02 s", "run.every=2 ms", "run.geometry=nonlinear", "run.axial_inertia=4",
     ),
+    "dropper that fails": (
+        "overhead-line-dropper-failure", "run.until=0.1 s", "run.every=10 ms",
+        "overhead_lines.line.droppers.cut.time=35 ms",
+    ),
     "sheaves": ("sheaves", "run.until=0.2 s", "run.every=20 ms"),
     "net": ("trampoline-net", "run.until=0.1 s", "run.every=10 ms"),
     "footbridge": ("suspension-footbridge", "run.until=0.4 s", "run.every=40 ms"),

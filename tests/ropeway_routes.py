@@ -81,6 +81,33 @@ def tension_over_the_saddle(result: xr.Dataset) -> float:
     return float(same[np.searchsorted(x, 70.0)] - same[-1])
 
 
+def depth_of_the_carriage(result: xr.Dataset) -> float:
+    """How far below the chord the carriage of examples/cable-crane-yarding.yaml stands at first, m."""
+    x, z = result.contact_position.isel(time=0, contact=0).values
+    return float(0.1 * x - z)
+
+
+def depth_at_its_tension(result: xr.Dataset, force: float = 60e3, gravity: float = 9.81) -> float:
+    """The same by the equilibrium of a shallow rope whose end a force pulls along the chord, m.
+
+    The vertical force at the end follows from moments about the start, H from the rail; the rope's weight w is even
+    along x, and the moment about the carriage gives its height.
+    """
+    x = float(result.contact_position.isel(time=0, contact=0).values[0])
+    span, L = float(result.position.isel(time=0).values[-1, 0]), 203.0
+    w, P = 1.5 * gravity * L / span, 1.5e3 * gravity
+    # V L = H h + P x + w L^2 / 2, H ux + V uz = F
+    more, (ux, uz) = (P * x + 0.5 * w * span**2) / span, np.array([200.0, 20.0]) / np.hypot(200.0, 20.0)
+    H = (force - uz * more) / (ux + 0.1 * uz)
+    return (P * x * (span - x) / span + 0.5 * w * x * (span - x)) / H
+
+
+def largest_pull_of_the_winch(result: xr.Dataset) -> float:
+    """Largest force along its rail once it runs, N."""
+    reaction = result.reaction.sel(support="skyline.end").values[12:]
+    return float((reaction @ np.array([200.0, 20.0]) / np.hypot(200.0, 20.0)).max())
+
+
 def share_of_the_first_rope(result: xr.Dataset, gravity: float = 9.81) -> float:
     """Part of the crab that the first rope of examples/cable-crane-two-ropes.yaml bears, by what it pulls up with."""
     place, lines = result.position.values[0], result.line.values

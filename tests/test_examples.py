@@ -322,6 +322,11 @@ KNOWN = {
         Known("static force by the balance of means, N", lambda r: overhead.static_force(r, "pantograph"), 110.0, 0.5),
         Known("audit, part of the energy", audit, 0.0, 0.01),
     ],
+    "overhead-line-dropper-failure.yaml": [
+        Known("pull of the dropper once it has failed, N", overhead.pull_after_failure, 0.0, 0.0),
+        Known("static force by the balance of means, N", lambda r: overhead.static_force(r, "front"), 110.0, 0.5),
+        Known("audit, part of the energy", audit, 0.0, 0.01),
+    ],
     "overhead-line-dc.yaml": [
         # Three masses: 110 N and 0.012 (160 km/h)^2 are in balance with the means of force and height.
         Known(
@@ -489,6 +494,18 @@ KNOWN = {
     "cable-crane-two-ropes.yaml": [
         # Polygons of 40 links instead of catenaries.
         Known("part of the first rope", ropeways.share_of_the_first_rope, ropeways.share_by_catenaries(), 1e-4),
+    ],
+    "cable-crane-yarding.yaml": [
+        Known(
+            "depth of the carriage beside that of a shallow rope at 60 kN",
+            lambda r: ropeways.depth_of_the_carriage(r) / ropeways.depth_at_its_tension(r),
+            1.0,
+            2e-3,
+            ("run.until=10 s",),
+        ),
+        # Dead band and damper leave it between 60 + 1 kN, where it begins to pay out, and 60 + 1 + 4 * 0.5 kN.
+        Known("largest pull of the winch, N", ropeways.largest_pull_of_the_winch, 62e3, 1e3, ("run.until=10 s",)),
+        Known("audit, part of the energy", audit, 0.0, 1e-6, ("run.until=10 s",)),
     ],
     "cable-crane-hoist.yaml": [
         # m g times what is taken in, and 2 % for what swings: the rope pulls more, and the energy of the sway grows.

@@ -58,8 +58,10 @@ def _of_linear_theory(parts: Parts) -> Engine:
     """Closed forms of lines by themselves; modes of what is joined, held or a surface, or where there are none."""
     if parts.overhead:
         return LINEAR
-    joined = parts.is_network or parts.is_supported
-    return SUPERPOSED if joined or _refused(SUPERPOSED, parts) < _refused(LINEAR, parts) else LINEAR
+    if parts.is_network or parts.is_supported:
+        return SUPERPOSED
+    refused = _refused(LINEAR, parts)
+    return SUPERPOSED if refused and _refused(SUPERPOSED, parts) < refused else LINEAR
 
 
 def is_system_linearised(scenario: Scenario) -> bool:
@@ -194,6 +196,9 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
         if line.hysteresis is not None:
             remedy, feature = "leave hysteresis out", "hysteresis"
             raise refusal(missing(("lines", name, "hysteresis"), "spectra", "a block", remedy, feature=feature))
+        for key in line.winches:
+            where, remedy = ("lines", name, key, "winch"), "leave winch out"
+            raise refusal(missing(where, "spectra", "a block", remedy, feature="a winch"))
         for saddle, own in line.saddles.items():
             if own.friction:
                 path, remedy = ("lines", name, "saddles", saddle, "friction"), "leave friction out"

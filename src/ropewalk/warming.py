@@ -34,6 +34,15 @@ loads:
   load: {{kind: {load}, on: one, travel: {{speed: 5, from: 1 m}}}}
 run: {{kind: dynamic, until: 0.1 ms}}
 """
+# Kernels of the system are compiled for plain structures, and for those with anything of this kind.
+_SADDLE = """
+lines:
+  rope: {{start: [0, 0], end: [20, 0], length: 20.6 m, mass: 2, axial_stiffness: 1 MN, elements: 40,
+    saddles: {{tower: {{at: [10, 3], radius: 2}}}}}}
+loads:
+  one: {{kind: {load}, on: rope, travel: {{speed: 5, from: 3 m}}}}
+run: {{kind: dynamic, until: 0.1 ms}}
+"""
 _FORCE, _MASS, _STIFF = "force, force: [0, -500]", "mass, mass: 10", "bending_stiffness: 1 kN*m^2, "
 COMMON: dict[str, tuple[str, ...]] = {
     "a rope": (
@@ -46,6 +55,7 @@ COMMON: dict[str, tuple[str, ...]] = {
         _ROPE.format(line=_STIFF, load=_MASS, run=""),
     ),
     "joined lines": (_TAUT.format(line="", load=_FORCE), _TAUT.format(line="", load=_MASS)),
+    "lines with saddles, sheaves or segments, overhead lines, nets": (_SADDLE.format(load=_MASS),),
 }
 """What most runs need: scenarios, in groups that share kernels."""
 

@@ -10,6 +10,7 @@ interface Line {
   length: number | null;
   tension: number | null;
   mass: number;
+  wind_drag: number;
 }
 
 interface Load {
@@ -24,6 +25,7 @@ interface Pose {
   x: number;
   contact: string;
   weight?: number;
+  wind?: number; // m/s; not there: as the scenario says
   line: Record<string, unknown>;
 }
 
@@ -34,6 +36,7 @@ interface Told {
 }
 
 const NEAR = 22; // pixels
+const WIDTH = 0.01; // m, of a line that has told none, in the wind that is made by hand
 
 /** The load under the pointer: the equilibrium for every place, and what else can be changed by hand. */
 export class Drag {
@@ -254,6 +257,10 @@ export class Drag {
             change("length"),
           ),
       this.slider("mass", "kg/m", line.mass, 0.05 * line.mass, 5 * line.mass, change("mass")),
+      this.slider("wind", "m/s", 0, -40, 40, (wind) => {
+        this.want({ wind, line: { wind_drag: line.wind_drag || WIDTH, ...this.pose?.line } });
+      }),
+      this.slider("width in wind", "m", line.wind_drag || WIDTH, 0.001, 0.1, change("wind_drag")),
       element("div", { class: "row" }, go, reset),
     );
   }

@@ -20,9 +20,19 @@ export function tensionsOf(layout: Layout, frame: Frame): { values: Float32Array
   if (tension?.length || !cell_tension) return { values: tension ?? new Float32Array(0), unit: "N" };
   const values = new Float32Array(layout.cells.length);
   const each = cell_tension.length / values.length;
-  for (let k = 0; k < values.length; k++)
-    values[k] = cell_tension.subarray(k * each, (k + 1) * each).reduce((a, b) => Math.max(a, b));
+  for (let k = 0; k < values.length; k++) {
+    values[k] = cell_tension[k * each];
+    for (let i = k * each + 1; i < (k + 1) * each; i++) values[k] = Math.max(values[k], cell_tension[i]);
+  }
   return { values, unit: "N/m" };
+}
+
+/** The largest of these tensions, in N or N/m. */
+export function largestTension({ tension, cell_tension }: Frame): number {
+  let most = Number.NEGATIVE_INFINITY;
+  const values = tension?.length ? tension : (cell_tension ?? []);
+  for (let i = 0; i < values.length; i++) if (values[i] > most) most = values[i];
+  return most;
 }
 
 interface Track {
@@ -40,6 +50,8 @@ export class Film {
   numbers: Record<string, [number, string]> = {}; // of its summary, when it has ended
   path: Float32Array<ArrayBuffer> = new Float32Array(64);
   private tracks = new Map<string, Track>();
+  private known = new Map<string, number[]>(); // what has been found out of the frames that were there
+  private ranges = new Map<string, { low: number; high: number; seen: number }>();
   private changed = 0;
 
   constructor(head: Message["head"]) {
@@ -91,9 +103,12 @@ export class Film {
     return this.count ? this.path[this.count - 1] : 0;
   }
 
-  /** A number of every frame. */
-  series(of: (frame: Frame) => number): number[] {
-    return Array.from({ length: this.count }, (_, i) => of(this.frame(i)));
+  /** A number of every frame; its name tells it from others, so that each frame is asked once only. */
+  series(name: string, of: (frame: Frame) => number): number[] {
+    const found = this.known.get(name) ?? [];
+    this.known.set(name, found);
+    while (found.length < this.count) found.push(of(this.frame(found.length)));
+    return found;
   }
 
   has(name: string): boolean {
@@ -103,14 +118,19 @@ export class Film {
   /** The smallest and the largest of some numbers over all frames; of positions by axis. */
   range(name: string, axis = 0, axes = 1): [number, number] {
     const track = this.tracks.get(name);
-    let low = Number.POSITIVE_INFINITY;
-    let high = Number.NEGATIVE_INFINITY;
-    if (track)
-      for (let i = axis; i < this.count * track.each; i += axes) {
-        const value = track.values[i];
-        if (value < low) low = value;
-        if (value > high) high = value;
-      }
+    if (!track) return [0, 1];
+    const key = `${name} ${axis} ${axes}`;
+    let { low, high, seen } = this.ranges.get(key) ?? {
+      low: Number.POSITIVE_INFINITY,
+      high: Number.NEGATIVE_INFINITY,
+      seen: axis,
+    };
+    for (; seen < this.count * track.each; seen += axes) {
+      const value = track.values[seen];
+      if (value < low) low = value;
+      if (value > high) high = value;
+    }
+    this.ranges.set(key, { low, high, seen });
     return low <= high ? [low, high] : [0, 1];
   }
 }

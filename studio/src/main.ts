@@ -392,7 +392,7 @@ function ended(head: Record<string, unknown>): void {
     if (other) compared.replaceChildren(besides(film.numbers, other.numbers, film.title, other.title));
   }
   if (!head.file) return;
-  exports.append(...links(String(head.file), OF_RUNS));
+  exports.append(...links(String(head.file), OF_RUNS, tell));
 }
 
 async function result(name: string): Promise<void> {

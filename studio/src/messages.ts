@@ -18,3 +18,11 @@ export function unpacked(data: ArrayBuffer): Message {
   }
   return { head, arrays };
 }
+
+/** What a text in base64 holds. */
+export function bytesOf(text: string): ArrayBuffer {
+  const signs = atob(text);
+  const found = new Uint8Array(signs.length);
+  for (let i = 0; i < signs.length; i++) found[i] = signs.charCodeAt(i);
+  return found.buffer;
+}

@@ -1,6 +1,6 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { type Film, tensionsOf } from "./film";
+import { type Film, largestTension } from "./film";
 
 const KEY = "ropewalk";
 
@@ -46,7 +46,7 @@ export class Plots {
   /** Draw anew if frames have come. */
   update(film: Film, beside?: Film): void {
     const version = film.version + 1e6 * (beside?.version ?? 0);
-    if (version === this.version || film.count < 2) return;
+    if (version === this.version || film.count < 2 || !this.place.isConnected) return; // colours come with the page
     this.version = version;
     const x = Array.from(film.path.subarray(0, film.count));
     const style = getComputedStyle(this.place);
@@ -143,14 +143,13 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
     contact.push({
       name,
       colour: tints[k],
-      values: film.series((f) => -f.contact_force[k * axes + axes - 1] / 1000),
+      values: film.series(`force ${k}`, (f) => -f.contact_force[k * axes + axes - 1] / 1000),
     });
-    path.push({ name, colour: tints[k], values: film.series((f) => f.contact_position[k * axes + axes - 1]) });
+    const place = film.series(`place ${k}`, (f) => f.contact_position[k * axes + axes - 1]);
+    path.push({ name, colour: tints[k], values: place });
   }
   const unit = film.has("tension") ? "kN" : "kN/m";
-  const most = film.series(
-    (f) => tensionsOf(film.layout, f).values.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY) / 1000,
-  );
+  const most = film.series("tension", (f) => largestTension(f) / 1000);
   const found = [
     {
       title: `largest tension (${unit})`,
@@ -165,13 +164,15 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
   }
   const i = film.energies.indexOf("imbalance");
   const j = film.energies.indexOf("kinetic");
-  if (i >= 0 && film.layout.path === "time")
+  if (film.has("energy") && film.layout.path === "time") {
+    const [kinetic, imbalance] = [j, i].map((at) => film.series(`energy ${at}`, (f) => f.energy[at]));
     found.push({
       title: "energy (J): kinetic, imbalance",
       curves: [
-        { name: `${prefix}kinetic`, colour: colour("--accent"), values: film.series((f) => f.energy[j]) },
-        { name: `${prefix}imbalance`, colour: colour("--load"), values: film.series((f) => f.energy[i]) },
+        { name: `${prefix}kinetic`, colour: colour("--accent"), values: kinetic },
+        { name: `${prefix}imbalance`, colour: colour("--load"), values: imbalance },
       ],
     });
+  }
   return found;
 }

@@ -1,15 +1,25 @@
-import { unpacked } from "./messages";
+import { bytesOf, unpacked } from "./messages";
 import { Viewer } from "./viewer";
 
-function bytes(text: string): ArrayBuffer {
-  return Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0)).buffer;
+let ended: Record<string, unknown> | undefined;
+let viewer: Viewer | undefined;
+
+/** Take the block of data before the script that calls: the page is shown while the rest of it is still being read. */
+function next(): void {
+  const block = document.currentScript?.previousElementSibling as HTMLElement;
+  const text = block.textContent ?? "";
+  block.remove();
+  if (!ended) {
+    ended = JSON.parse(text) as Record<string, unknown>;
+    document.title = String(ended.title);
+    return;
+  }
+  const message = unpacked(bytesOf(text));
+  if (viewer) return viewer.more(message);
+  const made = new Viewer({ messages: [message], ended });
+  viewer = made;
+  document.body.append(...made.parts);
+  addEventListener("keydown", (event) => made.key(event));
 }
 
-const given = JSON.parse(document.getElementById("data")?.textContent ?? "null") as {
-  messages: string[];
-  ended: Record<string, unknown>;
-};
-document.title = String(given.ended.title);
-const viewer = new Viewer({ messages: given.messages.map((text) => unpacked(bytes(text))), ended: given.ended });
-document.body.append(...viewer.parts);
-addEventListener("keydown", (event) => viewer.key(event));
+Object.assign(globalThis, { ropewalk: next });

@@ -39,7 +39,7 @@ export class SweepTab {
   show(file: string, sweep: Sweep): void {
     this.file = file;
     this.hint.hidden = true;
-    this.exports.replaceChildren(...links(file, OF_SWEEPS));
+    this.exports.replaceChildren(...links(file, OF_SWEEPS, this.page.tell));
     this.map.show(sweep);
   }
 

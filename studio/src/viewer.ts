@@ -6,7 +6,10 @@ import { Plots } from "./plots";
 import { Stage } from "./stage";
 import "./style.css";
 
-/** A run as a page or a notebook is given it: the messages of `ropewalk.studio.streams.of_result`, and how it ended. */
+/**
+ * A run as a page or a notebook is given it: the messages of `ropewalk.studio.streams.of_result`, the first of them at
+ * least, and how it ended.
+ */
 export interface Run {
   messages: Message[];
   ended: Record<string, unknown>;
@@ -23,6 +26,7 @@ export class Viewer {
   readonly parts: HTMLElement[];
   private stage: Stage;
   private player: Player;
+  private film: Film;
 
   constructor(run: Run, beside?: Run) {
     const { title, outcome, summary, doubts } = run.ended;
@@ -32,7 +36,6 @@ export class Viewer {
     this.stage = new Stage(canvas);
     const plots = new Plots(plotted, (path) => this.player.go(path));
     this.player = new Player(this.stage, plots);
-    this.player.isOver = true;
     this.player.shown = (shown, frame) => {
       numbers.replaceChildren(
         ...numbersOf(shown, frame).flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]),
@@ -40,7 +43,6 @@ export class Viewer {
     };
     const own = (doubts as Doubt[]) ?? [];
     this.stage.doubted = own.map(({ key }) => key);
-    this.player.mark(own);
     const distrusted = [
       ...own.map(({ text }) => text),
       ...((beside?.ended.doubts as Doubt[]) ?? []).map(({ text }) => `${beside?.ended.title}: ${text}`),
@@ -67,7 +69,15 @@ export class Viewer {
         ),
       ),
     ];
-    this.player.load(filmOf(run), beside && filmOf(beside));
+    this.film = filmOf(run);
+    this.player.load(this.film, beside && filmOf(beside));
+    this.player.mark(own);
+  }
+
+  /** Another message of the run has come. */
+  more(message: Message): void {
+    this.film.add(message.arrays);
+    this.player.more();
   }
 
   /** Play by space, step by arrow keys; true if the key meant something. */

@@ -27,6 +27,34 @@ const SWEEP = `sweep:
   over: {lines.rope.length: [20 m, 20.5 m], loads.walker.travel.from: [5 m, 8 m]}
   record: [largest_sag]
 `;
+const FAST = `title: A mass that overtakes the waves
+lines:
+  string: {start: [0 m, 0 m], end: [20 m, 0 m], tension: 400 N, mass: 1 kg/m, axial_stiffness: 1 MN, elements: 20}
+loads:
+  cart: {kind: mass, on: string, mass: 20 kg, travel: {speed: 30 m/s}}
+run: {kind: dynamic, until: 0.5 s, every: 10 ms}
+`;
+/** Pixels of the picture that have the colour of doubts, and how far to the right they are, as a part of its width. */
+const doubted = (page) =>
+  page
+    .locator("canvas")
+    .first()
+    .evaluate((canvas) => {
+      const probe = document.createElement("canvas").getContext("2d");
+      probe.fillStyle = getComputedStyle(canvas).getPropertyValue("--bad");
+      probe.fillRect(0, 0, 1, 1);
+      const bad = probe.getImageData(0, 0, 1, 1).data;
+      const { data, width } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      const found = [];
+      for (let i = 0; i < data.length; i += 4)
+        if ([0, 1, 2].every((k) => data[i + k] === bad[k])) found.push(((i / 4) % width) / width);
+      return { count: found.length, right: found.reduce((a, b) => a + b, 0) / found.length };
+    });
+/** Wait until the rope has followed all that was done by hand. */
+const settled = async (page) => {
+  const answers = () => page.evaluate(() => globalThis.ropewalkDelays.length);
+  for (let seen = -1; seen !== (await answers()); await page.waitForTimeout(500)) seen = await answers();
+};
 const poses = (page) => page.waitForFunction(() => globalThis.ropewalkDelays?.length > 0);
 
 await check({ context, wrong }, async () => {
@@ -47,6 +75,23 @@ await check({ context, wrong }, async () => {
   const dragged = Number.parseFloat(await page.locator('dt:text-is("walker: place x, z") + dd').textContent());
   must(dragged > 12 && dragged < 18, `the load was dragged to ${dragged} m`);
   must((await number(page, "walker: friction needed")) !== before, "friction does not follow the load");
+  // in wind, and calm again
+  const wind = page.getByLabel("wind (m/s)", { exact: true });
+  await settled(page);
+  const calm = await number(page, "largest tension");
+  await page.getByLabel("width in wind (m)").fill("0.1");
+  const told = await page.locator(".numbers dd").first().textContent();
+  await wind.fill("40");
+  await page.waitForFunction((old) => document.querySelector(".numbers dd").textContent !== old, told);
+  await settled(page);
+  await look(page, "wind");
+  const windy = await number(page, "largest tension");
+  must(windy > calm + 0.02, `in wind the tension is ${windy} kN, without it ${calm} kN`);
+  await wind.fill("0");
+  await settled(page);
+  const again = await number(page, "largest tension");
+  must(Math.abs(again - calm) < 0.011, `calm again, the tension is ${again} kN instead of ${calm} kN`);
+
   await page.getByLabel("Contact", { exact: true }).selectOption("frictionless");
   await page.waitForFunction(
     () =>
@@ -168,6 +213,27 @@ await check({ context, wrong }, async () => {
   await page.locator(".compared td").first().waitFor({ state: "attached" });
   await page.getByRole("tab", { name: "Result" }).click();
   await look(page, "compared");
+
+  // a doubt about a load: over it, where it is, and on the slider at its instant; none where nothing is to be doubted
+  must((await doubted(page)).count === 0, "a doubt is drawn where there is none");
+  writeFileSync(join(folder, "fast.yaml"), FAST);
+  await page.reload();
+  await poses(page);
+  await page.getByLabel("Open", { exact: true }).selectOption("file:fast.yaml");
+  await page.getByRole("button", { name: "Run", exact: true }).click();
+  await page.locator(".status").getByText("doubtful").waitFor();
+  await page.getByRole("tab", { name: "Result" }).click();
+  await page.getByRole("button", { name: "Show loads.cart.travel.speed" }).waitFor();
+  await page.locator(".marks .alert").first().click();
+  await page.waitForTimeout(200);
+  const mark = await doubted(page);
+  await look(page, "doubt");
+  must(mark.count > 100, `the doubt over the load has ${mark.count} pixels`);
+  await page.getByLabel("Time", { exact: true }).fill("0.4");
+  await page.waitForTimeout(200);
+  must((await doubted(page)).right > mark.right + 0.2, "the mark does not go with the load");
+  await page.reload();
+  await poses(page);
 
   // two pages; in the dark; the lesson
   const other = await opened(address);

@@ -1,11 +1,11 @@
-// How fast the studio is, as JSON: node tests/speed.mjs drag ADDRESS SECONDS | play PAGE.html SECONDS | stay PAGE.html SECONDS
+// How fast the studio is, as JSON: node tests/speed.mjs drag|linger ADDRESS SECONDS | play|stay PAGE.html SECONDS
 import { launched, watch } from "./chromium.mjs";
 
 const [, , what, given, seconds] = process.argv;
 const { context, wrong } = await launched();
 const page = await context.newPage();
 watch(page, wrong);
-const address = what === "drag" ? given : `file://${given}`;
+const address = given.startsWith("http:") ? given : `file://${given}`;
 const painted = () => page.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0]?.startTime);
 
 /** Move the mouse to and fro 60 times a second, not waiting for the page; how long the rope took to follow. */
@@ -70,13 +70,26 @@ async function play() {
   return { ...found, paints: [await painted()] };
 }
 
-/** The heap of the page after its garbage is gone, every ten seconds while a film plays again and again. */
-async function stay() {
-  await page.goto(address);
+/** The heap of the page after its garbage is gone, after every round of what is done again and again. */
+async function heapAfter(round) {
   const session = await context.newCDPSession(page);
   await session.send("Performance.enable");
   const heap = [];
   for (let begin = Date.now(); Date.now() - begin < 1000 * seconds; ) {
+    await round();
+    await session.send("HeapProfiler.collectGarbage");
+    const { metrics } = await session.send("Performance.getMetrics");
+    const of = (name) => metrics.find((metric) => metric.name === name).value;
+    heap.push([(Date.now() - begin) / 1000, of("JSHeapUsedSize"), of("Nodes")]);
+    console.log("ROUND");
+  }
+  return { heap };
+}
+
+/** A film that plays again and again, ten seconds a round. */
+async function stay() {
+  await page.goto(address);
+  return heapAfter(async () => {
     for (let k = 0; k < 10; k++) {
       await page.evaluate(() => {
         const button = document.querySelector(".player button");
@@ -84,16 +97,29 @@ async function stay() {
       });
       await page.waitForTimeout(1000);
     }
-    await session.send("HeapProfiler.collectGarbage");
-    const { metrics } = await session.send("Performance.getMetrics");
-    const of = (name) => metrics.find((metric) => metric.name === name).value;
-    heap.push([(Date.now() - begin) / 1000, of("JSHeapUsedSize"), of("Nodes")]);
-  }
-  return { heap };
+  });
+}
+
+/** A load that is dragged for two seconds of twenty. */
+async function linger() {
+  await page.goto(address);
+  await page.waitForFunction(() => globalThis.ropewalkDelays?.length > 0, undefined, { timeout: 120_000 });
+  const box = await page.locator("canvas").first().boundingBox();
+  const at = (k) => [box.x + box.width * (0.5 + 0.25 * Math.sin(k / 40)), box.y + 200];
+  return heapAfter(async () => {
+    await page.mouse.move(...at(0));
+    await page.mouse.down();
+    for (let k = 0; k < 120; k++) {
+      await page.mouse.move(...at(k));
+      await page.waitForTimeout(1000 / 60);
+    }
+    await page.mouse.up();
+    await page.waitForTimeout(18_000);
+  });
 }
 
 try {
-  const found = await { drag, play, stay }[what]();
+  const found = await { drag, linger, play, stay }[what]();
   console.log(JSON.stringify({ ...found, wrong }));
 } finally {
   await context.close();

@@ -27,6 +27,17 @@ await check({ context, wrong }, async () => {
   // both runs are drawn, with their curves, and the notebook keeps its style
   must((await page.locator(".plots figure").count()) >= 3, "there are no plots");
   await page.waitForTimeout(100);
+  const coloured = await page
+    .locator(".plots canvas")
+    .first()
+    .evaluate((canvas) => {
+      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      let found = 0;
+      for (let i = 0; i < data.length; i += 4)
+        if (data[i + 3] > 200 && Math.max(...data.slice(i, i + 3)) - Math.min(...data.slice(i, i + 3)) > 60) found++;
+      return found;
+    });
+  must(coloured > 50, `the first plot has a curve of ${coloured} pixels`);
   const pixels = await page
     .locator("canvas")
     .first()

@@ -259,6 +259,7 @@ BASES: dict[str, Tree] = {
     "staggered": section(
         {**SPANS, "contact_wire": {"drag": 0.05, "retardation": 1e-4}, "pre_sag": 0.01,
          "steady_arms": {"stagger": "200 mm", "mass_per_length": 0.7}, "analysed_spans": [2, 2],
+         "droppers": {"per_span": 3, "cut": {"droppers": [[1, 2]], "time": 0.1}},
          "messenger_supports": {"stiffness": [1e6, 1e6], "damping": 100.0}},
         {**_OWN, "travel": way(30.0, 22.0)},
     ),
@@ -270,6 +271,11 @@ BASES: dict[str, Tree] = {
             "slider": {"at": 12.0, "kind": "guided", "along": [1.0, 0.0]},
             "shaker": {"at": 16.0, "kind": "moving", "displacement": shaken()},
         }},
+        load("force", way()),
+    ),
+    "winch": one(
+        {**LONG, "end_support": {"kind": "guided", "along": [1.0, 0.0], "force": "5 kN", "damping": 2e3,
+                                 "winch": {"speed_limit": 0.05, "dead_band": 20.0}}},
         load("force", way()),
     ),
     # Webs.

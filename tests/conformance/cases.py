@@ -139,6 +139,10 @@ def supports(s: Structure) -> Iterator[tuple[str, Tree]]:
     yield "counterweight with mass", {
         "kind": "guided", "along": [1.0, 0.0], "force": pull, "mass": 0.2 * s.mass, "damping": 0.02 * k,
     }  # fmt: skip
+    yield "winch", {
+        "kind": "guided", "along": [1.0, 0.0], "force": pull, "damping": 0.02 * k,
+        "winch": {"speed_limit": 0.5, "dead_band": 0.01 * pull},
+    }  # fmt: skip
     yield "slider on a spring", {"kind": "guided", "along": [0.0, 1.0], "stiffness": 10.0 * k}
     yield "inclined slider on a spring", {"kind": "guided", "along": [1.0, 1.0], "stiffness": 10.0 * k}
 
@@ -176,9 +180,9 @@ def edged() -> Iterator[Case]:
 
 
 def _supported(s: Structure, name: str, tree: Tree) -> Iterator[tuple[str, Tree]]:
-    """At the end; a counterweight sets the tension, beside a length or, to be refused, beside a tension."""
+    """At the end; a counterweight or a winch sets the tension, beside a length or, to be refused, beside a tension."""
     line = s.line()
-    if name.startswith("counterweight") and "tension" in line:
+    if name.startswith(("counterweight", "winch")) and "tension" in line:
         length = 20.0 * (1.0 - 0.01)
         yield name, {"end_support": tree, "tension": None, "length": length}
         if name == "counterweight":

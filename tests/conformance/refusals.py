@@ -38,6 +38,7 @@ _PATTERNS = {
         "a given force is no vehicle": r"of kind force is only a force; what can be exported",
     },
     MISSING: {
+        "a winch pulls in motions with all geometry": rf"a winch {_NOT}|: {_NOT} lines that a winch pulls at",
         "loads on networks, nets and in wind: forces, masses, footsteps": rf"loads\.[^.:]*\.kind: {_NOT} joined",
         "loads on lines with bending stiffness: no trolleys and walkers":
             rf"(loads\.[^.:]*\.kind|lines\.[^:]*): {_NOT} beams",

@@ -24,6 +24,7 @@ run: {kind: equilibrium}
 CASES = 240
 SWEEP = ["--over", f"loads.man.force.1=-{CASES}:-1:1 N", "--record", "max tension, largest_sag", "-o", "one.csv"]
 WORKERS, PATIENCE = 2, 300.0
+"""PATIENCE: seconds in which something must go on."""
 _WHAT = ("worker", "worker", "worker", "command", "command", "scheduler")
 _QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "start_new_session": True}
 _ONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
@@ -128,11 +129,13 @@ def trial(folder: Path, cluster: Cluster, chance: Random, most: int) -> tuple[Co
         How many of what were killed, and its content.
     """
     _prepare(folder)
-    killed, until = Counter[str](), time.monotonic() + PATIENCE
+    killed, kept, until = Counter[str](), 0, time.monotonic() + PATIENCE
     command = _command(folder, "--cluster", cluster.address)
     due = chance.randint(1, 30)
     while time.monotonic() < until:
         time.sleep(0.02)
+        if _kept(folder) > kept:  # on a busy machine it takes long
+            kept, until = _kept(folder), time.monotonic() + PATIENCE
         if command.poll() is not None:
             if command.returncode == 0:
                 return killed, content(folder)
@@ -153,4 +156,4 @@ def trial(folder: Path, cluster: Cluster, chance: Random, most: int) -> tuple[Co
             _end(command)
             command = _command(folder, "--cluster", cluster.address)
     _end(command)
-    return killed, f"does not end within {PATIENCE:g} s of the last kill, with {_kept(folder)} lines"
+    return killed, f"has not gone on for {PATIENCE:g} s, with {_kept(folder)} lines"

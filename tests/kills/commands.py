@@ -47,8 +47,8 @@ SCENARIOS = {
     "sweep": ROPE.replace("LOAD", "{kind: force, on: rope, force: [0, -500], travel: {speed: 15, from: 10 m}}"),
 }
 SETTINGS = {"overhead line": ["--set", "run.until=2 s", "--set", "run.every=20 ms"]}
-MAP = ["--x", "loads.one.travel.speed=5:20:2", "--y", "lines.rope.mass=1:2:2", "--set", "run.until=0.5 s"]
-SWEEP = ["--over", "loads.one.travel.speed=5:20:1", "--over", "lines.rope.mass=1,2", "--set", "run.until=0.5 s",
+MAP = ["--x", "loads.one.travel.speed=5:20:5", "--y", "lines.rope.mass=1:2:2", "--set", "run.until=0.5 s"]
+SWEEP = ["--over", "loads.one.travel.speed=5:20:2", "--over", "lines.rope.mass=1,2", "--set", "run.until=0.5 s",
          "--record", "max tension, largest_sag, turnover", "-o", "one.csv"]  # fmt: skip
 STORES = {"adequacy": "one.adequacy.jsonl", "sweep": "one.sweep.jsonl"}
 

@@ -46,7 +46,7 @@ def program(tmp_path):
 
 
 def test_every_folder_that_holds_kernels_is_looked_at():
-    """Kernels, and the constants that are compiled into them."""
+    """Kernels, and constants that are compiled into them; elsewhere only what is made of these and of its own file."""
     for path in PACKAGE.rglob("*.py"):
         source = path.read_text(encoding="utf-8")
         taken = {
@@ -57,10 +57,11 @@ def test_every_folder_that_holds_kernels_is_looked_at():
         }
         if taken <= {"compiling", "is_kept"}:  # who watches the compiler makes no kernels
             continue
-        assert path.relative_to(PACKAGE).parts[0] in HOLD_KERNELS
+        is_looked_at = path.relative_to(PACKAGE).parts[0] in HOLD_KERNELS
         for node in ast.parse(source).body:
             module = getattr(node, "module", None) or ""
             if module.startswith("ropewalk.") and module.split(".")[1] not in HOLD_KERNELS:
+                assert is_looked_at, f"{path}: {module} may be compiled in"
                 constants = [alias.name for alias in node.names if alias.name.isupper() or alias.name[0] == "_"]
                 assert not constants, f"{path}: {constants} may be compiled in"
 
@@ -138,3 +139,20 @@ def test_a_full_disk_costs_no_run(program):
     found = ran(program)
     assert found.stdout == "16 0\n"
     assert found.stderr.count("RuntimeWarning: compiled kernels cannot be kept in") == 1
+
+
+def test_processes_that_keep_kernels_at_once_do_not_mix_them_up(tmp_path, monkeypatch):
+    """Both have looked into the index before either has written to it; what gets lost is compiled again."""
+    one, other, third = (kernel_cache._Files(str(tmp_path), "kernel", 1) for _ in range(3))
+    save_data = one._save_data
+
+    def late(name, data):
+        other.save("float64", "code for float64")
+        save_data(name, data)
+
+    monkeypatch.setattr(other, "_load_index", dict)
+    monkeypatch.setattr(one, "_save_data", late)
+    one.save("int64", "code for int64")
+    kinds = ("int64", "float64")
+    assert all(third.load(kind) in (None, f"code for {kind}") for kind in kinds)
+    assert any(third.load(kind) is not None for kind in kinds)

@@ -20,7 +20,7 @@ def test_in_a_browser(tmp_path: Path) -> None:
     """Fails on any page error, and on any request beyond this machine; the server is killed and started again."""
     (tmp_path / "rope.yaml").write_text(SHORT)
     pictures = os.environ.get("STUDIO_PICTURES", "")
-    options = ("rope.yaml",)
+    options = ("rope.yaml", "--workers", "0")
     with serving(tmp_path, *options) as first:
         assert NODE is not None
         command = [NODE, "tests/browser.mjs", first.address, str(tmp_path), pictures]

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import importlib.util
+import io
+import multiprocessing
 import os
 import signal
 import socket
 import time
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,10 +17,12 @@ import numpy as np
 import pytest
 
 import ropewalk
+from ropewalk.errors import RopewalkError
 from ropewalk.results.frame import Doubt
 from ropewalk.scenario import ScenarioError, loads
 from ropewalk.studio.streams import remark_of
 from ropewalk.studio.sweeps import checked_plan
+from ropewalk.studio.worker import ComputingProcess
 from studio_server import LONG, SHORT, Page, Server, got, serving
 
 pytest.importorskip("uvicorn")
@@ -48,7 +54,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def server(folder: Path) -> Iterator[Server]:
-    with serving(folder, "--memory", "3") as found:
+    with serving(folder, "--memory", "3", "--workers", "1") as found:
         yield found
 
 
@@ -192,6 +198,16 @@ def test_a_sweep_is_the_one_of_the_command_line_and_each_case_can_be_seen(
     assert got(server, f"/{server.token}/export?name=swept.sweep.nc&as=gif")[0] == 400
 
 
+def test_a_sweep_takes_the_processes_that_it_may(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def sweep(*_: object, workers: int, **__: object) -> None:
+        raise RopewalkError(f"{workers} processes")
+
+    monkeypatch.setattr("ropewalk.sweeps.sweeping.sweep", sweep)
+    worker = ComputingProcess(multiprocessing.Pipe()[0], tmp_path, allow_code=False, processes=3)
+    with pytest.raises(RopewalkError, match="3 processes"):
+        worker._do_sweep({"text": SWEPT})
+
+
 @pytest.mark.parametrize(
     ("values", "wrong"),
     [
@@ -222,9 +238,16 @@ def test_no_case_of_a_sweep_reads_elsewhere(tmp_path: Path) -> None:
 
 def test_a_film_and_a_workbook_are_exported(page: Page, server: Server, folder: Path) -> None:
     ropewalk.simulate(loads(SHORT.replace("0.3 s", "20 ms")), file=folder / "small.nc")
-    for kind, begins in (("gif", b"GIF8"), ("xlsx", b"PK"), ("svg", b"<?xml")):
+    for kind, begins in (("gif", b"GIF8"), ("xlsx", b"PK"), ("svg", b"<?xml"), ("pdf", b"%PDF")):
         status, body = got(server, f"/{server.token}/export?name=small.nc&as={kind}")
         assert (status, body[: len(begins)]) == (200, begins)
+    tables = zipfile.ZipFile(io.BytesIO(got(server, f"/{server.token}/export?name=small.nc&as=zip")[1])).namelist()
+    assert {"small.csv", "small.summary.csv"} <= {*tables}
+    status, body = got(server, f"/{server.token}/export?name=small.nc&as=mp4")
+    if importlib.util.find_spec("imageio_ffmpeg"):
+        assert (status, body[4:8]) == (200, b"ftyp")
+    else:
+        assert (status, b"pip install 'ropewalk[film]'" in body) == (400, True)
 
 
 def test_simpler_models_are_compared_as_on_the_command_line(page: Page) -> None:

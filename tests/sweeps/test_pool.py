@@ -8,6 +8,7 @@ from multiprocessing.connection import wait
 import pytest
 
 import sweep_cases as cases
+from ropewalk.sweeps import pool
 from ropewalk.sweeps.pool import each
 
 
@@ -42,3 +43,12 @@ def test_an_interrupt_ends_the_processes_whatever_they_do():
     assert all(
         wait([process.sentinel], timeout=5.0) for process in multiprocessing.active_children() if process not in before
     )
+
+
+def test_brief_tasks_are_sent_together(monkeypatch):
+    """200 of them one by one are 200 sendings; in chunks of 16 some 14, and a few while their time is not known."""
+    sent = []
+    submit = pool._submit
+    monkeypatch.setattr(pool, "_submit", lambda *words: sent.append(words) or submit(*words))
+    assert dict(each(range(200), cases.squared, 1, -1)) == {number: number**2 for number in range(200)}
+    assert len(sent) < 40

@@ -94,7 +94,7 @@ def test_damping_by_wind_is_what_its_forces_change_by(sheaves: dict[str, Any]) -
 
     def air(v: np.ndarray) -> np.ndarray:
         room = Buffers.of(structure, 3)
-        _add_wind_forces(structure, room, r, v.reshape(r.shape), 0.0)
+        _add_wind_forces(structure.for_kernels, room.for_kernels(structure), r, v.reshape(r.shape), 0.0)
         return room.air.ravel()
 
     seen = [(air(-way) - air(way)) / 2e-6 for way in 1e-6 * np.eye(r.size)]

@@ -27,6 +27,10 @@ def studio(
     ] = 4.0,
     pages: Annotated[int, typer.Option("--pages", metavar="N", help="How many pages may compute at once.")] = 4,
     seconds: Annotated[float, typer.Option("--seconds", metavar="S", help="Longest time of a run.")] = 3600.0,
+    workers: Annotated[
+        int | None,
+        typer.Option("--workers", metavar="N", min=0, help="Processes of a sweep [default: one for each core]."),
+    ] = None,
 ) -> None:
     """See, drag, run and share structures in the browser. Served to this machine only."""
     with reported():
@@ -42,5 +46,5 @@ def studio(
         except ImportError as problem:
             fail(f'{problem}; the studio needs more packages: pip install "ropewalk[studio]"')
             raise
-        settings = serving.Settings(folder, name, allow_code, int(memory * 1e9), max(pages, 1), seconds)
+        settings = serving.Settings(folder, name, allow_code, int(memory * 1e9), max(pages, 1), seconds, workers)
         serving.serve(settings, port, browser)

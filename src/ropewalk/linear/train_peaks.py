@@ -107,7 +107,8 @@ def _steady(train: Axles, chord: Chord, modes: int | None, times: Array) -> Stea
         return None
     down = -chord.across[0][-1]
     begin, speed = scale * (travel.start - behind), np.full(size.size, scale * V)
-    if not any(((x >= 0.0) & (x <= chord.length)).any() for x in begin[:, None] + speed[:1] * times):
+    gone = speed[0] * times
+    if not any(((x >= 0.0) & (x <= chord.length)).any() for x in (at + gone for at in begin)):
         return None
     return SteadyForces(chord, begin, speed, size * down, modes)
 

@@ -145,6 +145,15 @@ class _Implementation(CompileResultCacheImpl):
 class _Files(IndexDataCacheFile):
     """Index and machine code of a kernel, each behind its checksum."""
 
+    def save(self, key: Any, data: Any) -> None:
+        """Keep the code of a kernel for some types under a name of its own.
+
+        Numba counts its files: two processes might give one number to the code for different types.
+        """
+        name = self._data_name(int.from_bytes(hashlib.sha256(repr(key).encode()).digest()[:8]))
+        self._save_data(name, data)
+        self._save_index({**self._load_index(), key: name})
+
     def _save_index(self, overloads: dict[Any, str]) -> None:
         self._write(self._index_path, (self._source_stamp, overloads))
 

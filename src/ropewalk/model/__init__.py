@@ -49,7 +49,7 @@ from ropewalk.model.segment import Segment
 from ropewalk.model.spans import Spans
 from ropewalk.model.spread import FrequencySpread, LengthSpread, MassSpread
 from ropewalk.model.stepper import Stepper
-from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support
+from ropewalk.model.support import Elastic, Fixed, Guided, Moving, Support, Winch
 from ropewalk.model.sweep import Sweep
 from ropewalk.model.track import Ballast, Pads, Sleepers, Subgrade, Track
 from ropewalk.model.train import Train, TrainVehicle
@@ -165,6 +165,7 @@ __all__ = [
     "Walker",
     "Webbing",
     "Wheel",
+    "Winch",
     "Wind",
 ]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from itertools import pairwise
 from typing import Annotated, ClassVar, Literal, NamedTuple, Self
 
@@ -13,7 +14,7 @@ from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.history import SpeedHistory, SpeedTable
 from ropewalk.model.quantity import AxleForces, Count, PositiveLength, Station, Stations
 from ropewalk.model.train_sets import MeasuredTrainName, SprungTrainName, axle_loads
-from ropewalk.model.travel import AtEnd, Course, Place
+from ropewalk.model.travel import AtEnd, Course, Measure, Place
 
 MOST = 1000
 """Axles of a train."""
@@ -43,6 +44,7 @@ HSLM_A: dict[str, _Universal] = {
 _BOGIE, _BETWEEN, _COUPLED = 3.0, 11.0, 3.525  # m: power car, its inner axles, and from its last axle to the coach
 
 
+@lru_cache(maxsize=len(HSLM_A))
 def hslm_a(name: str) -> tuple[tuple[float, ...], float]:
     """The universal train HSLM-A of a name: distances of its axles behind the first one in m, and their force in N.
 
@@ -79,6 +81,12 @@ class TrainTravel(Course):
         description="of the first axle, distance from the start of the line as measured; negative: before it. The "
         "others are behind, off the line at first. A train towards the start begins at the end: from its length on",
     )
+
+
+@lru_cache(maxsize=64)  # they are asked for by many checks of one scenario
+def _starts(behind: tuple[float, ...], measured: Measure, first: float, onward: float) -> tuple[Place, ...]:
+    """Where axles stand that are so far behind the first one, m."""
+    return tuple(Place(str(number), measured, first - onward * at) for number, at in enumerate(behind, start=1))
 
 
 def onward(speed: SpeedHistory) -> float:
@@ -179,11 +187,8 @@ class Axles(Declaration):
 
     def starts(self) -> list[Place]:
         """List where its axles stand at the beginning, also off the line."""
-        first, onward = self.travel.start, self.onward
-        return [
-            Place(str(number), self.travel.measured, first - onward * behind)
-            for number, (behind, _) in enumerate(self.axles, start=1)
-        ]
+        behind = tuple(at for at, _ in self.axles)
+        return list(_starts(behind, self.travel.measured, self.travel.start, self.onward))
 
     def vectors(self) -> Iterator[tuple[float, ...]]:
         """List all vectors that it is given by: none."""

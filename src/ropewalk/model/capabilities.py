@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from ropewalk.errors import Problem, ScenarioError
@@ -54,11 +55,19 @@ class Capabilities:
         for look in self.more:
             yield from look(parts)
 
+    @cached_property
+    def _of_blocks(self) -> dict[str, list[tuple[str, list[str], tuple[Any, ...]]]]:
+        """By blocks: keys, their parts within the block, and the values."""
+        found = dict[str, list[tuple[str, list[str], tuple[Any, ...]]]]()
+        for key, values in self.only.items():
+            block, *inner = key.split(".")
+            found.setdefault(block, []).append((key, inner, values))
+        return found
+
     def _keys(self, block: str, path: Path, declaration: Declaration | None) -> Iterator[Finding]:
         refused: list[str] = []
-        for key, values in self.only.items():
-            first, *inner = key.split(".")
-            if first != block or declaration is None or key.startswith(tuple(refused)):
+        for key, inner, values in self._of_blocks.get(block, ()) if declaration is not None else ():
+            if refused and key.startswith(tuple(refused)):
                 continue
             owner: Any = declaration
             for part in inner[:-1]:

@@ -3,44 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import core_schema
+from pydantic import Field
 
-from ropewalk.errors import Refused
 from ropewalk.model._base import Declaration, Finding
-from ropewalk.model.quantity import Count, Number, Share
+from ropewalk.model.dropper_cut import SpanAndNumber, not_there
+from ropewalk.model.quantity import Number, Share
 
 MOST_WORN = 0.5
 """Part of the cross-section: what is worn further is no round wire with a flat any more."""
-_MOST = 2000
-
-
-@dataclass(frozen=True)
-class _SpanAndNumber:
-    """Annotation: droppers as pairs of counts, their span and their number in it."""
-
-    def read(self, value: object) -> tuple[tuple[int, int], ...]:
-        remedy = "write pairs [span, number], both counted from 1, for example [[5, 4], [5, 5]]"
-        entries = value.tolist() if hasattr(value, "tolist") else value
-        if not isinstance(entries, list | tuple):
-            raise Refused("expected droppers", remedy)
-        found = []
-        for entry in entries:
-            if not isinstance(entry, list | tuple) or len(entry) != 2:
-                raise Refused("expected a span and the number of a dropper in it", remedy)
-            span, number = (Count(1, _MOST).read(one) for one in entry)
-            found.append((span, number))
-        return tuple(found)
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        one = {"type": "integer", "minimum": 1, "maximum": _MOST}
-        return {"type": "array", "items": {"type": "array", "items": one, "minItems": 2, "maxItems": 2}}
 
 
 class Condition(Declaration):
@@ -50,7 +22,7 @@ class Condition(Declaration):
     wire at the same strain pulls less, a warm wire is longer.
     """
 
-    missing_droppers: Annotated[tuple[tuple[int, int], ...], _SpanAndNumber()] = Field(
+    missing_droppers: Annotated[tuple[tuple[int, int], ...], SpanAndNumber()] = Field(
         default=(), description="droppers that have failed and fallen off with their clamps: pairs [span, number in it]"
     )
     wear: Share = Field(
@@ -68,14 +40,7 @@ class Condition(Declaration):
             droppers: how many there are in each span.
             fixed_aside: whether the wires have a stagger and their ends are anchored.
         """
-        for i, (span, number) in enumerate(self.missing_droppers):
-            key, given = ("condition", "missing_droppers", i), f"[{span}, {number}]"
-            if span > len(droppers):
-                yield Finding(key, "no such span", given, f"the spans are 1 to {len(droppers)}")
-            elif number > droppers[span - 1]:
-                yield Finding(key, "no such dropper", given, f"span {span} has 1 to {droppers[span - 1]}")
-            elif (span, number) in self.missing_droppers[:i]:
-                yield Finding(key, "is named twice", given, "name each dropper once")
+        yield from not_there(("condition", "missing_droppers"), self.missing_droppers, droppers)
         if self.wear > MOST_WORN:
             remedy = f"write at most {MOST_WORN:g}, part of the cross-section"
             yield Finding(("condition", "wear"), "no contact wire is worn so far", f"{self.wear:g}", remedy)

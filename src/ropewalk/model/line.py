@@ -171,6 +171,9 @@ class Line(Declaration):
                     wrong, remedy = f"inner support {other} is at the same place", "put both into one"
                     yield Finding((*path, "at"), wrong, f"{support.at:g} m", remedy)
             taken[name] = support.at
+            if getattr(support, "winch", None) is not None:
+                wrong, remedy = "a winch pulls at an end of a line", "leave winch out, or end the line there"
+                yield Finding((*path, "winch"), wrong, remedy=remedy)
             if support.position is None and any(isinstance(end, Joined) for _, end in self.ends()):
                 wrong, remedy = "is missing: where a joined line runs is not declared", "write position: [x, z]"
                 yield Finding((*path, "position"), wrong, remedy=remedy)
@@ -186,6 +189,11 @@ class Line(Declaration):
     def ends(self) -> tuple[tuple[str, Support], ...]:
         """The keys of the supports of its ends, with them."""
         return ("start_support", self.start_support), ("end_support", self.end_support)
+
+    @property
+    def winches(self) -> tuple[str, ...]:
+        """The keys of its supports at which a winch pulls."""
+        return tuple(key for key, support in self.ends() if getattr(support, "winch", None) is not None)
 
     @property
     def is_joined(self) -> bool:

@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.condition import Condition
+from ropewalk.model.dropper_cut import DropperCut, not_there
 from ropewalk.model.limits import Limits
 from ropewalk.model.overhead_wire import ContactWire, MessengerWire, StitchWire
 from ropewalk.model.quantity import (
@@ -67,6 +68,10 @@ class Droppers(Declaration):
     mass_per_length: LinearMass | None = Field(default=None, description="of droppers, instead of `mass`")
     contact_clamp: Mass = Field(default=0.0, description="mass of the clamp on the contact wire")
     messenger_clamp: Mass = Field(default=0.0, description="mass of the clamp on the messenger or stitch wire")
+    strength: PositiveForce | None = Field(
+        default=None, description="force that tears a dropper: it pulls no more from then on (default: none does)"
+    )
+    cut: DropperCut | None = Field(default=None, description="droppers that fail at a time (default: none)")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -241,7 +246,7 @@ class OverheadLine(Declaration):
     def _consistent(self) -> Self:
         findings = [*self._spans(), *self._places()]
         if not findings:  # how many droppers there are is known
-            findings = [*self._for_each_dropper(), *self._supports()]
+            findings = [*self._for_each_dropper(), *self._supports(), *self._failing()]
             if self.condition is not None:
                 aside = self.ends == "anchored" and self.steady_arms.stagger is not None
                 findings += self.condition.findings([len(row) for row in self.dropper_places], fixed_aside=aside)
@@ -320,6 +325,18 @@ class OverheadLine(Declaration):
     def _each(self, rows: Any) -> tuple[tuple[float, ...], ...]:
         """One row for each span."""
         return rows if isinstance(rows[0], tuple) else (rows,) * len(self.span_lengths)
+
+    def _failing(self) -> Iterator[Finding]:
+        """Droppers that fail on the way and are none, or are missing before."""
+        cut, path = self.droppers.cut, ("droppers", "cut", "droppers")
+        if cut is None:
+            return
+        if not cut.droppers:
+            yield Finding(path, "names none", "[]", "name those that fail, or leave cut out")
+        yield from not_there(path, cut.droppers, [len(row) for row in self.dropper_places])
+        for i, one in enumerate(cut.droppers):
+            if self.condition is not None and one in self.condition.missing_droppers:
+                yield Finding((*path, i), "is missing from the start", f"{list(one)}", "name it once")
 
     def _spans(self) -> Iterator[Finding]:
         lengths = self.span_lengths

@@ -100,10 +100,16 @@ class Parts:
         return any(line is not None and line.hysteresis is not None for line in self.lines.values())
 
     @property
+    def has_winch(self) -> bool:
+        """Whether a winch pulls at the end of a line."""
+        return any(line is not None and line.winches for line in self.lines.values())
+
+    @property
     def is_for_the_system(self) -> bool:
         """Whether there is what no other engine knows."""
-        kinds = self.has_profile, self.has_segments, self.has_saddles, self.has_cut, self.has_sprung_brake
-        return self.has_hysteresis or any(kinds) or self.has_carriages or self.has_hoists or bool(self.tracks)
+        kinds = self.has_profile, self.has_segments, self.has_saddles, self.has_cut, self.has_winch
+        more = self.has_sprung_brake, self.has_hysteresis, self.has_carriages, self.has_hoists, bool(self.tracks)
+        return any(kinds) or any(more)
 
     @property
     def has_sprung_brake(self) -> bool:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from ropewalk.model._base import Declaration, Variants
+from ropewalk.model._base import Declaration, Finding, Variants, report
 from ropewalk.model.history import rows
 from ropewalk.model.quantity import FrictionCoefficient, Point, PositiveLength
 from ropewalk.model.support import Elastic, Fixed, Guided, Moving
@@ -27,6 +27,13 @@ class Saddle(Declaration):
     support: Annotated[Fixed | Elastic | Guided | Moving, Variants("support")] = Field(
         default=Fixed(), description="what holds it; elastic or guided for a tower that gives way"
     )
+
+    @model_validator(mode="after")
+    def _without_winch(self) -> Self:
+        if getattr(self.support, "winch", None) is not None:
+            wrong, remedy = "a winch pulls at an end of a line", "leave winch out"
+            report("saddle", [Finding(("support", "winch"), wrong, remedy=remedy)])
+        return self
 
     def vectors(self) -> Iterator[tuple[float, ...]]:
         """List all places and directions that it is given by."""

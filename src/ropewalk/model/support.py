@@ -9,7 +9,17 @@ from pydantic import Field, model_validator
 from ropewalk.model._base import Declaration, Finding, Variants, report
 from ropewalk.model.history import DisplacementHistory, rows
 from ropewalk.model.joint import Joined
-from ropewalk.model.quantity import Direction, Force, Mass, Stiffness, Stiffnesses, Viscosities, Viscosity
+from ropewalk.model.quantity import (
+    Direction,
+    Force,
+    Mass,
+    PositiveForce,
+    PositiveSpeed,
+    Stiffness,
+    Stiffnesses,
+    Viscosities,
+    Viscosity,
+)
 
 
 class Fixed(Declaration):
@@ -36,6 +46,19 @@ class Elastic(Declaration):
     )
 
 
+class Winch(Declaration):
+    """A winch that keeps the tension of a line: `force` of the rail is what it is set to.
+
+    It takes in or pays out the faster, the further the line is from that tension: `damping` of the rail is by how much
+    for each m/s.
+    """
+
+    speed_limit: PositiveSpeed = Field(description="at which it takes in and pays out at most, whatever the tension")
+    dead_band: PositiveForce | None = Field(
+        default=None, description="tension above and below that does not move it (default: none)"
+    )
+
+
 class Guided(Declaration):
     """A slider on a straight rail: free along it but for a spring, a damper and a constant force.
 
@@ -48,13 +71,21 @@ class Guided(Declaration):
     damping: Viscosity = Field(default=0.0, description="of the damper along the rail")
     force: Force = Field(default=0.0, description="constant force along the rail on the end of the line")
     mass: Mass = Field(default=0.0, description="that moves with the end of the line; its weight counts")
+    winch: Winch | None = Field(
+        default=None, description="that pulls there, with `force` as it is set; at an end of a line, in motions"
+    )
 
     @model_validator(mode="after")
     def _points_somewhere(self) -> Self:
+        findings = []
         if not any(self.along):
-            report(
-                "guided", [Finding(("along",), "has no direction", str(list(self.along)), "write for example [1, 0]")]
-            )
+            findings.append(Finding(("along",), "has no direction", str(list(self.along)), "write for example [1, 0]"))
+        if self.winch is not None and not self.force:
+            findings.append(Finding(("force",), "is missing: what tension the winch keeps", remedy="give force"))
+        if self.winch is not None and self.stiffness:
+            wrong, remedy = "a winch has no spring", "leave stiffness out, or winch"
+            findings.append(Finding(("stiffness",), wrong, f"{self.stiffness:g} N/m", remedy))
+        report("guided", findings)
         return self
 
 

@@ -7,6 +7,7 @@ together with the droppers' weights they load the messenger and the stitch wires
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -33,6 +34,7 @@ class Hanger:
     high: Spot
     height: float  # m, wanted for the contact wire
     aside: float  # m, of the upper from the lower end in plan view
+    fails_at: float = math.inf  # s
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,7 @@ class Dropper:
     mass: float  # kg
     mass_per_length: float  # kg/m
     clamps: tuple[float, float]  # kg, on the contact wire and above
+    strength: float = math.inf  # N
 
 
 @dataclass(frozen=True)
@@ -232,8 +235,11 @@ def _droppers(task: FormFindingTask, lengths: Array) -> tuple[WireTie, ...]:
             )
         upright = float(np.sqrt(square))
         found.append(
-            WireTie(hanger.name, hanger.low, hanger.high, dropper.stiffness, upright, dropper.pushes, dropper.damping)
-        )
+            WireTie(
+                hanger.name, hanger.low, hanger.high, dropper.stiffness, upright, dropper.pushes, dropper.damping,
+                strength=dropper.strength, fails_at=hanger.fails_at,
+            )
+        )  # fmt: skip
     return tuple(found)
 
 

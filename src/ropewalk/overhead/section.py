@@ -248,7 +248,7 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
                 low = Spot(len(wires) - 1, station)
                 links.append(StitchEnd(f"{own}.{side}", low, clamp, stitch.tension, along, stiffness))
                 masses.append(PointMass(clamp, stitch.clamp))
-    hangers = []
+    hangers, cut = [], line.droppers.cut
     for span, (places, sags) in enumerate(zip(line.dropper_places, line.sags, strict=True)):
         for i, (place, sag) in enumerate(zip(places, sags, strict=True), start=1):
             x = float(supports[span]) + place
@@ -259,15 +259,17 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
                     high = Spot(2 + number, x - inner[number] + reach)
             straight = line.messenger_supports.stagger == "straight"
             aside = -float(np.interp(x, supports, stagger)) if straight else 0.0
-            hangers.append(Hanger(f"{name}.{span + 1}.{i}", Spot(CONTACT, x), high, height, aside))
+            fails = cut.time if cut is not None and (span + 1, i) in cut.droppers else math.inf
+            hangers.append(Hanger(f"{name}.{span + 1}.{i}", Spot(CONTACT, x), high, height, aside, fails))
     arms = line.steady_arms
     masses += [PointMass(Spot(CONTACT, s), arms.moving_mass) for s in inner]
     levels = [] if arms.free else [(Spot(CONTACT, s), z0 + risen(s)) for s in inner]
     levels += [(Spot(MESSENGER, s), top + risen(s)) for s in inner]
     d = line.droppers
     dropper = Dropper(
-        d.stiffness, d.pushes, d.damping, d.mass or 0.0, d.mass_per_length or 0.0, (d.contact_clamp, d.messenger_clamp)
-    )
+        d.stiffness, d.pushes, d.damping, d.mass or 0.0, d.mass_per_length or 0.0, (d.contact_clamp, d.messenger_clamp),
+        d.strength or math.inf,
+    )  # fmt: skip
     hints = (
         f"give more system_height (it is {line.system_height:g} m), more tension to messenger_wire "
         f"(it is {line.messenger_wire.tension:g} N), or shorter spans"

@@ -280,28 +280,30 @@ def filtered_derivative(time: Array, values: Array, cut_off: float) -> Array:
         values: (instant, ...).
         cut_off: Hz, of a Butterworth filter of the fourth order, forwards and backwards.
     """
-    from scipy.linalg import solve_banded
+    from scipy.linalg.lapack import dgtsv
 
-    smooth = _smooth(values, *_filter(cut_off, float(time[1] - time[0])))
-    slope = np.diff(smooth, axis=0) / ((time[-1] - time[0]) / (time.size - 1.0))
+    rows = np.reshape(values, (time.size, -1)).T
+    smooth = _smooth(rows, *_filter(cut_off, float(time[1] - time[0])))
+    slope = np.diff(smooth) / ((time[-1] - time[0]) / (time.size - 1.0))
     # A cubic spline with even knots, of which the first inner one and the last are none.
-    bands = np.ones((3, time.size))
-    bands[1, 1:-1], bands[0, 1], bands[2, -2] = 4.0, 2.0, 2.0
-    first, last = 2.5 * slope[:1] + 0.5 * slope[1:2], 0.5 * slope[-2:-1] + 2.5 * slope[-1:]
-    right = np.concatenate([first, 3.0 * (slope[:-1] + slope[1:]), last])
-    found = solve_banded((1, 1), bands, right, overwrite_ab=True, overwrite_b=True, check_finite=False)
-    return np.asarray(found)
+    right = np.empty((rows.shape[0], time.size))
+    right[:, 1:-1] = 3.0 * (slope[:, :-1] + slope[:, 1:])
+    right[:, 0], right[:, -1] = 2.5 * slope[:, 0] + 0.5 * slope[:, 1], 0.5 * slope[:, -2] + 2.5 * slope[:, -1]
+    below, middle, above = np.ones(time.size - 1), np.full(time.size, 4.0), np.ones(time.size - 1)
+    middle[[0, -1]], above[0], below[-1] = 1.0, 2.0, 2.0
+    *_, found, _ = dgtsv(below, middle, above, right.T, 1, 1, 1, 1)
+    return np.asarray(found.reshape(values.shape))
 
 
-def _smooth(values: Array, sections: Any, settled: Any, edge: int) -> Array:
-    """Values filtered forwards and backwards, as `scipy.signal.sosfiltfilt` does it, which settles anew each time."""
+def _smooth(rows: Array, sections: Any, settled: Any, edge: int) -> Array:
+    """Rows filtered forwards and backwards, as `scipy.signal.sosfiltfilt` does it, which settles anew each time."""
     from scipy.signal import sosfilt
 
-    before, after = 2.0 * values[:1] - values[edge:0:-1], 2.0 * values[-1:] - values[-2 : -edge - 2 : -1]
-    out = np.ascontiguousarray(np.concatenate([before, values, after]).T)
+    before, after = 2.0 * rows[:, :1] - rows[:, edge:0:-1], 2.0 * rows[:, -1:] - rows[:, -2 : -edge - 2 : -1]
+    out = np.concatenate([before, rows, after], axis=1)
     for _ in range(2):
         out = sosfilt(sections, out, zi=settled[:, None, :] * out[None, :, :1])[0][:, ::-1]
-    return np.asarray(out[:, edge:-edge].T)
+    return np.asarray(out[:, edge:-edge])
 
 
 @lru_cache(maxsize=64)
@@ -377,8 +379,8 @@ def response_summary(dataset: xr.Dataset) -> dict[str, Any]:
 
 def extremes(quantity: str, values: Array) -> tuple[float, float]:
     """The largest and the smallest value of a quantity; of accelerations and shear the largest in both directions."""
-    most = np.abs(values) if quantity in _BOTH_WAYS else values
-    return float(np.nanmax(most)), float(np.nanmin(values))
+    most, least = float(np.nanmax(values)), float(np.nanmin(values))
+    return (max(most, -least) if quantity in _BOTH_WAYS else most), least
 
 
 def _largest(response: LineResponse, quantities: Mapping[str, Array], static: Mapping[str, float]) -> dict[str, Any]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
-from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +12,7 @@ from ropewalk.model import Scenario
 from ropewalk.scenario import overrides as _overrides
 from ropewalk.scenario.json_text import read_json
 from ropewalk.scenario.problems import validate
-from ropewalk.scenario.source import Source, read_text, syntax_error
+from ropewalk.scenario.source import Source, copied, read_text, syntax_error
 from ropewalk.scenario.yaml_text import read_yaml
 
 
@@ -60,7 +59,7 @@ def varying(text: str, name: str = "scenario") -> Callable[[Iterable[str]], Scen
 
 def _copied(source: Source) -> Source:
     return replace(
-        source, tree=deepcopy(source.tree), lines=dict(source.lines), origins=dict(source.origins),
+        source, tree=copied(source.tree), lines=dict(source.lines), origins=dict(source.origins),
         problems=list(source.problems), broken=set(source.broken),
     )  # fmt: skip
 

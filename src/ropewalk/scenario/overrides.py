@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
 from functools import lru_cache
 from typing import Any
 
 from ropewalk.errors import Problem, ScenarioError, did_you_mean
 from ropewalk.scenario.fields import block_at, is_block_of_names, known_keys
-from ropewalk.scenario.source import Key, Source, displayed, dotted
+from ropewalk.scenario.source import Key, Source, copied, displayed, dotted
 from ropewalk.scenario.yaml_text import read_yaml
 
 
@@ -51,7 +50,7 @@ class _Unset(Exception):
 
 
 def _value(text: str, origin: str) -> Any:
-    return deepcopy(_read(text.strip(), origin))
+    return copied(_read(text.strip(), origin))
 
 
 @lru_cache(maxsize=1024)

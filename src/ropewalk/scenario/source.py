@@ -43,6 +43,13 @@ class Source:
         return Problem(dotted(key), wrong, given, remedy, file, line)
 
 
+def copied(tree: Any) -> Any:
+    """Copy a tree of blocks and lists; what stands in it cannot change."""
+    if isinstance(tree, dict):
+        return {name: copied(entry) for name, entry in tree.items()}
+    return [copied(entry) for entry in tree] if isinstance(tree, list) else tree
+
+
 def is_within(key: Key, blocks: set[Key]) -> bool:
     """Whether a key is one of some blocks, or inside of one."""
     return any(key[:size] in blocks for size in range(len(key) + 1)) if blocks else False

@@ -6,6 +6,7 @@ import json
 import os
 import re
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Any
 
 from ropewalk.errors import Problem, ScenarioError
@@ -22,6 +23,16 @@ def dump(scenario: Scenario) -> str:
     Raises:
         ScenarioError: a speed, a force or a model is a Python object, which no file can hold.
     """
+    check_writable(scenario)
+    return text_of(tree_of(scenario))
+
+
+def check_writable(scenario: Scenario) -> None:
+    """Refuse what no file can hold.
+
+    Raises:
+        ScenarioError: a speed, a force or a model is a Python object.
+    """
     problems = [
         Problem(".".join(("loads", name, *key)), wrong, remedy=remedy)
         for name, load in scenario.loads.items()
@@ -29,7 +40,11 @@ def dump(scenario: Scenario) -> str:
     ]
     if problems:
         raise ScenarioError(problems)
-    return "\n".join(_block(tree_of(scenario), "")) + "\n"
+
+
+def text_of(tree: dict[str, Any]) -> str:
+    """The YAML text of what `tree_of` gives."""
+    return "\n".join(_block(tree, "")) + "\n"
 
 
 def tree_of(scenario: Scenario) -> dict[str, Any]:
@@ -77,11 +92,15 @@ def _inline(value: Any) -> str:
         return f"[{', '.join(_inline(entry) for entry in value)}]"
     if isinstance(value, dict):
         return f"{{{', '.join(f'{_inline(key)}: {_inline(entry)}' for key, entry in value.items())}}}"
-    if isinstance(value, str) and _PLAIN.fullmatch(value) and value.lower() not in _WORDS:
+    return _text(value) if isinstance(value, str) else json.dumps(value)
+
+
+@lru_cache(maxsize=4096)
+def _text(value: str) -> str:
+    """Text, in quotes where it has to be; sweeps write the same again and again."""
+    if _PLAIN.fullmatch(value) and value.lower() not in _WORDS:
         return value
-    if isinstance(value, str):
-        return '"' + "".join(_character(sign) for sign in value) + '"'
-    return json.dumps(value)
+    return '"' + "".join(_character(sign) for sign in value) + '"'
 
 
 def _character(sign: str) -> str:

@@ -26,10 +26,13 @@ class WorkerEnded(RopewalkError):
 class Process:
     """A worker process, and the thread that reads from it."""
 
-    def __init__(self, folder: str, allow_code: bool, memory: int, loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(
+        self, folder: str, allow_code: bool, memory: int, processes: int, loop: asyncio.AbstractEventLoop
+    ) -> None:
         self._loop = loop
         self._pipe, theirs = _CONTEXT.Pipe()
-        self._process = _CONTEXT.Process(target=main, args=(theirs, folder, allow_code, memory), daemon=True)
+        given = theirs, folder, allow_code, memory, processes
+        self._process = _CONTEXT.Process(target=main, args=given)  # no daemon: these begin no processes of a sweep
         self._process.start()
         theirs.close()
         self._number, self._sending = 0, threading.Lock()
@@ -144,12 +147,12 @@ class Pool:
     """Worker processes: one for checks, which all pages share, and one for each page that computes.
 
     Args:
-        folder, allow_code, memory: of the workers, see `worker.main`.
+        folder, allow_code, memory, processes: of the workers, see `worker.main`.
         most: how many pages may compute.
     """
 
-    def __init__(self, folder: str, allow_code: bool, memory: int, most: int) -> None:
-        self._of = folder, allow_code, memory
+    def __init__(self, folder: str, allow_code: bool, memory: int, processes: int, most: int) -> None:
+        self._of = folder, allow_code, memory, processes
         self._most, self._idle, self._leased = most, list[Process](), list[Process]()
         self._checker: Process | None = None
         self._checking = asyncio.Lock()
@@ -199,7 +202,13 @@ class Pool:
 
     async def close(self) -> None:
         """Stop all, in time for what they write."""
-        everyone = [*self._leased, *self._idle, *([self._checker] if self._checker else [])]
-        await asyncio.gather(*(one.abandon() for one in everyone))
-        for one in everyone:
+        await asyncio.gather(*(one.abandon() for one in self._everyone()))
+        self.kill()
+
+    def kill(self) -> None:
+        """End all at once."""
+        for one in self._everyone():
             one.kill()
+
+    def _everyone(self) -> list[Process]:
+        return [*self._leased, *self._idle, *([self._checker] if self._checker else [])]

@@ -15,6 +15,7 @@ from ropewalk.model.mass import MovingMass
 from ropewalk.model.run import Dynamic, Equilibrium
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import Travel
+from ropewalk.model.wind import Wind
 from ropewalk.results.frame import Array, Frame, Layout, RunInfo
 from ropewalk.simulate import run_of
 from ropewalk.solve.start import setting_of
@@ -23,7 +24,8 @@ LINEAR_POINTS = 101  # points of the shape by the linear theory
 _NEAR = 5e-4  # of the span: so close to the pointer the load is
 _TRIES = 6  # equilibria for one place of the pointer
 _EDGE = 2e-3  # of the length: so close to a support a load is dragged
-_KEYS = ("start", "end", "length", "tension", "mass")  # of a line, that are changed by hand
+KEYS = ("start", "end", "length", "tension", "mass", "wind_drag")
+"""Keys of a line that are changed by hand."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,7 @@ class Asked:
     x: float  # m, where the pointer is, along the first axis
     contact: str = "clamped"
     weight: float | None = None  # N, None: as the scenario says
+    wind: float | None = None  # m/s along the first horizontal axis (in space, the second), None: as the scenario says
     line: Mapping[str, Any] = field(default_factory=dict)  # keys of its line that differ from the scenario
 
 
@@ -127,19 +130,27 @@ class Dragging:
         mass = {"kind": "mass", "on": on, "mass": -force[-1] / gravity, "travel": {"kind": "free", "from": xi}}
         run = Dynamic(until=until, every=1.0 / 60.0, start={"with_loads": True})
         loads = {asked.load: mass}
+        wind = self._wind(asked, line)
         return Scenario(
-            title=f"{self.scenario.title}, let go"[:200], gravity=gravity, lines={on: line}, loads=loads, run=run
-        )
+            title=f"{self.scenario.title}, let go"[:200], gravity=gravity, lines={on: _felt(line, wind)}, loads=loads,
+            wind=wind, run=run,
+        )  # fmt: skip
 
     def _force(self, asked: Asked) -> tuple[float, ...]:
         given = force_of(self.scenario, asked.load)
         return given if asked.weight is None else (*given[:-1], -asked.weight)
 
+    def _wind(self, asked: Asked, line: Any) -> Wind | None:
+        if asked.wind is None:
+            return self.scenario.wind
+        direction = (1.0, 0.0) if len(line.start) == 2 else (0.0, 1.0, 0.0)
+        return Wind(direction=direction, speed=asked.wind) if asked.wind else None
+
     def _line_of(self, on: str, changes: Mapping[str, Any]) -> Any:
         key = on, repr(sorted(changes.items()))
         if self._line[0] != key:
             line = self.scenario.lines[on]
-            if unknown := set(changes) - set(_KEYS):
+            if unknown := set(changes) - set(KEYS):
                 raise RopewalkError(f"line {on}: {', '.join(sorted(unknown))} cannot be changed by hand")
             given = {**line.model_dump(by_alias=True, exclude_unset=True), **changes}
             self._line, self._last = (key, type(line).model_validate(given) if changes else line), None
@@ -156,14 +167,17 @@ class Dragging:
 
     def _still(self, asked: Asked, on: str, line: Any) -> tuple[Scenario, MovingForce]:
         """The dragged load as a force on its line, checked once for all places: checks took a third of an answer."""
-        key = asked.load, asked.contact, self._force(asked), repr(line)
+        key = asked.load, asked.contact, self._force(asked), asked.wind, repr(line)
         if self._checked[0] != key:
             contact: Any = asked.contact
             travel = Travel.model_validate({"speed": 1.0, "measured": "material", "from": 0.5 * line.distance})
             load = MovingForce(on=on, force=self._force(asked), contact=contact, travel=travel)
+            wind = self._wind(asked, line)
             scenario = Scenario(
-                gravity=self.scenario.gravity, lines={**self.scenario.lines, on: line},
-                loads={**self.scenario.loads, asked.load: load}, joints=self.scenario.joints, run=Equilibrium(),
+                gravity=self.scenario.gravity,
+                lines={name: _felt(one, wind) for name, one in {**self.scenario.lines, on: line}.items()},
+                loads={**self.scenario.loads, asked.load: load}, joints=self.scenario.joints, wind=wind,
+                run=Equilibrium(),
             )  # fmt: skip
             self._checked = key, (scenario, load)
         found: tuple[Scenario, MovingForce] = self._checked[1]
@@ -194,12 +208,16 @@ class Dragging:
         return np.asarray(chord.point(along, gravity) + np.outer(influence, push @ chord.across))
 
     def _chord_of(self, on: str, line: Any) -> Chord | None:
-        lone = Scenario(
-            gravity=self.scenario.gravity, lines={on: line}, run=Equilibrium()
-        )  # its supports may be joints: then it has no chord
+        # Its supports may be joints: then it has no chord.
+        lone = Scenario(gravity=self.scenario.gravity, lines={on: _felt(line, None)}, run=Equilibrium())
         if line.bending_stiffness or lone.is_network:
             return None
         try:
             return chords(setting_of(lone, 0.0), lone, RunInfo())[0]
         except RopewalkError:
             return None
+
+
+def _felt(line: Any, wind: Wind | None) -> Any:
+    """A line of an equilibrium: where there is no wind it has nothing to feel it by, and nothing has been cut yet."""
+    return line.model_copy(update={"cut": None} if wind else {"cut": None, "wind_drag": 0.0})

@@ -27,12 +27,13 @@ from ropewalk.studio.lesson import LESSON
 from ropewalk.studio.pool import Message, Pool, Process
 from ropewalk.studio.share import PAGE
 from ropewalk.studio.templates import templates
+from ropewalk.sweeps.pool import cores
 
 CHECK_SECONDS = 20.0
 _MOST_PAGES = 24
 _COMPUTED = ("prepare", "pose", "release", "run", "result", "sweep", "case", "models")  # what the worker of a page does
 _KINDS = {"page": "text/html", "report": "text/html", "png": "image/png", "svg": "image/svg+xml",
-          "pdf": "application/pdf", "csv": "text/csv", "gif": "image/gif", "mp4": "video/mp4",
+          "pdf": "application/pdf", "csv": "text/csv", "zip": "application/zip", "gif": "image/gif", "mp4": "video/mp4",
           "xlsx": "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"}  # fmt: skip
 
 
@@ -46,6 +47,7 @@ class Settings:
     memory: int = 4_000_000_000  # bytes of data of each worker; 0: no limit
     most: int = 4  # pages that compute at the same time
     seconds: float = 3600.0  # of the longest run
+    workers: int | None = None  # processes of a sweep; None: one for each core
 
 
 class Studio:
@@ -60,7 +62,8 @@ class Studio:
         self.settings, self.token = settings, token
         self.folder = Folder(settings.folder)
         self.pages = 0
-        self.pool: Pool
+        processes = cores() if settings.workers is None else settings.workers
+        self.pool = Pool(str(self.folder.path), settings.allow_code, settings.memory, processes, settings.most)
 
     def app(self) -> Guard:
         """The application, behind its token."""
@@ -72,8 +75,6 @@ class Studio:
 
     @asynccontextmanager
     async def _lifespan(self, _: Starlette) -> AsyncIterator[None]:
-        given = self.settings
-        self.pool = Pool(str(self.folder.path), given.allow_code, given.memory, given.most)
         self.pool.start()
         yield
         await self.pool.close()
@@ -84,7 +85,7 @@ class Studio:
         return FileResponse(PAGE / "index.html")
 
     async def _export(self, request: Request) -> Response:
-        """A result as a file: /export?name=NAME.nc&as=page|report|png|svg|pdf|csv|xlsx|gif|mp4."""
+        """A result as a file: /export?name=NAME.nc&as=page|report|png|svg|pdf|csv|zip|xlsx|gif|mp4."""
         name, kind = request.query_params.get("name", ""), request.query_params.get("as", "")
         if kind not in _KINDS:
             return PlainTextResponse(f"as: write one of {', '.join(_KINDS)}", 400)

@@ -49,4 +49,7 @@ def serve(settings: Settings, port: int = 0, browser: bool = True) -> None:
     )  # fmt: skip
     if browser:
         webbrowser.open(address)
-    uvicorn.Server(config).run(sockets=[listening])
+    try:
+        uvicorn.Server(config).run(sockets=[listening])
+    finally:
+        studio.pool.kill()  # however it ended: Python waits for them

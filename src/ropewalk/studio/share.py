@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import base64
 import json
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ropewalk.errors import RopewalkError
 from ropewalk.studio.streams import of_result, stored
@@ -39,6 +40,18 @@ def shared(dataset: xr.Dataset) -> str:
     template, messages = built("share", "share.html", dataset), [*of_result(dataset, {"id": 1})]
     if sum(map(len, messages)) > MOST_BYTES:
         raise RopewalkError("this result is too large for a page of its own; run it with a larger run.every")
-    data = {"messages": [base64.b64encode(m).decode() for m in messages], "ended": stored(dataset)}
-    text = json.dumps(data).replace("<", "\\u003c")  # nothing in it ends the element that it stands in
-    return template.read_text(encoding="utf-8").replace('"ropewalk-data"', text, 1)
+    return filled(template, messages, stored(dataset))
+
+
+def filled(template: Path, messages: Iterable[bytes], ended: dict[str, Any]) -> str:
+    """A page with a run inside, in blocks that are shown as they are read: the picture need not wait for the last one.
+
+    Args:
+        template: of the build.
+        messages: of the run, see `of_result`.
+        ended: how it ended, see `stored`.
+    """
+    ending = json.dumps(ended).replace("<", "\\u003c")  # nothing in it ends the element that it stands in
+    blocks = [ending, *(base64.b64encode(message).decode() for message in messages)]
+    data = "\n".join(f'<script type="text/plain">{block}</script><script>ropewalk()</script>' for block in blocks)
+    return template.read_text(encoding="utf-8").replace("<!--ropewalk-data-->", data, 1)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ropewalk.results.contract import path_name
-from ropewalk.results.frame import ENERGY_FORMS, Array, Doubt, Layout, RunInfo
+from ropewalk.results.frame import ENERGY_FORMS, Doubt, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.studio.messages import described, packed
 
@@ -76,19 +77,31 @@ class Streamed:
 def of_result(dataset: xr.Dataset, head: dict[str, Any]) -> Iterator[bytes]:
     """The messages that a run would have sent whose result this is."""
     layout = _layout_of(dataset)
-    path = layout.path
-    count = int(dataset.sizes[path])
-    names = [name for name in DISPLAYED if name in dataset and dataset[name].dims[0] == path]
-    each = 4 * sum(int(dataset[name].size) for name in names) // max(count, 1)
+    names = [name for name in DISPLAYED if name in dataset and dataset[name].dims[0] == layout.path]
+    title = str(dataset.attrs.get("title", ""))
+    return film(layout, dataset[layout.path], {name: dataset[name] for name in names}, {**head, "title": title})
+
+
+def film(layout: Layout, path: Any, arrays: Mapping[str, Any], head: dict[str, Any]) -> Iterator[bytes]:
+    """Frames that are there as messages, the first frame alone: a picture of it need not wait for all.
+
+    Args:
+        layout: of the frames.
+        path: (frame) where they are on it.
+        arrays: (frame, ...) by name; arrays of NumPy or xarray.
+        head: goes in front of all.
+    """
+    count = int(path.size)
+    each = 4 * sum(int(array.size) for array in arrays.values()) // max(count, 1)
     step = 1 + int(each * count // MOST_BYTES)
-    first = {**head, "event": "layout", "total": count, "step": step, "title": str(dataset.attrs.get("title", ""))}
+    first = {**head, "event": "layout", "total": count, "step": step}
     yield packed({**first, "layout": described(layout), "energies": ENERGY_FORMS}, {})
     rows = max(1, _BLOCK_BYTES // max(each, 1)) * step
-    for begin in range(0, count, rows):
-        part = slice(begin, min(begin + rows, count), step)
-        arrays: dict[str, Array] = {"path": np.asarray(dataset[path].values[part], dtype=float)}
-        arrays |= {name: np.asarray(dataset[name].values[part], dtype=float) for name in names}
-        yield packed({**head, "event": "frames"}, arrays)
+    begins = [0, *range(step, count, rows), count]
+    for begin, end in pairwise(begins):
+        given = {"path": path, **arrays}
+        part = {name: np.asarray(array[begin:end:step], dtype=float) for name, array in given.items()}
+        yield packed({**head, "event": "frames"}, part)
 
 
 def stored(dataset: xr.Dataset) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import json
 import os
 import signal
 import tempfile
+import zipfile
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -20,18 +21,19 @@ if TYPE_CHECKING:
     from ropewalk.studio.poses import Asked, Dragging
 
 MOST_NODES = 50_000  # of a scenario in the studio
-EXPORTS = ("png", "svg", "pdf", "csv", "xlsx", "gif", "mp4")
+EXPORTS = ("png", "svg", "pdf", "csv", "zip", "xlsx", "gif", "mp4")
 Answer = dict[str, Any]
 
 
-def main(pipe: Connection, folder: str, allow_code: bool, memory: int) -> None:
+def main(pipe: Connection, folder: str, allow_code: bool, memory: int, processes: int) -> None:
     """Serve until the pipe ends.
 
     Args:
         pipe: questions come from it as dictionaries; (id, last, message) goes back.
         folder: where files may be read and written.
         allow_code: whether scenarios may run code of their own.
-        memory: most bytes of data of this process.
+        memory: most bytes of data of this process, and of each that it begins.
+        processes: of a sweep; 0: this one.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which tells us
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small problems, and other pages want the other cores
@@ -41,7 +43,7 @@ def main(pipe: Connection, folder: str, allow_code: bool, memory: int) -> None:
             import resource
 
             resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
-    worker = ComputingProcess(pipe, Path(folder), allow_code)
+    worker = ComputingProcess(pipe, Path(folder), allow_code, processes)
     with contextlib.suppress(EOFError, OSError, KeyboardInterrupt):
         while True:
             worker.serve()
@@ -50,8 +52,8 @@ def main(pipe: Connection, folder: str, allow_code: bool, memory: int) -> None:
 class ComputingProcess:
     """What answers questions."""
 
-    def __init__(self, pipe: Connection, folder: Path, allow_code: bool) -> None:
-        self._pipe, self._folder, self._allow_code = pipe, folder, allow_code
+    def __init__(self, pipe: Connection, folder: Path, allow_code: bool, processes: int) -> None:
+        self._pipe, self._folder, self._allow_code, self._processes = pipe, folder, allow_code, processes
         self._dragging: Dragging | None = None
         self._waiting = list[Answer]()
         self._xi = 0.0  # m, where the load was dragged to last
@@ -121,7 +123,7 @@ class ComputingProcess:
 
     def _do_prepare(self, asked: Answer) -> Answer:
         """A scenario made ready for dragging, with what can be changed by hand."""
-        from ropewalk.studio.poses import Dragging, draggable, force_of
+        from ropewalk.studio.poses import KEYS, Dragging, draggable, force_of
 
         scenario = self._scenario(asked)
         self._dragging = Dragging(scenario)
@@ -129,7 +131,7 @@ class ComputingProcess:
         for name in draggable(scenario):
             load = scenario.loads[name]
             line = scenario.lines[load.on]
-            kept = {key: getattr(line, key) for key in ("start", "end", "length", "tension", "mass")}
+            kept = {key: getattr(line, key) for key in KEYS}
             found.append({"name": name, "on": load.on, "force": force_of(scenario, name), "line": kept})
         return {"title": scenario.title, "loads": found, "gravity": scenario.gravity}
 
@@ -137,11 +139,9 @@ class ComputingProcess:
         from ropewalk.studio.poses import Asked
 
         given = asked["pose"]
-        weight = given.get("weight")
-        return Asked(
-            str(given["load"]), float(given["x"]), str(given.get("contact", "clamped")),
-            None if weight is None else float(weight), dict(given.get("line", {})),
-        )  # fmt: skip
+        weight, wind = (None if (value := given.get(key)) is None else float(value) for key in ("weight", "wind"))
+        contact = str(given.get("contact", "clamped"))
+        return Asked(str(given["load"]), float(given["x"]), contact, weight, wind, dict(given.get("line", {})))
 
     def _do_pose(self, asked: Answer) -> Answer | bytes:
         """The equilibrium with the load under the pointer."""
@@ -241,7 +241,7 @@ class ComputingProcess:
             self._send(asked["ticket"], False, {"id": asked["id"], "event": "cases", "done": done, "total": total})
             self._stop_if_asked(0.0)
 
-        found = sweep(scenario, store=store, workers=0, progress=progress)
+        found = sweep(scenario, store=store, workers=self._processes, progress=progress)
         write(found, file)
         return {"file": file.name, "sweep": described(found)}
 
@@ -295,6 +295,10 @@ class ComputingProcess:
                     figure(dataset).savefig(made)
                 elif kind in ("csv", "xlsx"):
                     made = write_tables(dataset, made)[0]
+                elif kind == "zip":  # all tables, where they are files of their own
+                    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as several:
+                        for table in write_tables(dataset, made.with_suffix(".csv")):
+                            several.write(table, table.name)
                 elif kind in ("gif", "mp4"):
                     film(dataset, made)
                 else:

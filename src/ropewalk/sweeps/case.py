@@ -16,7 +16,7 @@ import ropewalk
 from ropewalk.errors import RopewalkError
 from ropewalk.model import Dynamic, Linear, Quasistatic, Scenario
 from ropewalk.results.contract import doubts_of
-from ropewalk.scenario import dump, tree_of
+from ropewalk.scenario.writing import check_writable, text_of, tree_of
 from ropewalk.sweeps.by_modes import by_modes
 from ropewalk.sweeps.keys import leaves
 from ropewalk.sweeps.quantities import Measured, measured
@@ -37,8 +37,9 @@ class Case:
     def of(cls, scenario: Scenario, record: tuple[str, ...]) -> Case:
         """The case of a scenario, whose title and sweep do not matter."""
         scenario = scenario.model_copy(update={"title": "", "sweep": None})
-        text = dump(scenario)
-        identity = [ropewalk.__version__, text, *sorted(record), *_files_in(scenario)]
+        check_writable(scenario)
+        tree = tree_of(scenario)
+        identity = [ropewalk.__version__, text_of(tree), *sorted(record), *_files_in(tree)]
         return cls(hashlib.sha256("\0".join(identity).encode()).hexdigest()[:32], scenario, record)
 
 
@@ -134,9 +135,8 @@ def check_record(case: Case) -> None:
         measured(result, case.record)
 
 
-def _files_in(scenario: Scenario) -> Iterator[str]:
+def _files_in(tree: dict[str, Any]) -> Iterator[str]:
     """Contents of the files that a scenario names, as hashes: models of others, and results to start from."""
-    tree = tree_of(scenario)
     for key, value in leaves(tree):
         if isinstance(value, str) and key.rpartition(".")[2] in ("file", "model"):
             for name in (value, value.rpartition(":")[0]):

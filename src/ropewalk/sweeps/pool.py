@@ -6,13 +6,15 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 import warnings
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from typing import Any, TypeVar, cast
+from itertools import islice
+from typing import Any, TypeVar
 
 from ropewalk.errors import RopewalkError
 
@@ -27,7 +29,9 @@ BEGINNINGS = 3
 # One thread for each process: the tasks themselves fill the cores, and sums come out the same on any number of them.
 _THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
-_END = object()
+CHUNK, BRIEF = 16, 0.1
+"""The most tasks that are sent together, and the seconds that these may take: to send some costs a millisecond."""
+
 Task = TypeVar("Task")
 Answer = TypeVar("Answer")
 
@@ -61,39 +65,49 @@ def _side_by_side(
 
     A process that dies breaks its pool, and nobody knows which task was its last. Those that were under way are
     computed once more, each alone in a pool: there it is known. Something else may have killed it; it gets TRIES.
+    Tasks that take milliseconds are sent some at a time.
     """
     suspects = deque[tuple[Task, int]]()  # and how often each has died alone
-    waiting = next(ahead, _END)
-    while waiting is not _END or suspects:
+    together = 1
+    waiting = list(islice(ahead, together))
+    while waiting or suspects:
         alone = bool(suspects)
         size = 1 if alone else processes
         with _pool(size) as pool:
-            running: dict[Future[Answer], tuple[Task, int]] = {}
+            running: dict[Future[tuple[list[Answer], float]], tuple[list[Task], int]] = {}
             broken = False
             while running or not broken:
-                while not broken and len(running) < size and (suspects if alone else waiting is not _END):
-                    task, died = suspects[0] if alone else (cast(Task, waiting), 0)
+                while not broken and len(running) < size and (suspects if alone else waiting):
+                    tasks, died = ([suspects[0][0]], suspects[0][1]) if alone else (waiting, 0)
                     try:
-                        running[_submit(pool, compute, task)] = task, died
+                        running[_submit(pool, _computed, compute, tasks)] = tasks, died
                     except BrokenProcessPool:  # it has died since the last look
                         broken = True
                     else:
                         if alone:
                             suspects.popleft()
                         else:
-                            waiting = next(ahead, _END)
+                            waiting = list(islice(ahead, together))
                 if not running:
                     break
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    task, died = running.pop(future)
+                    tasks, died = running.pop(future)
                     if not isinstance(future.exception(), BrokenProcessPool):
-                        yield task, future.result()
+                        answers, seconds = future.result()
+                        together = max(1, min(CHUNK, int(BRIEF * len(tasks) / max(seconds, 1e-9))))
+                        yield from zip(tasks, answers, strict=True)
                         continue
                     broken = True
                     if alone and died + 1 == TRIES:
-                        yield task, lost
+                        yield tasks[0], lost
                     else:
-                        suspects.append((task, died + alone))
+                        suspects.extend((task, died + alone) for task in tasks)
+
+
+def _computed(compute: Callable[[Task], Answer], tasks: list[Task]) -> tuple[list[Answer], float]:
+    """Answers of some tasks, and the seconds that they took."""
+    began = time.perf_counter()
+    return [compute(task) for task in tasks], time.perf_counter() - began
 
 
 @contextmanager

@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics import law
-from ropewalk.mechanics.compiled import inlined, lean, lean_inner
+from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.compliance import ARC, SHORT_ARC, SMOOTH
 from ropewalk.system.hysteresis import let_off, stored_in_hysteresis
@@ -179,7 +179,7 @@ def _moments(bent, moment, pull, begin, n, stiff, arcs):
 @lean_inner
 def _moments_along(segments, bent, moment, pull, begin, n, stiff, arcs):
     """The same of a run that may have segments; `stiff` is that of the value 1 there."""
-    if segments is None:
+    if segments is None or segments.rho.size == 0:
         _moments(bent, moment, pull, begin, n, stiff, arcs)
         return
     d, q, m = bent[begin : begin + n + 1], pull[begin : begin + n], moment[begin : begin + n + 1]
@@ -317,7 +317,7 @@ def _stored_little(structure, buffers, r, i, s):
     return stored + link.pull * (square - 0.5 * (h * longer) ** 2)
 
 
-@lean
+@lean_inner
 def energy_of(structure, buffers, r):
     """Energy stored in all runs, whose strains are known with kinks, J; `room.bent` holds second differences."""
     runs, last, total = structure.runs, r.shape[0] - 1, 0.0

@@ -40,6 +40,8 @@ def _only_lines(parts: Parts) -> Iterator[Finding]:
             yield from _of_cuts(name, line, run)
         if line is not None and line.hysteresis is not None:
             yield from _of_hysteresis(name, line, run)
+        if line is not None:
+            yield from _of_winches(name, line, run)
         if line is not None and line.sheaves:
             yield from _over_sheaves(name, line, parts)
         if line is not None and line.saddles:
@@ -66,6 +68,9 @@ def _overhead(parts: Parts) -> Iterator[Finding]:
         if line.stitch_wire is not None:
             remedy = "write run.geometry: linearised, or leave stitch_wire out"
             yield missing(("overhead_lines", name, "stitch_wire"), what, remedy=remedy)
+        for key in ("strength", "cut"):
+            if getattr(line.droppers, key) is not None:
+                yield missing(("overhead_lines", name, "droppers", key), what, remedy=f"leave {key} out")
         for key in ("contact_wire", "messenger_wire"):
             if late := getattr(line, key).retardation:
                 remedy = "leave retardation out, or use drag"
@@ -137,6 +142,24 @@ def _of_cuts(name: str, line: Line, run: object) -> Iterator[Finding]:
     if run.start.kind == "result":
         remedy = "start at rest, or from a mode"
         yield missing(path, "runs that begin from a result", "a block", remedy, feature="a cut")
+    if run.geometry == "linearised":
+        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
+    yield from _by_steps(run, what)
+
+
+def _of_winches(name: str, line: Line, run: object) -> Iterator[Finding]:
+    """At rest a winch is the force that it is set to; how it gets there only a motion with all geometry shows."""
+    for end in line.winches:
+        yield from _of_winch(name, end, line, run)
+
+
+def _of_winch(name: str, end: str, line: Line, run: object) -> Iterator[Finding]:
+    path, what = ("lines", name, end, "winch"), "lines that a winch pulls at"
+    if isinstance(line.law, Inextensible):
+        yield missing(("lines", name, "law", "kind"), what, "inextensible", "give an axial_stiffness with law hooke")
+    if not isinstance(run, Dynamic):
+        yield missing(path, "all but motions", "a block", "leave it out: at rest force alone counts", feature="a winch")
+        return
     if run.geometry == "linearised":
         yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
     yield from _by_steps(run, what)

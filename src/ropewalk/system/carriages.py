@@ -242,10 +242,9 @@ def _apart(carriages, e, w, a):
     return mean(carriages, B[e].lower, B[e].lowers, w, a) - upper
 
 
-@lean
-def to_drive(structure, buffers, contacts, first, count, to):
+@lean_inner
+def to_drive(lines, runs, length, contacts, first, count, to):
     """Mean length of the line between some contacts and its end (`to` is 1) or its start (-1), m."""
-    lines, runs = structure.lines, structure.runs
     line, gone, behind = contacts[first].line, 0.0, 0.0
     last = lines.first[line] + lines.runs[line] - 1
     for s in range(lines.first[line], last + 1):
@@ -255,16 +254,22 @@ def to_drive(structure, buffers, contacts, first, count, to):
                 whole = int(contacts[k].x)
                 own = gone
                 for i in range(begin, begin + whole):
-                    own += buffers.length[i]
+                    own += length[i]
                 if whole < runs.links[s]:
-                    own += (contacts[k].x - whole) * buffers.length[begin + whole]
+                    own += (contacts[k].x - whole) * length[begin + whole]
                 behind += own
         for i in range(begin, begin + runs.links[s]):
-            gone += buffers.length[i]
+            gone += length[i]
         if s < last and not goes_on(lines, runs, s):
-            gone += buffers.length[begin + runs.links[s]]
+            gone += length[begin + runs.links[s]]
     behind /= count
     return gone - behind if to > 0 else behind
+
+
+@lean
+def to_drive_entry(lines, runs, length, contacts, first, count, to):
+    """`to_drive` as Python calls it."""
+    return to_drive(lines, runs, length, contacts, first, count, to)
 
 
 @lean_inner
@@ -289,14 +294,15 @@ def haul(carriages, structure, buffers, contacts, tables, state, since):
         since: s, since they were looked at before; 0: nothing has moved.
     """
     axes, H = state.r.shape[0], carriages.hauls
+    lines, runs = structure.lines, structure.runs
     for e in range(H.size):
         first, count, to = H[e].first, H[e].wheels, H[e].to
-        far = to_drive(structure, buffers, contacts, first, count, to) + H[e].beyond
+        far = to_drive(lines, runs, buffers.length, contacts, first, count, to) + H[e].beyond
         length = H[e].length
         if H[e].driven == 1:
             length -= travelled(tables, contacts, first, state.t[0])
         else:
-            far += to_drive(structure, buffers, contacts, H[e].other, H[e].others, to) + H[e].beyond
+            far += to_drive(lines, runs, buffers.length, contacts, H[e].other, H[e].others, to) + H[e].beyond
         strain = far / length - 1.0
         if since > 0.0:
             H[e].rate = (strain - H[e].strain) / since

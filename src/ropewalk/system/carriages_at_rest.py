@@ -12,7 +12,7 @@ from ropewalk.mechanics.loading import Loading
 from ropewalk.model.carriage import Carriage
 from ropewalk.model.scenario import Scenario
 from ropewalk.system.bodies import BodyArrays
-from ropewalk.system.carriages import to_drive
+from ropewalk.system.carriages import to_drive_entry
 from ropewalk.system.structure import Buffers, Structure
 
 # Rounds in which places of wheels are found: what pushes them apart falls by S/(S + k) in each, with the stiffness S of
@@ -107,10 +107,11 @@ class CarriagesAtRest:
     def pay_out(self, structure: Structure, buffers: Buffers) -> None:
         """Let hauling ropes be as long as makes them pull where carriages stand as they did there at rest."""
         contacts = self._contacts
+        line = structure.lines, structure.runs, buffers.length, contacts
         for haul, own in zip(self._bodies.carriages.hauls, self._pull, strict=True):
-            far = to_drive(structure, buffers, contacts, haul["first"], haul["wheels"], haul["to"]) + haul["beyond"]
+            far = to_drive_entry(*line, haul["first"], haul["wheels"], haul["to"]) + haul["beyond"]
             if not haul["driven"]:
-                far += to_drive(structure, buffers, contacts, haul["other"], haul["others"], haul["to"])
+                far += to_drive_entry(*line, haul["other"], haul["others"], haul["to"])
                 far += haul["beyond"]
             haul["strain"] = own / haul["stiffness"]
             haul["length"], haul["pull"] = far / (1.0 + haul["strain"]), own

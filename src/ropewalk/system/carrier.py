@@ -24,7 +24,7 @@ from ropewalk.system.bodies import BodyArrays, with_step
 from ropewalk.system.contacts import AWAY, BODY, ON
 from ropewalk.system.spline import WIDTH, share
 from ropewalk.system.structure import DRIVEN, IN_BODIES, STRUCK, Buffers, Structure, SystemState
-from ropewalk.system.tethers import gap, height, seek
+from ropewalk.system.tethers import gap_entry, height_entry, seek_entry
 from ropewalk.system.travel import Tables
 
 # Part of a leg to which it is found when it lands or takes off, and tries of finding it.
@@ -52,9 +52,14 @@ class System(NamedTuple):
     b: Array
     method: tuple[Array, Array]  # kicks and drifts of a step
 
+    @property
+    def arguments(self) -> tuple[Any, ...]:
+        """What the kernel of a motion is handed, but for steps."""
+        return self.structure.for_kernels, self.buffers.for_kernels(self.structure), *self[2:]
+
     def advance(self, dt: float, steps: int) -> tuple[int, float]:
         """The kernel of a motion, see there."""
-        return motion.advance(*self, dt, steps)  # type: ignore[no-any-return]
+        return motion.advance(*self.arguments, dt, steps)  # type: ignore[no-any-return]
 
     def go(
         self, end: float, longest: float, alone: bool = False, advance: Advance | None = None
@@ -99,17 +104,17 @@ class System(NamedTuple):
             if before > self.state.t[0]:
                 yield before
             self.state.t[0] = after
-            motion.advance(*self, 0.0, motion.LOOK)
+            self.advance(0.0, motion.LOOK)
         yield end
 
     def settle(self) -> None:
         """Find all forces anew after contacts have changed; what jumps with them has no rate that damps."""
-        motion.advance(*self, 0.0, motion.SETTLE)
+        self.advance(0.0, motion.SETTLE)
         self.buffers.before[:] = self.buffers.strain
 
     def gap(self) -> float:
         """How far the next leg is from landing or taking off, m."""
-        return float(gap(self.structure, self.contacts, self.bodies, self.state))
+        return float(gap_entry(self.structure.lines, self.structure.runs, self.contacts, self.bodies, self.state))
 
     def changing(self) -> dict[str, Arrays]:
         """All that changes in motion."""
@@ -187,13 +192,15 @@ class SystemLine:
     def below(self, x: float, way: Array | None = None) -> float:
         """The xi in m of the line above or below a horizontal place x in m, along x or a level unit vector (x, y)."""
         ex, ey = _level(way)
-        run, u, *_ = seek(self.structure, self.r, self.number, ex, ey, x, self._weight[0], self._weight[1])
+        lines, runs = self.structure.lines, self.structure.runs
+        run, u, *_ = seek_entry(lines, runs, self.r, self.number, ex, ey, x, self._weight[0], self._weight[1])
         return float(self.structure.lines.begin[run] + u * self.structure.runs.h[run])
 
     def height(self, x: float, way: Array | None = None) -> float:
         """Height of the line in m at a horizontal place in m; beyond its ends it goes on straight."""
         ex, ey = _level(way)
-        return float(height(self.structure, self.r, self.number, ex, ey, x, self._weight[0], self._weight[1]))
+        lines, runs = self.structure.lines, self.structure.runs
+        return float(height_entry(lines, runs, self.r, self.number, ex, ey, x, self._weight[0], self._weight[1]))
 
 
 def _level(way: Array | None) -> tuple[float, float]:
@@ -217,10 +224,10 @@ class SystemCarrier:
     def advance(self, dt: float, steps: int) -> tuple[int, float]:
         """The kernel of the motion; what its arguments are is found out once, for those of the beginning."""
         if self._known is None:
-            self._known = self.system, entry_of(motion.advance, (*self.system, dt, steps))
+            self._known = self.system, entry_of(motion.advance, (*self.system.arguments, dt, steps))
         (first, entry), system = self._known, self.system
         if system.structure is first.structure and system.state is first.state:  # no twin, and no window
-            return entry(*system, dt, steps)
+            return entry(*system.arguments, dt, steps)
         return system.advance(dt, steps)
 
     @property

@@ -41,7 +41,7 @@ BAND = 4  # links next to each other share nodes
 @lean_inner
 def note_kick(tight, h):
     """Note for how long tensions have kicked."""
-    if tight is None:
+    if tight is None or tight.h.size == 0:
         return
     tight.time[0] += h
 
@@ -52,7 +52,7 @@ def draw(tight, structure, buffers, contacts, bodies, state, table, out, since):
 
     `room.tension` has the tensions for the kicks to come afterwards.
     """
-    if tight is None:
+    if tight is None or tight.h.size == 0:
         return
     if since > 0.0 and tight.time[0] > 0.0:
         _draw(tight, structure, buffers, contacts, bodies, state, table, out, since)
@@ -62,7 +62,7 @@ def draw(tight, structure, buffers, contacts, bodies, state, table, out, since):
 @lean_inner
 def is_too_long(tight, dt):
     """Whether a step of the length dt in s is about too long for the transverse waves of lines under such tensions."""
-    if tight is None:
+    if tight is None or tight.h.size == 0:
         return False
     return tight.time[2] * dt * dt > tight.time[3]
 

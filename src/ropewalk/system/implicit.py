@@ -96,11 +96,11 @@ class Implicit:
         """
         system = self.system
         contacts, state, was = system.contacts, system.state, system.contacts["state"].copy()
-        stored, lost = motion.advance(*system, 0.0, motion.LOOK)[1], float(state.work[STRUCK])
+        stored, lost = system.advance(0.0, motion.LOOK)[1], float(state.work[STRUCK])
         state.t[0] = t
-        motion.advance(*system, 0.0, motion.LOOK)
+        system.advance(0.0, motion.LOOK)
         contacts["kink"][(was == ON) & (contacts["state"] != ON)] = 0.0
-        state.work[STRUCK] = lost + stored - motion.advance(*system, 0.0, motion.LOOK)[1]
+        state.work[STRUCK] = lost + stored - system.advance(0.0, motion.LOOK)[1]
         off = (contacts["state"] != ON) & np.isfinite(state.s)
         return bool(((contacts["refuses"] == 1) & (contacts["been"] == 1) & off).any())
 

@@ -103,7 +103,8 @@ class LoadedStructure:
         dim, contacts, u = self.rest.shape[0], self.contacts, self.state.u
         was_on, before = contacts["state"] == ON, u.copy()
         self.state.t[0], self.state.r[:] = t, self.rest
-        _location(self.structure, Buffers.of(self.structure, dim), contacts, self._tables, self.state)
+        buffers = Buffers.of(self.structure, dim).for_kernels(self.structure)
+        _location(self.structure.for_kernels, buffers, contacts, self._tables, self.state)
         self.state.r[:] = r
         E = self.shares(r.shape[1])
         for k in self.on:

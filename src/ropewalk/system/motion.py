@@ -34,6 +34,7 @@ from ropewalk.system.surfaces import add_surface_forces, damp_surfaces, distribu
 from ropewalk.system.tethers import gap, grow, hoist
 from ropewalk.system.ties import add_tie_forces, are_damped, damp_ties, stored_in_ties, tie_up
 from ropewalk.system.travel import fade, locate, pressed_energy
+from ropewalk.system.winches import LIMIT, kick_winch
 from ropewalk.system.yielding import stored_beside
 
 RUNNING, NOT_FINITE, AT_END, ASKED, AT_SHEAVE, LINE_OUT, TOO_LONG = 0, 1, 2, 3, 4, 5, 6
@@ -163,6 +164,9 @@ def _kick_restraints(structure, buffers, state, h, dt, A, b):
             rank += restrained.free[e, a, a]
         for a in range(axes):
             buffers.reaction[e, a] = restrained.force[e, a] - b[a]
+        if restrained.winch[e, LIMIT] > 0.0:
+            kick_winch(restrained, v, buffers.reaction, state.work, e, b, M, drag, h)
+            continue
         if rank == 0.0:
             if moves:  # places half a kick before and after
                 for a in range(axes):
@@ -361,7 +365,7 @@ def advance(structure, buffers, contacts, tables, bodies, state, table, out, A, 
     Returns:
         RUNNING, or what went wrong; and, if nothing moves, the energy stored in all runs with their kinks, J.
     """
-    kicks, drifts = method
+    (kicks, drifts), lines, runs = method, structure.lines, structure.runs
     windy, dragged = _is_any(structure.wind.direction), _is_any(structure.nodes.drag)
     runs_out, stored, stages = False, 0.0, drifts.size
     begin, since, gone, last = state.t[0], 0.0, 0.0, max(steps, 0) * stages
@@ -378,7 +382,7 @@ def advance(structure, buffers, contacts, tables, bodies, state, table, out, A, 
             break
         whole = i > 0 and stage == 0
         ends = whole and _is_refused(contacts, state)
-        asked = whole and bodies.tethers.size > 0 and gap(structure, contacts, bodies, state) <= 0.0
+        asked = whole and bodies.tethers.size > 0 and gap(lines, runs, contacts, bodies, state) <= 0.0
         too_long = whole and is_too_long(buffers.tight, dt)
         stands = exist(structure.sheaves) and is_at_sheave(structure.sheaves, structure, contacts, state)
         if ends or asked or stands or runs_out or too_long:
@@ -406,7 +410,9 @@ def advance(structure, buffers, contacts, tables, bodies, state, table, out, A, 
             state.work[DRIVEN] += hoist(bodies, contacts, state, since)
             state.t[0] = begin + (step + (gone if stage < stages - 1 else 1.0)) * dt
             if exist(structure.sheaves):
-                runs_out = not pass_nodes(structure.sheaves, structure, state.r, state.v, state.work)
+                runs_out = not pass_nodes(
+                    structure.sheaves, lines, runs, structure.nodes.mass, state.r, state.v, state.work
+                )
         if stage == 0 and step % 64 == 0 and not _is_finite(state.r, state.v):
             return NOT_FINITE, stored
         if ends:

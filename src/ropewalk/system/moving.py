@@ -349,7 +349,7 @@ class SystemMotion:
         self._buffers.before[:] = self._buffers.strain
 
     def _advance(self, dt: float, steps: int) -> float:
-        return float(motion.advance(*self._system(), dt, steps)[1])
+        return float(self._system().advance(dt, steps)[1])
 
     def _look(self) -> float:
         """Find all forces; returns the energy stored in the lines and at contacts, J."""
@@ -388,7 +388,7 @@ class SystemMotion:
             narrow = self._window.around(self.contacts, self.state)
             self._window.leave(narrow, self.state, self._buffers)
             carrier.system = self._system()._replace(structure=narrow)
-            motion.advance(*carrier.system, 0.0, motion.LOOK)
+            carrier.system.advance(0.0, motion.LOOK)
             self._buffers.before[:] = self._buffers.strain  # which differs where it is cut
             status = carrier.go(end if steps == left else begin + steps * (end - begin) / left)
         carrier.system = self._system()

@@ -182,7 +182,7 @@ def _restraints(parts: Sequence[_Part], axes: int) -> tuple[Restraints, list[str
     return Restraints(
         np.arange(count), np.ones(count, dtype=np.int64), np.array(node, dtype=np.int64), np.zeros(count),
         np.array(force), np.array(free), none, none.copy(), np.array(place), np.arange(count),
-        np.ones(count, dtype=np.int64), np.zeros(count), np.zeros((axes, count)),
+        np.ones(count, dtype=np.int64), np.zeros(count), np.zeros((axes, count)), np.zeros((count, 2)),
     ), names  # fmt: skip
 
 

@@ -75,8 +75,8 @@ class Passing:
         """Put contacts where they are at time t in s, those that are on their lines as told; where they would be, m."""
         self.state.t[0] = t
         _pass_over(
-            self.structure, self._buffers, self.contacts, self._tables, self.state, on.astype(np.int64), self._table,
-            self._out,
+            self.structure.for_kernels, self._buffers.for_kernels(self.structure), self.contacts, self._tables,
+            self.state, on.astype(np.int64), self._table, self._out,
         )  # fmt: skip
         return self.state.s
 

@@ -112,7 +112,7 @@ class Forces:
         state.t[0] = t
         state.r[:], state.v[:] = shape[:nodes].reshape(state.r.shape), rates[:nodes].reshape(state.r.shape)
         state.u[:], state.w[:] = shape[nodes : nodes + own], rates[nodes : nodes + own]
-        motion.advance(*self.system, 0.0, motion.GIVEN)
+        self.system.advance(0.0, motion.GIVEN)
 
     def at(self, t: float, shape: Array, rates: Array) -> Array:
         """Forces at time t in s, N; the state is left there."""
@@ -126,7 +126,7 @@ class Forces:
         self._look(t, shape, rates)
         force = buffers.force - structure.nodes.mass * structure.nodes.drag * state.v
         if self._has_dampers:
-            _damp(structure.surfaces, structure.ties, state.r, state.v, force)
+            self._damp(force)
         restrained = structure.restraints
         first = restrained.node[restrained.first]
         for e, n in enumerate(first):
@@ -137,6 +137,11 @@ class Forces:
         out = np.zeros(shape.size)
         out[: force.size], out[force.size : force.size + state.u.size] = force.ravel(), self._on_bodies()
         return out
+
+    def _damp(self, force: Array) -> float:
+        """Add what cells and ties damp to forces (axis, node); returns the power it takes, W."""
+        structure, state = self.system.structure.for_kernels, self.system.state
+        return float(_damp(structure.surfaces, structure.ties, state.r, state.v, force))
 
     def _on_bodies(self) -> Array:
         """Forces on coordinates of loads, N."""
@@ -188,7 +193,7 @@ class Forces:
         power[DAMPED] = float((self._damped_links * self._h * buffers.rate**2).sum())
         power[DAMPED] += float((nodes.mass * nodes.drag * state.v**2).sum())
         if self._has_dampers:
-            power[DAMPED] += _damp(structure.surfaces, structure.ties, state.r, state.v, np.zeros_like(state.v))
+            power[DAMPED] += self._damp(np.zeros_like(state.v))
         if structure.wind.direction.any():
             power[LOADED] = float((buffers.air * state.v).sum())
         for e in np.union1d(self._sprung, self._driven):

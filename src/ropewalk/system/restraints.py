@@ -29,6 +29,7 @@ def restraints_of(
     none: dict[str, Any] = {
         "mass": 0.0, "force": np.zeros(dim), "stiffness": np.zeros((dim, dim)), "damping": np.zeros((dim, dim)),
         "place": np.zeros(dim), "table": (np.zeros(1), np.zeros((dim, 1))),
+        "winch": np.zeros(2),
     }  # fmt: skip
     for name, line in scenario.lines.items():
         mine = [(node, station) for own, node, station in sections if own == name]
@@ -68,7 +69,7 @@ def restraints_of(
         np.cumsum(counts) - counts, counts, np.concatenate([e["node"] for e in entries]).astype(np.int64),
         column("mass"), column("force"), column("free"), column("stiffness"), column("damping"), column("place"),
         np.cumsum(sizes) - sizes, sizes, np.concatenate([e["table"][0] for e in entries]),
-        np.ascontiguousarray(np.hstack([e["table"][1] for e in entries])),
+        np.ascontiguousarray(np.hstack([e["table"][1] for e in entries])), column("winch"),
     )  # fmt: skip
 
 
@@ -85,8 +86,10 @@ def _cut_nodes(scenario: Scenario, sections: list[tuple[str, Integers, Array]]) 
 def _restrained(support: Any, place: Any, gravity: Array, until: float, axes: tuple[str, ...]) -> dict[str, Any]:
     """What a support does at its place."""
     free, stiffness, damping, force = restrained_by(support, axes)
+    winch = getattr(support, "winch", None)
     mass, history = getattr(support, "mass", 0.0), getattr(support, "displacement", (0.0,) * gravity.size)
     return {
         "mass": mass, "force": force + mass * gravity, "free": free, "stiffness": stiffness, "damping": damping,
         "place": components(place, axes), "table": vector_table(history, until, axes),
+        "winch": np.zeros(2) if winch is None else np.array([winch.speed_limit, winch.dead_band or 0.0]),
     }  # fmt: skip

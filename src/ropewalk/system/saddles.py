@@ -54,6 +54,12 @@ class Saddles(NamedTuple):
     axis: Array  # (saddle, axis) unit vector; zero in a plane
     way: Array  # (axis,) room: change of g with the place of a node
 
+    @staticmethod
+    def nothing(axes: int) -> Saddles:
+        """Of lines that lie on none."""
+        i, x = np.zeros(0, dtype=np.int64), np.zeros(0)
+        return Saddles(i, i, i, x, x, x, x, np.zeros((0, axes)), np.zeros(axes))
+
     def _depths(self, r: Array) -> list[tuple[int, Integers, Array, Array, Array]]:
         """Saddles that are touched, the nodes that touch them, g in m, its gradient (axis, node) and its slope."""
         found = []
@@ -254,7 +260,9 @@ def saddles_of(
 @inlined
 def lie_on(saddles):
     """Whether there are any: asked where a call would hand all arrays on."""
-    return saddles is not None
+    if saddles is None:
+        return False
+    return saddles.node.size > 0
 
 
 @lean_inner

@@ -24,6 +24,11 @@ class Segments(NamedTuple):
     bed: Array  # (node,) N/m^2
 
     @staticmethod
+    def nothing() -> Segments:
+        """Of lines that are the same all along."""
+        return Segments(*np.zeros((4, 0)))
+
+    @staticmethod
     def of(lines: Mapping[str, Line], sections: Sequence[tuple[str, Integers, Array]], nodes: int) -> Segments | None:
         """Those of some runs, if a line has segments.
 
@@ -52,13 +57,15 @@ class Segments(NamedTuple):
 @inlined
 def vary(segments):
     """Whether lines vary along themselves: asked where a call would hand all arrays on."""
-    return segments is not None
+    if segments is None:
+        return False
+    return segments.rho.size > 0
 
 
 @lean_inner
 def bending_near(segments, runs, run, x):
     """Bending stiffness of a run at the place x in links, N m^2."""
-    if segments is None:
+    if segments is None or segments.rho.size == 0:
         return runs.bending[run]
     return segments.bending[runs.first[run] + min(max(int(x + 0.5), 0), runs.links[run])]
 
@@ -66,7 +73,7 @@ def bending_near(segments, runs, run, x):
 @lean_inner
 def mass_near(segments, runs, run, x):
     """Mass per length of a run at the place x in links, kg/m."""
-    if segments is None:
+    if segments is None or segments.rho.size == 0:
         return runs.rho[run]
     return segments.rho[runs.first[run] + min(max(int(x + 0.5), 0), runs.links[run])]
 
@@ -74,7 +81,7 @@ def mass_near(segments, runs, run, x):
 @lean_inner
 def stiffness_at(segments, runs, s, i):
     """Bending stiffness of run s at node i, N m^2."""
-    if segments is None:
+    if segments is None or segments.rho.size == 0:
         return runs.bending[s]
     return segments.bending[i]
 
@@ -82,7 +89,7 @@ def stiffness_at(segments, runs, s, i):
 @lean_inner
 def stiffness_within(segments, runs, s, i):
     """Bending stiffness of run s within the link i, N m^2."""
-    if segments is None:
+    if segments is None or segments.rho.size == 0:
         return runs.bending[s]
     return segments.smooth[i]
 
@@ -90,7 +97,7 @@ def stiffness_within(segments, runs, s, i):
 @lean_inner
 def bed_at(segments, runs, s, i):
     """Stiffness of the bed of run s at node i, N/m^2."""
-    if segments is None:
+    if segments is None or segments.rho.size == 0:
         return runs.bed[s]
     return segments.bed[i]
 

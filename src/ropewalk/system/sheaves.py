@@ -33,7 +33,9 @@ AROUND = 3
 @inlined
 def exist(sheaves):
     """Whether there are any: asked where a call would hand all arrays on."""
-    return sheaves is not None
+    if sheaves is None:
+        return False
+    return sheaves.node.size > 0
 
 
 @inlined
@@ -246,17 +248,17 @@ def _stored_around(sheaves, runs, r, q, low, high):
 
 
 @lean_inner
-def _shift(sheaves, structure, q, way):
+def _shift(sheaves, lines, runs, q, way):
     """Let one node pass sheave q, from behind it (-1) or from ahead of it (1)."""
-    runs, run = structure.runs, sheaves.run[q]
+    run = sheaves.run[q]
     runs.links[run] += way
     runs.first[run + 1] += way
     runs.links[run + 1] -= way
-    structure.lines.begin[run + 1] += way * runs.h[run]
+    lines.begin[run + 1] += way * runs.h[run]
 
 
-@lean
-def pass_nodes(sheaves, structure, r, v, work):
+@lean_inner
+def pass_nodes(sheaves, lines, runs, mass, r, v, work):
     """Let nodes that have come to a sheave pass to its other side; what that takes goes to `work`.
 
     A node keeps its speed along the line and takes the direction of the piece beyond. Arcs do not reach over a sheave:
@@ -267,7 +269,6 @@ def pass_nodes(sheaves, structure, r, v, work):
     """
     if sheaves is None:
         return True
-    runs = structure.runs
     for q in range(sheaves.node.size):
         b, run = sheaves.node[q], sheaves.run[q]
         for side in range(2):
@@ -292,9 +293,9 @@ def pass_nodes(sheaves, structure, r, v, work):
                 turned += v[a, near] * v[a, near]
                 r[a, near] = r[a, b]
             before = _stored_around(sheaves, runs, r, q, low, high)
-            _shift(sheaves, structure, q, way)
+            _shift(sheaves, lines, runs, q, way)
             after = _stored_around(sheaves, runs, r, q, low, high)
-            work[RUBBED] += 0.5 * structure.nodes.mass[near] * (square - turned) + before - after
+            work[RUBBED] += 0.5 * mass[near] * (square - turned) + before - after
             for a in range(r.shape[0]):
                 r[a, near] = r[a, b] + over * (r[a, beyond] - r[a, b]) / away
             e += way
@@ -302,6 +303,12 @@ def pass_nodes(sheaves, structure, r, v, work):
             sheaves.ahead[q] = runs.h[run] * behind / (behind + ahead)
             break
     return True
+
+
+@lean
+def pass_nodes_entry(sheaves, lines, runs, mass, r, v, work):
+    """`pass_nodes` as Python calls it."""
+    return pass_nodes(sheaves, lines, runs, mass, r, v, work)
 
 
 @lean_inner

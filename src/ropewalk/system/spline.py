@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.compiled import lean
+from ropewalk.mechanics.compiled import lean, lean_inner
 
 # Nodes that share a point, one after the other.
 WIDTH = 8
 SHARPENED = 0.25
 
 
-@lean
+@lean_inner
 def _basis(u):
     """Quintic B-spline at a distance u >= 0 in links from its node, and its slope."""
     if u < 1.0:
@@ -77,7 +77,7 @@ def share(x, n, weight, slope):
     return base
 
 
-@lean
+@lean_inner
 def _control(j, n, base, w, d, weight, slope):
     """Add the control point of node j."""
     own = 1.0 if j == 0 or j == n else 1.0 + 2.0 * SHARPENED

@@ -23,7 +23,7 @@ from ropewalk.system.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
 from ropewalk.system.contacts import ON, add_contact_forces, bend, locate_point
 from ropewalk.system.loaded_structure import LoadedStructure
 from ropewalk.system.saddles import add_saddle_forces, stored_in_saddles
-from ropewalk.system.sheaves import SLIPS, add_sheave_forces, pass_nodes, slip, stored_at, stretch_over
+from ropewalk.system.sheaves import SLIPS, add_sheave_forces, pass_nodes_entry, slip, stored_at, stretch_over
 from ropewalk.system.sheaves_at_rest import (
     damping_of,
     gravitational,
@@ -205,7 +205,9 @@ class SystemPotential:
         return np.asarray(restrained.place[e] + moved)
 
     def _arguments(self) -> tuple[object, ...]:
-        return self.structure, self.buffers, self.loaded.contacts, self.loaded.state, self.table, self._out, self.how
+        own, loaded = self.structure.for_kernels, self.loaded
+        buffers = self.buffers.for_kernels(self.structure)
+        return own, buffers, loaded.contacts, loaded.state, self.table, self._out, self.how
 
     def _look(self, shape: Array) -> tuple[Array, Array]:
         """Find all forces in a shape, see `put`."""
@@ -451,12 +453,14 @@ class SystemPotential:
         return np.asarray(shape + way)
 
     def arrived(self, shape: Array) -> tuple[Array, bool]:
-        sheaves, runs = self.structure.sheaves, self.structure.runs
+        structure, sheaves, runs = self.structure, self.structure.sheaves, self.structure.runs
         if sheaves is None:
             return shape, False
         before, r = runs.links.copy(), self.put(shape)[0]
         push_over(sheaves, runs, r)
-        if not pass_nodes(sheaves, self.structure, r, np.zeros_like(r), np.zeros(WORKS)):
+        if not pass_nodes_entry(
+            sheaves, structure.lines, runs, structure.nodes.mass, r, np.zeros_like(r), np.zeros(WORKS)
+        ):
             raise EquilibriumError("a line runs over a sheave up to its end, or to the next sheave; make it longer")
         passed = bool((before != runs.links).any())
         if passed:

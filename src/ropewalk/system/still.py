@@ -152,7 +152,7 @@ class SystemStatics:
             return least(potential, shape)
         for _ in range(_ROUNDS):
             r = potential.put(shape)[0]
-            _add_wind_forces(structure, potential.buffers, r, np.zeros_like(r), t)
+            _add_wind_forces(structure.for_kernels, potential.buffers.for_kernels(structure), r, np.zeros_like(r), t)
             potential.blown[:] = potential.buffers.air
             last, shape = shape, least(potential, shape)
             if float(np.abs(shape - last).max()) <= _NEAR * potential.size:

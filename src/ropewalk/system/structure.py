@@ -7,6 +7,7 @@ several where something is joined to it on its way.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -81,6 +82,7 @@ class Restraints(NamedTuple):
     entries: Integers
     time: Array  # s
     moved: Array  # (axis, entry) m
+    winch: Array  # (restraint, 2) m/s and N, fastest speed and dead band of what runs along a rail; zeros: no winch
 
     def members(self, e: int) -> Integers:
         """Nodes of a holding."""
@@ -151,6 +153,12 @@ class Sheaves(NamedTuple):
     drive: Array  # N, by which it was pulled behind more than ahead when it slipped last: energy over slip
     weight: Array  # (sheave, axis) N/m, of the line
 
+    @staticmethod
+    def nothing(axes: int) -> Sheaves:
+        """Of lines that run over none."""
+        i, x = np.zeros(0, dtype=np.int64), np.zeros(0)
+        return Sheaves(i, i, x, x, np.zeros((0, 2)), x, np.zeros((0, axes)))
+
 
 class Structure(NamedTuple):
     """All that does not change while it moves."""
@@ -168,6 +176,22 @@ class Structure(NamedTuple):
     ties: Ties | None = None
     saddles: Saddles | None = None
     segments: Segments | None = None  # None: lines are the same all along
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether it has nothing of what most structures have not."""
+        return all(getattr(self, name) is None for name in _GROUPS)
+
+    @property
+    def for_kernels(self) -> Structure:
+        """As kernels are handed it: unless it is plain, with empty arrays of what is not there.
+
+        So that they are compiled for two kinds of structures, and not for each set of what is there.
+        """
+        if self.is_plain:
+            return self
+        more = {name: empty for name, empty in _nothing(self.nodes.force.shape[0]) if getattr(self, name) is None}
+        return self._replace(taut=None, **more)
 
     @property
     def is_linearised(self) -> bool:
@@ -221,6 +245,12 @@ class Tight(NamedTuple):
         ]
         return Tight(h, fast, np.zeros(4), *buffers, *more)
 
+    @staticmethod
+    def nothing(axes: int) -> Tight:
+        """Of lines whose links all stretch."""
+        x, sizes = np.zeros(0), ((4, 0), (axes, 4, 0), (axes, 0), (0, axes), (0, axes, axes))
+        return Tight(x, x, np.zeros(4), *[x] * 8, *(np.zeros(size) for size in sizes))
+
     def step_by(self, structure: Structure, dt: float) -> None:
         """Note how restraints yield in a step of the length dt in s, as they are kicked."""
         restrained, axes = structure.restraints, self.move.shape[0]
@@ -261,10 +291,33 @@ class Buffers(NamedTuple):
             buffers.tension[:] = structure.taut
         return buffers
 
+    def for_kernels(self, structure: Structure) -> Buffers:
+        """As kernels are handed it beside a structure, see there."""
+        if self.tight is not None or structure.is_plain:
+            return self
+        return self._replace(tight=_loose(structure.nodes.force.shape[0]))
+
     def react(self, restraints: Restraints) -> None:
         """Note reactions of supports on what stands still, whose forces are known."""
         for e in range(restraints.mass.size):
             self.reaction[e] = -self.force[:, restraints.members(e)].sum(axis=1)
+
+
+_GROUPS = ("surfaces", "sheaves", "taut", "ties", "saddles", "segments")
+
+
+@cache
+def _nothing(axes: int) -> tuple[tuple[str, Any], ...]:
+    """Empty arrays of what a structure may have; nobody writes to them."""
+    return (
+        ("surfaces", Surfaces.nothing()), ("sheaves", Sheaves.nothing(axes)), ("ties", Ties.nothing(axes)),
+        ("saddles", Saddles.nothing(axes)), ("segments", Segments.nothing()),
+    )  # fmt: skip
+
+
+@cache
+def _loose(axes: int) -> Tight:
+    return Tight.nothing(axes)
 
 
 class SystemState(NamedTuple):

@@ -49,6 +49,13 @@ class Surfaces(NamedTuple):
             np.zeros((3, 2)), np.zeros((3, 2)), np.zeros((3, 2)),
         )  # fmt: skip
 
+    @staticmethod
+    def nothing() -> Surfaces:
+        """Of lines alone."""
+        i = np.zeros((0, 3), dtype=np.int64)
+        cells = Cells(i, np.zeros((0, 4)), np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((0, 7)))
+        return Surfaces.of(cells, [])
+
     def shares(self, nodes: int) -> sparse.csr_matrix:
         """The matrix A of all nodes, (node, node); rows of those that are not laid are empty."""
         row = np.repeat(self.node, self.size)

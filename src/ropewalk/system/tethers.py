@@ -169,8 +169,8 @@ def hoist(bodies, contacts, state, dt):
     return work
 
 
-@lean
-def seek(structure, r, line, ex, ey, x, weight, slope):
+@lean_inner
+def seek(lines, runs, r, line, ex, ey, x, weight, slope):
     """Look up the place of a line, which does not turn back, above or below a level place.
 
     Args:
@@ -183,7 +183,6 @@ def seek(structure, r, line, ex, ey, x, weight, slope):
     Returns:
         Its run, links along that, first node that shares it, and m along the vector by which the line ends before.
     """
-    lines, runs = structure.lines, structure.runs
     run, last = lines.first[line], lines.first[line] + lines.runs[line] - 1
     far = runs.first[last] + runs.links[last]
     forward = 1.0 if _level(r, far, ex, ey) > _level(r, runs.first[run], ex, ey) else -1.0
@@ -212,20 +211,20 @@ def _level(r, i, ex, ey):
     return ex * r[0, i] + (ey * r[1, i] if r.shape[0] == 3 else 0.0)
 
 
-@lean
-def height(structure, r, line, ex, ey, x, weight, slope):
+@lean_inner
+def height(lines, runs, r, line, ex, ey, x, weight, slope):
     """Height of a line in m above or below a level place; beyond its ends it goes on straight; see `seek`."""
-    run, _, base, over = seek(structure, r, line, ex, ey, x, weight, slope)
+    run, _, base, over = seek(lines, runs, r, line, ex, ey, x, weight, slope)
     place, rise, change, top = 0.0, 0.0, 0.0, r.shape[0] - 1
-    for j in range(min(WIDTH, structure.runs.links[run] + 1)):
+    for j in range(min(WIDTH, runs.links[run] + 1)):
         place += weight[j] * r[top, base + j]
         rise += slope[j] * r[top, base + j]
         change += slope[j] * _level(r, base + j, ex, ey)
     return place + over * rise / change
 
 
-@lean
-def gap(structure, contacts, bodies, state):
+@lean_inner
+def gap(lines, runs, contacts, bodies, state):
     """How far the next leg is from landing or taking off, m: infinite if none is watched, at most 0 if one is due."""
     found, top, T = np.inf, state.r.shape[0] - 1, bodies.tethers
     for e in range(T.size):
@@ -238,19 +237,37 @@ def gap(structure, contacts, bodies, state):
             if T[e].across[0] != 0.0 or T[e].across[1] != 0.0:
                 ex, ey = T[e].across[1], -T[e].across[0]
             elif top == 2:
-                chord = abs(_chord(structure, state.r, contacts[k].line, 1))
-                if chord > abs(_chord(structure, state.r, contacts[k].line, 0)):
+                chord = abs(_chord(lines, runs, state.r, contacts[k].line, 1))
+                if chord > abs(_chord(lines, runs, state.r, contacts[k].line, 0)):
                     ex, ey = 0.0, 1.0
             x = ex * (state.u[first] + T[e].reach[0])
             if top == 2:
                 x += ey * (state.u[first + 1] + T[e].reach[1])
-            below = height(structure, state.r, contacts[k].line, ex, ey, x, contacts[k].weight, contacts[k].slope)
+            own = contacts[k].weight, contacts[k].slope
+            below = height(lines, runs, state.r, contacts[k].line, ex, ey, x, own[0], own[1])
             found = min(found, state.u[first + top] + T[e].reach[top] - below)
     return found
 
 
 @lean_inner
-def _chord(structure, r, line, a):
-    lines, runs = structure.lines, structure.runs
+def _chord(lines, runs, r, line, a):
     last = lines.first[line] + lines.runs[line] - 1
     return r[a, runs.first[last] + runs.links[last]] - r[a, runs.first[lines.first[line]]]
+
+
+@lean
+def seek_entry(lines, runs, r, line, ex, ey, x, weight, slope):
+    """`seek` as Python calls it."""
+    return seek(lines, runs, r, line, ex, ey, x, weight, slope)
+
+
+@lean
+def height_entry(lines, runs, r, line, ex, ey, x, weight, slope):
+    """`height` as Python calls it."""
+    return height(lines, runs, r, line, ex, ey, x, weight, slope)
+
+
+@lean
+def gap_entry(lines, runs, contacts, bodies, state):
+    """`gap` as Python calls it."""
+    return gap(lines, runs, contacts, bodies, state)

@@ -47,6 +47,12 @@ class Ties(NamedTuple):
     span: Array  # (tie, axis) unit vector from the one end to the other, as it was when last looked at
     longer: Array  # m, by which it was longer than `length`, or shorter
 
+    @staticmethod
+    def nothing(axes: int) -> Ties:
+        """Of lines that nothing is tied to."""
+        i, x, way, pair = np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros((0, axes)), np.zeros((0, 2))
+        return Ties(i, i, i, x, way, way, x, pair, pair, x, way, x)
+
     def away(self, r: Array) -> Array:
         """Ways from one end to the other, (tie, axis) m, by places (axis, node) in m; or without the ground, rates."""
         return np.asarray(self.parts(r.shape[1]) @ r.T)
@@ -218,7 +224,9 @@ def ties_of(ties: Sequence[Tie], axes: int) -> Ties | None:
 @inlined
 def tie_up(ties):
     """Whether there are any: asked where a call would hand all arrays on."""
-    return ties is not None
+    if ties is None:
+        return False
+    return ties.first.size > 0
 
 
 @lean_inner

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.checkpoint import Tree
 from ropewalk.results.audit import Audit
@@ -48,13 +49,14 @@ class Then(NamedTuple):
     before: Array
     work: Array
     moved: Array  # (holder, 3) m
+    failed: NDArray[np.bool_]  # (tie,) whether it pulls no more
 
     @staticmethod
     def of(motion: LargeMotion | SmallMotion) -> Then:
         """Copies of what is known now."""
         stepping = motion.stepping
         own = (stepping.q, stepping.last, stepping.here, stepping.before, stepping.work, motion.holders.moved)
-        return Then(np.array(motion.both), *(array.copy() for array in own))
+        return Then._make([np.array(motion.both), *(array.copy() for array in own), motion.failed[:, 0] < np.inf])
 
     @staticmethod
     def together(thens: Sequence[Then]) -> Then:
@@ -116,13 +118,15 @@ class Energies:
         if isinstance(motion, LargeMotion):
             parts = np.zeros((2, 2, len(then.both)))
             for i, (both, moved) in enumerate(zip(then.both, then.moved, strict=True)):
+                self._potential.failed = then.failed[i]
                 for j, (r, instant) in enumerate(zip(both, (AHEAD, NOW), strict=True)):
                     self._potential.place = self._places(motion, moved[:, instant])
                     weights = float(((self._potential.force - self._more) * r).sum())
                     parts[:, j, i] = self._potential.energy(r) + weights, -weights
             return parts[0].mean(axis=0), parts[1].mean(axis=0)
         parts_of_both = [
-            self._about_rest(motion, then.both[:, j], then.moved[:, :, at]) for j, at in enumerate((AHEAD, NOW))
+            self._about_rest(motion, then.both[:, j], then.moved[:, :, at], then.failed)
+            for j, at in enumerate((AHEAD, NOW))
         ]
         return np.mean(parts_of_both, axis=0), np.zeros(len(then.both))
 
@@ -134,13 +138,14 @@ class Energies:
             place[hold, axes] += way * moved
         return place
 
-    def _about_rest(self, motion: SmallMotion, u: Array, displaced: Array) -> Array:
+    def _about_rest(self, motion: SmallMotion, u: Array, displaced: Array, failed: NDArray[np.bool_]) -> Array:
         """Potential energy of small motion, zero at rest, (instant,) J.
 
         Args:
             motion: the motion.
             u: (instant, node) m.
             displaced: (instant, holder) m, by how much holders are then.
+            failed: (instant, tie) whether they pull no more.
         """
         holders, restrained = motion.holders, np.zeros(len(u))
         if holders.fast < holders.hold.size:
@@ -153,12 +158,12 @@ class Energies:
         share = np.arange(s.weight.shape[1] // 2)
         apart = (one * u.take(s.one[:, None] + share, axis=1)).sum(axis=2)
         apart += (other * u.take(s.other[:, None] + share, axis=1)).sum(axis=2)
-        springs = 0.5 * summed(s.across * apart**2)
-        tie = s.pull > 0.0
+        whole, tie = ~failed[:, s.number], s.pull > 0.0
+        springs = 0.5 * summed(np.where(whole, s.across * apart**2, 0.0))
         k, p, rest, along = s.pull[tie], s.push[tie], s.rest[tie], (s.way * apart)[:, tie]
         before = np.where(rest > 0.0, rest, rest * p / k)
         after = rest + k * along
-        stored = 0.5 * np.where(after > 0.0, after**2 / k, p * (after / k) ** 2)
+        stored = 0.5 * np.where(whole[:, tie], np.where(after > 0.0, after**2 / k, p * (after / k) ** 2), 0.0)
         stored -= 0.5 * np.where(rest > 0.0, rest**2 / k, p * (rest / k) ** 2)
         springs += summed(stored - before * along)
         return np.asarray(0.5 * summed(u * (self._stiffness @ u.T).T) + springs + restrained)

@@ -36,6 +36,7 @@ class WirePotential:
         share: part of all constant forces, and of what stands there, that is put on.
         place: (hold, 3) m, where holds are without force.
         given: (hold, 3) m, by which what holds fast is moved against its force, so that it gives way to none.
+        failed: (tie,) whether it pulls no more.
     """
 
     def __init__(self, mesh: Mesh, rest: Array, force: Array | None = None) -> None:
@@ -54,6 +55,7 @@ class WirePotential:
         self._tie = rows(mesh.ties.other, mesh.nodes) - rows(mesh.ties.one, mesh.nodes)
         self._ground = np.where(np.isfinite(mesh.ties.ground), mesh.ties.ground, 0.0)
         self._pull, self._push = ties_springs(mesh)
+        self.failed: NDArray[np.bool_] = np.zeros(self._pull.size, dtype=np.bool_)
         self._hold = rows(mesh.holds.at, mesh.nodes)
         self._stiff = spring(mesh.holds.stiffness, mesh.holds.at.local[:, None])
         self.place, self.given = mesh.holds.place, np.zeros_like(mesh.holds.place)
@@ -72,7 +74,7 @@ class WirePotential:
         d = (self._tie @ r.T).T + self._ground.T
         length = np.sqrt((d**2).sum(axis=0))
         longer = length - self.mesh.ties.length
-        k = np.where(longer > 0.0, self._pull, self._push)
+        k = np.where(self.failed, 0.0, np.where(longer > 0.0, self._pull, self._push))
         return d, length, longer, k
 
     def tie_forces(self, r: Array) -> Array:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.checkpoint import Tree
 from ropewalk.results.frame import IN_AIR, MOVES, Contacts
@@ -115,7 +116,8 @@ class Pictures:
             "position": r[:, self.axes].swapaxes(1, 2), "velocity": v[:, self.axes].swapaxes(1, 2),
             "tension": tension, "strain": strain, "body_position": places, "body_velocity": rates,
             **self._contacts(r, tension, where == ON_WIRE, station, force, height, in_air).fields(),
-            "reaction": self.reactions(motion.hold_at_rest + hold, tie, r), "energy": self._energies.of(then),
+            "reaction": self.reactions(motion.hold_at_rest + hold, tie, r, then.failed),
+            "energy": self._energies.of(then),
             "tie_force": tie, "sampled_station": stations, "sampled_force": before[0], "sampled_height": before[1],
             "sampled_tie_force": before[2] + motion.tie_at_rest, "sampled_uplift": watched,
         }  # fmt: skip
@@ -185,17 +187,22 @@ class Pictures:
             )
         return out[0], out[1]
 
-    def reactions(self, hold: Array, tie: Array, r: Array) -> Array:
+    def reactions(self, hold: Array, tie: Array, r: Array, failed: NDArray[np.bool_]) -> Array:
         """Forces of all that holds wires on them, (instant, support, axis) N.
 
         Args:
             hold: (instant, hold, 3) N, those of holds.
             tie: (instant, tie) N, those of ties.
             r: (instant, 3, node) m.
+            failed: (instant, tie) whether ties pull no more.
         """
         strands, supports = self.mesh.strands, self._supports
         if self._potential is not None:
-            bare = np.array([self._potential.bare_pull(one)[:, supports.ends].T for one in r])
+            pulls = []
+            for one, gone in zip(r, failed, strict=True):
+                self._potential.failed = gone
+                pulls.append(self._potential.bare_pull(one)[:, supports.ends].T)
+            bare = np.array(pulls)
             return supports.of(bare, hold, tie, r)[..., self.axes]
         bare = np.zeros((len(r), supports.ends.size, 3))
         bare[..., 2] = self._risen - (self._end_stiffness @ r[:, 2].T).T - self._end_weight

@@ -276,7 +276,7 @@ class Wires:
     def advance(self, i: int) -> Ending | None:
         """Look at output instant i, and go on to the next one: forces at an instant are those of the step after it."""
         t, final = float(self.times[i]), i == self.times.size - 1
-        inputs, then = self._inputs_from(i), Then.of(self.motion)
+        inputs, then, failed = self._inputs_from(i), Then.of(self.motion), self.motion.failed.copy()
         try:
             record = self._go(t, inputs)
         except RopewalkError as error:
@@ -285,12 +285,20 @@ class Wires:
             self._now, self._failed = WireNote.of(t, then, inputs, self._nothing, self._stations, self._before), True
             outcome = "travel ended" if isinstance(error, TravelEndedError) else "load failed"
             return Ending(outcome, f"stopped after t = {t:.6g} s: {error}")
+        self._tell_of_failures(failed)
         self._now = WireNote.of(t, then, inputs, record, self._stations, self._before)
         on = np.where(inputs.where[:-1] == ON_WIRE, inputs.station[:-1], np.nan)
         self._stations = _padded(on, self.rows)
         self._before = Record(*(_padded(each, self.rows) for each in record))
         self.run_info.steps += 0 if final else on.shape[0] * self.steps
         return None if self.is_sane() else Ending("diverged", self._advice(t))
+
+    def _tell_of_failures(self, before: Array) -> None:
+        """Say which ties have failed since they were as before."""
+        now = self.motion.failed
+        for i in sorted(np.flatnonzero(now[:, 0] < before[:, 0]), key=lambda i: float(now[i, 0])):
+            t, force = now[i]
+            self.run_info.warnings.append(f"at t = {t:.4g} s {self.task.plan.ties[i].name} failed under {force:.4g} N")
 
     def note(self) -> WireNote | None:
         """What the frame of the instant looked at last will be made of."""
@@ -368,7 +376,8 @@ class Wires:
             hold: (hold, 3) N, those of holds.
             tie: (tie,) N; those of ties.
         """
-        return np.asarray(self._pictures.reactions(hold[None], tie[None], self.motion.position[None])[0])
+        failed = self.motion.failed[None, :, 0] < np.inf
+        return np.asarray(self._pictures.reactions(hold[None], tie[None], self.motion.position[None], failed)[0])
 
 
 def _parts(whole: float, largest: float) -> int:

@@ -345,7 +345,8 @@ def advance(strands, threads, link_springs, holders, watched, moving_loads, step
         for step in range(steps):
             move_places(holders, between_rows(inputs.time, row, (step + 1.0 / inner) / steps))
             _move(strands, threads, now, other, buffers, q, level, slope, small, dt)
-            add_tie_forces(link_springs, now, other, threads.kick, stepping, record.tie, row, step)
+            t = between_rows(inputs.time, row, step / steps)
+            add_tie_forces(link_springs, now, other, threads.kick, stepping, record.tie, row, step, t)
             begin(moving_loads, stepping, inputs.push, row, step / steps)
             for k in range(moving_loads.owner.size):
                 _touch(strands, threads, moving_loads, stepping, now, other, inputs, record, row, step, steps, k, w)
@@ -432,6 +433,11 @@ class LargeMotion(Changing):
         """Velocities of all nodes half an inner step ago, (3, node) m/s."""
         return self._spread((self._r[0] - self._r[1]) * (self.inner / self.stepping.step), np.zeros_like(self._side))
 
+    @property
+    def failed(self) -> Array:
+        """(tie, 2) when ties failed, s, and under which force, N; infinite: they have not."""
+        return self.link_springs.failed
+
     def piece(self, part: slice) -> tuple[Array, Array]:
         """Positions in m and velocities in m/s of some nodes, (3, node)."""
         now, last = self._r[0][:, part], self._r[1][:, part]
@@ -455,7 +461,7 @@ class LargeMotion(Changing):
     def _changing(self) -> dict[str, Arrays]:
         """Arrays that change; the present and the last instant in this order, whichever array holds them."""
         now, last = self._r
-        springs = arrays_of(self.link_springs, "last", "rate")
+        springs = arrays_of(self.link_springs, "last", "rate", "failed")
         return {
             "pace": arrays_of(self.stepping, *CHANGES), "springs": springs, "holders": arrays_of(self.holders, *MOVES),
             "nodes": {"now": now, "last": last},

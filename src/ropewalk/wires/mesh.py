@@ -61,6 +61,8 @@ class WireTies(NamedTuple):
     pushes: Array
     damping: Array
     length: Array
+    strength: Array  # N; inf: nothing tears it
+    fails_at: Array  # s; inf: never
 
 
 class Holds(NamedTuple):
@@ -285,6 +287,7 @@ def _ties(strands: WireRuns, plan: WirePlan) -> WireTies:
     return WireTies(
         one, other, ground, _column([tie.stiffness for tie in ties]), _column([tie.pushes for tie in ties]),
         _column([tie.damping for tie in ties]), _column([tie.length for tie in ties]),
+        _column([tie.strength for tie in ties]), _column([tie.fails_at for tie in ties]),
     )  # fmt: skip
 
 

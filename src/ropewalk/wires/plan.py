@@ -104,6 +104,8 @@ class WireTie:
     pushes: float = 0.0  # N/m, stiffness when shorter
     damping: float = 0.0  # N s/m, while it pulls
     mass: float = 0.0  # kg, half of which goes to each end
+    strength: float = np.inf  # N, pull that tears it
+    fails_at: float = np.inf  # s
 
 
 @dataclass(frozen=True)

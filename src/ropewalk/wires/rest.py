@@ -20,6 +20,7 @@ _MOST_STEPS = 60
 # Heights are found to this part of the longest wire; forces follow from them.
 _CLOSE = 1e-13
 _RIGID = 1e-12  # m/N: what yields less is taken to yield by this
+ROUNDING = 1e-12  # of an instant
 
 
 @dataclass(frozen=True)

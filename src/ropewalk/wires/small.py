@@ -47,6 +47,7 @@ from ropewalk.wires.restraints import (
     write_force,
 )
 from ropewalk.wires.small_arrays import Springs, Watched, WireWindow, springs_of, stencil_of, x_of
+from ropewalk.wires.small_springs import add_spring_forces
 from ropewalk.wires.spline import WIDTH, weights
 from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Record, StepInputs
 
@@ -54,8 +55,6 @@ _NOTHING = 1e-150  # m
 _CLOSE = 1e-9  # links, beyond an end: nothing
 _LATE = 0.5  # share of the next and of the last instant in what rigid holds keep
 _HALF_PAGE = 256  # numbers of 8 bytes
-_WIDTH = np.uint64(WIDTH)
-_SHARES = tuple(np.uint64(k) for k in range(WIDTH))
 
 
 @lean_inner
@@ -118,7 +117,8 @@ def advance(strands, stencil, springs, holders, window, watched, moving_loads, s
         for step in range(steps):
             move_places(holders, between_rows(inputs.time, row, (step + 1.0) / steps))
             _move(strands, stencil, window, now, other, buffers, stepping.step)
-            _pull(springs, window, now, other, stencil.gain, stepping, record, row, step)
+            t = between_rows(inputs.time, row, step / steps)
+            add_spring_forces(springs, window, now, other, stencil.gain, stepping, record, row, step, t)
             begin(moving_loads, stepping, inputs.push, row, step / steps)
             for k in range(moving_loads.owner.size):
                 _touch(
@@ -296,50 +296,6 @@ def _join(strands, moving_loads, stepping, level, other, gain, inputs, record, r
             other[base + j] += gain[base + j] * w[0, j] * force
 
 
-@inlined
-def _pull(springs, window, now, other, gain, stepping, record, row, step):
-    """What ties do during a step."""
-    dt = stepping.step
-    one, two, weight, rest, pull = springs.one, springs.other, springs.weight, springs.rest, springs.pull
-    push, across, damping, way, last = springs.push, springs.across, springs.damping, springs.way, springs.last
-    nodes = springs.nodes
-    for e in range(window.springs[0], window.springs[1]):
-        i, j, c = np.uint64(one[e]), np.uint64(two[e]), damping[e]  # unsigned: no look at what is before an array
-        m, n = nodes[e, 0], nodes[e, 1]
-        apart = 0.0
-        if m < 0:
-            for k in _SHARES:
-                apart += weight[e, k] * now[i + k] + weight[e, k + _WIDTH] * now[j + k]
-        else:
-            apart = now[n] - now[m] if n != m else -now[m]
-        loss = 0.0
-        if c > 0.0:
-            rate = (apart - last[e]) / dt
-            loss, last[e] = c * rate, apart
-            stepping.work[DAMPED] += 0.5 * c * way[e] * way[e] * springs.rate[e] * (springs.rate[e] + rate) * dt
-            springs.rate[e] = rate
-        F = across[e] * apart
-        if pull[e] > 0.0:
-            N = rest[e] + pull[e] * way[e] * apart
-            if N > 0.0:
-                N += way[e] * loss
-            else:
-                N *= push[e] / pull[e]
-                springs.rate[e] = 0.0
-            before = rest[e] if rest[e] > 0.0 else rest[e] * push[e] / pull[e]
-            F += way[e] * (N - before)
-            if step == 0:
-                record.tie[springs.number[e], row] = N - max(rest[e], 0.0)
-        if m >= 0:
-            other[m] += gain[m] * F
-            if n != m:
-                other[n] -= gain[n] * F
-            continue
-        for k in _SHARES:
-            other[i + k] -= gain[i + k] * weight[e, k] * F
-            other[j + k] -= gain[j + k] * weight[e, k + _WIDTH] * F
-
-
 class SmallMotion(Changing):
     """A motion about rest under way.
 
@@ -401,6 +357,13 @@ class SmallMotion(Changing):
         still = np.zeros((2, self.mesh.nodes))
         return np.vstack([still, (self._u[0] - self._u[1]) / self.stepping.step])
 
+    @property
+    def failed(self) -> Array:
+        """(tie, 2) when ties failed, s, and under which force, N; infinite: they have not."""
+        found = np.empty_like(self.springs.failed)
+        found[self.springs.number] = self.springs.failed
+        return found
+
     def piece(self, part: slice) -> tuple[Array, Array]:
         """Positions in m and velocities in m/s of some nodes, (3, node)."""
         now, last = self._u[0][part], self._u[1][part]
@@ -426,7 +389,7 @@ class SmallMotion(Changing):
 
     def _changing(self) -> dict[str, Arrays]:
         """Arrays that change; the present and the last instant in this order, whichever array holds them."""
-        (now, last), springs = self._u, arrays_of(self.springs, "last", "rate")
+        (now, last), springs = self._u, arrays_of(self.springs, "last", "rate", "failed")
         return {
             "pace": arrays_of(self.stepping, *CHANGES), "springs": springs, "holders": arrays_of(self.holders, *MOVES),
             "nodes": {"now": now, "last": last},

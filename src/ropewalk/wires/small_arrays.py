@@ -8,7 +8,7 @@ import numpy as np
 
 from ropewalk.wires.mesh import Mesh
 from ropewalk.wires.plan import Array, Integers
-from ropewalk.wires.rest import WiresAtRest, slowed_ends, ties_springs, without_supports
+from ropewalk.wires.rest import ROUNDING, WiresAtRest, slowed_ends, ties_springs, without_supports
 from ropewalk.wires.spline import WIDTH
 
 _FEW = 0.1  # part of the nodes of a wire that may carry more than it and be seen to afterwards
@@ -31,6 +31,9 @@ class Springs(NamedTuple):
     rate: Array  # m/s at which they did so then, while it damped
     x: Array  # m, to know whether it lies in the window
     number: Integers  # of the tie
+    strength: Array  # N along the tie, that tears it
+    fails_at: Array  # s
+    failed: Array  # (spring, 2) when it did, s, and under which force, N; infinite: it has not
 
 
 class WireWindow(NamedTuple):
@@ -95,7 +98,7 @@ def springs_of(mesh: Mesh, rest: WiresAtRest) -> Springs:
     return Springs(
         ties.one.base, ties.other.base, apart, nodes, pull * (rest.tie_distance - ties.length), pull, slack, across,
         ties.damping, way.copy(), np.zeros(way.size), np.zeros(way.size), x_of(mesh, ties.one.wire, ties.one.station),
-        np.arange(way.size),
+        np.arange(way.size), ties.strength, ties.fails_at * (1.0 - ROUNDING), np.full((way.size, 2), np.inf),
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from ropewalk.mechanics.compiled import inlined
 from ropewalk.wires.mesh import Mesh
 from ropewalk.wires.moving_loads import DAMPED
 from ropewalk.wires.plan import Array, Integers
-from ropewalk.wires.rest import rows, ties_springs
+from ropewalk.wires.rest import ROUNDING, rows, ties_springs
 from ropewalk.wires.spline import WIDTH
 
 _SHARES = tuple(np.uint64(k) for k in range(WIDTH))
@@ -30,6 +30,9 @@ class LinkSprings(NamedTuple):
     damping: Array  # N s/m
     last: Array  # (spring,) m, length a step ago
     rate: Array  # (spring,) m/s at which that changed, while it damped
+    strength: Array  # N, that tears it
+    fails_at: Array  # s
+    failed: Array  # (spring, 2) when it did, s, and under which force, N; infinite: it has not
     steady: Array  # (spring, 2) N on the one end at rest, sideways and upwards: put on all the time, and not as pushes
 
 
@@ -45,7 +48,7 @@ def link_springs_of(mesh: Mesh, position: Array) -> LinkSprings:
     return LinkSprings(
         ties.one.base, ties.other.base, np.stack([ties.one.weight, ties.other.weight], axis=1), ties.ground,
         away[:, 1].copy(), ties.length, pull, push, ties.damping, last, np.zeros_like(last),
-        pulls[:, None] * away[:, 1:],
+        ties.strength, ties.fails_at * (1.0 - ROUNDING), np.full((last.size, 2), np.inf), pulls[:, None] * away[:, 1:],
     )  # fmt: skip
 
 
@@ -75,8 +78,15 @@ def _give(x, gain, i, weight, e, side, F):
 
 
 @inlined
-def add_tie_forces(link_springs, now, other, gain, stepping, found, row, step):
-    """What ties do during a step."""
+def _stored(link_springs, e, size):
+    """Energy of spring e where it is of a size in m, J."""
+    longer = size - link_springs.length[e]
+    return 0.5 * (link_springs.pull[e] if longer > 0.0 else link_springs.push[e]) * longer * longer
+
+
+@inlined
+def add_tie_forces(link_springs, now, other, gain, stepping, found, row, step, t):
+    """What ties do during a step, which begins at t in s."""
     dt, axes, weight, length, last = (
         stepping.step,
         now.shape[0],
@@ -84,7 +94,7 @@ def add_tie_forces(link_springs, now, other, gain, stepping, found, row, step):
         link_springs.length,
         link_springs.last,
     )
-    steady = link_springs.steady
+    steady, failed = link_springs.steady, link_springs.failed
     x, z, out_x, out_z = now[0], now[axes - 1], other[0], other[axes - 1]
     for e in range(link_springs.one.size):
         i, j = (
@@ -98,12 +108,19 @@ def add_tie_forces(link_springs, now, other, gain, stepping, found, row, step):
         dx, dz = dx - _height(x, i, weight, e, 0), dz - _height(z, i, weight, e, 0)
         dy = dy - _height(now[1], i, weight, e, 0) if axes == 3 else link_springs.aside[e]
         size = np.sqrt(dx * dx + dy * dy + dz * dz)
-        c, rate, before = link_springs.damping[e], (size - last[e]) / dt, link_springs.rate[e]
+        whole = failed[e, 0] == np.inf
+        c = link_springs.damping[e] if whole else 0.0
+        rate, before = (size - last[e]) / dt, link_springs.rate[e]
         stepping.work[DAMPED] += 0.5 * c * before * (before + rate) * dt
         if size > length[e]:
             N, link_springs.rate[e] = link_springs.pull[e] * (size - length[e]) + c * rate, rate
         else:
             N, link_springs.rate[e] = link_springs.push[e] * (size - length[e]), 0.0
+        if whole and (link_springs.strength[e] < N or t >= link_springs.fails_at[e]):
+            failed[e, 0], failed[e, 1], whole = t, N, False
+            stepping.work[DAMPED] += 0.5 * (_stored(link_springs, e, size) + _stored(link_springs, e, last[e]))
+        if not whole:
+            N = 0.0
         last[e] = size
         if step == 0:
             found[e, row] = N
