@@ -4,11 +4,11 @@ Where contacts are, and how a point of the structure there is made of its places
 drive the modes; bodies move by M u'' + C u' + K u = f - N, with the forces N of their contacts on the structure, whose
 places are coordinates:
 
-    u = p + E y + F N,   y = sum of the modes + what follows without them,
+    u = p + E y + N / S,   y = sum of the modes + what follows without them,
 
-where p is the point at rest and F what the line gives way by beside its nodes, which no mode has. Steps are Radau's of
-three stages for the bodies, and exact for the modes, whose forces are polynomials through those stages. They are halved
-until nothing changes any more.
+where p is the point at rest and S the stiffness of the kink below, which no mode has. Steps are Radau's of three stages
+for the bodies, and exact for the modes, whose forces are polynomials through those stages. They are halved until
+nothing changes any more.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-import scipy.linalg as linalg
 from numpy.typing import NDArray
 
 from ropewalk.errors import RopewalkError
@@ -39,7 +38,7 @@ class ContactsAtInstant(NamedTuple):
     contact: Integers  # (here,) which these are
     near: Integers  # (here,) first place of the first axis that shares each point
     weight: Array  # (here, place) how the next places share it
-    soft: Array  # (here, axis, axis) m/N, of the line below, beside its nodes
+    soft: Array  # (here,) m/N, of the kink below
     point: Array  # (here, axis) m, at rest
     way: Array  # (here, axis) m/s, velocity of that point
     force: Array  # (here, axis) N, given
@@ -245,15 +244,16 @@ class Superposition:
         light = np.flatnonzero((np.diag(b.mass) == 0.0) & ~self._restrained(stretch))
         if not light.size:
             return
-        K, pull = b.stiffness.copy(), b.force - b.damping @ w
+        firm, pull = np.zeros(u.size), b.force - b.damping @ w
         under = touch.point.ravel() + (self._rows(touch)[0] @ z).real
         for i, k in enumerate(touch.contact):
             if b.first[k] >= 0:
                 own = b.first[k] + np.arange(self._axes)
-                firm = np.linalg.inv(touch.soft[i])
-                K[np.ix_(own, own)] += firm
-                pull[own] += touch.force[i] + firm @ under[self._axes * i : self._axes * (i + 1)]
+                firm[own] = 1.0 / touch.soft[i]
+                pull[own] += touch.force[i]
+                pull[own] += firm[own] * under[self._axes * i : self._axes * (i + 1)]
         others = np.setdiff1d(np.arange(u.size), light)
+        K = b.stiffness + np.diag(firm)
         u[light] = np.linalg.solve(K[np.ix_(light, light)], pull[light] - K[np.ix_(light, others)] @ u[others])
 
     def _go(
@@ -301,9 +301,8 @@ class Superposition:
         right[small.still] = np.concatenate([np.zeros(0), *grounded])[small.still] if grounded else 0.0
         right[low:] = (u[coordinate] - known[:, own]).ravel()
         J[low:, low:] = G[:, own][:, :, :, own].reshape(3 * m, 3 * m)
-        for j, touch in enumerate(touches):
-            part = slice(low + m * j, low + m * (j + 1))
-            J[part, part] += linalg.block_diag(*touch.soft)[np.ix_(own, own)]
+        soft = np.concatenate([np.repeat(touch.soft, self._axes)[own] for touch in touches])
+        J[low + np.arange(3 * m), low + np.arange(3 * m)] += soft
         x = np.linalg.solve(J, right)
         rates = x[:low].reshape(3, n)
         N[:, own] = x[low:].reshape(3, m)
@@ -345,7 +344,7 @@ class Superposition:
         for i, k in enumerate(touch.contact if pressed is None else ()):
             if self.bodies.first[k] >= 0:  # nothing has moved
                 own = u[self.bodies.first[k] + np.arange(self._axes)]
-                N[self._axes * i : self._axes * (i + 1)] = np.linalg.solve(touch.soft[i], own - touch.point[i])
+                N[self._axes * i : self._axes * (i + 1)] = (own - touch.point[i]) / touch.soft[i]
         force = np.full((on.size, self._axes), np.nan)
         force[touch.contact] = N.reshape(-1, self._axes)
         return _Seen(z, u.copy(), w.copy(), force, touch, N, pressed)

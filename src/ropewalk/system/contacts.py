@@ -9,7 +9,7 @@ the contact and shortened behind:
     K = |d|^2/2 h dS/dT,   V = |d|^2/2 (S - T dS/dT) + S_a e^2/2,   T: mean of h T/l of the links below.
 
 As t turns with the nodes, N bears on them with its moment about p, too. Nets, which have no links below, and lines that
-do not stretch give way in all directions alike: there d has all of them.
+do not stretch or are linearised give way in all directions alike: there d has all of them.
 
 Without a body the force is given and d follows; a body has its own place, N follows, and reaches it in turn. A kink
 that is carried along at the speed U feels the tension T - rho U^2. What makes it softer than a kink at rest is a push
@@ -104,7 +104,7 @@ CONTACT = np.dtype(
         ("along", *_VECTOR),  # its derivative by s
         ("tangent", *_VECTOR),  # unit vector t along the line, without its profile
         ("turns", *_VECTOR),  # 1/m, change of that with s
-        ("spread", _REAL),  # length of the derivative by s, without its profile; of what is linearised infinite
+        ("spread", _REAL),  # length of the derivative by s, without its profile
         ("place", *_VECTOR),  # m, of what touches
         ("before", *_VECTOR),  # m, when it was last looked at
         ("last", *_VECTOR),  # N, given force then
@@ -186,21 +186,17 @@ def sit(structure, contacts, state, k, s):
 @lean_inner
 def locate_point(structure, contacts, k, r):
     """Note the point of the spline at contact k, which is at its place s, and the direction of the line there."""
-    run, base, axes, small = contacts[k].run, contacts[k].near, r.shape[0], structure.about.links.size > 0
+    run, base, axes = contacts[k].run, contacts[k].near, r.shape[0]
     h, most = structure.runs.h[run], min(WIDTH, structure.runs.links[run] + 1)
     square, back = 0.0, 0.0
     for a in range(axes):
-        here, slope, second, at_rest = 0.0, 0.0, 0.0, 0.0
+        here, slope, second = 0.0, 0.0, 0.0
         for j in range(most):
             here += contacts[k].weight[j] * r[a, base + j]
             slope += contacts[k].slope[j] * r[a, base + j]
-            if small:
-                at_rest += contacts[k].slope[j] * structure.about.shape[0, a, base + j]
-                second += contacts[k].second[j] * structure.about.shape[0, a, base + j]
-            else:
-                second += contacts[k].second[j] * r[a, base + j]
+            second += contacts[k].second[j] * r[a, base + j]
         contacts[k].p[a], contacts[k].along[a] = here, slope / h
-        contacts[k].tangent[a], contacts[k].turns[a] = (at_rest if small else slope) / h, second / (h * h)
+        contacts[k].tangent[a], contacts[k].turns[a] = slope / h, second / (h * h)
         square += contacts[k].tangent[a] ** 2
         back += contacts[k].tangent[a] * contacts[k].turns[a]
     square = max(square, 1e-300)
@@ -208,7 +204,7 @@ def locate_point(structure, contacts, k, r):
     for a in range(axes):
         contacts[k].turns[a] = (contacts[k].turns[a] - back / square * contacts[k].tangent[a]) / spread
         contacts[k].tangent[a] /= spread
-    contacts[k].spread = np.inf if small else spread
+    contacts[k].spread = spread
     contacts[k].p[axes - 1] += contacts[k].rough
     contacts[k].along[axes - 1] += contacts[k].steep
     contacts[k].axial_stiffness = axial_stiffness(structure, contacts, k, contacts[k].kind == BODY)
@@ -379,8 +375,8 @@ def stiffen(structure, buffers, contacts, state, table, out, k):
     contacts[k].rise = slope * change * h * contacts[k].by_tension
 
 
-@inlined
-def _bend(structure, buffers, contacts, state, table, out, k):
+@lean_inner
+def bend_one(structure, buffers, contacts, state, table, out, k):
     """Find how far contact k is from its spline, with the kinks of others as they are."""
     axes = state.r.shape[0]
     if contacts[k].kind == BODY:
@@ -404,7 +400,7 @@ def find_kinks(structure, buffers, contacts, state, table, out):
         for k in range(contacts.size):
             before = contacts[k].kink
             if contacts[k].state == ON:
-                _bend(structure, buffers, contacts, state, table, out, k)
+                bend_one(structure, buffers, contacts, state, table, out, k)
             if contacts[k].shares_links == 1 and abs(contacts[k].kink - before) > TOGETHER * contacts[k].kink:
                 moved = True
         if not moved:

@@ -13,7 +13,7 @@ from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.solve.superposition import ContactsAtInstant
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import AWAY, ON, sit, stiffen
-from ropewalk.system.loaded_structure import LoadedStructure, softness
+from ropewalk.system.loaded_structure import LoadedStructure
 from ropewalk.system.profile import height_at
 from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import Structure
@@ -92,7 +92,7 @@ class Passing:
             hold = (force[restrained] * along[restrained]).sum(axis=1) / (level * along[restrained]).sum(axis=1)
             force[restrained] -= hold[:, None] * level
         return ContactsAtInstant(
-            here, contacts["near"].copy(), contacts["weight"].copy(), softness(contacts, dim),
+            here, contacts["near"].copy(), contacts["weight"].copy(), 1.0 / contacts["moving"],
             contacts["p"][:, :dim].copy(), contacts["speed"][:, None] * along, force,
         )  # fmt: skip
 

@@ -209,7 +209,7 @@ class Superposed:
             contact, at = loaded.contacts[k], slice(touch.near[i], touch.near[i] + touch.weight.shape[1])
             below = r[:, at] @ touch.weight[i][: r[:, at].shape[1]]
             first = r.size + int(contact["first"])
-            shape[first : first + dim] = below + touch.soft[i] @ moment.force[k]
+            shape[first : first + dim] = below + moment.force[k] * touch.soft[i]
             shape[first + dim - 1] += contact["rough"]
             contact["hold"] = 0.0
             if contact["frictionless"]:
@@ -223,7 +223,6 @@ class Superposed:
         buffers.react(self._linear.restraints)
         located = loaded.contacts[touch.contact]
         kinks = 0.5 * float((located["firm"][:, None] * located["d"] ** 2).sum())
-        kinks += 0.5 * float(located["axial_stiffness"] @ located["axial"] ** 2)
         state = SystemState(
             np.array([t]), r, v, moment.u, moment.w, self._passing.state.s, np.zeros(WORKS)
         )  # fmt: skip

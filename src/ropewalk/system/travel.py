@@ -19,7 +19,7 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import ARC, HORIZONTAL, MATERIAL, SLIP, Array
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.moving_contact import look_up, look_up_integral
-from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, goes_on, sit, slope_at_rest, stiffen, yields
+from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, bend_one, goes_on, sit, slope_at_rest, stiffen, yields
 from ropewalk.system.friction import friction_demand
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import RESTRAINED, STRUCK
@@ -98,7 +98,7 @@ def locate(structure, buffers, contacts, tables, state, table, out, since):
             elif since == 0.0 and contacts[k].been == 0:
                 s = contacts[k].begin
         else:
-            s = _prescribed(structure, buffers, contacts, tables, state, k, speed, since)
+            s = _prescribed(structure, buffers, contacts, tables, state, table, out, k, speed, since)
         U = contacts[k].speed
         low = contacts[k].margin if U < 0.0 else 0.0
         high = length - (contacts[k].margin if U > 0.0 else 0.0)
@@ -203,7 +203,9 @@ def place(structure, buffers, contacts, tables, state):
         give(tables, contacts, k, state.t[0], state.r.shape[0])
         s = contacts[k].begin
         if contacts[k].travel != FREE:
-            s = _prescribed(structure, buffers, contacts, tables, state, k, 0.0, 0.0)
+            s += travelled(tables, contacts, k, state.t[0])
+            if contacts[k].measure != MATERIAL:
+                s = _find(structure, buffers, contacts, state, k, s)
         state.s[k] = s
         contacts[k].state = ON if 0.0 <= s <= structure.lines.length[contacts[k].line] else AWAY
         if contacts[k].state == ON:
@@ -288,7 +290,28 @@ def _find(structure, buffers, contacts, state, k, wanted):
 
 
 @lean_inner
-def _prescribed(structure, buffers, contacts, tables, state, k, speed, since):
+def _find_load(structure, buffers, contacts, state, table, out, k, wanted):
+    """The same, where it is measured at what touches, which is level with its point or leans with its line."""
+    s = _find(structure, buffers, contacts, state, k, wanted)
+    if contacts[k].measure != HORIZONTAL or contacts[k].state != ON or contacts[k].axial_stiffness == 0.0:
+        return s
+    lean, length = 0.0, structure.lines.length[contacts[k].line]
+    for _ in range(ROUNDS):
+        if not 0.0 <= s <= length:
+            break
+        sit(structure, contacts, state, k, s)
+        bend_one(structure, buffers, contacts, state, table, out, k)
+        before, lean = lean, contacts[k].d[0]
+        if contacts[k].kind != BODY:  # a body has its own place along its line
+            lean += contacts[k].axial * contacts[k].tangent[0]
+        if abs(lean - before) <= CLOSE * length:
+            break
+        s = _find(structure, buffers, contacts, state, k, wanted - lean)
+    return s
+
+
+@lean_inner
+def _prescribed(structure, buffers, contacts, tables, state, table, out, k, speed, since):
     """Place of contact k at time t as its travel prescribes; notes its speed along the line."""
     t, old = state.t[0], state.s[k]
     wanted = contacts[k].begin + travelled(tables, contacts, k, t)
@@ -312,7 +335,7 @@ def _prescribed(structure, buffers, contacts, tables, state, k, speed, since):
             contacts[k].stretch = stretch
             return old + way * (1.5 / stretch - 0.5 / before if before > 0.0 else 1.0 / stretch)
         return old
-    s = _find(structure, buffers, contacts, state, k, wanted)
+    s = _find_load(structure, buffers, contacts, state, table, out, k, wanted)
     stretch = contacts[k].stretch if 0.0 <= s <= structure.lines.length[contacts[k].line] else 1.0
     if since > 0.0:
         contacts[k].speed = (s - old) / since

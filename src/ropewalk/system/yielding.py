@@ -22,7 +22,7 @@ def axial_stiffness(structure, contacts, k, has_body):
     What gives way within a step bounds it, as S.
     """
     runs, run = structure.runs, contacts[k].run
-    if runs.law[run, 0] == law.RIGID or runs.firm[run] > 0.0:
+    if runs.law[run, 0] == law.RIGID or runs.firm[run] > 0.0 or structure.about.links.size > 0:
         return 0.0
     EA = law.tangent(runs.law[run], LITTLE) + runs.hysteresis[run, 0]
     if EA <= 0.0:
