@@ -320,9 +320,12 @@ def arrive(structure, buffers, contacts, bodies, state, table, out):
         contacts[k].comes, contacts[k].stopped = 0, 0.0
         if contacts[k].kind == FORCE or contacts[k].state == GONE or (comes == 0 and stopped == 0.0):
             continue
-        before, kinked = energy_of_bodies(bodies, state), 0.0
+        before, kinked, beyond = energy_of_bodies(bodies, state), 0.0, 0.0
         if contacts[k].travel == FREE and comes == 0:
             stopped = max(stopped * _speed_along(structure, contacts, state, k), 0.0) / stopped
+        if comes == 0 and contacts[k].axial_stiffness > 0.0:  # within its last step it has gone on
+            for a in range(axes):
+                beyond += (state.u[contacts[k].first + a] - contacts[k].p[a]) * contacts[k].tangent[a]
         for a in range(axes):
             c = contacts[k].first + a
             if comes > 0:
@@ -330,6 +333,7 @@ def arrive(structure, buffers, contacts, bodies, state, table, out):
                 state.w[c] = contacts[k].speed * contacts[k].along[a]
             elif comes == 0:
                 state.w[c] -= stopped * contacts[k].along[a]
+                state.u[c] -= beyond * contacts[k].tangent[a]
         if comes < 0:
             ground(structure, contacts, state, k)
         elif comes > 0 and bodies.per_mass[contacts[k].first + axes - 1] > 0.0 and contacts[k].been == 1:

@@ -78,9 +78,8 @@ def largest_frequency(structure: Structure, contacts: Any, bodies: BodyArrays, r
             root = math.sqrt(bending / whole) if whole > 0.0 else 0.0
             firm = float(runs.firm[s]) or whole / runs.h[s] * float(table[int(np.ceil(root * (SHARES - 1)))])
             if runs.firm[s] == 0.0 and runs.law[s, 0] != law.RIGID:
-                firm = max(
-                    firm, (law.tangent(runs.law[s], LITTLE) + float(runs.hysteresis[s, 0])) / (AXIAL * runs.h[s])
-                )
+                EA = law.tangent(runs.law[s], LITTLE) + float(runs.hysteresis[s, 0])
+                firm = max(firm, EA / (AXIAL * runs.h[s]))
             near = float(structure.nodes.mobile[part].max())
             pressed.append(firm * (float(contact["light"]) + near * int(crowd.sum())))
     return math.sqrt(square + max(springs, default=0.0) + max(pressed))

@@ -20,7 +20,8 @@ from ropewalk.solve.symmetric import Way
 from ropewalk.system.air import damping_by_wind
 from ropewalk.system.cables import add_internal_forces, energy_of, stretch_all
 from ropewalk.system.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
-from ropewalk.system.contacts import ON, add_contact_forces, bend, locate_point
+from ropewalk.system.contact_point import locate_point
+from ropewalk.system.contacts import BODY, ON, add_contact_forces, bend
 from ropewalk.system.loaded_structure import LoadedStructure
 from ropewalk.system.saddles import add_saddle_forces, stored_in_saddles
 from ropewalk.system.sheaves import SLIPS, add_sheave_forces, pass_nodes_entry, slip, stored_at, stretch_over
@@ -36,7 +37,7 @@ from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import WORKS, Buffers, Structure
 from ropewalk.system.surfaces import add_surface_forces, distribute_forces, stored_in
 from ropewalk.system.ties import add_tie_forces, stored_in_ties
-from ropewalk.system.yielding import stored_beside
+from ropewalk.system.yielding import axial_stiffness, stored_beside
 
 
 @lean_inner
@@ -47,6 +48,7 @@ def _stretch(structure, buffers, contacts, state, table, out, how):
     stretch_over(structure.sheaves, runs, buffers, r)
     for k in range(contacts.size):
         if contacts[k].state == ON:
+            contacts[k].axial_stiffness = axial_stiffness(structure, contacts, k, contacts[k].kind == BODY)
             locate_point(structure, contacts, k, r)
     bend(structure, buffers, contacts, state, table, out)
     slip(structure.sheaves, runs, r, how)

@@ -382,9 +382,7 @@ def _resistance(structure, buffers, contacts, state, table, out, k, s, since):
     run, h = contacts[k].run, structure.runs.h[contacts[k].run]
     T, stretch, along, square = 0.0, 0.0, 0.0, 0.0
     push, tangent, damper = 0.0, 0.0, 0.0
-    tight = (
-        contacts[k].moving / contacts[k].by_tension
-    )  # mean of inextensible links: what it differs by is of a step ago
+    tight = contacts[k].moving / contacts[k].by_tension  # of inextensible links: what it differs by is of a step ago
     for j in range(3):
         link, q = contacts[k].link[j], contacts[k].part[j]
         if q <= 0.0 and contacts[k].change[j] == 0.0:

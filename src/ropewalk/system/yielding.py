@@ -12,7 +12,7 @@ from ropewalk.mechanics.compiled import inlined, lean_inner
 
 # By how much a line gives way along itself under a contact, over h/EA, and the strain at which EA is taken. About that
 # of straight links, without their arcs.
-AXIAL, LITTLE = 0.1, 1e-6
+AXIAL, LITTLE = 0.3, 1e-6
 
 
 @lean_inner
