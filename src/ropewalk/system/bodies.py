@@ -22,6 +22,7 @@ from ropewalk.system.profile import height_at
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import DRIVEN, IN_BODIES, RESTRAINED, STRUCK
 from ropewalk.system.tethers import bear, hang
+from ropewalk.system.yielding import stiffness_between
 
 # Rounds of Newton's method for contacts without mass, and the part of a link to which their places are found.
 ROUNDS, SETTLED = 40, 1e-11
@@ -106,10 +107,12 @@ def _balance(structure, buffers, contacts, bodies, state, table, out, p, rate):
                     d = bodies.at[p, j]
                     if bodies.contact[d] == k:
                         stiff = contacts[k].rise * contacts[k].d[a] * contacts[k].d[bodies.axis[d]]
-                        stiff += contacts[k].moving if d == c and contacts[k].apart == 0 else 0.0
+                        if contacts[k].apart == 0:
+                            stiff += stiffness_between(contacts, k, a, bodies.axis[d])
                         A[i, j] += stiff
                         b[i] += stiff * state.u[d]
-                b[i] -= contacts[k].moving * contacts[k].d[a]
+                along = contacts[k].axial_stiffness * contacts[k].axial * contacts[k].tangent[a]
+                b[i] -= contacts[k].moving * contacts[k].d[a] + along
                 bear(contacts, bodies, state, A, b, p, i, rate)
         solve(A, b, n)
         most = 0.0
@@ -317,9 +320,12 @@ def arrive(structure, buffers, contacts, bodies, state, table, out):
         contacts[k].comes, contacts[k].stopped = 0, 0.0
         if contacts[k].kind == FORCE or contacts[k].state == GONE or (comes == 0 and stopped == 0.0):
             continue
-        before, kinked = energy_of_bodies(bodies, state), 0.0
+        before, kinked, beyond = energy_of_bodies(bodies, state), 0.0, 0.0
         if contacts[k].travel == FREE and comes == 0:
             stopped = max(stopped * _speed_along(structure, contacts, state, k), 0.0) / stopped
+        if comes == 0 and contacts[k].axial_stiffness > 0.0:  # within its last step it has gone on
+            for a in range(axes):
+                beyond += (state.u[contacts[k].first + a] - contacts[k].p[a]) * contacts[k].tangent[a]
         for a in range(axes):
             c = contacts[k].first + a
             if comes > 0:
@@ -327,6 +333,7 @@ def arrive(structure, buffers, contacts, bodies, state, table, out):
                 state.w[c] = contacts[k].speed * contacts[k].along[a]
             elif comes == 0:
                 state.w[c] -= stopped * contacts[k].along[a]
+                state.u[c] -= beyond * contacts[k].tangent[a]
         if comes < 0:
             ground(structure, contacts, state, k)
         elif comes > 0 and bodies.per_mass[contacts[k].first + axes - 1] > 0.0 and contacts[k].been == 1:
@@ -357,14 +364,19 @@ def _bear(structure, buffers, contacts, bodies, state, table, out, k):
         ahead = height_at(structure.lines.profiles, line, state.s[k] + step)[1]
         behind = height_at(structure.lines.profiles, line, state.s[k] - step)[1]
         N -= (ahead - behind) / (2.0 * step) * contacts[k].speed ** 2 / bodies.per_mass[top]
-    z, S = state.r.shape[0] - 1, 0.0
+    z, lowered = state.r.shape[0] - 1, 0.0
     for _ in range(_AGAIN):  # a kink is the stiffer, the more it tightens its links
         stiffen(structure, buffers, contacts, state, table, out, k)
         S = contacts[k].moving
         if S <= 0.0 or contacts[k].apart == 1:
             return 0.0
-        state.u[top] = contacts[k].p[z] + N / S
-    return 0.5 * N * N / S
+        lowered = 0.0
+        for a in range(z + 1):
+            along = contacts[k].tangent[a] * contacts[k].tangent[z] if contacts[k].axial_stiffness > 0.0 else 0.0
+            lowered = N / S * ((1.0 if a == z else 0.0) - along)
+            lowered += N * along / max(contacts[k].axial_stiffness, 1e-300)
+            state.u[contacts[k].first + a] = contacts[k].p[a] + lowered
+    return 0.5 * N * lowered
 
 
 @lean_inner

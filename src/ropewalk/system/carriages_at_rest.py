@@ -15,9 +15,8 @@ from ropewalk.system.bodies import BodyArrays
 from ropewalk.system.carriages import to_drive_entry
 from ropewalk.system.structure import Buffers, Structure
 
-# Rounds in which places of wheels are found: what pushes them apart falls by S/(S + k) in each, with the stiffness S of
-# kinks and k of rockers, which is a tenth or less.
-_ROUNDS = 4
+# Rounds in which places of wheels are found, and the push along the line over that across it that is none any more.
+_ROUNDS, _EVEN = 12, 1e-6
 
 
 class CarriagesAtRest:
@@ -34,6 +33,7 @@ class CarriagesAtRest:
     def __init__(self, scenario: Scenario, loading: Loading, contacts: Any, bodies: BodyArrays, dim: int) -> None:
         self._scenario, self._loading, self._contacts, self._bodies = scenario, loading, contacts, bodies
         self._dim, self._pull = dim, np.zeros(bodies.carriages.hauls.size)
+        self._last: dict[int, tuple[Array, Array]] = {}  # places and pushes of the round before
         self.rounds = _ROUNDS if bodies.carriages.bars.size else 0
 
     def _each(self) -> Iterator[tuple[Carriage, list[int]]]:
@@ -61,9 +61,16 @@ class CarriagesAtRest:
             at_rest: contacts as they rest together with the line; all have stayed at their places on it.
         """
         for load, own in self._each():
-            found = at_rest[own]
-            stiff = found["moving"] * (found["along"][:, : self._dim] ** 2).sum(axis=1)
-            self._begin(own, load, self._contacts["begin"][own] - (found["push"] - found["push"].mean()) / stiff)
+            found, begin = at_rest[own], self._contacts["begin"][own]
+            push = found["push"] - found["push"].mean()
+            if np.abs(push).max() <= _EVEN * np.abs(found["N"]).max():
+                continue
+            step = -push / (found["moving"] * (found["along"][:, : self._dim] ** 2).sum(axis=1))
+            if own[0] in self._last:  # rockers and the line give way, too: as in the last round (Barzilai and Borwein)
+                way, rise = begin - self._last[own[0]][0], push - self._last[own[0]][1]
+                step = -push * float(way @ rise) / float(rise @ rise)
+            self._last[own[0]] = begin, push
+            self._begin(own, load, begin + step)
 
     def hold(self) -> None:
         """Let hauling ropes pull as holds carriages on frictionless wheels where they are, N.

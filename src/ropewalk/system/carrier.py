@@ -255,7 +255,7 @@ class SystemCarrier:
         own, state = self.system.contacts, self.system.state
         number, dim = int(own[k]["line"]), state.r.shape[0]
         on = np.flatnonzero((own["line"] == number) & (own["state"] == ON))
-        kinks = [(float(state.s[j]), own[j]["d"][:dim].copy()) for j in on]
+        kinks = [(float(state.s[j]), (own[j]["d"] + own[j]["axial"] * own[j]["tangent"])[:dim]) for j in on]
         return SystemLine(self.system.structure, number, state.r, state.v, kinks)
 
     def is_on(self, k: int) -> bool:
@@ -288,7 +288,7 @@ class SystemCarrier:
         contact["begin"] = xi - float(tables.speed_value[contact["speed_first"]]) * self.t
         for name in ("place", "before", "p"):
             contact[name][:dim] = place
-        for name in ("d", "was", "last", "lagged"):
+        for name in ("d", "axial", "was", "was_axial", "last", "lagged"):
             contact[name] = 0.0
         state.s[k] = contact["was_at"] = xi
         if contact["kind"] == BODY:
@@ -315,10 +315,12 @@ class SystemCarrier:
         if contact["state"] == ON:
             runs, run = self.system.structure.runs, int(contact["run"])
             state.work[STRUCK] += 0.5 * float(contact["firm"] * (contact["d"] ** 2).sum())
+            state.work[STRUCK] += 0.5 * float(contact["axial_stiffness"] * contact["axial"] ** 2)
             fast = np.sqrt(max(float(contact["tension"]), 0.0) / max(runs.rho[run], 1e-300)) / runs.h[run]
             contact["fade"] = 4.0 * fast * contact["kink"]
             self.lose(0.5 * float((self.system.bodies.mass[own] * state.w[own] ** 2).sum()))
         contact["state"], contact["comes"], contact["N"], contact["d"] = AWAY, 0, 0.0, 0.0
+        contact["axial"] = 0.0
         state.w[own] = 0.0
 
     def launch(self, own: slice, v: Array) -> None:

@@ -1,10 +1,15 @@
 """Contacts: where loads touch their lines. One scheme, without events, for whatever touches and whatever line.
 
-A contact at s has the point p of the spline of its run. What touches has a place of its own; d, from p to there, is the
-tip of the kink that links of finite length round off, held by the stiffness S of `compliance.py` and lengthening the
-links below:
+A contact at s has the point p of the spline of its run, and its direction t there. What touches has a place of its own,
+p + d + e t. Across the line, d is the tip of the kink that links of finite length round off, held by the stiffness S of
+`compliance.py` and lengthening the links below; along it, a line gives way by e as links do that are stretched before
+the contact and shortened behind:
 
-    N = S d on the line,   K = |d|^2/2 h dS/dT,   V = |d|^2/2 (S - T dS/dT),   T: mean of h T/l of the links below.
+    N = S d + S_a e t on the line,   S_a = EA / (h AXIAL),
+    K = |d|^2/2 h dS/dT,   V = |d|^2/2 (S - T dS/dT) + S_a e^2/2,   T: mean of h T/l of the links below.
+
+As t turns with the nodes, N bears on them with its moment about p, too. Nets, which have no links below, and lines that
+do not stretch or are linearised give way in all directions alike: there d has all of them.
 
 Without a body the force is given and d follows; a body has its own place, N follows, and reaches it in turn. A kink
 that is carried along at the speed U feels the tension T - rho U^2. What makes it softer than a kink at rest is a push
@@ -20,10 +25,12 @@ import numpy as np
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.system.compliance import KINETIC, LEAST, compliance, kinetic, stiffness
+from ropewalk.system.contact_point import locate_point
 from ropewalk.system.profile import height_at
 from ropewalk.system.segments import bending_near, mass_near
 from ropewalk.system.sharing import see_others
-from ropewalk.system.spline import WIDTH, links_under, share
+from ropewalk.system.spline import WIDTH, links_under, share, share_curvature
+from ropewalk.system.yielding import across, axial_stiffness, divide, give_way, turned
 
 # Largest square of a speed over that of transverse waves with which a kink is carried along.
 FASTEST = 0.9025
@@ -87,6 +94,7 @@ CONTACT = np.dtype(
         ("measured", _REAL),  # m/s, the same as it is measured
         ("weight", "f8", (WIDTH,)),
         ("slope", "f8", (WIDTH,)),  # per link
+        ("second", "f8", (WIDTH,)),  # per link squared
         ("link", "i8", (3,)),
         ("h", "f8", (3,)),  # m, of these
         ("part", "f8", (3,)),
@@ -95,10 +103,15 @@ CONTACT = np.dtype(
         ("steep", _REAL),  # its slope
         ("p", *_VECTOR),  # m, point of the spline, and the profile above it
         ("along", *_VECTOR),  # its derivative by s
+        ("tangent", *_VECTOR),  # unit vector t along the line, without its profile
+        ("turns", *_VECTOR),  # 1/m, change of that with s
+        ("spread", _REAL),  # length of the derivative by s, without its profile
         ("place", *_VECTOR),  # m, of what touches
         ("before", *_VECTOR),  # m, when it was last looked at
         ("last", *_VECTOR),  # N, given force then
-        ("d", *_VECTOR),  # m
+        ("d", *_VECTOR),  # m, of the kink
+        ("axial", _REAL),  # m, e: by which what touches is ahead along the line
+        ("axial_stiffness", _REAL),  # N/m, S_a; 0: d has all directions
         ("lent", _REAL),  # kg, of what has no mass on an inextensible line, which lends it; 0: it has its own
         ("given", *_VECTOR),  # N, given force
         ("hauled", *_VECTOR),  # N, what a hauling rope adds to it
@@ -113,6 +126,7 @@ CONTACT = np.dtype(
         ("carried", _REAL),  # N/m, S at rest less S carried along
         ("was", *_VECTOR),  # m, d when it was last looked at
         ("lagged", *_VECTOR),  # N, `carried` times d then
+        ("was_axial", _REAL),  # J, energy stored along the line then
         ("kink", _REAL),  # m^2, K
         ("beside", "f8", (3,)),  # m^2, what other kinks add to l^2/2 of the links below
         ("shares_links", _CODE),  # 1: others stand on these, too
@@ -163,17 +177,12 @@ def sit(structure, contacts, state, k, s):
             contacts[k].h[j] = runs.h[run - 1]
         elif contacts[k].link[j] >= runs.first[run] + n:
             contacts[k].h[j] = runs.h[run + 1]
-    most = min(WIDTH, n + 1)
-    for a in range(r.shape[0]):
-        here, slope = 0.0, 0.0
-        for j in range(most):
-            here += contacts[k].weight[j] * r[a, base + j]
-            slope += contacts[k].slope[j] * r[a, base + j]
-        contacts[k].p[a], contacts[k].along[a] = here, slope / h
+    share_curvature(x, n, base - runs.first[run], contacts[k].second)
+    contacts[k].rough = contacts[k].steep = 0.0
     if contacts[k].rolls == 1:
         contacts[k].rough, contacts[k].steep = height_at(lines.profiles, line, s)
-        contacts[k].p[r.shape[0] - 1] += contacts[k].rough
-        contacts[k].along[r.shape[0] - 1] += contacts[k].steep
+    contacts[k].axial_stiffness = axial_stiffness(structure, contacts, k, contacts[k].kind == BODY)
+    locate_point(structure, contacts, k, r)
 
 
 @inlined
@@ -330,6 +339,7 @@ def stiffen(structure, buffers, contacts, state, table, out, k):
         contacts[k].apart = 1
         for a in range(axes):
             contacts[k].d[a] = 0.0
+    divide(contacts, k, axes)
     if structure.about.links.size > 0:
         contacts[k].rise = 0.0
         _stiffen_little(structure, buffers, contacts, table, out, k)
@@ -340,8 +350,8 @@ def stiffen(structure, buffers, contacts, state, table, out, k):
     contacts[k].rise = slope * change * h * contacts[k].by_tension
 
 
-@inlined
-def _bend(structure, buffers, contacts, state, table, out, k):
+@lean_inner
+def bend_one(structure, buffers, contacts, state, table, out, k):
     """Find how far contact k is from its spline, with the kinks of others as they are."""
     axes = state.r.shape[0]
     if contacts[k].kind == BODY:
@@ -351,11 +361,10 @@ def _bend(structure, buffers, contacts, state, table, out, k):
     elif structure.about.links.size > 0:
         _yield_little(structure, buffers, contacts, k, table, out, axes)
     else:
-        F = _hold(structure, contacts, k, axes)
+        _hold(structure, contacts, k, axes)
+        F = across(contacts, k, axes)
         length = np.sqrt(find_kink(structure, buffers, contacts, table, out, k, 0.0, F)[2])
-        for a in range(axes):
-            contacts[k].d[a] = length * contacts[k].N[a] / F if F > 0.0 else 0.0
-            contacts[k].place[a] = contacts[k].p[a] + contacts[k].d[a]
+        give_way(contacts, k, axes, length / F if F > 0.0 else 0.0)
 
 
 @lean_inner
@@ -366,7 +375,7 @@ def find_kinks(structure, buffers, contacts, state, table, out):
         for k in range(contacts.size):
             before = contacts[k].kink
             if contacts[k].state == ON:
-                _bend(structure, buffers, contacts, state, table, out, k)
+                bend_one(structure, buffers, contacts, state, table, out, k)
             if contacts[k].shares_links == 1 and abs(contacts[k].kink - before) > TOGETHER * contacts[k].kink:
                 moved = True
         if not moved:
@@ -389,12 +398,8 @@ def bend(structure, buffers, contacts, state, table, out):
 
 @lean_inner
 def _hold(structure, contacts, k, axes):
-    """Force of contact k, which is given, on its line; one without friction is held so that it does not pull along it.
-
-    Returns:
-        Its magnitude, N.
-    """
-    along, ahead, F, level = 0.0, 0.0, 0.0, structure.runs.ahead[contacts[k].run]
+    """Force of contact k, which is given, on its line; without friction it is held so as not to pull along that."""
+    along, ahead, level = 0.0, 0.0, structure.runs.ahead[contacts[k].run]
     for a in range(axes):
         along += contacts[k].given[a] * contacts[k].along[a]
         ahead += level[a] * contacts[k].along[a]
@@ -402,8 +407,6 @@ def _hold(structure, contacts, k, axes):
         contacts[k].hold = -along / ahead
     for a in range(axes):
         contacts[k].N[a] = contacts[k].given[a] + contacts[k].hold * level[a]
-        F += contacts[k].N[a] ** 2
-    return np.sqrt(F)
 
 
 @lean_inner
@@ -420,8 +423,8 @@ def _yield_little(structure, buffers, contacts, k, table, out, axes):
         contacts[k].hold = -along / ahead
     for a in range(axes):
         contacts[k].N[a] = contacts[k].given[a] + contacts[k].hold * level[a]
-        contacts[k].d[a] = contacts[k].N[a] / contacts[k].moving
-        contacts[k].place[a] = contacts[k].p[a] + contacts[k].d[a]
+    across(contacts, k, axes)
+    give_way(contacts, k, axes, 1.0 / contacts[k].moving)
 
 
 @lean_inner
@@ -465,16 +468,18 @@ def add_contact_forces(structure, buffers, contacts, state, table, out):
             _stiffen_little(structure, buffers, contacts, table, out, k)
         elif contacts[k].kind == BODY:
             soften(structure, contacts, table, out, k, structure.runs.h[run] * pull)
-        push = 0.0
+        push, hauls = turned(contacts, k, axes), contacts[k].axial_stiffness * contacts[k].axial
         for j in range(3):
-            push += contacts[k].change[j] * buffers.pull[contacts[k].link[j]]
-        contacts[k].push = push * contacts[k].kink / structure.runs.h[run]
+            push += contacts[k].change[j] * buffers.pull[contacts[k].link[j]] * contacts[k].kink / structure.runs.h[run]
+        moment = (hauls - contacts[k].moving * contacts[k].axial) / (contacts[k].spread * structure.runs.h[run])
         for a in range(axes):
             if contacts[k].kind == BODY:
-                contacts[k].N[a] = contacts[k].moving * contacts[k].d[a]
-            contacts[k].push -= contacts[k].N[a] * contacts[k].along[a] + 0.5 * contacts[k].d[a] ** 2 * contacts[k].turn
+                contacts[k].N[a] = contacts[k].moving * contacts[k].d[a] + hauls * contacts[k].tangent[a]
+            push -= contacts[k].N[a] * contacts[k].along[a]
+            turns = moment * contacts[k].d[a]
             for j in range(most):
-                buffers.force[a, base + j] += contacts[k].weight[j] * contacts[k].N[a]
+                buffers.force[a, base + j] += contacts[k].weight[j] * contacts[k].N[a] - contacts[k].slope[j] * turns
+        contacts[k].push = push
 
 
 @lean_inner

@@ -18,6 +18,7 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import lean_inner
 from ropewalk.system.contacts import find_kink, slope_at_rest
 from ropewalk.system.segments import bending_near
+from ropewalk.system.yielding import across, give_way, turned
 
 # How a contact rubs: not at all, as far as it needs to, or in full.
 NOT, STANDS, DRAGGED = 0, 1, 2
@@ -47,43 +48,43 @@ def _pressed(structure, buffers, contacts, state, table, out, k, hold):
     """
     axes, small = state.r.shape[0], structure.about.links.size > 0
     run, h = contacts[k].run, structure.runs.h[contacts[k].run]
-    F = along = square = first = aside = 0.0
+    along = square = first = aside = whole = 0.0
     level = structure.runs.ahead[run]
     for a in range(axes):
         contacts[k].N[a] = contacts[k].given[a] + hold * level[a]
-        F += contacts[k].N[a] ** 2
         way = slope_at_rest(structure, contacts, k, a) if small else contacts[k].along[a]
         along += contacts[k].N[a] * way
         square += way * way
         first += level[a] * way
         aside += level[a] * contacts[k].N[a]
-    F, stretch, T, turned = np.sqrt(F), 0.0, 0.0, 0.0
+        whole += contacts[k].N[a] ** 2
+    stretch, T, change = 0.0, 0.0, 0.0
     if small:
         stretch = np.sqrt(square)
         for j in range(3):
             T += contacts[k].part[j] * structure.about.links[contacts[k].link[j]].tension
     else:
+        F = across(contacts, k, axes)
         length = np.sqrt(find_kink(structure, buffers, contacts, table, out, k, 0.0, F)[2])
+        give_way(contacts, k, axes, length / F if F > 0.0 else 0.0)
         for j in range(3):
             link, q = contacts[k].link[j], contacts[k].part[j]
             longer = np.sqrt(buffers.length[link] ** 2 + 2.0 * max(q, 0.0) * contacts[k].kink)
             own = law.tension(structure.runs.law[run], longer / contacts[k].h[j] - 1.0) - buffers.lag[0, link]
             T += q * own
             stretch += q * longer / contacts[k].h[j]
-            turned += contacts[k].change[j] / h * contacts[k].kink / max(longer, 1e-300) * own
-        turned -= 0.5 * length * length * contacts[k].turn
-        for a in range(axes):
-            contacts[k].d[a] = length * contacts[k].N[a] / F if F > 0.0 else 0.0
-    across = max(F * F - along * along / square, 0.0)
-    across, aside = np.sqrt(across), aside - along / square * first
+            change += contacts[k].change[j] / h * contacts[k].kink / max(longer, 1e-300) * own
+        change += turned(contacts, k, axes)
+    normal = np.sqrt(max(whole - along * along / square, 0.0))
+    aside -= along / square * first
     bending = bending_near(structure.segments, structure.runs, run, contacts[k].x) / (h * h)
     whole, half = 2.0 * (T + bending), 0.5 * np.pi
     if structure.runs.firm[run] > 0.0:
         half, stretch = 0.0, np.sqrt(square)
-    elif across < whole:
-        half = np.arcsin(across / whole)
+    elif normal < whole:
+        half = np.arcsin(normal / whole)
     R = friction_demand(contacts[k].friction, contacts[k].block, half)
-    return (along - turned) / stretch, R * across, first / stretch, R * aside / max(across, 1e-300)
+    return (along - change) / stretch, R * normal, first / stretch, R * aside / max(normal, 1e-300)
 
 
 @lean_inner

@@ -126,8 +126,8 @@ class LoadedStructure:
     def stand_as(self, state: SystemState, contacts: Any) -> None:
         """Let everything stand where it is in a state of motion."""
         dim, own = self.rest.shape[0], self.state
-        for key in ("state", "line", "run", "near", "x", "weight", "slope", "link", "h", "part", "change", "given",
-                    "rough", "steep"):  # fmt: skip
+        for key in ("state", "line", "run", "near", "x", "weight", "slope", "second", "link", "h", "part", "change",
+                    "given", "rough", "steep"):  # fmt: skip
             self.contacts[key] = contacts[key]
         self.contacts["step"] = 0.0  # nothing gives way that only steps ask for
         own.t[:], own.r[:], own.s[:], own.u[: self.own] = state.t, state.r, state.s, state.u
@@ -143,6 +143,15 @@ class LoadedStructure:
             contact = self.contacts[k]
             used = np.flatnonzero(contact["weight"])
             out[k, contact["near"] + used] = contact["weight"][used]
+        return out.tocsr()
+
+    def slopes(self, nodes: int) -> sparse.csr_matrix:
+        """The same of the derivatives of the spline by s, 1/m."""
+        out, runs = sparse.lil_matrix((self.contacts.size, nodes)), self.structure.runs
+        for k in self.on:
+            contact = self.contacts[k]
+            used = np.flatnonzero(contact["slope"])
+            out[k, contact["near"] + used] = contact["slope"][used] / runs.h[contact["run"]]
         return out.tocsr()
 
     def _ends(self, tether: Any) -> tuple[Any, Any]:
@@ -185,8 +194,9 @@ class LoadedStructure:
         out = np.asarray(self.weight - self.K @ u)
         for k in self.on:
             at, dim = self._at(k), self.rest.shape[0]
-            alone = self.firm[k] * self.contacts[k]["d"][:dim]
-            out[at] += self._given(k) - np.where(self._light[at], alone, self.contacts[k]["N"][:dim])
+            contact = self.contacts[k]
+            alone = (self.firm[k] - contact["moving"]) * contact["d"][:dim] + contact["N"][:dim]
+            out[at] += self._given(k) - np.where(self._light[at], alone, contact["N"][:dim])
         for tether in self._tethers:
             above, below = self._ends(tether)
             way = u[below] - u[above]
@@ -238,6 +248,13 @@ class LoadedStructure:
         if self._carriages.bars.size:
             C += sparse.lil_matrix(self._carriages.damping(u, self.rest.shape[0]))
         return C.tocsc()
+
+
+def softness(contacts: Any, axes: int) -> Array:
+    """By how much lines give way beside their nodes under forces at contacts, (contact, axis, axis) m/N."""
+    t, S, along = contacts["tangent"][:, :axes], contacts["moving"], contacts["axial_stiffness"]
+    less = np.where(along > 0.0, 1.0 / np.where(along > 0.0, along, 1.0) - 1.0 / S, 0.0)
+    return np.eye(axes) / S[:, None, None] + less[:, None, None] * t[:, :, None] * t[:, None, :]
 
 
 def measure_from_ends(contacts: Any, structure: Structure, rest: Array) -> None:

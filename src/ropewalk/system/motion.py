@@ -35,6 +35,7 @@ from ropewalk.system.tethers import gap, grow, hoist
 from ropewalk.system.ties import add_tie_forces, are_damped, damp_ties, stored_in_ties, tie_up
 from ropewalk.system.travel import fade, locate, pressed_energy
 from ropewalk.system.winches import LIMIT, kick_winch
+from ropewalk.system.yielding import stored_beside
 
 RUNNING, NOT_FINITE, AT_END, ASKED, AT_SHEAVE, LINE_OUT, TOO_LONG = 0, 1, 2, 3, 4, 5, 6
 GIVEN, SETTLE, LOCATE, LOOK = -3, -2, -1, 0  # instead of a number of steps
@@ -98,8 +99,7 @@ def _look(structure, buffers, contacts, tables, bodies, state, table, out, dt, s
         stored += stored_in_saddles(structure.saddles, state.r)
         for k in range(contacts.size):
             if contacts[k].state == ON:
-                for a in range(state.r.shape[0]):
-                    stored += 0.5 * contacts[k].d[a] ** 2 * contacts[k].firm
+                stored += stored_beside(contacts, k, state.r.shape[0])
                 if contacts[k].travel == FREE and contacts[k].spring > 0.0:
                     stored += pressed_energy(contacts, k, state.s[k])
     (lost, rubbed), blown = add_internal_forces(structure, buffers, state.r, since), 0.0
@@ -273,7 +273,7 @@ def _along(contacts, k, axes):
     for a in range(axes):
         along += contacts[k].was[a] * contacts[k].along[a]
         square += contacts[k].along[a] ** 2
-    return 0.5 * contacts[k].moving * along * along / square
+    return 0.5 * contacts[k].moving * along * along / square + contacts[k].was_axial
 
 
 @inlined
@@ -299,6 +299,7 @@ def _book(structure, contacts, state):
         if contacts[k].apart == 1 and contacts[k].was_apart == 0:  # what held it along the line snaps back
             state.work[STRUCK] += _along(contacts, k, axes)
         contacts[k].was_apart = contacts[k].apart
+        contacts[k].was_axial = 0.5 * contacts[k].axial_stiffness * contacts[k].axial ** 2
         for a in range(axes):
             contacts[k].was[a] = contacts[k].d[a]
         way = state.s[k] - contacts[k].was_at

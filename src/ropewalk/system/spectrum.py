@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sparse
 
-from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Layout, RunInfo
@@ -13,9 +12,9 @@ from ropewalk.results.running import TimeHistory
 from ropewalk.results.spectrum import Spectrum
 from ropewalk.solve.equations import Equations
 from ropewalk.solve.free_vibration import free_vibration
-from ropewalk.system.compliance import AT_REST, compliance
+from ropewalk.system.compliance import AT_REST
 from ropewalk.system.constrained import ways
-from ropewalk.system.loaded_structure import Carried, LoadedStructure
+from ropewalk.system.loaded_structure import Carried, LoadedStructure, softness
 from ropewalk.system.moving import SystemMotion
 from ropewalk.system.statics import SystemPotential
 from ropewalk.system.still import SystemStatics
@@ -59,8 +58,9 @@ def spectrum_at(scenario: Scenario, t: float, how_many: int | None = None) -> Sp
         potential.forces(potential.taken())
         for k in loaded.on:
             at, contact = slice(int(loaded.contacts[k]["first"]), None), loaded.contacts[k]
-            place = contact["p"] + moving.contacts[k]["N"] / contact["moving"]
-            loaded.state.u[at][: moving.rest.shape[0]] = place[: moving.rest.shape[0]]
+            axes = moving.rest.shape[0]
+            given = softness(contact[None], axes)[0] @ moving.contacts[k]["N"][:axes]
+            loaded.state.u[at][:axes] = contact["p"][:axes] + given
     return free_vibration(_equations(potential, potential.taken(), moving.displayed, moving.layout), how_many)
 
 
@@ -72,7 +72,6 @@ def equations_of(still: SystemStatics) -> Equations:
 def _equations(potential: SystemPotential, shape: Array, nodes: Integers, layout: Layout) -> Equations:
     """Equations of motion about a shape, as results show its nodes."""
     K, M, C = potential.stiffness(shape), potential.masses(), potential.damping(shape)
-    K = K + _locked(potential)
     n = potential.structure.nodes.mass.size
     moves = potential.free.tocsr()[(nodes[:, None] + n * np.arange(3)).ravel()]
     position = potential.put(shape)[0][:, nodes].T.copy()
@@ -81,24 +80,3 @@ def _equations(potential: SystemPotential, shape: Array, nodes: Integers, layout
         K, M, C, moves = Z.T @ K @ Z, (Z.T @ M @ Z).tocsc(), (Z.T @ C @ Z).tocsc(), moves @ Z
     K = (0.5 * (K + K.T)).tocsc()
     return Equations("system", K, M, C, sparse.csr_matrix(moves), position, layout.node_line)
-
-
-def _locked(potential: SystemPotential) -> sparse.csc_matrix:
-    """What keeps contacts on their particles beyond their kinks, (unknown, unknown) N/m.
-
-    A kink gives way along its line as across it. There it is held by links that are stretched on one side and shortened
-    on the other: h kappa / EA, with kappa as without bending.
-    """
-    loaded, runs, out = potential.loaded, potential.structure.runs, np.zeros(4)
-    contacts, more = loaded.contacts[loaded.on], np.zeros(loaded.on.size)
-    for i, contact in enumerate(contacts):
-        s = int(contact["run"])
-        if runs.firm[s] > 0.0 or runs.law[s, 0] == law.RIGID:  # a net; links that keep their lengths
-            continue
-        compliance(float(contact["x"]), int(runs.links[s]), 0.0, potential.table, out)
-        strain = law.strain(runs.law[s], max(float(contact["tension"]), 0.0))
-        more[i] = max(law.tangent(runs.law[s], strain) / (runs.h[s] * out[0]) - contact["moving"], 0.0)
-    way = contacts["along"][:, : potential.axes]
-    way = way / np.maximum(np.linalg.norm(way, axis=1), 1e-300)[:, None]
-    along = sum(sparse.diags(way[:, a]) @ reach for a, reach in enumerate(potential.reach())) @ potential.free
-    return (along.T @ sparse.diags(more) @ along).tocsc()

@@ -35,6 +35,18 @@ def _basis(u):
 
 
 @lean
+def _basis_curvature(u):
+    """Second derivative of the quintic B-spline at a distance u >= 0 in links from its node."""
+    if u < 1.0:
+        return -1.0 + u * u * (3.0 - u * 5.0 / 3.0)
+    if u < 2.0:
+        return -3.5 + u * (7.5 + u * (-4.5 + u * 5.0 / 6.0))
+    if u < 3.0:
+        return (3.0 - u) ** 3 / 6.0
+    return 0.0
+
+
+@lean
 def share(x, n, weight, slope):
     """How the nodes of a run share the point at x links along it.
 
@@ -75,6 +87,29 @@ def _control(j, n, base, w, d, weight, slope):
         for k in range(j - 1, j + 2, 2):
             weight[k - base] -= SHARPENED * w
             slope[k - base] -= SHARPENED * d
+
+
+@lean
+def share_curvature(x, n, base, second):
+    """How the nodes of a run share the second derivative of its spline at x links along it.
+
+    Args:
+        base: number of the first node, from `share`.
+        second: (WIDTH,), overwritten, per link squared.
+    """
+    i = min(max(int(np.floor(x)), 0), n - 1)
+    for k in range(WIDTH):
+        second[k] = 0.0
+    for k in range(6):
+        j = i - 2 + k
+        w = _basis_curvature(abs(x - j))
+        if j < 0:
+            _control(0, n, base, 2.0 * w, 0.0, second, second)
+            w, j = -w, min(-j, n)
+        elif j > n:
+            _control(n, n, base, 2.0 * w, 0.0, second, second)
+            w, j = -w, max(2 * n - j, 0)
+        _control(j, n, base, w, 0.0, second, second)
 
 
 @lean

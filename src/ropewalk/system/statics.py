@@ -1,8 +1,8 @@
 """Potential energy of a structure at rest with what stands on it, as `solve/minimum.py` wants it.
 
 A contact adds the kink under it (`contacts.py`), a function of q = |d|^2/2 and of the squares of lengths of its links
-without it, lambda = l^2/2. Its derivatives by q are S, by lambda T/l; those of S and T/l follow from S = S(T), with
-T the mean of h T/l of the links, kinks included.
+without it, lambda = l^2/2, and what it stores along the line. Its derivatives by q are S, by lambda T/l; those of S and
+T/l follow from S = S(T), with T the mean of h T/l of the links, kinks included.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ from ropewalk.solve.symmetric import Way
 from ropewalk.system.air import damping_by_wind
 from ropewalk.system.cables import add_internal_forces, energy_of, stretch_all
 from ropewalk.system.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
-from ropewalk.system.contacts import ON, add_contact_forces, bend
+from ropewalk.system.contact_point import locate_point
+from ropewalk.system.contacts import BODY, ON, add_contact_forces, bend
 from ropewalk.system.loaded_structure import LoadedStructure
 from ropewalk.system.saddles import add_saddle_forces, stored_in_saddles
 from ropewalk.system.sheaves import SLIPS, add_sheave_forces, pass_nodes_entry, slip, stored_at, stretch_over
@@ -36,6 +37,7 @@ from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import WORKS, Buffers, Structure
 from ropewalk.system.surfaces import add_surface_forces, distribute_forces, stored_in
 from ropewalk.system.ties import add_tie_forces, stored_in_ties
+from ropewalk.system.yielding import axial_stiffness, stored_beside
 
 
 @lean_inner
@@ -45,15 +47,9 @@ def _stretch(structure, buffers, contacts, state, table, out, how):
     stretch_all(structure, buffers, r)
     stretch_over(structure.sheaves, runs, buffers, r)
     for k in range(contacts.size):
-        if contacts[k].state != ON:
-            continue
-        run = contacts[k].run
-        for a in range(r.shape[0]):
-            here, slope = (contacts[k].rough, contacts[k].steep * runs.h[run]) if a + 1 == r.shape[0] else (0.0, 0.0)
-            for j in range(min(WIDTH, runs.links[run] + 1)):
-                here += contacts[k].weight[j] * r[a, contacts[k].near + j]
-                slope += contacts[k].slope[j] * r[a, contacts[k].near + j]
-            contacts[k].p[a], contacts[k].along[a] = here, slope / runs.h[run]
+        if contacts[k].state == ON:
+            contacts[k].axial_stiffness = axial_stiffness(structure, contacts, k, contacts[k].kind == BODY)
+            locate_point(structure, contacts, k, r)
     bend(structure, buffers, contacts, state, table, out)
     slip(structure.sheaves, runs, r, how)
 
@@ -67,8 +63,7 @@ def _stored(structure, buffers, contacts, state, table, out, how):
     total += stored_in_saddles(structure.saddles, state.r)
     for k in range(contacts.size):
         if contacts[k].state == ON:
-            for a in range(state.r.shape[0]):
-                total += 0.5 * contacts[k].d[a] ** 2 * contacts[k].firm
+            total += stored_beside(contacts, k, state.r.shape[0])
     return total
 
 
@@ -92,9 +87,10 @@ def _forces(structure, buffers, contacts, state, table, out, how, given, firm):
     for k in range(contacts.size):
         if contacts[k].state == ON and contacts[k].first >= given:
             for a in range(state.r.shape[0]):
-                less, contacts[k].N[a] = contacts[k].N[a], firm[k] * contacts[k].d[a]
+                more = (firm[k] - contacts[k].moving) * contacts[k].d[a]
+                contacts[k].N[a] += more
                 for j in range(min(WIDTH, structure.runs.links[contacts[k].run] + 1)):
-                    buffers.force[a, contacts[k].near + j] += contacts[k].weight[j] * (contacts[k].N[a] - less)
+                    buffers.force[a, contacts[k].near + j] += contacts[k].weight[j] * more
     distribute_forces(structure.surfaces, buffers.force)
 
 
@@ -306,15 +302,34 @@ class SystemPotential:
         return sparse.hstack([*rows, sparse.csr_matrix((n, more))], format="csr")
 
     def reach(self) -> list[sparse.csr_matrix]:
-        """Change of d of all contacts on their lines with the shape, (contact, place), one for each axis."""
-        on, n, count = self.loaded.on, self.structure.nodes.mass.size, self.loaded.weight.size
-        shares, none = self._shares[on], sparse.csr_matrix((on.size, n))
-        found = []
-        for a in range(self.axes):
-            own = (np.ones(on.size), (np.arange(on.size), self.loaded.contacts["first"][on] + a))
-            parts = [-shares if b == a else none for b in range(self.axes)]
-            found.append(sparse.hstack([*parts, sparse.csr_matrix(own, shape=(on.size, count))], format="csr"))
-        return found
+        """Change of where contacts on their lines are beside these with the shape, (contact, place), for each axis."""
+        on = self.loaded.on
+        first = np.arange(on.size), self.loaded.contacts["first"][on]
+        own = [(np.ones(on.size), (first[0], first[1] + a)) for a in range(self.axes)]
+        bodies = [sparse.csr_matrix(one, shape=(on.size, self.loaded.weight.size)) for one in own]
+        return self._places_of(-self._shares[on], bodies)
+
+    def _turn(self) -> list[sparse.csr_matrix]:
+        """Change of the derivatives of their splines by s, in the same way, 1/m."""
+        slopes = self.loaded.slopes(self.structure.nodes.mass.size)[self.loaded.on]
+        return self._places_of(slopes, [sparse.csr_matrix((slopes.shape[0], self.loaded.weight.size))] * self.axes)
+
+    def _places_of(self, nodes: sparse.csr_matrix, bodies: list[sparse.csr_matrix]) -> list[sparse.csr_matrix]:
+        """Parts of nodes (contact, node) and coordinates (contact, coordinate) as (contact, place), for each axis."""
+        none = sparse.csr_matrix(nodes.shape)
+        return [
+            sparse.hstack([*(nodes if b == a else none for b in range(self.axes)), own], format="csr")
+            for a, own in enumerate(bodies)
+        ]
+
+    def stretched(self) -> sparse.csr_matrix:
+        """Change of |d|^2/2 of all contacts on their lines with the shape, (contact, place) m."""
+        contacts = self.loaded.contacts[self.loaded.on]
+        d, turns = contacts["d"], -contacts["d"] * (contacts["axial"] / contacts["spread"])[:, None]
+        return sum(
+            sparse.diags(d[:, a]) @ one + sparse.diags(turns[:, a]) @ other
+            for a, (one, other) in enumerate(zip(self.reach(), self._turn(), strict=True))
+        )
 
     def borne(self) -> sparse.csr_matrix:
         """Change of T of the contacts on their lines with T/l of links, and of l^2/2 with K/h, (contact, link) m."""
@@ -329,12 +344,11 @@ class SystemPotential:
         contacts, on = self.loaded.contacts, self.loaded.on
         if not on.size:
             return sparse.csc_matrix((rows.shape[1], rows.shape[1]))
-        S, first, second = (contacts[key][on] for key in ("moving", "by_tension", "curve"))
-        reach = self.reach()
+        beside = self._beside()
         if self.structure.is_linearised:  # kinks and tensions do not know of each other
-            return sum(one.T @ sparse.diags(S) @ one for one in reach).tocsc()
-        d, borne = contacts["d"][on], self.borne()
-        stretched = sum((sparse.diags(d[:, a]) @ reach[a] for a in range(self.axes)), start=0.0 * reach[0]).T
+            return beside
+        first, second, d = (contacts[key][on] for key in ("by_tension", "curve", "d"))
+        borne, stretched = self.borne(), self.stretched().T
         felt = sparse.diags(rise) @ borne.T
         both, C, D = (borne @ felt).toarray(), np.diag(0.5 * (d**2).sum(axis=1) * second), np.diag(first)
         X = np.linalg.inv(np.eye(on.size) - both @ C)
@@ -342,7 +356,31 @@ class SystemPotential:
         mixed = pulled @ sparse.csr_matrix(X.T @ D) @ stretched.T
         K = pulled @ sparse.csr_matrix(C @ X) @ pulled.T + mixed + mixed.T
         K = K + stretched @ sparse.csr_matrix(D @ X @ both @ D) @ stretched.T
-        return (K + sum(one.T @ sparse.diags(S) @ one for one in reach)).tocsc()
+        return (K + beside).tocsc()
+
+    def _beside(self) -> sparse.csc_matrix:
+        """What contacts add at the tensions that there are, (place, place) N/m.
+
+        With x from p to what touches, the derivative p' of p, t = p'/|p'| and e = x . t, it is S |d|^2/2 + S_a e^2/2 =
+        S |x|^2/2 + (S_a - S) e^2/2, and de = t . dx + d . dp'/|p'|.
+        """
+        contacts, one = self.loaded.contacts[self.loaded.on], np.eye(self.axes)
+        S, axial, long = contacts["moving"], contacts["axial"][:, None, None], contacts["spread"][:, None, None]
+        more = np.where(contacts["axial_stiffness"] > 0.0, contacts["axial_stiffness"] - S, 0.0)[:, None, None]
+        t, d = (contacts[key][:, : self.axes] for key in ("tangent", "d"))
+        tt, td = t[:, :, None] * t[:, None, :], t[:, :, None] * d[:, None, :]
+        across, dd = one - tt, d[:, :, None] * d[:, None, :]
+        of_reach = S[:, None, None] * one + more * tt
+        mixed = more * (td + axial * across) / long
+        of_turn = more * (dd - axial * (axial * across + td + td.transpose(0, 2, 1))) / long**2
+        ways = list(zip(self.reach(), self._turn(), strict=True))
+        K = sparse.csc_matrix((ways[0][0].shape[1],) * 2)
+        for a, (reach, turn) in enumerate(ways):
+            for b, (other, turned) in enumerate(ways):
+                K = K + reach.T @ sparse.diags(of_reach[:, a, b]) @ other
+                part = reach.T @ sparse.diags(mixed[:, a, b]) @ turned
+                K = K + part + part.T + turn.T @ sparse.diags(of_turn[:, a, b]) @ turned
+        return K.tocsc()
 
     def masses(self) -> sparse.csc_matrix:
         """Masses of the unknowns, (unknown, unknown) kg."""
@@ -360,9 +398,7 @@ class SystemPotential:
             part = slice(first, first + links)
             felt[part] = c / (h * self.buffers.length[part] ** 2)
         if on.size and not self.structure.is_linearised:  # kinks lengthen links, too
-            contacts, reach = self.loaded.contacts[on], self.reach()
-            stretched = sum(sparse.diags(contacts["d"][:, a]) @ reach[a] for a in range(n))
-            rows = rows + self.borne().T @ sparse.diags(contacts["by_tension"]) @ stretched
+            rows = rows + self.borne().T @ sparse.diags(self.loaded.contacts["by_tension"][on]) @ self.stretched()
         C = rows.T @ sparse.diags(felt) @ rows
         by_wind = damping_by_wind(self.structure, r, float(self.loaded.state.t[0]))
         by_nodes = sparse.diags(np.tile(nodes.mass * nodes.drag, n)) + by_wind
@@ -399,7 +435,7 @@ class SystemPotential:
         links, pair = abs(self.borne()), sparse.diags([1.0, 1.0], [0, 1], shape=self._one.shape)
         nodes = links @ (abs(self._one) + pair @ abs(self._two) + abs(self._three))
         own = sparse.csr_matrix((nodes.shape[0], count))
-        felt = sparse.hstack([*([nodes] * self.axes), own]) + sum(abs(one) for one in self.reach())
+        felt = sparse.hstack([*([nodes] * self.axes), own]) + sum(abs(one) for one in self.reach() + self._turn())
         return felt.T @ (sparse.identity(nodes.shape[0]) + links @ links.T) @ felt
 
     def stability(self, shape: Array) -> tuple[sparse.csc_matrix, Integers]:

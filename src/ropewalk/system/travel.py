@@ -19,10 +19,11 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import ARC, HORIZONTAL, MATERIAL, SLIP, Array
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.moving_contact import look_up, look_up_integral
-from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, goes_on, sit, slope_at_rest, stiffen, yields
+from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, bend_one, goes_on, sit, slope_at_rest, stiffen, yields
 from ropewalk.system.friction import friction_demand
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import RESTRAINED, STRUCK
+from ropewalk.system.yielding import stiffness_along, turned
 
 # Rounds in which a place is found, the part of a link to which it is, and the most that it moves in a round.
 ROUNDS, CLOSE, FAR = 60, 1e-12, 0.5
@@ -97,7 +98,7 @@ def locate(structure, buffers, contacts, tables, state, table, out, since):
             elif since == 0.0 and contacts[k].been == 0:
                 s = contacts[k].begin
         else:
-            s = _prescribed(structure, buffers, contacts, tables, state, k, speed, since)
+            s = _prescribed(structure, buffers, contacts, tables, state, table, out, k, speed, since)
         U = contacts[k].speed
         low = contacts[k].margin if U < 0.0 else 0.0
         high = length - (contacts[k].margin if U > 0.0 else 0.0)
@@ -145,7 +146,7 @@ def _even_out(structure, buffers, contacts, state, table, out, k, since):
         push = _resistance(structure, buffers, contacts, state, table, out, k, s, since)[0]
         slope = 0.0
         for a in range(axes):
-            slope += (max(contacts[k].moving, 0.0) + slack) * contacts[k].along[a] * level[a]
+            slope += (stiffness_along(contacts, k) + slack) * contacts[k].along[a] * level[a]
         step = min(max(push / slope, -FAR * h), FAR * h) if slope != 0.0 else 0.0
         gone += step
         for a in range(axes):
@@ -172,6 +173,7 @@ def _straighten(structure, contacts, state, k):
         for a in range(state.r.shape[0]):
             state.work[STRUCK] += 0.5 * contacts[k].firm * contacts[k].d[a] ** 2
     run = contacts[k].run
+    state.work[STRUCK] += 0.5 * contacts[k].axial_stiffness * contacts[k].axial ** 2
     waves = np.sqrt(max(contacts[k].tension, 0.0) / max(structure.runs.rho[run], 1e-300))
     speed = max(abs(contacts[k].speed), waves)
     contacts[k].fade = 4.0 * contacts[k].kink * speed / structure.runs.h[run]
@@ -201,7 +203,9 @@ def place(structure, buffers, contacts, tables, state):
         give(tables, contacts, k, state.t[0], state.r.shape[0])
         s = contacts[k].begin
         if contacts[k].travel != FREE:
-            s = _prescribed(structure, buffers, contacts, tables, state, k, 0.0, 0.0)
+            s += travelled(tables, contacts, k, state.t[0])
+            if contacts[k].measure != MATERIAL:
+                s = _find(structure, buffers, contacts, state, k, s)
         state.s[k] = s
         contacts[k].state = ON if 0.0 <= s <= structure.lines.length[contacts[k].line] else AWAY
         if contacts[k].state == ON:
@@ -286,7 +290,28 @@ def _find(structure, buffers, contacts, state, k, wanted):
 
 
 @lean_inner
-def _prescribed(structure, buffers, contacts, tables, state, k, speed, since):
+def _find_load(structure, buffers, contacts, state, table, out, k, wanted):
+    """The same, where it is measured at what touches, which is level with its point or leans with its line."""
+    s = _find(structure, buffers, contacts, state, k, wanted)
+    if contacts[k].measure != HORIZONTAL or contacts[k].state != ON or contacts[k].axial_stiffness == 0.0:
+        return s
+    lean, length = 0.0, structure.lines.length[contacts[k].line]
+    for _ in range(ROUNDS):
+        if not 0.0 <= s <= length:
+            break
+        sit(structure, contacts, state, k, s)
+        bend_one(structure, buffers, contacts, state, table, out, k)
+        before, lean = lean, contacts[k].d[0]
+        if contacts[k].kind != BODY:  # a body has its own place along its line
+            lean += contacts[k].axial * contacts[k].tangent[0]
+        if abs(lean - before) <= CLOSE * length:
+            break
+        s = _find(structure, buffers, contacts, state, k, wanted - lean)
+    return s
+
+
+@lean_inner
+def _prescribed(structure, buffers, contacts, tables, state, table, out, k, speed, since):
     """Place of contact k at time t as its travel prescribes; notes its speed along the line."""
     t, old = state.t[0], state.s[k]
     wanted = contacts[k].begin + travelled(tables, contacts, k, t)
@@ -310,7 +335,7 @@ def _prescribed(structure, buffers, contacts, tables, state, k, speed, since):
             contacts[k].stretch = stretch
             return old + way * (1.5 / stretch - 0.5 / before if before > 0.0 else 1.0 / stretch)
         return old
-    s = _find(structure, buffers, contacts, state, k, wanted)
+    s = _find_load(structure, buffers, contacts, state, table, out, k, wanted)
     stretch = contacts[k].stretch if 0.0 <= s <= structure.lines.length[contacts[k].line] else 1.0
     if since > 0.0:
         contacts[k].speed = (s - old) / since
@@ -357,9 +382,7 @@ def _resistance(structure, buffers, contacts, state, table, out, k, s, since):
     run, h = contacts[k].run, structure.runs.h[contacts[k].run]
     T, stretch, along, square = 0.0, 0.0, 0.0, 0.0
     push, tangent, damper = 0.0, 0.0, 0.0
-    tight = (
-        contacts[k].moving / contacts[k].by_tension
-    )  # mean of inextensible links: what it differs by is of a step ago
+    tight = contacts[k].moving / contacts[k].by_tension  # of inextensible links: what it differs by is of a step ago
     for j in range(3):
         link, q = contacts[k].link[j], contacts[k].part[j]
         if q <= 0.0 and contacts[k].change[j] == 0.0:
@@ -379,13 +402,15 @@ def _resistance(structure, buffers, contacts, state, table, out, k, s, since):
             c = structure.runs.damping[run] / since
             push += lengthens * c * (length / contacts[k].h[j] - 1.0 - buffers.before[link])
             damper += c * lengthens**2 / contacts[k].h[j]
-    slack = _least_stiffness(structure, contacts, k)
-    for a in range(state.r.shape[0]):
-        d = contacts[k].d[a]
-        push -= (contacts[k].moving + slack) * d * contacts[k].along[a] + 0.5 * d * d * contacts[k].turn
+    slack, axes = _least_stiffness(structure, contacts, k), state.r.shape[0]
+    push += turned(contacts, k, axes)
+    for a in range(axes):
+        ahead = contacts[k].axial * contacts[k].tangent[a]
+        N = contacts[k].moving * contacts[k].d[a] + contacts[k].axial_stiffness * ahead
+        push -= (N + slack * (contacts[k].d[a] + ahead)) * contacts[k].along[a]
         tangent += contacts[k].along[a] ** 2
-        along += contacts[k].moving * d * contacts[k].along[a]
-        square += (contacts[k].moving * d) ** 2
+        along += N * contacts[k].along[a]
+        square += N * N
     contacts[k].stretch = stretch
     normal = np.sqrt(max(square - along * along / tangent, 0.0))
     half = 0.0 if structure.runs.firm[run] > 0.0 else np.pi / 2  # a net does not bend around a contact
@@ -460,7 +485,7 @@ def _slide(structure, buffers, contacts, state, table, out, k, speed, since):
         else:
             low = max(low, s)
         growing = viscous + _eddy(contacts, k, s, stretch * (s - old) / since)[1]
-        slope = max(contacts[k].moving, 0.0) * stretch**2 + growing * stretch**2 / since + damper
+        slope = stiffness_along(contacts, k) * stretch**2 + growing * stretch**2 / since + damper
         slope += _least_stiffness(structure, contacts, k) + contacts[k].spring
         new = min(max(s - miss / slope, s - FAR * h), s + FAR * h)
         if not low <= new <= high:
