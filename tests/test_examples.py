@@ -473,6 +473,19 @@ KNOWN = {
         Known("ways of both over each other", lambda r: ropeways.way(r, "full") / ropeways.way(r, "empty"), 1.0, 3e-3),
         Known("audit, part of the energy", audit, 0.0, 1e-3),
     ],
+    "ropeway-tower-speed.yaml": [
+        # Places of pivots every 50 ms, and splines through them.
+        Known("first cabin beside a pendulum, rad", lambda r: ropeways.beside_a_pendulum(r, "constant"), 0.0, 3e-4),
+        Known("second cabin beside a pendulum, rad", lambda r: ropeways.beside_a_pendulum(r, "regulated"), 0.0, 3e-4),
+        # The course at least halves the sway.
+        Known(
+            "sway of the second over that of the first",
+            lambda r: ropeways.largest_sway(r, "regulated") / ropeways.largest_sway(r, "constant"),
+            0.0,
+            0.5,
+        ),
+        Known("audit, part of the energy", audit, 0.0, 1e-3),
+    ],
     "ropeway-tramway.yaml": [
         # Frictionless wheels and, at rest, saddles leave it as it is; links of 0.8 m on an arc of 1.5 m.
         Known("tension by height, N", ropeways.tension_over_the_saddle, 0.0, 400.0, ("run.until=0.1 s",)),
