@@ -137,7 +137,7 @@ def share_by_catenaries(gravity: float = 9.81) -> float:
 
 
 def beside_a_pendulum(result: xr.Dataset, name: str, length: float = 4.0, gravity: float = 9.81) -> float:
-    """Largest difference in rad from a pendulum, integrated apart, whose pivot goes the way of the middle of the wheels.
+    """Largest difference in rad from a pendulum, integrated apart, whose pivot goes as the middle of the wheels.
 
     l w'' + x'' cos w + (g + z'') sin w + c/(m l) (w' - a') = 0; a: angle of the rocker, against which its damper acts.
     """
@@ -199,3 +199,8 @@ def tension_at_the_drive_over_a_catenary(result: xr.Dataset) -> float:
     rope, _ = held_by_catenaries(place, way, *ends, 4e3 * 9.81, (25e6, 1.8 * 9.81), (30e3, 1.5 * 9.81))
     first = summary(result.isel(time=slice(0, 1)))["carriages"]["car"]["drive_tension"]["max"]["value"]
     return float(first / np.linalg.norm(rope.end_reaction))
+
+
+def least_pull_of_the_haul(result: xr.Dataset) -> float:
+    """Least pull of the rope of examples/ropeway-counter-rope.yaml over 10 kN, 1 at most: whether it is taut."""
+    return float(min(1.0, summary(result)["carriages"]["car"]["pull"]["min"]["value"] / 10e3))
