@@ -146,7 +146,7 @@ OTHER: dict[str, Any] = {
     "Webbing.name": lambda value, _: "pinkTube" if value else None,
     "Cut.time": lambda value, _: 0.5 * value,
     "Cut.strength": 1.0,
-    "Line.strength": "1 MN",
+    "Line.strength": "1e9 N",
     "Brake.force": lambda value, block: 2.0 * value if value else 60.0,
     "Brake.rate": lambda value, _: 2.0 * value if value else 20.0,
     "Brake.stiffness": lambda value, _: 2.0 * value if value else 500.0,
