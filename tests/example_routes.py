@@ -155,3 +155,9 @@ def deck_under_a_vehicle(x: float, modes: int = 12) -> float:
         state = state + dt / 6.0 * (k1 + 2.0 * (k2 + k3) + rates(2 * i + 2, state + dt * k3))
         least = min(least, float(at @ state[:modes]))
     return least
+
+
+def largest_of_the_main_line(result: xr.Dataset) -> float:
+    """Largest tension in examples/highline-overload.yaml, N, of its main line beside the knot."""
+    links = (result.link_line == "main") & (result.link_xi > 12.0) & (result.link_xi < 15.0)
+    return float(result.tension.where(links, drop=True).max())

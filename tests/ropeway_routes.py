@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from ropewalk.results.ropeway import wheel_loads
 from ropewalk.results.statistics import summary
-from ropewalk.theory.rope import RestingRope, elastic_catenary
+from ropewalk.theory.rope import RestingRope, catenary, elastic_catenary
 
 
 def wheels_of(result: xr.Dataset, name: str) -> list[int]:
@@ -132,3 +134,73 @@ def share_by_catenaries(gravity: float = 9.81) -> float:
         return float(rope(load, 220e6).load_positions[0, 1] - rope(weight - load, 110e6).load_positions[0, 1])
 
     return float(brentq(gap, 0.3 * weight, 0.9 * weight)) / weight
+
+
+def beside_a_pendulum(result: xr.Dataset, name: str, length: float = 4.0, gravity: float = 9.81) -> float:
+    """Largest difference in rad from a pendulum, integrated apart, whose pivot goes as the middle of the wheels.
+
+    l w'' + x'' cos w + (g + z'') sin w + c/(m l) (w' - a') = 0; a: angle of the rocker, against which its damper acts.
+    """
+    time, places = result.time.values, result.contact_position.values[:, wheels_of(result, name)]
+    x, z = (CubicSpline(time, places[:, :, axis].mean(axis=1)) for axis in (0, 1))
+    rocker = places[:, -1] - places[:, 0]
+    a = CubicSpline(time, np.arctan2(rocker[:, 1], rocker[:, 0]))
+
+    def rate(t: float, y: np.ndarray) -> list[float]:
+        push = x(t, 2) * np.cos(y[0]) + (gravity + z(t, 2)) * np.sin(y[0])
+        return [y[1], -push / length - 400.0 / (800.0 * length**2) * (y[1] - a(t, 1))]
+
+    exact = solve_ivp(rate, (0.0, time[-1]), [0.0, 0.0], t_eval=time, rtol=1e-6, atol=1e-8, max_step=0.05).y[0]
+    return float(np.abs(sway(result, name) - exact).max())
+
+
+def largest_sway(result: xr.Dataset, name: str) -> float:
+    return float(np.abs(sway(result, name)).max())
+
+
+def held_by_catenaries(
+    place: np.ndarray, way: np.ndarray, start: np.ndarray, end: np.ndarray, weight: float,
+    haul: tuple[float, float], counter: tuple[float, float],
+) -> tuple[RestingRope, np.ndarray]:  # fmt: skip
+    """The hauling rope and the pull in N of the counter rope that hold a weight there on frictionless wheels.
+
+    Args:
+        place: (axis,) m.
+        way: (axis,) unit vector along the track.
+        start: (axis,) m, where the counter rope ends.
+        end: (axis,) m, where the drive is.
+        weight: N.
+        haul: N, EA, and N/m, of the hauling rope.
+        counter: N, its tension at the start, and N/m, of the counter rope.
+    """
+    x, z = place - start
+    chord = float(np.hypot(x, z))
+
+    def tension(length: float) -> float:
+        return float(np.linalg.norm(catenary(span=x, height=z, length=length, weight=counter[1]).force[0]))
+
+    length = brentq(lambda L: tension(L) - counter[0], (1.0 + 1e-5) * chord, 1.2 * chord, xtol=1e-12)
+    back = -catenary(span=x, height=z, length=length, weight=counter[1]).end_reaction
+    far, up = end - place
+    chord = float(np.hypot(far, up))
+
+    def rope(length: float) -> RestingRope:
+        return elastic_catenary(span=far, height=up, length=length, weight=haul[1], axial_stiffness=haul[0])
+
+    own = brentq(lambda L: (rope(L).force[0] + back) @ way - weight * way[1], 0.99 * chord, 1.2 * chord, xtol=1e-12)
+    return rope(own), back
+
+
+def tension_at_the_drive_over_a_catenary(result: xr.Dataset) -> float:
+    """Of examples/ropeway-counter-rope.yaml at first, over that of the catenaries that hold its carriage there."""
+    places = result.contact_position.values[0]
+    place, way = places.mean(axis=0), (places[-1] - places[0]) / np.linalg.norm(places[-1] - places[0])
+    ends = np.array([0.0, 0.0]), np.array([400.0, 150.0])
+    rope, _ = held_by_catenaries(place, way, *ends, 4e3 * 9.81, (25e6, 1.8 * 9.81), (30e3, 1.5 * 9.81))
+    first = summary(result.isel(time=slice(0, 1)))["carriages"]["car"]["drive_tension"]["max"]["value"]
+    return float(first / np.linalg.norm(rope.end_reaction))
+
+
+def least_pull_of_the_haul(result: xr.Dataset) -> float:
+    """Least pull of the rope of examples/ropeway-counter-rope.yaml over 10 kN, 1 at most: whether it is taut."""
+    return float(min(1.0, summary(result)["carriages"]["car"]["pull"]["min"]["value"] / 10e3))

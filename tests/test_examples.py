@@ -473,6 +473,32 @@ KNOWN = {
         Known("ways of both over each other", lambda r: ropeways.way(r, "full") / ropeways.way(r, "empty"), 1.0, 3e-3),
         Known("audit, part of the energy", audit, 0.0, 1e-3),
     ],
+    "ropeway-tower-speed.yaml": [
+        # Places of pivots every 50 ms, and splines through them.
+        Known("first cabin beside a pendulum, rad", lambda r: ropeways.beside_a_pendulum(r, "constant"), 0.0, 3e-4),
+        Known("second cabin beside a pendulum, rad", lambda r: ropeways.beside_a_pendulum(r, "regulated"), 0.0, 3e-4),
+        # The course at least halves the sway.
+        Known(
+            "sway of the second over that of the first",
+            lambda r: ropeways.largest_sway(r, "regulated") / ropeways.largest_sway(r, "constant"),
+            0.0,
+            0.5,
+        ),
+        Known("audit, part of the energy", audit, 0.0, 1e-3),
+    ],
+    "ropeway-counter-rope.yaml": [
+        # The line has links of 7 m, on which the wheels stand: their slope is that of a rope to 0.1 %.
+        Known(
+            "tension at the drive over that of catenaries",
+            ropeways.tension_at_the_drive_over_a_catenary,
+            1.0,
+            2e-3,
+            ("run.until=0.1 s",),
+        ),
+        # It brakes on its way up, and both ropes stay taut.
+        Known("hauling rope taut: least pull over 10 kN, capped", ropeways.least_pull_of_the_haul, 1.0, 1e-12),
+        Known("audit, part of the energy", audit, 0.0, 1e-3),
+    ],
     "ropeway-tramway.yaml": [
         # Frictionless wheels and, at rest, saddles leave it as it is; links of 0.8 m on an arc of 1.5 m.
         Known("tension by height, N", ropeways.tension_over_the_saddle, 0.0, 400.0, ("run.until=0.1 s",)),
@@ -597,6 +623,11 @@ KNOWN = {
         # The elastic catenary with the loops' mass spread over it; they hang on it at six places, and pull a little.
         Known("tension at rest, N", lambda r: float(r.tension[0].max()), routes.highline_tension(), 25.0, CUT_SOON),
         Known("audit, part of the energy", audit, 0.0, 2e-3, CUT_SOON),
+    ],
+    "highline-overload.yaml": [
+        # The knot bears 2.8 kN, and a step later nothing; links beside it are as taut as it is, but for waves.
+        Known("largest tension of the main line, N", routes.largest_of_the_main_line, 2.8e3, 90.0),
+        Known("audit, part of the energy", audit, 0.0, 2e-3),
     ],
     "highline-bounce.yaml": [
         # Small bounces on webbing as stiff as where nothing slips: they still are 0.5 m wide, frames 50 ms apart.

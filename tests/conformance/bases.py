@@ -139,7 +139,8 @@ BASES: dict[str, Tree] = {
     ),
     "carriage": one(
         SPATIAL, load("carriage", free(speed=0.0, start=8.0), lift_off=True, haul={
-            "to": "end", "speed": {"time": [0.0, UNTIL], "value": [5.0, 4.0]}, "axial_stiffness": 1e5}),
+            "to": "end", "speed": {"time": [0.0, UNTIL], "value": [5.0, 4.0]}, "axial_stiffness": 1e5, "mass": 0.5,
+            "sags": True, "counter": {"tension": 500.0, "mass": 0.4}, "sheave": {"friction": 0.8, "wrap": 6.0}}),
         moves(start={"with_loads": True}),
     ),
     "two carriages": {

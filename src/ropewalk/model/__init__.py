@@ -2,7 +2,7 @@
 
 from ropewalk.model.axles import Axles, Coaches, TrainTravel
 from ropewalk.model.balance import Balance
-from ropewalk.model.carriage import Cabin, Carriage, Haul
+from ropewalk.model.carriage import Cabin, Carriage, CounterRope, DriveSheave, Haul
 from ropewalk.model.condition import Condition
 from ropewalk.model.crowd import Crowd
 from ropewalk.model.cut import Cut
@@ -74,10 +74,12 @@ __all__ = [
     "Coaches",
     "Condition",
     "ContactWire",
+    "CounterRope",
     "Crowd",
     "Cut",
     "Damping",
     "DisplacementTable",
+    "DriveSheave",
     "DriveTable",
     "Driver",
     "Droppers",

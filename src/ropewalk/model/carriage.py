@@ -16,6 +16,7 @@ from ropewalk.model.quantity import (
     AirDrag,
     Angle,
     AxialDamping,
+    FrictionCoefficient,
     Inertia,
     Lengths,
     LinearMass,
@@ -24,6 +25,7 @@ from ropewalk.model.quantity import (
     PositiveLength,
     PositiveMass,
     RotationalDamping,
+    TurnAngle,
 )
 from ropewalk.model.run import Dynamic
 from ropewalk.model.travel import FreeTravel, Place
@@ -48,11 +50,34 @@ class Cabin(Declaration):
     )
 
 
+class CounterRope(Declaration):
+    """A counter rope from the carriage to the other end of its line, where a weight keeps its tension.
+
+    At the carriage it pulls with its tension and `mass` * g * height; its stretch and the inertia of the weight are
+    left out.
+    """
+
+    tension: PositiveForce = Field(description="at the station, half of the weight of a sheave that it runs around")
+    mass: LinearMass = Field(default=0.0, description="per length")
+
+
+class DriveSheave(Declaration):
+    """The sheave of the drive: the rope runs around it and back to the weight of the counter rope.
+
+    It slips where one side pulls more than e^(friction wrap) times the other (Euler, Eytelwein); that is told, and
+    doubted, but does not happen.
+    """
+
+    friction: FrictionCoefficient = Field(description="coefficient between rope and lining")
+    wrap: TurnAngle = Field(description="angle by which the rope lies on it, for example 180 deg")
+
+
 class Haul(Declaration):
     """A hauling rope from the carriage along the line to a drive at one of its ends: an elastic rope that pulls.
 
-    Its pull is EA times the strain of what is between carriage and drive, along the track rope; its inertia is left
-    out. Its weight adds `mass` * g * height to the tension at the drive.
+    Its pull is EA times the strain of what is between carriage and drive, along the track rope, on rollers; its weight
+    adds `mass` * g * height to the tension at the drive. With `sags` it hangs freely, an elastic catenary that pulls
+    the carriage down, too. Its inertia is left out.
     """
 
     to: Literal["start", "end"] = Field(default="end", description="end of the line where the drive stands")
@@ -68,12 +93,29 @@ class Haul(Declaration):
     axial_damping: AxialDamping = Field(default=0.0, description="Kelvin-Voigt c of the rope")
     mass: LinearMass = Field(default=0.0, description="per length; its weight counts at the drive")
     beyond: Offset = Field(default=0.0, description="length of the rope between the end of the line and the drive")
+    sags: bool = Field(
+        default=False, description="whether it hangs freely to the end of the line, its counter rope as well"
+    )
+    counter: CounterRope | None = Field(
+        default=None, description="rope to the other end, of both carriages with over_to"
+    )
+    sheave: DriveSheave | None = Field(default=None, description="of the drive, where its two sides are to be told")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        findings = []
         if (self.speed is None) == (self.over_to is None):
             wrong = "needs either a speed of its drive or a carriage at its other end"
-            report("haul", [Finding(("speed",), wrong, remedy="give speed, or over_to, and not both")])
+            findings.append(Finding(("speed",), wrong, remedy="give speed, or over_to, and not both"))
+        if self.sags and self.over_to is not None:
+            wrong, remedy = "a rope to another carriage does not hang freely here", "leave sags out"
+            findings.append(Finding(("sags",), wrong, remedy=remedy))
+        if self.sags and not self.mass:
+            findings.append(Finding(("mass",), "a rope without weight does not sag", remedy="give its mass"))
+        if self.sheave is not None and (self.counter is None or self.over_to is not None):
+            wrong = "what its other side pulls with is not known" if self.counter is None else "it turns freely there"
+            findings.append(Finding(("sheave",), wrong, remedy="give counter and speed, or leave sheave out"))
+        report("haul", findings)
         return self
 
 
@@ -190,6 +232,19 @@ def _taken_in(name: str, load: Carriage, haul: Haul, length: float, run: Any) ->
         yield Finding(("loads", name, "haul", "speed"), wrong, remedy="let it stop before, or end the run before")
 
 
+def _hangs(name: str, haul: Haul, line: Any, gravity: float) -> Iterator[Finding]:
+    """Find ropes that would hang through a tower, and counter ropes that would hang to the ground."""
+    for key in ("saddles", "supports"):
+        if haul.sags and getattr(line, key):
+            wrong = f"the line has {key} on its way, where a hauling rope lies on rollers"
+            yield Finding(("loads", name, "haul", "sags"), wrong, remedy="leave sags out")
+    counter = haul.counter
+    if counter is not None and counter.tension <= (weight := counter.mass * gravity * line.distance):
+        wrong = f"no more than the rope weighs, {weight:.4g} N: it would hang deep down, or fall"
+        path = ("loads", name, "haul", "counter", "tension")
+        yield Finding(path, wrong, f"{counter.tension:.4g} N", "give it more tension")
+
+
 def check_carriages(parts: Any) -> Iterator[Finding]:
     """Find hauling ropes that end nowhere, and wheels that would stand beside their line."""
     drawn = set[str]()  # what ropes over pulleys run to
@@ -208,6 +263,8 @@ def check_carriages(parts: Any) -> Iterator[Finding]:
             )
         if load.haul is not None and load.haul.speed is not None and line is not None:
             yield from _taken_in(name, load, load.haul, line.length or line.distance, parts.run)
+        if load.haul is not None and line is not None:
+            yield from _hangs(name, load.haul, line, parts.gravity)
         if load.haul is None or load.haul.over_to is None:
             continue
         path, other = ("loads", name, "haul", "over_to"), parts.loads.get(load.haul.over_to)

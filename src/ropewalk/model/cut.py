@@ -1,23 +1,33 @@
-"""Cuts: a line fails at a place of it, at a time."""
+"""Cuts: a line fails at a place of it, at a time or where it pulls too much."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from ropewalk.model._base import Declaration, Finding
-from ropewalk.model.quantity import PositiveLength, PositiveTime
+from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model.quantity import PositiveForce, PositiveLength, PositiveTime
 
 
 class Cut(Declaration):
     """A line fails: from a time on its tension ends at a place, and both parts fly as they are pulled.
 
-    Nothing is lost in the cut itself. What of the line is joined to others goes on to hang there.
+    It does so at a time, or where tension there first passes a strength (a knot, a splice, a link made to fail), within
+    a step; of both, what comes first. Nothing is lost in the cut itself. What of the line is joined to others goes on
+    to hang there.
     """
 
     at: PositiveLength = Field(description="unstrained length from the start of the line to where it is cut")
-    time: PositiveTime = Field(description="when")
+    time: PositiveTime | None = Field(default=None, description="when; or give `strength`")
+    strength: PositiveForce | None = Field(default=None, description="tension there beyond which it fails")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.time is None and self.strength is None:
+            report("cut", [Finding(("time",), "nothing says when", remedy="give time, or strength, or both")])
+        return self
 
 
 def check_cut(cut: Cut, length: float | None, distance: float, supports: Mapping[str, float]) -> Iterator[Finding]:

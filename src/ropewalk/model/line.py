@@ -97,6 +97,9 @@ class Line(Declaration):
     segments: dict[Name, Segment] = Field(
         default_factory=dict, description="parts of it, by name, with another stiffness, mass or bed: steps, damage"
     )
+    strength: PositiveForce | None = Field(
+        default=None, description="tension that it bears; where it feels more the run is doubtful, and it holds"
+    )
     cut: Cut | None = Field(default=None, description="where and when it fails")
     wind_drag: Width = Field(default=0.0, description="drag coefficient times width, for wind across the line")
 

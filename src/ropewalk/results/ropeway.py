@@ -10,6 +10,7 @@ from ropewalk.model.carriage import Carriage
 from ropewalk.results.contact_statistics import contacts_by_load, scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
+from ropewalk.results.hauling import hauling
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,9 +30,10 @@ def ropeway_summary(dataset: xr.Dataset) -> dict[str, Any]:
     presses; `tension_ratio`, the least tension of the rope over the load of a wheel on it; `transverse_ratio`, over
     the force of all wheels of it together; `sway` and `side_sway`, the largest angles of the hanger from the vertical
     along the line and to the side, rad; `pull` of its hauling rope at the carriage and `drive_tension` at the drive,
-    largest and least, N. For each saddle: `deflection`, the largest and the least angle by which the rope turns over
-    it, rad, 0 where it has lifted. `clearance`: the least height over the ground of `outputs.ground` of lines and of
-    floors of cabins, m.
+    and `counter_pull` of its counter rope at the carriage, largest and least, N; `drive_ratio`, the largest ratio of
+    the tensions on both sides of the sheave of the drive, and what friction bears there (Euler, Eytelwein). For each
+    saddle: `deflection`, the largest and the least angle by which the rope turns over it, rad, 0 where it has lifted.
+    `clearance`: the least height over the ground of `outputs.ground` of lines and of floors of cabins, m.
 
     Args:
         dataset: a result.
@@ -86,12 +88,17 @@ def _carriage(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage
     ends = [name, *(other for other, own in _carriages(scenario) if own.haul and own.haul.over_to == name)]
     haul = next((own.haul for other, own in _carriages(scenario) if other in ends and own.haul), None)
     if haul is not None:
-        pull = np.linalg.norm(dataset["hold_force"].values[:, wheels].sum(axis=1), axis=1)
+        force = dataset["hold_force"].values[:, wheels].sum(axis=1)
         line = dataset["position"].values[:, dataset["line"].values == load.on]
-        at_drive = line[:, -1 if haul.to == "end" else 0, -1]
-        height = at_drive - dataset["contact_position"].values[:, wheels, -1].mean(axis=1)
-        found["pull"] = _both(pull, "N", dataset)
-        found["drive_tension"] = _both(pull + haul.mass * scenario.gravity * height, "N", dataset)
+        place = dataset["contact_position"].values[:, wheels].mean(axis=1)
+        ropes = hauling(haul, scenario.gravity, force, place, line)
+        found["pull"], found["drive_tension"] = _both(ropes.pull, "N", dataset), _both(ropes.drive, "N", dataset)
+        if haul.counter is not None:
+            found["counter_pull"] = _both(ropes.counter, "N", dataset)
+        if haul.sheave is not None:
+            friction = float(np.exp(haul.sheave.friction * haul.sheave.wrap))
+            sides = _both(ropes.ratio, "1", dataset)
+            found["drive_ratio"] = None if sides is None else sides["max"] | {"friction_bears": friction}
     return found
 
 

@@ -21,6 +21,7 @@ from ropewalk.results.payload_statistics import payload_summary
 from ropewalk.results.peaks import impulses
 from ropewalk.results.people import crowd_summary
 from ropewalk.results.ropeway import ropeway_summary
+from ropewalk.results.strength import strength_summary
 from ropewalk.results.trains import train_summary
 
 if TYPE_CHECKING:
@@ -84,6 +85,7 @@ def _entries(dataset: xr.Dataset) -> dict[str, Callable[[], Any]]:
         "smallest_tension": lambda: _extreme(dataset, "tension", np.nanmin),
         "largest_strain": lambda: _extreme(dataset, "strain", np.nanmax),
         "smallest_strain": lambda: _extreme(dataset, "strain", np.nanmin),
+        "tension_over_strength": lambda: strength_summary(dataset),
         "largest_sag": lambda: _furthest(dataset, sag),
         "largest_sideways": lambda: _furthest(dataset, _aside) if "y" in dataset["axis"].values else None,
         "lines": lambda: response_summary(dataset),

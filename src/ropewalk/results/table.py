@@ -82,6 +82,9 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
         for key, what in _EXTREMES.items():
             if found[key] is not None and (found[key]["value"] or found[_OTHER_END[key]]["value"]):
                 yield _quantity(what, found[key], lines, "strain" if "strain" in key else "")
+        for name, most in found["tension_over_strength"].items():
+            where = f"{name} at xi = {_metres(most['xi'])} m"
+            yield "largest tension over strength", number(most["value"], 3), "  ".join((where, *_when(most)))
         if found["largest_sag"] is not None:
             yield _quantity("largest sag", found["largest_sag"], lines)
         aside = found["largest_sideways"]
@@ -420,10 +423,14 @@ def _carriage_rows(name: str, carriage: Summary, say: Column) -> Iterator[Row]:
     for key, what in (("sway", "sway along the line"), ("side_sway", "sway to the side")):
         if (entry := carriage.get(key)) is not None:
             yield what, say.span(entry["min"]["value"], entry["max"]["value"], "rad"), ""
-    for key, what in (("pull", "pull of the hauling rope"), ("drive_tension", "tension at the drive")):
+    pulls = {"pull": "pull of the hauling rope", "drive_tension": "tension at the drive"}
+    for key, what in {**pulls, "counter_pull": "pull of the counter rope"}.items():
         if (entry := carriage.get(key)) is not None:
             when = f"largest at {''.join(_when(entry['max']))}"
             yield what, say.span(entry["min"]["value"], entry["max"]["value"], "N"), when
+    if (most := carriage.get("drive_ratio")) is not None:
+        bears = f"friction bears {number(most['friction_bears'], 3)}"
+        yield "largest ratio at the drive", number(most["value"], 3), "  ".join((bears, *_when(most)))
 
 
 def _exchange_rows(name: str, exchange: Summary, say: Column) -> Iterator[Row]:

@@ -15,6 +15,7 @@ from ropewalk.results.calm import started_too_close
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.peaks import beside, lonely
+from ropewalk.results.strength import StrengthWatch
 
 if TYPE_CHECKING:
     from ropewalk.model import AnyLoad, Scenario
@@ -96,7 +97,7 @@ class Watch:
         self._been = np.zeros(contacts, dtype=np.bool_)  # contacts that have been on their lines
         self._fastest = np.zeros(contacts)  # speeds over those of transverse waves beside the contacts
         self._missing = 0.0, 0.0  # support forces at rest without what they carry, and that, N
-        self._balance = _Balance()
+        self._balance, self._strengths = _Balance(), StrengthWatch(layout, scenario)
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
         self._tension = array("d")  # largest, of each frame, N
@@ -110,6 +111,7 @@ class Watch:
             self._at_start = state[0].copy(), of["contact_xi"][0].copy()
         for i in range(len(frames) if self.layout.path == "load_path" else int(not self._times)):
             self._rest(frames[i], on[i])
+        self._strengths.see(frames)
         self._been |= on.any(axis=0)
         fastest = np.fmax.accumulate(np.concatenate([self._fastest[None], self._in_waves(of)]))[1:]
         self._fastest = fastest[-1]
@@ -138,6 +140,7 @@ class Watch:
     def _doubts(self, run_info: RunInfo) -> Iterator[Doubt]:
         force = np.array(self._force).reshape(len(self._instants), len(self.loads))
         yield from self._absent(force)
+        yield from self._strengths.doubts()
         if self.layout.path == "time":
             if not run_info.audit and len(self._times) > 1:
                 yield from self._balance.doubts()

@@ -60,6 +60,9 @@ def with_carriages(
                 "first": on[name][0], "wheels": load.count, "other": other[0], "others": len(other),
                 "to": 1 if haul.to == "end" else -1, "stiffness": haul.axial_stiffness, "damping": haul.axial_damping,
                 "beyond": haul.beyond, "driven": int(haul.over_to is None), "length": shortest(scenario, load, haul),
+                "hangs": int(haul.sags), "weight": haul.mass * scenario.gravity,
+                "counter": haul.counter.tension if haul.counter is not None else 0.0,
+                "counter_weight": haul.counter.mass * scenario.gravity if haul.counter is not None else 0.0,
             })  # fmt: skip
         _note_mobility(contacts, bodies, on[name], wheels)
     if not bars:

@@ -6,8 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
+from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.hanging_rope import hang_by_tension_entry, hang_entry
 from ropewalk.mechanics.loading import Loading
 from ropewalk.model.carriage import Carriage
 from ropewalk.model.scenario import Scenario
@@ -17,6 +20,8 @@ from ropewalk.system.structure import Buffers, Structure
 
 # Rounds in which places of wheels are found, and the push along the line over that across it that is none any more.
 _ROUNDS, _EVEN = 12, 1e-6
+# Lengths of ropes that hang freely, over those of their chords: the pull that holds a carriage is between theirs.
+_TAUTEST, _SLACKEST = 0.98, 1.25
 
 
 class CarriagesAtRest:
@@ -34,6 +39,7 @@ class CarriagesAtRest:
         self._scenario, self._loading, self._contacts, self._bodies = scenario, loading, contacts, bodies
         self._dim, self._pull = dim, np.zeros(bodies.carriages.hauls.size)
         self._last: dict[int, tuple[Array, Array]] = {}  # places and pushes of the round before
+        self._u: Array | None = None  # m, coordinates, once they are known
         self.rounds = _ROUNDS if bodies.carriages.bars.size else 0
 
     def _each(self) -> Iterator[tuple[Carriage, list[int]]]:
@@ -72,23 +78,100 @@ class CarriagesAtRest:
             self._last[own[0]] = begin, push
             self._begin(own, load, begin + step)
 
-    def hold(self) -> None:
+    def hold(self, structure: Structure, r: Array) -> None:
         """Let hauling ropes pull as holds carriages on frictionless wheels where they are, N.
 
         Of two carriages on one rope it is the mean of what both need.
+
+        Args:
+            structure: what carries them.
+            r: (axis, node) m.
+
+        Raises:
+            EquilibriumError: a rope that hangs freely cannot hold its carriage there.
         """
         for i, haul in enumerate(self._bodies.carriages.hauls):
             ends = [(haul["first"], haul["wheels"]), (haul["other"], haul["others"])][: 2 - haul["driven"]]
-            needed, ways = 0.0, []
-            for first, count in ends:
-                load = self._scenario.loads[self._loading.wheels[first].load]
-                way = self._contacts["along"][first : first + count, : self._dim]
-                assert isinstance(load, Carriage)
-                ways.append(way / np.linalg.norm(way, axis=1)[:, None])
-                needed += load.whole * self._scenario.gravity * float(ways[-1][:, -1].mean()) / len(ends)
-            self._pull[i] = max(float(haul["to"]) * needed, 0.0)
-            for (first, count), way in zip(ends, ways, strict=True):
-                self._contacts["hauled"][first : first + count, : self._dim] = haul["to"] * self._pull[i] / count * way
+            ways = [self._way(first, count) for first, count in ends]
+            back = [self._back(haul, structure, r, first) for first, _ in ends]
+            needed = [
+                self._weight(first) * float(way[:, -1].mean()) for (first, _), way in zip(ends, ways, strict=True)
+            ]
+            if haul["hangs"]:
+                (first, count), way = ends[0], ways[0].mean(axis=0)
+                free = back[0] + self._hang(haul, structure, r, needed[0] - float(back[0] @ way))
+                self._contacts["hauled"][first : first + count, : self._dim] = free / count
+                self._pull[i] = np.hypot(haul["level"], haul["up"])
+                continue
+            # what pulls back, pulls along the line
+            need = [float(haul["to"]) * own + float(np.linalg.norm(b)) for own, b in zip(needed, back, strict=True)]
+            self._pull[i] = max(float(np.mean(need)), 0.0)
+            for (first, count), way, b in zip(ends, ways, back, strict=True):
+                along = haul["to"] * (self._pull[i] - np.linalg.norm(b)) / count
+                self._contacts["hauled"][first : first + count, : self._dim] = along * way
+
+    def _weight(self, first: int) -> float:
+        """Weight of the carriage with this first contact, N."""
+        load = self._scenario.loads[self._loading.wheels[first].load]
+        assert isinstance(load, Carriage)
+        return load.whole * self._scenario.gravity
+
+    def _way(self, first: int, count: int) -> Array:
+        """Unit vectors along the line at some contacts, (contact, axis)."""
+        way = self._contacts["along"][first : first + count, : self._dim]
+        return np.asarray(way / np.linalg.norm(way, axis=1)[:, None])
+
+    def _to_station(self, structure: Structure, r: Array, first: int, to: int) -> Array:
+        """From the middle of a carriage to the end (`to` is 1) or the start (-1) of its line, (axis,) m."""
+        load, lines, runs = self._loading.wheels[first].load, structure.lines, structure.runs
+        own = self._contacts[[k for k, wheel in enumerate(self._loading.wheels) if wheel.load == load]]
+        axes = np.arange(self._dim)
+        place = own["p"][:, : self._dim] if self._u is None else self._u[own["first"][:, None] + axes]
+        s = int(lines.first[self._contacts[first]["line"]])
+        node = int(runs.first[s])
+        if to > 0:
+            s += int(lines.runs[self._contacts[first]["line"]]) - 1
+            node = int(runs.first[s] + runs.links[s])
+        return np.asarray(r[:, node] - place.mean(axis=0))
+
+    def _back(self, haul: Any, structure: Structure, r: Array, first: int) -> Array:
+        """Pull of the counter rope at a carriage, (axis,) N; towards its station where it is led."""
+        if not haul["counter"]:
+            return np.zeros(self._dim)
+        away = self._to_station(structure, r, first, -int(haul["to"]))
+        if not haul["hangs"]:
+            pull = max(float(haul["counter"] - haul["counter_weight"] * away[-1]), 0.0)
+            return np.asarray(pull * away / np.linalg.norm(away))
+        far = float(np.linalg.norm(away[:-1]))
+        level, up = hang_by_tension_entry(far, float(away[-1]), float(haul["counter"]), float(haul["counter_weight"]))
+        return np.append(level * away[:-1] / far, up)
+
+    def _hang(self, haul: Any, structure: Structure, r: Array, needed: float) -> Array:
+        """Let a rope hang freely so that it pulls along the line with so many N; its pull, (axis,) N."""
+        away = self._to_station(structure, r, int(haul["first"]), int(haul["to"]))
+        way = self._way(haul["first"], haul["wheels"]).mean(axis=0)
+        far, EA, w = float(np.linalg.norm(away[:-1])), float(haul["stiffness"]), float(haul["weight"])
+        chord = float(np.linalg.norm(away))
+
+        def pull(length: float) -> Array:
+            level, up = hang_entry(far, float(away[-1]), length, w, EA, 0.0, 0.0)
+            return np.append(level * away[:-1] / far, up)
+
+        def miss(length: float) -> float:
+            return float(haul["to"]) * (float(pull(length) @ way) - needed)
+
+        if not miss(_TAUTEST * chord) > 0.0 > miss(_SLACKEST * chord):
+            name = self._loading.wheels[int(haul["first"])].load
+            raise EquilibriumError(
+                f"the hauling rope of {name} cannot hold it where it begins, which takes {haul['to'] * needed:.4g} N "
+                "along its line: let it begin where the line rises towards its drive, or give haul a counter rope"
+            )
+        own = float(brentq(miss, _TAUTEST * chord, _SLACKEST * chord, xtol=1e-12 * chord))
+        free = pull(own)
+        haul["level"], haul["up"] = np.linalg.norm(free[:-1]), free[-1]
+        end = np.hypot(haul["level"], free[-1] + w * chord)  # as in motion
+        haul["length"] = own + haul["beyond"] / (1.0 + end / EA)
+        return free
 
     def hang(self, u: Array, w: Array) -> None:
         """Put cabins below, with the angles of their hangers at the start, and let them go along.
@@ -110,14 +193,25 @@ class CarriagesAtRest:
             u[first + axes] = u[wheels[:, None] + axes].mean(axis=0) + length * way
             w[first + axes] = w[wheels[:, None] + axes].mean(axis=0)
 
-    def pay_out(self, structure: Structure, buffers: Buffers) -> None:
-        """Let hauling ropes be as long as makes them pull where carriages stand as they did there at rest."""
-        contacts = self._contacts
+    def pay_out(self, structure: Structure, buffers: Buffers, r: Array, u: Array) -> None:
+        """Let hauling ropes be as long as makes them pull where carriages stand as they did there at rest.
+
+        Args:
+            structure: what carries them.
+            buffers: lengths of its links.
+            r: (axis, node) m.
+            u: coordinates of what has a mass, m.
+        """
+        contacts, self._u = self._contacts, u
+        if self._bodies.carriages.hauls["hangs"].any():  # they feel how far carriages press down the line below them
+            self.hold(structure, r)
         line = structure.lines, structure.runs, buffers.length, contacts
         for haul, own in zip(self._bodies.carriages.hauls, self._pull, strict=True):
+            haul["strain"], haul["pull"] = own / haul["stiffness"], own
+            if haul["hangs"]:
+                continue
             far = to_drive_entry(*line, haul["first"], haul["wheels"], haul["to"]) + haul["beyond"]
             if not haul["driven"]:
                 far += to_drive_entry(*line, haul["other"], haul["others"], haul["to"])
                 far += haul["beyond"]
-            haul["strain"] = own / haul["stiffness"]
-            haul["length"], haul["pull"] = far / (1.0 + haul["strain"]), own
+            haul["length"] = far / (1.0 + haul["strain"])

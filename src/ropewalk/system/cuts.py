@@ -1,10 +1,13 @@
 """Lines that are cut on the way: two nodes that were kept together part, each with its half of the mass.
 
+At a time, or after the first step in which a link beside them pulls more than they bear: such lines are looked at after
+each step.
 Both have one place and one velocity when they part, and what kept them together did no work: energy goes on.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from ropewalk.checkpoint import Tree
-from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import RunInfo
 from ropewalk.system import motion
 from ropewalk.system.asking import Asking
 from ropewalk.system.assembled import Assembled
@@ -27,7 +31,9 @@ class _Cut:
     line: str
     number: int
     at: float  # m
-    time: float
+    time: float  # inf: at none
+    strength: float  # N; inf: nothing breaks it
+    links: Integers  # those beside it, by their first node
     restraint: int
 
 
@@ -39,10 +45,13 @@ class Cuts:
         assembled: the same as arrays, of which restraints change.
         contacts: of loads.
         places: (contact,) m, along their lines; changes.
+        run_info: told of what breaks.
     """
 
-    def __init__(self, scenario: Scenario, assembled: Assembled, contacts: Any, places: Array) -> None:
-        structure = assembled.structure
+    def __init__(
+        self, scenario: Scenario, assembled: Assembled, contacts: Any, places: Array, run_info: RunInfo
+    ) -> None:  # fmt: skip
+        structure, self._run_info = assembled.structure, run_info
         self._structure, self._contacts, self._places = structure, contacts, places
         names = [name for name, line in scenario.lines.items() if line.cut is not None]
         self._cuts = [_found(scenario, assembled, name) for name in names]
@@ -57,18 +66,48 @@ class Cuts:
     def to(self, asking: Asking, end: float) -> int:
         """Go on to a time in s, and cut on the way what is to be cut; returns as `Asking.to`."""
         while (time := self.next()) <= end:
-            if time > asking.carrier.t and (status := asking.to(time)) != motion.RUNNING:
+            if time > asking.carrier.t and (status := self._go(asking, time)) != motion.RUNNING:
                 return status
             self.cut_until(time)
-        return asking.to(end) if end > asking.carrier.t else motion.RUNNING
+        return self._go(asking, end) if end > asking.carrier.t else motion.RUNNING
+
+    def _go(self, asking: Asking, end: float) -> int:
+        """Go on to a time in s, step by step as long as a line may break."""
+        carrier = asking.carrier
+        begin, count = carrier.t, max(1, math.ceil((end - carrier.t) / carrier.longest - 1e-9))
+        for i in range(1, count):
+            if not self._watched():
+                break
+            if (status := asking.to(begin + i * (end - begin) / count)) != motion.RUNNING:
+                return status
+            self._break(carrier.system.buffers.tension, carrier.t)
+        status = asking.to(end) if end > carrier.t else motion.RUNNING
+        if status == motion.RUNNING and self._watched():
+            self._break(carrier.system.buffers.tension, carrier.t)
+        return status
+
+    def _watched(self) -> list[int]:
+        """Cuts that may still come by too much tension."""
+        return [i for i, cut in enumerate(self._cuts) if not self._done[i] and math.isfinite(cut.strength)]
+
+    def _break(self, tension: Array, t: float) -> None:
+        for i in self._watched():
+            cut = self._cuts[i]
+            if (pull := float(tension[cut.links].max())) > cut.strength:
+                self._part(i)
+                self._run_info.warnings.append(
+                    f"line {cut.line} broke at t = {t:.4g} s, {cut.at:g} m from its start, pulling with {pull:.4g} N"
+                )
+
+    def _part(self, i: int) -> None:
+        self._done[i], self._behind[i] = True, self._sides(self._cuts[i])
+        _part(self._structure, self._cuts[i].restraint, parted=True)
 
     def cut_until(self, t: float) -> None:
         """Cut what is to be cut up to t in s."""
         for i, cut in enumerate(self._cuts):
             if not self._done[i] and cut.time <= t * (1.0 + 1e-12):
-                self._done[i] = True
-                self._behind[i] = self._sides(cut)
-                _part(self._structure, cut.restraint, parted=True)
+                self._part(i)
 
     def crossed(self) -> str | None:
         """A load that has come to the cut of its line."""
@@ -116,7 +155,9 @@ def _found(scenario: Scenario, assembled: Assembled, name: str) -> _Cut:
     node, restrained = int(structure.runs.first[s + 1]), structure.restraints
     (e,) = [e for e in range(restrained.mass.size) if node in restrained.members(e)]
     numbers = list(dict.fromkeys(assembled.line))
-    return _Cut(name, numbers.index(name), cut.at, cut.time, e)
+    time, strength = (math.inf if own is None else own for own in (cut.time, cut.strength))
+    links = np.array([int(structure.runs.first[s] + structure.runs.links[s]) - 1, node])
+    return _Cut(name, numbers.index(name), cut.at, time, strength, links, e)
 
 
 def _part(structure: Structure, e: int, *, parted: bool) -> None:

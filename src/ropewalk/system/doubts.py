@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.contact_points import ContactPoint
-from ropewalk.model.carriage import Carriage
+from ropewalk.model.carriage import Carriage, Haul
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import RunInfo
 from ropewalk.results.frames import Frames
+from ropewalk.results.hauling import Hauling, hauling
 from ropewalk.system.assembled import Assembled
 from ropewalk.system.structure import Buffers
 
 # Part of the largest tension with which an inextensible line may be pushed together.
 _PUSHED = 0.1
+# Strain of a hauling rope up to which it is slack: rounding.
+_SLACK = 1e-9
 
 
 def doubt_saddles(scenario: Scenario, run_info: RunInfo, frames: Frames, line: Sequence[str]) -> None:
@@ -51,18 +56,38 @@ def doubt_wheels(scenario: Scenario, run_info: RunInfo, frames: Frames, wheels: 
             )  # fmt: skip
 
 
-def warn_of_slack_hauling_ropes(
-    scenario: Scenario, run_info: RunInfo, frames: Frames, wheels: Sequence[ContactPoint]
+def judge_hauling_ropes(
+    scenario: Scenario, run_info: RunInfo, frames: Frames, wheels: Sequence[ContactPoint], line: Sequence[str]
 ) -> None:  # fmt: skip
-    """Warn of hauling ropes that are slack: they only pull, and nothing holds carriages back on the other side."""
+    """Warn of hauling ropes that are slack, for they only pull, and doubt drives on whose sheaves they would slip."""
     for name, load in scenario.loads.items():
         if not isinstance(load, Carriage) or load.haul is None:
             continue
-        own = [k for k, wheel in enumerate(wheels) if wheel.load == name]
-        slack = np.linalg.norm(frames.of["hold_force"][:, own].sum(axis=1), axis=1) == 0.0
+        own, nodes = [wheel.load == name for wheel in wheels], [one == load.on for one in line]
+        found = hauling(
+            load.haul, scenario.gravity, frames.of["hold_force"][:, own].sum(axis=1),
+            frames.of["contact_position"][:, own].mean(axis=1), frames.of["position"][:, nodes],
+        )  # fmt: skip
+        if load.haul.sheave is not None:
+            _doubt_slip(name, load.haul, run_info, frames.path, found)
+        slack = found.pull <= _SLACK * load.haul.axial_stiffness
         text = f"the hauling rope of {name} is slack at t = "
         if slack.any() and not any(warning.startswith(text) for warning in run_info.warnings):
             run_info.warnings.append(f"{text}{frames.path[int(np.argmax(slack))]:.4g} s: {name} runs by itself then")
+
+
+def _doubt_slip(name: str, haul: Haul, run_info: RunInfo, path: Array, found: Hauling) -> None:
+    assert haul.sheave is not None
+    key, most = f"loads.{name}.haul.sheave", math.exp(haul.sheave.friction * haul.sheave.wrap)
+    slips = found.ratio > most
+    if slips.any() and all(doubt.key != key for doubt in run_info.doubts):
+        i = int(np.argmax(slips))
+        run_info.doubt(
+            f"the hauling rope of {name} would slip on the sheave of its drive at t = {path[i]:.4g} s: its sides pull "
+            f"as {found.ratio[i]:.3g} to 1, and friction bears {most:.3g} to 1",
+            "its drive takes in and lets out what it is told", key,
+            "give counter more tension, or the sheave more friction or wrap",
+        )  # fmt: skip
 
 
 def doubt_struts(assembled: Assembled, buffers: Buffers, run_info: RunInfo, t: float) -> None:

@@ -38,7 +38,7 @@ from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
 from ropewalk.system.cuts import Cuts, runs_ahead_of_cuts
-from ropewalk.system.doubts import doubt_saddles, doubt_struts, doubt_wheels, warn_of_slack_hauling_ropes
+from ropewalk.system.doubts import doubt_saddles, doubt_struts, doubt_wheels, judge_hauling_ropes
 from ropewalk.system.feet import steps_by_table
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.hold_forces import on_friction
@@ -129,7 +129,7 @@ class SystemMotion:
         windy = scenario.wind is not None and not scenario.wind.is_calm
         ahead = runs_ahead_of_cuts(scenario, self.assembled.line, self.structure.lines.begin)
         self._builder = FrameBuilder(self.assembled, loading, self.bodies, windy, cut=ahead)
-        self._cuts = Cuts(scenario, self.assembled, self.contacts, self.state.s)
+        self._cuts = Cuts(scenario, self.assembled, self.contacts, self.state.s, run_info)
         self._turned = np.zeros(1, dtype=np.int64)  # 1: it has been said that lines have turned far
         self._fast = np.zeros(self.contacts.size, dtype=np.int64)  # frames in which each was faster than waves
         self._slipped = np.zeros(self.contacts.size, dtype=np.int64)  # 1: it has been said that friction is not enough
@@ -143,7 +143,7 @@ class SystemMotion:
             for _ in range(self._carriages.rounds):  # they stand on slopes that they make
                 self._carriages.roll(bearing)
                 self._advance(0.0, motion.LOCATE)
-                self._carriages.hold()
+                self._carriages.hold(self.structure, self.state.r)
                 bearing = self._settle(self.state.r)
         elif asked.start.kind != "rest" and not past:
             begin_elsewhere(
@@ -312,7 +312,7 @@ class SystemMotion:
         self._advance(0.0, motion.LOCATE)
         self._carriages.space()
         self._advance(0.0, motion.LOCATE)
-        self._carriages.hold()
+        self._carriages.hold(self.structure, self.state.r)
 
     def _stand(self, *, with_loads: bool) -> None:
         """Let bodies move along with the line; where they do not rest on it, with springs without force but weights."""
@@ -343,7 +343,7 @@ class SystemMotion:
             state.u[:] = resting
         if self._carriages.rounds:
             self._carriages.hang(state.u, state.w)
-            self._carriages.pay_out(self.structure, self._buffers)
+            self._carriages.pay_out(self.structure, self._buffers, state.r, state.u)
         self.contacts["comes"] = 0
         self._look()
         self._buffers.before[:] = self._buffers.strain
@@ -418,7 +418,7 @@ class SystemMotion:
         doubt_saddles(self._scenario, self.run_info, frames, self.layout.node_line)
         if self._carriages.rounds:
             doubt_wheels(self._scenario, self.run_info, frames, self.loading.wheels)
-            warn_of_slack_hauling_ropes(self._scenario, self.run_info, frames, self.loading.wheels)
+            judge_hauling_ropes(self._scenario, self.run_info, frames, self.loading.wheels, self.layout.node_line)
         self._ask_friction(frames, at.contacts)
         return frames
 
