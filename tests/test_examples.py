@@ -311,6 +311,19 @@ KNOWN = {
         Known("limits that the rear one breaks", lambda r: overhead.failures(r, "rear"), 2.0, 0.0),
         Known("audit, part of the energy", audit, 0.0, 0.02),
     ],
+    "overhead-line-head.yaml": [
+        # Two strips, 50 kN/m each; two spans only.
+        Known(
+            "static force by the balance of means, N",
+            lambda r: overhead.static_force(r, "front", springs=(4200.0, 100e3)),
+            100.0,
+            1.0,
+        ),
+        # 900 mm between the horns; the head does not swing in roll for long, at 5 Hz with damping.
+        Known("moment of the springs at the horns over that of the wire", overhead.roll_over_moment, 1.0, 0.05),
+        Known("limits that are broken", lambda r: overhead.failures(r, "front"), 0.0, 0.0),
+        Known("audit, part of the energy", audit, 0.0, 0.005),
+    ],
     "overhead-line-missing-dropper.yaml": [
         # A string of 13 m under its weight, 0.9 * 1.35 kg/m at 20 kN: q L^2 / (8 T). Bending rounds its ends off.
         Known(

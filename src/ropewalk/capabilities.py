@@ -123,7 +123,9 @@ def _of_beams(parts: Parts) -> Engine:
     inertia it takes longer steps on straight lines, with a window fewer nodes.
     """
     if parts.overhead:
-        refused, moves = _refused(WIRES, parts), isinstance(parts.run, Dynamic) and not _is_linearised(parts)
+        if not isinstance(parts.run, Dynamic):
+            return WIRES
+        refused, moves = _refused(WIRES, parts), not _is_linearised(parts)
         return SYSTEM if refused and _refused(SYSTEM, parts) < refused + moves else WIRES
     if isinstance(parts.run, Dynamic) and parts.run.window is not None and not parts.is_supported:
         return WIRES

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,12 +21,21 @@ from ropewalk.model.line import spatial
 from ropewalk.model.load import AnyLoad, ExternalModel
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.model.overlap import course_of
-from ropewalk.model.pantograph import Pantograph
+from ropewalk.model.pantograph import LEADING, Pantograph
 from ropewalk.model.run import Dynamic, Quasistatic
 from ropewalk.model.run import Start as Beginning
 from ropewalk.model.scenario import Scenario
 from ropewalk.overhead.irregularity import read_irregularity
-from ropewalk.overhead.pantograph_loads import expected_lift, moving_load_of, push_of, start_of
+from ropewalk.overhead.lateral import across, widest
+from ropewalk.overhead.pantograph_loads import (
+    Above,
+    expected_lift,
+    moving_load_of,
+    push_of,
+    rotations_of,
+    row_of,
+    start_of,
+)
 from ropewalk.overhead.section import CONTACT, Section, in_space, joined, section_of
 from ropewalk.results.stored import stored_instant
 from ropewalk.solve.load_schedule import horizon
@@ -37,8 +46,8 @@ from ropewalk.wires.lines import displayed_of, prescribed_motion_of, wire_of
 from ropewalk.wires.mesh import links_of
 from ropewalk.wires.partners import WireExternalModel
 from ropewalk.wires.partners import moving_load_of as external_moving_load
-from ropewalk.wires.plan import Array, WirePlan
-from ropewalk.wires.prescribed_motion import PrescribedMotion, smooth
+from ropewalk.wires.plan import Array, WirePlan, nothing
+from ropewalk.wires.prescribed_motion import PrescribedMotion
 from ropewalk.wires.task import Displayed, WireStart, WireTask, unstretched
 
 _HEAVY = 500.0  # N: droppers bear about 100 N
@@ -84,9 +93,13 @@ def task_of(scenario: Scenario) -> WireTask:
         number, on = len(prescribed_motions), numbers[load.on]
         if isinstance(load, Pantograph):
             course = course_of(scenario.overhead_lines, load.on)
-            under = {key: (sections[key], numbers[key], course[key]) for key in (load.on, *course)}
+            under = {
+                key: _Under(sections[key], numbers[key], _above(name, load, key, scenario.overhead_lines, course[key]))
+                for key in (load.on, *course)
+            }
             prescribed_motions.append(_pantograph(name, load, list(under.values()), until, slow=slow))
-            contacts += [name, *(f"{name}.{key}" for key in course if key != load.on)]
+            wires = [name if key == load.on else f"{name}.{key}" for key in under]
+            contacts += [f"{wire}.{strip}" if strip else wire for wire in wires for strip in load.strips]
             displayed += _masses(name, load, number)
             continue
         if isinstance(load, ExternalModel):
@@ -177,20 +190,43 @@ def _unseen(name: str, line: OverheadLine) -> Iterator[str]:
         yield f"overhead_lines.{name}.messenger_supports.along: in linearised motion nothing moves along the line"
 
 
-def _pantograph(
-    name: str, load: Pantograph, under: Sequence[tuple[Section, int, float]], until: float, *, slow: bool
-) -> PrescribedMotion:
+@dataclass(frozen=True)
+class _Under:
+    """An overhead line that a pantograph is under."""
+
+    section: Section
+    wire: int  # number of its contact wire
+    above: Above
+
+
+def _above(name: str, load: Pantograph, key: str, lines: Mapping[str, OverheadLine], ahead: float) -> Above:
+    """The contact wire of a line above a pantograph, which begins so many metres ahead of its own one."""
+    rough = _rough(name, load, key)
+    if "roll" not in rotations_of(load):
+        return Above(ahead, rough)
+    line, side = lines[key], _side(lines[key]) - _side(lines[load.on])
+
+    def aside(stations: Array) -> Array:
+        return across(line, stations) + side
+
+    return Above(ahead, rough, aside, widest(line) + abs(side))
+
+
+def _side(line: OverheadLine) -> float:
+    return line.start[1] if len(line.start) == 3 else 0.0
+
+
+def _pantograph(name: str, load: Pantograph, under: Sequence[_Under], until: float, *, slow: bool) -> PrescribedMotion:
     """The prescribed motion of a pantograph.
 
     Args:
         name: of the load.
         load: as declared.
-        under: the sections that it is under, its own first, the number of the contact wire of each, and how far ahead
-            of the first it begins, m.
+        under: the lines that it is under, its own first.
         until: s, end of the run.
         slow: whether it presses with all of its force from the beginning.
     """
-    section = under[0][0]
+    section = under[0].section
     course, start = Travelled(*speed_table(load.travel.speed, until)), load.travel.start
     lift = 0.0
     if load.wanted_mean is not None:
@@ -198,28 +234,42 @@ def _pantograph(
         lift = expected_lift(section, float(mean[0]))
     push = push_of(load, section.level, lift)
     push = replace(push, ramp=0.0) if slow else push
-    rough = _rough(name, load)
-    at = float(rough(np.array([start]))[0])
-    above = [each for each in under if 0.0 <= start - each[2] <= each[0].length] or under[:1]
-    firsts = [start_of(load, own.mesh(), own.rest, CONTACT, at, ahead) for own, _, ahead in above]
-    first = min(firsts, key=lambda heights: float(heights[-1]))  # of several wires it touches the lowest
-    moving_load = moving_load_of(name, load, {wire: ahead for _, wire, ahead in under})
+    here = [each for each in under if 0.0 <= start - each.above.ahead <= each.section.length] or under[:1]
+    firsts = [start_of(load, each.section.mesh(), each.section.rest, CONTACT, each.above) for each in here]
+    first = min(firsts, key=lambda heights: float(heights[0]))  # of several wires it touches the lowest
+    moving_load = moving_load_of(name, load, {each.wire: each.above for each in under})
 
     def pushed(times: Array) -> Array:
         return push(times, course.speed(times))
 
-    return PrescribedMotion(moving_load, partial(course.at, start=start), pushed, rough=rough, first=first)
+    return PrescribedMotion(moving_load, partial(course.at, start=start), pushed, first=first)
 
 
-def _rough(name: str, load: Pantograph) -> Callable[[Array], Array]:
-    if load.irregularity is None:
-        return smooth
-    return read_irregularity(Path(load.irregularity), f"loads.{name}.irregularity").at
+def _rough(name: str, load: Pantograph, line: str) -> Callable[[Array], Array]:
+    """The irregularity that a pantograph feels on a line."""
+    file = load.irregularities.get(line)
+    if file is None:
+        return nothing
+    key = "irregularity" if isinstance(load.irregularity, str) else f"irregularity.{line}"
+    return read_irregularity(Path(file), f"loads.{name}.{key}").at
 
 
 def _masses(name: str, load: AnyLoad, prescribed_motion: int) -> list[Displayed]:
+    """Its masses as bodies, above each other, and the ends of a head that pitches or rolls: at strips, over springs."""
     assert isinstance(load, Pantograph)
-    count = len(load.parts.masses)
-    return [
-        Displayed(f"{name}.{part}", prescribed_motion, np.eye(count)[i], 0.0) for i, part in enumerate(_MASSES[count])
+    count, rotations = len(load.parts.masses), rotations_of(load)
+    size, back = count + len(rotations), -next(iter(load.strips.values()))
+    found = [
+        Displayed(f"{name}.{part}", prescribed_motion, np.eye(size)[i], 0.0, ahead=back)
+        for i, part in enumerate(_MASSES[count])
     ]
+    if "pitch" in rotations:
+        for wheel, (strip, place) in enumerate(load.strips.items()):
+            row = row_of(load, ahead=place)
+            found.append(Displayed(f"{name}.head.{strip or LEADING}", prescribed_motion, row, 0.0, wheel=wheel))
+    if "roll" in rotations:
+        half = 0.5 * rotations["roll"].spring_spacing
+        for side, aside in (("left", half), ("right", -half)):
+            row = row_of(load, aside=aside)
+            found.append(Displayed(f"{name}.head.{side}", prescribed_motion, row, 0.0, ahead=back))
+    return found

@@ -99,6 +99,8 @@ _STEPPER: Tree = {"kind": "stepper", "model": STEPPER, "options": {"force": 490.
 _OWN: Tree = {
     "kind": "pantograph", "masses": [15.0, 7.2], "stiffness": [50.0, 4200.0], "damping": [90.0, 10.0],
     "static_force": 120.0, "aerodynamic": 0.01, "irregularity": HILLS, "ramp": 0.05,
+    "head": {"spacing": 2.0, "pitch": {"inertia": 0.3, "spring_spacing": 0.5},
+             "roll": {"inertia": 1.0, "spring_spacing": 0.9}},
 }  # fmt: skip
 _WALKING: Tree = {"frequency": 12.0, "model": [{"amplitude": 0.4}, {"amplitude": 0.1, "phase": "90 deg"}]}
 _RING: Tree = {"joints": {"ring": {"mass": 3.0, "force": [0.0, -50.0]}}, "lines": {

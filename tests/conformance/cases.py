@@ -66,7 +66,7 @@ CORE = [
     s for s in STRUCTURES
     if not s.twin and s.name not in ("damped", "piola", "polynomial", "tabulated", "inclined-stiff", "beam-damped",
                                      "bed", "gale", "awning", "slack-stiff-linearised", "staggered", "track", "cut",
-                                     "hysteresis")
+                                     "hysteresis", "failing")
 ]  # fmt: skip
 """Structures for tables of which the others would tell nothing new."""
 
@@ -219,7 +219,7 @@ RUNNING = ("none", "force", "mass", "vehicle")
 
 def asked() -> Iterator[Case]:
     """Every kind of run of every structure, without and with loads."""
-    for s in (*CORE, BY_NAME["track"], BY_NAME["hysteresis"]):
+    for s in (*CORE, BY_NAME["track"], BY_NAME["hysteresis"], BY_NAME["failing"]):
         kinds = ("none", "pantograph") if s.family == "overhead" else RUNNING
         for row, run in runs(s):
             for kind in kinds:

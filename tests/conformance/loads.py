@@ -119,6 +119,11 @@ def pantograph(s: Structure, **more: Any) -> Tree:
     return {"kind": "pantograph", "model": "en50318-2002", **more}
 
 
+_HEAD: Tree = {"spacing": 2.0, "pitch": {"inertia": 2.0, "spring_spacing": 1.5},
+               "roll": {"inertia": 1.0, "spring_spacing": 0.9}}  # fmt: skip
+"""Strips two of the links of a metre apart that contact wires have here."""
+
+
 def load(s: Structure, kind: str, moved: Tree | None = None, **more: Any) -> Tree:
     """A load of a kind or variant on a structure, travelling as said (default: along it, at constant speed)."""
     tree = KINDS[kind](s)
@@ -161,5 +166,6 @@ KINDS: dict[str, Any] = {
     "stepper": stepper,
     "fmu": fmu,
     "pantograph": pantograph,
+    "pantograph with strips": lambda s: pantograph(s, head=_HEAD),
 }  # fmt: skip
 """Every kind of load, with variants that engines treat on their own."""

@@ -73,6 +73,8 @@ _PATTERNS = {
         "the sixth order needs forces that do not jump": rf"rkn6 with .* {_NOT}",
         "feedback on single ropes only": rf"{_NOT} a run without feedback",
         "the implicit method needs forces that do not jump": rf"implicit with .* {_NOT}",
+        "droppers fail in motions of the whole line":
+            rf"a dropper that fails {_NOT}|\.droppers\.(cut|strength): {_NOT}",
         "no friction on saddles without inertia, nor in spectra": rf"friction on saddles (without inertia )?{_NOT}",
         "hysteresis needs the history of strain": rf"(hysteresis {_NOT}|: {_NOT} lines with hysteresis)",
         "no linear theory over saddles": rf"\.saddles: {_NOT} lines over saddles",

@@ -88,6 +88,9 @@ OVERLAP: Tree = {
 }
 """Both contact wires are beside each other from 40 to 120 m, and cross at 80 m."""
 
+_FAILING: Tree = {"cut": {"droppers": [[2, 2]], "time": 0.1}, "strength": "400 N"}
+"""One is cut at 60 m, between where loads begin and where they come to; others tear beside heavy ones."""
+
 _STEPS: Tree = {
     "haunch": {"from": 0.0, "to": 5.0, "bending_stiffness": "4 GN*m^2", "mass": 2500.0},
     "damage": {"from": 12.0, "to": 13.0, "damage": "30 %"},
@@ -191,6 +194,10 @@ STRUCTURES: tuple[Structure, ...] = (
     Structure(
         "staggered", "overhead line, staggered",
         {"overhead_lines": {"section": {**OVERHEAD, "steady_arms": {"stagger": "200 mm"}}}}, **_SPANS,
+    ),
+    Structure(
+        "failing", "overhead line with droppers that fail",
+        {"overhead_lines": {"section": {**OVERHEAD, "droppers": {**OVERHEAD["droppers"], **_FAILING}}}}, **_SPANS,
     ),
     Structure(
         "overlap", "overhead lines that overlap on a curve, linearised", {"overhead_lines": OVERLAP}, run=_LINEARISED,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,7 @@ from pydantic import ValidationError
 
 from overhead_cases import EN_2002, formed, rested
 from ropewalk.model import Scenario
-from ropewalk.overhead.pantograph_loads import moving_load_of
+from ropewalk.overhead.pantograph_loads import Above, moving_load_of
 from ropewalk.overhead.section import CONTACT, elasticity, section_of
 from ropewalk.results.contact_statistics import contact_statistics, samples
 from ropewalk.results.course import together
@@ -133,7 +135,7 @@ def test_two_wires_of_half_a_line_side_by_side_are_one_line() -> None:
     two = scenario({"first": half, "second": half})
     task = task_of(two)
     below = two.loads["head"].model_copy(update={"contact_stiffness": 25e3})
-    moving_load = moving_load_of("head", below, {0: 0.0, 2: 0.0})
+    moving_load = moving_load_of("head", below, {0: Above(), 2: Above()})
     task = replace(
         task, contacts=("head", "head.second"),
         prescribed_motions=(replace(task.prescribed_motions[0], moving_load=moving_load),),
@@ -147,6 +149,55 @@ def test_two_wires_of_half_a_line_side_by_side_are_one_line() -> None:
     whole, halves = force(task_of(one)), force(task)
     np.testing.assert_allclose(halves[:, 0], halves[:, 1], atol=1e-9)
     np.testing.assert_allclose(halves.sum(axis=1), whole[:, 0], atol=1e-9)
+
+
+# --- irregularities of both wires ---
+
+
+def written(folder: Path, name: str, x: Sequence[float], z: Sequence[float]) -> str:
+    (folder / name).write_text("".join(f"{a:.9g}, {b:.9g}\n" for a, b in zip(x, z, strict=True)), encoding="utf-8")
+    return str(folder / name)
+
+
+def irregular(tree: Scenario, **files: str) -> Scenario:
+    load = tree.loads["head"].model_copy(update={"irregularity": files})
+    return tree.model_copy(update={"loads": {"head": load}})
+
+
+def test_a_head_at_rest_shares_its_force_as_the_irregularities_of_both_wires_ask_for(tmp_path: Path) -> None:
+    x, rough = 97.0, {"first": 5e-3, "second": -4e-3}
+    files = {key: written(tmp_path, f"{key}.csv", [0.0, 160.0], [z, z]) for key, z in rough.items()}
+    tree = irregular(scenario(start=x, kind="equilibrium"), **files)
+    found = simulate(tree).contact_force.isel(load_path=0)[:, -1].values
+    assert found.min() > 10.0
+    top = []
+    for (name, line), force in zip(scenario().overhead_lines.items(), found, strict=True):
+        section, station = section_of(name, line), x - line.start[0]
+        rest = location_at(section.mesh(), CONTACT, station).value(section.rest.position[2])
+        rise = float(force) * elasticity(section, float(force), stations=np.array([station]))[1][0]
+        top.append(float(rest) + rise + float(force) / 50e3 + rough[name])
+    assert top[0] == pytest.approx(top[1], abs=0.3e-3)  # as of smooth wires, above
+
+
+def test_irregular_wires_the_other_way_are_the_mirrored_ones(tmp_path: Path) -> None:
+    """Each file counts from the start of its own line, 160 m long; on the second one it is felt from 40 m on."""
+    rng = np.random.default_rng(1)
+    x = np.linspace(0.0, 160.0, 81)
+    one, two = 3e-3 * rng.standard_normal((2, x.size))
+    there = irregular(scenario(), first=written(tmp_path, "1", x, one), second=written(tmp_path, "2", x, two))
+    back = irregular(
+        scenario(on="second", speed=-50.0, start=200.0 - 50.0 - 40.0),
+        second=written(tmp_path, "3", x, one[::-1]), first=written(tmp_path, "4", x, two[::-1]),
+    )  # fmt: skip
+    forward, plain = heads(simulate(there)).force.values, samples(simulate(scenario()))
+    smooth = plain.force.values[:, 0]
+    np.testing.assert_allclose(heads(simulate(back)).force.values, forward, atol=1e-5)
+    assert np.abs(forward - smooth).max() > 50.0
+    only = irregular(scenario(), second=str(tmp_path / "2"))
+    flat = samples(simulate(only))
+    before = min(np.flatnonzero(each.share.values[:, 1])[0] for each in (plain, flat))
+    np.testing.assert_array_equal(flat.force.values[:before, 0], smooth[:before])  # the head has not come to it
+    assert np.abs(flat.force.values[before:, 0] - smooth[before:]).max() > 30.0
 
 
 # --- what is told ---
@@ -220,8 +271,14 @@ def test_a_pantograph_passes_the_end_of_the_last_line() -> None:
         scenario(on="second", speed=-50.0, start=60.0, until=3.0)
 
 
-def test_irregularities_are_those_of_one_wire() -> None:
+def test_irregularities_are_those_of_wires_that_are_named() -> None:
     tree = scenario().model_dump(mode="json")
-    tree["loads"]["head"]["irregularity"] = "rough.csv"
-    with pytest.raises(ValidationError, match="irregularity is not implemented for contact wires that overlap"):
-        Scenario.model_validate(tree)
+    for given, message in (
+        ("rough.csv", r"which contact wire is meant.*first, second.*\{first: rough.csv, second: rough.csv\}"),
+        ({"frist": "rough.csv"}, "does not come to such a line.*did you mean first"),
+        ({"first": 3}, "expected the name of a file"),
+        ({}, "expected the name of a file"),
+    ):
+        tree["loads"]["head"]["irregularity"] = given
+        with pytest.raises(ValidationError, match=message):
+            Scenario.model_validate(tree)

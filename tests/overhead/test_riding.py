@@ -11,7 +11,7 @@ from overhead_cases import EN_2002, formed
 from ropewalk.errors import RopewalkError
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.pantographs import mean_force
-from ropewalk.overhead.pantograph_loads import expected_lift, moving_load_of, push_of, start_of
+from ropewalk.overhead.pantograph_loads import Above, expected_lift, moving_load_of, push_of, start_of
 from ropewalk.overhead.section import Section
 from ropewalk.wires.plan import Wire, WirePlan
 from ropewalk.wires.rest import rest_of
@@ -89,7 +89,9 @@ def test_it_starts_where_it_just_touches_and_nothing_moves_it() -> None:
     out = push_of(one, section.level)(0.0, 70.0) - moving_load_of("first", one).stiffness @ q
     # All that is left is the spring of the base, 50 N/m, which is without force at the height of the supports.
     np.testing.assert_allclose(out, [50.0 * (5.08 - q[0]), 0.0], atol=1e-9)
-    assert start_of(one, mesh, rest, rough=0.01)[0] == pytest.approx(q[0] + 0.01)
+    assert start_of(one, mesh, rest, above=Above(rough=lambda x: np.full_like(x, 0.01)))[0] == pytest.approx(
+        q[0] + 0.01
+    )
 
 
 def test_a_pantograph_cannot_start_off_the_line() -> None:

@@ -29,7 +29,10 @@ def pressing_task(scenario: Scenario, found: Mapping[str, Trace]) -> WireTask:
     """
     task = task_of(scenario)
     if len(task.contacts) > len(task.prescribed_motions):
-        raise RopewalkError("overhead lines that overlap are not supported by compare; leave overlap out")
+        raise RopewalkError(
+            "pantographs with several contacts, below lines that overlap or with two strips, are not supported by "
+            "compare; leave overlap and head out"
+        )
     prescribed_motions = []
     for prescribed_motion, name in zip(task.prescribed_motions, task.contacts, strict=True):
         load = load_of(scenario, name)

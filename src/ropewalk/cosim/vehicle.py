@@ -112,6 +112,8 @@ def alone(scenario: Scenario, name: str, *, contact_stiffness: float | None = No
             f"load {name} of kind {load.kind} {why}; what can be exported are mass, oscillator, vehicle, matrices and "
             "pantograph"
         )
+    if isinstance(load, Pantograph) and load.head is not None and load.head.roll is not None:
+        raise RopewalkError(f"load {name}: a head that rolls has to know where the wire runs across it; leave roll out")
     if getattr(load, "irregularity", None) is not None:
         raise RopewalkError(f"load {name}: irregularity belongs to the line here; leave it out")
     if not hasattr(load.travel, "speed"):
@@ -132,7 +134,7 @@ def alone(scenario: Scenario, name: str, *, contact_stiffness: float | None = No
     return Alone(
         load.kind, prescribed_motion.moving_load.mass, prescribed_motion.moving_load.damping,
         prescribed_motion.moving_load.stiffness, touches,
-        _spread(prescribed_motion, touches, isinstance(load, Pantograph)), times, push,
+        _spread(prescribed_motion, touches, load if isinstance(load, Pantograph) else None), times, push,
         prescribed_motion.place(times), until,
     )  # fmt: skip
 
@@ -173,12 +175,19 @@ def _tabled(prescribed_motion: PrescribedMotion, until: float, load: Any) -> tup
     return times, np.broadcast_to(push, (times.size, prescribed_motion.moving_load.size)).copy()
 
 
-def _spread(prescribed_motion: PrescribedMotion, touches: tuple[VehicleContact, ...], as_one: bool) -> Array:
-    """How coordinates follow the heights of contacts: all as one, or with the least energy in the springs."""
+def _spread(
+    prescribed_motion: PrescribedMotion, touches: tuple[VehicleContact, ...], pantograph: Pantograph | None
+) -> Array:
+    """How coordinates follow the heights of contacts: with the least energy in the springs.
+
+    Masses of a pantograph, whose base pulls them down, follow all as one, and its head pitches as its strips do.
+    """
     n, k = prescribed_motion.moving_load.size, len(touches)
-    if as_one:
-        return np.full((n, k), 1.0 / k)
     rows = np.array([touch.row for touch in touches])
+    if pantograph is not None:
+        masses = len(pantograph.parts.masses)
+        levers = rows[:, masses:]
+        return np.vstack([np.full((masses, k), 1.0 / k), (levers / (levers**2).sum(axis=0)).T])
     K = prescribed_motion.moving_load.stiffness
     whole = np.block([[K, rows.T], [rows, np.zeros((k, k))]])
     given = np.vstack([np.zeros((n, k)), np.eye(k)])

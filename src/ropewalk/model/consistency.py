@@ -34,6 +34,7 @@ from ropewalk.model.run import Dynamic, Linear, Quasistatic, every_of
 from ropewalk.model.settings import check_settings
 from ropewalk.model.small import check_overhead
 from ropewalk.model.space import check_space
+from ropewalk.model.strips import check_strips
 from ropewalk.model.support import Guided
 from ropewalk.model.track import check_tracks
 from ropewalk.model.travel import FreeTravel
@@ -61,6 +62,7 @@ def check(parts: Parts) -> list[Finding]:
             _unknown_lines,
             check_overhead,
             check_overlaps,
+            check_strips,
             check_joints,
             check_tracks,
             check_settings,

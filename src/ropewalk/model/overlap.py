@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 
 from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Finding
-from ropewalk.model.missing import missing
 from ropewalk.model.overhead import OverheadLine, stations_of
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
@@ -83,9 +82,15 @@ def check_overlaps(parts: Parts) -> Iterator[Finding]:
     for name, load in parts.loads.items():
         if not isinstance(load, Pantograph) or load.irregularity is None or load.on not in parts.overhead:
             continue
-        if len(course_of(parts.overhead, load.on)) > 1:
-            path, what = ("loads", name, "irregularity"), "contact wires that overlap"
-            yield missing(path, what, load.irregularity, "leave it out", feature="irregularity")
+        course, path = course_of(parts.overhead, load.on), ("loads", name, "irregularity")
+        if isinstance(load.irregularity, str) and len(course) > 1:
+            each = ", ".join(f"{key}: {load.irregularity}" for key in course)
+            wrong = f"which contact wire is meant? It goes over from one to another: {', '.join(course)}"
+            yield Finding(path, wrong, load.irregularity, f"write one file for each line, or for some: {{{each}}}")
+        for key in load.irregularities:
+            if key not in course:
+                remedy = did_you_mean(key, course)
+                yield Finding((*path, key), "it does not come to such a line", key, remedy)
 
 
 def _beside(name: str, line: OverheadLine, follower: str, other: OverheadLine) -> Iterator[Finding]:

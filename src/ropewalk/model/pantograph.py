@@ -11,7 +11,8 @@ from pydantic_core import core_schema
 
 from ropewalk.errors import Refused, did_you_mean
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.history import SpeedHistory
+from ropewalk.model.head import Head
+from ropewalk.model.history import SpeedHistory, SpeedTable
 from ropewalk.model.pantographs import PUBLISHED, TARGETS, Published
 from ropewalk.model.quantity import (
     AirDrag,
@@ -28,6 +29,8 @@ from ropewalk.model.quantity import (
 from ropewalk.model.travel import Measure, Place
 from ropewalk.units import written
 
+LEADING, TRAILING = "leading", "trailing"
+"""Strips in results; contacts of the second one have its name behind theirs."""
 _LISTS = ("masses", "stiffness", "damping")
 
 
@@ -71,6 +74,29 @@ class _ForceOrTarget:
         return {"anyOf": [{"enum": list(TARGETS)}, force]}
 
 
+@dataclass(frozen=True)
+class _FileOrEach:
+    """Annotation: the name of a file, or of one for each of several lines."""
+
+    def read(self, value: object) -> str | dict[str, str]:
+        each = {"": value} if isinstance(value, str) else value
+        if (
+            not isinstance(each, dict)
+            or not each
+            or not all(isinstance(part, str) for pair in each.items() for part in pair)
+        ):
+            raise Refused(
+                "expected the name of a file", "write rough.csv, or {first: one.csv, second: two.csv} by lines"
+            )
+        return value if isinstance(value, str) else dict(each)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"anyOf": [{"type": "string"}, {"type": "object", "additionalProperties": {"type": "string"}}]}
+
+
 class Pantograph(Declaration):
     """Two or three masses on springs that a force presses against an overhead line from below.
 
@@ -103,10 +129,12 @@ class Pantograph(Declaration):
     ramp: RampTime = Field(default=0.3, description="time in which all forces on it grow to their full size")
     contact_stiffness: PositiveStiffness = Field(default=50e3, description="of head and contact wire")
     contact_damping: Viscosity = Field(default=0.0, description="of head and contact wire")
-    irregularity: str | None = Field(
+    head: Head | None = Field(default=None, description="strips, pitch and roll of the head (default: it is a point)")
+    irregularity: Annotated[str | dict[str, str], _FileOrEach()] | None = Field(
         default=None,
         description="name of a file with rows `x, z` in m: how much lower the head feels the contact wire to be (z < 0)"
-        " or higher (z > 0) at x from the start of the line, linear in between",
+        " or higher (z > 0) at x from the start of the line, linear in between; or of such files by the names of lines "
+        "that overlap",
     )
 
     @model_validator(mode="after")
@@ -116,7 +144,7 @@ class Pantograph(Declaration):
 
     def starts(self) -> list[Place]:
         """List where it stands at the beginning."""
-        return [Place("", self.travel.measured, self.travel.start)]
+        return [Place(name, self.travel.measured, self.travel.start + ahead) for name, ahead in self.strips.items()]
 
     def vectors(self) -> Iterator[tuple[float, ...]]:
         """List all vectors that it is given by: none."""
@@ -129,6 +157,24 @@ class Pantograph(Declaration):
             return PUBLISHED[self.model]
         masses, stiffness, damping = self.masses or (), self.stiffness or (), self.damping or ()
         return Published(masses, stiffness, damping, self.contact_stiffness, 0.0, "the scenario")
+
+    @property
+    def strips(self) -> dict[str, float]:
+        """How far ahead of its middle, towards the end of the line, each strip is, m, by name; one has none."""
+        if self.head is None or self.head.spacing is None:
+            return {"": 0.0}
+        speed = self.travel.speed
+        fastest = max(speed.value, key=abs) if isinstance(speed, SpeedTable) else speed
+        half = 0.5 * self.head.spacing
+        return (
+            {"": -half, TRAILING: half} if isinstance(fastest, float) and fastest < 0.0 else {"": half, TRAILING: -half}
+        )
+
+    @property
+    def irregularities(self) -> dict[str, str]:
+        """Names of files with irregularities, by lines."""
+        given = self.irregularity or {}
+        return {self.on: given} if isinstance(given, str) else given
 
     @property
     def wanted_mean(self) -> float | str | None:

@@ -145,7 +145,8 @@ def _off_the_line(
     assert not isinstance(load, Crowd)  # its people stand here instead
     start = load.travel.start if isinstance(load, Travelling | Pantograph | Fmu) else load.start
     for place in load.starts():
-        what = f"wheel {place.label}" if place.label else "the load"
+        part = "the strip" if isinstance(load, Pantograph) else "wheel"
+        what = f"{part} {place.label}" if place.label else "the load"
         ahead = place.start - start
         if place.start < -1e-9 * max(start, 1.0) and not _comes_by_itself(load):
             remedy = f"start at least {max(0.0, -ahead):g} m from the start of the line"

@@ -15,7 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ropewalk.model.overhead import OverheadLine
+from ropewalk.model.overhead import OverheadLine, stations_of
 from ropewalk.wires.plan import Array
 
 BIN = 0.05  # m, width of the strips of a head in which the wire's way is counted
@@ -33,6 +33,26 @@ def aside_of(line: OverheadLine, span: int, x: Array) -> Array:
     length = line.span_lengths[span]
     b1, b2 = (line.staggers or (0.0,) * (len(line.span_lengths) + 1))[span : span + 2]
     return np.asarray(b1 + (b2 - b1) * x / length + 0.5 * line.curvatures[span] * x * (length - x))
+
+
+def across(line: OverheadLine, station: Array) -> Array:
+    """The same at stations in m of the line.
+
+    Args:
+        line: with a stagger, or without one.
+        station: m, within its ends.
+    """
+    supports = np.array(stations_of(line))
+    span = np.clip(np.searchsorted(supports, station, side="right") - 1, 0, supports.size - 2)
+    out = np.empty_like(station)
+    for i in np.unique(span):
+        out[span == i] = aside_of(line, int(i), station[span == i] - supports[i])
+    return out
+
+
+def widest(line: OverheadLine) -> float:
+    """Largest distance of the contact wire from the middle of the track, on either side, m."""
+    return blown_off(line, 0.0)
 
 
 def on_the_strip(line: OverheadLine) -> tuple[Array, Array]:

@@ -1,22 +1,39 @@
-"""Pantographs as moving loads on wires: coordinates are the heights of the masses in m, from the base to the head."""
+"""Pantographs as moving loads on wires: coordinates are the heights of the masses in m, from the base to the head.
+
+After them come the pitch of the head, with what is in front up, and its roll, with what is on the left up, in rad. At
+its middle the head stands at z; a strip that is x ahead touches a wire that is y aside at z + x pitch + y roll.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ropewalk.errors import RopewalkError
+from ropewalk.model.head import HeadRotation
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.pantographs import mean_force
 from ropewalk.overhead.section import CONTACT, Section, elasticity
 from ropewalk.wires.mesh import Mesh, places_of
-from ropewalk.wires.plan import Array, Contact, Spot, TravellingLoad
+from ropewalk.wires.plan import Array, Contact, Spot, TravellingLoad, nothing
 from ropewalk.wires.rest import WiresAtRest, rows
 
-_ITS_OWN = MappingProxyType({CONTACT: 0.0})
+
+@dataclass(frozen=True)
+class Above:
+    """A contact wire above a pantograph."""
+
+    ahead: float = 0.0  # m, by which it begins ahead of the pantograph's line
+    rough: Callable[[Array], Array] = nothing  # stations of it to its irregularity, m
+    aside: Callable[[Array], Array] = nothing  # stations of it to how far to the left of the middle it runs, m
+    widest: float = 0.0  # m, the largest distance aside
+
+
+_ITS_OWN = MappingProxyType({CONTACT: Above()})
 
 
 @dataclass(frozen=True)
@@ -36,7 +53,8 @@ class PantographForces:
     lift: float  # m, mean height of the contact over `level`
     give: float  # m/N, by which base and wire approach each other
     ramp: float  # s
-    size: int  # number of masses
+    masses: int  # their number
+    size: int  # number of coordinates, the first of which are their heights
 
     def __call__(self, time: Array | float, speed: Array | float) -> Array:
         """Forces at instants in s and speeds in m/s, (..., mass) N upwards."""
@@ -45,7 +63,7 @@ class PantographForces:
         force = np.zeros((*np.broadcast_shapes(time.shape, speed.shape), self.size))
         if self.target is None:
             force[..., 0] += grown * self.static
-            force[..., -1 if self.on_head else 0] += grown * self.uplift * speed**2
+            force[..., self.masses - 1 if self.on_head else 0] += grown * self.uplift * speed**2
         else:
             mean = self.wanted(speed)
             force[..., 0] += grown * (mean + self.base * (self.lift + self.give * mean))
@@ -60,30 +78,56 @@ class PantographForces:
         return np.full_like(speed, self.target)
 
 
-def moving_load_of(name: str, pantograph: Pantograph, wires: Mapping[int, float] = _ITS_OWN) -> TravellingLoad:
-    """A pantograph below contact wires: its head pushes each of them, and may lose contact.
+def rotations_of(pantograph: Pantograph) -> dict[str, HeadRotation]:
+    """Rotations of its head, pitch before roll, whose angles are coordinates after the heights of its masses."""
+    head = pantograph.head
+    both = {} if head is None else {"pitch": head.pitch, "roll": head.roll}
+    return {name: rotation for name, rotation in both.items() if rotation is not None}
+
+
+def row_of(pantograph: Pantograph, ahead: float = 0.0, aside: float = 0.0) -> Array:
+    """Height of a point of its head by its coordinates, (coordinate,).
+
+    Args:
+        pantograph: as declared.
+        ahead: m, of the middle of the head.
+        aside: m, to the left of it.
+    """
+    lever = {"pitch": ahead, "roll": aside}
+    heights = np.eye(len(pantograph.parts.masses))[-1]
+    return np.array([*heights, *(lever[name] for name in rotations_of(pantograph))])
+
+
+def moving_load_of(name: str, pantograph: Pantograph, wires: Mapping[int, Above] = _ITS_OWN) -> TravellingLoad:
+    """A pantograph below contact wires: the strips of its head push each of them, and may lose contact.
 
     Args:
         name: of the load.
         pantograph: as declared.
-        wires: numbers of the contact wires in the plan, and how far ahead of its line's start each begins, m.
+        wires: the contact wires by their numbers in the plan.
     """
-    parts = pantograph.parts
+    parts, rotations = pantograph.parts, rotations_of(pantograph).values()
     size = len(parts.masses)
     # Spring and damper i stand between masses i - 1 and i, those of the base on the roof.
     apart = np.eye(size) - np.eye(size, k=-1)
-    head = (0.0,) * (size - 1) + (1.0,)
+    # Half of those below the head stand half of a distance from its middle: as a spring against its rotation d^2 / 4.
+    lever = [0.25 * rotation.spring_spacing**2 for rotation in rotations]
+    damping, stiffness = (
+        block_diag(apart.T @ np.diag(own) @ apart, np.diag([own[-1] * square for square in lever]))
+        for own in (parts.damping, parts.stiffness)
+    )
+    middle = row_of(pantograph)
     contacts = tuple(
         Contact(
-            wire, head, behind=ahead, stiffness=pantograph.contact_stiffness, damping=pantograph.contact_damping,
-            below=True, lifts_off=True,
+            wire, tuple(row_of(pantograph, place)), behind=above.ahead - place, stiffness=pantograph.contact_stiffness,
+            damping=pantograph.contact_damping, below=True, lifts_off=True, rough=above.rough,
+            turn=tuple(row_of(pantograph, aside=1.0) - middle), aside=above.aside, widest=above.widest,
         )
-        for wire, ahead in wires.items()
+        for wire, above in wires.items()
+        for place in pantograph.strips.values()
     )  # fmt: skip
-    return TravellingLoad(
-        name, np.diag(parts.masses), apart.T @ np.diag(parts.damping) @ apart,
-        apart.T @ np.diag(parts.stiffness) @ apart, contacts,
-    )  # fmt: skip
+    inertia = [rotation.inertia for rotation in rotations]
+    return TravellingLoad(name, np.diag([*parts.masses, *inertia]), damping, stiffness, contacts)
 
 
 def push_of(pantograph: Pantograph, level: float, lift: float = 0.0) -> PantographForces:
@@ -94,34 +138,38 @@ def push_of(pantograph: Pantograph, level: float, lift: float = 0.0) -> Pantogra
         level: height of the contact wire at the supports, m.
         lift: mean height of the contact over it in the run, m; see `expected_lift`.
     """
-    give = sum(1.0 / k for k in (*pantograph.parts.stiffness[1:], pantograph.contact_stiffness))
+    touching = pantograph.contact_stiffness * len(pantograph.strips)
+    give = sum(1.0 / k for k in (*pantograph.parts.stiffness[1:], touching))
+    masses = len(pantograph.parts.masses)
     return PantographForces(
         pantograph.pressed_with, pantograph.aerodynamic, pantograph.aerodynamic_on == "head", pantograph.wanted_mean,
-        pantograph.parts.stiffness[0], level, lift, give, pantograph.ramp, len(pantograph.parts.masses),
+        pantograph.parts.stiffness[0], level, lift, give, pantograph.ramp, masses,
+        masses + len(rotations_of(pantograph)),
     )  # fmt: skip
 
 
 def start_of(
-    pantograph: Pantograph, mesh: Mesh, rest: WiresAtRest, wire: int = CONTACT, rough: float = 0.0, ahead: float = 0.0
+    pantograph: Pantograph, mesh: Mesh, rest: WiresAtRest, wire: int = CONTACT, above: Above = _ITS_OWN[CONTACT]
 ) -> Array:
     """First heights of all masses in m: the head just touches the wire, and no spring between masses is pressed.
 
+    It stands level: the angles of its head are 0.
+
     Args:
-        rough: m, irregularity there.
-        ahead: m, by which the wire begins ahead of the pantograph's line.
+        above: what is known of that wire.
 
     Raises:
         RopewalkError: it starts off the line.
     """
-    station, length = pantograph.travel.start - ahead, mesh.plan.wires[wire].length
+    station, length = pantograph.travel.start - above.ahead, mesh.plan.wires[wire].length
     if not 0.0 <= station <= length:
         raise RopewalkError(
             f"the pantograph starts at {station:g} m, off the overhead line of {length:g} m; "
             f"write travel.from: 0 m to {length:g} m"
         )
     at = places_of(mesh.strands, [Spot(wire, station)])
-    height = float((rows(at, mesh.nodes) @ rest.position[2])[0]) + rough
-    return np.full(len(pantograph.parts.masses), height)
+    height = float((rows(at, mesh.nodes) @ rest.position[2])[0] + above.rough(np.array([station]))[0])
+    return np.array([height] * len(pantograph.parts.masses) + [0.0] * len(rotations_of(pantograph)))
 
 
 def expected_lift(section: Section, force: float, points: int = 9) -> float:

@@ -199,7 +199,12 @@ def _is_pantograph(load: Pantograph, model: str) -> bool:
         for key in ("masses", "stiffness", "damping")
         for a, b in zip(getattr(own, key), getattr(wanted, key), strict=True)
     )
-    return same and _is_same(load.contact_stiffness, wanted.contact_stiffness) and load.irregularity is None
+    return (
+        same
+        and _is_same(load.contact_stiffness, wanted.contact_stiffness)
+        and load.irregularity is None
+        and load.head is None
+    )
 
 
 def _is_line(

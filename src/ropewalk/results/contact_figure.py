@@ -30,7 +30,7 @@ from ropewalk.results.contact_statistics import (
     scenario_of,
 )
 from ropewalk.results.contact_summary import limits_of
-from ropewalk.results.course import courses, transitions
+from ropewalk.results.course import courses, on_lines, on_strips, transitions
 from ropewalk.results.frame import Array
 from ropewalk.results.limits import Judgement
 from ropewalk.results.table import ROUND_OFF
@@ -63,7 +63,7 @@ class _LoadHistory:
     force: Array  # N, filtered
     height: Array  # m
     judgement: Judgement | None  # beside the limits of its line
-    shares: dict[str, Array] = field(default_factory=dict)  # N as computed, of each line, while it goes over
+    shares: dict[str, Array] = field(default_factory=dict)  # N, of each line as computed while it goes over, of strips
 
 
 def is_of_overhead_line(dataset: xr.Dataset) -> bool:
@@ -160,8 +160,11 @@ def _histories(dataset: xr.Dataset) -> list[_LoadHistory]:
         for passed in going_over.get(name, ()):
             low, high = sorted((passed["first"], passed["last"]))
             both |= (station >= low) & (station <= high)
-        shares = {line: np.where(both, flat["share"].values[:, j], np.nan)
-                  for j, (line, _) in several.get(name, {}).items()}  # fmt: skip
+        shares = dict[str, Array]()
+        if (course := several.get(name)) is not None:
+            lines, strips = on_lines(course, flat["share"].values), on_strips(course, flat["share"].values)
+            shares = {line: np.where(both, own, np.nan) for line, own in lines.items() if len(lines) > 1}
+            shares |= {f"the {strip} strip": filtered(own, interval) for strip, own in strips.items()}
         known = interval, station, raw, filtered(raw, interval), height
         out.append(_LoadHistory(name, colour, found, *known, judgements.get(name), shares))
     return out

@@ -24,6 +24,8 @@ from ropewalk.results.contact_statistics import (
 from ropewalk.results.contract import doubts_of
 from ropewalk.results.course import transitions
 from ropewalk.results.limits import FAIL, UNKNOWN, Judgement, judged
+from ropewalk.results.strips import UNITS as STRIP_UNITS
+from ropewalk.results.strips import StripStatistics, rotation_ranges, strip_statistics
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,10 +47,14 @@ def contact_summary(dataset: xr.Dataset) -> Summary:
     scenario = scenario_of(dataset)
     every = contact_statistics(dataset)
     judgements = limits_of(dataset, scenario, every)
-    passed = transitions(scenario, samples(dataset.drop_vars("sampled_tie_force", errors="ignore"))) if every else {}
+    passed, strips = dict[str, list[Summary]](), dict[str, dict[str, StripStatistics]]()
+    if every:
+        flat = samples(dataset.drop_vars("sampled_tie_force", errors="ignore"))
+        passed, strips = transitions(scenario, flat), strip_statistics(dataset, flat, every)
     return {
         "pantographs": {
             name: _pantograph(scenario, name, found, judgements.get(name), passed.get(name))
+            | {"strips": _strips(strips.get(name, {})), "rotations": _rotations(dataset, scenario, name)}
             for name, found in every.items()
         },
         "overhead_lines": {name: _line(found) for name, found in line_statistics(dataset).items()} if every else {},
@@ -103,6 +109,25 @@ def _pantograph(
         "acceptance": _acceptance(acceptance_of(scenario, name, found)),
         "limits": _limits(judgement),
         "overlaps": passed or [],
+    }
+
+
+def _strips(found: dict[str, StripStatistics]) -> Summary:
+    return {
+        strip: {key: {"value": getattr(own, key), "unit": unit} for key, unit in STRIP_UNITS.items()}
+        for strip, own in found.items()
+    }
+
+
+def _rotations(dataset: xr.Dataset, scenario: Scenario | None, name: str) -> Summary:
+    """Least and largest angles of a head at the output instants."""
+    load = None if scenario is None else scenario.loads.get(name)
+    if not isinstance(load, Pantograph) or load.head is None:
+        return {}
+    ranges = rotation_ranges(dataset, name, load.head.ends)
+    return {
+        rotation: {key: {"value": value, "unit": "rad"} for key, value in zip(("min", "max"), ends, strict=True)}
+        for rotation, ends in ranges.items()
     }
 
 

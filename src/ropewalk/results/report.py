@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ropewalk.model import Scenario
+    from ropewalk.model.head import Head
     from ropewalk.model.overhead import OverheadLine
     from ropewalk.model.overhead_wire import OverheadWire
     from ropewalk.model.pantograph import Pantograph
@@ -193,7 +194,9 @@ def _of_pantograph(load: Pantograph) -> Iterator[Cells]:
     yield "masses", f"{_several(parts.masses)} kg, from the base to the head"
     yield "springs", f"{_several(parts.stiffness)} N/m, below each mass"
     yield "dampers", f"{_several(parts.damping)} N s/m"
-    yield "contact", f"{load.contact_stiffness:g} N/m"
+    yield "contact", f"{load.contact_stiffness:g} N/m" + (" of each strip" if len(load.strips) > 1 else "")
+    if load.head is not None:
+        yield "head", _head(load.head)
     if load.wanted_mean is not None:
         unit = "" if isinstance(load.wanted_mean, str) else " N"
         yield "mean force asked for", f"{load.wanted_mean}{unit}"
@@ -202,10 +205,18 @@ def _of_pantograph(load: Pantograph) -> Iterator[Cells]:
         if load.aerodynamic:
             yield "aerodynamic uplift", f"{load.aerodynamic:g} kg/m times the square of the speed"
     if load.irregularity is not None:
-        yield "irregularity", load.irregularity
+        yield "irregularity", ", ".join(f"{file} on {line}" for line, file in load.irregularities.items())
     fields = f"{3.6 * speed:g} km/h" if isinstance(speed, float) else "changes, see the scenario"
     yield "speed", fields
     yield "start", f"{load.travel.start:g} m along the line, force ramped over {load.ramp:g} s"
+
+
+def _head(head: Head) -> str:
+    parts = ["one strip" if head.spacing is None else f"two strips {head.spacing:g} m apart"]
+    for name, one in (("pitches", head.pitch), ("rolls", head.roll)):
+        if one is not None:
+            parts.append(f"{name} with {one.inertia:g} kg m^2 on springs {one.spring_spacing:g} m apart")
+    return ", ".join(parts)
 
 
 def _several(values: float | Iterable[float]) -> str:

@@ -252,6 +252,14 @@ def _pantograph_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
     yield "range of contact heights", say(value["height_range"], "m", 3), heights
     if value["uplift"] is not None:
         yield uplift
+    for strip, own in found["strips"].items():
+        mean, sigma = (say(own[key]["value"], "N", 3) for key in ("mean", "deviation"))
+        force = say.span(own["minimum"]["value"], own["maximum"]["value"], "N")
+        lost = f"without contact {number(100 * own['loss']['value'], 2)} % of the time"
+        yield f"{strip} strip, mean", mean, f"sigma {sigma}  {force}  {lost}"
+    for rotation, ends in found["rotations"].items():
+        angle = say.span(ends["min"]["value"], ends["max"]["value"], "rad")
+        yield f"{rotation} of the head", angle, "at the output instants"
     for passed in found["overlaps"]:
         both = f"on both wires from {number(passed['first'])} to {number(passed['last'])} m"
         sentence = f"{both}, {say(passed['together'], 's', 3)} in all"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +13,7 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.wires.contact_location import Location, location_at, location_below
 from ropewalk.wires.equilibrium import WirePotential, settle_on_rails
 from ropewalk.wires.mesh import Mesh, moving_loads_of
-from ropewalk.wires.plan import Array
+from ropewalk.wires.plan import Array, Contact
 from ropewalk.wires.prescribed_motion import ON_GROUND, PrescribedMotion
 from ropewalk.wires.pressing import pressing
 from ropewalk.wires.task import WireStart, WireTask, along
@@ -69,7 +69,10 @@ class Bearing:
             local = np.array([location.local if location is not None else 0.0 for location in locations])
             with np.errstate(divide="ignore"):
                 local = np.where(moving_loads.spring > 0.0, np.maximum(local, -0.5 / moving_loads.spring), local)
-            found = pressing(self.prescribed_motions, moving_loads, t, local, self.rough(station), touches, ground)
+            found = pressing(
+                self.prescribed_motions, moving_loads, t, local, self.rough(station), self.aside(station), touches,
+                ground,
+            )  # fmt: skip
             self.potential.pressing = (self.rows(locations), found)
             before, position = position, settle_on_rails(self.potential, position, space=self.space).position
             height = np.array([location.value(position[2]) if location is not None else 0.0 for location in locations])
@@ -113,12 +116,16 @@ class Bearing:
 
     def rough(self, station: Array) -> Array:
         """Heights that are added to the wires at the contacts, (contact,) m."""
-        owner = [
-            prescribed_motion
-            for prescribed_motion in self.prescribed_motions
-            for _ in prescribed_motion.moving_load.contacts
-        ]
-        return np.array([float(j.rough(np.array([s]))[0]) for j, s in zip(owner, station, strict=True)]).reshape(-1)
+        return self._along(station, lambda contact: contact.rough)
+
+    def aside(self, station: Array) -> Array:
+        """How far the wires are to the left of the middle of their loads at the contacts, (contact,) m."""
+        return self._along(station, lambda contact: contact.aside)
+
+    def _along(self, station: Array, of: Callable[[Contact], Callable[[Array], Array]]) -> Array:
+        contacts = [contact for motion in self.prescribed_motions for contact in motion.moving_load.contacts]
+        found = [float(of(contact)(np.array([s]))[0]) for contact, s in zip(contacts, station, strict=True)]
+        return np.array(found, dtype=np.float64)
 
     def length(self, k: int) -> float:
         """What stations of contact k count up to, with room for rounding, m."""

@@ -19,7 +19,7 @@ from ropewalk.wires.prescribed_motion import PrescribedMotion
 from ropewalk.wires.pressing import Pressing, pressing
 from ropewalk.wires.rest import moving, rows, spring, vertical_stiffness
 from ropewalk.wires.small import SmallMotion
-from ropewalk.wires.task import WireStart, along, loaded, place_at, resting
+from ropewalk.wires.task import WireStart, along, loaded, place_at, resting, rows_at
 
 _MOST_ROUNDS, _CLOSE = 100, 1e-13  # rounds between tight and slack, and the end of them, of the longest wire
 
@@ -97,7 +97,8 @@ def on_moved(
             else 0.0
             for c, s in zip(prescribed_motion.moving_load.contacts, stations, strict=True)
         ]
-        out.append(replace(there, rate=there.rate + resting(prescribed_motion.moving_load, np.array(own))))
+        row = rows_at(prescribed_motion.moving_load, stations)
+        out.append(replace(there, rate=there.rate + resting(prescribed_motion.moving_load, np.array(own), row)))
     return tuple(out)
 
 
@@ -139,8 +140,9 @@ def small_under_loads(
     before = np.where(springs.rest > 0.0, springs.rest, springs.rest * ratio)  # what is put on at rest already
     for _ in range(_MOST_ROUNDS):
         found: Pressing = pressing(
-            prescribed_motions, moving_loads, 0.0, local, bearing.rough(station), touches, ground
-        )
+            prescribed_motions, moving_loads, 0.0, local, bearing.rough(station), bearing.aside(station), touches,
+            ground,
+        )  # fmt: skip
         # N = k (rest / pull + way apart) of each tie; what it changes by acts along its way
         k = np.where(tie, np.where(tight, springs.pull, springs.push), 0.0)
         N = k * np.divide(springs.rest, springs.pull, out=np.zeros_like(k), where=tie)

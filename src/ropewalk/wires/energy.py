@@ -15,6 +15,7 @@ from ropewalk.wires.equilibrium import WirePotential
 from ropewalk.wires.large import LargeMotion, correction
 from ropewalk.wires.mesh import Mesh, MovingLoads
 from ropewalk.wires.moving_loads import (
+    ASIDE,
     DAMPED,
     FORCE,
     GAP,
@@ -29,6 +30,7 @@ from ropewalk.wires.moving_loads import (
     ROUGH,
     SLOPE,
     TAKEN,
+    TURNED,
 )
 from ropewalk.wires.plan import Array
 from ropewalk.wires.rest import rows, vertical_stiffness
@@ -199,6 +201,7 @@ class Energies:
             restrained
             - 0.5 * summed(now[:, :, FORCE] * now[:, :, SLOPE] * moved[:, :, PLACE])
             - summed(rough[:, ~outside])
+            + 0.5 * summed((now[:, :, FORCE] * now[:, :, TURNED] * moved[:, :, ASIDE])[:, touches])
         )
         taken = taken + 0.5 * summed((now[:, :, FORCE] * moved[:, :, GAP])[:, touches])
         stored = np.zeros(len(here))

@@ -289,8 +289,9 @@ def _touch(strands, threads, moving_loads, stepping, now, other, inputs, record,
     if on:
         local = local_under(strands, moving_loads, k, s)
     given, rough = between(inputs.given, row, part, k), between(inputs.rough, row, part, k)
-    force = given + contact_force(moving_loads, stepping, k, height + rough, local)
-    note(moving_loads, stepping, record, row, step, k, height, s, slope, given, force, local, rough)
+    aside = between(inputs.aside, row, part, k)
+    force = given + contact_force(moving_loads, stepping, k, height + rough, local, aside)
+    note(moving_loads, stepping, record, row, step, k, height, s, slope, given, force, local, rough, aside)
     if on:
         for j in range(WIDTH):
             other[up, base + j] += threads.kick[up, base + j] * w[0, j] * force

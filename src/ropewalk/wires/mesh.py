@@ -356,6 +356,8 @@ class MovingLoads(NamedTuple):
     stiffness: Array
     owner: Integers  # (contact,) its moving load
     row: Array  # (contact, C) its height is row @ q; zeros: a given force
+    turn: Array  # (contact, C) what is added to the row for each metre aside
+    widest: Array  # (contact,) m, the largest distance aside
     wire: Integers  # (contact,)
     behind: Array  # (contact,) m
     spring: Array  # (contact,) N/m, inf: rigid
@@ -366,6 +368,10 @@ class MovingLoads(NamedTuple):
     sign: Array  # (contact,) +1: the moving load is below and pushes the wire up; -1: it stands on the wire
     lifts: NDArray[np.bool_]  # (contact,)
 
+    def rows(self, aside: Array) -> Array:
+        """Rows of contacts that are aside of the middle by (contact,) m, (contact, C)."""
+        return self.row + aside[:, None] * self.turn
+
 
 def moving_loads_of(moving_loads: list[TravellingLoad]) -> MovingLoads:
     """The arrays of all moving loads."""
@@ -375,13 +381,13 @@ def moving_loads_of(moving_loads: list[TravellingLoad]) -> MovingLoads:
         for j, matrix in enumerate((moving_load.mass, moving_load.damping, moving_load.stiffness)):
             stack[j, i, : moving_load.size, : moving_load.size] = matrix
     contacts = [(i, contact) for i, moving_load in enumerate(moving_loads) for contact in moving_load.contacts]
-    row = np.zeros((len(contacts), most))
+    row, turn = np.zeros((2, len(contacts), most))
     for k, (_, contact) in enumerate(contacts):
-        row[k, : len(contact.row)] = contact.row
+        row[k, : len(contact.row)], turn[k, : len(contact.turn)] = contact.row, contact.turn
     return MovingLoads(
         np.array([moving_load.size for moving_load in moving_loads], dtype=np.int64), stack[0], stack[1], stack[2],
         np.array([i for i, _ in contacts], dtype=np.int64),
-        row,
+        row, turn, _column([contact.widest for _, contact in contacts]),
         np.array([contact.wire for _, contact in contacts], dtype=np.int64),
         _column([contact.behind for _, contact in contacts]), _column([contact.stiffness for _, contact in contacts]),
         _column([contact.damping for _, contact in contacts]),

@@ -18,9 +18,9 @@ GIVEN, RESTRAINED, LOST, TAKEN, DAMPED, MOVED = 0, 1, 2, 3, 4, 5
 WORKS = 6
 # Entries of what is known of a contact at an instant: height of the spline in m, place in links, slope in m per link,
 # given force and all force on the wire in N, by how much load and spline overlap in m, compliance beside the spline in
-# m/N, roughness in m.
-HEIGHT, PLACE, SLOPE, GIVEN_FORCE, FORCE, GAP, LOCAL, ROUGH = 0, 1, 2, 3, 4, 5, 6, 7
-_KNOWN = 8
+# m/N, roughness in m, how far aside it is in m, and by how much its height grows with that.
+HEIGHT, PLACE, SLOPE, GIVEN_FORCE, FORCE, GAP, LOCAL, ROUGH, ASIDE, TURNED = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
+_KNOWN = 10
 
 
 class TimeStepping(NamedTuple):
@@ -99,20 +99,21 @@ def begin(moving_loads, stepping, push, row, part):
 
 
 @inlined
-def contact_force(moving_loads, stepping, k, height, local):
+def contact_force(moving_loads, stepping, k, height, local, aside):
     """Force upwards on the wire at contact k, where the spline stands at a height; its moving load feels the reaction.
 
     Args:
         height: with its roughness.
         local: compliance of the wire beside its spline, in series with the spring of the contact, m/N: the wire stands
             so much higher, for each N.
+        aside: how far the wire is to the left of the middle of the load, m.
     """
     i, spring, rest = moving_loads.owner[k], moving_loads.spring[k], moving_loads.rest[k]
     if spring == 0.0:
         return rest
     gap = moving_loads.base[k] - height
     for c in range(moving_loads.size[i]):
-        gap += moving_loads.row[k, c] * stepping.q[i, c]
+        gap += (moving_loads.row[k, c] + aside * moving_loads.turn[k, c]) * stepping.q[i, c]
     last, stepping.gap[k] = stepping.gap[k], gap
     if np.isinf(spring):  # rigid contacts are joined at the end of the step
         return rest
@@ -122,16 +123,18 @@ def contact_force(moving_loads, stepping, k, height, local):
     if moving_loads.lifts[k] and moving_loads.sign[k] * force < 0.0:
         force = 0.0
     for c in range(moving_loads.size[i]):
-        stepping.pushed[i, c] -= moving_loads.row[k, c] * (force - rest)
+        stepping.pushed[i, c] -= (moving_loads.row[k, c] + aside * moving_loads.turn[k, c]) * (force - rest)
     return force
 
 
 @inlined
-def note(moving_loads, stepping, record, row, step, k, height, s, slope, given, force, local, rough):
+def note(moving_loads, stepping, record, row, step, k, height, s, slope, given, force, local, rough, aside):
     """Keep what is known of contact k in this step: for the accounts, and in the first step of a row for the record."""
     here, gap = stepping.here[k], stepping.gap[k] if moving_loads.spring[k] > 0.0 else 0.0
     here[HEIGHT], here[PLACE], here[SLOPE], here[GIVEN_FORCE], here[FORCE] = height, s, slope, given, force
-    here[GAP], here[LOCAL], here[ROUGH] = gap, local, rough
+    here[GAP], here[LOCAL], here[ROUGH], here[ASIDE], here[TURNED] = gap, local, rough, aside, 0.0
+    for c in range(moving_loads.size[moving_loads.owner[k]]):
+        here[TURNED] += moving_loads.turn[k, c] * stepping.q[moving_loads.owner[k], c]
     if step == 0:
         record.force[row, k] = force
         record.height[row, k] = height + gap if np.isinf(moving_loads.spring[k]) else height + local * force
@@ -189,7 +192,8 @@ def settle_accounts(moving_loads, stepping):
 
     A force on the wire gives it the force times the rise of the particles below: the rise of the contact less what its
     advance along the slope makes of it. The latter is what holds the load at its place, against the slope; as is what
-    drives it over roughness. What moving load and wire lose together is taken up by their contact.
+    drives it over roughness, and what guides a wire across a load that has turned. What moving load and wire lose
+    together is taken up by their contact.
     """
     for k in range(moving_loads.owner.size):
         here, before = stepping.here[k], stepping.before[k]
@@ -205,6 +209,7 @@ def settle_accounts(moving_loads, stepping):
             stepping.work[GIVEN] -= force * rough
         else:
             stepping.work[RESTRAINED] -= force * rough
+            stepping.work[RESTRAINED] += 0.5 * force * (here[TURNED] + before[TURNED]) * (here[ASIDE] - before[ASIDE])
         stepping.work[TAKEN] += force * (here[GAP] - before[GAP])
 
 

@@ -6,6 +6,7 @@ A wire is a line with bending stiffness under tension, as in an overhead line. I
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -108,9 +109,17 @@ class WireTie:
     fails_at: float = np.inf  # s
 
 
+def nothing(stations: Array) -> Array:
+    """Zero at all stations."""
+    return np.zeros_like(stations)
+
+
 @dataclass(frozen=True)
 class Contact:
-    """Where a moving load touches a wire. Infinite stiffness keeps them together, or apart, rigidly."""
+    """Where a moving load touches a wire. Infinite stiffness keeps them together, or apart, rigidly.
+
+    A wire that runs aside of the middle of the moving load has another lever there: the row is `row + aside turn`.
+    """
 
     wire: int
     row: tuple[float, ...] = ()  # its height is row @ q; nothing: a force that is given
@@ -122,6 +131,10 @@ class Contact:
     rest: float = 0.0  # N upwards on the wire where nothing is moved: coordinates may count from an equilibrium
     below: bool = False  # whether the moving load touches the wire from below
     lifts_off: bool = False
+    rough: Callable[[Array], Array] = nothing  # stations to heights that are added to the wire, m
+    turn: tuple[float, ...] = ()  # what is added to the row for each metre aside; of soft contacts
+    aside: Callable[[Array], Array] = nothing  # stations to how far the wire is to the left of the middle, m
+    widest: float = 0.0  # m, the largest distance aside, on either side
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,7 @@ def pressing(
     t: float,
     local: Array,
     rough: Array,
+    aside: Array,
     on: NDArray[np.bool_],
     ground: Array,
 ) -> Pressing:
@@ -50,6 +51,7 @@ def pressing(
         t: s.
         local: (contact,) m/N, compliance of the wires beside their splines, as `moving_loads.local_under` has it.
         rough: (contact,) m, heights that are added to the wires.
+        aside: (contact,) m, how far the wires are to the left of the middle of their loads.
         on: (contact,) whether it touches a wire, or the ground; what does not presses with nothing.
         ground: (contact,) m, height of the ground under contacts beside their wires; NaN: it is on its wire.
 
@@ -64,7 +66,7 @@ def pressing(
         mine = np.flatnonzero((moving_loads.owner == i) & on)
         own = np.broadcast_to(prescribed_motion.given(instant), (1, int((moving_loads.owner == i).sum())))[0]
         own = own[on[moving_loads.owner == i]]
-        rest, row = moving_loads.rest[mine], moving_loads.row[mine, :n]
+        rest, row = moving_loads.rest[mine], moving_loads.rows(aside)[mine, :n]
         given[mine] = own + (rest if n else 0.0)
         if not n:
             continue

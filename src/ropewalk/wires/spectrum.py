@@ -133,6 +133,16 @@ def _equations(state: _State) -> Equations:
     return wires.with_bodies(_bodies(state, way, float(np.abs(K.diagonal()).max(initial=0.0))))
 
 
+def _aside(state: _State) -> Array:
+    """How far wires are to the left of the middle of their loads, (contact,) m."""
+    contacts = [contact for motion in state.prescribed_motions for contact in motion.moving_load.contacts]
+    aside = np.zeros(len(contacts))
+    for k, (contact, location) in enumerate(zip(contacts, state.locations, strict=True)):
+        if location is not None:
+            aside[k] = contact.aside(np.array([location.links * state.mesh.strands.h[contact.wire]]))[0]
+    return aside
+
+
 def _bodies(state: _State, way: sparse.csc_matrix, stiffest: float) -> Sequence[LinearBody]:
     """What stands on the wires; its contacts move up and down only, as in motion."""
     if not state.prescribed_motions:
@@ -158,10 +168,11 @@ def _bodies(state: _State, way: sparse.csc_matrix, stiffest: float) -> Sequence[
         spring = moving_loads.spring[mine]
         with np.errstate(divide="ignore"):
             yields = np.maximum(local, -0.5 / spring) + 1.0 / spring
+        rows = moving_loads.rows(_aside(state))[mine, :n]
         found.append(
             sprung(
                 moving_loads.mass[i, :n, :n], moving_loads.damping[i, :n, :n], moving_loads.stiffness[i, :n, :n],
-                moving_loads.row[mine, :n],
+                rows,
                 (yields, moving_loads.damper[mine]), at.tocsr() @ way, stiffest,
             )
         )  # fmt: skip

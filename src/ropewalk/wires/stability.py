@@ -54,11 +54,19 @@ def _damped(mesh: Mesh, moving_loads: MovingLoads, lightest: float) -> float:
     tied = 2.0 * _SQUARES * float(max([0.0, *mesh.ties.damping])) / lightest
     found = [0.0]
     for k, i in enumerate(moving_loads.owner):
-        n = moving_loads.size[i]
-        row = moving_loads.row[k, :n]
-        light = float(row @ np.linalg.solve(moving_loads.mass[i, :n, :n], row)) if n else 0.0
+        light = _light(moving_loads, k, i)
         found.append(moving_loads.damper[k] * (_SQUARES / lightest + light))
     return tied + float(sum(sorted(found)[-2:]))
+
+
+def _light(moving_loads: MovingLoads, k: int, i: int) -> float:
+    """One over the mass that contact k of moving load i feels, at most, wherever it is across the load, 1/kg."""
+    n = moving_loads.size[i]
+    if not n:
+        return 0.0
+    out = moving_loads.widest[k] * moving_loads.turn[k, :n]
+    rows = moving_loads.row[k, :n] + np.array([-out, out])
+    return float((rows * np.linalg.solve(moving_loads.mass[i, :n, :n], rows.T).T).sum(axis=1).max())
 
 
 def _loaded(mesh: Mesh, moving_loads: MovingLoads, lightest: float) -> float:
@@ -70,9 +78,7 @@ def _loaded(mesh: Mesh, moving_loads: MovingLoads, lightest: float) -> float:
         if moving_loads.spring[k] == 0.0 or np.isinf(moving_loads.spring[k]):
             continue
         stiff = 1.0 / (1.0 / moving_loads.spring[k] + max(local[moving_loads.wire[k]], -0.5 / moving_loads.spring[k]))
-        n = moving_loads.size[i]
-        row = moving_loads.row[k, :n]
-        light = float(row @ np.linalg.solve(moving_loads.mass[i, :n, :n], row)) if n else 0.0
+        light = _light(moving_loads, k, i)
         found.append(stiff * (_SQUARES / lightest + light))
     return float(sum(sorted(found)[-2:]))
 
@@ -83,10 +89,12 @@ def _alone(moving_loads: MovingLoads) -> float:
     for i, n in enumerate(moving_loads.size):
         if n == 0:
             continue
-        K: Array = moving_loads.stiffness[i, :n, :n].copy()
-        for k in np.flatnonzero(moving_loads.owner == i):
-            if np.isfinite(moving_loads.spring[k]):
-                K += moving_loads.spring[k] * np.outer(moving_loads.row[k, :n], moving_loads.row[k, :n])
-        square = np.abs(np.linalg.eigvals(np.linalg.solve(moving_loads.mass[i, :n, :n], K))).max()
-        steps.append(2.0 / np.sqrt(square) if square > 0.0 else np.inf)
+        for aside in (-moving_loads.widest, moving_loads.widest):
+            K: Array = moving_loads.stiffness[i, :n, :n].copy()
+            rows = moving_loads.rows(aside)[:, :n]
+            for k in np.flatnonzero(moving_loads.owner == i):
+                if np.isfinite(moving_loads.spring[k]):
+                    K += moving_loads.spring[k] * np.outer(rows[k], rows[k])
+            square = np.abs(np.linalg.eigvals(np.linalg.solve(moving_loads.mass[i, :n, :n], K))).max()
+            steps.append(2.0 / np.sqrt(square) if square > 0.0 else np.inf)
     return float(min(steps))

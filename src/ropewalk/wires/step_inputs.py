@@ -21,6 +21,7 @@ class StepInputs(NamedTuple):
     given: Array  # (row, contact) N upwards on the wire, beside what a moving load does
     push: Array  # (row, moving load, C) N on the coordinates
     time: Array  # (row,) s
+    aside: Array  # (row, contact) m, how far the wire is to the left of the middle of the moving load
 
     def rows(self, begin: int, end: int) -> StepInputs:
         """Some of the rows, and that after them."""

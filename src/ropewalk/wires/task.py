@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -276,7 +276,8 @@ def loaded(start: WireStart, prescribed_motion: PrescribedMotion) -> PrescribedM
         place_at(start, c.wire, s, material=c.material)[0] for c, s in zip(moving_load.contacts, stations, strict=True)
     ]
     height = np.array(found) - [c.base for c in moving_load.contacts]
-    return along(start, replace(prescribed_motion, first=resting(moving_load, height)))
+    first = resting(moving_load, height, rows_at(moving_load, stations))
+    return along(start, replace(prescribed_motion, first=first))
 
 
 def along(start: WireStart, prescribed_motion: PrescribedMotion) -> PrescribedMotion:
@@ -296,27 +297,44 @@ def along(start: WireStart, prescribed_motion: PrescribedMotion) -> PrescribedMo
     rise = speed * np.array(slopes)
     lengths = [start.mesh.plan.wires[c.wire].length for c in moving_load.contacts]
     within = np.array([0.0 < s < length for s, length in zip(stations, lengths, strict=True)], dtype=np.bool_)
+    row = rows_at(moving_load, stations)
     return replace(
-        prescribed_motion, rate=_struck(moving_load, resting(moving_load, np.where(within, rise, 0.0)), rise)
+        prescribed_motion,
+        rate=_struck(moving_load, resting(moving_load, np.where(within, rise, 0.0), row), rise, row),
     )
 
 
-def _struck(moving_load: TravellingLoad, rate: Array, rise: Array) -> Array:
+def rows_at(moving_load: TravellingLoad, stations: Sequence[float]) -> Array:
+    """Rows of all contacts at stations in m, (contact, coordinate)."""
+    found = np.zeros((len(stations), moving_load.size))
+    for k, (contact, station) in enumerate(zip(moving_load.contacts, stations, strict=True)):
+        found[k] = contact.row
+        if contact.turn:
+            found[k] += float(contact.aside(np.array([station]))[0]) * np.array(contact.turn)
+    return found
+
+
+def _struck(moving_load: TravellingLoad, rate: Array, rise: Array, row: Array) -> Array:
     """Rates of the coordinates after a blow that gives rigid contacts the rates of the wires under them."""
     rigid = np.array([np.isinf(contact.stiffness) for contact in moving_load.contacts], dtype=np.bool_)
     if not rigid.any():
         return rate
-    row = np.array([contact.row for contact in moving_load.contacts]).reshape(-1, moving_load.size)[rigid]
-    yielding = np.linalg.solve(moving_load.mass, row.T)
-    struck: Array = rate + yielding @ np.linalg.lstsq(row @ yielding, rise[rigid] - row @ rate, rcond=None)[0]
+    fast = row[rigid]
+    yielding = np.linalg.solve(moving_load.mass, fast.T)
+    struck: Array = rate + yielding @ np.linalg.lstsq(fast @ yielding, rise[rigid] - fast @ rate, rcond=None)[0]
     return struck
 
 
-def resting(moving_load: TravellingLoad, height: Array) -> Array:
-    """Coordinates of a moving load at rest on contacts that are moved up by heights in m; or their rates, by rates."""
+def resting(moving_load: TravellingLoad, height: Array, row: Array) -> Array:
+    """Coordinates of a moving load at rest on contacts that are moved up by heights in m; or their rates, by rates.
+
+    Args:
+        moving_load: it.
+        height: (contact,) m or m/s.
+        row: (contact, coordinate) by which its contacts follow its coordinates.
+    """
     size = moving_load.size
     rigid = np.array([np.isinf(contact.stiffness) for contact in moving_load.contacts], dtype=np.bool_)
-    row = np.array([contact.row for contact in moving_load.contacts]).reshape(-1, size)
     soft = np.where(rigid, 0.0, [contact.stiffness for contact in moving_load.contacts])
     stiffness = moving_load.stiffness + row.T @ (soft[:, None] * row)
     fast, none = row[rigid], np.zeros((int(rigid.sum()),) * 2)
