@@ -7,6 +7,7 @@ import sys
 
 from . import (
     bodies,
+    cold,
     continuum,
     cosim,
     cost,
@@ -32,9 +33,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument(
         "what", nargs="?", default="all",
-        choices=["all", "peers", "continuum", "cost", "statics", "theory", "bodies", "overhead", "nets", "cosim",
-                 "crossings", "endurance", "gate", "many", "mesh", "output", "scaling", "studio", "throughput"],
+        choices=["all", "peers", "continuum", "cost", "cold", "statics", "theory", "bodies", "overhead",
+                 "nets", "cosim", "crossings", "endurance", "gate", "many", "mesh", "output", "scaling", "studio",
+                 "throughput"],
         help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling; "
+        "cold: first runs without and with compiled kernels; "
         "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields; "
         "bodies: masses, walkers, models of one's own, and Exudyn's sliding joint; overhead: against real time; "
         "nets: a mass on nets of more and more nodes; cosim: what an exchange with an FMU costs; "
@@ -56,6 +59,8 @@ def main() -> None:
         continuum.main()
     if what in ("all", "cost"):
         cost.main()
+    if what in ("all", "cold"):
+        cold.main()
     if what in ("all", "statics"):
         statics.main()
     if what in ("all", "theory"):

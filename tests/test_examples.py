@@ -721,7 +721,7 @@ KNOWN = {
             off_the_parabola,
             0.0,
             60.0,
-            ("run.until=0.1 s",),
+            ("run.until=2 s",),
         ),
         Known("audit, part of the energy", audit, 0.0, 1e-4, ("run.until=2 s",)),
     ],

@@ -45,6 +45,8 @@ run: {{kind: dynamic, until: 0.1 ms}}
 """
 _FORCE, _MASS, _STIFF = "force, force: [0, -500]", "mass, mass: 10", "bending_stiffness: 1 kN*m^2, "
 COMMON: dict[str, tuple[str, ...]] = {
+    "lines with saddles, sheaves or segments, overhead lines, nets": (_SADDLE.format(load=_MASS),),
+    "joined lines": (_TAUT.format(line="", load=_FORCE), _TAUT.format(line="", load=_MASS)),
     "a rope": (
         _ROPE.format(line="", load=_FORCE, run=""),
         _ROPE.format(line="", load=_MASS, run=""),
@@ -54,10 +56,8 @@ COMMON: dict[str, tuple[str, ...]] = {
         _ROPE.format(line=_STIFF, load=_MASS, run=", geometry: linearised").replace("length: 20 m", "tension: 20 kN"),
         _ROPE.format(line=_STIFF, load=_MASS, run=""),
     ),
-    "joined lines": (_TAUT.format(line="", load=_FORCE), _TAUT.format(line="", load=_MASS)),
-    "lines with saddles, sheaves or segments, overhead lines, nets": (_SADDLE.format(load=_MASS),),
 }
-"""What most runs need: scenarios, in groups that share kernels."""
+"""What most runs need: scenarios, in groups that share kernels, those first that take longest."""
 
 
 def alone(name: str, scenario: Scenario) -> dict[str, tuple[str, ...]]:

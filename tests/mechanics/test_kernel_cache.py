@@ -2,6 +2,7 @@
 
 import ast
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -37,12 +38,20 @@ def kept(folder: Path) -> list[Path]:
     return sorted(folder.glob("cache/kernels-*/*/one.outer*"))
 
 
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory):
+    """A program and its kernels, for all who spoil a copy."""
+    folder = tmp_path_factory.mktemp("compiled") / "program"
+    folder.mkdir()
+    (folder / "one.py").write_text(KERNEL.format(1))
+    assert ran(folder).stdout == "8 0\n"
+    assert ran(folder).stdout == "8 1\n"
+    return folder
+
+
 @pytest.fixture
-def program(tmp_path):
-    (tmp_path / "one.py").write_text(KERNEL.format(1))
-    assert ran(tmp_path).stdout == "8 0\n"
-    assert ran(tmp_path).stdout == "8 1\n"
-    return tmp_path
+def program(compiled, tmp_path):
+    return Path(shutil.copytree(compiled, tmp_path / compiled.name))
 
 
 def test_every_folder_that_holds_kernels_is_looked_at():
@@ -76,6 +85,10 @@ def test_another_state_of_any_kernel_has_another_folder(tmp_path, monkeypatch):
     assert now() == before
     (tmp_path / HOLD_KERNELS[-1] / "one.py").write_text("a = 2")
     assert now() != before
+
+
+def test_a_kernel_that_is_whole_is_taken_from_where_it_is_kept(program):
+    assert ran(program).stdout == "8 1\n"
 
 
 @pytest.mark.parametrize("ending", ["nbi", "nbc"])

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import ropewalk
 from ropewalk.results import open_result
 
 resource = pytest.importorskip("resource")
@@ -61,6 +62,5 @@ def test_a_disk_that_is_full_loses_nothing(whole: Path, tmp_path: Path, tenth: i
         frames = result.sizes["time"]
     assert numbers(tmp_path / "one.nc") == numbers(whole, frames)
     if (tmp_path / "one.nc").read_bytes() != earlier:
-        again = run(tmp_path, "resume", "one.nc")
-        assert again.returncode == 0, again.stderr
+        ropewalk.resume(tmp_path / "one.nc").close()
         assert numbers(tmp_path / "one.nc") == numbers(whole)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -46,13 +47,18 @@ def doubt(run_info: RunInfo) -> Doubt:
     return found
 
 
+@cache
+def turned_over() -> float:
+    """Energy turned over by the whole wave, J."""
+    return float(turnover(np.array([frame.energy for frame in wave.frames(wave.layout(), TIMES)])).max())
+
+
 def missing(share: float, at: int = 100) -> Change:
     """An imbalance of a part of all energy turned over, which comes about in one frame."""
-    moved = turnover(np.array([frame.energy for frame in wave.frames(wave.layout(), TIMES)])).max()
 
     def change(i: int, frame: Frame) -> Frame:
         energy = frame.energy.copy()
-        energy[AUDIT] = share * moved * (i >= at)
+        energy[AUDIT] = share * turned_over() * (i >= at)
         return replace(frame, energy=energy)
 
     return change

@@ -44,12 +44,12 @@ def test_the_deck_rests_level_and_the_hangers_upright() -> None:
     middle = cable.shape[0] // 2
     xi = found["xi"].to_numpy()[line == "cable"]
     weight = 6.0 * GRAVITY * np.diff(xi)
-    moment = 0.0
+    moment, lines = 0.0, formed(scenario).lines
     for w, x in zip(weight, 0.5 * (cable[1:, 0] + cable[:-1, 0]), strict=True):
         moment += w * min(x, SPAN - x) / 2.0
     for i in range(1, 10):
         head = place[line == f"hanger-{i}"][0]
-        force = T[links == f"hanger-{i}"].mean() + 0.5 * 0.6 * GRAVITY * formed(scenario).lines[f"hanger-{i}"].length
+        force = T[links == f"hanger-{i}"].mean() + 0.5 * 0.6 * GRAVITY * lines[f"hanger-{i}"].length
         moment += force * min(head[0], SPAN - head[0]) / 2.0
     H = T[links == "cable"][middle - 1 : middle + 1].mean()
     assert H * (6.0 - cable[middle, 1]) == pytest.approx(moment, rel=1e-3)  # T beside the middle has 2e-4 of slope

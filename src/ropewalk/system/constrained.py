@@ -77,8 +77,8 @@ def _of_links(G: sparse.csr_matrix) -> sparse.csc_matrix:
 def gradients(potential: Any, shape: Array, links: Integers) -> sparse.csr_matrix:
     """Change of l^2/2 of some links with the unknowns, kinks included, (link, unknown) m."""
     potential.forces(shape)
-    r, u = potential.put(shape)
-    rows, on = potential.rows(r, u.size), potential.loaded.on
+    r, _ = potential.put(shape)
+    rows, on = potential.rows(r), potential.loaded.on
     if on.size:
         contacts, reach = potential.loaded.contacts[on], potential.reach()
         stretched = sum(sparse.diags(contacts["d"][:, a]) @ one for a, one in enumerate(reach))

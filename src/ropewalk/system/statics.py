@@ -23,6 +23,7 @@ from ropewalk.system.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
 from ropewalk.system.contact_point import locate_point
 from ropewalk.system.contacts import BODY, ON, add_contact_forces, bend
 from ropewalk.system.loaded_structure import LoadedStructure
+from ropewalk.system.products import Products, scaled
 from ropewalk.system.saddles import add_saddle_forces, stored_in_saddles
 from ropewalk.system.sheaves import SLIPS, add_sheave_forces, pass_nodes_entry, slip, stored_at, stretch_over
 from ropewalk.system.sheaves_at_rest import (
@@ -116,6 +117,7 @@ class SystemPotential:
         self.axes, n = loaded.rest.shape
         self.buffers, self.table, self._out = Buffers.of(structure, self.axes), compliances(part=part), np.zeros(4)
         self.blown = np.zeros((self.axes, n))  # N, of the wind
+        self._stiff = np.zeros(0), sparse.csc_matrix((0, 0))  # a shape and the stiffness found last
         restrained = structure.restraints
         moves = np.ones(n, dtype=np.bool_)
         moves[restrained.node] = False
@@ -148,6 +150,19 @@ class SystemPotential:
         for first, links, arcs in zip(runs.first, runs.links, runs.arcs, strict=True):
             self._arcs[first : first + links] = arcs
         self._three = self._one @ self._two  # links are between second differences as between nodes
+        self._find_patterns()
+
+    def _find_patterns(self) -> None:
+        """Where the stiffness across the links and the change of their lengths have entries, and of what these are."""
+        n, axes, none = self._arcs.size, range(self.axes), sparse.csr_matrix((0, self.loaded.weight.size))
+        forms = sparse.vstack([self._one, self._two, self._three])
+        all_forms = sparse.block_diag([*(forms for _ in axes), none], format="csr")
+        bed = sparse.eye(n, all_forms.shape[1], n * (self.axes - 1))  # of places along the last axis
+        across = sparse.vstack([all_forms, bed])
+        self._across = Products(across.T, across)
+        pair, arcs = sparse.diags([np.ones(n), np.ones(n - 1)], [0, 1]), sparse.diags(2.0 * self._arcs)
+        links = sparse.hstack([sparse.identity(n), ARC * arcs @ pair, SHORT_ARC * arcs])
+        self._lengthened = Products(sparse.hstack([links for _ in axes]), all_forms)
 
     def arrange(self) -> None:
         """Take note of what stands where."""
@@ -160,9 +175,11 @@ class SystemPotential:
         runs, n = self.structure.runs, self.structure.nodes.mass.size
         one, two = (sparse.lil_matrix((n, n)) for _ in range(2))
         weight = np.ones(n)
-        for first, links, clamped in zip(runs.first, runs.links, runs.clamped, strict=True):
+        for s, (first, links, clamped) in enumerate(zip(runs.first, runs.links, runs.clamped, strict=True)):
             for i in range(first, first + links):
                 one[i, i], one[i, i + 1] = -1.0, 1.0
+            if not runs.arcs[s] and runs.bending[s] == 0.0 and self.structure.segments is None:  # straight links
+                continue
             for i in range(first + 1, first + links):
                 two[i, i - 1], two[i, i], two[i, i + 1] = 1.0, -2.0, 1.0
             for side, (e, i) in enumerate(((first, first + 1), (first + links, first + links - 1))):
@@ -259,20 +276,28 @@ class SystemPotential:
         length[~is_link] = 1.0
         q = tension / length
         rise = (slope / h - q) / length**2  # change of T/l with l^2/2
-        across = self._one.T @ sparse.diags(q) @ self._one
         arced = q * self._arcs
         arcs = 2.0 * ARC * (arced + np.concatenate([[0.0], arced[:-1]]))
-        bent = self._two.T @ sparse.diags(arcs + EI * self._weight) @ self._two
-        bent = bent + self._three.T @ sparse.diags(SMOOTH * smooth + 2.0 * SHORT_ARC * arced) @ self._three
-        blocks = [across + bent] * (axes - 1) + [across + bent + sparse.diags(bed)]
-        rows = self.rows(r, u.size)
-        K = sparse.block_diag([*blocks, self.loaded.stiffness(u)]) + rows.T @ sparse.diags(rise) @ rows
-        K = (K + self._kinks(rows, rise) + self._of_groups("stiffness", r, u.size)).tolil()
-        restrained = self.structure.restraints
-        for e in np.flatnonzero(restrained.stiffness.any(axis=(1, 2))):
-            at = restrained.node[restrained.first[e]] + n * np.arange(axes)
-            K[np.ix_(at, at)] += restrained.stiffness[e]
-        return (self.free.T @ K.tocsc() @ self.free).tocsc()
+        by_forms = [q, arcs + EI * self._weight, SMOOTH * smooth + 2.0 * SHORT_ARC * arced]
+        rows = self.rows(r)
+        K = self._across.of(np.concatenate([*(by_forms * axes), bed])) + rows.T @ scaled(rows, rise)
+        K = K + self._kinks(rows, rise) + self._of_groups("stiffness", r, u.size) + self._of_restraints("stiffness")
+        if u.size:
+            K = K + sparse.block_diag([sparse.csr_matrix((r.size, r.size)), self.loaded.stiffness(u)])
+        K = (self.free.T @ K @ self.free).tocsc()
+        K.eliminate_zeros()
+        self._stiff = shape, K
+        return K
+
+    def _of_restraints(self, what: str) -> sparse.csr_matrix:
+        """Springs or dampers of supports, (place, place)."""
+        restrained, n = self.structure.restraints, self.structure.nodes.mass.size
+        values = getattr(restrained, what)
+        acts = np.flatnonzero(values.any(axis=(1, 2)))
+        at = restrained.node[restrained.first[acts]][:, None] + n * np.arange(self.axes)
+        row, column = np.repeat(at, self.axes, axis=1), np.tile(at, self.axes)
+        entries = values[acts].ravel(), (row.ravel(), column.ravel())
+        return sparse.csr_matrix(entries, shape=(self.free.shape[0],) * 2)
 
     def _of_groups(self, what: str, r: Array, more: int) -> sparse.csc_matrix:
         """Second derivatives of cells, ties and pieces at sheaves, or their dampers; see `rows`."""
@@ -281,25 +306,18 @@ class SystemPotential:
         if (over := structure.sheaves) is not None:
             is_stiffness = what == "stiffness"
             found.append(stiffness_of(over, runs, r, self.how) if is_stiffness else damping_of(over, runs, r))
+        if not found:
+            return sparse.csc_matrix((r.size + more, r.size + more))
         total = sum(found, start=sparse.csc_matrix((r.size, r.size)))
         return sparse.block_diag([total, sparse.csc_matrix((more, more))], format="csc")
 
-    def rows(self, r: Array, more: int) -> sparse.csr_matrix:
-        """Change of l^2/2 of all links, without kinks, with a shape of `more` coordinates of loads, (node, place) m.
-
-        Of what is linearised, at rest.
-        """
-        n, D = r.shape[1], self.buffers.bent
+    def rows(self, r: Array) -> sparse.csr_matrix:
+        """Change of l^2/2 of all links, without kinks, with the shape (node, place), m; linearised: at rest."""
+        D = self.buffers.bent
         if self.structure.is_linearised:
             r, D = self.structure.about.shape
-        pair = sparse.diags([np.ones(n), np.ones(n - 1)], [0, 1])
-        rows = [
-            sparse.diags(self._one @ r[a]) @ self._one
-            + sparse.diags(2.0 * ARC * self._arcs) @ pair @ sparse.diags(D[a]) @ self._two
-            + sparse.diags(2.0 * SHORT_ARC * self._arcs * (self._one @ D[a])) @ self._three
-            for a in range(self.axes)
-        ]
-        return sparse.hstack([*rows, sparse.csr_matrix((n, more))], format="csr")
+        by_axis = [c for a in range(self.axes) for c in (self._one @ r[a], D[a], self._one @ D[a])]
+        return self._lengthened.of(np.concatenate(by_axis))
 
     def reach(self) -> list[sparse.csr_matrix]:
         """Change of where contacts on their lines are beside these with the shape, (contact, place), for each axis."""
@@ -391,28 +409,26 @@ class SystemPotential:
 
     def damping(self, shape: Array) -> sparse.csc_matrix:
         """Forces of axial dampers, drag, wind, supports and bodies over velocities of the unknowns, N s/m."""
-        runs, nodes, restrained, n = self.structure.runs, self.structure.nodes, self.structure.restraints, self.axes
+        runs, nodes, n = self.structure.runs, self.structure.nodes, self.axes
         r, u = self._look(shape)
-        rows, felt, on = self.rows(r, u.size), np.zeros(nodes.mass.size), self.loaded.on
+        rows, felt, on = self.rows(r), np.zeros(nodes.mass.size), self.loaded.on
         for first, links, h, c in zip(runs.first, runs.links, runs.h, runs.damping, strict=True):
             part = slice(first, first + links)
             felt[part] = c / (h * self.buffers.length[part] ** 2)
         if on.size and not self.structure.is_linearised:  # kinks lengthen links, too
             rows = rows + self.borne().T @ sparse.diags(self.loaded.contacts["by_tension"][on]) @ self.stretched()
-        C = rows.T @ sparse.diags(felt) @ rows
+        C = rows.T @ scaled(rows.tocsr(), felt)
         by_wind = damping_by_wind(self.structure, r, float(self.loaded.state.t[0]))
         by_nodes = sparse.diags(np.tile(nodes.mass * nodes.drag, n)) + by_wind
         by_nodes = sparse.block_diag([by_nodes, self.loaded.damping(u)])
-        C = (C + by_nodes + self._of_groups("damping", r, u.size)).tolil()
-        for e in np.flatnonzero(restrained.damping.any(axis=(1, 2))):
-            at = restrained.node[restrained.first[e]] + nodes.mass.size * np.arange(n)
-            C[np.ix_(at, at)] += restrained.damping[e]
+        C = C + by_nodes + self._of_groups("damping", r, u.size) + self._of_restraints("damping")
         C = (self.free.T @ C.tocsc() @ self.free).tocsc()
         C.eliminate_zeros()
         return C
 
     def pattern(self, shape: Array) -> sparse.csc_matrix:
-        K, structure = abs(self.stiffness(shape)), self.structure
+        at, found = self._stiff  # who asks for both does so one after the other
+        K, structure = abs(found if at is shape else self.stiffness(shape)), self.structure
         n, count = structure.nodes.mass.size, self.loaded.weight.size
         # Cells and ties that are slack, and lines that are drawn straight up over sheaves, have zeros there now.
         near = [group.neighbours(n) for group in (structure.surfaces, structure.ties) if group is not None]
@@ -426,8 +442,8 @@ class SystemPotential:
         parts.append(sparse.block_diag([sparse.csc_matrix((n * self.axes, n * self.axes)), turned]))
         if self.loaded.on.size:
             parts.append(self._around_contacts(count))
-        for part in parts:
-            K = K + abs(self.free).T @ part @ abs(self.free)
+        free = abs(self.free)
+        K = K + free.T @ sum(parts[1:], start=parts[0]) @ free
         return (K + K.T).tocsc()
 
     def _around_contacts(self, count: int) -> sparse.csc_matrix:

@@ -150,9 +150,11 @@ class SystemStatics:
         potential, structure = self.potential, self._structure
         if not structure.wind.direction.any():
             return least(potential, shape)
-        for _ in range(_ROUNDS):
+        for done in range(_ROUNDS):
             r = potential.put(shape)[0]
             _add_wind_forces(structure.for_kernels, potential.buffers.for_kernels(structure), r, np.zeros_like(r), t)
+            if done and np.array_equal(potential.blown, potential.buffers.air):  # as in calm air
+                return shape
             potential.blown[:] = potential.buffers.air
             last, shape = shape, least(potential, shape)
             if float(np.abs(shape - last).max()) <= _NEAR * potential.size:
