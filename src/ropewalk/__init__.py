@@ -17,7 +17,7 @@ loads           `MovingForce`, `MovingMass`, `Oscillator`, `Trolley` with its `P
                 with the line
 overhead lines  `OverheadLine` of `ContactWire`, `MessengerWire`, `StitchWire`, `Droppers`, `SteadyArms`,
                 `MessengerSupports`, `Spans`, `Condition` and `Limits`; `Pantograph` with its `PantographTravel`
-                and its `Head`, which may have a `HeadRotation` or two
+                and its `PantographHead`, which may have a `HeadRotation` or two
 travel          `Travel` as prescribed, `FreeTravel` with `Driver` and `Brake`
 axial laws      `Hooke`, `TensionOnly`, `SecondPiolaKirchhoff`, `Polynomial`, `Tabulated`, `Webbing`, `Inextensible`;
                 `Hysteresis`, what unloading gives back less

@@ -339,9 +339,9 @@ OTHER: dict[str, Any] = {
     "Pantograph.mean_force": Patch(mean_force=100.0, static_force=None, aerodynamic=None),
     "Pantograph.contact_damping": 20.0,
     "Pantograph.head": lambda value, _: Patch(head=None) if value else {"spacing": 2.0},
-    "Head.strips": Patch(strips=1, spacing=None, pitch=None),
-    "Head.pitch": lambda value, _: Patch(pitch=None) if value else {"inertia": 0.3, "spring_spacing": 0.5},
-    "Head.roll": lambda value, _: Patch(roll=None) if value else {"inertia": 1.0, "spring_spacing": 0.9},
+    "PantographHead.strips": Patch(strips=1, spacing=None, pitch=None),
+    "PantographHead.pitch": lambda value, _: Patch(pitch=None) if value else {"inertia": 0.3, "spring_spacing": 0.5},
+    "PantographHead.roll": lambda value, _: Patch(roll=None) if value else {"inertia": 1.0, "spring_spacing": 0.9},
     "Pantograph.irregularity": lambda value, _: Patch(irregularity=None) if value else HILLS,
     # Runs.
     "*.every": lambda value, _: 0.75 * value if value else 0.5 * UNTIL,

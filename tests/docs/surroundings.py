@@ -189,6 +189,7 @@ PARTS = {
         "droppers:": Part("overhead-line-dropper-failure", "overhead_lines.line"),
         "ends:": OVERHEAD,
         "irregularity:": Part("overhead-line-limits", "loads.front"),
+        "head:": Part("overhead-line-head", "loads.front"),
         "limits:": OVERHEAD,
         "sweep:": Part("overhead-line-limits"),
         "loads:": Part(TWO_SPANS.replace("count: 2", "count: 10")),

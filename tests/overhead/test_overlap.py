@@ -19,6 +19,7 @@ from ropewalk.overhead.section import CONTACT, elasticity, section_of
 from ropewalk.results.contact_statistics import contact_statistics, samples
 from ropewalk.results.course import together
 from ropewalk.results.frame import RunInfo
+from ropewalk.results.slots import digests
 from ropewalk.results.statistics import summary
 from ropewalk.simulate import simulate
 from ropewalk.wires.contact_location import location_at
@@ -189,6 +190,7 @@ def test_irregular_wires_the_other_way_are_the_mirrored_ones(tmp_path: Path) -> 
         scenario(on="second", speed=-50.0, start=200.0 - 50.0 - 40.0),
         second=written(tmp_path, "3", x, one[::-1]), first=written(tmp_path, "4", x, two[::-1]),
     )  # fmt: skip
+    assert digests(there).keys() == {"loads.head.irregularity.first", "loads.head.irregularity.second"}
     forward, plain = heads(simulate(there)).force.values, samples(simulate(scenario()))
     smooth = plain.force.values[:, 0]
     np.testing.assert_allclose(heads(simulate(back)).force.values, forward, atol=1e-5)

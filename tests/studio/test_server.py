@@ -20,6 +20,7 @@ import ropewalk
 from ropewalk.errors import RopewalkError
 from ropewalk.results.frame import Doubt
 from ropewalk.scenario import ScenarioError, loads
+from ropewalk.studio.folder import check_inside
 from ropewalk.studio.streams import remark_of
 from ropewalk.studio.sweeps import checked_plan
 from ropewalk.studio.worker import ComputingProcess
@@ -234,6 +235,9 @@ def test_no_case_of_a_sweep_reads_elsewhere(tmp_path: Path) -> None:
     assert scenario.sweep is not None
     with pytest.raises(ScenarioError, match=r"run\.start\.file: lies outside of the folder"):
         checked_plan(scenario, scenario.sweep, lambda _: None, tmp_path)
+    several = {"loads": {"head": {"irregularity": {"first": "own.csv", "second": "../other.csv"}}}}
+    with pytest.raises(ScenarioError, match=r"loads\.head\.irregularity\.second: lies outside of the folder"):
+        check_inside(several, tmp_path)
 
 
 def test_a_film_and_a_workbook_are_exported(page: Page, server: Server, folder: Path) -> None:

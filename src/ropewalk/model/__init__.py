@@ -11,7 +11,7 @@ from ropewalk.model.exchange import Exchange
 from ropewalk.model.fmu import Fmu, FmuContact, FmuTravel
 from ropewalk.model.footsteps import Footsteps, Harmonic
 from ropewalk.model.hangers import Hangers
-from ropewalk.model.head import Head, HeadRotation
+from ropewalk.model.head import HeadRotation, PantographHead
 from ropewalk.model.history import DisplacementTable, DriveTable, ForceTable, SpeedTable
 from ropewalk.model.hysteresis import Hysteresis
 from ropewalk.model.inner_support import InnerElastic, InnerFixed, InnerGuided, InnerMoving
@@ -100,7 +100,6 @@ __all__ = [
     "Hangers",
     "Harmonic",
     "Haul",
-    "Head",
     "HeadRotation",
     "Hooke",
     "Hysteresis",
@@ -133,6 +132,7 @@ __all__ = [
     "OverheadLine",
     "Pads",
     "Pantograph",
+    "PantographHead",
     "PantographTravel",
     "Payload",
     "Polynomial",

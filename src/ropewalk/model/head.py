@@ -20,7 +20,7 @@ class HeadRotation(Declaration):
     spring_spacing: PositiveLength = Field(description="distance between the two halves of the spring below the head")
 
 
-class Head(Declaration):
+class PantographHead(Declaration):
     """The head as a rigid body, whose mass is the last of the masses, on the last of the springs.
 
     Each strip presses on the contact wire through a `contact_stiffness` of its own. The strips are one behind the other

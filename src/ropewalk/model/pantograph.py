@@ -11,7 +11,7 @@ from pydantic_core import core_schema
 
 from ropewalk.errors import Refused, did_you_mean
 from ropewalk.model._base import Declaration, Finding, report
-from ropewalk.model.head import Head
+from ropewalk.model.head import PantographHead
 from ropewalk.model.history import SpeedHistory, SpeedTable
 from ropewalk.model.pantographs import PUBLISHED, TARGETS, Published
 from ropewalk.model.quantity import (
@@ -129,7 +129,9 @@ class Pantograph(Declaration):
     ramp: RampTime = Field(default=0.3, description="time in which all forces on it grow to their full size")
     contact_stiffness: PositiveStiffness = Field(default=50e3, description="of head and contact wire")
     contact_damping: Viscosity = Field(default=0.0, description="of head and contact wire")
-    head: Head | None = Field(default=None, description="strips, pitch and roll of the head (default: it is a point)")
+    head: PantographHead | None = Field(
+        default=None, description="strips, pitch and roll of the head (default: it is a point)"
+    )
     irregularity: Annotated[str | dict[str, str], _FileOrEach()] | None = Field(
         default=None,
         description="name of a file with rows `x, z` in m: how much lower the head feels the contact wire to be (z < 0)"

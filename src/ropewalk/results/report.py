@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ropewalk.model import Scenario
-    from ropewalk.model.head import Head
+    from ropewalk.model.head import PantographHead
     from ropewalk.model.overhead import OverheadLine
     from ropewalk.model.overhead_wire import OverheadWire
     from ropewalk.model.pantograph import Pantograph
@@ -211,7 +211,7 @@ def _of_pantograph(load: Pantograph) -> Iterator[Cells]:
     yield "start", f"{load.travel.start:g} m along the line, force ramped over {load.ramp:g} s"
 
 
-def _head(head: Head) -> str:
+def _head(head: PantographHead) -> str:
     parts = ["one strip" if head.spacing is None else f"two strips {head.spacing:g} m apart"]
     for name, one in (("pitches", head.pitch), ("rolls", head.roll)):
         if one is not None:

@@ -108,6 +108,9 @@ def digests(scenario: Scenario) -> dict[str, str]:
         for name, load in scenario.loads.items()
         for key in ("file", "irregularity")
     }
+    for key, files in [(key, files) for key, files in named.items() if isinstance(files, dict)]:
+        named[key] = None
+        named |= {f"{key}.{line}": file for line, file in files.items()}
     named |= {f"lines.{name}.profile.file": line.profile.file for name, line in scenario.lines.items() if line.profile}
     found = {}
     for key, file in named.items():

@@ -120,6 +120,8 @@ def _files(node: Any, key: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], s
         for name, entry in node.items():
             if name in ("file", "irregularity") and isinstance(entry, str):
                 yield (*key, name), entry
+            elif name == "irregularity" and isinstance(entry, Mapping):  # a file for each line
+                yield from (((*key, name, str(line)), file) for line, file in entry.items() if isinstance(file, str))
             else:
                 yield from _files(entry, (*key, str(name)))
     elif isinstance(node, list | tuple):
