@@ -14,6 +14,7 @@ import socket
 import sys
 import threading
 import time
+from collections.abc import Callable
 from types import FrameType
 from typing import Any
 
@@ -31,6 +32,7 @@ class _Heard:
         self.since = 0.0  # s on a clock, when it was heard first
         self.compiling = 0  # compilations under way, one within the other
         self.again = False  # whether it is to be heard once more
+        self.kept: Callable[[], str] = str  # what there is to say of a file that has been begun
         self.waker: socket.socket | None = None  # of the thread that sees to that
         self.leaving = threading.Lock()  # taken by the thread that ends the process
 
@@ -46,6 +48,11 @@ def is_interrupted() -> bool:
 def note_compiling(begins: bool) -> None:
     """Say that a compilation begins, or has ended."""
     _heard.compiling += 1 if begins else -1
+
+
+def note_kept(kept: Callable[[], str]) -> None:
+    """Say what is to be told of a file that has been begun, if the command ends."""
+    _heard.kept = kept
 
 
 def listen() -> None:
@@ -120,5 +127,5 @@ def _leave(message: str) -> None:
     if not _heard.leaving.acquire(blocking=False):
         time.sleep(1.0)  # the other thread is about to end us
         return
-    os.write(sys.__stderr__.fileno() if sys.__stderr__ is not None else 2, f"{message}\n".encode())
+    os.write(sys.__stderr__.fileno() if sys.__stderr__ is not None else 2, f"{message}{_heard.kept()}\n".encode())
     os._exit(EXIT_CODE)

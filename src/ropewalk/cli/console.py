@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -20,7 +21,7 @@ import typer
 from typer import CallbackParam
 
 from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
-from ropewalk.interrupts import is_interrupted
+from ropewalk.interrupts import is_interrupted, note_kept
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,6 +38,7 @@ TABLE_SUFFIXES = (".csv", ".xlsx", ".parquet")
 Progress = Callable[[float], None]
 Report = Callable[..., None]  # a task, the part that is done, and maybe what it is at
 _READ: ContextVar[tuple[Path, tuple[str, ...]] | None] = ContextVar("read", default=None)  # file and settings
+_BETWEEN_LINES = 10.0  # s between lines that tell how far what takes long has come
 TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
 
 
@@ -215,9 +217,12 @@ def progress_of_run(scenario: Scenario, quiet: bool) -> Iterator[Progress | None
 
 @contextmanager
 def progress_of_many(quiet: bool) -> Iterator[Report | None]:
-    """A bar for each of several tasks, as they come, on stderr if that is a terminal."""
-    if quiet or not sys.stderr.isatty():
+    """A bar for each of several tasks, as they come, on stderr if that is a terminal, and lines if not."""
+    if quiet:
         yield None
+        return
+    if not sys.stderr.isatty():
+        yield _in_lines()
         return
     from rich.console import Console
     from rich.progress import Progress as Bar
@@ -231,6 +236,20 @@ def progress_of_many(quiet: bool) -> Iterator[Report | None]:
             bar.update(tasks[label], completed=done, description=f"{label} {what}".rstrip())
 
         yield report
+
+
+def _in_lines() -> Report:
+    """Progress of what takes long as lines: the first after ten seconds, then one for each tenth, and none sooner."""
+    told: dict[str, tuple[float, float]] = {}
+
+    def report(label: str, done: float, what: str = "") -> None:
+        now = clock.monotonic()
+        last, least = told.setdefault(label, (now, 0.0))
+        if now - last >= _BETWEEN_LINES and done >= least:
+            say(f"{label} {what}".rstrip() + f": {done:.0%}")
+            told[label] = now, done + 0.1
+
+    return report
 
 
 def now_called(new: str) -> Callable[[CallbackParam, Any], Any]:
@@ -249,6 +268,7 @@ def reported(target: Path | None = None) -> Iterator[None]:
     """Turn exceptions into messages and exit codes; `target` is the file that a run may have begun."""
     before = _stamp(target)
     _READ.set(None)  # of a command before, in the same process
+    note_kept(lambda: f"; what was computed is kept in {target}" if _stamp(target) != before else "")
     try:
         yield
     except typer.Exit:

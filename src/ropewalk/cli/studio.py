@@ -16,7 +16,7 @@ def studio(
         Path | None, typer.Argument(metavar="[FILE]", help="Scenario or result; its folder is opened [default: here].")
     ] = None,
     port: Annotated[
-        int, typer.Option("--port", metavar="N", help="Port on 127.0.0.1 [default: any that is free].")
+        int, typer.Option("--port", metavar="N", help="Port on 127.0.0.1; 0: any that is free.")
     ] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
     allow_code: Annotated[
