@@ -16,7 +16,7 @@ from ropewalk.theory import gait, lateral_balance
 
 GRAVITY = 9.81
 # Hardly moves: the ground of test_walkers.py.
-GROUND = {"start": (0, 0), "end": (10, 0), "tension": 1e9, "mass": 1000.0, "axial_stiffness": 1e12, "elements": 20}
+GROUND = {"start": (0, 0), "end": (10, 0), "tension": 1e9, "mass": 1000.0, "axial_stiffness": 1e11, "elements": 20}
 # Sways to the side at 1 Hz.
 DECK = {"start": (0, 0), "end": (20, 0), "tension": 160e3, "mass": 100.0, "axial_stiffness": 1e8, "elements": 40}
 LEGS = gait.SpringLegs(mass=80.0, leg_length=1.0, stiffness=14e3, attack_angle=np.radians(69.0))

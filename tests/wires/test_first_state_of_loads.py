@@ -112,6 +112,6 @@ def test_a_load_measured_as_material_stays_with_the_particles(kind: str) -> None
 def test_a_load_measured_horizontally_tells_on_which_particle_it_is() -> None:
     layout, frames = frames_of(SLACK.format(kind="mass, mass: 2 kg", measured="horizontal"))
     for x, frame in zip((1.0, 3.0, 5.0), frames, strict=True):
-        assert frame.contact_position[0, 0] == pytest.approx(x, abs=1e-9)
+        assert frame.contact_position[0, 0] == pytest.approx(x, abs=1e-4)  # what gives way along the line
         assert frame.contact_speed[0] == pytest.approx(4.0, rel=1e-9)
         assert np.interp(frame.contact_xi[0], layout.node_xi, frame.position[:, 0]) == pytest.approx(x, abs=2e-3)

@@ -15,9 +15,7 @@ def studio(
     file: Annotated[
         Path | None, typer.Argument(metavar="[FILE]", help="Scenario or result; its folder is opened [default: here].")
     ] = None,
-    port: Annotated[
-        int, typer.Option("--port", metavar="N", help="Port on 127.0.0.1; 0: any that is free.")
-    ] = 0,
+    port: Annotated[int, typer.Option("--port", metavar="N", help="Port on 127.0.0.1; 0: any that is free.")] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
     allow_code: Annotated[
         bool, typer.Option("--allow-code", help="Run scenarios that hold code of somebody: steppers and FMUs.")

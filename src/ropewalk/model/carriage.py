@@ -113,7 +113,7 @@ class Haul(Declaration):
         if self.sags and not self.mass:
             findings.append(Finding(("mass",), "a rope without weight does not sag", remedy="give its mass"))
         if self.sheave is not None and (self.counter is None or self.over_to is not None):
-            wrong = "what its other side pulls with is not known" if self.counter is None else "it turns freely there"
+            wrong = "what its other side pulls with is not given" if self.counter is None else "it turns freely there"
             findings.append(Finding(("sheave",), wrong, remedy="give counter and speed, or leave sheave out"))
         report("haul", findings)
         return self

@@ -89,7 +89,7 @@ def check_overlaps(parts: Parts) -> Iterator[Finding]:
             yield Finding(path, wrong, load.irregularity, f"write one file for each line, or for some: {{{each}}}")
         for key in load.irregularities:
             if key not in course:
-                remedy = did_you_mean(key, course)
+                remedy = did_you_mean(key, course) or "leave irregularity out"
                 yield Finding((*path, key), "it does not come to such a line", key, remedy)
 
 

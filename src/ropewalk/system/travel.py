@@ -293,7 +293,8 @@ def _find(structure, buffers, contacts, state, k, wanted):
 def _find_load(structure, buffers, contacts, state, table, out, k, wanted):
     """The same, where it is measured at what touches, which is level with its point or leans with its line."""
     s = _find(structure, buffers, contacts, state, k, wanted)
-    if contacts[k].measure != HORIZONTAL or contacts[k].state != ON or contacts[k].axial_stiffness == 0.0:
+    known = contacts[k].kind != BODY or contacts[k].state == ON  # where it is
+    if contacts[k].measure != HORIZONTAL or not known or contacts[k].axial_stiffness == 0.0:
         return s
     lean, length = 0.0, structure.lines.length[contacts[k].line]
     for _ in range(ROUNDS):

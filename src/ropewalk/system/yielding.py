@@ -19,7 +19,7 @@ AXIAL, LITTLE = 0.3, 1e-6
 def axial_stiffness(structure, contacts, k, has_body):
     """Stiffness of contact k along its line, the same all along a run; 0: it has none by itself.
 
-    What gives way within a step bounds it, as S.
+    What gives way within a step bounds it, twice as much as S: both act on the same nodes.
     """
     runs, run = structure.runs, contacts[k].run
     if runs.law[run, 0] == law.RIGID or runs.firm[run] > 0.0 or structure.about.links.size > 0:
@@ -29,7 +29,7 @@ def axial_stiffness(structure, contacts, k, has_body):
         return 0.0
     soft = AXIAL * runs.h[run] / EA + contacts[k].least
     if has_body and contacts[k].step > 0.0:
-        soft += 0.5 * contacts[k].step ** 2 * (1.0 / (runs.rho[run] * runs.h[run]) + contacts[k].light)
+        soft += contacts[k].step ** 2 * (1.0 / (runs.rho[run] * runs.h[run]) + contacts[k].light)
     return 1.0 / soft
 
 
