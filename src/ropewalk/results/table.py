@@ -490,7 +490,7 @@ def _method_rows(method: Summary, say: Column) -> Iterator[Row]:
     yield "Method", "", ""
     yield "method", method["name"] or "–", method["reason"]
     if method["step"]["value"] is not None:
-        yield "largest step", say(method["step"]["value"], "s"), f"{method['steps']} steps"
+        yield "largest step", say(method["step"]["value"], "s"), f"{method['steps']} steps" if method["steps"] else ""
     if method["wall"]["value"] is not None:
         factor = method["real_time_factor"]
         timing = "" if factor is None else f"{number(factor, 3)} times real time"

@@ -254,7 +254,7 @@ def softness(contacts: Any, axes: int) -> Array:
     """By how much lines give way beside their nodes under forces at contacts, (contact, axis, axis) m/N."""
     t, S, along = contacts["tangent"][:, :axes], contacts["moving"], contacts["axial_stiffness"]
     less = np.where(along > 0.0, 1.0 / np.where(along > 0.0, along, 1.0) - 1.0 / S, 0.0)
-    return np.eye(axes) / S[:, None, None] + less[:, None, None] * t[:, :, None] * t[:, None, :]
+    return np.asarray(np.eye(axes) / S[:, None, None] + less[:, None, None] * t[:, :, None] * t[:, None, :])
 
 
 def measure_from_ends(contacts: Any, structure: Structure, rest: Array) -> None:
