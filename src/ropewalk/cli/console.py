@@ -240,14 +240,14 @@ def progress_of_many(quiet: bool) -> Iterator[Report | None]:
 
 def _in_lines() -> Report:
     """Progress of what takes long as lines: the first after ten seconds, then one for each tenth, and none sooner."""
-    told: dict[str, tuple[float, float]] = {}
+    lines: dict[str, tuple[float, float]] = {}
 
     def report(label: str, done: float, what: str = "") -> None:
         now = clock.monotonic()
-        last, least = told.setdefault(label, (now, 0.0))
+        last, least = lines.setdefault(label, (now, 0.0))
         if now - last >= _BETWEEN_LINES and done >= least:
             say(f"{label} {what}".rstrip() + f": {done:.0%}")
-            told[label] = now, done + 0.1
+            lines[label] = now, done + 0.1
 
     return report
 
