@@ -148,7 +148,7 @@ def test_two_carriages_over_a_pulley_feel_the_tension_of_their_counter_rope() ->
 
 WRONG: list[tuple[dict[str, Any], str]] = [
     ({"mass": 0.0}, "does not sag"),
-    ({"counter": None, "sheave": {"friction": 0.2, "wrap": 3.0}}, "other side pulls with is not known"),
+    ({"counter": None, "sheave": {"friction": 0.2, "wrap": 3.0}}, "other side pulls with is not given"),
     ({"counter": {"tension": 2e3, "mass": 5.0}}, "no more than the rope weighs"),
     ({"speed": None, "over_to": "car"}, "does not hang freely here"),
 ]
