@@ -38,7 +38,7 @@ TABLE_SUFFIXES = (".csv", ".xlsx", ".parquet")
 Progress = Callable[[float], None]
 Report = Callable[..., None]  # a task, the part that is done, and maybe what it is at
 _READ: ContextVar[tuple[Path, tuple[str, ...]] | None] = ContextVar("read", default=None)  # file and settings
-_BETWEEN_LINES = 10.0  # s between lines that tell how far what takes long has come
+_BETWEEN_LINES = 30.0  # s between lines that tell how far what takes long has come
 TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
 
 
@@ -239,7 +239,7 @@ def progress_of_many(quiet: bool) -> Iterator[Report | None]:
 
 
 def _in_lines() -> Report:
-    """Progress of what takes long as lines: the first after ten seconds, then one for each tenth, and none sooner."""
+    """Progress of what takes long as lines: the first after half a minute, then one for each tenth, and none sooner."""
     lines: dict[str, tuple[float, float]] = {}
 
     def report(label: str, done: float, what: str = "") -> None:
