@@ -22,6 +22,7 @@ from ropewalk.checkpoint import Tree
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import compiling, is_kept
+from ropewalk.model.capabilities import refusal
 from ropewalk.model.consistency import LARGEST_IN_MEMORY, too_large
 from ropewalk.model.crowd import Crowd
 from ropewalk.model.load import GivenForces, assembled
@@ -156,9 +157,8 @@ def _keep_apart(scenario: Scenario, file: Path) -> None:
 
 def _keep_small(scenario: Scenario) -> None:
     """Refuse to keep more in memory than fits."""
-    found = too_large(scenario.parts, LARGEST_IN_MEMORY, "write to a file (file=...), ")
-    if problems := [Problem(".".join(map(str, one.path)), one.wrong, one.given, one.remedy) for one in found]:
-        raise ScenarioError(problems)
+    for found in too_large(scenario.parts, LARGEST_IN_MEMORY, "write to a file (file=...), "):
+        raise refusal(found)
 
 
 def must_compile(scenario: Scenario) -> str:

@@ -268,14 +268,17 @@ def reported(target: Path | None = None) -> Iterator[None]:
     """Turn exceptions into messages and exit codes; `target` is the file that a run may have begun."""
     before = _stamp(target)
     _READ.set(None)  # of a command before, in the same process
-    note_kept(lambda: f"; what was computed is kept in {target}" if _stamp(target) != before else "")
+
+    def kept() -> str:
+        return f"; what was computed is kept in {target}" if _stamp(target) != before else ""
+
+    note_kept(kept)
     try:
         yield
     except typer.Exit:
         raise
     except KeyboardInterrupt as stop:
-        kept = f"; what was computed is kept in {target}" if _stamp(target) != before else ""
-        fail(str(stop) or f"interrupted{kept}", INTERRUPTED)
+        fail(str(stop) or f"interrupted{kept()}", INTERRUPTED)
     except BrokenPipeError:  # the reader of stdout has gone, as in `ropewalk schema | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise typer.Exit(FAULT) from None

@@ -80,9 +80,8 @@ def gradients(potential: Any, shape: Array, links: Integers) -> sparse.csr_matri
     r, _ = potential.put(shape)
     rows, on = potential.rows(r), potential.loaded.on
     if on.size:
-        contacts, reach = potential.loaded.contacts[on], potential.reach()
-        stretched = sum(sparse.diags(contacts["d"][:, a]) @ one for a, one in enumerate(reach))
-        rows = rows + potential.borne().T @ sparse.diags(contacts["by_tension"]) @ stretched
+        slope = sparse.diags(potential.loaded.contacts["by_tension"][on])
+        rows = rows + potential.borne().T @ slope @ potential.stretched()
     return (rows.tocsr() @ potential.free)[links]
 
 
