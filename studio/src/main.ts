@@ -214,14 +214,19 @@ function list(head: Record<string, unknown>): void {
   );
 }
 
-open.onchange = async () => {
+let opening: Promise<void> = Promise.resolve();
+open.onchange = () => {
+  opening = chosen();
+};
+
+async function chosen(): Promise<void> {
   const [kind, name] = [open.value.slice(0, open.value.indexOf(":")), open.value.slice(open.value.indexOf(":") + 1)];
   open.value = "";
   if (kind === "result") return result(name);
   if (editor.text !== clean && !confirm("The text has changes that are not saved. Open another one?")) return;
   if (kind === "file") await read(name);
   if (kind === "template") begun("", "", templates.find((t) => t.name === name)?.text ?? "");
-};
+}
 
 async function read(name: string): Promise<void> {
   const { head } = await server.ask("read", { name });
@@ -281,12 +286,16 @@ async function check(): Promise<boolean> {
 
 // -- Dragging and running ---------------------------------------------------------------------------------------
 
+let prepared = 0;
+
 async function prepare(contact = ""): Promise<void> {
+  const turn = ++prepared;
   halt();
   player.leave();
   player.bar.hidden = true;
   stage.doubted = [];
   const { head } = await server.ask("prepare", { text: editor.text, name: file.name || "scenario.yaml" });
+  if (turn !== prepared) return; // another one, or a run, has begun since
   if (head.problems) return tell("the scenario has mistakes: see Text", true);
   if (head.error) return tell(String(head.error), true);
   tell(String(head.title));
@@ -297,7 +306,10 @@ drag.onclick = () => {
   show("values");
   prepare();
 };
-run.onclick = () => compute("run", { text: editor.text, name: file.name || "scenario.yaml" });
+run.onclick = async () => {
+  await opening; // it is meant, not what it replaces
+  compute("run", { text: editor.text, name: file.name || "scenario.yaml" });
+};
 stop.onclick = () => server.tell("stop");
 keep.onclick = () => {
   beside = film;
@@ -311,6 +323,7 @@ function halt(): void {
 async function compute(what: string, given: object, withBeside = beside): Promise<void> {
   if (running) return tell("a run is under way; stop it first", true);
   dragging.leave();
+  prepared++;
   running = true;
   stop.disabled = false;
   run.disabled = true;
@@ -398,6 +411,7 @@ function ended(head: Record<string, unknown>): void {
 async function result(name: string): Promise<void> {
   if (running) return tell("a run is under way; stop it first", true);
   dragging.leave();
+  prepared++;
   player.isOver = true;
   doubts({});
   const { head } = await server.ask("result", { name }, (message) => heard(message, beside));
@@ -415,7 +429,9 @@ function sweepFound(head: Record<string, unknown>): void {
 
 /** Have something computed that takes its time, and hear how far it is. */
 async function computed(what: string, told: (head: Record<string, unknown>) => string) {
+  await opening;
   if (running) return void tell("a run is under way; stop it first", true);
+  prepared++;
   running = true;
   stop.disabled = false;
   run.disabled = computeSweep.disabled = compareModels.disabled = true;

@@ -55,6 +55,12 @@ const settled = async (page) => {
   const answers = () => page.evaluate(() => globalThis.ropewalkDelays.length);
   for (let seen = -1; seen !== (await answers()); await page.waitForTimeout(500)) seen = await answers();
 };
+/** From the next load of the page on, the server's answers come late. */
+const late = (page, delay) =>
+  page.routeWebSocket(/./, (here) => {
+    const server = here.connectToServer();
+    server.onMessage((message) => setTimeout(() => here.send(message), delay));
+  });
 const poses = (page) => page.waitForFunction(() => globalThis.ropewalkDelays?.length > 0);
 
 await check({ context, wrong }, async () => {
@@ -217,6 +223,7 @@ await check({ context, wrong }, async () => {
   // a doubt about a load: over it, where it is, and on the slider at its instant; none where nothing is to be doubted
   must((await doubted(page)).count === 0, "a doubt is drawn where there is none");
   writeFileSync(join(folder, "fast.yaml"), FAST);
+  await late(page, 500); // what is opened and run at once is run, not what was there before
   await page.reload();
   await poses(page);
   await page.getByLabel("Open", { exact: true }).selectOption("file:fast.yaml");
