@@ -108,6 +108,30 @@ def test_forces_and_stiffness_are_the_derivatives_of_the_energy(bending, loads, 
         assert -change == pytest.approx(felt, abs=5.0 * off * np.abs(felt).max())
 
 
+def test_a_line_that_is_crushed_to_nothing_below_a_load_has_forces_that_are_derivatives_of_its_energy() -> None:
+    """There its direction gets lost, and with it what is firmer along it than across: no force grows without bound."""
+    potential = potential_of(scenario({"line": LINE}, {"bob": {**LOADS["bob"], "mass": 80.0}}))
+    shape, nodes = potential.taken(), 21
+    contact = potential.loaded.contacts[0]
+    x, at = float(contact["x"]), np.array(contact["place"])[:2]
+    largest = []
+    for left in (0.6, 0.45, 0.2, 0.02):  # of the links around it, which fold towards what touches them
+        here = shape.copy()
+        for a in range(2):
+            r = here[a * nodes : (a + 1) * nodes]
+            r += (left - 1.0) * (r - at[a]) * np.exp(-((np.arange(nodes) - x) ** 2 / 8.0))
+        here[-1] += 0.05
+        force, e = potential.out_of_balance(here), 1e-6
+        assert (0.01 < contact["spread"] < 0.5) == (left < 0.5), contact["spread"]
+        for one in np.random.default_rng(3).normal(size=(6, force.size)):
+            there, back = (potential.energy(potential.moved(here, side * e * one)) for side in (1.0, -1.0))
+            assert -(there - back) / (2.0 * e) == pytest.approx(
+                force @ one, abs=1e-6 * np.abs(force).max() * force.size
+            )
+        largest.append(float(np.abs(force).max()))
+    assert largest[3] < largest[2]
+
+
 @pytest.mark.parametrize("place", [0.5, 0.37, 0.11, 0.02])
 def test_a_hinged_beam_gives_way_below_a_force_wherever_that_stands(place: float) -> None:
     """P a^2 b^2 / (3 EI L). The axial force of its arc is EA (P/EI)^2 and takes 1e-6 of that."""

@@ -22,7 +22,7 @@ from ropewalk.system.profile import height_at
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import DRIVEN, IN_BODIES, RESTRAINED, STRUCK
 from ropewalk.system.tethers import bear, hang
-from ropewalk.system.yielding import stiffness_between
+from ropewalk.system.yielding import firmness_along, stiffness_between
 
 # Rounds of Newton's method for contacts without mass, and the part of a link to which their places are found.
 ROUNDS, SETTLED = 40, 1e-11
@@ -111,7 +111,7 @@ def _balance(structure, buffers, contacts, bodies, state, table, out, p, rate):
                             stiff += stiffness_between(contacts, k, a, bodies.axis[d])
                         A[i, j] += stiff
                         b[i] += stiff * state.u[d]
-                along = contacts[k].axial_stiffness * contacts[k].axial * contacts[k].tangent[a]
+                along = firmness_along(contacts, k) * contacts[k].axial * contacts[k].tangent[a]
                 b[i] -= contacts[k].moving * contacts[k].d[a] + along
                 bear(contacts, bodies, state, A, b, p, i, rate)
         solve(A, b, n)
@@ -320,12 +320,11 @@ def arrive(structure, buffers, contacts, bodies, state, table, out):
         contacts[k].comes, contacts[k].stopped = 0, 0.0
         if contacts[k].kind == FORCE or contacts[k].state == GONE or (comes == 0 and stopped == 0.0):
             continue
-        before, kinked, beyond = energy_of_bodies(bodies, state), 0.0, 0.0
+        before, kinked, overrun = energy_of_bodies(bodies, state), 0.0, 0.0
         if contacts[k].travel == FREE and comes == 0:
             stopped = max(stopped * _speed_along(structure, contacts, state, k), 0.0) / stopped
         if comes == 0 and contacts[k].axial_stiffness > 0.0:  # within its last step it has gone on
-            for a in range(axes):
-                beyond += (state.u[contacts[k].first + a] - contacts[k].p[a]) * contacts[k].tangent[a]
+            overrun = contacts[k].overrun
         for a in range(axes):
             c = contacts[k].first + a
             if comes > 0:
@@ -333,7 +332,7 @@ def arrive(structure, buffers, contacts, bodies, state, table, out):
                 state.w[c] = contacts[k].speed * contacts[k].along[a]
             elif comes == 0:
                 state.w[c] -= stopped * contacts[k].along[a]
-                state.u[c] -= beyond * contacts[k].tangent[a]
+                state.u[c] -= overrun * contacts[k].along[a]
         if comes < 0:
             ground(structure, contacts, state, k)
         elif comes > 0 and bodies.per_mass[contacts[k].first + axes - 1] > 0.0 and contacts[k].been == 1:
@@ -374,7 +373,7 @@ def _bear(structure, buffers, contacts, bodies, state, table, out, k):
         for a in range(z + 1):
             along = contacts[k].tangent[a] * contacts[k].tangent[z] if contacts[k].axial_stiffness > 0.0 else 0.0
             lowered = N / S * ((1.0 if a == z else 0.0) - along)
-            lowered += N * along / max(contacts[k].axial_stiffness, 1e-300)
+            lowered += N * along / max(firmness_along(contacts, k), 1e-300)
             state.u[contacts[k].first + a] = contacts[k].p[a] + lowered
     return 0.5 * N * lowered
 

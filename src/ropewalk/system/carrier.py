@@ -315,7 +315,7 @@ class SystemCarrier:
         if contact["state"] == ON:
             runs, run = self.system.structure.runs, int(contact["run"])
             state.work[STRUCK] += 0.5 * float(contact["firm"] * (contact["d"] ** 2).sum())
-            state.work[STRUCK] += 0.5 * float(contact["axial_stiffness"] * contact["axial"] ** 2)
+            state.work[STRUCK] += 0.5 * float(contact["aligned"] * contact["axial_stiffness"] * contact["axial"] ** 2)
             fast = np.sqrt(max(float(contact["tension"]), 0.0) / max(runs.rho[run], 1e-300)) / runs.h[run]
             contact["fade"] = 4.0 * fast * contact["kink"]
             self.lose(0.5 * float((self.system.bodies.mass[own] * state.w[own] ** 2).sum()))

@@ -7,9 +7,12 @@ import numpy as np
 from ropewalk.mechanics.compiled import lean_inner
 from ropewalk.system.spline import WIDTH
 
+# Length of the derivative by s, below which a line that is crushed loses its direction.
+CRUSHED = 0.5
+
 
 @lean_inner
-def locate_point(structure, contacts, k, r):
+def locate_point(structure, contacts, k, r, has_body):
     """Note the point of the spline at contact k, which is at its place s, and the direction of the line there."""
     run, base, axes = contacts[k].run, contacts[k].near, r.shape[0]
     h, most = structure.runs.h[run], min(WIDTH, structure.runs.links[run] + 1)
@@ -29,6 +32,10 @@ def locate_point(structure, contacts, k, r):
     for a in range(axes):
         contacts[k].turns[a] = (contacts[k].turns[a] - back / square * contacts[k].tangent[a]) / spread
         contacts[k].tangent[a] /= spread
-    contacts[k].spread = spread
+    contacts[k].spread, contacts[k].spreading = spread, back / spread
+    contacts[k].aligned, contacts[k].aligning = 1.0, 0.0
+    if has_body and spread < CRUSHED:
+        x = spread / CRUSHED
+        contacts[k].aligned, contacts[k].aligning = x * x * (2.0 - x * x), 4.0 * x * (1.0 - x * x) / CRUSHED
     contacts[k].p[axes - 1] += contacts[k].rough
     contacts[k].along[axes - 1] += contacts[k].steep

@@ -30,7 +30,7 @@ from ropewalk.system.profile import height_at
 from ropewalk.system.segments import bending_near, mass_near
 from ropewalk.system.sharing import see_others
 from ropewalk.system.spline import WIDTH, links_under, share, share_curvature
-from ropewalk.system.yielding import across, axial_stiffness, divide, give_way, turned
+from ropewalk.system.yielding import across, axial_stiffness, bent, crushed, divide, firmness_along, give_way, turned
 
 # Largest square of a speed over that of transverse waves with which a kink is carried along.
 FASTEST = 0.9025
@@ -87,6 +87,7 @@ CONTACT = np.dtype(
         ("restrained", _CODE),  # 1: it is stopped at an end
         ("comes", _CODE),  # 1: it has just come there, -1: left
         ("stopped", _REAL),  # m/s, that it had when it was stopped
+        ("overrun", _REAL),  # m, of s, by which it had gone on by then
         ("run", _CODE),
         ("near", _CODE),  # first node that shares its point
         ("x", _REAL),  # links along its run
@@ -106,6 +107,9 @@ CONTACT = np.dtype(
         ("tangent", *_VECTOR),  # unit vector t along the line, without its profile
         ("turns", *_VECTOR),  # 1/m, change of that with s
         ("spread", _REAL),  # length of the derivative by s, without its profile
+        ("spreading", _REAL),  # 1/m, change of that with s
+        ("aligned", _REAL),  # how far the line has a direction there: 1, less where its links are crushed
+        ("aligning", _REAL),  # change of that with `spread`
         ("place", *_VECTOR),  # m, of what touches
         ("before", *_VECTOR),  # m, when it was last looked at
         ("last", *_VECTOR),  # N, given force then
@@ -181,8 +185,9 @@ def sit(structure, contacts, state, k, s):
     contacts[k].rough = contacts[k].steep = 0.0
     if contacts[k].rolls == 1:
         contacts[k].rough, contacts[k].steep = height_at(lines.profiles, line, s)
-    contacts[k].axial_stiffness = axial_stiffness(structure, contacts, k, contacts[k].kind == BODY)
-    locate_point(structure, contacts, k, r)
+    has_body = contacts[k].kind == BODY
+    contacts[k].axial_stiffness = axial_stiffness(structure, contacts, k, has_body)
+    locate_point(structure, contacts, k, r, has_body)
 
 
 @inlined
@@ -330,7 +335,7 @@ def _stiffen_little(structure, buffers, contacts, table, out, k):
 @lean_inner
 def stiffen(structure, buffers, contacts, state, table, out, k):
     """Stiffness and kink of the contact of a body, where the body is now."""
-    axes, h, square = state.r.shape[0], structure.runs.h[contacts[k].run], 0.0
+    axes, h = state.r.shape[0], structure.runs.h[contacts[k].run]
     for a in range(axes):
         contacts[k].place[a] = state.u[contacts[k].first + a]
         contacts[k].d[a] = contacts[k].place[a] - contacts[k].p[a]
@@ -344,9 +349,7 @@ def stiffen(structure, buffers, contacts, state, table, out, k):
         contacts[k].rise = 0.0
         _stiffen_little(structure, buffers, contacts, table, out, k)
         return
-    for a in range(axes):
-        square += contacts[k].d[a] ** 2
-    slope, change, _ = find_kink(structure, buffers, contacts, table, out, k, square, 0.0)
+    slope, change, _ = find_kink(structure, buffers, contacts, table, out, k, bent(contacts, k, axes), 0.0)
     contacts[k].rise = slope * change * h * contacts[k].by_tension
 
 
@@ -468,15 +471,16 @@ def add_contact_forces(structure, buffers, contacts, state, table, out):
             _stiffen_little(structure, buffers, contacts, table, out, k)
         elif contacts[k].kind == BODY:
             soften(structure, contacts, table, out, k, structure.runs.h[run] * pull)
-        push, hauls = turned(contacts, k, axes), contacts[k].axial_stiffness * contacts[k].axial
+        push, hauls = turned(contacts, k, axes), firmness_along(contacts, k) * contacts[k].axial
         for j in range(3):
             push += contacts[k].change[j] * buffers.pull[contacts[k].link[j]] * contacts[k].kink / structure.runs.h[run]
         moment = (hauls - contacts[k].moving * contacts[k].axial) / (contacts[k].spread * structure.runs.h[run])
+        crush = crushed(contacts, k) / structure.runs.h[run]
         for a in range(axes):
             if contacts[k].kind == BODY:
                 contacts[k].N[a] = contacts[k].moving * contacts[k].d[a] + hauls * contacts[k].tangent[a]
             push -= contacts[k].N[a] * contacts[k].along[a]
-            turns = moment * contacts[k].d[a]
+            turns = moment * contacts[k].d[a] + crush * contacts[k].tangent[a]
             for j in range(most):
                 buffers.force[a, base + j] += contacts[k].weight[j] * contacts[k].N[a] - contacts[k].slope[j] * turns
         contacts[k].push = push

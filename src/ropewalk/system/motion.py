@@ -35,7 +35,7 @@ from ropewalk.system.tethers import gap, grow, hoist
 from ropewalk.system.ties import add_tie_forces, are_damped, damp_ties, stored_in_ties, tie_up
 from ropewalk.system.travel import fade, locate, pressed_energy
 from ropewalk.system.winches import LIMIT, kick_winch
-from ropewalk.system.yielding import stored_beside
+from ropewalk.system.yielding import stored_along, stored_beside
 
 RUNNING, NOT_FINITE, AT_END, ASKED, AT_SHEAVE, LINE_OUT, TOO_LONG = 0, 1, 2, 3, 4, 5, 6
 GIVEN, SETTLE, LOCATE, LOOK = -3, -2, -1, 0  # instead of a number of steps
@@ -299,7 +299,7 @@ def _book(structure, contacts, state):
         if contacts[k].apart == 1 and contacts[k].was_apart == 0:  # what held it along the line snaps back
             state.work[STRUCK] += _along(contacts, k, axes)
         contacts[k].was_apart = contacts[k].apart
-        contacts[k].was_axial = 0.5 * contacts[k].axial_stiffness * contacts[k].axial ** 2
+        contacts[k].was_axial = stored_along(contacts, k)
         for a in range(axes):
             contacts[k].was[a] = contacts[k].d[a]
         way = state.s[k] - contacts[k].was_at

@@ -49,8 +49,9 @@ def _stretch(structure, buffers, contacts, state, table, out, how):
     stretch_over(structure.sheaves, runs, buffers, r)
     for k in range(contacts.size):
         if contacts[k].state == ON:
-            contacts[k].axial_stiffness = axial_stiffness(structure, contacts, k, contacts[k].kind == BODY)
-            locate_point(structure, contacts, k, r)
+            has_body = contacts[k].kind == BODY
+            contacts[k].axial_stiffness = axial_stiffness(structure, contacts, k, has_body)
+            locate_point(structure, contacts, k, r, has_body)
     bend(structure, buffers, contacts, state, table, out)
     slip(structure.sheaves, runs, r, how)
 

@@ -23,7 +23,7 @@ from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, bend_one, goes_
 from ropewalk.system.friction import friction_demand
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import RESTRAINED, STRUCK
-from ropewalk.system.yielding import stiffness_along, turned
+from ropewalk.system.yielding import stiffness_along, stored_along, turned
 
 # Rounds in which a place is found, the part of a link to which it is, and the most that it moves in a round.
 ROUNDS, CLOSE, FAR = 60, 1e-12, 0.5
@@ -105,7 +105,7 @@ def locate(structure, buffers, contacts, tables, state, table, out, since):
         if contacts[k].stays == 1 and (s > high or (s < low and contacts[k].been == 1)):
             end = high if s > high else low
             if contacts[k].been == 1 and contacts[k].restrained == 0:
-                contacts[k].stopped = U
+                contacts[k].stopped, contacts[k].overrun = U, s - end
             contacts[k].restrained, contacts[k].speed, s = 1, 0.0, end
         else:
             contacts[k].restrained = 0
@@ -173,7 +173,7 @@ def _straighten(structure, contacts, state, k):
         for a in range(state.r.shape[0]):
             state.work[STRUCK] += 0.5 * contacts[k].firm * contacts[k].d[a] ** 2
     run = contacts[k].run
-    state.work[STRUCK] += 0.5 * contacts[k].axial_stiffness * contacts[k].axial ** 2
+    state.work[STRUCK] += stored_along(contacts, k)
     waves = np.sqrt(max(contacts[k].tension, 0.0) / max(structure.runs.rho[run], 1e-300))
     speed = max(abs(contacts[k].speed), waves)
     contacts[k].fade = 4.0 * contacts[k].kink * speed / structure.runs.h[run]

@@ -34,16 +34,45 @@ def axial_stiffness(structure, contacts, k, has_body):
 
 
 @inlined
+def firmness_along(contacts, k):
+    """Stiffness of contact k along its line, N/m, if it has one: S_a, or S where the line has no direction."""
+    lost = 1.0 - contacts[k].aligned
+    return contacts[k].aligned * contacts[k].axial_stiffness + (lost * contacts[k].moving if lost > 0.0 else 0.0)
+
+
+@inlined
+def stored_along(contacts, k):
+    """Energy of contact k by which its line gives way along itself, J."""
+    return 0.5 * contacts[k].aligned * contacts[k].axial_stiffness * contacts[k].axial ** 2
+
+
+@inlined
+def bent(contacts, k, axes):
+    """Square of the kink of contact k, m^2; e is a part of it as far as the line has no direction."""
+    square = (1.0 - contacts[k].aligned) * contacts[k].axial ** 2
+    for a in range(axes):
+        square += contacts[k].d[a] ** 2
+    return square
+
+
+@inlined
+def crushed(contacts, k):
+    """Change of the energy of contact k with `spread`, as its line loses its direction, J."""
+    return 0.5 * contacts[k].aligning * (contacts[k].axial_stiffness - contacts[k].moving) * contacts[k].axial ** 2
+
+
+@inlined
 def stiffness_along(contacts, k):
     """By how much the force of contact k along its line grows with what touches going ahead, N/m."""
-    return contacts[k].axial_stiffness if contacts[k].axial_stiffness > 0.0 else max(contacts[k].moving, 0.0)
+    return firmness_along(contacts, k) if contacts[k].axial_stiffness > 0.0 else max(contacts[k].moving, 0.0)
 
 
 @inlined
 def stiffness_between(contacts, k, a, b):
     """By how much component a of the force of contact k grows with component b of where what touches is, N/m."""
-    S, more = contacts[k].moving if a == b else 0.0, contacts[k].axial_stiffness - contacts[k].moving
+    S = contacts[k].moving if a == b else 0.0
     if contacts[k].axial_stiffness > 0.0:
+        more = contacts[k].aligned * (contacts[k].axial_stiffness - contacts[k].moving)
         S += more * contacts[k].tangent[a] * contacts[k].tangent[b]
     return S
 
@@ -51,23 +80,20 @@ def stiffness_between(contacts, k, a, b):
 @inlined
 def turned(contacts, k, axes):
     """Change of the energy of the kink of contact k with s, as its stiffness changes and its line turns, N."""
-    square, turn = 0.0, 0.0
+    turn = 0.0
     for a in range(axes):
-        square += contacts[k].d[a] ** 2
         turn += contacts[k].d[a] * contacts[k].turns[a]
-    change = -0.5 * square * contacts[k].turn
+    change = -0.5 * bent(contacts, k, axes) * contacts[k].turn
     if contacts[k].axial_stiffness > 0.0:
-        change += (contacts[k].axial_stiffness - contacts[k].moving) * contacts[k].axial * turn
+        more = contacts[k].aligned * (contacts[k].axial_stiffness - contacts[k].moving)
+        change += more * contacts[k].axial * turn + crushed(contacts, k) * contacts[k].spreading
     return change
 
 
 @inlined
 def stored_beside(contacts, k, axes):
     """Energy of the contact k that is not stored in links, J."""
-    stored = 0.5 * contacts[k].axial_stiffness * contacts[k].axial ** 2
-    for a in range(axes):
-        stored += 0.5 * contacts[k].d[a] ** 2 * contacts[k].firm
-    return stored
+    return stored_along(contacts, k) + 0.5 * contacts[k].firm * bent(contacts, k, axes)
 
 
 @inlined
