@@ -60,7 +60,10 @@ def with_limits(found):
 
 def test_a_curve_names_limits_where_others_are_broken():
     (ax,) = ropewalk.sweep_figure(with_limits(dataset(6))).axes
-    assert [(note.get_text(), note.xy[0]) for note in ax.texts] == [("largest force", 3.0), ("largest force\nuplift", 4.0)]
+    assert [(note.get_text(), note.xy[0]) for note in ax.texts] == [
+        ("largest force", 3.0),
+        ("largest force\nuplift", 4.0),
+    ]
 
 
 @pytest.mark.parametrize("how", [{"sizes": (6, 5)}, {"sizes": (6,), "case": True}])

@@ -20,7 +20,14 @@ if TYPE_CHECKING:
     from ropewalk.results.report import html_report
     from ropewalk.results.statistics import summary
     from ropewalk.results.table import text
-    from ropewalk.results.table_export import named_numbers, named_texts, save_tables, series_table, tables, write_tables
+    from ropewalk.results.table_export import (
+        named_numbers,
+        named_texts,
+        save_tables,
+        series_table,
+        tables,
+        write_tables,
+    )
     from ropewalk.results.target import check_target
     from ropewalk.results.vtk_export import export
 

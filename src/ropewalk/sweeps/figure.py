@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ropewalk.errors import did_you_mean
 from ropewalk.results import style
-from ropewalk.results.limits import BETWEEN
+from ropewalk.results.limits import SEPARATOR
 from ropewalk.sweeps.dataset import counted, named
 from ropewalk.sweeps.parameters import refuse
 from ropewalk.sweeps.quantities import broken_name
@@ -172,15 +172,16 @@ def _name_limits(ax: Axes, x: NDArray[Any], y: NDArray[Any], texts: NDArray[Any]
     before = ""
     for at, value, text in zip(x, y, texts, strict=True):
         if text not in ("", before) and np.isfinite(value):
-            ax.annotate(text.replace(BETWEEN, "\n"), (at, value), (-5, 0), textcoords="offset points", va="top", ha="right",
-                        fontsize=style.NOTE, color=colour)  # fmt: skip
+            beside: dict[str, Any] = {"textcoords": "offset points", "va": "top", "ha": "right"}
+            label = text.replace(SEPARATOR, "\n")
+            ax.annotate(label, (at, value), (-5, 0), fontsize=style.NOTE, color=colour, **beside)
         before = text
 
 
 def _broken_anywhere(dataset: xr.Dataset, quantity: str) -> str:
     """All limits that some case breaks, for panels in which there is no room beside the points."""
-    names = dict.fromkeys(name for text in _broken(dataset, quantity).flat if text for name in text.split(BETWEEN))
-    return f"broken somewhere: {BETWEEN.join(names)}" if names else ""
+    names = dict.fromkeys(name for text in _broken(dataset, quantity).flat if text for name in text.split(SEPARATOR))
+    return f"broken somewhere: {SEPARATOR.join(names)}" if names else ""
 
 
 def _text(dataset: xr.Dataset, name: str, i: int) -> str:
