@@ -65,7 +65,9 @@ def whereabouts(place: dict[str, Any], say: Column) -> Iterator[str]:
 
 def _declared(dataset: xr.Dataset, k: int) -> tuple[str, str]:
     """Kinds of the load of contact k and of its travel, also of scenarios with models that no text can make again."""
-    return _kinds(str(dataset.attrs.get("scenario", ""))).get(str(dataset["load"].values[k]).partition(".")[0], ("", ""))
+    return _kinds(str(dataset.attrs.get("scenario", ""))).get(
+        str(dataset["load"].values[k]).partition(".")[0], ("", "")
+    )
 
 
 @lru_cache(maxsize=4)

@@ -280,7 +280,6 @@ class Watch:
                     f"part of the answer; {rest}"
                 )
 
-
     def _presses_at_once(self, force: Array, name: str) -> bool:
         """Whether the contacts of a load press, in all, at t = 0 with a good part of what they press with at most."""
         own = np.nansum(force[:, [load == name for load in self.loads]], axis=1)
