@@ -28,7 +28,10 @@ UNBALANCED = 1e-3  # of all weights: what the support forces at rest may miss
 NOTHING = 1e-10  # of the largest tension, or of the weight of the line: a load that presses less does not press
 SLACK = 100.0  # times the speed of waves: a line is slack there
 FAST = 0.8  # of the speed of transverse waves: forces of masses are hard to resolve beyond
-_UNREMARKED = ("footsteps", "stepper", "fmu", "pantograph")  # loads that come by themselves, or grow
+_GROWING = ("pantograph",)  # loads whose forces grow from nothing
+_DECIDING = ("footsteps", "stepper", "fmu")  # loads that may do so: what they press with at first says it
+_NEVER_AT_REST = ("walker", "stepper", "fmu")  # loads that a run cannot begin at rest with
+_AT_ONCE = 0.1  # of its largest force: with what a load is set down suddenly that may grow
 
 
 class _Balance:
@@ -135,7 +138,8 @@ class Watch:
         """Note all doubts and remarks about what was seen."""
         if self._times:
             run_info.doubts += [doubt for doubt in self._doubts(run_info) if doubt not in run_info.doubts]
-            run_info.warnings += [remark for remark in self._diagnostics() if remark not in run_info.warnings]
+            force = np.array(self._force).reshape(len(self._instants), len(self.loads))
+            run_info.warnings += [remark for remark in self._diagnostics(force) if remark not in run_info.warnings]
 
     def _doubts(self, run_info: RunInfo) -> Iterator[Doubt]:
         force = np.array(self._force).reshape(len(self._instants), len(self.loads))
@@ -250,28 +254,36 @@ class Watch:
             what = f"the largest tension is {_alone(tension, i, self._times[i])}"
             yield Doubt(what, "a blow that the step does not resolve", "run.step", "write a smaller run.step and every")
 
-    def _diagnostics(self) -> Iterator[str]:
+    def _diagnostics(self, force: Array) -> Iterator[str]:
         yield from started_too_close(self.scenario)
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:
             return
         for name in dict.fromkeys(self.loads):
             load = self.scenario.loads.get(name)
-            if load is None or load.on in self.scenario.nets or load.kind in _UNREMARKED or _falls(load):
+            if load is None or load.on in self.scenario.nets or load.kind in _GROWING or _falls(load):
                 continue
             on, k = self.scenario.carrier_of(load), self.loads.index(name)
+            if load.kind in _DECIDING and not self._presses_at_once(force, name):
+                continue
             state, xi = (float(values[k]) for values in self._at_start)
             here = [x for x, line in zip(self.layout.node_xi, self.layout.node_line, strict=True) if line == on]
             if state != OFF_LINE and here and min(here) < xi < max(here):
                 rest = "to begin at rest with it write run.start: {with_loads: true}, or let it start at an end"
-                if any(
-                    line.has_bending_stiffness for line in self.scenario.lines.values()
-                ):  # which begin without loads
+                stiff = any(line.has_bending_stiffness for line in self.scenario.lines.values())
+                if stiff or load.kind in _NEVER_AT_REST:  # which begin without loads
                     rest = "let it start at an end to avoid that"
+                if load.kind in ("stepper", "fmu"):
+                    rest += ", or let its force grow from zero"
                 yield (
                     f"load {name} is set down suddenly at t = 0, {xi:.4g} m along {load.on}: what swings from that is "
                     f"part of the answer; {rest}"
                 )
+
+    def _presses_at_once(self, force: Array, name: str) -> bool:
+        """Whether the contacts of a load press, in all, at t = 0 with a good part of what they press with at most."""
+        own = np.nansum(force[:, [load == name for load in self.loads]], axis=1)
+        return bool(own[0] > _AT_ONCE * own.max())
 
 
 def _falls(load: AnyLoad) -> bool:
