@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +14,7 @@ from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.calm import started_too_close
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
-from ropewalk.results.peaks import beside, lonely
+from ropewalk.results.peaks import beside, lonely, missed, sharp
 from ropewalk.results.strength import StrengthWatch
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ FAST = 0.8  # of the speed of transverse waves: forces of masses are hard to res
 _GROWING = ("pantograph",)  # loads whose forces grow from nothing
 _DECIDING = ("footsteps", "stepper", "fmu")  # loads that may do so: what they press with at first says it
 _NEVER_AT_REST = ("walker", "stepper", "fmu")  # loads that a run cannot begin at rest with
+_COUNTS = 0.3  # part of the largest tension of all lines, from which on the peak of a line counts
 _AT_ONCE = 0.1  # of its largest force: with what a load is set down suddenly that may grow
 
 
@@ -104,6 +105,8 @@ class Watch:
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
         self._tension = array("d")  # largest, of each frame, N
+        self._lines, self._of_line = _runs_of(layout.link_line)
+        self._pull = array("d")  # largest of each frame and line, N
         self._times = array("d")  # of the frames, s
 
     def see(self, frames: Frames) -> None:
@@ -124,7 +127,10 @@ class Watch:
                 self._balance.cause = self._cause(before[0], before[1], frames[steepest], fastest[steepest])
         self._before = float(path[-1]), state[-1].copy()
         pull = of["tension"]
-        self._tension.extend(np.where(np.isfinite(pull), pull, 0.0).max(axis=1, initial=0.0))
+        pull = np.where(np.isfinite(pull), pull, 0.0)
+        self._tension.extend(pull.max(axis=1, initial=0.0))
+        if self._lines:
+            self._pull.frombytes(np.maximum.reduceat(pull, self._of_line, axis=1).tobytes())
         self._times.extend(path)
         if "sampled_force" in of and of["sampled_force"].size:
             force = np.where(np.isfinite(of["sampled_station"]), np.abs(of["sampled_force"]), np.nan)
@@ -256,6 +262,7 @@ class Watch:
 
     def _diagnostics(self, force: Array) -> Iterator[str]:
         yield from started_too_close(self.scenario)
+        yield from self._between_instants()
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:
             return
@@ -280,10 +287,34 @@ class Watch:
                     f"part of the answer; {rest}"
                 )
 
+    def _between_instants(self) -> Iterator[str]:
+        """The line with the sharpest largest tension, if output instants are too far apart for it."""
+        if self.layout.path != "time" or not self._lines or lonely(np.array(self._tension)) is not None:
+            return
+        pull, found = np.array(self._pull).reshape(len(self._times), -1), list[tuple[float, int, int]]()
+        for line, values in enumerate(pull.T):
+            if (i := sharp(values)) is not None and values[i] > _COUNTS * pull.max():
+                found.append((missed(values, i), i, line))
+        if found:
+            more, i, line = max(found)
+            before, here, after = pull[i - 1 : i + 2, line]
+            when, apart = self._times[i], self._times[i] - self._times[i - 1]
+            yield (
+                f"the largest tension of {self._lines[line]}, {here:.4g} N at t = {when:.4g} s, is a peak that output "
+                f"instants are too far apart for: it is {before:.4g} N {apart:.3g} s before and {after:.4g} N after; "
+                f"the true one may be larger by {100.0 * more:.2g} % or more; write a smaller run.every"
+            )
+
     def _presses_at_once(self, force: Array, name: str) -> bool:
         """Whether the contacts of a load press, in all, at t = 0 with a good part of what they press with at most."""
         own = np.nansum(force[:, [load == name for load in self.loads]], axis=1)
         return bool(own[0] > _AT_ONCE * own.max())
+
+
+def _runs_of(names: Sequence[str]) -> tuple[list[str], list[int]]:
+    """Names that stand beside each other, each once, and where they begin."""
+    begin = [i for i, name in enumerate(names) if i == 0 or name != names[i - 1]]
+    return [names[i] for i in begin], begin
 
 
 def _falls(load: AnyLoad) -> bool:
