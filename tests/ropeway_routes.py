@@ -136,10 +136,14 @@ def share_by_catenaries(gravity: float = 9.81) -> float:
     return float(brentq(gap, 0.3 * weight, 0.9 * weight)) / weight
 
 
-def beside_a_pendulum(result: xr.Dataset, name: str, length: float = 4.0, gravity: float = 9.81) -> float:
+def beside_a_pendulum(
+    result: xr.Dataset, name: str, length: float = 4.0, mass: float = 800.0, inertia: float = 0.0,
+    damping: float = 400.0, gravity: float = 9.81,
+) -> float:  # fmt: skip
     """Largest difference in rad from a pendulum, integrated apart, whose pivot goes as the middle of the wheels.
 
-    l w'' + x'' cos w + (g + z'') sin w + c/(m l) (w' - a') = 0; a: angle of the rocker, against which its damper acts.
+    (I + m l^2) w'' + m l (x'' cos w + (g + z'') sin w) + c (w' - a') = 0; a: angle of the rocker, against which its
+    damper acts.
     """
     time, places = result.time.values, result.contact_position.values[:, wheels_of(result, name)]
     x, z = (CubicSpline(time, places[:, :, axis].mean(axis=1)) for axis in (0, 1))
@@ -148,7 +152,8 @@ def beside_a_pendulum(result: xr.Dataset, name: str, length: float = 4.0, gravit
 
     def rate(t: float, y: np.ndarray) -> list[float]:
         push = x(t, 2) * np.cos(y[0]) + (gravity + z(t, 2)) * np.sin(y[0])
-        return [y[1], -push / length - 400.0 / (800.0 * length**2) * (y[1] - a(t, 1))]
+        moment = mass * length * push + damping * (y[1] - a(t, 1))
+        return [y[1], -moment / (inertia + mass * length**2)]
 
     exact = solve_ivp(rate, (0.0, time[-1]), [0.0, 0.0], t_eval=time, rtol=1e-6, atol=1e-8, max_step=0.05).y[0]
     return float(np.abs(sway(result, name) - exact).max())
@@ -201,6 +206,22 @@ def tension_at_the_drive_over_a_catenary(result: xr.Dataset) -> float:
     return float(first / np.linalg.norm(rope.end_reaction))
 
 
-def least_pull_of_the_haul(result: xr.Dataset) -> float:
-    """Least pull of the rope of examples/ropeway-counter-rope.yaml over 10 kN, 1 at most: whether it is taut."""
-    return float(min(1.0, summary(result)["carriages"]["car"]["pull"]["min"]["value"] / 10e3))
+def least_pull_of_the_haul(result: xr.Dataset, least: float = 10e3) -> float:
+    """Least pull of the hauling rope of a carriage over another in N, 1 at most: whether it is taut."""
+    return float(min(1.0, summary(result)["carriages"]["car"]["pull"]["min"]["value"] / least))
+
+
+def depth_in_the_second_span(result: xr.Dataset, after: float = 12.0) -> float:
+    """Mean depth of the wheels of examples/ropeway-tower-brake.yaml below the chord from x = 250 m to the upper end,
+    over that of a shallow rope with its weight and four forces; from `after` in s on, about one swing of the rope."""
+    gaps, depths = [], []
+    for place, wheels in zip(result.position.values, result.contact_position.values, strict=True):
+        start, end = place[np.searchsorted(place[:, 0], 250.0)], place[-1]
+        span, slope = end[0] - start[0], (end[1] - start[1]) / (end[0] - start[0])
+        x = wheels[:, 0] - start[0]
+        own = 11.7 * 9.81 * np.hypot(1.0, slope) * x * (span - x) / 2.0
+        loads = sum(2e3 * 9.81 * np.minimum(x, a) * (span - np.maximum(x, a)) / span for a in x)
+        gaps.append((start[1] + slope * x - wheels[:, 1]).mean())
+        depths.append(((own + loads) / 600e3).mean())
+    late = result.time.values > after
+    return float(np.mean(gaps, where=late) / np.mean(depths, where=late))

@@ -9,7 +9,7 @@ from ropewalk.scenario.examples import examples
 from ropewalk.scenario.template import TRADES, template, trades
 
 WANTED = {"ropeway", "highline", "zip-line", "overhead-line", "bridge", "train", "cable-crane", "footbridge", "net",
-          "tightrope"}  # fmt: skip
+          "tightrope", "tramway"}  # fmt: skip
 
 
 def test_without_a_name_it_lists_them_and_writes_nothing(call, folder) -> None:

@@ -16,6 +16,7 @@ from ropewalk.results.contact_statistics import ContactStatistics, contact_stati
 from ropewalk.results.limits import FAIL, PASS, UNKNOWN, Judgement, arcing_share, judged, maximum_force, mean_range
 from ropewalk.scenario import loads
 from ropewalk.simulate import simulate
+from ropewalk.sweeps.quantities import broken_limits
 
 KMH = 1.0 / 3.6
 GOOD = ContactStatistics(
@@ -140,6 +141,10 @@ def test_summary_table_and_report_set_every_pantograph_beside_the_limits_of_its_
     failed = sum(check["verdict"] == FAIL for check in first["checks"])
     assert (first["failures"]["value"], second["failures"]["value"]) == (failed, None)
     assert named_numbers(result)["pantographs.first.limits.failures"] == (failed, "1")
+    names = [check["what"] for check in first["checks"] if check["verdict"] == FAIL]
+    assert "largest uplift at a support" in names
+    counts = ["first.limits.failures", "second.limits.failures", "largest_tension"]
+    assert broken_limits(result, counts) == {counts[0]: "; ".join(names), counts[1]: ""}
     uplift = next(check for check in first["checks"] if check["quantity"] == "uplift")
     assert uplift["verdict"] == FAIL
     assert uplift["high"] == pytest.approx(0.5)  # mm

@@ -181,6 +181,17 @@ def test_a_tension_that_comes_from_one_step_is_doubtful() -> None:
     assert "largest tension" in doubt(watched(change(50.0))).what
 
 
+def test_a_peak_of_tension_that_instants_are_too_far_apart_for_is_remarked() -> None:
+    """A sine that is squared, of which a part may be missed: the remark names what is beside the peak."""
+
+    def swung(instants: float) -> Change:
+        return lambda i, frame: replace(frame, tension=frame.tension * (1.0 + 4.0 * np.sin(np.pi * i / instants) ** 2))
+
+    assert not any("largest tension" in said for said in watched(swung(30.0)).warnings)
+    (said,) = [said for said in watched(swung(6.0)).warnings if "largest tension" in said]
+    assert "write a smaller run.every" in said
+
+
 def test_support_forces_at_rest_carry_the_weights() -> None:
     plan = replace(wave.layout(), path="load_path", weight=200.0)
 

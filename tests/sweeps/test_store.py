@@ -12,6 +12,7 @@ from ropewalk.sweeps.store import Store
 
 FINE = Outcome("completed", {"max tension": (1.1, "N"), "none": (None, "m")}, seconds=0.5)
 FAILED = Outcome("failed", {}, (), "why")
+BROKEN = Outcome("completed", {"limits.failures": (2.0, "1")}, broken={"limits.failures": "largest force; uplift"})
 
 
 def filled(file, *keys):
@@ -108,3 +109,13 @@ def test_a_spoilt_line_is_told_with_its_number(tmp_path):
     file.write_bytes(lines[0] + lines[1][:-20] + b"\n" + lines[2])
     with pytest.raises(ResultError, match=":2: this line cannot be read; delete it"):
         Store(file)
+
+
+def test_names_of_broken_limits_are_kept_and_stores_from_before_are_read(tmp_path):
+    file = tmp_path / "s.jsonl"
+    with Store(file) as store:
+        store.add("a", BROKEN, [])
+        store.add("b", FINE, [])
+    assert b'"broken"' not in file.read_bytes().splitlines()[2]  # as lines were before there were names
+    with Store(file) as store:
+        assert store.done == {"a": BROKEN, "b": FINE}

@@ -14,8 +14,12 @@ from ropewalk.errors import ScenarioError
 from ropewalk.model import Sweep
 from ropewalk.results import named_numbers
 from ropewalk.sweeps import sweeping
-from ropewalk.sweeps.case import Case, computed
+from ropewalk.sweeps.case import Case, Outcome, computed
+from ropewalk.sweeps.command import table_text
+from ropewalk.sweeps.dataset import dataset_of, named
+from ropewalk.sweeps.plan import Plan
 from ropewalk.sweeps.quantities import measured
+from ropewalk.sweeps.writing import read, write
 
 LENGTH, FORCE = "lines.rope.length", "loads.man.force.1"
 FELT = (
@@ -246,3 +250,22 @@ def test_the_table_has_a_row_for_each_case_with_units():
     table = ropewalk.sweep_table(found)
     assert list(table.columns) == ["length [m]", "largest_sag [m]", "outcome", "doubts", "reason", "seconds [s]"]
     assert table["length [m]"].tolist() == [10.5, -1.0]
+
+
+def test_names_of_broken_limits_stand_beside_their_number_which_has_no_unit(tmp_path):
+    count = "rear.limits.failures"
+    plan = Plan.of(cases.scenario(), Sweep(over={LENGTH: [10.5, 10.7]}, record=[count]))
+    none, two = {count: (0.0, "1")}, {count: (2.0, "1")}
+    text = "standard deviation sigma; largest force; Fm + 3 sigma; largest uplift at a support"
+    found = [Outcome("completed", none), Outcome("completed", two, broken={count: text})]
+    swept = dataset_of(plan, {row.case.key: one for row, one in zip(plan.rows, found, strict=True)}, "completed")
+    columns = ["length [m]", count, "rear.limits.broken", "outcome", "doubts", "reason", "seconds [s]"]
+    table = ropewalk.sweep_table(swept)
+    assert list(table.columns) == columns
+    assert table["rear.limits.broken"].tolist() == ["", text]
+    assert named(swept, "quantities") == [count]  # what figures and maps draw
+    assert text in table_text(swept)
+    assert "limits.broken" not in table_text(swept.isel(length=[0]))
+    write(swept, tmp_path / "s.nc")
+    again = read(tmp_path / "s.nc")
+    assert again["rear.limits.broken"].values.tolist() == ["", text]

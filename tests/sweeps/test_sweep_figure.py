@@ -48,6 +48,30 @@ def test_two_parameters_of_which_one_has_few_values_give_a_family():
     assert [line.get_label() for line in ax.lines] == ["b 1 m", "b 2 m"]
 
 
+def with_limits(found):
+    """The same of a quantity that counts broken limits: none, one, and two in the last three cases."""
+    names = np.full(found["max tension"].shape, "", dtype=object)
+    names.flat[-4], names.flat[-3:] = "largest force", "largest force; uplift"
+    renamed = found.rename({"max tension": "limits.failures"})
+    return renamed.assign({"limits.broken": (found["max tension"].dims, names)}).assign_attrs(
+        quantities=["limits.failures"]
+    )
+
+
+def test_a_curve_names_limits_where_others_are_broken():
+    (ax,) = ropewalk.sweep_figure(with_limits(dataset(6))).axes
+    assert [(note.get_text(), note.xy[0]) for note in ax.texts] == [
+        ("largest force", 3.0),
+        ("largest force\nuplift", 4.0),
+    ]
+
+
+@pytest.mark.parametrize("how", [{"sizes": (6, 5)}, {"sizes": (6,), "case": True}])
+def test_maps_and_points_name_them_in_their_title(how):
+    ax = ropewalk.sweep_figure(with_limits(dataset(*how["sizes"], case="case" in how))).axes[0]
+    assert ax.get_title("left") == "broken somewhere: largest force; uplift"
+
+
 def test_words_have_places_and_no_line():
     (ax,) = ropewalk.sweep_figure(dataset(3, words=True)).axes
     assert [tick.get_text() for tick in ax.get_xticklabels()] == ["u", "v", "w"]

@@ -201,7 +201,7 @@ def progress_of_run(scenario: Scenario, quiet: bool) -> Iterator[Progress | None
     from ropewalk.simulate import must_compile
 
     if not quiet and (how_long := must_compile(scenario)):
-        say(f"compiling (first run only, {how_long})")
+        say(f"compiling, once for each kind of structure ({how_long} on a quiet machine)")
     with progress_of_many(quiet) as report:
         if report is None:
             yield None
@@ -239,13 +239,16 @@ def progress_of_many(quiet: bool) -> Iterator[Report | None]:
 
 
 def _in_lines() -> Report:
-    """Progress of what takes long as lines: the first after half a minute, then one for each tenth, and none sooner."""
+    """Progress of what takes long as lines: the first after half a minute, then one for each tenth, and none sooner.
+
+    What is near its end for minutes says so once more.
+    """
     lines: dict[str, tuple[float, float]] = {}
 
     def report(label: str, done: float, what: str = "") -> None:
         now = clock.monotonic()
         last, least = lines.setdefault(label, (now, 0.0))
-        if now - last >= _BETWEEN_LINES and done >= least:
+        if now - last >= (_BETWEEN_LINES if done >= least else 4.0 * _BETWEEN_LINES):
             say(f"{label} {what}".rstrip() + f": {done:.0%}")
             lines[label] = now, done + 0.1
 

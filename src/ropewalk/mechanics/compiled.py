@@ -88,7 +88,7 @@ class Compiling(events.Listener):
 
     def _tell(self, what: str) -> None:
         if self.progress is not None and self._ahead:
-            self.progress(len(self._begun) / len(self._ahead), what)
+            self.progress((len(self._begun) - min(self._depth, len(self._begun))) / len(self._ahead), what)
 
 
 compiling = Compiling()

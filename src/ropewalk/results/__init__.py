@@ -20,7 +20,14 @@ if TYPE_CHECKING:
     from ropewalk.results.report import html_report
     from ropewalk.results.statistics import summary
     from ropewalk.results.table import text
-    from ropewalk.results.table_export import named_numbers, save_tables, series_table, tables, write_tables
+    from ropewalk.results.table_export import (
+        named_numbers,
+        named_texts,
+        save_tables,
+        series_table,
+        tables,
+        write_tables,
+    )
     from ropewalk.results.target import check_target
     from ropewalk.results.vtk_export import export
 
@@ -42,6 +49,7 @@ _HOME = {
     "html_report": "report",
     "links": "contract",
     "named_numbers": "table_export",
+    "named_texts": "table_export",
     "open_result": "files",
     "save_tables": "table_export",
     "series_table": "table_export",
@@ -70,6 +78,7 @@ __all__ = [
     "html_report",
     "links",
     "named_numbers",
+    "named_texts",
     "open_result",
     "save_tables",
     "series_table",

@@ -23,7 +23,7 @@ from ropewalk.results.contact_statistics import (
 )
 from ropewalk.results.contract import doubts_of
 from ropewalk.results.course import transitions
-from ropewalk.results.limits import FAIL, UNKNOWN, Judgement, judged
+from ropewalk.results.limits import FAIL, SEPARATOR, UNKNOWN, Judgement, judged
 from ropewalk.results.strips import UNITS as STRIP_UNITS
 from ropewalk.results.strips import StripStatistics, rotation_ranges, strip_statistics
 
@@ -139,8 +139,9 @@ def _limits(found: Judgement | None) -> Summary | None:
               for c in found.checks]  # fmt: skip
     count = None if found.verdict == UNKNOWN else float(sum(check.verdict == FAIL for check in found.checks))
     failures = {"value": count, "unit": "1"}  # for sweeps, which keep numbers
+    broken = SEPARATOR.join(check.what for check in found.checks if check.verdict == FAIL)
     text = {"title": found.title, "remark": found.remark, "verdict": found.verdict}
-    return text | {"failures": failures, "checks": checks}
+    return text | {"failures": failures, "broken": broken, "checks": checks}
 
 
 def _acceptance(found: Acceptance | None) -> Summary | None:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ropewalk.model.limits import Limits, System
 
 PASS, FAIL, UNKNOWN = "pass", "FAIL", "no verdict"
+SEPARATOR = "; "  # names of limits, some of which have commas
 _MARGIN = 2.5  # N, what EN 50318:2018 asks simulations to be good to in the mean force (R)
 _SHARE = 0.3  # sigma over mean force
 _ABOUT = 1.0 + 1e-6  # speeds are found from stations and instants

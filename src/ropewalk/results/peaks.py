@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ropewalk.results.frame import Array
 
 ALONE = 10.0  # a value that is so many times its neighbours' and the usual one comes from one step
+SHARP = 0.1  # part of a value by which a largest one may stand out: 2.5 % may be missed then
 EDGE = 2  # samples after entering and before leaving whose peaks are impulses of entering and leaving
 
 
@@ -26,6 +27,29 @@ def lonely(values: Array) -> int | None:
     usual, inner = float(np.median(values[there])), there[EDGE:-EDGE]
     i = int(inner[values[inner].argmax()])
     return i if values[i] > ALONE * max(usual, beside(values, i)) and usual > 0.0 else None
+
+
+def sharp(values: Array) -> int | None:
+    """Find the largest of values, if it stands out from the mean of the two beside it by a good part of itself.
+
+    Of a sine with n values in a period that is A (1 - cos(2 pi / n)).
+
+    Args:
+        values: (instant,) not negative.
+
+    Returns:
+        Its index, None if there is no such value.
+    """
+    if values.size < 3:
+        return None
+    i = 1 + int(values[1:-1].argmax())
+    bend = values[i] - 0.5 * (values[i - 1] + values[i + 1])
+    return i if values[i] == values.max() and bend > SHARP * values[i] else None
+
+
+def missed(values: Array, i: int) -> float:
+    """By which part of itself the peak of a sine may be larger between instants: a quarter of how it stands out."""
+    return float(0.25 * (values[i] - 0.5 * (values[i - 1] + values[i + 1])) / values[i])
 
 
 def beside(values: Array, i: int) -> float:

@@ -17,6 +17,7 @@ from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
 from ropewalk.results.line_response import response_summary
 from ropewalk.results.net_statistics import net_summary
 from ropewalk.results.nets import net_names
+from ropewalk.results.own_way import friction_of_steps, last_place, steps
 from ropewalk.results.payload_statistics import payload_summary
 from ropewalk.results.peaks import impulses
 from ropewalk.results.people import crowd_summary
@@ -307,7 +308,9 @@ def _contact(dataset: xr.Dataset, k: int) -> Summary:
     if np.isfinite(jump).any():
         at = int(np.nanargmax(np.abs(jump)))
         tension_jump |= {"value": jump[at], path_name(dataset): path[at]}
-    friction = dataset["contact_friction"][:, k].values
+    friction = np.asarray(dataset["contact_friction"][:, k].values)
+    if steps(dataset, k):
+        friction = friction_of_steps(friction, force)
     needed: Summary = {"value": _reduce(np.max, friction), "unit": "1"}
     if needed["value"] is not None:
         needed[path_name(dataset)] = path[int(np.argmax(friction == needed["value"]))]
@@ -322,6 +325,7 @@ def _contact(dataset: xr.Dataset, k: int) -> Summary:
         "friction_power": _peak(dataset, np.asarray(dataset["friction_power"][:, k].values), "W"),
         "friction_work": _work(path, np.asarray(dataset["friction_power"][:, k].values)),
         "last_speed": _last_speed(dataset, k),
+        "last_place": last_place(dataset, k),
     }
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ropewalk.results.display_units import Column, DisplayUnits, number, quantities
+from ropewalk.results.own_way import whereabouts
 from ropewalk.results.statistics import Summary
 
 Row = tuple[str, str, str]
@@ -263,11 +264,8 @@ def _pantograph_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
     for passed in found["overlaps"]:
         both = f"on both wires from {number(passed['first'])} to {number(passed['last'])} m"
         sentence = f"{both}, {say(passed['together'], 's', 3)} in all"
-        yield (
-            f"from {passed['from_line']} to {passed['to_line']}",
-            say(passed["last"] - passed["first"], "m", 3),
-            sentence,
-        )
+        lines = f"from {passed['from_line']} to {passed['to_line']}"
+        yield lines, say(passed["last"] - passed["first"], "m", 3), sentence
     if found["acceptance"] is not None:
         yield from _acceptance_rows(found["acceptance"])
     if found["limits"] is not None:
@@ -353,6 +351,8 @@ def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> I
     if contact["last_speed"] is not None:
         speed = contact["last_speed"]
         yield "last speed", say(speed["value"], "m/s"), "  ".join((*_when(speed), "before it leaves or stops"))
+    if (place := contact["last_place"]) is not None:
+        yield "last place", f"x = {number(place['value'])} m", "  ".join((*_when(place), *whereabouts(place, say)))
     if share < 1.0:
         yield "on the line", f"{100 * share:.0f} %", "of the output instants"
 

@@ -119,6 +119,15 @@ def named_numbers(dataset: xr.Dataset, only: Collection[str] | None = None) -> d
     return {row["quantity"]: (row["value"], row["unit"]) for row in rows if "text" not in row}
 
 
+def named_texts(dataset: xr.Dataset, only: Collection[str] | None = None) -> dict[str, str]:
+    """The texts of a summary by the names that they have in tables; empty ones are left out.
+
+    Args:
+        dataset, only: as of `named_numbers`.
+    """
+    return {row["quantity"]: row["text"] for row in _rows("", summary(dataset, only), "1") if "text" in row}
+
+
 def write_tables(
     dataset: xr.Dataset,
     path: str | Path,

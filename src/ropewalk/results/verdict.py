@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +14,7 @@ from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.calm import started_too_close
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
-from ropewalk.results.peaks import beside, lonely
+from ropewalk.results.peaks import beside, lonely, missed, sharp
 from ropewalk.results.strength import StrengthWatch
 
 if TYPE_CHECKING:
@@ -28,7 +28,11 @@ UNBALANCED = 1e-3  # of all weights: what the support forces at rest may miss
 NOTHING = 1e-10  # of the largest tension, or of the weight of the line: a load that presses less does not press
 SLACK = 100.0  # times the speed of waves: a line is slack there
 FAST = 0.8  # of the speed of transverse waves: forces of masses are hard to resolve beyond
-_UNREMARKED = ("footsteps", "stepper", "fmu", "pantograph")  # loads that come by themselves, or grow
+_GROWING = ("pantograph",)  # loads whose forces grow from nothing
+_DECIDING = ("footsteps", "stepper", "fmu")  # loads that may do so: what they press with at first says it
+_NEVER_AT_REST = ("walker", "stepper", "fmu")  # loads that a run cannot begin at rest with
+_COUNTS = 0.3  # part of the largest tension of all lines, from which on the peak of a line counts
+_AT_ONCE = 0.1  # of its largest force: with what a load is set down suddenly that may grow
 
 
 class _Balance:
@@ -101,6 +105,8 @@ class Watch:
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
         self._tension = array("d")  # largest, of each frame, N
+        self._lines, self._of_line = _runs_of(layout.link_line)
+        self._pull = array("d")  # largest of each frame and line, N
         self._times = array("d")  # of the frames, s
 
     def see(self, frames: Frames) -> None:
@@ -121,7 +127,10 @@ class Watch:
                 self._balance.cause = self._cause(before[0], before[1], frames[steepest], fastest[steepest])
         self._before = float(path[-1]), state[-1].copy()
         pull = of["tension"]
-        self._tension.extend(np.where(np.isfinite(pull), pull, 0.0).max(axis=1, initial=0.0))
+        pull = np.where(np.isfinite(pull), pull, 0.0)
+        self._tension.extend(pull.max(axis=1, initial=0.0))
+        if self._lines:
+            self._pull.frombytes(np.maximum.reduceat(pull, self._of_line, axis=1).tobytes())
         self._times.extend(path)
         if "sampled_force" in of and of["sampled_force"].size:
             force = np.where(np.isfinite(of["sampled_station"]), np.abs(of["sampled_force"]), np.nan)
@@ -135,7 +144,8 @@ class Watch:
         """Note all doubts and remarks about what was seen."""
         if self._times:
             run_info.doubts += [doubt for doubt in self._doubts(run_info) if doubt not in run_info.doubts]
-            run_info.warnings += [remark for remark in self._diagnostics() if remark not in run_info.warnings]
+            force = np.array(self._force).reshape(len(self._instants), len(self.loads))
+            run_info.warnings += [remark for remark in self._diagnostics(force) if remark not in run_info.warnings]
 
     def _doubts(self, run_info: RunInfo) -> Iterator[Doubt]:
         force = np.array(self._force).reshape(len(self._instants), len(self.loads))
@@ -250,28 +260,61 @@ class Watch:
             what = f"the largest tension is {_alone(tension, i, self._times[i])}"
             yield Doubt(what, "a blow that the step does not resolve", "run.step", "write a smaller run.step and every")
 
-    def _diagnostics(self) -> Iterator[str]:
+    def _diagnostics(self, force: Array) -> Iterator[str]:
         yield from started_too_close(self.scenario)
+        yield from self._between_instants()
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:
             return
         for name in dict.fromkeys(self.loads):
             load = self.scenario.loads.get(name)
-            if load is None or load.on in self.scenario.nets or load.kind in _UNREMARKED or _falls(load):
+            if load is None or load.on in self.scenario.nets or load.kind in _GROWING or _falls(load):
                 continue
             on, k = self.scenario.carrier_of(load), self.loads.index(name)
+            if load.kind in _DECIDING and not self._presses_at_once(force, name):
+                continue
             state, xi = (float(values[k]) for values in self._at_start)
             here = [x for x, line in zip(self.layout.node_xi, self.layout.node_line, strict=True) if line == on]
             if state != OFF_LINE and here and min(here) < xi < max(here):
                 rest = "to begin at rest with it write run.start: {with_loads: true}, or let it start at an end"
-                if any(
-                    line.has_bending_stiffness for line in self.scenario.lines.values()
-                ):  # which begin without loads
+                stiff = any(line.has_bending_stiffness for line in self.scenario.lines.values())
+                if stiff or load.kind in _NEVER_AT_REST:  # which begin without loads
                     rest = "let it start at an end to avoid that"
+                if load.kind in ("stepper", "fmu"):
+                    rest += ", or let its force grow from zero"
                 yield (
                     f"load {name} is set down suddenly at t = 0, {xi:.4g} m along {load.on}: what swings from that is "
                     f"part of the answer; {rest}"
                 )
+
+    def _between_instants(self) -> Iterator[str]:
+        """The line with the sharpest largest tension, if output instants are too far apart for it."""
+        if self.layout.path != "time" or not self._lines or lonely(np.array(self._tension)) is not None:
+            return
+        pull, found = np.array(self._pull).reshape(len(self._times), -1), list[tuple[float, int, int]]()
+        for line, values in enumerate(pull.T):
+            if (i := sharp(values)) is not None and values[i] > _COUNTS * pull.max():
+                found.append((missed(values, i), i, line))
+        if found:
+            more, i, line = max(found)
+            before, here, after = pull[i - 1 : i + 2, line]
+            when, apart = self._times[i], self._times[i] - self._times[i - 1]
+            yield (
+                f"the largest tension of {self._lines[line]}, {here:.4g} N at t = {when:.4g} s, is a peak that output "
+                f"instants are too far apart for: it is {before:.4g} N {apart:.3g} s before and {after:.4g} N after; "
+                f"the true one may be larger by {100.0 * more:.2g} % or more; write a smaller run.every"
+            )
+
+    def _presses_at_once(self, force: Array, name: str) -> bool:
+        """Whether the contacts of a load press, in all, at t = 0 with a good part of what they press with at most."""
+        own = np.nansum(force[:, [load == name for load in self.loads]], axis=1)
+        return bool(own[0] > _AT_ONCE * own.max())
+
+
+def _runs_of(names: Sequence[str]) -> tuple[list[str], list[int]]:
+    """Names that stand beside each other, each once, and where they begin."""
+    begin = [i for i, name in enumerate(names) if i == 0 or name != names[i - 1]]
+    return [names[i] for i in begin], begin
 
 
 def _falls(load: AnyLoad) -> bool:

@@ -48,6 +48,7 @@ run:
 FIRST = "rope"
 TRADES = {
     "ropeway": "ropeway-saddle",
+    "tramway": "ropeway-tower-brake",
     "cable-crane": "cable-crane-crab",
     "zip-line": "zip-line",
     "highline": "highline-walker",

@@ -7,7 +7,7 @@ import json
 import os
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from ropewalk.results.contract import doubts_of
 from ropewalk.scenario.writing import check_writable, text_of, tree_of
 from ropewalk.sweeps.by_modes import by_modes
 from ropewalk.sweeps.keys import leaves
-from ropewalk.sweeps.quantities import Measured, measured
+from ropewalk.sweeps.quantities import Measured, broken_limits, measured
 
 FINE = ("completed", "doubtful")
 FAILED, LOST, MISSING = "failed", "lost", "not computed"
@@ -53,6 +53,7 @@ class Outcome:
         doubts: why it must not be trusted.
         reason: why there are no values.
         seconds: that it took.
+        broken: names of broken limits, by the quantities that count them.
     """
 
     outcome: str
@@ -60,12 +61,14 @@ class Outcome:
     doubts: tuple[str, ...] = ()
     reason: str = ""
     seconds: float = 0.0
+    broken: dict[str, str] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, Any]:
         """As plain values that fit into JSON."""
         return {
             "outcome": self.outcome, "values": {name: list(pair) for name, pair in self.values.items()},
             "doubts": list(self.doubts), "reason": self.reason, "seconds": round(self.seconds, 3),
+            **({"broken": self.broken} if self.broken else {}),
         }  # fmt: skip
 
     @classmethod
@@ -79,7 +82,8 @@ class Outcome:
         for name, (value, unit) in found["values"].items():
             values[str(name)] = None if value is None else float(value), str(unit)
         doubts = tuple(str(doubt) for doubt in found["doubts"])
-        return cls(str(found["outcome"]), values, doubts, str(found["reason"]), float(found["seconds"]))
+        broken = {str(name): str(text) for name, text in found.get("broken", {}).items()}
+        return cls(str(found["outcome"]), values, doubts, str(found["reason"]), float(found["seconds"]), broken)
 
 
 def computed(case: Case) -> Outcome:
@@ -107,7 +111,8 @@ def run(case: Case) -> Outcome:
     with simulate(case.scenario) as result:
         outcome, doubts = str(result.attrs["outcome"]), tuple(doubts_of(result))
         if outcome in FINE:
-            return Outcome(outcome, measured(result, case.record), doubts)
+            values = measured(result, case.record)
+            return Outcome(outcome, values, doubts, broken=broken_limits(result, case.record))
         return Outcome(FAILED, {}, reason=f"{outcome}; {result.attrs['advice']}".rstrip("; "))
 
 

@@ -15,6 +15,7 @@ from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
 from ropewalk.model import Scenario
 from ropewalk.sweeps.case import FINE
 from ropewalk.sweeps.dataset import counted, effects_table, named, sweep_table
+from ropewalk.sweeps.quantities import broken_name
 from ropewalk.sweeps.sweeping import sweep
 from ropewalk.sweeps.writing import check_outputs, write
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 LONGEST = 40  # rows of a table on a terminal
+WIDEST = 60  # letters of doubts and reasons there
 
 
 def sweep_from_text(
@@ -128,8 +130,11 @@ def table_text(dataset: xr.Dataset) -> str:
 
     frame = sweep_table(dataset).drop(columns=["seconds [s]"])
     frame["doubts"] = frame["doubts"].str.replace("\n", "; ")
-    frame = frame[[name for name in frame.columns if name not in ("doubts", "reason") or frame[name].any()]]
-    with pd.option_context("display.max_colwidth", 60):
+    optional = {"doubts", "reason", *filter(None, map(broken_name, named(dataset, "quantities")))}
+    frame = frame[[name for name in frame.columns if name not in optional or frame[name].any()]]
+    for name in {"doubts", "reason"} & set(frame.columns):  # but all limits that are broken are named
+        frame[name] = frame[name].map(lambda text: text if len(text) <= WIDEST else f"{text[: WIDEST - 3]}...")
+    with pd.option_context("display.max_colwidth", None):
         displayed = frame.to_string(index=False, max_rows=LONGEST, float_format=lambda value: f"{value:.6g}", na_rep="")
     return str(displayed)
 

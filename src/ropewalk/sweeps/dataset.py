@@ -13,6 +13,7 @@ from ropewalk.model.sweep import FOR_EFFECTS, ONE_AT_A_TIME
 from ropewalk.scenario import dump
 from ropewalk.sweeps.case import MISSING, Outcome
 from ropewalk.sweeps.plan import Plan
+from ropewalk.sweeps.quantities import broken_name
 from ropewalk.sweeps.swings import SWINGS, swings
 
 if TYPE_CHECKING:
@@ -52,6 +53,8 @@ def dataset_of(plan: Plan, done: Mapping[str, Outcome], outcome: str) -> xr.Data
         unit = next((unit for _, unit in pairs if unit), "")
         numbers = [np.nan if value is None else value for value, _ in pairs]
         variables[name] = over(numbers, **({"units": unit} if unit else {}))
+        if (names := broken_name(name)) is not None:
+            variables[names] = over([one.broken.get(name, "") for one in found], long_name="limits that are broken")
     about_effects = {}
     if plan.sweep.combine in (ONE_AT_A_TIME, *FOR_EFFECTS):
         about_effects = {"parameter": list(plan.names), "quantity": list(plan.sweep.record)}
@@ -105,15 +108,22 @@ def sweep_table(dataset: xr.Dataset) -> pd.DataFrame:
         dataset: from `sweep`.
 
     Returns:
-        Columns of the parameters, the quantities, `outcome`, `doubts`, `reason` and `seconds`.
+        Columns of the parameters, the quantities, each that counts broken limits with their names beside it,
+        `outcome`, `doubts`, `reason` and `seconds`.
     """
-    columns = [*named(dataset, "parameters"), *named(dataset, "quantities"), "outcome", "doubts", "reason", "seconds"]
+    quantities = [
+        column
+        for name in named(dataset, "quantities")
+        for column in (name, broken_name(name))
+        if column in dataset.data_vars
+    ]
+    columns = [*named(dataset, "parameters"), *quantities, "outcome", "doubts", "reason", "seconds"]
     units = {name: str(dataset[name].attrs.get("units", "")) for name in columns}
     kept = dataset[[name for name in columns if name in dataset.data_vars]]
     return (
         kept.to_dataframe()
         .reset_index()[columns]
-        .rename(columns={name: f"{name} [{unit}]" for name, unit in units.items() if unit})
+        .rename(columns={name: f"{name} [{unit}]" for name, unit in units.items() if unit not in ("", "1")})
     )
 
 

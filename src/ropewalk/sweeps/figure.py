@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from ropewalk.errors import did_you_mean
 from ropewalk.results import style
+from ropewalk.results.limits import SEPARATOR
 from ropewalk.sweeps.dataset import counted, named
 from ropewalk.sweeps.parameters import refuse
+from ropewalk.sweeps.quantities import broken_name
 from ropewalk.sweeps.swings import SWINGS
 
 if TYPE_CHECKING:
@@ -153,8 +155,33 @@ def _family(ax: Axes, dataset: xr.Dataset, quantity: str, varied: list[str]) -> 
         dots: dict[str, Any] = {"marker": "o", "markersize": 3.0, "linestyle": joined, "linewidth": style.LINE}
         ax.plot(place[order], values, color=colour, label=label, **dots)
         _mark(ax, place[order], values, np.atleast_1d(part["outcome"].values)[order], colour)
+        _name_limits(ax, place[order], values, _broken(part, quantity)[order], colour)
     _dress(ax, dataset, x, _label(dataset, quantity))
     style.legend(ax)
+
+
+def _broken(dataset: xr.Dataset, quantity: str) -> NDArray[Any]:
+    """Names of the limits that a quantity counts as broken, as texts; empty ones where it counts none."""
+    name = broken_name(quantity)
+    known = name is not None and name in dataset.data_vars
+    return np.atleast_1d(dataset[name].values.astype(str) if known else np.full(dataset[quantity].shape, ""))
+
+
+def _name_limits(ax: Axes, x: NDArray[Any], y: NDArray[Any], texts: NDArray[Any], colour: Any) -> None:
+    """Write the names of broken limits beside a curve, where others are broken than at the value before."""
+    before = ""
+    for at, value, text in zip(x, y, texts, strict=True):
+        if text not in ("", before) and np.isfinite(value):
+            beside: dict[str, Any] = {"textcoords": "offset points", "va": "top", "ha": "right"}
+            label = text.replace(SEPARATOR, "\n")
+            ax.annotate(label, (at, value), (-5, 0), fontsize=style.NOTE, color=colour, **beside)
+        before = text
+
+
+def _broken_anywhere(dataset: xr.Dataset, quantity: str) -> str:
+    """All limits that some case breaks, for panels in which there is no room beside the points."""
+    names = dict.fromkeys(name for text in _broken(dataset, quantity).flat if text for name in text.split(SEPARATOR))
+    return f"broken somewhere: {SEPARATOR.join(names)}" if names else ""
 
 
 def _text(dataset: xr.Dataset, name: str, i: int) -> str:
@@ -185,7 +212,7 @@ def _map(figure: Figure, ax: Axes, dataset: xr.Dataset, quantity: str, varied: l
         ax.scatter(gx[doubtful], gy[doubtful], **DOUBTFUL, label="doubtful")
     if without.any():
         ax.scatter(gx[without], gy[without], **FAILED, label="no value")
-    _dress(ax, dataset, x, _label(dataset, y))
+    _dress(ax, dataset, x, _label(dataset, y), _broken_anywhere(dataset, quantity))
     if _is_geometric(dataset[y].values):
         ax.set_yscale("log")
     ax.grid(visible=False)
@@ -258,5 +285,5 @@ def _cloud(ax: Axes, dataset: xr.Dataset, quantity: str, name: str) -> None:
     values = np.asarray(dataset[quantity].values, dtype=np.float64)
     ax.plot(place, values, "o", markersize=3.0, color=style.BLUE)
     _mark(ax, place, values, dataset["outcome"].values)
-    _dress(ax, dataset, name, _label(dataset, quantity))
+    _dress(ax, dataset, name, _label(dataset, quantity), _broken_anywhere(dataset, quantity))
     style.legend(ax)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ropewalk.errors import Problem, ScenarioError, did_you_mean
 from ropewalk.mechanics.chain import Array
-from ropewalk.results import named_numbers, series_table
+from ropewalk.results import named_numbers, named_texts, series_table
 from ropewalk.results.batch_means import half_width
 from ropewalk.results.contract import PATHS
 from ropewalk.results.line_response import LEAST as LEAST_FRAMES
@@ -32,6 +32,8 @@ _AFTER = {
     "max": ("max", "maximum"), "min": ("min", "minimum"), "mean": ("mean",), "std": ("std", "deviation"),
 }  # fmt: skip
 _INTERVAL = "interval of "
+# What counts broken limits, and the text beside it that names them, in the entries of a summary that judge.
+_COUNT, _NAMES, _JUDGED = "limits.failures", "limits.broken", frozenset({"pantographs"})
 _OF_ALL = {"contact_force": "contacts.*.force.magnitude"}
 _NONE = "a run of this kind has no such quantity"
 _FORM = "write a name of the summary, or max, min, mean or std of one or of a column of the table of series"
@@ -71,6 +73,26 @@ def _structure(dataset: xr.Dataset) -> tuple[Any, ...]:
     sizes = tuple((str(name), size) for name, size in dataset.sizes.items() if name not in PATHS)
     labels = (tuple(dict.fromkeys(dataset[name].values.tolist())) for name in ("line", "load", "support"))
     return (sizes, *labels, *(name in dataset.sizes for name in PATHS))
+
+
+def broken_name(name: str) -> str | None:
+    """What the column is called that names the limits which a quantity counts; None of one that counts none."""
+    return f"{name.strip().removesuffix(_COUNT)}{_NAMES}" if name.strip().endswith(_COUNT) else None
+
+
+def broken_limits(dataset: xr.Dataset, names: Sequence[str]) -> dict[str, str]:
+    """The limits that are broken, in words, by the quantities that count them; empty where none is.
+
+    Args:
+        dataset: a result.
+        names: quantities of it.
+    """
+    counts = [name for name in names if broken_name(name) is not None]
+    if not counts:
+        return {}
+    numbers, texts = (table(dataset, _JUDGED) for table in (named_numbers, named_texts))
+    found = {name: _among(numbers, [name.strip()]) for name in counts}
+    return {name: texts.get(str(broken_name(keys[0])), "") for name, keys in found.items() if len(keys) == 1}
 
 
 class _Result:
