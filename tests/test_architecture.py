@@ -21,8 +21,8 @@ LAYERS = (
     ("errors", "units", "hooks", "interrupts", "renamed"), ("checkpoint",), ("model",),
     ("theory",), ("mechanics",), ("external",),
     ("controllers",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("networks",), ("system",),
-    ("capabilities",), ("chains", "wiring"), ("meshes",), ("impact",), ("simulate",), ("decouple",), ("coupling",),
-    ("scenario",), ("resuming",), ("cli",), ("__main__",),
+    ("capabilities",), ("chains", "wiring"), ("meshes",), ("impact",), ("simulate",), ("effort",), ("decouple",),
+    ("coupling",), ("scenario",), ("resuming",), ("cli",), ("__main__",),
 )  # fmt: skip
 # Extensions above the layers may look at everything; one not named here must be given its place first.
 ABOVE = ("calc", "compare", "paper", "sweeps", "designs", "cosim", "studio", "warming", "foreign", "validation")

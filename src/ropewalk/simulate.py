@@ -50,6 +50,7 @@ Seen = Callable[[Layout, Frames, RunInfo], None]
 def simulate(
     scenario: Scenario, *, file: Path | None = None, overwrite: bool = False,
     progress: Callable[[float], None] | None = None, seen: Seen | None = None,
+    begun: Callable[[Run, RunInfo], None] | None = None,
 ) -> xr.Dataset:  # fmt: skip
     """Run a scenario.
 
@@ -60,6 +61,8 @@ def simulate(
         overwrite: whether the result of another scenario is replaced, too.
         progress: called with the part that is done, 0 to 1.
         seen: called with the layout, with frames as they come and with how the run goes, to look at it meanwhile.
+        begun: called with a run that is ready to begin and with what is known of it then; not with those of several
+            meshes.
 
     Returns:
         The result; its attributes hold the outcome, advice, the method and why it was chosen. A run that breaks
@@ -94,7 +97,10 @@ def simulate(
         from ropewalk.impact import static_part  # lazy: most runs do not ask for it
 
         run_info.static = static_part(scenario, simulate)
-    return recorded(scenario, run_of(scenario, run_info), run_info)
+    run = run_of(scenario, run_info)
+    if begun is not None:
+        begun(run, run_info)
+    return recorded(scenario, run, run_info)
 
 
 class Clock:

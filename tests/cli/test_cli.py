@@ -180,9 +180,9 @@ def test_new_writes_a_scenario_that_runs_and_overwrites_nothing(call, folder):
     assert call("new", "no/first").exit_code == 2
 
 
-def test_check_says_fine_and_computes_nothing(call, scenario, folder):
+def test_check_says_fine_and_what_the_run_is_and_writes_nothing(call, scenario, folder):
     out = call("check", scenario())
-    assert (out.exit_code, out.stdout) == (0, "rope.yaml: fine (Rope: rope, walker; dynamic)\n")
+    assert (out.exit_code, out.stdout) == (0, "rope.yaml: fine (Rope: rope, walker; dynamic)\na motion\n")
     assert [p.name for p in folder.iterdir()] == ["rope.yaml"]
 
 

@@ -22,7 +22,8 @@ def test_long_work_tells_each_tenth_and_not_more_often_than_every_half_minute(
             now = 9.0 * percent  # s: half a minute is 3.3 of a hundred
             report("running", 0.01 * percent)
     said = capsys.readouterr().err.split("\n")
-    assert said[:2] == ["running: 4%", "running: 14%"]
+    # 900 s in all, of which 864 and 774 are left then
+    assert said[:2] == ["running: 4%, about 14 min left", "running: 14%, about 13 min left"]
     assert 10 <= len(said) <= 11
 
 

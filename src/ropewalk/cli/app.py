@@ -24,6 +24,8 @@ from ropewalk.cli.console import (
     display_units,
     fail,
     finish,
+    foreseen,
+    foretell,
     load_scenario,
     print_columns,
     print_json,
@@ -105,7 +107,7 @@ def new(
 
 @app.command()
 def check(file: ScenarioFile, settings: Settings = None) -> None:
-    """Find every mistake in a scenario; compute nothing."""
+    """Find every mistake in a scenario, and tell how long its run will be; compute no motion."""
     with reported():
         scenario = load_scenario(file, settings)
         if scenario.loads:
@@ -113,7 +115,10 @@ def check(file: ScenarioFile, settings: Settings = None) -> None:
         if scenario.sweep is not None:
             import_module("ropewalk.sweeps.plan").Plan.of(scenario, scenario.sweep)
         names = ", ".join((*scenario.lines, *scenario.overhead_lines, *scenario.loads))
-        typer.echo(f"{file}: fine ({scenario.title}: {names}; {scenario.run.kind})")
+        work, warnings = foreseen(file, scenario)
+        typer.echo(f"{file}: fine ({scenario.title}: {names}; {scenario.run.kind})\n{work}")
+        for warning in warnings:
+            typer.echo(f"warning: {warning}")
 
 
 @app.command()
@@ -143,7 +148,8 @@ def run(
         from ropewalk.simulate import simulate
 
         with progress_of_run(scenario, quiet) as progress:
-            dataset = simulate(scenario, file=target, overwrite=overwrite, progress=progress)
+            begun = None if quiet else foretell(scenario)
+            dataset = simulate(scenario, file=target, overwrite=overwrite, progress=progress, begun=begun)
         _close(dataset, target, replaced, displayed, as_json=as_json, quiet=quiet)
 
 

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
     from ropewalk.model import Scenario
     from ropewalk.results.display_units import DisplayUnits
+    from ropewalk.results.frame import RunInfo
+    from ropewalk.results.running import Run
 
 FAULT, BAD_INPUT, STOPPED_EARLY, DOUBTFUL = 1, 2, 3, 4
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
@@ -206,13 +208,20 @@ def progress_of_run(scenario: Scenario, quiet: bool) -> Iterator[Progress | None
         if report is None:
             yield None
             return
-        from ropewalk.mechanics.compiled import compiling
-
-        compiling.progress = partial(report, "compiling")
-        try:
+        with _compiling(report):
             yield partial(report, "running")
-        finally:
-            compiling.progress = None
+
+
+@contextmanager
+def _compiling(report: Report | None) -> Iterator[None]:
+    """Let the compiler tell how far it is, where anybody is told anything."""
+    from ropewalk.mechanics.compiled import compiling
+
+    compiling.progress = None if report is None else partial(report, "compiling")
+    try:
+        yield
+    finally:
+        compiling.progress = None
 
 
 @contextmanager
@@ -244,15 +253,48 @@ def _in_lines() -> Report:
     What is near its end for minutes says so once more.
     """
     lines: dict[str, tuple[float, float]] = {}
+    begun: dict[str, tuple[float, float]] = {}
 
     def report(label: str, done: float, what: str = "") -> None:
         now = clock.monotonic()
         last, least = lines.setdefault(label, (now, 0.0))
+        first, before = begun.setdefault(label, (now, done))
         if now - last >= (_BETWEEN_LINES if done >= least else 4.0 * _BETWEEN_LINES):
-            say(f"{label} {what}".rstrip() + f": {done:.0%}")
+            from ropewalk.effort import about  # what runs half a minute has read it
+
+            left = (now - first) * (1.0 - done) / max(done - before, 1e-9)
+            say(f"{label} {what}".rstrip() + f": {done:.0%}" + (f", {about(left)} left" if before < done < 1.0 else ""))
             lines[label] = now, done + 0.1
 
     return report
+
+
+def foreseen(file: Path, scenario: Scenario) -> tuple[str, list[str]]:
+    """What a run will be, in words, and what is to be remarked of how it begins; leaves where it would not begin."""
+    from ropewalk.effort import foreseen as words
+    from ropewalk.errors import RopewalkError
+
+    try:
+        with progress_of_many(quiet=False) as report, _compiling(report):
+            return words(scenario)
+    except RopewalkError as problem:
+        fail(f"{file}: no mistake was found, but its run would not begin: {problem}", STOPPED_EARLY)
+        raise
+
+
+def foretell(scenario: Scenario) -> Callable[[Run, RunInfo], None]:
+    """Say of a run that begins what is to be remarked of it already, and how long it will be if that is long."""
+
+    def begun(run: Run, run_info: RunInfo) -> None:
+        from ropewalk.effort import effort_of
+
+        for remark in run_info.warnings:
+            say(f"warning: {remark}")
+        effort = effort_of(scenario, run, run_info)
+        if effort is not None and (effort.seconds or 0.0) >= _BETWEEN_LINES:
+            say(str(effort))
+
+    return begun
 
 
 def now_called(new: str) -> Callable[[CallbackParam, Any], Any]:

@@ -172,7 +172,8 @@ def _name_limits(ax: Axes, x: NDArray[Any], y: NDArray[Any], texts: NDArray[Any]
     before = ""
     for at, value, text in zip(x, y, texts, strict=True):
         if text not in ("", before) and np.isfinite(value):
-            beside: dict[str, Any] = {"textcoords": "offset points", "va": "top", "ha": "right"}
+            paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.0}  # over the curve
+            beside: dict[str, Any] = {"textcoords": "offset points", "va": "top", "ha": "right", "bbox": paper}
             label = text.replace(SEPARATOR, "\n")
             ax.annotate(label, (at, value), (-5, 0), fontsize=style.NOTE, color=colour, **beside)
         before = text

@@ -90,7 +90,7 @@ def broken_limits(dataset: xr.Dataset, names: Sequence[str]) -> dict[str, str]:
     counts = [name for name in names if broken_name(name) is not None]
     if not counts:
         return {}
-    numbers, texts = (table(dataset, _JUDGED) for table in (named_numbers, named_texts))
+    numbers, texts = named_numbers(dataset, _JUDGED), named_texts(dataset, _JUDGED)
     found = {name: _among(numbers, [name.strip()]) for name in counts}
     return {name: texts.get(str(broken_name(keys[0])), "") for name, keys in found.items() if len(keys) == 1}
 

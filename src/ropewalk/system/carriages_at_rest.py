@@ -38,6 +38,7 @@ class CarriagesAtRest:
     def __init__(self, scenario: Scenario, loading: Loading, contacts: Any, bodies: BodyArrays, dim: int) -> None:
         self._scenario, self._loading, self._contacts, self._bodies = scenario, loading, contacts, bodies
         self._dim, self._pull = dim, np.zeros(bodies.carriages.hauls.size)
+        self._short = dict[str, float]()  # N, by which ropes would have to push, by names of their carriages
         self._last: dict[int, tuple[Array, Array]] = {}  # places and pushes of the round before
         self._u: Array | None = None  # m, coordinates, once they are known
         self.rounds = _ROUNDS if bodies.carriages.bars.size else 0
@@ -106,9 +107,20 @@ class CarriagesAtRest:
             # what pulls back, pulls along the line
             need = [float(haul["to"]) * own + float(np.linalg.norm(b)) for own, b in zip(needed, back, strict=True)]
             self._pull[i] = max(float(np.mean(need)), 0.0)
+            self._short[self._loading.wheels[int(haul["first"])].load] = max(-float(np.mean(need)), 0.0)
             for (first, count), way, b in zip(ends, ways, back, strict=True):
                 along = haul["to"] * (self._pull[i] - np.linalg.norm(b)) / count
                 self._contacts["hauled"][first : first + count, : self._dim] = along * way
+
+    def slack(self) -> list[str]:
+        """Hauling ropes, in words, that would have to push to hold their carriages where they begin."""
+        return [
+            f"the hauling rope of {name} is slack at t = 0 s: there the track rope falls towards its drive, with "
+            f"{short:.4g} N along it, and a rope only pulls, so that {name} rolls on by itself; begin where it rises "
+            f"towards the drive, give loads.{name}.haul a counter rope, or write a driver instead"
+            for name, short in self._short.items()
+            if short > 0.0
+        ]
 
     def _weight(self, first: int) -> float:
         """Weight of the carriage with this first contact, N."""

@@ -44,7 +44,7 @@ from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.hold_forces import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
-from ropewalk.system.methods import first_damper, shaken
+from ropewalk.system.methods import cut_by_damping, first_damper, shaken
 from ropewalk.system.rest import about_rest, at_rest, least, tensions
 from ropewalk.system.segments import mass_of
 from ropewalk.system.spline import WIDTH
@@ -151,7 +151,7 @@ class SystemMotion:
                 within=scenario.is_plane,
             )  # fmt: skip
         self._stand(with_loads=asked.start.with_loads)
-        self._step = min(self._step, self._allowed())
+        run_info.step = self._step = min(self._step, self._allowed())
         self._lead()
         self._window = None if asked.window is None else Window(self.structure, asked.window)
         self._implicit: Implicit | None = None
@@ -163,7 +163,8 @@ class SystemMotion:
             self._implicit = Implicit(self._system(), self.rest, asked.precision, longest, stable, stages)
         tension = tensions(self.structure, self.state.r)
         doubt_slack(scenario, run_info, self.layout.link_line, tension[self._builder.link])
-        run_info.warnings += shaken(scenario)
+        cut = cut_by_damping(self.assembled, self.rest, self.times[-1] / self._step)
+        run_info.warnings += [*shaken(scenario), *self._carriages.slack(), *cut]
 
     @property
     def layout(self) -> Layout:

@@ -55,6 +55,17 @@ def largest_step(structure: Structure, contacts: Any, bodies: BodyArrays, r: Arr
     return (SAFETY if contacts.size else WITHOUT_LOADS) * float(min(steps, default=np.inf))
 
 
+def shortened(structure: Structure, r: Array) -> tuple[float, int]:
+    """How many times axial damping makes steps shorter than waves along lines do, at most, and of which run."""
+    runs, found = structure.runs, [(1.0, 0)]
+    for s in np.flatnonzero((runs.damping > 0.0) & (runs.law[:, 0] != law.RIGID)).tolist():
+        stretched, tensions = _strained(structure, r, s)
+        per_mass = 4.0 / (_of_run(structure, s)[0] * float(runs.h[s]) ** 2)
+        square = per_mass * max(float(stretched.max()), float(tensions.max()) * _ARCS)
+        found.append((_stable(square, 0.0) / _stable(square, per_mass * float(runs.damping[s])), s))
+    return max(found)
+
+
 def largest_frequency(structure: Structure, contacts: Any, bodies: BodyArrays, r: Array) -> float:
     """A bound of the largest frequency where nothing gives way within a step, rad/s.
 
