@@ -1,8 +1,8 @@
 """Where compiled kernels are kept, and that nothing else is taken for them.
 
 Numba asks whether the file of a kernel has changed, but not whether the kernels that it calls have: here the folder is
-named after the contents of all. What is kept carries a checksum; what is spoilt is compiled anew. Where kernels are kept
-for another processor, as in an image that comes from elsewhere, only their machine code is made again.
+named after the contents of all. What is kept carries a checksum; what is spoilt is compiled anew. Of kernels that are
+kept for another processor, as in an image that comes from elsewhere, only the machine code is made anew.
 """
 
 from __future__ import annotations
