@@ -15,26 +15,27 @@ FIND_PYTHON = for p in python3 python3.11 python3.12 python3.13; do \
 PYTHON ?= $(shell $(FIND_PYTHON))
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 INSTALL = $(PIP) install $(if $(CONSTRAINTS),-c $(CONSTRAINTS))
-# Kernels that most tests share are compiled before, side by side; what is left, once per worker. Files that share
-# kernels stay with one worker, so that little is done twice.
-TESTFLAGS ?= -n 2 --dist loadfile
+# Kernels that most tests share are compiled before, side by side; what is left, once per worker. A file stays with one
+# worker, so that little is done twice, in the order of tests/conftest.py.
+TESTFLAGS ?= -n 2 --dist loadfile --no-loadscope-reorder
 # What is tested as on another machine: all that searches and solves, for there the last bits decide where it ends; of
-# the motions a part. Not how things are read, drawn and told.
+# the motions a part. Not how things are read, drawn and told, nor how kernels are kept.
 SOLVE := rest chain_against_closed_forms coupled_equilibrium inextensible supports_at_rest minimum path_following spectrum
 WIRES := equilibrium_of_wires spectrum_of_wires doubts_of_stiff_lines
 WEBS := networks wind
-ELSEWHERE ?= --ignore=tests/mechanics/test_kernel_cache.py tests/theory tests/mechanics $(SOLVE:%=tests/solve/test_%.py) $(WIRES:%=tests/wires/test_%.py) \
+ELSEWHERE ?= --ignore-glob='tests/mechanics/test_kernel_*.py' --ignore=tests/mechanics/test_compiling.py tests/theory tests/mechanics $(SOLVE:%=tests/solve/test_%.py) $(WIRES:%=tests/wires/test_%.py) \
   $(WEBS:%=tests/networks/test_%.py)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 STUDIO := src/ropewalk/studio/page
-.PHONY: docs release studio studio-packages studio-front studio-check help demo test test-elsewhere lint types figures bench peers fuzz \
+.PHONY: docs release studio studio-packages studio-front studio-check help demo warm-up test test-elsewhere lint types figures bench peers fuzz \
   kills kills-cluster matrix clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
 	@echo "make test         set up and run the tests"
+	@echo "make warm-up      compile before what most of them need"
 	@echo "make test-elsewhere  a part of them as on another processor: other kernels of OpenBLAS, no wide vectors, no fused operations"
 	@echo "make docs         the site, with pictures of all examples, in build/site"
 	@echo "make studio       build the front end of  ropewalk studio  (brings Node from PyPI where the machine has none)"
@@ -64,10 +65,10 @@ $(VENV)/.core: pyproject.toml $(CONSTRAINTS) | $(BIN)/python
 	@$(INSTALL) -e .
 	@touch $@
 
-$(VENV)/.dev: $(VENV)/.core
-	@echo "Installing the tools of development"
+$(VENV)/.dev: pyproject.toml $(CONSTRAINTS) | $(BIN)/python
+	@echo "Installing ropewalk and the tools of development$(if $(CONSTRAINTS), with the versions in $(CONSTRAINTS))"
 	@$(INSTALL) -e '.[dev]'
-	@touch $@
+	@touch $(VENV)/.core $@
 
 $(VENV)/.docs: $(VENV)/.core
 	@echo "Installing the tools of the site"
@@ -135,9 +136,11 @@ studio-check: studio-front $(VENV)/.dev
 
 # -- Checks ------------------------------------------------------------------------------------------------------
 
-test: $(VENV)/.dev
-	@echo "Running the tests (the first time, some minutes of it go into compiling)"
+warm-up: $(VENV)/.dev
 	@$(BIN)/ropewalk warm-up --quiet
+
+test: warm-up
+	@echo "Running the tests (the first time, some minutes of it go into compiling)"
 	@$(BIN)/python -m pytest $(TESTFLAGS)
 
 fuzz: $(VENV)/.dev

@@ -4,7 +4,8 @@ Where rounding decides, it decides otherwise there. What is pretended: an older 
 sum in another order; a generic one for Numba, without wide vectors and fused operations; NumPy without the loops that
 it has for this processor; the C library's functions without fused operations. What is set already stays, so that
 `OPENBLAS_CORETYPE=Nehalem make test-elsewhere` is a third machine. Names that a machine does not know are not used, or
-mean nothing to it.
+mean nothing to it. Kernels that are kept for this machine are not compiled anew for the other: the same code before all
+that knows a processor is optimised and made machine code for that one (mechanics/kernel_parts.py).
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ equations of that, with delays (Fryba's mass on a string by Smith's delay equati
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -52,6 +53,15 @@ def crossed(string: HeldString, speed: float, times: Array, *moving_loads: Movin
         times: s, increasing from 0.
         riders: who enter at its start, in the direction that it has there; none has come to its end.
     """
+    u, below = _crossed(string, speed, tuple(times.tolist()), moving_loads)
+    return u.copy(), below.copy()
+
+
+@cache
+def _crossed(
+    string: HeldString, speed: float, times: tuple[float, ...], moving_loads: tuple[MovingLoad, ...]
+) -> tuple[Array, Array]:
+    """The same, computed once for what is looked at on several meshes."""
     at, stiffness, damping, restrained = string.station
     c = float(np.sqrt(string.tension / string.mass))
     half, t = 0.5 * c / string.tension, np.linspace(0.0, times[-1], FINE + 1)

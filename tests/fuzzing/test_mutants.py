@@ -7,7 +7,7 @@ import pytest
 from fuzzing.mutants import mutant, originals
 from fuzzing.reading import READ, REFUSED, outcome
 
-EACH = 2000
+EACH = 800
 WAS_WRONG = {
     "a line from a place to itself, in small motion": """
 gravity: 0

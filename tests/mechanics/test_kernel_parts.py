@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
 import pytest
 from numba.core.compiler import Flags
 from numba.core.targetconfig import TargetConfig
@@ -44,12 +45,15 @@ print([next(iter(f.overloads.values())).library.made for f in (root, outer) if f
 """
 
 
+OTHER = "generic" if numba.config.CPU_NAME != "generic" else numba.core.codegen.ll.get_host_cpu_name()
+
+
 @pytest.fixture
 def program(tmp_path):
     (tmp_path / "one.py").write_text(PROGRAM)
 
-    def run(*names: str) -> list[str]:
-        environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    def run(*names: str, **variables: str) -> list[str]:
+        environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), **variables}
         command = [sys.executable, str(tmp_path / "one.py"), *names]
         return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.splitlines()
 
@@ -75,6 +79,23 @@ def test_a_part_that_is_spoilt_is_compiled_anew(program, tmp_path):
     for file in tmp_path.glob("cache/*/*/one.oth*"):
         file.unlink()
     assert program("outer", "other")[:3] == ["6.0 0 0", "10.0 0 0", "negative"]
+
+
+def test_of_what_is_kept_for_another_processor_only_machine_code_is_made(program, tmp_path):
+    program("outer")
+    here = set(tmp_path.glob("cache/*/*/one.outer*.nbc"))
+    assert program("outer", NUMBA_CPU_NAME=OTHER) == ["6.0 1 0", "negative", "[True]"]
+    (there,) = set(tmp_path.glob("cache/*/*/one.outer*.nbc")) - here
+    when = there.stat().st_mtime_ns
+    assert program("outer", NUMBA_CPU_NAME=OTHER) == ["6.0 1 0", "negative", "[True]"]
+    assert there.stat().st_mtime_ns == when  # it is kept there, too
+
+
+def test_what_is_kept_for_another_processor_is_compiled_anew_without_its_parts(program, tmp_path):
+    program("outer")
+    for file in tmp_path.glob("cache/*/parts/*"):
+        file.unlink()
+    assert program("outer", NUMBA_CPU_NAME=OTHER) == ["6.0 0 0", "negative", "[False, True]"]
 
 
 def test_options_of_the_compiler_are_those_that_numba_gives():

@@ -48,7 +48,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "one.nc"
 
 
-@pytest.mark.parametrize("tenth", range(1, 10, 2))
+@pytest.mark.parametrize("tenth", [1, 5, 9])
 def test_a_disk_that_is_full_loses_nothing(whole: Path, tmp_path: Path, tenth: int) -> None:
     (tmp_path / "one.yaml").write_text(ROPE, encoding="utf-8")
     earlier = whole.read_bytes()

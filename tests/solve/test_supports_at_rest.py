@@ -142,8 +142,8 @@ def test_the_steep_end_of_a_path_fades_with_a_soft_support() -> None:
 
     def steepness(**support: Any) -> float:
         line = rope(length=19.0, mass=1e-9, axial_stiffness=1e7, **support)  # P = 526 kN
-        run = Quasistatic(positions=2001)
-        result = simulate(Scenario(gravity=0.0, lines={"rope": line}, loads={"load": load(18.0)}, run=run))
+        run = Quasistatic(positions=3)  # of the last thousandth of the line
+        result = simulate(Scenario(gravity=0.0, lines={"rope": line}, loads={"load": load(18.999)}, run=run))
         x, z = result.contact_position.to_numpy()[-2:, 0].T
         return float((z[1] - z[0]) / (x[1] - x[0]) * 526315.8 / 700.0)
 

@@ -125,7 +125,7 @@ def test_a_signal_ends_it_with_the_part_that_is_done_and_leaves_no_process(folde
 
 def test_killed_at_random_it_loses_nothing_and_computes_nothing_twice(folder):
     chance, before = random.Random(4), 0
-    for _ in range(3):
+    for _ in range(2):
         process = start(*MANY)
         aim = before + chance.randrange(1, 10)
         while len(lines(folder)) < aim and process.poll() is None:

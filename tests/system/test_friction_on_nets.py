@@ -29,7 +29,7 @@ RESTRAINED = {
     "dragged": ({"friction": MU, "friction_model": "block"}, W * np.tan(A + F)),
     "holds": ({"contact": "coulomb", "friction": 0.6}, 0.0),
 }
-SLOWLY = {"kind": "quasistatic", "positions": 9}
+SLOWLY = {"kind": "quasistatic", "positions": 5}
 MOTION = {"kind": "dynamic", "until": 2.0, "every": 0.1}
 
 

@@ -17,7 +17,7 @@ from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
 
 ROPE = {"start": [0, 0], "end": [30, 2], "length": 31.0, "mass": 0.5, "axial_stiffness": 1e6}
-SLOWLY = {"kind": "quasistatic", "positions": 7}
+SLOWLY = {"kind": "quasistatic", "positions": 4}
 CONTACTS: dict[str, dict[str, Any]] = {
     "frictionless": {"contact": "frictionless"},
     "coulomb": {"contact": "coulomb", "friction": 0.2},

@@ -1,7 +1,8 @@
 """Where compiled kernels are kept, and that nothing else is taken for them.
 
 Numba asks whether the file of a kernel has changed, but not whether the kernels that it calls have: here the folder is
-named after the contents of all. What is kept carries a checksum; what is spoilt is compiled anew.
+named after the contents of all. What is kept carries a checksum; what is spoilt is compiled anew. Of kernels that are
+kept for another processor, as in an image that comes from elsewhere, only the machine code is made anew.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from typing import Any
 
 import numba
 import numpy as np
+from numba.core import event as events
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, UserProvidedCacheLocator
 from numba.core.registry import cpu_target
 
@@ -47,7 +49,7 @@ def digest() -> str:
 
 
 def processor() -> Any:
-    """What machine code depends on: what is kept for another processor is nothing here."""
+    """What machine code depends on."""
     return cpu_target.target_context.codegen().magic_tuple()
 
 
@@ -138,8 +140,8 @@ class _Implementation(CompileResultCacheImpl):
     def reduce(self, cres: Any) -> Any:
         return reduced(cres, folder() / PARTS)
 
-    def rebuild(self, target_context: Any, payload: Any) -> Any:
-        return rebuilt(target_context, folder() / PARTS, payload)
+    def rebuild(self, target_context: Any, payload: Any, *, foreign: bool = False) -> Any:
+        return rebuilt(target_context, folder() / PARTS, payload, foreign=foreign)
 
 
 class _Files(IndexDataCacheFile):
@@ -188,13 +190,27 @@ class KernelCache(FunctionCache):
 
     _impl_class = _Implementation
 
-    def __init__(self, py_func: Any) -> None:
-        super().__init__(py_func)
+    def __init__(self, dispatcher: Any) -> None:
+        super().__init__(dispatcher.py_func)
+        self._dispatcher = dispatcher
         self._cache_file = _Files(self._cache_path, self._impl.filename_base, self._impl.locator.get_source_stamp())
 
     def signatures(self) -> list[tuple[Any, ...]]:
         """For which types of arguments there is code for this processor."""
         return [kinds for kinds, made_for, *_ in self._cache_file._load_index() if made_for == processor()]
+
+    def _load_overload(self, sig: Any, target_context: Any) -> Any:
+        """A kernel from the cache; of one that is there for another processor only, machine code is made."""
+        found = super()._load_overload(sig, target_context)
+        kinds, (system, *_), code = self._index_key(sig, target_context.codegen())
+        for other in () if found is not None else self._cache_file._load_index():
+            if (other[0], other[1][0], other[2]) == (kinds, system, code) and (kept := self._cache_file.load(other)):
+                with events.trigger_event("numba:compile", data={"dispatcher": self._dispatcher}):
+                    found = self._impl.rebuild(target_context, kept, foreign=True)
+                if found is not None:
+                    self.save_overload(sig, found)
+                    break
+        return found
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a kernel; where there is no place it will be compiled again another time."""
@@ -212,5 +228,5 @@ def _warn_once(message: str) -> None:
 def keep(dispatcher: Any) -> Any:
     """Let a kernel keep its machine code."""
     if hasattr(dispatcher, "enable_caching"):  # not as plain Python
-        dispatcher._cache = KernelCache(dispatcher.py_func)
+        dispatcher._cache = KernelCache(dispatcher)
     return dispatcher
