@@ -535,8 +535,8 @@ KNOWN = {
         # Wheels swing with the rope by 3 % there, and the counterweight by 1 %; on 600 links 1.0044.
         Known("depth of the wheels over that at rest", ropeways.depth_in_the_second_span, 1.0, 0.01),
         # Places of wheels every 50 ms, which shake as they roll over nodes, and splines through them.
-        Known("cabin beside a pendulum, rad", lambda r: ropeways.beside_a_pendulum(r, "car", *TOWER_CABIN), 0.0, 5e-3),
-        Known("hauling rope taut", lambda r: ropeways.least_pull_of_the_haul(r, 5e3), 1.0, 1e-12),
+        Known("cabin beside a pendulum, rad", lambda r: ropeways.beside_a_pendulum(r, "car", *TOWER_CABIN), 0.0, 2e-3),
+        Known("hauling rope taut", lambda r: ropeways.least_pull_of_the_haul(r, 3e3), 1.0, 1e-12),
         Known("audit, part of the energy", audit, 0.0, 1e-3),
     ],
     "cable-crane-two-ropes.yaml": [
