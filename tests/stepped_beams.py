@@ -134,6 +134,6 @@ class HermiteBeam:
             A = np.eye(modes) + mass * np.outer(here, here)
             return np.concatenate([p, np.linalg.solve(A, here * (force - mass * convected) - square * q)])
 
-        found = solve_ivp(rates, (0.0, times[-1]), np.zeros(2 * modes), t_eval=times, rtol=1e-8, atol=1e-10,
+        found = solve_ivp(rates, (0.0, times[-1]), np.zeros(2 * modes), "DOP853", times, rtol=1e-8, atol=1e-10,
                           max_step=self.h / speed / 2.0)  # fmt: skip
         return shapes.T @ self.shape(x) @ found.y[:modes], found.y

@@ -81,10 +81,16 @@ def test_it_sags_as_mohr_has_it() -> None:
     assert np.log2(missed[1] / missed[2]) == pytest.approx(2.0, abs=0.15)
 
 
+@pytest.fixture(scope="module")
+def crossed() -> Any:
+    """Deflection of the middle under a force of 200 kN at 25 m/s, by 14 modes of Hermite elements, every 20 ms."""
+    times = np.arange(0.0, 0.79, 0.02)
+    return HermiteBeam.of(LENGTH, 40, along=along).passage(times, 25.0, 2e5, 0.5 * LENGTH, modes=14)[0]
+
+
 @pytest.mark.parametrize("run", [SMALL, {"kind": "linear", "modes": 14}], ids=["linearised", "by modes"])
-def test_a_force_crosses_as_over_hermite_elements(run: dict[str, Any]) -> None:
-    load, times = {"kind": "force", "force": [0.0, -2e5], "travel": {"speed": 25.0}}, np.arange(0.0, 0.79, 0.02)
-    exact, _ = HermiteBeam.of(LENGTH, 40, along=along).passage(times, 25.0, 2e5, 0.5 * LENGTH, modes=14)
+def test_a_force_crosses_as_over_hermite_elements(run: dict[str, Any], crossed: Any) -> None:
+    load, exact = {"kind": "force", "force": [0.0, -2e5], "travel": {"speed": 25.0}}, crossed
     missed = [
         float(np.abs(sunk(simulate(bridge({**run, "until": 0.78, "every": 0.02}, load, elements=n))) - exact).max())
         for n in (20, 40)
