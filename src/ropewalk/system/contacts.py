@@ -34,8 +34,10 @@ from ropewalk.system.yielding import across, axial_stiffness, bent, crushed, div
 
 # Largest square of a speed over that of transverse waves with which a kink is carried along.
 FASTEST = 0.9025
-# Rounds in which a kink and the tension that it makes find each other, and the part of the kink to which they do.
-AGAIN, FOUND = 40, 1e-9
+# Rounds in which a kink and the tension that it makes find each other, the part of the kink and of the force at the
+# contact to which they do, for what it makes of tension grows with EA; and the part of what was missing a round before
+# from which on that is rounding.
+AGAIN, FOUND, ROUNDED = 40, 1e-9, 0.5
 # Kink over h^2 of a given force with which it is sought from none, and beyond which it is not.
 BEGIN, MOST = 5e-5, 5e5
 TOGETHER = 1e-12  # the same of those that share links, where no last step of Newton's method makes it better
@@ -286,7 +288,7 @@ def find_kink(structure, buffers, contacts, table, out, k, square, F):
         Changes of the stiffness with the tension, and of the tension with the kink; the square of d.
     """
     h = structure.runs.h[contacts[k].run]
-    low, high, slope, change, step, before = 0.0, np.inf, 0.0, 0.0, 0.0, 0.0
+    low, high, slope, change, step, before = 0.0, np.inf, 0.0, 0.0, 0.0, np.inf
     see_others(contacts, k, ON)
     for _ in range(AGAIN):
         K = contacts[k].kink
@@ -297,7 +299,8 @@ def find_kink(structure, buffers, contacts, table, out, k, square, F):
             square = (F / S) ** 2 if S > 0.0 else np.inf
             falls += 2.0 * first * slope / S
         miss = K - 0.5 * square * h * first
-        found = abs(miss) <= FOUND * K
+        enough = abs(miss * change * slope) <= FOUND * abs(S) or abs(miss) >= ROUNDED * abs(before)
+        found = abs(miss) <= FOUND * K and enough
         if found and contacts[k].shares_links == 0:
             break
         if miss > 0.0:

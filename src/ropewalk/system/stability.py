@@ -18,7 +18,7 @@ from ropewalk.system.contacts import BODY
 from ropewalk.system.inertia import stiffer
 from ropewalk.system.structure import Structure
 from ropewalk.system.travel import Tables
-from ropewalk.system.yielding import AXIAL, LITTLE
+from ropewalk.system.yielding import AXIAL, stiffness_at_rest
 
 # Part of the stable step that is used. A contact of a body gives way within a step so that it needs half of the square
 # of the largest frequency, and leaves the other half.
@@ -89,8 +89,7 @@ def largest_frequency(structure: Structure, contacts: Any, bodies: BodyArrays, r
             root = math.sqrt(bending / whole) if whole > 0.0 else 0.0
             firm = float(runs.firm[s]) or whole / runs.h[s] * float(table[int(np.ceil(root * (SHARES - 1)))])
             if runs.firm[s] == 0.0 and runs.law[s, 0] != law.RIGID:
-                EA = law.tangent(runs.law[s], LITTLE) + float(runs.hysteresis[s, 0])
-                firm = max(firm, EA / (AXIAL * runs.h[s]))
+                firm = max(firm, stiffness_at_rest(runs.law[s], runs.hysteresis[s]) / (AXIAL * runs.h[s]))
             near = float(structure.nodes.mobile[part].max())
             pressed.append(firm * (float(contact["light"]) + near * int(crowd.sum())))
     return math.sqrt(square + max(springs, default=0.0) + max(pressed))

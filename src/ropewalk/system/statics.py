@@ -169,7 +169,7 @@ class SystemPotential:
         """Take note of what stands where."""
         bodies = sparse.identity(self.loaded.weight.size, format="csc")[:, self.loaded.moves]
         self.free = sparse.block_diag([self._nodes_free, bodies], format="csc")
-        self._shares = self.loaded.shares(self.structure.nodes.mass.size)
+        self._ways = self._beside_lines()
 
     def _operators(self) -> tuple[sparse.csr_matrix, sparse.csr_matrix, Array]:
         """Links and second differences (node, node), and weights of the bending energy of these."""
@@ -320,35 +320,30 @@ class SystemPotential:
         by_axis = [c for a in range(self.axes) for c in (self._one @ r[a], D[a], self._one @ D[a])]
         return self._lengthened.of(np.concatenate(by_axis))
 
-    def reach(self) -> list[sparse.csr_matrix]:
-        """Change of where contacts on their lines are beside these with the shape, (contact, place), for each axis."""
-        on = self.loaded.on
-        first = np.arange(on.size), self.loaded.contacts["first"][on]
-        own = [(np.ones(on.size), (first[0], first[1] + a)) for a in range(self.axes)]
-        bodies = [sparse.csr_matrix(one, shape=(on.size, self.loaded.weight.size)) for one in own]
-        return self._places_of(-self._shares[on], bodies)
+    def _beside_lines(self) -> sparse.csr_matrix:
+        """Change of where contacts on their lines are beside these, m, and of the derivatives of their splines by s.
 
-    def _turn(self) -> list[sparse.csr_matrix]:
-        """Change of the derivatives of their splines by s, in the same way, 1/m."""
-        slopes = self.loaded.slopes(self.structure.nodes.mass.size)[self.loaded.on]
-        return self._places_of(slopes, [sparse.csr_matrix((slopes.shape[0], self.loaded.weight.size))] * self.axes)
+        Of each axis all contacts, one after the other, with the shape: (2 axis contact, place).
+        """
+        loaded, axes, n = self.loaded, self.axes, self.structure.nodes.mass.size
+        on, count = loaded.on, loaded.on.size * self.axes
+        nodes = [sparse.block_diag([part[on]] * axes) for part in (-loaded.shares(n), loaded.slopes(n))]
+        at = (loaded.contacts["first"][on] + np.arange(axes)[:, None]).ravel()
+        own = sparse.csr_matrix((np.ones(count), (np.arange(count), at)), shape=(2 * count, loaded.weight.size))
+        return sparse.hstack([sparse.vstack(nodes), own], format="csr")
 
-    def _places_of(self, nodes: sparse.csr_matrix, bodies: list[sparse.csr_matrix]) -> list[sparse.csr_matrix]:
-        """Parts of nodes (contact, node) and coordinates (contact, coordinate) as (contact, place), for each axis."""
-        none = sparse.csr_matrix(nodes.shape)
-        return [
-            sparse.hstack([*(nodes if b == a else none for b in range(self.axes)), own], format="csr")
-            for a, own in enumerate(bodies)
-        ]
+    def _summed(self, factors: Array) -> sparse.csr_matrix:
+        """Sums over what `_beside_lines` has of each contact, by factors (contact, one for each)."""
+        count, each = factors.shape
+        columns = np.arange(count)[:, None] + count * np.arange(each)
+        return sparse.csr_matrix((factors.ravel(), columns.ravel(), each * np.arange(count + 1)))
 
     def stretched(self) -> sparse.csr_matrix:
         """Change of |d|^2/2 of all contacts on their lines with the shape, (contact, place) m."""
         contacts = self.loaded.contacts[self.loaded.on]
-        d, turns = contacts["d"], -contacts["d"] * (contacts["axial"] / contacts["spread"])[:, None]
-        return sum(
-            sparse.diags(d[:, a]) @ one + sparse.diags(turns[:, a]) @ other
-            for a, (one, other) in enumerate(zip(self.reach(), self._turn(), strict=True))
-        )
+        d = contacts["d"][:, : self.axes]
+        turns = -d * (contacts["axial"] / contacts["spread"])[:, None]
+        return self._summed(np.hstack([d, turns])) @ self._ways
 
     def borne(self) -> sparse.csr_matrix:
         """Change of T of the contacts on their lines with T/l of links, and of l^2/2 with K/h, (contact, link) m."""
@@ -392,14 +387,11 @@ class SystemPotential:
         of_reach = S[:, None, None] * one + more * tt
         mixed = more * (td + axial * across) / long
         of_turn = more * (dd - axial * (axial * across + td + td.transpose(0, 2, 1))) / long**2
-        ways = list(zip(self.reach(), self._turn(), strict=True))
-        K = sparse.csc_matrix((ways[0][0].shape[1],) * 2)
-        for a, (reach, turn) in enumerate(ways):
-            for b, (other, turned) in enumerate(ways):
-                K = K + reach.T @ sparse.diags(of_reach[:, a, b]) @ other
-                part = reach.T @ sparse.diags(mixed[:, a, b]) @ turned
-                K = K + part + part.T + turn.T @ sparse.diags(of_turn[:, a, b]) @ turned
-        return K.tocsc()
+        W = np.block([[of_reach, mixed], [mixed.transpose(0, 2, 1), of_turn]])
+        count, each = W.shape[:2]
+        columns = np.tile(np.arange(count)[:, None] + count * np.arange(each), (each, 1))
+        among = sparse.csr_matrix((W.transpose(1, 0, 2).ravel(), columns.ravel(), each * np.arange(each * count + 1)))
+        return (self._ways.T @ among @ self._ways).tocsc()
 
     def masses(self) -> sparse.csc_matrix:
         """Masses of the unknowns, (unknown, unknown) kg."""
@@ -452,7 +444,8 @@ class SystemPotential:
         links, pair = abs(self.borne()), sparse.diags([1.0, 1.0], [0, 1], shape=self._one.shape)
         nodes = links @ (abs(self._one) + pair @ abs(self._two) + abs(self._three))
         own = sparse.csr_matrix((nodes.shape[0], count))
-        felt = sparse.hstack([*([nodes] * self.axes), own]) + sum(abs(one) for one in self.reach() + self._turn())
+        near = self._summed(np.ones((nodes.shape[0], 2 * self.axes))) @ abs(self._ways)
+        felt = sparse.hstack([*([nodes] * self.axes), own]) + near
         return felt.T @ (sparse.identity(nodes.shape[0]) + links @ links.T) @ felt
 
     def stability(self, shape: Array) -> tuple[sparse.csc_matrix, Integers]:

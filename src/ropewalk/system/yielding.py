@@ -8,11 +8,17 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics import law
-from ropewalk.mechanics.compiled import inlined, lean_inner
+from ropewalk.mechanics.compiled import inlined, kernel, lean_inner
 
 # By how much a line gives way along itself under a contact, over h/EA, and the strain at which EA is taken. About that
 # of straight links, without their arcs.
 AXIAL, LITTLE = 0.3, 1e-6
+
+
+@kernel
+def stiffness_at_rest(p, lag):
+    """EA of a line of the law p that hardly stretches, with what hysteresis `lag` adds to it, N."""
+    return law.tangent(p, LITTLE) + lag[0]
 
 
 @lean_inner
@@ -24,7 +30,7 @@ def axial_stiffness(structure, contacts, k, has_body):
     runs, run = structure.runs, contacts[k].run
     if runs.law[run, 0] == law.RIGID or runs.firm[run] > 0.0 or structure.about.links.size > 0:
         return 0.0
-    EA = law.tangent(runs.law[run], LITTLE) + runs.hysteresis[run, 0]
+    EA = stiffness_at_rest(runs.law[run], runs.hysteresis[run])
     if EA <= 0.0:
         return 0.0
     soft = AXIAL * runs.h[run] / EA + contacts[k].least
