@@ -102,13 +102,13 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
     """
     if scenario.overhead_lines:
         return overhead_lines_of(scenario, axes)
-    near, axes, parts = nearly(on_ends(scenario)), axes or axes_of(scenario), scenario.parts
+    near, named, parts = nearly(on_ends(scenario)), axes or axes_of(scenario), scenario.parts
 
     def build(lengths: Mapping[str, float] | None, beside: Assembled | None) -> Assembled:
         if lengths is None or beside is None or scenario.tracks or parts.runs_over_sheaves or parts.has_saddles:
-            return _assembled(scenario, *laid_over_saddles(near, until, lengths), until, axes)
+            return _assembled(scenario, *laid_over_saddles(near, until, lengths), until, named)
         laid = lay(near, lengths, until)
-        found = _assembled(scenario, laid, laid.place, until, axes)
+        found = _assembled(scenario, laid, laid.place, until, named)
         return replace(found, near=found.structure.restraints.put(beside.near))
 
     if any(line.length is None for line in scenario.lines.values()):
