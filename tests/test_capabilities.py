@@ -27,11 +27,13 @@ WINDY = {
     "lines": {"a": {**ROPE, "wind_drag": 0.1}}, "wind": {"direction": [1, 0], "speed": 1},
     "run": {"kind": "dynamic", "until": 1},
 }  # fmt: skip
+PUSH = {"kind": "force", "on": "a", "force": [0, -1], "travel": {"speed": 1}}
 SCENARIOS: dict[str, tuple[dict[str, Any], Any]] = {
     "ropes": ({"lines": {"a": ROPE}}, ROPES),
     "wires": ({"lines": {"a": {**ROPE, "bending_stiffness": 10}}}, WIRES),
     "system": (WINDY, SYSTEM),
-    "webs": ({**WINDY, "run": {"kind": "equilibrium"}}, NETWORKS),
+    "bare": ({**WINDY, "run": {"kind": "equilibrium"}}, SYSTEM),
+    "webs": ({**WINDY, "run": {"kind": "equilibrium"}, "loads": {"p": PUSH}}, NETWORKS),
     "linear": ({"lines": {"a": ROPE}, "run": {"kind": "linear", "until": 1}}, LINEAR),
 }
 

@@ -24,7 +24,7 @@ def scenario(name: str, *settings: str) -> Scenario:
     ("name", "settings"),
     [
         ("rope", ()), ("rope", ("lines.rope.axial_damping=0 N*s",)), ("leash-fall", ()), ("zip-line", ()),
-        ("overhead-line-limits", ()), ("ropeway-tower-brake", COARSE),
+        ("overhead-line-limits", ()),
     ],
 )  # fmt: skip
 def test_the_steps_that_are_told_are_those_that_are_taken_within_a_factor_of_three(

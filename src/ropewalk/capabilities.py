@@ -102,16 +102,18 @@ def _rubs(load: AnyLoad | None) -> bool:
 
 
 def _of_networks(parts: Parts) -> Engine:
-    """The system for motions; at rest the engine that supports what is asked of lines, or more of it.
+    """The system for motions and for rest without loads; else the engine that supports what is asked, or more of it.
 
-    There point loads are exact on the polygons of networks, and right to the
-    first order of the mesh on splines, where these bend sharply.
+    Where loads bend lines sharply, polygons are exact beside them, and nodes on splines right to the first order of
+    the mesh. A node that comes to rest at a sheave is on the tip of a cone, from which only networks are pushed over.
     """
-    if isinstance(parts.run, Dynamic):
+    run = parts.run
+    if isinstance(run, Dynamic):
         return SYSTEM
     if parts.runs_over_sheaves:
         return NETWORKS
-    return SYSTEM if parts.nets or _refused(SYSTEM, parts) < _refused(NETWORKS, parts) else NETWORKS
+    is_bare = isinstance(run, Equilibrium) and not parts.loads
+    return SYSTEM if parts.nets or is_bare or _refused(SYSTEM, parts) < _refused(NETWORKS, parts) else NETWORKS
 
 
 def _of_beams(parts: Parts) -> Engine:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from ropewalk.capabilities import NETWORKS, SUPERPOSED, SYSTEM, WIRES, engine_of
+from ropewalk.capabilities import SUPERPOSED, SYSTEM, WIRES, engine_of
 from ropewalk.errors import ScenarioError
 from ropewalk.model import InnerGuided, Line
 from ropewalk.scenario import loads
@@ -50,7 +50,7 @@ def test_a_file_with_inner_supports_is_read_and_written() -> None:
         (("run.kind=equilibrium", "run.until=null"), WIRES),
         (("lines.deck.supports.pier.at=7.77777 m",), WIRES),
         (PLAIN, SYSTEM),
-        ((*PLAIN, "run.kind=equilibrium", "run.until=null"), NETWORKS),
+        ((*PLAIN, "run.kind=equilibrium", "run.until=null"), SYSTEM),
         (("run.kind=linear",), SUPERPOSED),
     ],
     ids=[

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -23,12 +22,16 @@ _SLACK = 1e-10  # tension over EA of a line at rest that nothing pulls at
 _FAR = 0.02  # of its length, by which a line is cut shorter or longer at once
 
 
-def laid_at_rest(scenario: Scenario, until: float) -> tuple[Laid, Array]:
+def laid_at_rest(
+    scenario: Scenario, until: float, lengths: Mapping[str, float] | None = None, *, near: float = _NEAR
+) -> tuple[Laid, Array]:
     """A network at rest without its loads: lines of given tension are cut so that they have it in the mean.
 
     Args:
         scenario: what is there.
         until: how long the histories of the loads are needed, s.
+        lengths: of all lines without strain, m, if they are known.
+        near: part of a tension to which it is found.
 
     Returns:
         The network, and the places of its nodes and contacts (node, 3) in m.
@@ -36,8 +39,11 @@ def laid_at_rest(scenario: Scenario, until: float) -> tuple[Laid, Array]:
     Raises:
         EquilibriumError: there is no rest, or not with these tensions.
     """
-    lengths, given = {}, {}
+    given = {}
+    lengths = dict(lengths or {})
     for name, line in scenario.lines.items():
+        if name in lengths:
+            continue
         if line.length is not None:
             lengths[name] = line.length
             continue
@@ -76,10 +82,11 @@ def laid_at_rest(scenario: Scenario, until: float) -> tuple[Laid, Array]:
                     better = length + float(np.clip((wanted - mean) / slope, -_FAR * length, _FAR * length))
             last[strand.name] = length, mean
             lengths[strand.name] = better
-        if worst < _NEAR:
-            _check_joined(scenario, lengths)
+        if worst < near:
+            if near == _NEAR:
+                check_joined(scenario, lengths)
             return laid, start
-    raise EquilibriumError(_not_found(scenario, last, given))
+    raise EquilibriumError(not_found(scenario, {name: mean for name, (_, mean) in last.items()}))
 
 
 def _restrained_there(laid: Laid, start: Array) -> Array:
@@ -91,7 +98,7 @@ def _restrained_there(laid: Laid, start: Array) -> Array:
     return out
 
 
-def _check_joined(scenario: Scenario, lengths: Mapping[str, float]) -> None:
+def check_joined(scenario: Scenario, lengths: Mapping[str, float]) -> None:
     """Refuse ends that are joined to a line beyond the length that its tension gives it, and supports there."""
     for name, line in scenario.lines.items():
         for key, inner in line.supports.items():
@@ -110,10 +117,10 @@ def _check_joined(scenario: Scenario, lengths: Mapping[str, float]) -> None:
                 )
 
 
-def _not_found(scenario: Scenario, last: Mapping[str, tuple[float, float]], given: Mapping[str, Any]) -> str:
+def not_found(scenario: Scenario, found: Mapping[str, float]) -> str:
     """Why lines do not have their given tension at rest: the one furthest from it, and what may set it instead."""
-    name = max(given, key=lambda key: abs(last[key][1] / given[key][1] - 1.0))
-    wanted = given[name][1]
+    given = {name: line.tension or 0.0 for name, line in scenario.lines.items() if line.length is None}
+    name = max(given, key=lambda key: abs(found[key] / given[key] - 1.0))
     guided = [
         f"lines.{other}.{key}"
         for other, it in scenario.lines.items()
@@ -125,7 +132,7 @@ def _not_found(scenario: Scenario, last: Mapping[str, tuple[float, float]], give
         remedy += f", or change {' and '.join(guided)}: an end that is free along its rail sets the tension itself"
     tried = f"{len(given)} lines with a given tension do not come to rest with it" if len(given) > 1 else (
         f"line {name} does not come to rest with its tension")  # fmt: skip
-    return f"lines.{name}.tension: {tried}: {last[name][1]:.5g} N instead of {wanted:g} N; {remedy}"
+    return f"lines.{name}.tension: {tried}: {found[name]:.5g} N instead of {given[name]:g} N; {remedy}"
 
 
 def doubt_slack(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tension: Array) -> None:

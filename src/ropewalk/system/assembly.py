@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ from ropewalk.model.net import CableEdge
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed
 from ropewalk.model.travel import FreeTravel
+from ropewalk.networks.assembly import Laid, lay
 from ropewalk.system import friction
 from ropewalk.system.assembled import Assembled
 from ropewalk.system.bodies import BLOWN, BodyArrays
@@ -32,6 +34,7 @@ from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
 from ropewalk.system.feet import is_led, steps_by_table, with_steps
 from ropewalk.system.friction import NOT, STANDS
 from ropewalk.system.hysteresis import packed_of
+from ropewalk.system.lengths import with_tensions
 from ropewalk.system.overhead_lines import overhead_lines_of
 from ropewalk.system.profile import Profiles
 from ropewalk.system.restraints import restraints_of
@@ -95,12 +98,26 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
         axes: names of the axes, if not those that the scenario needs.
 
     Raises:
-        EquilibriumError: its lines have no rest.
+        EquilibriumError: its lines have no rest, or not with their tensions.
     """
     if scenario.overhead_lines:
         return overhead_lines_of(scenario, axes)
-    laid, rest = laid_over_saddles(nearly(on_ends(scenario)), until)
-    axes = axes or axes_of(scenario)
+    near, named, parts = nearly(on_ends(scenario)), axes or axes_of(scenario), scenario.parts
+
+    def build(lengths: Mapping[str, float] | None, beside: Assembled | None) -> Assembled:
+        if lengths is None or beside is None or scenario.tracks or parts.runs_over_sheaves or parts.has_saddles:
+            return _assembled(scenario, *laid_over_saddles(near, until, lengths), until, named)
+        laid = lay(near, lengths, until)
+        found = _assembled(scenario, laid, laid.place, until, named)
+        return replace(found, near=found.structure.restraints.put(beside.near))
+
+    if any(line.length is None for line in scenario.lines.values()):
+        return with_tensions(scenario, build)
+    return build(None, None)
+
+
+def _assembled(scenario: Scenario, laid: Laid, rest: Array, until: float, axes: tuple[str, ...]) -> Assembled:
+    """The structure of a scenario laid out, whose nodes rest about at places (node, 3) in m."""
     displayed, dim = [0, 2] if len(axes) == 2 else [0, 1, 2], len(axes)
     nets = Nets(scenario, laid) if scenario.nets else None
     sections = list(sections_of(scenario, laid, set(nets.corners()) if nets is not None else set()))

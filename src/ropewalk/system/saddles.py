@@ -38,6 +38,8 @@ from ropewalk.networks.lengths import laid_at_rest
 _GROOVE = 0.05
 _NEAR = 1.5  # radii, within which nodes may come to touch a saddle
 _CORNERS = 181  # of the shortest way over a saddle
+# Part of a tension to which lines as polygons have it.
+ABOUT = 1e-3
 _STRETCHED = 1e-6  # strain at which the stiffness of links is looked up: some laws have none where they are slack
 
 
@@ -124,14 +126,21 @@ class Saddles(NamedTuple):
         return out
 
 
-def laid_over_saddles(scenario: Scenario, until: float) -> tuple[Laid, Array]:
+def laid_over_saddles(
+    scenario: Scenario, until: float, lengths: Mapping[str, float] | None = None
+) -> tuple[Laid, Array]:
     """A network laid out without its saddles, and about where its nodes rest on them, (node, 3) m.
 
     Taut lines are stretched evenly along the shortest way over the saddles; others run over small sheaves at the
     crowns, at which they slip until tensions are equal, or along the shortest way where that fails.
+
+    Args:
+        scenario: what is there.
+        until: how long histories are needed, s.
+        lengths: of all lines without strain, m; None: those that they have, or about give them their tension.
     """
     if not scenario.parts.has_saddles:
-        return laid_at_rest(scenario, until)
+        return laid_at_rest(scenario, until, lengths, near=ABOUT)
     lines = scenario.lines
     plain = scenario.model_copy(
         update={"lines": {name: line.model_copy(update={"saddles": {}}) for name, line in lines.items()}}
@@ -145,7 +154,7 @@ def laid_over_saddles(scenario: Scenario, until: float) -> tuple[Laid, Array]:
         wheels = {own: Sheave(at=saddle.at) for own, saddle in line.saddles.items()}
         slipping[name] = slipping[name].model_copy(update={"sheaves": {**line.sheaves, **wheels}})
     try:
-        over, rest = laid_at_rest(plain.model_copy(update={"lines": slipping}), until)
+        over, rest = laid_at_rest(plain.model_copy(update={"lines": slipping}), until, lengths, near=ABOUT)
     except EquilibriumError:
         if not known:
             raise

@@ -219,10 +219,7 @@ class SystemPotential:
 
     def place_of(self, e: int) -> Array:
         """Where a restraint stands, or its springs are without force, m."""
-        restrained, t = self.structure.restraints, float(self.loaded.state.t[0])
-        part = slice(int(restrained.table[e]), int(restrained.table[e] + restrained.entries[e]))
-        moved = [np.interp(t, restrained.time[part], row[part]) for row in restrained.moved]
-        return np.asarray(restrained.place[e] + moved)
+        return self.structure.restraints.place_at(e, float(self.loaded.state.t[0]))
 
     def _arguments(self) -> tuple[object, ...]:
         own, loaded = self.structure.for_kernels, self.loaded

@@ -119,17 +119,11 @@ class SystemStatics:
     def _rest(self, t: float, near: _RestShape | None) -> _RestShape:
         """Rest with all loads where they are at a time in s, next to another one."""
         loaded, structure, potential = self._loaded, self._structure, self.potential
-        r = self._loaded.rest.copy()
+        r = self._loaded.rest
         if near is not None:
             loaded.contacts[:] = near.contacts
-            r = potential.put(near.places)[0].copy()
-        restrained = structure.restraints
-        loaded.state.t[0] = t
-        for e in np.flatnonzero(restrained.entries > 1):  # what moves as prescribed is where it is then
-            nodes = restrained.members(int(e))
-            tied = np.eye(r.shape[0]) - restrained.free[e]
-            r[:, nodes] += tied @ (potential.place_of(int(e))[:, None] - r[:, nodes])
-        loaded.stand(t, r)
+            r = potential.put(near.places)[0]
+        loaded.stand(t, structure.restraints.put(r, t))  # what moves as prescribed is where it is then
         potential.arrange()
 
         def settle(shape: Array) -> Array:

@@ -88,6 +88,19 @@ class Restraints(NamedTuple):
         """Nodes of a holding."""
         return self.node[self.first[e] : self.first[e] + self.nodes[e]]
 
+    def place_at(self, e: int, t: float) -> Array:
+        """Where it stands at time t in s, or its springs are without force, m."""
+        part = slice(int(self.table[e]), int(self.table[e] + self.entries[e]))
+        return np.asarray(self.place[e] + [np.interp(t, self.time[part], row[part]) for row in self.moved])
+
+    def put(self, r: Array, t: float = 0.0) -> Array:
+        """Places of nodes (axis, node) in m with those where they are held at time t in s that may not be elsewhere."""
+        out = r.copy()
+        for e in range(self.mass.size):
+            nodes, tied = self.members(e), np.eye(r.shape[0]) - self.free[e]
+            out[:, nodes] += tied @ (self.place_at(e, t)[:, None] - out[:, nodes])
+        return out
+
 
 class WindField(NamedTuple):
     """Air that moves."""
