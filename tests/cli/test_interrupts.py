@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+import ropewalk
 from ropewalk.results import open_result
 
 ROPE = """
@@ -24,9 +25,9 @@ JOINED = """
 joints: {knot: {}}
 lines:
   left: {start: [0, 0], end: [50, 0], end_support: {kind: joined, to: knot}, tension: 20 kN, mass: 1,
-    axial_stiffness: 2 MN, elements: 2000}
+    axial_stiffness: 2 MN, elements: 200}
   right: {start: [50, 0], end: [100, 0], start_support: {kind: joined, to: knot}, tension: 20 kN, mass: 1,
-    axial_stiffness: 2 MN, elements: 2000}
+    axial_stiffness: 2 MN, elements: 200}
 loads:
   one: {kind: mass, mass: 50, on: left, travel: {speed: 1e-7, from: 20 m}}
 run: {kind: dynamic, until: 0.1 s}
@@ -34,15 +35,15 @@ run: {kind: dynamic, until: 0.1 s}
 EXAMPLES = Path(__file__).parents[2] / "examples"
 FORCE, MASS = "force, force: [0, -500]", "mass, mass: 50"
 RUNS = {
-    "chain, force": ROPE % ("00", FORCE, ""),
-    "chain, mass": ROPE % ("00", MASS, ""),
-    "chain, implicit": ROPE % ("00, axial_damping: 50 kN*s", FORCE, ", method: implicit, step: 10 us"),
+    "chain, force": ROPE % ("0", FORCE, ""),
+    "chain, mass": ROPE % ("0", MASS, ""),
+    "chain, implicit": ROPE % ("0, axial_damping: 50 kN*s", FORCE, ", method: implicit, step: 10 us"),
     "joined": JOINED,
-    "beam": ROPE % ("00, bending_stiffness: 1 kN*m^2", MASS, ""),
-    "beam, small motion": ROPE % ("00, bending_stiffness: 1 kN*m^2", MASS, ", geometry: linearised"),
+    "beam": ROPE % ("0, bending_stiffness: 1 kN*m^2", MASS, ""),
+    "beam, small motion": ROPE % ("0, bending_stiffness: 1 kN*m^2", MASS, ", geometry: linearised"),
     "sheaves": (EXAMPLES / "sheaves.yaml").read_text(encoding="utf-8"),
 }
-BRIEFLY = ("--set", "run.until=0.2 ms", "--set", "run.every=0.2 ms")
+BRIEFLY = ("run.until=0.2 ms", "run.every=0.2 ms")
 FOR_HOURS = ("--set", "run.until=2000 s", "--set", "run.every=2000 s")
 
 
@@ -71,9 +72,7 @@ def test_an_interrupt_is_heard_in_the_kernels_of_every_engine(name, number, tmp_
     if number == signal.SIGTERM and name != "joined":
         pytest.skip("they are heard in one way")
     (tmp_path / "one.yaml").write_text(RUNS[name], encoding="utf-8")
-    with start("run", "one.yaml", "-o", "short.nc", *BRIEFLY, folder=tmp_path) as run:  # compiles
-        _, stderr = run.communicate()
-    assert run.returncode in (0, 4), stderr  # so few steps may be doubtful
+    ropewalk.simulate(ropewalk.load(tmp_path / "one.yaml", BRIEFLY))  # compiles
     with start("run", "one.yaml", *FOR_HOURS, folder=tmp_path) as run:
         wait_for(tmp_path / (".one.nc.lock" if name in LOOK_AHEAD else "one.nc"), run)
         run.send_signal(number)

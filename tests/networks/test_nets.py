@@ -185,8 +185,8 @@ def test_a_mass_bounces_as_the_lattice_with_a_mass_on_it() -> None:
 def test_a_contact_crosses_edges_of_cells_smoothly() -> None:
     """Second differences of its deflection are a quarter on half the way: neither jumps nor kinks at edges."""
     sheet, bends = net([8, 6]), []
-    for positions in (81, 161):
-        crossing = load([[0.3, 0.2], [3.7, 2.7]], speed=1.0, force=[0.0, 0.0, -1e-3])
+    for positions in (41, 81):  # to the middle: the other half is alike
+        crossing = load([[0.3, 0.2], [2.0, 1.45]], speed=1.0, force=[0.0, 0.0, -1e-3])
         found = rested(sheet, {"p": crossing}, kind="quasistatic", positions=positions)
         bends.append(float(np.abs(np.diff(found.contact_position.values[:, 0, 2], 2)).max()))
     assert order(bends)[0] == pytest.approx(2.0, abs=0.25)
