@@ -66,6 +66,19 @@ def test_axial_damping_that_makes_a_long_run_longer_is_told() -> None:
     assert told.startswith("lines.track.axial_damping makes the step 22 times shorter")
 
 
+def test_what_damping_costs_is_told_of_lines_that_hang_slack_as_if_they_were_taut() -> None:
+    """Loops of a backup have no stiffness where they hang: nothing is shorter than that without bound."""
+    said = foreseen(scenario("highline-backup-cut", "run.until=60 s", "run.every=1 s"))[1]
+    assert not [text for text in said if "inf" in text], said
+
+
+def test_links_that_are_too_long_for_the_wheels_of_a_carriage_over_a_saddle_are_told() -> None:
+    (told,) = [text for text in foreseen(scenario("ropeway-tower-brake"))[1] if "rocker" in text]
+    assert told.startswith("links of track are 2.5 times as long as the smallest rocker of car")
+    assert "elements: 754 or more" in told
+    assert not [text for text in foreseen(scenario("ropeway-tramway"))[1] if "rocker" in text]
+
+
 @pytest.mark.parametrize(
     ("seconds", "text"),
     [(0.2, "less than a second"), (1.2, "about a second"), (44.6, "about 45 s"), (130.0, "about 2 min"),

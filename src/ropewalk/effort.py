@@ -103,7 +103,10 @@ def foreseen(scenario: Scenario) -> tuple[str, list[str]]:
     if is_asked_for(scenario.parts):
         return "a motion on several meshes", []
     if how_long := must_compile(scenario):
-        return f"a motion; its steps are told once kernels are compiled (first run only, {how_long})", []
+        return (
+            f"a motion; its steps are told once kernels are compiled (once for each kind of structure, {how_long})",
+            [],
+        )
     run_info = RunInfo()
     effort = effort_of(scenario, run_of(scenario, run_info), run_info)
     return "a motion" if effort is None else f"a motion: {effort}", run_info.warnings

@@ -350,7 +350,8 @@ async function compute(what: string, given: object, withBeside = beside): Promis
 
 function heard(message: { head: Record<string, unknown>; arrays: Parameters<Film["add"]>[0] }, other?: Film): void {
   const { head, arrays } = message;
-  if (head.event === "compiling") tell(`compiling, once for each kind of structure: ${head.how_long} on a quiet machine`);
+  if (head.event === "compiling")
+    tell(`compiling, once for each kind of structure: ${head.how_long} on a quiet machine`);
   else if (head.event === "layout") {
     film = new Film(head);
     player.bar.hidden = false;

@@ -27,7 +27,11 @@ def test_compiling_is_told_and_timed_and_garbage_is_looked_for_as_before(monkeyp
     message, garbage, kernels, seconds = [], gc.get_threshold(), compiling.kernels, compiling.seconds
     monkeypatch.setattr(compiling, "progress", lambda part, what: message.append((part, what, gc.get_threshold()[0])))
     assert outer(1.0) == 4.0
-    assert [(part, what) for part, what, _ in message] == [(0.5, "made.second"), (1.0, "made.first"), (1.0, "")]
+    assert [(part, what) for part, what, _ in message] == [
+        (0.0, "made.second"),
+        (0.0, "made.first"),
+        (1.0, ""),
+    ]  # of what has ended
     assert message[1][2] >= 100_000
     assert gc.get_threshold() == garbage
     assert compiling.kernels == kernels + 2

@@ -140,8 +140,8 @@ class _Implementation(CompileResultCacheImpl):
     def reduce(self, cres: Any) -> Any:
         return reduced(cres, folder() / PARTS)
 
-    def rebuild(self, target_context: Any, payload: Any, *, foreign: bool = False) -> Any:
-        return rebuilt(target_context, folder() / PARTS, payload, foreign=foreign)
+    def rebuild(self, target_context: Any, payload: Any, *, other_machine: bool = False) -> Any:
+        return rebuilt(target_context, folder() / PARTS, payload, other_machine=other_machine)
 
 
 class _Files(IndexDataCacheFile):
@@ -206,7 +206,7 @@ class KernelCache(FunctionCache):
         for other in () if found is not None else self._cache_file._load_index():
             if (other[0], other[1][0], other[2]) == (kinds, system, code) and (kept := self._cache_file.load(other)):
                 with events.trigger_event("numba:compile", data={"dispatcher": self._dispatcher}):
-                    found = self._impl.rebuild(target_context, kept, foreign=True)
+                    found = self._impl.rebuild(target_context, kept, other_machine=True)
                 if found is not None:
                     self.save_overload(sig, found)
                     break

@@ -173,21 +173,21 @@ def reduced(result: Any, folder: Path) -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-def rebuilt(context: Any, folder: Path, kept: tuple[Any, ...], *, foreign: bool = False) -> Any:
+def rebuilt(context: Any, folder: Path, kept: tuple[Any, ...], *, other_machine: bool = False) -> Any:
     """A compiled function from the cache; None if something that belongs to it is not there.
 
-    Parts are the same on all processors of a kind: of what is foreign, made on another one, only machine code is made
+    Parts are the same on all processors of a kind: of what another one has made, only machine code is made
     anew.
     """
     (name, made, names), *rest = kept
     *reached, own = (stored(folder / each) for each in names)
-    if (made is None or foreign) and not all(each.is_whole for each in (*reached, own)):
+    if (made is None or other_machine) and not all(each.is_whole for each in (*reached, own)):
         return None
     part = KernelPart(context.codegen(), name)
     part.code = own
     part._linking_libraries = reached
     part._finalized = True
-    if made is not None and foreign:
+    if made is not None and other_machine:
         module = own._get_module_for_linking()
         for function in module.functions:
             if function.name in (rest[0].llvm_func_name, rest[0].llvm_cpython_wrapper_name):

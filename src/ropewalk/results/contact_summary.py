@@ -108,7 +108,7 @@ def _pantograph(
         **values,
         "acceptance": _acceptance(acceptance_of(scenario, name, found)),
         "limits": _limits(judgement),
-        "overlaps": passed or [],
+        "overlaps": [{"unit": "m", **one} for one in passed or []],
     }
 
 

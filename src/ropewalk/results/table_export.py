@@ -33,6 +33,7 @@ _OF_POINTS = (
 )  # fmt: skip
 _HEAD = re.compile(r"(.+) \[(.+)\]")
 _DISPLACEMENT = re.compile(r"sag|sideways|uplift|sway|height_range")  # lengths that are no places
+_UNITS = {"relative": "1", "order": "1", "together": "s"}  # of numbers in what has another unit
 _WHERE = {"line": "line", "xi": "xi [m]", "x": "x [m]", "y": "y [m]", "time": "time [s]", "load_path": "load_path [m]"}
 
 
@@ -303,7 +304,7 @@ def _rows(name: str, found: Any, unit: str) -> Iterator[dict[str, Any]]:
                 place = {_WHERE[at]: found[at] for at in where}
                 yield from (row | place for row in _rows(name, value, unit))
             else:
-                yield from _rows(f"{name}.{key}".lstrip("."), value, "1" if key == "relative" else unit)
+                yield from _rows(f"{name}.{key}".lstrip("."), value, _UNITS.get(key, unit))
     elif isinstance(found, list | tuple):
         for k, value in enumerate(found):
             yield from _rows(f"{name}.{k + 1}", value, unit)

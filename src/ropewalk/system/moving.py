@@ -38,7 +38,7 @@ from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
 from ropewalk.system.cuts import Cuts, runs_ahead_of_cuts
-from ropewalk.system.doubts import doubt_saddles, doubt_struts, doubt_wheels, judge_hauling_ropes
+from ropewalk.system.doubts import coarse_for_wheels, doubt_saddles, doubt_struts, doubt_wheels, judge_hauling_ropes
 from ropewalk.system.feet import steps_by_table
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.hold_forces import on_friction
@@ -164,7 +164,7 @@ class SystemMotion:
         tension = tensions(self.structure, self.state.r)
         doubt_slack(scenario, run_info, self.layout.link_line, tension[self._builder.link])
         cut = cut_by_damping(self.assembled, self.rest, self.times[-1] / self._step)
-        run_info.warnings += [*shaken(scenario), *self._carriages.slack(), *cut]
+        run_info.warnings += [*shaken(scenario), *coarse_for_wheels(scenario), *self._carriages.slack(), *cut]
 
     @property
     def layout(self) -> Layout:

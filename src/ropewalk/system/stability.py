@@ -61,7 +61,8 @@ def shortened(structure: Structure, r: Array) -> tuple[float, int]:
     for s in np.flatnonzero((runs.damping > 0.0) & (runs.law[:, 0] != law.RIGID)).tolist():
         stretched, tensions = _strained(structure, r, s)
         per_mass = 4.0 / (_of_run(structure, s)[0] * float(runs.h[s]) ** 2)
-        square = per_mass * max(float(stretched.max()), float(tensions.max()) * _ARCS)
+        taut = stiffness_at_rest(runs.law[s], runs.hysteresis[s])  # which a line is that hangs slack now
+        square = per_mass * max(float(stretched.max()), taut, float(tensions.max()) * _ARCS)
         found.append((_stable(square, 0.0) / _stable(square, per_mass * float(runs.damping[s])), s))
     return max(found)
 
