@@ -56,6 +56,23 @@ def test_the_last_place_of_what_steps_is_where_it_stands_and_of_what_rolls_with_
     assert summary(prescribed)["contacts"]["load"]["last_place"] is None
 
 
+def test_how_far_a_load_and_its_payload_fall_stands_in_the_summary() -> None:
+    """The trolley goes down with the string, the payload by 0.2 m more, by which its leash is slack at first."""
+    payload = {"mass": 2.0, "length": 0.5, "stiffness": 1e4, "at": [0.0, -0.3]}
+    load = {"kind": "trolley", "mass": 0.1, "payload": payload, "travel": {"from": 5.0, "speed": 0.0}}
+    result = ran(load, until=0.3)
+    found = summary(result)
+    here, below = found["contacts"]["load"]["lowest_place"], found["payloads"]["load"]["lowest_place"]
+    z = result["body_position"].values[:, result["body"].values.tolist().index("load.payload"), -1]
+    assert here["value"] == result["contact_position"].values[:, 0, -1].min()
+    assert below["value"] == z.min()
+    assert below["below"]["value"] == z[0] - z.min() > 0.2
+    assert below["time"] == result["time"].values[z.argmin()]
+    rows = [row for row in text(found).splitlines() if row.startswith("lowest place")]
+    assert len(rows) == 2
+    assert "m below where it began" in rows[0]
+
+
 def test_a_foot_needs_friction_only_while_it_presses() -> None:
     force = np.array([[0.0, -100.0], [0.0, -11.0], [0.0, -9.0], [np.nan, np.nan]])
     found = friction_of_steps(np.array([0.1, 0.2, 5.0, 3.0]), force)

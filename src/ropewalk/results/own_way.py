@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,9 @@ from ropewalk.results.frame import OFF_LINE, Array
 if TYPE_CHECKING:
     import xarray as xr
 
+Row = tuple[str, str, str]
+FELT = 1e-3
+"""m, by which something must go down to be worth a row."""
 STEPPING = ("stepper", "walker", "footsteps")
 """Kinds of loads whose contacts are feet, or what else a model sets down."""
 PRESSED = 0.1
@@ -56,11 +59,50 @@ def last_place(dataset: xr.Dataset, k: int) -> dict[str, Any] | None:
     }  # fmt: skip
 
 
-def whereabouts(place: dict[str, Any], say: Column) -> Iterator[str]:
-    """The rest of a last place in words: where on the line, and how fast."""
-    yield f"xi = {number(place['xi'])} m"
-    if place["speed"]["value"] is not None:
-        yield f"at {say(place['speed']['value'], 'm/s')} along the line"
+def lowest(dataset: xr.Dataset, z: Array, on: Array) -> dict[str, Any] | None:
+    """The lowest of the places of a load or its payload at output instants, and how far below the first one it is.
+
+    None where no time is known, and of what goes down by nothing.
+
+    Args:
+        z: (frame,) m, how high it is.
+        on: whether it is on its line then.
+    """
+    there = np.flatnonzero(on & np.isfinite(z))
+    if path_name(dataset) != "time" or not there.size:
+        return None
+    at = there[z[there].argmin()]
+    down = float(z[there[0]] - z[at])
+    if not down > 0.0:
+        return None
+    return {"value": float(z[at]), "unit": "m", "time": float(dataset["time"].values[at]),
+            "below": {"value": down, "unit": "m"}}  # fmt: skip
+
+
+def lowest_place(dataset: xr.Dataset, k: int) -> dict[str, Any] | None:
+    """The same of contact k; None of pantographs, which press from below."""
+    if _declared(dataset, k)[0] == "pantograph":
+        return None
+    on = dataset["contact_state"][:, k].values != OFF_LINE
+    return lowest(dataset, dataset["contact_position"].values[:, k, -1], on)
+
+
+def place_rows(found: dict[str, Any], say: Column, when: Callable[[dict[str, Any]], Iterable[str]]) -> Iterator[Row]:
+    """Rows of a table: where a load came to, and how far down it or its payload went.
+
+    Args:
+        found: its summary.
+        say: numbers in words.
+        when: instants in words.
+    """
+    if (place := found.get("last_place")) is not None:
+        speed = place["speed"]["value"]
+        fast = () if speed is None else (f"at {say(speed, 'm/s')} along the line",)
+        where = "  ".join((*when(place), f"xi = {number(place['xi'])} m", *fast))
+        yield "last place", f"x = {number(place['value'])} m", where
+    if (place := found["lowest_place"]) is not None and place["below"]["value"] > FELT:
+        down = f"{number(place['below']['value'])} m below where it began"
+        yield "lowest place", f"z = {number(place['value'])} m", "  ".join((*when(place), down))
 
 
 def _declared(dataset: xr.Dataset, k: int) -> tuple[str, str]:

@@ -12,6 +12,7 @@ from ropewalk.model.trolley import Trolley
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
+from ropewalk.results.own_way import lowest
 from ropewalk.results.ties import ties
 
 if TYPE_CHECKING:
@@ -30,7 +31,8 @@ def payload_summary(dataset: xr.Dataset) -> dict[str, Summary]:
 
     `sway` is the largest level distance from its trolley in m, `swing` the largest angle from the vertical of its rope
     in rad while it pulls, `speed` the largest speed in m/s, `pull` the largest pull of its rope in N, `slack` the share
-    of the instants at which the rope does not pull; the last two are None where the scenario is not known.
+    of the instants at which the rope does not pull; these two are None where the scenario is not known. `lowest_place`
+    is its least height in m, and how far `below` the first one that is.
 
     The pull is k (l - L) + c dl/dt of the rope as declared, with the length l between trolley and payload; its rate is
     that of a parabola through three instants.
@@ -57,6 +59,9 @@ def payload_summary(dataset: xr.Dataset) -> dict[str, Summary]:
             "speed": _largest(np.linalg.norm(dataset["body_velocity"].values[:, i], axis=1), "m/s", path, name),
             "pull": None if pull is None else _largest(pull, "N", path, name),
             "slack": {"value": slack, "unit": "1"},
+            "lowest_place": lowest(
+                dataset, dataset["body_position"].values[:, i, -1], np.ones(path.size, dtype=np.bool_)
+            ),
         }
     return found
 

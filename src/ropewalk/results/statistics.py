@@ -17,7 +17,7 @@ from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
 from ropewalk.results.line_response import response_summary
 from ropewalk.results.net_statistics import net_summary
 from ropewalk.results.nets import net_names
-from ropewalk.results.own_way import friction_of_steps, last_place, steps
+from ropewalk.results.own_way import friction_of_steps, last_place, lowest_place, steps
 from ropewalk.results.payload_statistics import payload_summary
 from ropewalk.results.peaks import impulses
 from ropewalk.results.people import crowd_summary
@@ -326,6 +326,7 @@ def _contact(dataset: xr.Dataset, k: int) -> Summary:
         "friction_work": _work(path, np.asarray(dataset["friction_power"][:, k].values)),
         "last_speed": _last_speed(dataset, k),
         "last_place": last_place(dataset, k),
+        "lowest_place": lowest_place(dataset, k),
     }
 
 

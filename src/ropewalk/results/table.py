@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ropewalk.results.display_units import Column, DisplayUnits, number, quantities
-from ropewalk.results.own_way import whereabouts
+from ropewalk.results.own_way import place_rows
 from ropewalk.results.statistics import Summary
 
 Row = tuple[str, str, str]
@@ -351,8 +351,7 @@ def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> I
     if contact["last_speed"] is not None:
         speed = contact["last_speed"]
         yield "last speed", say(speed["value"], "m/s"), "  ".join((*_when(speed), "before it leaves or stops"))
-    if (place := contact["last_place"]) is not None:
-        yield "last place", f"x = {number(place['value'])} m", "  ".join((*_when(place), *whereabouts(place, say)))
+    yield from place_rows(contact, say, _when)
     if share < 1.0:
         yield "on the line", f"{100 * share:.0f} %", "of the output instants"
 
@@ -416,6 +415,7 @@ def _payload_rows(name: str, payload: Summary, say: Column) -> Iterator[Row]:
     if pull is not None:
         sentence = f"slack at {number(100 * slack, 2)} % of the output instants" if slack else ""
         yield "largest pull of its rope", say(pull["value"], "N"), "  ".join((*_when(pull), *filter(None, [sentence])))
+    yield from place_rows(payload, say, _when)
 
 
 def _carriage_rows(name: str, carriage: Summary, say: Column) -> Iterator[Row]:
