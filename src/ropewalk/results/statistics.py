@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.results.audit import AUDIT, turnover
+from ropewalk.results.chord import chord_height
 from ropewalk.results.contact_summary import contact_summary
 from ropewalk.results.contract import doubts_of, path_name
 from ropewalk.results.exchanges import exchange_summary
@@ -142,7 +143,7 @@ def blocks(dataset: xr.Dataset) -> Iterator[xr.Dataset]:
 
 
 def sag(dataset: xr.Dataset, line: str) -> Array:
-    """Depth of a line below the straight chord between its ends, in m.
+    """Depth of a line below the straight chord between its ends, or from each of its inner supports to the next, in m.
 
     Args:
         dataset: a result.
@@ -157,7 +158,8 @@ def sag(dataset: xr.Dataset, line: str) -> Array:
     rise, z = away[:, -1:, -1], place[..., -1]
     with np.errstate(divide="ignore", invalid="ignore"):
         slope = np.where(run > 1e-9 * np.hypot(run, rise), rise / run, np.nan)
-    depth: Array = z[:, :1] + slope * along - z
+    height = chord_height(dataset, line, place, along)
+    depth: Array = (z[:, :1] + slope * along if height is None else np.where(np.isfinite(slope), height, np.nan)) - z
     return depth
 
 

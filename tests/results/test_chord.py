@@ -1,0 +1,40 @@
+"""Sag of lines with inner supports and saddles is that of their spans: m g L^2/8T of a shallow parabola."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ropewalk.model import Scenario
+from ropewalk.results import summary
+from ropewalk.simulate import simulate
+
+MASS, TENSION, SPAN, HIGH = 2.0, 50e3, 100.0, 8.0
+LINE = {
+    "start": [0, 0], "end": [2.0 * SPAN, 0], "mass": MASS, "axial_stiffness": 1e8, "elements": 200,
+    "end_support": {"kind": "guided", "along": [1, 0], "force": TENSION},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("held", "radius"),
+    [
+        ({"supports": {"pier": {"kind": "guided", "along": [1, 0], "at": SPAN, "position": [SPAN, HIGH]}}}, 0.0),
+        ({"saddles": {"tower": {"at": [SPAN, HIGH], "radius": 20.0}}}, 20.0),
+    ],
+    ids=["pier", "saddle"],
+)
+def test_the_sag_over_a_tower_is_that_of_the_span(held: dict[str, Any], radius: float) -> None:
+    """Below the chord of the ends it would be nothing. From a saddle the line goes on a from its top, a s/2 lower."""
+    length = 2.0 * float(np.hypot(SPAN, HIGH))
+    tree = {"lines": {"track": LINE | held | {"length": length}}, "run": {"kind": "equilibrium"}}
+    found = summary(simulate(Scenario.model_validate(tree)))["largest_sag"]
+    w = MASS * 9.81 / TENSION
+    s = HIGH / SPAN + w * SPAN / 2.0
+    a = radius * s
+    exact = w * (SPAN - a) ** 2 / 8.0 - 0.5 * (HIGH - a * s / 2.0) + 0.5 * HIGH * (SPAN - a) / SPAN
+    # The line is 0.5 % longer than its spans, and as much tauter than the force at its end.
+    assert found["value"] == pytest.approx(exact, rel=0.015)
+    assert abs(abs(found["x"] - SPAN) - 0.5 * SPAN) < 6.0
