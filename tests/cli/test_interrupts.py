@@ -81,7 +81,7 @@ def test_an_interrupt_is_heard_in_the_kernels_of_every_engine(name, number, tmp_
     assert "Traceback" not in stderr
     assert "compiling" not in stderr
     if name in LOOK_AHEAD:
-        assert stderr == "interrupted\n"
+        assert stderr.splitlines()[-1] == "interrupted"  # what the run will take is told before
         return
     assert "interrupted; what was computed is kept in one.nc" in stderr
     with open_result(tmp_path / "one.nc") as result:

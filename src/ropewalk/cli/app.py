@@ -107,7 +107,7 @@ def new(
 
 @app.command()
 def check(file: ScenarioFile, settings: Settings = None) -> None:
-    """Find every mistake in a scenario, and tell how long its run will be; compute no motion."""
+    """Find every mistake in a scenario; tell what its run takes."""
     with reported():
         scenario = load_scenario(file, settings)
         if scenario.loads:
