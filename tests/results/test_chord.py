@@ -19,17 +19,17 @@ LINE = {
 
 
 @pytest.mark.parametrize(
-    ("held", "radius"),
+    ("supported", "radius"),
     [
         ({"supports": {"pier": {"kind": "guided", "along": [1, 0], "at": SPAN, "position": [SPAN, HIGH]}}}, 0.0),
         ({"saddles": {"tower": {"at": [SPAN, HIGH], "radius": 20.0}}}, 20.0),
     ],
     ids=["pier", "saddle"],
 )
-def test_the_sag_over_a_tower_is_that_of_the_span(held: dict[str, Any], radius: float) -> None:
+def test_the_sag_over_a_tower_is_that_of_the_span(supported: dict[str, Any], radius: float) -> None:
     """Below the chord of the ends it would be nothing. From a saddle the line goes on a from its top, a s/2 lower."""
     length = 2.0 * float(np.hypot(SPAN, HIGH))
-    tree = {"lines": {"track": LINE | held | {"length": length}}, "run": {"kind": "equilibrium"}}
+    tree = {"lines": {"track": LINE | supported | {"length": length}}, "run": {"kind": "equilibrium"}}
     found = summary(simulate(Scenario.model_validate(tree)))["largest_sag"]
     w = MASS * 9.81 / TENSION
     s = HIGH / SPAN + w * SPAN / 2.0

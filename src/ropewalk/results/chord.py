@@ -13,7 +13,7 @@ from ropewalk.results.frame import Array
 if TYPE_CHECKING:
     import xarray as xr
 
-Held = tuple[tuple[float, ...], tuple[tuple[float, ...], ...]]
+Supported = tuple[tuple[float, ...], tuple[tuple[float, ...], ...]]
 
 
 def chord_height(dataset: xr.Dataset, line: str, place: Array, along: Array) -> Array | None:
@@ -27,7 +27,7 @@ def chord_height(dataset: xr.Dataset, line: str, place: Array, along: Array) -> 
         place: (frame, node, axis) m, of its nodes.
         along: (frame, node) m, level, from its start towards its end.
     """
-    points, tops = _held(str(dataset.attrs.get("scenario", "")), line)
+    points, tops = _supported(str(dataset.attrs.get("scenario", "")), line)
     if not points and not tops:
         return None
     xi, z = dataset["xi"].values[dataset["line"].values == line], place[..., -1]
@@ -46,7 +46,7 @@ def chord_height(dataset: xr.Dataset, line: str, place: Array, along: Array) -> 
 
 
 @lru_cache(maxsize=16)
-def _held(text: str, line: str) -> Held:
+def _supported(text: str, line: str) -> Supported:
     """Stations of inner supports of a line, m, and the tops of saddles that it lies on, m."""
     try:
         found = json.loads(text)["lines"][line]

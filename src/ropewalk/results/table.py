@@ -111,7 +111,7 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
         yield "people", str(crowd["people"]), f"at most {crowd['most_on_line']} of them on the line"
         yield "load on the line, mean", say(crowd["load"]["mean"], "N"), f"at most {say(crowd['load']['max'], 'N')}"
     for name, payload in found["payloads"].items():
-        yield from _payload_rows(name, payload, column(payload))
+        yield from _payload_rows(name, payload, column(payload | {"lowest_place": None}))
     for name, carriage in found["carriages"].items():
         yield from _carriage_rows(name, carriage, column(carriage))
     for name, saddle in found["saddles"].items():
