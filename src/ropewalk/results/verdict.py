@@ -143,12 +143,11 @@ class Watch:
     def judge(self, run_info: RunInfo) -> None:
         """Note all doubts and remarks about what was seen."""
         if self._times:
-            run_info.doubts += [doubt for doubt in self._doubts(run_info) if doubt not in run_info.doubts]
             force = np.array(self._force).reshape(len(self._instants), len(self.loads))
+            run_info.doubts += [doubt for doubt in self._doubts(run_info, force) if doubt not in run_info.doubts]
             run_info.warnings += [remark for remark in self._diagnostics(force) if remark not in run_info.warnings]
 
-    def _doubts(self, run_info: RunInfo) -> Iterator[Doubt]:
-        force = np.array(self._force).reshape(len(self._instants), len(self.loads))
+    def _doubts(self, run_info: RunInfo, force: Array) -> Iterator[Doubt]:
         yield from self._absent(force)
         yield from self._strengths.doubts()
         if self.layout.path == "time":
