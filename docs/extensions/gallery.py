@@ -109,8 +109,9 @@ def read(path: Path) -> Example:
     lines = text.splitlines()
     head = [line for line in lines[: next(i for i, line in enumerate(lines) if line.startswith("lines:") or
             re.match(r"\w+:\s*$|gravity:", line))] if line.startswith("#")]  # fmt: skip
+    prose = [f"`{line.lstrip('# ')}`" if line.startswith("#   ") else line.lstrip("# ").rstrip() for line in head]
     more = tuple(word for word in ("sweep", "design", "fit") if any(line.startswith(f"{word}:") for line in lines))
-    return Example(path.stem, title_of(text), " ".join(line.lstrip("# ").rstrip() for line in head), text, more)
+    return Example(path.stem, title_of(text), " ".join(prose), text, more)
 
 
 def markdown(comment: str) -> str:
