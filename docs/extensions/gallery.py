@@ -38,6 +38,30 @@ GROUPS = {
     "Ropes, strings and nets as such": ("moving-force", "mass-*", "whirling*", "trampoline*"),
 }
 OTHERS = "More"
+TRADES = {
+    "Ropeways and cable cranes": (
+        "ropeways", "ropeway-tower-brake",
+        "Track ropes over towers, carriages with cabins, hauling ropes, brakes, crabs with hoists.",
+    ),
+    "Highlines, slacklines and zip lines": (
+        "highlines", "highline-walker", "Walkers, falls into the leash, webbing with hysteresis, backup lines.",
+    ),
+    "Overhead lines and pantographs": (
+        "overhead-lines", "overhead-line-limits", "Wires on droppers, contact forces and their limits, overlaps.",
+    ),
+    "Bridges under trains and lorries": (
+        "bridges", "bridge-hslm", "Axle loads, vehicles on springs, resonance, rough roads, ballasted track.",
+    ),
+    "Footbridges under people": (
+        "footbridges", "suspension-footbridge", "Footsteps, walkers, crowds, lock-in; beams and suspension bridges.",
+    ),
+    "Research": (
+        "tutorials/research", "moving-force",
+        "From Python: convergence beside exact solutions, controllers, sweeps, designs.",
+    ),
+}  # fmt: skip
+"""The trades of the first page: where each leads, an example whose picture it has, and what there is."""
+DRAWING = str(Path(__file__).with_name("drawing_twice.py"))
 TOO_LONG = 600
 """Seconds after which an example stays without a picture."""
 log = logging.getLogger(__name__)
@@ -85,8 +109,9 @@ def read(path: Path) -> Example:
     lines = text.splitlines()
     head = [line for line in lines[: next(i for i, line in enumerate(lines) if line.startswith("lines:") or
             re.match(r"\w+:\s*$|gravity:", line))] if line.startswith("#")]  # fmt: skip
+    prose = [f"`{line.lstrip('# ')}`" if line.startswith("#   ") else line.lstrip("# ").rstrip() for line in head]
     more = tuple(word for word in ("sweep", "design", "fit") if any(line.startswith(f"{word}:") for line in lines))
-    return Example(path.stem, title_of(text), " ".join(line.lstrip("# ").rstrip() for line in head), text, more)
+    return Example(path.stem, title_of(text), " ".join(prose), text, more)
 
 
 def markdown(comment: str) -> str:
@@ -132,28 +157,39 @@ def index(examples: list[Example]) -> str:
 
 def card(example: Example) -> str:
     """An example as a card."""
-    picture = f":img-top: pictures/{example.name}.png\n" if example.kept(".png").is_file() else ""
+    picture = f":img-top: pictures/{example.name}.card.png\n" if example.kept(".card.png").is_file() else ""
     return f":::{{grid-item-card}} {markdown(example.title)}\n:link: {example.name}\n:link-type: doc\n{picture}:::"
 
 
+def trades() -> str:
+    """The trades as cards, with the pictures that there are."""
+    cards = []
+    for title, (where, name, text) in TRADES.items():
+        there = (PAGES / "pictures" / f"{name}.card.png").is_file()
+        picture = f":img-top: gallery/pictures/{name}.card.png\n" if there else ""
+        cards.append(f":::{{grid-item-card}} {title}\n:link: {where}\n:link-type: doc\n{picture}\n{text}\n:::")
+    return "::::{grid} 1 2 3 3\n:gutter: 2\n\n" + "\n".join(cards) + "\n::::"
+
+
 def draw(example: Example) -> None:
-    """Run an example and draw it; what it says of itself stands beside the picture."""
+    """Run an example and draw it, for its page and for its card; what it says of itself stands beside the picture."""
     with tempfile.TemporaryDirectory() as folder:
-        result, picture = Path(folder) / "result.nc", Path(folder) / "result.png"
+        result, *pictures = (Path(folder) / f"result{suffix}" for suffix in (".nc", ".png", ".card.png"))
         ropewalk_command = [sys.executable, "-m", "ropewalk"]
         run = called([*ropewalk_command, "run", f"examples/{example.name}.yaml", "-o", str(result)])
         says = run.stdout.replace(str(result), f"{example.name}.nc")
-        if run.returncode in (0, 3, 4):
-            shown = called([*ropewalk_command, "show", str(result), "-o", str(picture)])
-            says = says if picture.is_file() else shown.stderr
+        if result.is_file():
+            shown = called([sys.executable, DRAWING, str(result), *map(str, pictures)])
+            says = says if shown.returncode == 0 else shown.stderr
         else:
             says = run.stderr
         KEPT.mkdir(parents=True, exist_ok=True)
         for old in KEPT.glob(f"{example.name}-{'?' * 16}.*"):
             old.unlink()
         example.kept(".txt").write_text(says, encoding="utf-8")
-        if picture.is_file():
-            shutil.copy(picture, example.kept(".png"))
+        for picture, suffix in zip(pictures, (".png", ".card.png"), strict=True):
+            if picture.is_file():
+                shutil.copy(picture, example.kept(suffix))
 
 
 def called(command: list[str]) -> subprocess.CompletedProcess[str]:
@@ -169,7 +205,7 @@ def draw_missing(examples: list[Example]) -> None:
 
     What could not be drawn (a package that is not installed, no time) is tried again by the next build.
     """
-    missing = [example for example in examples if not example.kept(".png").is_file()]
+    missing = [example for example in examples if not example.kept(".card.png").is_file()]
     if missing:
         log.info("drawing %d of %d examples (minutes; kept in %s)", len(missing), len(examples), KEPT)
         draw(missing[0])
@@ -192,11 +228,12 @@ def build(_: Sphinx | None) -> None:
     pictures.mkdir(parents=True, exist_ok=True)
     pages = {"index": index(examples), **{example.name: page(example) for example in examples}}
     for old in [*PAGES.glob("*.md"), *pictures.glob("*.png")]:
-        if old.stem not in pages:
+        if old.name.split(".")[0] not in pages:
             old.unlink()
     for example in examples:
-        if example.kept(".png").is_file():
-            shutil.copy2(example.kept(".png"), pictures / f"{example.name}.png")
+        for suffix in (".png", ".card.png"):
+            if example.kept(suffix).is_file():
+                shutil.copy2(example.kept(suffix), pictures / f"{example.name}{suffix}")
     for name, text in pages.items():
         write(PAGES / f"{name}.md", text)
 

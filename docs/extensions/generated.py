@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import gallery
 import make_reference
 import typer.main
 from pydantic import BaseModel
@@ -88,6 +89,7 @@ def file(name: str) -> Callable[[], str]:
 MADE: dict[str, Callable[[], str]] = {
     "commands": commands,
     "names": names,
+    "trades": gallery.trades,
     **{name: file(name) for name in ("CONTRIBUTING.md", "CHANGELOG.md", "CODE_OF_CONDUCT.md", "SECURITY.md")},
 }
 

@@ -38,16 +38,19 @@ def test_quick_rows_agree_and_fail_with_a_fault_in_what_they_look_at(case) -> No
     for finding in judged(case, names):
         assert finding.verdict in (AGREES, MISSING), finding
     if case.there:
-        for fault in {row.fault or case.fault for row in case.rows}:
-            for finding in judged(case, [row.name for row in case.rows if (row.fault or case.fault) == fault], fault):
+        for fault, some in case.by_fault(names).items():
+            for finding in judged(case, some, fault):
                 assert finding.verdict == DIFFERS, finding
 
 
 def test_the_page_has_the_rows_of_the_registry_and_none_of_them_fails() -> None:
     """Written by `ropewalk validate -o docs/validation.md`."""
-    found = re.findall(r"^\| (\S+\.\S+) \|.*\| ([a-z ]+) \|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    text = PAGE.read_text(encoding="utf-8")
+    found = re.findall(r"^\| (\S+\.\S+) \|(?:[^|]*\|){4} ([a-z ]+) \|[^|]*\|$", text, re.MULTILINE)
     assert [name for name, _ in found] == ROWS
     assert {verdict for _, verdict in found} == {AGREES}
+    counts = [re.search(rf"^\| {group} \| (\d+) \| \1 \|(  \|){{3}}$", text, re.MULTILINE) for group in GROUPS]
+    assert sum(int(count[1]) for count in counts if count) == len(ROWS)
 
 
 def run(*arguments: str):
@@ -68,7 +71,11 @@ def test_rows_are_listed_and_chosen(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
-    [(("--only", "nothing*"), "no row is called so"), (("-o", "page.pdf"), "written as .md, .html, .json")],
+    [
+        (("--only", "nothing*"), "no row is called so"),
+        (("-o", "page.pdf"), "written as .md, .html, .json"),
+        (("--faults", "-o", "page.md"), "wrong on purpose"),
+    ],
 )
 def test_what_is_not_there_is_refused(arguments: tuple[str, ...], said: str) -> None:
     found = run(*arguments)
@@ -86,6 +93,16 @@ def test_the_exit_code_tells_what_failed(monkeypatch: pytest.MonkeyPatch) -> Non
         monkeypatch.setitem(CASES, case.id, other)
         codes.append(run("--only", case.id, "--workers", "0").exit_code)
     assert codes == [4, 3, 0]
+
+
+def test_with_faults_it_is_agreement_that_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = CASES["cable-catenary"]
+    harmless = replace(case, fault=("title=the same",))
+    codes = []
+    for other in (case, harmless, replace(case, fault=("lines.rope.length=1 kg",))):
+        monkeypatch.setitem(CASES, case.id, other)
+        codes.append(run("--only", case.id, "--faults", "--workers", "0").exit_code)
+    assert codes == [0, 4, 3]
 
 
 def test_rows_come_out_the_same_in_processes_of_their_own() -> None:

@@ -19,6 +19,9 @@ def validate(
     ] = None,
     listed: Annotated[bool, typer.Option("--list", help="List the rows and compute nothing.")] = False,
     quick: Annotated[bool, typer.Option("--quick", help="Only what takes a second at most.")] = False,
+    faults: Annotated[
+        bool, typer.Option("--faults", help="Each row with a fault in what it looks at: it must differ.")
+    ] = False,
     output: Annotated[
         list[Path] | None,
         typer.Option("-o", "--output", metavar="OUT", help="Page to write: .md, .html or .json; may be repeated."),
@@ -29,19 +32,19 @@ def validate(
 ) -> None:
     """Compare with books, standards and other programs. All that is known there is computed, and judged.
 
-    Exit codes: 0 all rows that were computed agree, 3 one could not be computed, 4 one differs.
+    Exit codes: 0 all rows that were computed agree, 3 one could not be computed, 4 one differs (with --faults: agrees).
     """
     with reported():
         command = import_module("ropewalk.validation.command")
-        command.check_outputs(output or [])
+        command.check_outputs(output or [], faults)
         if listed:
             command.tell_rows(only or [], quick, as_json)
             return
         with progress_of_many(quiet) as progress:
             found = import_module("ropewalk.validation.validating").validate(
-                only or [], quick=quick, workers=workers, progress=progress
+                only or [], quick=quick, faults=faults, workers=workers, progress=progress
             )
         for file in output or []:
             command.write(found, file)
         command.tell(found, as_json, quiet)
-        command.finish(found, quiet)
+        command.finish(found, quiet, faults)

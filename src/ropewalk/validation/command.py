@@ -8,19 +8,21 @@ from pathlib import Path
 
 from ropewalk.cli.console import DOUBTFUL, STOPPED_EARLY, fail, print_columns, print_json, say, write_text
 from ropewalk.results import ResultError
-from ropewalk.validation.page import as_dict, html, markdown, number, reference_of
+from ropewalk.validation.page import as_dict, html, markdown, number, reference_of, said_of
 from ropewalk.validation.row_result import AGREES, DIFFERS, FAILED, MISSING, RowResult
 from ropewalk.validation.validating import chosen
 
 SUFFIXES = (".md", ".html", ".json")
 
 
-def check_outputs(outputs: Sequence[Path]) -> None:
+def check_outputs(outputs: Sequence[Path], faults: bool = False) -> None:
     """Refuse files that cannot be written, before anything is computed.
 
     Raises:
-        ResultError: another suffix, or no such folder.
+        ResultError: another suffix, no such folder, or a page of rows with faults.
     """
+    if outputs and faults:
+        raise ResultError("--faults: no page is written of rows that are wrong on purpose; leave out -o, or use --json")
     for file in outputs:
         if file.suffix.lower() not in SUFFIXES:
             raise ResultError(f"{file}: the page is written as {', '.join(SUFFIXES)}")
@@ -55,18 +57,18 @@ def tell(found: Sequence[RowResult], as_json: bool, quiet: bool) -> None:
         )
 
 
-def finish(found: Sequence[RowResult], quiet: bool) -> None:
-    """Say what does not agree, and leave with the exit code of the worst."""
+def finish(found: Sequence[RowResult], quiet: bool, faults: bool = False) -> None:
+    """Say what does not agree (with faults: differ), and leave with the exit code of the worst."""
+    wanted = DIFFERS if faults else AGREES
     if not quiet:
         for finding in found:
-            if finding.verdict != AGREES:
-                say(f"{finding.id}: {finding.verdict}: {finding.reason}")
-    count = {verdict: sum(one.verdict == verdict for one in found) for verdict in (AGREES, DIFFERS, FAILED, MISSING)}
-    said = ", ".join(f"{many} {verdict}" for verdict, many in count.items() if many)
-    if count[FAILED] or count[DIFFERS]:
-        fail(said, DOUBTFUL if count[DIFFERS] else STOPPED_EARLY)
+            if finding.verdict != wanted:
+                say(f"{finding.id}: {finding.verdict}{': ' if finding.reason else ''}{finding.reason}")
+    bad = {finding.verdict for finding in found} - {wanted, MISSING}
+    if bad:
+        fail(said_of(found), STOPPED_EARLY if bad == {FAILED} else DOUBTFUL)
     if not quiet:
-        say(said)
+        say(said_of(found))
 
 
 def write(found: Sequence[RowResult], file: Path) -> None:

@@ -65,6 +65,14 @@ class KnownCase:
     needs: str = ""
     quick: bool = False
 
+    def by_fault(self, names: Iterable[str]) -> dict[tuple[str, ...], list[str]]:
+        """Names of rows by the fault that must make them fail."""
+        found: dict[tuple[str, ...], list[str]] = {}
+        for row in self.rows:
+            if row.name in set(names):
+                found.setdefault(row.fault or self.fault, []).append(row.name)
+        return found
+
     @property
     def there(self) -> bool:
         """Whether what it needs is installed."""

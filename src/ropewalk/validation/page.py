@@ -11,7 +11,7 @@ import ropewalk
 from ropewalk.validation.known_case import KnownCase
 from ropewalk.validation.known_number import KnownNumber
 from ropewalk.validation.registry import GROUPS
-from ropewalk.validation.row_result import AGREES, DIFFERS, FAILED, MISSING, RowResult
+from ropewalk.validation.row_result import AGREES, DIFFERS, FAILED, MISSING, VERDICTS, RowResult
 
 TITLE = "Validation: what is known from elsewhere, and what ropewalk finds"
 INTRODUCTION = (
@@ -20,14 +20,15 @@ INTRODUCTION = (
     "repository: no number of the column *ours* is written down anywhere. `--only` chooses rows by name, `--list` "
     "lists them, `--json` prints them. Exit codes: 0 all rows that were computed agree, 3 one could not be computed, "
     "4 one differs.",
-    "A row fails if the difference is above its tolerance, or if the observed order of convergence is below the one "
+    "A row differs if the difference is above its tolerance, or if the observed order of convergence is below the one "
     "that is expected. References are computed by `ropewalk.theory`, which the engines do not know, unless a published "
     "number stands there. *Citation checked* means that title, authors and place of a publication were compared with a "
     "second source, not that its numbers were; where nothing was found the citation is from memory and says so.",
-    "Every row has a fault: a change of its scenario, most by a few percent, that must make it fail. The tests try "
-    "those of the rows of `--quick`; those of the others were tried once, when they were written.",
+    "Every row has a fault: a change of its scenario, most by a few percent, that must make it differ. "
+    "`ropewalk validate --faults` computes all rows with their faults, and its exit code is 0 if all of them differ; "
+    "the tests do so with the rows of `--quick`.",
 )
-HEAD = ("row", "what", "reference", "kind", "ours", "difference", "allowed, and why", "order", "verdict")
+HEAD = ("row", "what", "reference", "ours", "difference", "verdict", "allowed, and why")
 
 
 def number(value: float) -> str:
@@ -56,11 +57,13 @@ def as_dict(found: Sequence[RowResult]) -> dict[str, Any]:
 
 def markdown(found: Sequence[RowResult]) -> str:
     """The page as Markdown."""
-    lines = [f"# {TITLE}", "", *(f"{text}\n" for text in INTRODUCTION), _total(found)]
+    lines = [f"# {TITLE}", "", *(f"{text}\n" for text in INTRODUCTION), _total(found), ""]
+    lines += [_line(("what", "rows", *VERDICTS)), _line(("---",) * (2 + len(VERDICTS)))]
+    lines += [_line(cells) for cells in _overview(found)]
     for group, cases in _grouped(found):
         lines += ["", f"## {group}"]
         for case, rows in cases:
-            lines += ["", f"### {case.what}", "", f"Source: {case.source}.", ""]
+            lines += ["", f"### {case.what}", "", _source(case), ""]
             lines += [_line(HEAD), _line(("---",) * len(HEAD))]
             lines += [_line(_cells(case, row, finding)) for row, finding in rows]
     return "\n".join([*lines, ""])
@@ -69,11 +72,12 @@ def markdown(found: Sequence[RowResult]) -> str:
 def html(found: Sequence[RowResult]) -> str:
     """The page as HTML that needs nothing else."""
     body = [f"<h1>{escape(TITLE)}</h1>", *(f"<p>{escape(text)}</p>" for text in INTRODUCTION)]
-    body.append(f"<p>{escape(_total(found))}</p>")
+    body += [f"<p>{escape(_total(found))}</p>", "<table>", _tagged("th", ("what", "rows", *VERDICTS), "")]
+    body += [*(_tagged("td", cells, "") for cells in _overview(found)), "</table>"]
     for group, cases in _grouped(found):
         body.append(f"<h2>{escape(group)}</h2>")
         for case, rows in cases:
-            body += [f"<h3>{escape(case.what)}</h3>", f"<p>Source: {escape(str(case.source))}.</p>", "<table>"]
+            body += [f"<h3>{escape(case.what)}</h3>", f"<p>{escape(_source(case))}</p>", "<table>"]
             body.append(_tagged("th", HEAD, ""))
             body += [_tagged("td", _cells(case, row, one), one.verdict.replace(" ", "-")) for row, one in rows]
             body.append("</table>")
@@ -86,6 +90,13 @@ def html(found: Sequence[RowResult]) -> str:
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(TITLE)}</title>'
         f"<style>{style}</style></head>\n<body>\n" + "\n".join(body) + "\n</body></html>\n"
     )
+
+
+def said_of(found: Sequence[RowResult]) -> str:
+    """How many there are of each verdict, in words."""
+    one = {AGREES: "agrees", DIFFERS: "differs", FAILED: "failed", MISSING: "not computed"}
+    many = one | {AGREES: "agree", DIFFERS: "differ"}
+    return ", ".join(f"{n} {(one if n == 1 else many)[verdict]}" for verdict, n in _counts(found).items() if n)
 
 
 def _rows() -> list[tuple[str, KnownCase, KnownNumber]]:
@@ -109,13 +120,26 @@ def _grouped(
     return groups
 
 
+def _overview(found: Sequence[RowResult]) -> list[tuple[str, ...]]:
+    """Counts of each group."""
+    inside = {group: [one for _, rows in cases for _, one in rows] for group, cases in _grouped(found)}
+    return [
+        (group, str(len(rows)), *(str(many or "") for many in _counts(rows).values()))
+        for group, rows in inside.items()
+    ]  # fmt: skip
+
+
+def _source(case: KnownCase) -> str:
+    """Where the numbers of a case are from, and what they are."""
+    return f"Source: {case.source}. Reference: {case.rows[0].kind}."
+
+
 def _counts(found: Sequence[RowResult]) -> dict[str, int]:
-    return {verdict: sum(one.verdict == verdict for one in found) for verdict in (AGREES, DIFFERS, FAILED, MISSING)}
+    return {verdict: sum(one.verdict == verdict for one in found) for verdict in VERDICTS}
 
 
 def _total(found: Sequence[RowResult]) -> str:
-    said = ", ".join(f"{many} {verdict}" for verdict, many in _counts(found).items() if many)
-    return f"ropewalk {ropewalk.__version__}, {len(found)} rows: {said}."
+    return f"ropewalk {ropewalk.__version__}, {len(found)} rows: {said_of(found)}."
 
 
 def _cells(case: KnownCase, row: KnownNumber, finding: RowResult) -> tuple[str, ...]:
@@ -124,11 +148,12 @@ def _cells(case: KnownCase, row: KnownNumber, finding: RowResult) -> tuple[str, 
     apart = "" if math.isnan(finding.ours) else f"{finding.difference:.1e}{unit}"
     if not math.isnan(finding.ours) and finding.low == finding.high != 0.0:
         apart += f" ({100.0 * finding.difference / abs(finding.low):+.3f} %)"
-    order = "" if math.isnan(finding.order) else f"{finding.order:.1f}"
+    if not math.isnan(finding.order):
+        apart += f", order {finding.order:.1f}"
     return (
         f"{case.id}.{row.name}", row.what, f"{reference_of(finding)}{unit}" if finding.low == finding.low else "",
-        row.kind, f"{number(finding.ours)}{unit}" if finding.ours == finding.ours else "", apart,
-        f"{allowed}{row.reason}", order, finding.verdict,
+        f"{number(finding.ours)}{unit}" if finding.ours == finding.ours else "", apart,
+        finding.verdict, f"{allowed}{row.reason}",
     )  # fmt: skip
 
 

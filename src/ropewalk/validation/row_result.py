@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-AGREES, DIFFERS, FAILED, MISSING = "agrees", "differs", "failed", "not computed"
+VERDICTS = AGREES, DIFFERS, FAILED, MISSING = "agrees", "differs", "failed", "not computed"
 
 
 @dataclass(frozen=True)

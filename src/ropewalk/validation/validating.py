@@ -14,8 +14,8 @@ from ropewalk.validation.known_number import KnownNumber
 from ropewalk.validation.registry import CASES
 from ropewalk.validation.row_result import FAILED, RowResult
 
-Task = tuple[str, tuple[str, ...]]
-"""A case and its rows, by their names."""
+Task = tuple[str, tuple[str, ...], bool]
+"""A case and its rows, by their names, and whether with their faults."""
 
 
 def chosen(only: Sequence[str] = (), quick: bool = False) -> list[tuple[KnownCase, KnownNumber]]:
@@ -48,6 +48,7 @@ def validate(
     only: Sequence[str] = (),
     *,
     quick: bool = False,
+    faults: bool = False,
     workers: int | None = None,
     progress: Callable[[str, float], None] | None = None,
 ) -> list[RowResult]:
@@ -56,6 +57,7 @@ def validate(
     Args:
         only: patterns of rows, CASE.ROW or CASE; empty: all.
         quick: only those that take a second at most.
+        faults: each with the fault that must make it differ.
         workers: processes; None: one for each core; 0: in this one.
         progress: called with a label and the part that is done.
 
@@ -65,11 +67,12 @@ def validate(
     Raises:
         ScenarioError: a pattern fits no row.
     """
-    rows = chosen(only, quick)
+    wanted = chosen(only, quick)
     names: dict[str, tuple[str, ...]] = {}
-    for case, row in rows:
+    for case, row in wanted:
         names[case.id] = (*names.get(case.id, ()), row.name)
-    ahead = sorted(names.items(), key=lambda task: CASES[task[0]].quick)  # long ones first: none is left to the end
+    tasks: list[Task] = [(case, rows, faults) for case, rows in names.items()]
+    ahead = sorted(tasks, key=lambda task: CASES[task[0]].quick)  # long ones first: none is left to the end
     processes = cores() if workers is None else workers
     found = dict[str, RowResult]()
     nothing = list[RowResult]()
@@ -79,8 +82,12 @@ def validate(
             found |= {finding.id: finding for finding in findings or lost}
             if progress is not None:
                 progress("validating", done / len(ahead))
-    return [found[f"{case.id}.{row.name}"] for case, row in rows]
+    return [found[f"{case.id}.{row.name}"] for case, row in wanted]
 
 
 def _task(task: Task) -> list[RowResult]:
-    return judged(CASES[task[0]], task[1])
+    id, names, faults = task
+    case = CASES[id]
+    if not faults:
+        return judged(case, names)
+    return [one for fault, rows in case.by_fault(names).items() for one in judged(case, rows, fault)]
