@@ -1,4 +1,4 @@
-"""Sag of lines: over inner supports and saddles that of their spans, m g L^2/8T of a shallow parabola; at loads, too."""
+"""Sag of lines: over inner supports and saddles that of their spans, m g L^2/8T of a shallow parabola; at loads."""
 
 from __future__ import annotations
 
